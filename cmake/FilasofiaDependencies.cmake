@@ -1,0 +1,19 @@
+# Every third-party library, found once. All are Debian packages; scripts/setup.sh installs them. This file is also
+# installed and read by FilasofiaConfig.cmake, so that a user's project finds the same ones (or its own builds of them).
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(assimp 5.2 REQUIRED CONFIG)
+find_package(spdlog REQUIRED CONFIG)
+find_package(SDL2 REQUIRED CONFIG)
+if(FILASOFIA_FILAMENT)
+  find_package(filament 1.9 REQUIRED CONFIG)
+  find_package(OpenGL REQUIRED COMPONENTS EGL)
+endif()
+# Debian's OpenSubdivConfig names a static library that the package does not ship: find the shared one ourselves.
+find_library(FILASOFIA_OSD_LIBRARY osdCPU REQUIRED)
+find_path(FILASOFIA_OSD_INCLUDE opensubdiv/far/topologyRefiner.h REQUIRED)
+if(NOT TARGET Filasofia::osd)
+  add_library(Filasofia::osd SHARED IMPORTED)
+  set_target_properties(Filasofia::osd PROPERTIES IMPORTED_LOCATION ${FILASOFIA_OSD_LIBRARY}
+    INTERFACE_INCLUDE_DIRECTORIES ${FILASOFIA_OSD_INCLUDE})
+endif()

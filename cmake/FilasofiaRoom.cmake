@@ -1,0 +1,58 @@
+# What every target of the project shares, and the two functions that make a room and a room's tests.
+
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
+endif()
+find_package(Threads REQUIRED)
+
+# Same input, same bits: no contraction of a*b+c, no -ffast-math, on any compiler.
+add_library(filasofia_flags INTERFACE)
+target_compile_features(filasofia_flags INTERFACE cxx_std_20)
+target_compile_options(filasofia_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+  -Woverloaded-virtual $<$<BOOL:${FILASOFIA_WERROR}>:-Werror>)
+if(FILASOFIA_SANITIZE)
+  target_compile_options(filasofia_flags INTERFACE -fsanitize=${FILASOFIA_SANITIZE} -fno-omit-frame-pointer
+    $<$<CXX_COMPILER_ID:Clang>:-fno-sanitize-recover=all>)
+  target_link_options(filasofia_flags INTERFACE -fsanitize=${FILASOFIA_SANITIZE})
+endif()
+
+# filasofia_room(geometry SOURCES a.cpp b.cpp DEPENDS core math VENDORS assimp::assimp)
+function(filasofia_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;DEPENDS;VENDORS" ${ARGN})
+  add_library(filasofia_${name} STATIC ${ROOM_SOURCES})
+  add_library(Filasofia::${name} ALIAS filasofia_${name})
+  target_include_directories(filasofia_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/generated)
+  target_compile_features(filasofia_${name} PUBLIC cxx_std_20)
+  list(TRANSFORM ROOM_DEPENDS PREPEND filasofia_)
+  target_link_libraries(filasofia_${name} PUBLIC ${ROOM_DEPENDS} Threads::Threads
+    PRIVATE $<BUILD_INTERFACE:filasofia_flags> ${ROOM_VENDORS})
+  set_target_properties(filasofia_${name} PROPERTIES EXPORT_NAME ${name} CXX_EXTENSIONS OFF
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON POSITION_INDEPENDENT_CODE ON)
+  set_property(GLOBAL APPEND PROPERTY FILASOFIA_ROOM_TARGETS filasofia_${name})
+endfunction()
+
+# filasofia_tests(geometry SOURCES mesh_test.cpp ... LINKS extra): one program, one ctest entry per TEST_CASE.
+# Private headers of the room under test are visible.
+function(filasofia_tests name)
+  cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
+  if(NOT TEST_TIMEOUT)
+    set(TEST_TIMEOUT 300)
+  endif()
+  add_executable(test_${name} ${TEST_SOURCES})
+  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/tests
+    ${PROJECT_BINARY_DIR}/generated)
+  if(TARGET filasofia_${name})
+    target_link_libraries(test_${name} PRIVATE filasofia_${name})
+  endif()
+  target_link_libraries(test_${name} PRIVATE ${TEST_LINKS} filasofia_flags filasofia_test_main)
+  target_compile_definitions(test_${name} PRIVATE FILASOFIA_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+    FILASOFIA_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  target_precompile_headers(test_${name} REUSE_FROM filasofia_test_main)
+  set_target_properties(test_${name} PROPERTIES CXX_EXTENSIONS OFF)
+  catch_discover_tests(test_${name} TEST_PREFIX "${name}: " PROPERTIES TIMEOUT ${TEST_TIMEOUT} LABELS ${name})
+endfunction()

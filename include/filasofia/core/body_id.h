@@ -1,0 +1,16 @@
+#pragma once
+
+#include <compare>
+#include <cstdint>
+
+namespace filasofia {
+
+/// Names a body from outside the engine. Numbers are given once and never used again; 0 names no body.
+struct BodyId {
+    std::uint32_t value = 0;
+
+    constexpr explicit operator bool() const { return value != 0; }
+    friend constexpr auto operator<=>(BodyId, BodyId) = default;
+};
+
+} // namespace filasofia

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <stdexcept>
+
+#include "filasofia/core/text.h"
+
+namespace filasofia {
+
+/// What a user's input did wrong, in one line that names object, field, bound and value (or file and line).
+class Error : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// Throws an Error made of the parts: fail("body '", name, "': density must be > 0 kg/m^3, got ", density).
+template <class... Parts> [[noreturn]] void fail(const Parts&... parts) { throw Error(text(parts...)); }
+
+} // namespace filasofia

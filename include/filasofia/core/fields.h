@@ -1,0 +1,88 @@
+#pragma once
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <tuple>
+
+/// The one list of a Def's fields. Validation, scene files, Python, the hash and the docs all read it.
+///
+///     struct Spring { double stiffness = 100; };
+///     constexpr auto fields(const Spring*)
+///     {
+///         return describe("Spring", field("stiffness", &Spring::stiffness, "N/m", positive(), "force per
+///         elongation"));
+///     }
+namespace filasofia {
+
+/// The legal values of a number. NaN lies in no range.
+struct Range {
+    double low = -std::numeric_limits<double>::infinity();
+    double high = std::numeric_limits<double>::infinity();
+    bool lowOpen = true;
+    bool highOpen = true;
+
+    [[nodiscard]] constexpr bool contains(double value) const
+    {
+        return (lowOpen ? value > low : value >= low) && (highOpen ? value < high : value <= high);
+    }
+    /// The bound as an error says it: "must be > 0 Pa", "must be in [0, 0.5)", "must be finite".
+    [[nodiscard]] std::string text(std::string_view unit) const;
+};
+
+constexpr Range finite() { return {}; }
+constexpr Range positive() { return {.low = 0.0}; }
+constexpr Range nonNegative() { return {.low = 0.0, .lowOpen = false}; }
+constexpr Range positiveOrInfinite() { return {.low = 0.0, .highOpen = false}; }
+constexpr Range closed(double low, double high) { return {low, high, false, false}; }    ///< [low, high]
+constexpr Range open(double low, double high) { return {low, high, true, true}; }        ///< (low, high)
+constexpr Range closedOpen(double low, double high) { return {low, high, false, true}; } ///< [low, high)
+constexpr Range openClosed(double low, double high) { return {low, high, true, false}; } ///< (low, high]
+
+/// One member of a Def: its name in files and errors, where it lies, its unit, its legal values, its meaning.
+template <class Owner, class Value> struct Field {
+    std::string_view name;
+    Value Owner::*member;
+    std::string_view unit;
+    Range range;
+    std::string_view meaning;
+};
+
+template <class Owner, class Value> constexpr Field<Owner, Value>
+field(std::string_view name, Value Owner::*member, std::string_view unit, Range range, std::string_view meaning)
+{
+    return {name, member, unit, range, meaning};
+}
+
+/// A field without unit or bound: text, flags, nested Defs.
+template <class Owner, class Value>
+constexpr Field<Owner, Value> field(std::string_view name, Value Owner::*member, std::string_view meaning)
+{
+    return {name, member, "", finite(), meaning};
+}
+
+/// The name of a type and the list of its fields.
+template <class... Fields> struct Description {
+    std::string_view typeName;
+    std::tuple<Fields...> list;
+};
+
+template <class... Fields> constexpr Description<Fields...> describe(std::string_view typeName, Fields... list)
+{
+    return {typeName, {list...}};
+}
+
+/// A type with a fields() list, found by argument-dependent lookup.
+template <class T>
+concept HasFields = requires(const T* type)
+{
+    fields(type);
+};
+
+/// Calls visit(field) for every field of T, in the order of the list.
+template <HasFields T, class Visitor> constexpr void forEachField(Visitor&& visit)
+{
+    std::apply([&](const auto&... each) { (visit(each), ...); }, fields(static_cast<const T*>(nullptr)).list);
+}
+
+} // namespace filasofia

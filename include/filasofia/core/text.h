@@ -1,0 +1,35 @@
+#pragma once
+
+#include <charconv>
+#include <concepts>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace filasofia {
+namespace detail {
+
+inline void append(std::string& out, std::string_view text) { out += text; }
+// Constrained: a string literal would rather become a bool than a string_view.
+template <std::same_as<bool> Flag> void append(std::string& out, Flag value) { out += value ? "true" : "false"; }
+template <std::same_as<char> Letter> void append(std::string& out, Letter letter) { out += letter; }
+template <class Number>
+requires((std::integral<Number> || std::floating_point<Number>)&&!std::same_as<Number, bool> &&
+         !std::same_as<Number, char>) void append(std::string& out, Number value)
+{
+    char buffer[40]; // the shortest text that reads back to the same number needs at most 24
+    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+    out.append(buffer, end);
+}
+
+} // namespace detail
+
+/// The parts written one after another; numbers in the shortest form that reads back to the same value.
+template <class... Parts> std::string text(const Parts&... parts)
+{
+    std::string out;
+    (detail::append(out, parts), ...);
+    return out;
+}
+
+} // namespace filasofia

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "filasofia/math/vec3.h"
+
+#include <array>
+#include <string_view>
+#include <vector>
+
+namespace filasofia::geometry {
+
+/// Three vertex indices, counter-clockwise seen from outside.
+using Triangle = std::array<int, 3>;
+
+/// A surface as triangles.
+struct TriangleMesh {
+    std::vector<Vec3> vertices;            ///< [m]
+    std::vector<Triangle> triangles;       ///< indices into vertices
+    std::vector<std::array<double, 2>> uv; ///< [-], one per vertex, or empty
+};
+
+/// Throws an Error naming `name`, the triangle or vertex, and the bound, unless there is a triangle, every number is
+/// finite, every index names a vertex and no triangle names a vertex twice.
+void check(const TriangleMesh& mesh, std::string_view name);
+
+} // namespace filasofia::geometry

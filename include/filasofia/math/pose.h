@@ -1,0 +1,34 @@
+#pragma once
+
+#include "filasofia/math/quat.h"
+
+namespace filasofia {
+
+/// Where a rigid thing is: it maps its own coordinates to the world by rotating, then moving.
+struct Pose {
+    Vec3 position;    ///< [m]
+    Quat orientation; ///< unit quaternion
+
+    friend constexpr bool operator==(const Pose&, const Pose&) = default;
+};
+
+constexpr Vec3 transform(const Pose& pose, Vec3 point) { return pose.position + rotate(pose.orientation, point); }
+/// First b, then a: transform(a * b, p) = transform(a, transform(b, p)).
+constexpr Pose operator*(const Pose& a, const Pose& b)
+{
+    return {transform(a, b.position), a.orientation * b.orientation};
+}
+constexpr Pose inverse(const Pose& pose)
+{
+    const Quat back = conjugate(pose.orientation);
+    return {-rotate(back, pose.position), back};
+}
+inline bool isFinite(const Pose& pose) { return isFinite(pose.position) && isFinite(pose.orientation); }
+
+constexpr auto fields(const Pose*)
+{
+    return describe("Pose", field("position", &Pose::position, "m", finite(), "where the origin lies"),
+                    field("orientation", &Pose::orientation, "unit quaternion"));
+}
+
+} // namespace filasofia

@@ -1,0 +1,14 @@
+#include "filasofia/core/assert.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace filasofia {
+
+void assertionFailed(const char* condition, const char* file, int line) noexcept
+{
+    std::fprintf(stderr, "%s:%d: promise broken by the caller: %s\n", file, line, condition);
+    std::abort();
+}
+
+} // namespace filasofia

@@ -1,0 +1,25 @@
+#include "filasofia/core/fields.h"
+
+#include "filasofia/core/validate.h"
+
+#include <cmath>
+
+namespace filasofia {
+
+std::string Range::text(std::string_view unit) const
+{
+    const std::string suffix = unit.empty() || unit == "-" ? "" : filasofia::text(" ", unit);
+    const bool bounded = std::isfinite(high);
+    if (!std::isfinite(low) && !bounded) return "must be finite";
+    if (!bounded) return filasofia::text("must be ", lowOpen ? "> " : ">= ", low, suffix);
+    if (!std::isfinite(low)) return filasofia::text("must be ", highOpen ? "< " : "<= ", high, suffix);
+    return filasofia::text("must be in ", lowOpen ? "(" : "[", low, ", ", high, highOpen ? ")" : "]", suffix);
+}
+
+void detail::failRange(std::string_view object, std::string_view path, const Range& range, std::string_view unit,
+                       double value)
+{
+    fail(object, ": ", path, " ", range.text(unit), ", got ", value);
+}
+
+} // namespace filasofia

@@ -1,0 +1,31 @@
+#include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
+#include "filasofia/core/units.h"
+
+using namespace filasofia;
+
+TEST_CASE("an error reads as one line, numbers in their shortest exact form")
+{
+    CHECK(text("a ", 1, ' ', 0.1, " ", 6_kPa, " ", true) == "a 1 0.1 6000 true");
+    CHECK_THROWS_WITH(fail("body 'x': density must be > 0 kg/m^3, got ", -1.5),
+                      "body 'x': density must be > 0 kg/m^3, got -1.5");
+}
+
+TEST_CASE("a unit literal is its value in SI")
+{
+    CHECK(6_kPa == 6000.0);
+    CHECK(0.5_mm == 0.0005);
+    CHECK(180_deg == std::numbers::pi);
+    CHECK(200_Hz == 200.0);
+}
+
+TEST_CASE("log lines go to the sink that was set")
+{
+    std::vector<std::string> lines;
+    setLogSink([&](LogLevel level, std::string_view line) {
+        lines.push_back((level == LogLevel::Warning ? "warning " : "other ") + std::string(line));
+    });
+    logWarning("two and two are ", 4);
+    setLogSink({});
+    CHECK(lines == std::vector<std::string>{"warning two and two are 4"});
+}

@@ -1,0 +1,7 @@
+#!/usr/bin/env bash
+# Fail when a source differs from what clang-format (version 14, .clang-format) would write. Usage: check_format.sh ROOT [--fix]
+set -euo pipefail
+cd "$1"
+command -v clang-format >/dev/null || { echo "clang-format is missing: run scripts/setup.sh"; exit 1; }
+mapfile -t files < <(find include src tests apps examples bench -name '*.h' -o -name '*.cpp' | sort)
+if [ "${2:-}" = --fix ]; then clang-format -i "${files[@]}"; else clang-format --dry-run --Werror "${files[@]}"; fi
