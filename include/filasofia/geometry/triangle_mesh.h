@@ -15,11 +15,11 @@ using Triangle = std::array<int, 3>;
 struct TriangleMesh {
     std::vector<Vec3> vertices;            ///< [m]
     std::vector<Triangle> triangles;       ///< indices into vertices
-    std::vector<std::array<double, 2>> uv; ///< [-], one per vertex, or empty
+    std::vector<std::array<double, 2>> uv; ///< [-], one per vertex, or empty; (0, 0) is the picture's lower left corner
 };
 
 /// Throws an Error naming `name`, the triangle or vertex, and the bound, unless there is a triangle, every number is
-/// finite, every index names a vertex and no triangle names a vertex twice.
+/// finite, every index names a vertex, no triangle names a vertex twice, and uv is empty or has one pair per vertex.
 void check(const TriangleMesh& mesh, std::string_view name);
 
 } // namespace filasofia::geometry

@@ -1,5 +1,6 @@
 #include "filasofia/math/svd.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace filasofia {
@@ -65,13 +66,15 @@ Svd svd(const Mat3& matrix)
     exchange(1, 2);
     exchange(0, 1);
 
-    // The columns are u times sigma. A vanishing one has no direction of its own: any that completes the rotation.
+    // The columns are u times sigma. Vanishing ones have no direction of their own: any that completes the rotation.
     const Vec3 u0 = normalized(a.c[0]);
-    const double s0 = length(a.c[0]), s1 = length(a.c[1]);
-    Vec3 u1 = s1 > 1e-15 * s0 ? normalized(a.c[1] - dot(a.c[1], u0) * u0) : anyNormal(u0);
+    const double s0 = length(a.c[0]);
+    const bool line = length(a.c[1]) <= 1e-15 * s0;
+    const Vec3 u1 = line ? anyNormal(u0) : normalized(a.c[1] - dot(a.c[1], u0) * u0);
     const Vec3 u2 = cross(u0, u1);
-    return {Mat3::columns(u0, u1, u2), scale * Vec3{s0, dot(a.c[1], u1), dot(a.c[2], u2)},
-            Mat3::columns(v.c[0], v.c[1], v.c[2])};
+    const double s1 = line ? 0.0 : std::min(dot(a.c[1], u1), s0); // equal but for rounding: keep the order
+    const double s2 = std::clamp(dot(a.c[2], u2), -s1, s1);
+    return {Mat3::columns(u0, u1, u2), scale * Vec3{s0, s1, s2}, Mat3::columns(v.c[0], v.c[1], v.c[2])};
 }
 
 } // namespace filasofia

@@ -1,0 +1,118 @@
+#include "apps/filasofia/build_info.h"
+#include "apps/filasofia/doctor_report.h"
+#include "filasofia/core/text.h"
+
+#include <sched.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+
+namespace filasofia::app {
+namespace {
+
+/// The text after "key   :" in a /proc file; empty where there is none.
+std::string procField(const char* path, std::string_view key)
+{
+    std::ifstream file(path);
+    for (std::string line; std::getline(file, line);) {
+        const std::size_t colon = line.find(':');
+        if (!line.starts_with(key) || colon == std::string::npos) continue;
+        const std::size_t start = line.find_first_not_of(" \t", colon + 1);
+        return start == std::string::npos ? std::string() : line.substr(start);
+    }
+    return {};
+}
+
+/// A line of /proc/meminfo in GiB, rounded to a tenth; 0 where it cannot be read.
+double memoryGiB(std::string_view key)
+{
+    const double kiB = std::strtod(procField("/proc/meminfo", key).c_str(), nullptr);
+    return std::round(kiB / (1024.0 * 1024.0) * 10.0) / 10.0;
+}
+
+std::string vectorInstructions()
+{
+#if defined(__x86_64__)
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("avx512f")) return "AVX-512";
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return "AVX2 + FMA";
+    if (__builtin_cpu_supports("avx")) return "AVX";
+    if (__builtin_cpu_supports("sse4.2")) return "SSE4.2";
+    return "SSE2";
+#elif defined(__aarch64__)
+    return "NEON";
+#else
+    return "unknown to this program";
+#endif
+}
+
+long long usableCores()
+{
+    cpu_set_t allowed;
+    CPU_ZERO(&allowed);
+    if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) return CPU_COUNT(&allowed);
+    return sysconf(_SC_NPROCESSORS_ONLN);
+}
+
+std::string operatingSystem()
+{
+    utsname name = {};
+    if (uname(&name) != 0) return "unknown";
+    return text(name.sysname, " ", name.release, " ", name.machine);
+}
+
+Finding library(std::string name, std::string_view version)
+{
+    if (version.empty()) return {.name = std::move(name), .value = "not built in"};
+    return {.name = std::move(name), .value = std::string(version)};
+}
+
+} // namespace
+
+Section examineProgram()
+{
+    Finding buildType = {.name = "build type", .value = kBuildType};
+    if (std::string_view(kBuildType) != "Release")
+        buildType.hint = "for full speed configure with -DCMAKE_BUILD_TYPE=Release";
+    Section section = {.title = "program",
+                       .findings = {{.name = "version", .value = kVersion},
+                                    {.name = "git revision", .value = kGitRevision},
+                                    {.name = "compiler", .value = kCompiler},
+                                    buildType}};
+    if (*kSanitizers) section.findings.push_back({.name = "sanitizers", .value = kSanitizers});
+    return section;
+}
+
+Section examineProcessor()
+{
+    std::string model = procField("/proc/cpuinfo", "model name");
+    const long long cores = usableCores();
+    const double available = memoryGiB("MemAvailable");
+    return {.title = "machine",
+            .findings = {
+                {.name = "system", .value = operatingSystem()},
+                {.name = "processor", .value = model.empty() ? "unknown" : std::move(model)},
+                {.name = "cores",
+                 .value = cores,
+                 .hint = cores < 4 ? "physics, drawing and a haptic device each want a core of their own: use 4 or more"
+                                   : ""},
+                {.name = "vector instructions", .value = vectorInstructions()},
+                {.name = "memory", .value = memoryGiB("MemTotal"), .unit = "GiB"},
+                {.name = "memory available",
+                 .value = available,
+                 .unit = "GiB",
+                 .hint = available < 1.0 ? "close other programs: less than 1 GiB is free" : ""},
+            }};
+}
+
+Section examineLibraries()
+{
+    return {.title = "libraries",
+            .findings = {library("Filament", kFilamentVersion), library("SDL", kSdlVersion),
+                         library("Eigen", kEigenVersion), library("assimp", kAssimpVersion),
+                         library("OpenSubdiv", kOpenSubdivVersion)}};
+}
+
+} // namespace filasofia::app

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace filasofia::app {
+
+/// One line of doctor's report.
+struct Finding {
+    std::string name; ///< "git revision"; in JSON git_revision
+    std::variant<std::string, bool, long long, double> value = {};
+    std::string unit = {}; ///< of a number
+    std::string hint = {}; ///< what to do about a shortcoming; empty where all is well
+};
+
+struct Section {
+    std::string title; ///< one word
+    std::vector<Finding> findings;
+};
+
+using DoctorReport = std::vector<Section>;
+
+// One function per section; none throws.
+Section examineProgram();    ///< version, revision, compiler
+Section examineProcessor();  ///< model, cores, vector instructions, memory
+Section examineGpu();        ///< what draws without a window
+Section examineDisplay();    ///< whether a window can be opened
+Section examineDevices();    ///< joysticks, 3D mouse, haptic device libraries
+Section examineScheduling(); ///< whether threads can be given real-time priority
+Section examineTimer();      ///< how late a thread wakes on a 1 ms grid; takes 0.2 s
+Section examineLibraries();  ///< third-party versions this program was compiled with
+
+void writeTable(const DoctorReport& report, std::ostream& out);
+void writeJson(const DoctorReport& report, std::ostream& out);
+
+} // namespace filasofia::app

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+namespace filasofia {
+
+/// A 64-bit hash of a sequence of numbers, the same on every machine: for regression, not against attackers.
+class Hasher {
+public:
+    void add(std::uint64_t word)
+    {
+        // splitmix64's finaliser (Steele, Lea, Flood 2014) over a running sum: every bit of the word moves every bit.
+        state_ += word + 0x9e3779b97f4a7c15u;
+        std::uint64_t z = state_;
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+        state_ = z ^ (z >> 31);
+    }
+    /// The bits of the number: 0.0 and -0.0 differ.
+    void add(double number) { add(std::bit_cast<std::uint64_t>(number)); }
+
+    [[nodiscard]] std::uint64_t value() const { return state_; }
+
+private:
+    std::uint64_t state_ = 0;
+};
+
+} // namespace filasofia

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "filasofia/math/vec3.h"
+
+#include <span>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// A node held in space by a spring.
+struct PinSpring {
+    int node = 0;
+    Vec3 anchor;            ///< [m]
+    double stiffness = 0.0; ///< [N/m]
+};
+
+/// The nodes of a body that are held in space.
+struct Pins {
+    std::vector<bool> hard;         ///< per node: it does not move
+    std::vector<PinSpring> springs; ///< in the order of nodes; a node may have several
+};
+
+/// Adds [N] the pin springs' forces at the positions x.
+void addPinForces(const Pins& pins, std::span<const Vec3> x, std::span<Vec3> forces);
+
+} // namespace filasofia::engine

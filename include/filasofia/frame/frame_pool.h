@@ -1,0 +1,69 @@
+#pragma once
+
+#include "filasofia/frame/frame.h"
+
+#include <array>
+#include <atomic>
+#include <utility>
+
+namespace filasofia::frame {
+
+class FramePool;
+
+/// A reader's hold on a published Frame; while it lives, the Frame does not change.
+class FrameRef {
+public:
+    FrameRef() = default;
+    FrameRef(FrameRef&& other) noexcept : frame_(std::exchange(other.frame_, nullptr)), readers_(other.readers_) {}
+    FrameRef& operator=(FrameRef&& other) noexcept
+    {
+        std::swap(frame_, other.frame_);
+        std::swap(readers_, other.readers_);
+        return *this;
+    }
+    ~FrameRef()
+    {
+        if (frame_) readers_->fetch_sub(1, std::memory_order_release);
+    }
+
+    explicit operator bool() const { return frame_ != nullptr; }
+    const Frame& operator*() const { return *frame_; }
+    const Frame* operator->() const { return frame_; }
+
+private:
+    friend class FramePool;
+    FrameRef(const Frame* frame, std::atomic<int>* readers) : frame_(frame), readers_(readers) {}
+
+    const Frame* frame_ = nullptr;
+    std::atomic<int>* readers_ = nullptr;
+};
+
+/// Hands the newest Frame from one writer to any number of readers. Lossy: readers see the newest, not every one.
+/// Nobody waits, and once the frames have grown to the bodies' sizes nothing is allocated.
+class FramePool {
+public:
+    /// Readers may hold this many frames at once, less two; with more held, the writer skips.
+    static constexpr int kFrames = 8;
+
+    /// Writer: true when a reader took the newest Frame (or none was published yet), so that a new one has a reader.
+    [[nodiscard]] bool wanted() const { return taken_.load(std::memory_order_relaxed); }
+    /// Writer: a Frame to fill, or nullptr when readers hold all. publish() must follow.
+    [[nodiscard]] Frame* beginWrite();
+    void publish();
+
+    /// Any thread: the newest Frame; empty before the first.
+    [[nodiscard]] FrameRef latest();
+
+private:
+    static constexpr int kWriting = -1; ///< value of Slot::readers while the writer fills the frame
+    struct Slot {
+        Frame frame;
+        std::atomic<int> readers = 0;
+    };
+    std::array<Slot, kFrames> slots_;
+    std::atomic<int> newest_ = -1;
+    std::atomic<bool> taken_ = true;
+    int writing_ = -1;
+};
+
+} // namespace filasofia::frame

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "filasofia/math/vec3.h"
+
+#include <limits>
+
+namespace filasofia::geometry {
+
+/// An axis-aligned box; a new one is empty and holds no point.
+struct Box {
+    Vec3 low{kFar, kFar, kFar};     ///< [m]
+    Vec3 high{-kFar, -kFar, -kFar}; ///< [m]
+
+    static constexpr double kFar = std::numeric_limits<double>::infinity();
+    friend constexpr bool operator==(const Box&, const Box&) = default;
+};
+
+/// True also where a number is NaN.
+constexpr bool isEmpty(const Box& a) { return !(a.low.x <= a.high.x && a.low.y <= a.high.y && a.low.z <= a.high.z); }
+
+/// The smallest box around both.
+constexpr Box merged(const Box& a, const Box& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
+constexpr Box merged(const Box& a, Vec3 p) { return {min(a.low, p), max(a.high, p)}; }
+
+/// The box with `margin` [m] added on every side.
+constexpr Box grown(const Box& a, double margin)
+{
+    const Vec3 m{margin, margin, margin};
+    return {a.low - m, a.high + m};
+}
+
+/// True also where the boxes only touch.
+constexpr bool overlap(const Box& a, const Box& b)
+{
+    return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+           a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
+/// [m^2], 0 inside; infinite for an empty box.
+constexpr double squaredDistance(const Box& a, Vec3 p)
+{
+    return lengthSquared(max(max(a.low - p, p - a.high), Vec3{}));
+}
+
+constexpr auto fields(const Box*)
+{
+    return describe("Box", field("low", &Box::low, "m", finite(), "lower corner"),
+                    field("high", &Box::high, "m", finite(), "upper corner"));
+}
+
+} // namespace filasofia::geometry

@@ -1,0 +1,185 @@
+#pragma once
+
+#include "filasofia/core/fields.h"
+#include "filasofia/geometry/box.h"
+#include "filasofia/geometry/tet_mesh.h"
+#include "filasofia/math/pose.h"
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+/// What a user asks for. Every member has a default, a unit and a legal range; the fields() lists beside them say so
+/// to programs. Building a body checks every one.
+namespace filasofia::physics {
+
+/// Linear elastic tissue in large rotation: corotational tetrahedra (Mueller and Gross 2004; polar rotation).
+struct FemMaterial {
+    double youngModulus = 10e3;  ///< [Pa], > 0
+    double poissonRatio = 0.45;  ///< [-], in [0, 0.5)
+};
+
+/// Springs with dashpots on the mesh's edges, all alike.
+struct MassSpringMaterial {
+    double stiffness = 100.0;    ///< [N/m], > 0, of each spring
+    double damping = 0.0;        ///< [N s/m], >= 0, of each dashpot, along the spring
+};
+
+using SoftMaterial = std::variant<FemMaterial, MassSpringMaterial>;
+
+struct Density {
+    double value = 1000.0;       ///< [kg/m^3], > 0
+};
+struct TotalMass {
+    double value = 1.0;          ///< [kg], > 0, spread by volume
+};
+using Mass = std::variant<Density, TotalMass>;
+
+/// Rayleigh damping: the damping matrix is mass * M + stiffness * K.
+struct Rayleigh {
+    double mass = 0.1;           ///< [1/s], >= 0
+    double stiffness = 0.01;     ///< [s], >= 0
+};
+
+/// v' = v + dt M^-1 f(x, v), x' = x + dt v: cheap, and unstable for all but small steps.
+struct ExplicitEuler {
+    bool symplectic = false;     ///< x' = x + dt v' instead: keeps energy bounded
+};
+/// Backward Euler, linearised once per step (Baraff and Witkin 1998).
+struct ImplicitEuler {};
+using Integrator = std::variant<ImplicitEuler, ExplicitEuler>;
+
+/// Iterative: conjugate gradients from the last step's answer.
+struct ConjugateGradient {
+    int maxIterations = 300;     ///< [-], in [1, 100000]
+    double tolerance = 1e-4;     ///< [-], in (0, 1), residual relative to the right-hand side
+};
+/// Direct: sparse Cholesky, factorised every step.
+struct Cholesky {};
+using Solver = std::variant<ConjugateGradient, Cholesky>;
+
+inline constexpr double kHard = std::numeric_limits<double>::infinity();
+
+/// Holds nodes of a body where they are at the start.
+struct AttachmentDef {
+    std::vector<int> nodes;      ///< indices of the mesh
+    std::optional<geometry::Box> box; ///< and every node that starts in this box (world coordinates)
+    double stiffness = kHard;    ///< [N/m], in (0, inf], of each node's spring; infinite: the node does not move
+};
+
+/// A given force on a node.
+struct NodalForce {
+    int node = 0;                ///< index of the mesh
+    Vec3 force;                  ///< [N]
+};
+
+/// A tetrahedral mesh: the name of a file, or the mesh itself.
+using TetMeshSource = std::variant<std::string, std::shared_ptr<const geometry::TetMesh>>;
+
+/// A body that deforms.
+struct SoftBodyDef {
+    std::string name = "soft body";
+    TetMeshSource mesh;
+    Pose pose;                              ///< from the mesh's coordinates to the world
+    SoftMaterial material = FemMaterial{};
+    Mass mass = Density{};
+    Rayleigh rayleigh = {};
+    bool gravity = true;                    ///< does gravity act on it
+    Integrator integrator = ImplicitEuler{};
+    Solver solver = ConjugateGradient{};
+    std::vector<AttachmentDef> attachments = {};
+    std::vector<NodalForce> forces = {};    ///< until changed by a command
+    double pressure = 0.0;                  ///< [Pa], on the whole surface, positive pushes inwards
+};
+
+/// A body of one or more elements that do not deform. Kinematic: it goes where it is told.
+struct RigidBodyDef {
+    std::string name = "rigid body";
+    std::vector<Pose> elements = {Pose{}};  ///< one pose per element, at least one
+};
+
+using BodyDef = std::variant<SoftBodyDef, RigidBodyDef>;
+
+constexpr auto fields(const FemMaterial*)
+{
+    using T = FemMaterial;
+    return describe("FemMaterial",
+                    field("youngModulus", &T::youngModulus, "Pa", positive(), "stiffness of the tissue"),
+                    field("poissonRatio", &T::poissonRatio, "-", closedOpen(0, 0.5), "0.5 would be incompressible"));
+}
+constexpr auto fields(const MassSpringMaterial*)
+{
+    using T = MassSpringMaterial;
+    return describe("MassSpringMaterial",
+                    field("stiffness", &T::stiffness, "N/m", positive(), "stiffness of each spring"),
+                    field("damping", &T::damping, "N s/m", nonNegative(), "damping of each spring"));
+}
+constexpr auto fields(const Density*)
+{
+    return describe("Density", field("value", &Density::value, "kg/m^3", positive(), "mass per volume"));
+}
+constexpr auto fields(const TotalMass*)
+{
+    return describe("TotalMass", field("value", &TotalMass::value, "kg", positive(), "mass of the whole body"));
+}
+constexpr auto fields(const Rayleigh*)
+{
+    using T = Rayleigh;
+    return describe("Rayleigh", field("mass", &T::mass, "1/s", nonNegative(), "damping per mass"),
+                    field("stiffness", &T::stiffness, "s", nonNegative(), "damping per stiffness"));
+}
+constexpr auto fields(const ExplicitEuler*)
+{
+    return describe("ExplicitEuler", field("symplectic", &ExplicitEuler::symplectic, "move with the new velocity"));
+}
+constexpr auto fields(const ImplicitEuler*) { return describe("ImplicitEuler"); }
+constexpr auto fields(const ConjugateGradient*)
+{
+    using T = ConjugateGradient;
+    return describe("ConjugateGradient",
+                    field("maxIterations", &T::maxIterations, "-", closed(1, 100000), "iterations per step at most"),
+                    field("tolerance", &T::tolerance, "-", open(0, 1), "residual relative to the right-hand side"));
+}
+constexpr auto fields(const Cholesky*) { return describe("Cholesky"); }
+constexpr auto fields(const AttachmentDef*)
+{
+    using T = AttachmentDef;
+    return describe("AttachmentDef", field("nodes", &T::nodes, "-", nonNegative(), "indices of the nodes held"),
+                    field("box", &T::box, "and the nodes that start in this box"),
+                    field("stiffness", &T::stiffness, "N/m", positiveOrInfinite(), "of each node's spring"));
+}
+constexpr auto fields(const NodalForce*)
+{
+    using T = NodalForce;
+    return describe("NodalForce", field("node", &T::node, "-", nonNegative(), "index of the node"),
+                    field("force", &T::force, "N", finite(), "force on it"));
+}
+constexpr auto fields(const SoftBodyDef*)
+{
+    using T = SoftBodyDef;
+    return describe("SoftBodyDef", field("name", &T::name, "what errors and reports call it"),
+                    field("mesh", &T::mesh, "a mesh file, or the mesh"),
+                    field("pose", &T::pose, "from the mesh's coordinates to the world"),
+                    field("material", &T::material, "how it resists deformation"),
+                    field("mass", &T::mass, "density or total mass"), field("rayleigh", &T::rayleigh, "damping"),
+                    field("gravity", &T::gravity, "does gravity act on it"),
+                    field("integrator", &T::integrator, "how a step is made"),
+                    field("solver", &T::solver, "how the step's equations are solved"),
+                    field("attachments", &T::attachments, "nodes held in space"),
+                    field("forces", &T::forces, "given forces"),
+                    field("pressure", &T::pressure, "Pa", finite(), "on the whole surface, positive inwards"));
+}
+constexpr auto fields(const RigidBodyDef*)
+{
+    using T = RigidBodyDef;
+    return describe("RigidBodyDef", field("name", &T::name, "what errors and reports call it"),
+                    field("elements", &T::elements, "one pose per element"));
+}
+
+/// The body's kind and name as errors begin: "soft body 'uterus'".
+std::string describeBody(const BodyDef& def);
+
+} // namespace filasofia::physics

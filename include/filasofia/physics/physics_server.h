@@ -1,0 +1,67 @@
+#pragma once
+
+#include "filasofia/physics/commands.h"
+#include "filasofia/physics/step.h"
+
+#include "filasofia/frame/frame_pool.h"
+
+#include <functional>
+
+namespace filasofia::physics {
+
+struct PhysicsServerDef {
+    Vec3 gravity = {0.0, -9.81, 0.0}; ///< [m/s^2]
+    int logLength = 4096;             ///< [-], in [1, 1000000], steps that the log holds unread
+};
+constexpr auto fields(const PhysicsServerDef*)
+{
+    using T = PhysicsServerDef;
+    return describe("PhysicsServerDef", field("gravity", &T::gravity, "m/s^2", finite(), "acts on every body"),
+                    field("logLength", &T::logLength, "-", closed(1, 1000000), "steps that the log holds unread"));
+}
+
+/// Owns an engine and everything that goes in and out of it. The functions that change something may be called from
+/// any thread: they check at once (Error) and take effect at the start of the next step. It has no thread or clock.
+class PhysicsServer {
+public:
+    PhysicsServer(std::unique_ptr<PhysicsEngine> engine, const PhysicsServerDef& def = {});
+    ~PhysicsServer();
+
+    BodyId add(SoftBodyDef def);
+    BodyId add(RigidBodyDef def);
+    void remove(BodyId id);
+    void setPose(BodyId rigid, const Pose& pose, int element = 0);
+    void setGravity(Vec3 gravity); ///< [m/s^2]
+    void setMaterial(BodyId soft, const SoftMaterial& material);
+    void setForces(BodyId soft, std::vector<NodalForce> forces);
+    void setPressure(BodyId soft, double pressure); ///< [Pa]
+    void pause(bool paused);
+    void reset();
+    /// Runs `change` once between two steps with the engine in hand; marks the recording as not replayable.
+    void tune(std::function<void(PhysicsEngine&)> change);
+
+    /// What a body was made from; Error where the id names none.
+    [[nodiscard]] std::shared_ptr<const BodyDef> def(BodyId id) const;
+
+    // The stepping thread only.
+    StepReport step(double dt);
+    [[nodiscard]] std::uint64_t hash() const;
+    void captureNow(); ///< publishes a Frame whether a reader asked or not
+    /// Computes the state's hash after every step, for the log.
+    void hashEveryStep(bool on);
+    [[nodiscard]] bool paused() const;
+
+    /// The newest state. Any thread.
+    [[nodiscard]] frame::FrameRef latest();
+    /// The oldest step that was not read yet, or nullptr; popRecord() gives its place back. One reader.
+    [[nodiscard]] const StepRecord* nextRecord();
+    void popRecord();
+    /// Steps are logged from now on; without a reader nobody pays for it.
+    void keepLog(bool on);
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace filasofia::physics

@@ -1,0 +1,108 @@
+#pragma once
+
+#include "filasofia/visual/material.h"
+#include "filasofia/visual/transform.h"
+
+#include <memory>
+#include <numbers>
+
+namespace filasofia::visual {
+
+/// Shines in a cone along -Z of its pose.
+struct SpotLight {
+    double intensity = 40.0;                             ///< [cd], > 0, on the axis
+    double innerAngle = 20.0 * std::numbers::pi / 180.0; ///< [rad], in (0, 1.5]: half angle of full light
+    double outerAngle = 40.0 * std::numbers::pi / 180.0; ///< [rad], in (0, 1.5]: half angle where it ends
+    double range = 1.0;                                  ///< [m], > 0: no light beyond
+};
+
+constexpr auto fields(const SpotLight*)
+{
+    using L = SpotLight;
+    return describe("SpotLight", field("intensity", &L::intensity, "cd", positive(), "on the axis"),
+                    field("innerAngle", &L::innerAngle, "rad", openClosed(0, 1.5), "half angle of full light"),
+                    field("outerAngle", &L::outerAngle, "rad", openClosed(0, 1.5), "half angle where it ends"),
+                    field("range", &L::range, "m", positive(), "no light beyond"));
+}
+
+/// Parallel light along -Z of its pose; at most one in a scene.
+struct DirectionalLight {
+    double illuminance = 10000.0; ///< [lx], > 0
+};
+
+constexpr auto fields(const DirectionalLight*)
+{
+    return describe("DirectionalLight",
+                    field("illuminance", &DirectionalLight::illuminance, "lx", positive(), "on a facing surface"));
+}
+
+/// Shines to all sides; throws no shadows.
+struct PointLight {
+    double intensity = 40.0; ///< [cd], > 0
+    double range = 1.0;      ///< [m], > 0: no light beyond
+};
+
+constexpr auto fields(const PointLight*)
+{
+    return describe("PointLight", field("intensity", &PointLight::intensity, "cd", positive(), "to every side"),
+                    field("range", &PointLight::range, "m", positive(), "no light beyond"));
+}
+
+struct LightDef {
+    std::string name = "light";
+    std::variant<SpotLight, DirectionalLight, PointLight> kind = SpotLight{};
+    Color color = {1.0, 0.96, 0.90};
+    bool castShadows = true; ///< at most two spot lights of a scene may
+};
+
+constexpr auto fields(const LightDef*)
+{
+    using D = LightDef;
+    return describe("Light", field("name", &D::name, "name in errors"), field("kind", &D::kind, "shape of the light"),
+                    field("color", &D::color, "colour of the light"),
+                    field("castShadows", &D::castShadows, "whether bodies shade each other"));
+}
+
+/// A lamp; made by VisualServer::add. Main thread only.
+class Light final : public Transform {
+public:
+    struct Impl;
+    Light(std::string name, std::unique_ptr<Impl> impl);
+    ~Light() override;
+
+    [[nodiscard]] const LightDef& def() const;
+    /// Throws an Error naming the light: a field out of range, or one shadow or directional light too many.
+    void set(const LightDef& def);
+
+    [[nodiscard]] Impl& impl() { return *impl_; }
+
+private:
+    std::unique_ptr<Impl> impl_;
+};
+
+/// What surrounds the scene and mirrors in it: dim light from all sides, softer or stronger from above, and one soft
+/// lamp. Everything is computed; there are no image files.
+struct EnvironmentDef {
+    double intensity = 120.0;              ///< [lx], >= 0: illuminance where the colours are 1
+    Color above = {0.55, 0.30, 0.26};      ///< radiance from +Y, relative to intensity
+    Color below = {0.25, 0.08, 0.06};      ///< radiance from -Y
+    Color lamp = {1.0, 0.95, 0.9};         ///< colour of the soft lamp
+    double lampStrength = 4.0;             ///< [-], >= 0: radiance in its middle
+    double lampSize = 0.5;                 ///< [rad], in [0.05, 3]: where it has fallen to 60 %
+    Vec3 lampDirection = {0.3, 0.8, 0.52}; ///< [-], from the scene towards the lamp; any length but 0
+    Color background = {0.0, 0.0, 0.0};    ///< what is seen where there is no body
+};
+
+constexpr auto fields(const EnvironmentDef*)
+{
+    using D = EnvironmentDef;
+    return describe("Environment", field("intensity", &D::intensity, "lx", nonNegative(), "illuminance of colour 1"),
+                    field("above", &D::above, "radiance from +Y"), field("below", &D::below, "radiance from -Y"),
+                    field("lamp", &D::lamp, "colour of the soft lamp"),
+                    field("lampStrength", &D::lampStrength, "-", nonNegative(), "radiance in the lamp's middle"),
+                    field("lampSize", &D::lampSize, "rad", closed(0.05, 3), "where it has fallen to 60 %"),
+                    field("lampDirection", &D::lampDirection, "from the scene towards the lamp"),
+                    field("background", &D::background, "where there is no body"));
+}
+
+} // namespace filasofia::visual

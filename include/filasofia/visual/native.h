@@ -1,0 +1,21 @@
+#pragma once
+
+#include "filasofia/visual/visual_server.h"
+
+namespace filament {
+class Engine;
+class Renderer;
+class Scene;
+class View;
+} // namespace filament
+
+/// The one door to the graphics library (Filament 1.9) behind a server, for what this room does not offer. Whoever goes
+/// through it ties himself to that library and its rules. All are null with the null backend.
+namespace filasofia::visual::native {
+
+filament::Engine* engine(VisualServer& server);
+filament::Renderer* renderer(VisualServer& server);
+filament::Scene* scene(VisualServer& server);
+filament::View* view(View& view);
+
+} // namespace filasofia::visual::native

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "filasofia/math/pose.h"
+
+#include <string>
+#include <vector>
+
+namespace filasofia::visual {
+
+/// A named place in the scene, alone or relative to a parent. Entities of a VisualServer are Transforms; main thread
+/// only.
+class Transform {
+public:
+    explicit Transform(std::string name);
+    /// Children keep their world pose and lose their parent.
+    virtual ~Transform();
+    Transform(const Transform&) = delete;
+    Transform& operator=(const Transform&) = delete;
+
+    [[nodiscard]] const std::string& name() const { return name_; }
+
+    /// Relative to the parent, or to the world where there is none.
+    [[nodiscard]] const Pose& pose() const { return pose_; }
+    /// Throws an Error naming the entity unless the pose is finite and its quaternion of unit length (to 1e-6).
+    void setPose(const Pose& pose);
+
+    [[nodiscard]] Pose worldPose() const;
+
+    [[nodiscard]] Transform* parent() const { return parent_; }
+    [[nodiscard]] const std::vector<Transform*>& children() const { return children_; }
+    /// From now on pose() is relative to `parent`: the number stays, the place in the world changes. A former parent is
+    /// left. Throws an Error when this is an ancestor of `parent`, or `parent` itself.
+    void attachTo(Transform& parent);
+    /// Leaves the parent, if any, and stays where it is in the world.
+    void detach();
+
+private:
+    void leaveParent();
+
+    std::string name_;
+    Pose pose_;
+    Transform* parent_ = nullptr;
+    std::vector<Transform*> children_;
+};
+
+/// The pose at `eye` whose -Z axis points at `target` and whose +Y axis is as near to `up` as can be: where cameras and
+/// lights look. Where `up` is parallel to the view, another is chosen. Throws an Error when eye and target coincide.
+Pose lookAt(Vec3 eye, Vec3 target, Vec3 up = {0.0, 1.0, 0.0});
+
+} // namespace filasofia::visual

@@ -1,0 +1,96 @@
+#pragma once
+
+#include "filasofia/visual/image.h"
+#include "filasofia/visual/light.h"
+#include "filasofia/visual/view.h"
+#include "filasofia/visual/visual_body.h"
+
+namespace filasofia::visual {
+
+/// Where the pictures go.
+enum class Backend {
+    Window,   ///< into an X11 window
+    Headless, ///< into memory; needs neither a screen nor an X server
+    Null,     ///< nowhere: nothing is drawn, all else works; for tests without a GPU
+};
+
+struct VisualServerDef {
+    Backend backend = Backend::Headless;
+    int width = 960;              ///< [pixel], in [1, 8192]
+    int height = 720;             ///< [pixel], in [1, 8192]
+    void* nativeWindow = nullptr; ///< the X11 Window id, for Backend::Window; not a field of files
+};
+
+constexpr auto fields(const VisualServerDef*)
+{
+    using D = VisualServerDef;
+    return describe("VisualServer", field("backend", &D::backend, "where the pictures go"),
+                    field("width", &D::width, "pixel", closed(1, 8192), "of the window"),
+                    field("height", &D::height, "pixel", closed(1, 8192), "of the window"));
+}
+
+/// How it went so far.
+struct VisualStatistics {
+    long framesDrawn = 0;
+    long framesSkipped = 0;        ///< frames that the graphics library asked to leave out
+    long vertexUpdates = 0;        ///< shapes sent to the graphics library, the first of each body included
+    double lastFrameSeconds = 0.0; ///< [s], wall time of the last frame drawn
+    int bodies = 0;
+    int lights = 0;
+    int cameras = 0;
+    int views = 0;
+};
+
+/// Whether this build can draw with the backend (Null: always).
+[[nodiscard]] bool hasBackend(Backend backend);
+
+/// Owns the scene and draws it. Everything about it belongs to the thread that made it (asserted).
+///
+/// What add() returns stays valid until it is removed or the server ends.
+class VisualServer {
+public:
+    /// Throws an Error when a field is out of range, the backend is not in this build, or it cannot start (no display,
+    /// no OpenGL 4.1).
+    explicit VisualServer(const VisualServerDef& def = {});
+    ~VisualServer();
+    VisualServer(const VisualServer&) = delete;
+    VisualServer& operator=(const VisualServer&) = delete;
+
+    /// Throw an Error naming the object, the field and the bound when something is wrong with the Def.
+    VisualBody& add(const VisualBodyDef& def);
+    Light& add(const LightDef& def);
+    Camera& add(const CameraDef& def);
+    View& add(const ViewDef& def, Camera& camera);
+    /// A place without content, to hang others on: a rig.
+    Transform& addTransform(std::string name);
+
+    /// Its children keep their world pose. Throws an Error when it is not of this server, or a camera that a view
+    /// shows.
+    void remove(Transform& entity);
+    void remove(View& view);
+
+    /// Replaces the surroundings (a default is there from the start). Throws an Error as add() does.
+    void setEnvironment(const EnvironmentDef& def);
+
+    /// Draws one frame; false when the graphics library asks to skip it.
+    bool render();
+
+    /// Pixels from now on, in [1, 8192]; otherwise throws an Error.
+    void resize(int width, int height);
+    [[nodiscard]] int width() const;
+    [[nodiscard]] int height() const;
+
+    /// Draws the scene as it is now and reads the picture back. The same scene gives the same picture, bit for bit.
+    /// With the null backend the picture is black. Throws an Error when the graphics library gives none.
+    Image capture();
+
+    [[nodiscard]] VisualStatistics statistics() const;
+
+    struct Impl;
+    [[nodiscard]] Impl& impl() { return *impl_; }
+
+private:
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace filasofia::visual

@@ -1,0 +1,110 @@
+#!/usr/bin/env bash
+# The slow checks. scripts/test.sh is what every change must pass; this is for a release and for doubt.
+set -uo pipefail
+usage='Usage: check.sh [PART...] [--base REV | --all] [--seconds N] [--steps N]
+Parts (default: all of them)
+  clang   build with clang, all tests
+  tidy    clang-tidy on the sources changed since --base (default: origin/HEAD, else the last tag, else all)
+  tsan    all tests under the thread sanitizer
+  fuzz    every fuzzer for --seconds (default 60)
+  soak    the bunny twice for --steps (default 20000): both runs must end in the same hash
+--all     clang-tidy on every source'
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+cd "$root" || exit 1
+
+all_parts=(clang tidy tsan fuzz soak)
+parts=() base='' all=no seconds=60 steps=20000
+while (($# > 0)); do
+  case $1 in
+    clang | tidy | tsan | fuzz | soak) parts+=("$1") ;;
+    --all) all=yes ;;
+    --base | --seconds | --steps)
+      (($# > 1)) || die "$1 needs a value"
+      case $1 in --base) base=$2 ;; --seconds) seconds=$2 ;; --steps) steps=$2 ;; esac
+      shift
+      ;;
+    -h | --help) echo "$usage"; exit 0 ;;
+    *) die "unknown part or option '$1' (check.sh --help lists them)" ;;
+  esac
+  shift
+done
+[[ $seconds =~ ^[1-9][0-9]*$ ]] || die "--seconds must be a number > 0, got '$seconds'"
+[[ $steps =~ ^[1-9][0-9]*$ ]] || die "--steps must be a number > 0, got '$steps'"
+((${#parts[@]} > 0)) || parts=("${all_parts[@]}")
+
+# The thread sanitizer of these compilers cannot start where the kernel randomises addresses widely.
+fixed_addresses=()
+if setarch "$(uname -m)" -R true 2>/dev/null; then fixed_addresses=(setarch "$(uname -m)" -R); fi
+
+# Sources to look at: those that are compiled, and so stand in compile_commands.json.
+sources_to_tidy() {
+  local since=$base
+  if [ $all = no ] && [ -z "$since" ]; then
+    since=$(git rev-parse --verify -q origin/HEAD || git describe --tags --abbrev=0 2>/dev/null || true)
+  fi
+  if [ $all = yes ] || [ -z "$since" ]; then
+    git ls-files -co --exclude-standard 'src/*.cpp' 'apps/*.cpp' 'tests/*.cpp' 'examples/*.cpp' 'bench/*.cpp'
+  else
+    git rev-parse --verify -q "$since^{commit}" >/dev/null || die "--base: '$since' is no revision"
+    { git diff --name-only --diff-filter=d "$since" -- '*.cpp' && git ls-files -o --exclude-standard '*.cpp'; } | sort -u
+  fi
+}
+
+check_clang() {
+  (configure clang && build clang) || return 1
+  ctest --preset clang -j "$(nproc)" </dev/null
+}
+
+check_tidy() {
+  (configure clang && build clang) || return 1 # the generated and precompiled headers must exist
+  local listed chosen
+  listed=$(sed -n 's/^ *"file": "\(.*\)",*$/\1/p' build/clang/compile_commands.json)
+  chosen=$(sources_to_tidy) || return 1
+  mapfile -t files < <(sed "s|^|$root/|" <<<"$chosen" | grep -xF -f <(printf '%s\n' "$listed") || true)
+  echo "clang-tidy on ${#files[@]} sources"
+  ((${#files[@]} == 0)) || printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$(jobs_that_fit)" clang-tidy -p build/clang --quiet
+}
+
+check_tsan() {
+  (configure tsan && cd "$root" && "${fixed_addresses[@]}" cmake --build --preset tsan -j "$(jobs_that_fit)") || return 1
+  "${fixed_addresses[@]}" ctest --preset tsan -j "$(nproc)" </dev/null
+}
+
+check_fuzz() {
+  (configure fuzz && build fuzz) || return 1
+  local fuzzer name corpus ran=0
+  for fuzzer in build/fuzz/bin/fuzz_*; do
+    [ -x "$fuzzer" ] || continue
+    name=$(basename "$fuzzer")
+    corpus=build/fuzz/corpus/$name
+    mkdir -p "$corpus" build/fuzz/found
+    seeds=()
+    [ -d "tests/fuzz/seeds/$name" ] && seeds=("tests/fuzz/seeds/$name")
+    echo "$name: $seconds s"
+    "$fuzzer" -max_total_time="$seconds" -rss_limit_mb=2048 -print_final_stats=1 -verbosity=0 \
+      -artifact_prefix="build/fuzz/found/$name-" "$corpus" "${seeds[@]}" || return 1
+    ran=$((ran + 1))
+  done
+  ((ran > 0)) || { echo "no program named fuzz_* was built"; return 1; }
+}
+
+check_soak() {
+  (configure release && build release --target filasofia) || return 1
+  local first second
+  first=$(build/release/bin/filasofia run bunny --headless --steps "$steps" | grep -i hash) || return 1
+  second=$(build/release/bin/filasofia run bunny --headless --steps "$steps" | grep -i hash) || return 1
+  printf 'first:  %s\nsecond: %s\n' "$first" "$second"
+  [ "$first" = "$second" ]
+}
+
+"$root/scripts/setup.sh" --dev || exit 1
+summary=() failures=0
+for part in "${parts[@]}"; do
+  headline "$part"
+  started=$SECONDS
+  if "check_$part"; then result=passed; else result=FAILED; failures=$((failures + 1)); fi
+  summary+=("$(printf '%-6s  %-6s  %5d s' "$part" $result $((SECONDS - started)))")
+done
+headline "summary"
+printf '%s\n' "${summary[@]}"
+exit $((failures > 0))

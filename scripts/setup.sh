@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# Install the Debian packages that Filasofia needs. Quick when nothing is missing.
+set -euo pipefail
+usage='Usage: setup.sh [--run | --dev] [--check]
+  (nothing)  what is needed to build, run and test
+  --run      only what is needed to build and run
+  --dev      also the checkers of scripts/check.sh (clang, clang-tidy, sanitizers, fuzzers)
+  --check    install nothing: say what is missing; exit 1 where something is'
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+# Catch2 and python3 are here because configuring looks for them even when no test is built.
+run_packages=(
+  g++ cmake ninja-build ccache git ca-certificates python3 catch2
+  libeigen3-dev libassimp-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libstb-dev
+  libfilament-dev libfilament-tools libosd-dev libsdl2-dev
+  libgl-dev libopengl-dev libegl-dev libegl1 libgl1 libgl1-mesa-dri
+)
+test_packages=(clang-format xvfb xauth)
+dev_packages=(clang clang-tidy libclang-rt-dev util-linux)
+
+groups=run,test check=no
+for word in "$@"; do
+  case $word in
+    --run) groups=run ;;
+    --dev) groups=run,test,dev ;;
+    --check) check=yes ;;
+    -h | --help) echo "$usage"; exit 0 ;;
+    *) die "unknown option '$word' (setup.sh --help lists them)" ;;
+  esac
+done
+packages=("${run_packages[@]}")
+[[ $groups == *test* ]] && packages+=("${test_packages[@]}")
+[[ $groups == *dev* ]] && packages+=("${dev_packages[@]}")
+
+command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
+  die "this is not Debian (no apt-get): install by hand what these Debian 12 packages hold: ${packages[*]}"
+
+installed=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' "${packages[@]}" 2>/dev/null | awk 'substr($1, 2, 1) == "i" {print $2}' || true)
+mapfile -t missing < <(printf '%s\n' "${packages[@]}" | grep -vxF -f <(printf '%s\n' "$installed") || true)
+
+if ((${#missing[@]} == 0)); then
+  echo "setup: all ${#packages[@]} packages are installed"
+  exit 0
+fi
+echo "setup: missing: ${missing[*]}"
+[ $check = no ] || exit 1
+
+as_root=()
+if [ "$(id -u)" != 0 ]; then
+  command -v sudo >/dev/null || die "installing needs root, and there is no sudo: run as root: apt-get install ${missing[*]}"
+  # Without a terminal nobody can type a password.
+  if [ -t 0 ]; then as_root=(sudo); else as_root=(sudo -n); fi
+  "${as_root[@]}" true || die "sudo was refused: run as root: apt-get install ${missing[*]}"
+fi
+apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0)
+
+"${apt[@]}" update -q || echo "setup: the package lists could not be refreshed; going on with those at hand"
+known=$(apt-cache --no-all-versions show "${missing[@]}" 2>/dev/null | awk '$1 == "Package:" {print $2}' || true)
+mapfile -t unknown < <(printf '%s\n' "${missing[@]}" | grep -vxF -f <(printf '%s\n' "$known") || true)
+if ((${#unknown[@]} > 0)); then
+  die "not in this system's package lists: ${unknown[*]} (Debian 12 has them; this is $(. /etc/os-release && echo "$PRETTY_NAME"))"
+fi
+"${apt[@]}" install -y --no-install-recommends "${missing[@]}" </dev/null || die "apt-get could not install: ${missing[*]}"
+echo "setup: installed ${#missing[@]} packages"

@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Everything that must hold before a change goes in: build and run all tests, then again under the address and undefined
+# behaviour sanitizers. Needs no GPU and no display. Quick when nothing changed.
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+[ $# = 0 ] || die "takes no options, got '$1' (scripts/check.sh has the slow checks)"
+
+run_tests() { (cd "$root" && ctest --preset "$1" -j "$(nproc)" </dev/null); }
+
+"$root/scripts/setup.sh"
+
+failed=()
+for preset in release asan; do
+  headline "$preset: build"
+  configure $preset
+  build $preset
+  headline "$preset: tests"
+  run_tests $preset || failed+=("$preset")
+done
+
+headline "result after $((SECONDS / 60)) min $((SECONDS % 60)) s"
+if ((${#failed[@]} > 0)); then die "tests failed: ${failed[*]}"; fi
+echo "all tests passed: release, asan"

@@ -1,0 +1,130 @@
+#include "filasofia/core/assert.h"
+#include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
+#include "filasofia/engine/build_body.h"
+#include "filasofia/engine/native.h"
+#include "filasofia/engine/stages.h"
+
+#include <algorithm>
+
+namespace filasofia::engine {
+namespace {
+
+/// The index of a body by its id. The server has checked that it is there.
+template <class Bodies> std::size_t indexOf(const Bodies& bodies, BodyId id)
+{
+    const auto found =
+        std::lower_bound(bodies.begin(), bodies.end(), id, [](const auto& body, BodyId wanted) { return body.id < wanted; });
+    FILASOFIA_ASSERT(found != bodies.end() && found->id == id);
+    return static_cast<std::size_t>(found - bodies.begin());
+}
+
+template <class List> bool eraseAt(List& list, std::size_t index)
+{
+    list.erase(list.begin() + static_cast<std::ptrdiff_t>(index));
+    return true;
+}
+
+/// Carries out one command; one function per kind.
+struct Apply {
+    physics::PhysicsEngine& self;
+    Model& model;
+    State& state;
+    Systems& systems;
+    physics::StepReport& report;
+
+    void operator()(physics::AddBody& add) const
+    {
+        if (auto* soft = dynamic_cast<BuiltSoftBody*>(add.body.get())) { // ids rise: the lists stay in order
+            soft->model.id = add.id;
+            model.softBodies.push_back(std::move(soft->model));
+            state.softBodies.push_back(std::move(soft->state));
+            systems.push_back(std::move(soft->system));
+        } else {
+            auto& rigid = dynamic_cast<BuiltRigidBody&>(*add.body);
+            rigid.model.id = add.id;
+            model.rigidBodies.push_back(std::move(rigid.model));
+            state.rigidBodies.push_back(std::move(rigid.state));
+        }
+    }
+    void operator()(const physics::RemoveBody& remove) const
+    {
+        const auto is = [&](const auto& body) { return body.id == remove.id; };
+        if (std::any_of(model.softBodies.begin(), model.softBodies.end(), is)) {
+            const std::size_t index = indexOf(model.softBodies, remove.id);
+            eraseAt(model.softBodies, index);
+            eraseAt(state.softBodies, index);
+            eraseAt(systems, index);
+        } else {
+            const std::size_t index = indexOf(model.rigidBodies, remove.id);
+            eraseAt(model.rigidBodies, index);
+            eraseAt(state.rigidBodies, index);
+        }
+    }
+    void operator()(const physics::SetPose& set) const
+    {
+        state.rigidBodies[indexOf(model.rigidBodies, set.id)].poses[set.element] = set.pose;
+    }
+    void operator()(const physics::SetGravity& set) const { state.gravity = set.gravity; }
+    void operator()(const physics::SetMaterial& set) const
+    {
+        setMaterial(set.material, model.softBodies[indexOf(model.softBodies, set.id)]);
+    }
+    void operator()(const physics::SetForces& set) const
+    {
+        setForces(set.forces, state.softBodies[indexOf(model.softBodies, set.id)]);
+    }
+    void operator()(const physics::SetPressure& set) const
+    {
+        state.softBodies[indexOf(model.softBodies, set.id)].pressure = set.pressure;
+    }
+    void operator()(const physics::Reset&) const
+    {
+        for (std::size_t b = 0; b < model.softBodies.size(); ++b) { // positions and motion; what was given stays given
+            SoftState fresh = stateAtRest(model.softBodies[b]);
+            fresh.forces = std::move(state.softBodies[b].forces);
+            fresh.pressure = state.softBodies[b].pressure;
+            state.softBodies[b] = std::move(fresh);
+        }
+        for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) state.rigidBodies[b].poses = model.rigidBodies[b].rest;
+    }
+    void operator()(const physics::Pause&) const {} // the server's: it steps with dt = 0
+    void operator()(const physics::Tune& tune) const
+    {
+        report.set(physics::StepFlag::Tuned);
+        const Model modelBefore = model;
+        const State stateBefore = state;
+        try {
+            tune.change(self);
+            recheck();
+        } catch (const std::exception& problem) {
+            logError("tune() was undone: ", problem.what());
+            report.set(physics::StepFlag::TuneRejected);
+            model = modelBefore;
+            state = stateBefore;
+        }
+        systems.clear();
+        for (const SoftModel& body : model.softBodies) systems.push_back(makeSystem(body));
+    }
+
+private:
+    void recheck() const
+    {
+        if (state.softBodies.size() != model.softBodies.size() || state.rigidBodies.size() != model.rigidBodies.size())
+            fail("tune: model and state must hold the same bodies");
+        if (!isFinite(state.gravity)) fail("tune: gravity must be finite");
+        for (std::size_t b = 0; b < model.softBodies.size(); ++b) check(model.softBodies[b], state.softBodies[b]);
+        for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) check(model.rigidBodies[b], state.rigidBodies[b]);
+    }
+};
+
+} // namespace
+
+void applyCommands(std::span<physics::Command> commands, physics::PhysicsEngine& self, Model& model, State& state,
+                   Systems& systems, physics::StepReport& report)
+{
+    const Apply apply{self, model, state, systems, report};
+    for (physics::Command& command : commands) std::visit(apply, command);
+}
+
+} // namespace filasofia::engine

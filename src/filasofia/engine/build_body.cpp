@@ -1,0 +1,163 @@
+#include "filasofia/engine/build_body.h"
+
+#include "filasofia/core/validate.h"
+#include "filasofia/geometry/adjacency.h"
+#include "filasofia/geometry/mesh_file.h"
+#include "filasofia/geometry/surface.h"
+
+#include <algorithm>
+
+namespace filasofia::engine {
+namespace {
+
+using geometry::TetMesh;
+
+/// The mesh a Def names, checked, in world coordinates.
+TetMesh worldMesh(const physics::SoftBodyDef& def, const std::string& object)
+{
+    TetMesh mesh;
+    if (const auto* file = std::get_if<std::string>(&def.mesh)) {
+        if (file->empty()) fail(object, ": mesh must name a file or be a mesh, got nothing");
+        mesh = geometry::loadTetMesh(*file);
+    } else {
+        const auto& given = std::get<std::shared_ptr<const TetMesh>>(def.mesh);
+        if (!given) fail(object, ": mesh must name a file or be a mesh, got nothing");
+        mesh = *given;
+        geometry::check(mesh, object + ": mesh");
+    }
+    const Pose pose{def.pose.position, normalized(def.pose.orientation)};
+    for (Vec3& node : mesh.nodes) node = transform(pose, node);
+    return mesh;
+}
+
+void addElements(const TetMesh& mesh, SoftModel& model)
+{
+    for (const geometry::Tetrahedron& t : mesh.tetrahedra) {
+        const Corners rest{mesh.nodes[t[0]], mesh.nodes[t[1]], mesh.nodes[t[2]], mesh.nodes[t[3]]};
+        model.elements.push_back({.nodes = t,
+                                  .gradients = shapeGradients(rest),
+                                  .volume = geometry::signedVolume(rest[0], rest[1], rest[2], rest[3])});
+    }
+}
+
+void addSprings(const TetMesh& mesh, SoftModel& model)
+{
+    for (const auto& [a, b] : geometry::edges(mesh))
+        model.springs.push_back({.nodes = {a, b}, .restLength = distance(mesh.nodes[a], mesh.nodes[b])});
+}
+
+void addMasses(const TetMesh& mesh, const physics::Mass& mass, SoftModel& model)
+{
+    double total = 0.0;
+    model.masses.assign(mesh.nodes.size(), 0.0);
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+        const double volume = geometry::signedVolume(mesh, static_cast<int>(t));
+        total += volume;
+        for (int node : mesh.tetrahedra[t]) model.masses[node] += volume / 4.0;
+    }
+    const auto* density = std::get_if<physics::Density>(&mass);
+    const double perVolume = density ? density->value : std::get<physics::TotalMass>(mass).value / total;
+    for (double& each : model.masses) each *= perVolume;
+}
+
+bool inside(const geometry::Box& box, Vec3 p) { return geometry::merged(box, p) == box; }
+
+void addAttachment(const physics::AttachmentDef& def, const std::string& object, SoftModel& model)
+{
+    const int count = static_cast<int>(model.rest.size());
+    std::vector<int> nodes = def.nodes;
+    for (int node : nodes)
+        if (node >= count) fail(object, ".nodes must be in [0, ", count, "), got ", node);
+    if (def.box) {
+        if (geometry::isEmpty(*def.box)) fail(object, ".box: high must be >= low in every axis");
+        for (int i = 0; i < count; ++i)
+            if (inside(*def.box, model.rest[i])) nodes.push_back(i);
+    }
+    if (nodes.empty()) fail(object, ": must hold at least one node, got none", def.box ? " in its box" : "");
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    for (int node : nodes) {
+        if (def.stiffness == physics::kHard)
+            model.pins.hard[node] = true;
+        else
+            model.pins.springs.push_back({node, model.rest[node], def.stiffness});
+    }
+}
+
+std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def)
+{
+    const std::string object = text("soft body '", def.name, "'");
+    validate(def, object);
+    const TetMesh mesh = worldMesh(def, object);
+
+    auto built = std::make_unique<BuiltSoftBody>();
+    SoftModel& model = built->model;
+    model.name = def.name;
+    model.rest = mesh.nodes;
+    model.rayleigh = def.rayleigh;
+    model.integrator = def.integrator;
+    model.solver = def.solver;
+    model.gravity = def.gravity;
+    addMasses(mesh, def.mass, model);
+    std::holds_alternative<physics::FemMaterial>(def.material) ? addElements(mesh, model) : addSprings(mesh, model);
+    setMaterial(def.material, model);
+    const geometry::Surface surface = geometry::extractSurface(mesh);
+    for (const geometry::Triangle& t : surface.mesh.triangles)
+        model.surface.push_back({surface.nodes[t[0]], surface.nodes[t[1]], surface.nodes[t[2]]});
+    model.pins.hard.assign(mesh.nodes.size(), false);
+    for (std::size_t a = 0; a < def.attachments.size(); ++a)
+        addAttachment(def.attachments[a], text(object, ": attachments[", a, "]"), model);
+
+    for (const physics::NodalForce& force : def.forces)
+        if (force.node >= built->nodeCount())
+            fail(object, ": forces.node must be in [0, ", built->nodeCount(), "), got ", force.node);
+    built->state = stateAtRest(model);
+    built->state.pressure = def.pressure;
+    setForces(def.forces, built->state);
+    check(model, built->state);
+    built->system = makeSystem(model);
+    return built;
+}
+
+std::unique_ptr<physics::BuiltBody> buildRigid(const physics::RigidBodyDef& def)
+{
+    validate(def, text("rigid body '", def.name, "'"));
+    auto built = std::make_unique<BuiltRigidBody>();
+    built->model.name = def.name;
+    for (const Pose& pose : def.elements) built->model.rest.push_back({pose.position, normalized(pose.orientation)});
+    built->state.poses = built->model.rest;
+    check(built->model, built->state);
+    return built;
+}
+
+} // namespace
+
+void setMaterial(const physics::SoftMaterial& material, SoftModel& model)
+{
+    if (const auto* fem = std::get_if<physics::FemMaterial>(&material)) {
+        for (FemElement& element : model.elements) {
+            element.youngModulus = fem->youngModulus;
+            element.poissonRatio = fem->poissonRatio;
+        }
+    } else {
+        const auto& springs = std::get<physics::MassSpringMaterial>(material);
+        for (Spring& spring : model.springs) {
+            spring.stiffness = springs.stiffness;
+            spring.damping = springs.damping;
+        }
+    }
+}
+
+void setForces(const std::vector<physics::NodalForce>& forces, SoftState& state)
+{
+    std::fill(state.forces.begin(), state.forces.end(), Vec3{});
+    for (const physics::NodalForce& force : forces) state.forces[force.node] += force.force;
+}
+
+std::unique_ptr<physics::BuiltBody> buildBody(const physics::BodyDef& def)
+{
+    if (const auto* soft = std::get_if<physics::SoftBodyDef>(&def)) return buildSoft(*soft);
+    return buildRigid(std::get<physics::RigidBodyDef>(def));
+}
+
+} // namespace filasofia::engine

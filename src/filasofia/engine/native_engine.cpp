@@ -1,0 +1,24 @@
+#include "filasofia/engine/native_engine.h"
+
+#include "filasofia/core/assert.h"
+#include "filasofia/core/error.h"
+#include "filasofia/engine/native.h"
+#include "filasofia/engine/world.h"
+#include "filasofia/physics/physics_server.h"
+
+namespace filasofia::engine {
+
+std::unique_ptr<physics::PhysicsEngine> makeNativeEngine() { return std::make_unique<World>(); }
+
+void tune(physics::PhysicsServer& server, std::function<void(Native&)> change)
+{
+    FILASOFIA_ASSERT(change != nullptr);
+    server.tune([change = std::move(change)](physics::PhysicsEngine& engine) {
+        auto* world = dynamic_cast<World*>(&engine);
+        if (!world) fail("tune: the native engine is not in use");
+        Native native{world->model(), world->state()};
+        change(native);
+    });
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "filasofia/engine/stages.h"
+
+namespace filasofia::engine {
+
+/// The native engine: model, state, and the one function that makes a step of them.
+class World final : public physics::PhysicsEngine {
+public:
+    [[nodiscard]] std::unique_ptr<physics::BuiltBody> build(const physics::BodyDef& def) const override;
+    physics::StepReport step(const physics::StepInput& in) override;
+    void capture(frame::Frame& out) const override;
+    void record(physics::StepRecord& out) const override;
+    [[nodiscard]] std::uint64_t hash() const override;
+
+    [[nodiscard]] Model& model() { return model_; }
+    [[nodiscard]] State& state() { return state_; }
+
+private:
+    Model model_;
+    State state_;
+    Systems systems_;
+};
+
+} // namespace filasofia::engine

@@ -1,0 +1,86 @@
+#include "filasofia/geometry/announced_size.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/geometry/number_source.h"
+
+#include <charconv>
+#include <cstring>
+
+namespace filasofia::geometry {
+namespace {
+
+// Every property of an element takes a byte at least, and so does every element in a text: a line's end.
+void checkPly(std::string_view bytes, std::string_view name)
+{
+    NumberSource in(bytes, name);
+    if (in.word() != "ply") in.failHere("a PLY file must begin with ply");
+    std::size_t room = 0;
+    for (std::string_view word = in.word(); word != "end_header"; word = in.word()) {
+        if (word.empty()) in.failHere("the file ends before end_header");
+        if (word != "element") continue;
+        const std::string what = "the number of elements '" + std::string(in.wordOnThisLine().substr(0, 40)) + "'";
+        room += in.count(what, 1, 1, 4);
+        in.boundCount(static_cast<std::int64_t>(room), "the sum of all numbers of elements", 1, 1);
+    }
+}
+
+// A binary STL: 80 bytes of header, the number of triangles, 50 bytes each. A text begins with "solid", but so do some
+// binary ones: the size tells.
+void checkStl(std::string_view bytes, std::string_view name)
+{
+    constexpr std::uint64_t kHeader = 84, kTriangle = 50;
+    if (bytes.starts_with("solid")) return; // as text nothing is announced; assimp tells a binary one by its exact size
+    if (bytes.size() < kHeader) fail(name, ": a binary STL file must have at least 84 bytes, got ", bytes.size());
+    std::uint32_t count = 0;
+    for (int i = 3; i >= 0; --i) count = count << 8 | static_cast<unsigned char>(bytes[80 + i]);
+    const std::uint64_t most = (bytes.size() - kHeader) / kTriangle;
+    if (count > most)
+        fail(name, ": byte 80: the number of triangles must be in [0, ", most, "] (what the file holds), got ", count);
+}
+
+// The value of the JSON member that begins at `at` behind its quoted key, as far as it is a plain number.
+double numberBehind(std::string_view json, std::size_t at)
+{
+    at = json.find_first_not_of(" \t\r\n:", at);
+    double value = 0.0;
+    if (at != std::string_view::npos) std::from_chars(json.data() + at, json.data() + json.size(), value);
+    return value;
+}
+
+std::uintmax_t sizeOfBuffers(const std::filesystem::path& file, std::string_view json)
+{
+    std::uintmax_t sum = 0;
+    constexpr std::string_view kKey = "\"uri\"";
+    for (std::size_t at = json.find(kKey); at != std::string_view::npos; at = json.find(kKey, at + 1)) {
+        const std::size_t open = json.find('"', at + kKey.size());
+        const std::size_t close = open == std::string_view::npos ? open : json.find('"', open + 1);
+        if (close == std::string_view::npos || close - open > 1000) continue; // embedded data counts as the file itself
+        std::error_code missing;
+        const auto size = std::filesystem::file_size(
+            file.parent_path() / std::filesystem::path(json.substr(open + 1, close - open - 1)), missing);
+        if (!missing) sum += size;
+    }
+    return sum;
+}
+
+// Not a parser: every count and length of the JSON text, wherever it stands, against all the bytes there are.
+void checkGltf(const std::filesystem::path& file, std::string_view bytes)
+{
+    const double most = static_cast<double>(bytes.size() + sizeOfBuffers(file, bytes));
+    for (std::string_view key : {"\"count\"", "\"byteLength\"", "\"byteOffset\"", "\"byteStride\""})
+        for (std::size_t at = bytes.find(key); at != std::string_view::npos; at = bytes.find(key, at + 1))
+            if (const double value = numberBehind(bytes, at + key.size()); !(value >= 0.0 && value <= most))
+                fail(file.string(), ": byte ", at, ": ", key, " must be in [0, ", most,
+                     "] (what file and buffers hold), got ", value);
+}
+
+} // namespace
+
+void checkAnnouncedSizes(const std::filesystem::path& file, std::string_view extension, std::string_view bytes)
+{
+    if (extension == ".ply") checkPly(bytes, file.string());
+    if (extension == ".stl") checkStl(bytes, file.string());
+    if (extension == ".gltf" || extension == ".glb") checkGltf(file, bytes);
+}
+
+} // namespace filasofia::geometry

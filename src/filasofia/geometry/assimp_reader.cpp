@@ -1,0 +1,168 @@
+#include "filasofia/geometry/assimp_reader.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
+
+#include <assimp/Importer.hpp>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+
+namespace filasofia::geometry {
+namespace {
+
+// What the file gives, before joining: a vertex per corner as assimp has it.
+struct Soup {
+    TriangleMesh mesh; ///< uv is always filled
+    bool anyUv = false, anyWithout = false;
+    std::size_t notTriangles = 0; ///< points and lines
+};
+
+Vec3 placed(const aiMatrix4x4& m, const aiVector3D& p)
+{
+    // In double: the file's numbers lose nothing further.
+    const double x = p.x, y = p.y, z = p.z;
+    return {m.a1 * x + m.a2 * y + m.a3 * z + m.a4, m.b1 * x + m.b2 * y + m.b3 * z + m.b4,
+            m.c1 * x + m.c2 * y + m.c3 * z + m.c4};
+}
+
+void appendMesh(const aiMesh& mesh, const aiMatrix4x4& place, std::string_view name, Soup& soup)
+{
+    constexpr std::size_t kMost = 500'000'000;
+    const std::size_t first = soup.mesh.vertices.size();
+    if (first + mesh.mNumVertices > kMost) fail(name, ": has more than ", kMost, " vertices");
+    const bool hasUv = mesh.HasTextureCoords(0);
+    (hasUv ? soup.anyUv : soup.anyWithout) = true;
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+        soup.mesh.vertices.push_back(placed(place, mesh.mVertices[i]));
+        const aiVector3D uv = hasUv ? mesh.mTextureCoords[0][i] : aiVector3D();
+        soup.mesh.uv.push_back({uv.x, uv.y});
+    }
+    const bool mirrored = place.Determinant() < 0; // a mirror turns inside out: the corners go the other way round
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+        const aiFace& face = mesh.mFaces[i];
+        if (face.mNumIndices != 3) {
+            ++soup.notTriangles;
+            continue;
+        }
+        Triangle triangle{};
+        for (int k = 0; k < 3; ++k) {
+            const unsigned index = face.mIndices[mirrored ? 2 - k : k];
+            if (index >= mesh.mNumVertices)
+                fail(name, ": triangle ", i, " names vertex ", index, "; it must be in [0, ", mesh.mNumVertices, ")");
+            triangle[k] = static_cast<int>(first + index);
+        }
+        soup.mesh.triangles.push_back(triangle);
+    }
+}
+
+void appendNodes(const aiScene& scene, std::string_view name, Soup& soup)
+{
+    struct Placed {
+        const aiNode* node;
+        aiMatrix4x4 place;
+    };
+    std::vector<Placed> open{{scene.mRootNode, {}}};
+    while (!open.empty()) {
+        const Placed now = open.back();
+        open.pop_back();
+        const aiMatrix4x4 place = now.place * now.node->mTransformation;
+        for (unsigned i = 0; i < now.node->mNumMeshes; ++i)
+            appendMesh(*scene.mMeshes[now.node->mMeshes[i]], place, name, soup);
+        for (unsigned i = now.node->mNumChildren; i-- > 0;) open.push_back({now.node->mChildren[i], place});
+    }
+}
+
+// For each vertex the first one at the same place, by sorting: no hash decides an order.
+std::vector<int> firstAtSamePlace(const std::vector<Vec3>& vertices)
+{
+    std::vector<int> order(vertices.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto before = [&](int a, int b) {
+        const Vec3 p = vertices[a], q = vertices[b];
+        return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z != q.z ? p.z < q.z : a < b;
+    };
+    std::ranges::sort(order, before);
+    std::vector<int> firsts(vertices.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool same = i > 0 && vertices[order[i]] == vertices[order[i - 1]];
+        firsts[order[i]] = same ? firsts[order[i - 1]] : order[i];
+    }
+    return firsts;
+}
+
+struct Dropped {
+    std::size_t triangles = 0, texture = 0;
+};
+
+// Vertices are numbered as triangles first use them, so that what no triangle uses falls away.
+TriangleMesh joined(const Soup& soup, Dropped& dropped)
+{
+    const std::vector<int> firsts = firstAtSamePlace(soup.mesh.vertices);
+    std::vector<int> renumbered(firsts.size(), -1);
+    TriangleMesh mesh;
+    const auto vertexOf = [&](int corner) {
+        const int first = firsts[corner];
+        int& vertex = renumbered[first];
+        if (vertex < 0) {
+            vertex = static_cast<int>(mesh.vertices.size());
+            mesh.vertices.push_back(soup.mesh.vertices[first]);
+            mesh.uv.push_back(soup.mesh.uv[corner]);
+        }
+        if (mesh.uv[vertex] != soup.mesh.uv[corner]) ++dropped.texture;
+        return vertex;
+    };
+    for (const auto [a, b, c] : soup.mesh.triangles) {
+        if (firsts[a] == firsts[b] || firsts[b] == firsts[c] || firsts[c] == firsts[a]) {
+            ++dropped.triangles;
+            continue;
+        }
+        const int i = vertexOf(a), j = vertexOf(b), k = vertexOf(c);
+        mesh.triangles.push_back({i, j, k});
+    }
+    if (!soup.anyUv) mesh.uv.clear();
+    return mesh;
+}
+
+Soup readSoup(const std::filesystem::path& file)
+{
+    const std::string name = file.string();
+    Soup soup;
+    try {
+        Assimp::Importer importer;
+        const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);
+        if (scene == nullptr) fail(name, ": cannot be read: ", std::string_view(importer.GetErrorString()));
+        if (scene->mRootNode == nullptr || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0)
+            fail(name, ": has no complete mesh");
+        appendNodes(*scene, name, soup);
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& problem) { // also what runs out of memory
+        fail(name, ": cannot be read: ", std::string_view(problem.what()));
+    }
+    return soup;
+}
+
+} // namespace
+
+TriangleMesh readWithAssimp(const std::filesystem::path& file)
+{
+    const std::string name = file.string();
+    const Soup soup = readSoup(file);
+    if (soup.mesh.triangles.empty()) fail(name, ": has no triangles; it must have at least 1");
+    check(TriangleMesh{soup.mesh.vertices, {{0, 1, 2}}, soup.mesh.uv}, name); // the numbers, before they are compared
+    Dropped dropped;
+    TriangleMesh mesh = joined(soup, dropped);
+    if (dropped.triangles + dropped.texture + soup.notTriangles > 0 || (soup.anyUv && soup.anyWithout))
+        logWarning(name, ": dropped ", dropped.triangles, " triangles with two corners at the same place, ",
+                   soup.notTriangles, " points and lines, and ", dropped.texture,
+                   " second texture coordinates of a vertex",
+                   soup.anyUv && soup.anyWithout ? "; a part has no texture coordinates" : "");
+    check(mesh, name);
+    return mesh;
+}
+
+} // namespace filasofia::geometry

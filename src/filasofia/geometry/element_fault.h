@@ -1,0 +1,18 @@
+#pragma once
+
+#include "filasofia/geometry/tet_mesh.h"
+
+#include <optional>
+#include <string>
+
+namespace filasofia::geometry {
+
+/// What is wrong with one tetrahedron (its indices, its numbers, its volume), as the end of a sentence that began with
+/// its name; empty where it is sound. check() and the file readers share this bound.
+std::string elementFault(const TetMesh& mesh, const Tetrahedron& tetrahedron);
+
+/// Two tetrahedra, the lower index first, that have a face on the same side: one listed twice, or two that lie in each
+/// other. The mesh's elements have no fault.
+std::optional<std::array<int, 2>> sameSidePair(const TetMesh& mesh);
+
+} // namespace filasofia::geometry

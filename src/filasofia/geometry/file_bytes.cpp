@@ -1,0 +1,25 @@
+#include "filasofia/geometry/file_bytes.h"
+
+#include "filasofia/core/error.h"
+
+#include <fstream>
+
+namespace filasofia::geometry {
+
+std::string readFile(const std::filesystem::path& file)
+{
+    std::error_code problem;
+    const std::filesystem::file_status status = std::filesystem::status(file, problem);
+    if (!std::filesystem::exists(status)) fail(file.string(), ": no such file");
+    if (std::filesystem::is_directory(status)) fail(file.string(), ": is a directory; a file is needed");
+    if (!std::filesystem::is_regular_file(status)) fail(file.string(), ": is not a regular file");
+    const auto size = std::filesystem::file_size(file, problem);
+    if (problem) fail(file.string(), ": cannot be read: ", problem.message());
+    if (size == 0) fail(file.string(), ": is empty");
+    std::ifstream in(file, std::ios::binary);
+    std::string bytes(size, '\0');
+    if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) fail(file.string(), ": cannot be read");
+    return bytes;
+}
+
+} // namespace filasofia::geometry

@@ -1,0 +1,291 @@
+#include "filasofia/geometry/gmsh_reader.h"
+
+#include "filasofia/geometry/raw_tet_mesh.h"
+
+#include <optional>
+#include <string>
+
+// The format: Gmsh reference manual, "MSH file format" (4.1) and "MSH file format version 2 (Legacy)".
+namespace filasofia::geometry {
+namespace {
+
+constexpr int kTetrahedronType = 4;
+
+// Gmsh's element types by number; dimension 3 is what we must not pass over.
+struct ElementType {
+    std::string_view name;
+    int dimension = 0;
+    int nodes = 0;
+};
+
+std::optional<ElementType> elementType(std::int64_t type)
+{
+    static constexpr ElementType kTypes[] = {
+        {},
+        {"line", 1, 2},
+        {"triangle", 2, 3},
+        {"quadrangle", 2, 4},
+        {"tetrahedron", 3, 4},
+        {"hexahedron", 3, 8},
+        {"prism", 3, 6},
+        {"pyramid", 3, 5},
+        {"second-order line", 1, 3},
+        {"second-order triangle", 2, 6},
+        {"second-order quadrangle", 2, 9},
+        {"second-order tetrahedron", 3, 10},
+        {"second-order hexahedron", 3, 27},
+        {"second-order prism", 3, 18},
+        {"second-order pyramid", 3, 14},
+        {"point", 0, 1},
+        {"second-order quadrangle of 8 nodes", 2, 8},
+        {"second-order hexahedron of 20 nodes", 3, 20},
+        {"second-order prism of 15 nodes", 3, 15},
+        {"second-order pyramid of 13 nodes", 3, 13},
+        {"third-order triangle of 9 nodes", 2, 9},
+        {"third-order triangle", 2, 10},
+        {"fourth-order triangle of 12 nodes", 2, 12},
+        {"fourth-order triangle", 2, 15},
+        {"fifth-order triangle of 15 nodes", 2, 15},
+        {"fifth-order triangle", 2, 21},
+        {"third-order line", 1, 4},
+        {"fourth-order line", 1, 5},
+        {"fifth-order line", 1, 6},
+        {"third-order tetrahedron", 3, 20},
+        {"fourth-order tetrahedron", 3, 35},
+        {"fifth-order tetrahedron", 3, 56},
+    };
+    if (type < 1 || type >= static_cast<std::int64_t>(std::size(kTypes))) return {};
+    return kTypes[type];
+}
+
+// The reader walks from section to section; the two versions differ only inside $Nodes and $Elements.
+class GmshReader {
+public:
+    GmshReader(std::string_view bytes, std::string_view name) : in_(bytes, name), name_(name) {}
+
+    TetMesh read()
+    {
+        readFormat();
+        bool haveNodes = false, haveElements = false;
+        for (std::string_view section = in_.word(); !section.empty(); section = in_.word()) {
+            if (section == "$Nodes")
+                beginOnly(section, haveNodes), version4_ ? readNodes4() : readNodes2(), endSection(section);
+            else if (section == "$Elements")
+                beginOnly(section, haveElements), version4_ ? readElements4() : readElements2(), endSection(section);
+            else
+                skip(section);
+        }
+        if (!haveNodes) fail(name_, ": has no $Nodes section; a mesh needs one");
+        if (!haveElements) fail(name_, ": has no $Elements section; a mesh needs one");
+        return resolve(mesh_, in_, in_, name_);
+    }
+
+private:
+    void readFormat();
+    void readByteOrder();
+    void readNodes2();
+    void readNodes4();
+    void readElements2();
+    void readElements4();
+    void beginOnly(std::string_view section, bool& seen);
+    void endSection(std::string_view section);
+    void skip(std::string_view section);
+    ElementType checkedType(std::int64_t type) const;
+    void readElement(std::int64_t number, std::size_t place, const ElementType& type, int rawSize);
+    std::size_t readTextCount(std::string_view what, std::size_t numbers, std::size_t rawBytes);
+    void beginRaw();
+    Vec3 readPosition();
+
+    NumberSource in_;
+    std::string_view name_;
+    bool version4_ = false;
+    RawTetMesh mesh_;
+};
+
+void GmshReader::readFormat()
+{
+    if (in_.word() != "$MeshFormat") in_.failHere("a Gmsh file must begin with $MeshFormat");
+    const std::string_view version = in_.word();
+    if (version != "2.2" && version != "4.1")
+        in_.failHere("the Gmsh format must be 2.2 or 4.1; another one (", version.substr(0, 10),
+                     ") can be written anew by Gmsh (Mesh.MshFileVersion)");
+    version4_ = version == "4.1";
+    const std::int64_t binary = in_.integer("the file type");
+    if (binary != 0 && binary != 1) in_.failHere("the file type must be 0 (ASCII) or 1 (binary), got ", binary);
+    const std::int64_t size = in_.integer("the data size");
+    if (size != 8) in_.failHere("the data size must be 8, got ", size);
+    if (binary == 1) readByteOrder();
+    endSection("$MeshFormat");
+}
+
+// A binary file says 1 in its own byte order.
+void GmshReader::readByteOrder()
+{
+    char end = in_.byte();
+    if (end == '\r') end = in_.byte();
+    if (end != '\n') in_.failHere("a binary file's format line must end after the data size");
+    in_.becomeBinary(false);
+    const std::int64_t one = in_.integer("the byte order");
+    constexpr std::int64_t kSwappedOne = 0x01000000;
+    if (one != 1 && one != kSwappedOne) in_.failHere("the byte order's number must be 1 in either order, got ", one);
+    in_.becomeBinary(one == kSwappedOne);
+}
+
+void GmshReader::beginOnly(std::string_view section, bool& seen)
+{
+    if (seen) in_.failHere("the file has a second ", section, " section; it may have 1");
+    seen = true;
+}
+
+// Raw data begins behind the end of a line, and may itself look like white space.
+void GmshReader::beginRaw()
+{
+    if (!in_.isBinary()) return;
+    char end = in_.byte();
+    if (end == '\r') end = in_.byte();
+    if (end != '\n') in_.failHere("raw data must begin on a line of its own");
+}
+
+void GmshReader::endSection(std::string_view section)
+{
+    const std::string_view word = in_.word();
+    if (word.substr(0, 4) != "$End" || word.substr(4) != section.substr(1))
+        in_.failHere(section, " must end with $End", section.substr(1), " after what it announces");
+}
+
+void GmshReader::skip(std::string_view section)
+{
+    if (section[0] != '$') in_.failHere("a section must begin here, with its name after a $");
+    if (section.starts_with("$End") || section.size() < 2 || section.size() > 100)
+        in_.failHere("a section must begin here");
+    if (!in_.skipPast("\n$End" + std::string(section.substr(1))))
+        in_.failHere("the file ends before $End", section.substr(1).substr(0, 40));
+}
+
+Vec3 GmshReader::readPosition()
+{
+    const double x = in_.real("a node's x");
+    const double y = in_.real("a node's y");
+    return {x, y, in_.real("a node's z")};
+}
+
+// Version 2 writes the number of things as text also in a binary file.
+std::size_t GmshReader::readTextCount(std::string_view what, std::size_t numbers, std::size_t rawBytes)
+{
+    const std::int64_t count = in_.integerIn(in_.word(), what);
+    in_.boundCount(count, what, numbers, rawBytes);
+    beginRaw();
+    return static_cast<std::size_t>(count);
+}
+
+void GmshReader::readNodes2()
+{
+    const std::size_t count = readTextCount("the number of nodes", 4, 28);
+    mesh_.nodes.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::int64_t number = in_.integer("a node's number");
+        const std::size_t place = in_.place();
+        mesh_.nodes.push_back({number, place, readPosition()});
+    }
+}
+
+void GmshReader::readNodes4()
+{
+    beginRaw();
+    const std::size_t blocks = in_.count("the number of node blocks", 4, 20, 8);
+    const std::size_t count = in_.count("the number of nodes", 4, 32, 8);
+    in_.integer("the lowest node number", 8);
+    in_.integer("the highest node number", 8);
+    mesh_.nodes.reserve(count);
+    for (std::size_t block = 0; block < blocks; ++block) {
+        const std::int64_t dimension = in_.integer("a node block's dimension");
+        if (dimension < 0 || dimension > 3) in_.failHere("a block's dimension must be in [0, 3], got ", dimension);
+        in_.integer("a node block's entity");
+        const std::int64_t parametric = in_.integer("a node block's parametric flag");
+        if (parametric != 0 && parametric != 1) in_.failHere("the parametric flag must be 0 or 1, got ", parametric);
+        const std::size_t here = in_.count("the number of nodes in a block", 4, 32, 8);
+        // First all numbers, then all positions, with the parameters on curve or surface behind each.
+        const std::size_t first = mesh_.nodes.size();
+        for (std::size_t i = 0; i < here; ++i) {
+            const std::int64_t number = in_.integer("a node's number", 8);
+            mesh_.nodes.push_back({number, in_.place(), {}});
+        }
+        for (std::size_t i = 0; i < here; ++i) {
+            mesh_.nodes[first + i].position = readPosition();
+            for (std::int64_t k = 0; k < parametric * dimension; ++k) in_.real("a node's parameter");
+        }
+    }
+    if (mesh_.nodes.size() != count)
+        in_.failHere("$Nodes announces ", count, " nodes, its blocks hold ", mesh_.nodes.size());
+}
+
+// Dropping a solid that is no tetrahedron would leave a hole; points, lines and surfaces carry no volume.
+ElementType GmshReader::checkedType(std::int64_t type) const
+{
+    const std::optional<ElementType> known = elementType(type);
+    if (!known) in_.failHere("the element type must be one of Gmsh's 1 to 31, got ", type);
+    if (known->dimension == 3 && type != kTetrahedronType)
+        in_.failHere("the only solid element taken is the tetrahedron of 4 nodes (type 4), got a ", known->name,
+                     " (type ", type, ")");
+    return *known;
+}
+
+void GmshReader::readElement(std::int64_t number, std::size_t place, const ElementType& type, int rawSize)
+{
+    if (type.dimension < 3) {
+        for (int i = 0; i < type.nodes; ++i) in_.integer("an element's node", rawSize);
+        return;
+    }
+    RawTetMesh::Element& element = mesh_.elements.emplace_back();
+    element.number = number, element.place = place;
+    for (std::int64_t& node : element.nodes) node = in_.integer("an element's node", rawSize);
+}
+
+void GmshReader::readElements2()
+{
+    const std::size_t count = readTextCount("the number of elements", 4, 12);
+    for (std::size_t i = 0; i < count;) {
+        // As text every element names its type; raw ones come in runs that share type and number of tags.
+        std::int64_t number = in_.isBinary() ? 0 : in_.integer("an element's number");
+        std::size_t place = in_.place();
+        const ElementType type = checkedType(in_.integer("an element's type"));
+        const std::int64_t run = in_.isBinary() ? in_.integer("the number of elements in a run") : 1;
+        if (run < 1 || static_cast<std::size_t>(run) > count - i)
+            in_.failHere("the number of elements in a run must be in [1, ", count - i, "], got ", run);
+        const std::size_t tags = in_.count("the number of tags", 1, 4, 4);
+        for (std::int64_t k = 0; k < run; ++k) {
+            if (in_.isBinary()) number = in_.integer("an element's number"), place = in_.place();
+            for (std::size_t tag = 0; tag < tags; ++tag) in_.integer("an element's tag");
+            readElement(number, place, type, 4);
+        }
+        i += static_cast<std::size_t>(run);
+    }
+}
+
+void GmshReader::readElements4()
+{
+    beginRaw();
+    const std::size_t blocks = in_.count("the number of element blocks", 4, 20, 8);
+    const std::size_t count = in_.count("the number of elements", 2, 16, 8);
+    in_.integer("the lowest element number", 8);
+    in_.integer("the highest element number", 8);
+    std::size_t held = 0;
+    for (std::size_t block = 0; block < blocks; ++block) {
+        in_.integer("an element block's dimension");
+        in_.integer("an element block's entity");
+        const ElementType type = checkedType(in_.integer("an element block's type"));
+        const std::size_t here = in_.count("the number of elements in a block", 2, 16, 8);
+        for (std::size_t i = 0; i < here; ++i) {
+            const std::int64_t number = in_.integer("an element's number", 8);
+            readElement(number, in_.place(), type, 8);
+        }
+        held += here;
+    }
+    if (held != count) in_.failHere("$Elements announces ", count, " elements, its blocks hold ", held);
+}
+
+} // namespace
+
+TetMesh parseGmsh(std::string_view bytes, std::string_view name) { return GmshReader(bytes, name).read(); }
+
+} // namespace filasofia::geometry

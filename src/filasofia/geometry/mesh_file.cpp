@@ -1,0 +1,52 @@
+#include "filasofia/geometry/mesh_file.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/geometry/announced_size.h"
+#include "filasofia/geometry/assimp_reader.h"
+#include "filasofia/geometry/file_bytes.h"
+#include "filasofia/geometry/gmsh_reader.h"
+#include "filasofia/geometry/tetgen_reader.h"
+
+#include <algorithm>
+
+namespace filasofia::geometry {
+namespace {
+
+std::string extensionOf(const std::filesystem::path& file)
+{
+    std::string extension = file.extension().string();
+    std::ranges::transform(extension, extension.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
+    return extension;
+}
+
+TetMesh loadTetGen(std::filesystem::path file)
+{
+    // An upper-case name has an upper-case partner.
+    const bool upper = file.extension() == ".NODE" || file.extension() == ".ELE";
+    const std::filesystem::path nodes = file.replace_extension(upper ? ".NODE" : ".node");
+    const std::filesystem::path elements = file.replace_extension(upper ? ".ELE" : ".ele");
+    const std::string nodeBytes = readFile(nodes), elementBytes = readFile(elements);
+    return parseTetGen({nodeBytes, nodes.string()}, {elementBytes, elements.string()});
+}
+
+} // namespace
+
+TetMesh loadTetMesh(const std::filesystem::path& file)
+{
+    const std::string extension = extensionOf(file);
+    if (extension == ".msh") return parseGmsh(readFile(file), file.string());
+    if (extension == ".node" || extension == ".ele") return loadTetGen(file);
+    fail(file.string(), ": a tetrahedral mesh must be a .msh, .node or .ele file, got '", extension, "'");
+}
+
+TriangleMesh loadTriangleMesh(const std::filesystem::path& file)
+{
+    static constexpr std::string_view kExtensions[] = {".obj", ".stl", ".ply", ".gltf", ".glb"};
+    const std::string extension = extensionOf(file);
+    if (std::ranges::find(kExtensions, extension) == std::end(kExtensions))
+        fail(file.string(), ": a triangle mesh must be an .obj, .stl, .ply, .gltf or .glb file, got '", extension, "'");
+    checkAnnouncedSizes(file, extension, readFile(file));
+    return readWithAssimp(file);
+}
+
+} // namespace filasofia::geometry

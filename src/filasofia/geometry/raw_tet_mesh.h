@@ -1,0 +1,30 @@
+#pragma once
+
+#include "filasofia/geometry/number_source.h"
+#include "filasofia/geometry/tet_mesh.h"
+
+namespace filasofia::geometry {
+
+/// A tetrahedral mesh as a file tells it: nodes by the file's own numbers, elements with the place they were read at.
+struct RawTetMesh {
+    struct Node {
+        std::int64_t number = 0;
+        std::size_t place = 0;
+        Vec3 position;
+    };
+    struct Element {
+        std::int64_t number = 0;
+        std::size_t place = 0; ///< as NumberSource::place()
+        std::array<std::int64_t, 4> nodes{};
+    };
+    std::vector<Node> nodes;
+    std::vector<Element> elements;
+};
+
+/// Finds each element's nodes by their numbers, holds every element against the bounds of check(), drops the nodes that
+/// none uses, and checks the whole. Errors name the line or byte in `elementFile` (`nodeFile` for a number given
+/// twice).
+TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const NumberSource& elementFile,
+                std::string_view name);
+
+} // namespace filasofia::geometry

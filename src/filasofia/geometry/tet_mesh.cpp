@@ -1,0 +1,90 @@
+#include "filasofia/geometry/tet_mesh.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/geometry/element_fault.h"
+#include "filasofia/geometry/face_list.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace filasofia::geometry {
+namespace {
+
+constexpr double kFlattest = 1e-12; // volume over the cube of the longest edge
+
+void checkNumbers(const TetMesh& mesh, std::string_view name)
+{
+    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+        const Vec3 p = mesh.nodes[i];
+        if (!isFinite(p)) fail(name, ": node ", i, " must be finite, got ", p.x, " ", p.y, " ", p.z);
+    }
+}
+
+void checkEveryNodeIsUsed(const TetMesh& mesh, std::string_view name)
+{
+    std::vector<bool> used(mesh.nodes.size());
+    for (const Tetrahedron& t : mesh.tetrahedra)
+        for (int node : t) used[static_cast<std::size_t>(node)] = true;
+    const auto unused = std::ranges::find(used, false);
+    if (unused != used.end())
+        fail(name, ": node ", unused - used.begin(), " is in no tetrahedron; every node must be in one");
+}
+
+} // namespace
+
+double signedVolume(const TetMesh& mesh, int tetrahedron)
+{
+    const auto [a, b, c, d] = mesh.tetrahedra[tetrahedron];
+    return signedVolume(mesh.nodes[a], mesh.nodes[b], mesh.nodes[c], mesh.nodes[d]);
+}
+
+double quality(const TetMesh& mesh, int tetrahedron)
+{
+    const Tetrahedron& t = mesh.tetrahedra[tetrahedron];
+    double sum = 0.0;
+    for (auto [i, j] : kTetrahedronEdges) sum += lengthSquared(mesh.nodes[t[i]] - mesh.nodes[t[j]]);
+    const double rms = std::sqrt(sum / 6.0);
+    if (!(rms > 0.0)) return 0.0;
+    return std::numbers::sqrt2 * 6.0 * signedVolume(mesh, tetrahedron) / (rms * rms * rms);
+}
+
+std::string elementFault(const TetMesh& mesh, const Tetrahedron& t)
+{
+    const int count = static_cast<int>(mesh.nodes.size());
+    for (int node : t)
+        if (node < 0 || node >= count) return text(" names node ", node, "; it must be in [0, ", count, ")");
+    for (auto [i, j] : kTetrahedronEdges)
+        if (t[i] == t[j]) return text(" names node ", t[i], " twice; its four nodes must differ");
+    double longest = 0.0;
+    for (auto [i, j] : kTetrahedronEdges) longest = std::max(longest, distance(mesh.nodes[t[i]], mesh.nodes[t[j]]));
+    const double volume = signedVolume(mesh.nodes[t[0]], mesh.nodes[t[1]], mesh.nodes[t[2]], mesh.nodes[t[3]]);
+    const double bound = kFlattest * longest * longest * longest;
+    if (volume > bound && std::isfinite(volume)) return {};
+    return text(volume < 0.0 ? " is inverted" : " is flat", ": its volume must be > ", bound,
+                " m^3 (1e-12 of its longest edge cubed), got ", volume);
+}
+
+// Two neighbours walk their common face in opposite directions; the same direction means that both lie on one side.
+std::optional<std::array<int, 2>> sameSidePair(const TetMesh& mesh)
+{
+    const std::vector<Face> faces = sortedFaces(mesh);
+    for (std::size_t i = 1; i < faces.size(); ++i)
+        if (faces[i - 1].nodes == faces[i].nodes && faces[i - 1].even == faces[i].even)
+            return std::array{faces[i - 1].tetrahedron, faces[i].tetrahedron};
+    return {};
+}
+
+void check(const TetMesh& mesh, std::string_view name)
+{
+    if (mesh.tetrahedra.empty()) fail(name, ": has no tetrahedra; it must have at least 1");
+    checkNumbers(mesh, name);
+    for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
+        if (const std::string fault = elementFault(mesh, mesh.tetrahedra[i]); !fault.empty())
+            fail(name, ": tetrahedron ", i, fault);
+    checkEveryNodeIsUsed(mesh, name);
+    if (const auto pair = sameSidePair(mesh))
+        fail(name, ": tetrahedra ", (*pair)[0], " and ", (*pair)[1],
+             " lie on the same side of their common face; at most one may");
+}
+
+} // namespace filasofia::geometry

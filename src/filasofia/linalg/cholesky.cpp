@@ -1,0 +1,80 @@
+#include "filasofia/linalg/block_sparse_matrix.h"
+#include "filasofia/linalg/linear_solver.h"
+
+#include <Eigen/SparseCholesky>
+
+namespace filasofia::linalg {
+namespace {
+
+using Lower = Eigen::SparseMatrix<double>;
+
+class Cholesky final : public LinearSolver {
+public:
+    SolveReport solve(const LinearOperator& a, std::span<const Vec3> b, std::span<Vec3> x) override
+    {
+        const BlockSparseMatrix& entries = a.entries();
+        if (entries.columns() != columns_ || entries.rowStarts() != rowStarts_) analyse(entries);
+        copyValues(entries);
+        factor_.factorize(lower_);
+        if (factor_.info() != Eigen::Success) return {.iterations = 1, .residual = 1.0, .converged = false};
+
+        const auto size = static_cast<Eigen::Index>(3 * b.size());
+        const Eigen::VectorXd solution = factor_.solve(Eigen::Map<const Eigen::VectorXd>(&b[0].x, size));
+        Eigen::Map<Eigen::VectorXd>(&x[0].x, size) = solution;
+        return {.iterations = 1, .residual = residual(a, b, x), .converged = solution.allFinite()};
+    }
+
+private:
+    /// The pattern of the lower triangle, column by column: A is symmetric, so row r of A read from its diagonal on
+    /// is column r of the lower triangle.
+    void analyse(const BlockSparseMatrix& a)
+    {
+        columns_ = a.columns();
+        rowStarts_ = a.rowStarts();
+        const int n = a.rows();
+        lower_ = Lower(3 * n, 3 * n);
+        std::vector<Eigen::Triplet<double>> pattern;
+        for (int r = 0; r < n; ++r)
+            for (int p = rowStarts_[r]; p < rowStarts_[r + 1]; ++p)
+                if (columns_[p] >= r)
+                    for (int i = 0; i < 3; ++i)
+                        for (int j = columns_[p] == r ? i : 0; j < 3; ++j)
+                            pattern.emplace_back(3 * columns_[p] + j, 3 * r + i, 1.0);
+        lower_.setFromTriplets(pattern.begin(), pattern.end());
+        factor_.analyzePattern(lower_);
+    }
+
+    void copyValues(const BlockSparseMatrix& a)
+    {
+        // Compressed columns: scalar column 3 r + i holds, in rising rows, the entries of the blocks right of r.
+        double* value = lower_.valuePtr();
+        for (int r = 0; r < a.rows(); ++r)
+            for (int i = 0; i < 3; ++i)
+                for (int p = rowStarts_[r]; p < rowStarts_[r + 1]; ++p)
+                    if (columns_[p] >= r)
+                        for (int j = columns_[p] == r ? i : 0; j < 3; ++j) *value++ = a.block(p)[i][j];
+    }
+
+    double residual(const LinearOperator& a, std::span<const Vec3> b, std::span<const Vec3> x)
+    {
+        product_.resize(b.size());
+        a.multiply(x, product_);
+        double error = 0.0, size = 0.0;
+        for (std::size_t i = 0; i < b.size(); ++i) {
+            error += lengthSquared(b[i] - product_[i]);
+            size += lengthSquared(b[i]);
+        }
+        return size > 0.0 ? std::sqrt(error / size) : 0.0;
+    }
+
+    std::vector<int> columns_, rowStarts_; ///< the structure that was analysed
+    Lower lower_;
+    Eigen::SimplicialLLT<Lower, Eigen::Lower, Eigen::AMDOrdering<int>> factor_;
+    std::vector<Vec3> product_;
+};
+
+} // namespace
+
+std::unique_ptr<LinearSolver> makeCholesky() { return std::make_unique<Cholesky>(); }
+
+} // namespace filasofia::linalg

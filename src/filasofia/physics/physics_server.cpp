@@ -1,0 +1,195 @@
+#include "filasofia/physics/physics_server.h"
+
+#include "filasofia/core/mpsc_queue.h"
+#include "filasofia/core/spsc_ring.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/physics/physics_engine.h"
+
+#include <map>
+#include <mutex>
+
+namespace filasofia::physics {
+namespace {
+
+/// What the callers' side knows of a body, so that a wrong command fails where it is made.
+struct Registered {
+    std::shared_ptr<const BodyDef> def;
+    int nodeCount = 0;
+};
+
+void checkForces(const std::vector<NodalForce>& forces, int nodeCount, const std::string& object)
+{
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+        validate(forces[i], text(object, ": forces[", i, "]"));
+        if (forces[i].node >= nodeCount)
+            fail(object, ": forces[", i, "].node must be in [0, ", nodeCount, "), got ", forces[i].node);
+    }
+}
+
+} // namespace
+
+struct PhysicsServer::Impl {
+    std::unique_ptr<PhysicsEngine> engine;
+    MpscQueue<Command> inbox;
+    std::vector<Command> commands; ///< of the step being made
+    frame::FramePool frames;
+    SpscRing<StepRecord> log;
+    bool hashing = false;
+    bool paused = false;
+    std::atomic<bool> logging = false;
+
+    mutable std::mutex registryMutex; ///< callers only: the step never takes it
+    std::map<BodyId, Registered> registry;
+    std::uint32_t lastId = 0;
+
+    Impl(std::unique_ptr<PhysicsEngine> made, int logLength)
+        : engine(std::move(made)), log(static_cast<std::size_t>(logLength))
+    {}
+
+    BodyId add(BodyDef def)
+    {
+        auto shared = std::make_shared<const BodyDef>(std::move(def));
+        auto body = engine->build(*shared);
+        const std::lock_guard lock(registryMutex);
+        const BodyId id{++lastId};
+        registry[id] = {shared, body->nodeCount()};
+        inbox.push(AddBody{id, shared, std::move(body)}); // under the lock: bodies arrive in the order of their ids
+        return id;
+    }
+
+    Registered find(BodyId id) const
+    {
+        const std::lock_guard lock(registryMutex);
+        const auto found = registry.find(id);
+        if (found == registry.end()) fail("body ", id.value, ": no such body (it was removed, or never added)");
+        return found->second;
+    }
+
+    /// The body behind an id, which must be of kind Def.
+    template <class Def> Registered find(BodyId id, const char* what) const
+    {
+        Registered body = find(id);
+        if (!std::holds_alternative<Def>(*body.def)) fail(describeBody(*body.def), ": ", what);
+        return body;
+    }
+
+    void drainInbox()
+    {
+        commands.clear();
+        while (auto command = inbox.pop()) {
+            if (const auto* pause = std::get_if<Pause>(&*command)) paused = pause->paused;
+            commands.push_back(std::move(*command));
+        }
+    }
+
+    void writeLog(StepReport& report)
+    {
+        if (!logging.load(std::memory_order_relaxed)) return;
+        StepRecord* record = log.beginWrite();
+        if (!record) return report.set(StepFlag::RecordLost);
+        record->report = report;
+        record->hash = hashing ? engine->hash() : 0;
+        engine->record(*record);
+        log.publish();
+    }
+
+    void publishFrame()
+    {
+        frame::Frame* frame = frames.beginWrite();
+        if (!frame) return; // readers hold them all: they will see the next one
+        engine->capture(*frame);
+        frames.publish();
+    }
+};
+
+PhysicsServer::PhysicsServer(std::unique_ptr<PhysicsEngine> engine, const PhysicsServerDef& def)
+{
+    FILASOFIA_ASSERT(engine != nullptr);
+    validate(def, "physics server");
+    impl_ = std::make_unique<Impl>(std::move(engine), def.logLength);
+    impl_->inbox.push(SetGravity{def.gravity});
+}
+
+PhysicsServer::~PhysicsServer() = default;
+
+BodyId PhysicsServer::add(SoftBodyDef def) { return impl_->add(std::move(def)); }
+BodyId PhysicsServer::add(RigidBodyDef def) { return impl_->add(std::move(def)); }
+
+void PhysicsServer::remove(BodyId id)
+{
+    const std::lock_guard lock(impl_->registryMutex);
+    if (impl_->registry.erase(id) == 0) fail("body ", id.value, ": no such body (it was removed, or never added)");
+    impl_->inbox.push(RemoveBody{id});
+}
+
+void PhysicsServer::setPose(BodyId id, const Pose& pose, int element)
+{
+    const Registered body = impl_->find<RigidBodyDef>(id, "a pose can be set on a rigid body only");
+    const std::string object = describeBody(*body.def);
+    if (element < 0 || element >= body.nodeCount)
+        fail(object, ": element must be in [0, ", body.nodeCount, "), got ", element);
+    validate(pose, object);
+    impl_->inbox.push(SetPose{id, element, {pose.position, normalized(pose.orientation)}});
+}
+
+void PhysicsServer::setGravity(Vec3 gravity)
+{
+    if (!isFinite(gravity))
+        fail("physics server: gravity must be finite, got ", gravity.x, " ", gravity.y, " ", gravity.z);
+    impl_->inbox.push(SetGravity{gravity});
+}
+
+void PhysicsServer::setMaterial(BodyId id, const SoftMaterial& material)
+{
+    const Registered body = impl_->find<SoftBodyDef>(id, "a material can be set on a soft body only");
+    const std::string object = describeBody(*body.def);
+    std::visit([&](const auto& each) { validate(each, object); }, material);
+    if (material.index() != std::get<SoftBodyDef>(*body.def).material.index())
+        fail(object, ": material must stay of the kind the body was made with");
+    impl_->inbox.push(SetMaterial{id, material});
+}
+
+void PhysicsServer::setForces(BodyId id, std::vector<NodalForce> forces)
+{
+    const Registered body = impl_->find<SoftBodyDef>(id, "nodal forces can be set on a soft body only");
+    checkForces(forces, body.nodeCount, describeBody(*body.def));
+    impl_->inbox.push(SetForces{id, std::move(forces)});
+}
+
+void PhysicsServer::setPressure(BodyId id, double pressure)
+{
+    const Registered body = impl_->find<SoftBodyDef>(id, "pressure can be set on a soft body only");
+    if (!std::isfinite(pressure)) fail(describeBody(*body.def), ": pressure must be finite, got ", pressure);
+    impl_->inbox.push(SetPressure{id, pressure});
+}
+
+void PhysicsServer::pause(bool paused) { impl_->inbox.push(Pause{paused}); }
+void PhysicsServer::reset() { impl_->inbox.push(Reset{}); }
+
+void PhysicsServer::tune(std::function<void(PhysicsEngine&)> change)
+{
+    FILASOFIA_ASSERT(change != nullptr);
+    impl_->inbox.push(Tune{std::move(change)});
+}
+
+std::shared_ptr<const BodyDef> PhysicsServer::def(BodyId id) const { return impl_->find(id).def; }
+
+StepReport PhysicsServer::step(double dt)
+{
+    impl_->drainInbox();
+    StepReport report = impl_->engine->step({.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands});
+    impl_->writeLog(report);
+    if (impl_->frames.wanted()) impl_->publishFrame();
+    return report;
+}
+
+std::uint64_t PhysicsServer::hash() const { return impl_->engine->hash(); }
+void PhysicsServer::captureNow() { impl_->publishFrame(); }
+void PhysicsServer::hashEveryStep(bool on) { impl_->hashing = on; }
+bool PhysicsServer::paused() const { return impl_->paused; }
+frame::FrameRef PhysicsServer::latest() { return impl_->frames.latest(); }
+const StepRecord* PhysicsServer::nextRecord() { return impl_->log.beginRead(); }
+void PhysicsServer::popRecord() { impl_->log.release(); }
+void PhysicsServer::keepLog(bool on) { impl_->logging.store(on, std::memory_order_relaxed); }
+
+} // namespace filasofia::physics

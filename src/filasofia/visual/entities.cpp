@@ -1,0 +1,108 @@
+// Lights, cameras and views: their checks and what changes them.
+#include "filasofia/core/error.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/visual/scene.h"
+
+#include <algorithm>
+
+namespace filasofia::visual {
+namespace {
+
+// Filament 1.9 keeps two shadow maps for spot lights, draws the shadows of no point light, and one directional light.
+constexpr int kShadowSpots = 2;
+
+bool isShadowSpot(const LightDef& def) { return def.castShadows && std::holds_alternative<SpotLight>(def.kind); }
+bool isDirectional(const LightDef& def) { return std::holds_alternative<DirectionalLight>(def.kind); }
+
+} // namespace
+
+void check(const LightDef& def, const Scene& scene, const LightDef* replaced)
+{
+    const std::string name = text("light '", def.name, "'");
+    validate(def, name);
+    if (const auto* spot = std::get_if<SpotLight>(&def.kind); spot && spot->innerAngle > spot->outerAngle)
+        fail(name, ": kind.innerAngle must be <= outerAngle ", spot->outerAngle, " rad, got ", spot->innerAngle);
+    const auto others = [&](auto&& is) {
+        return std::count_if(scene.lights.begin(), scene.lights.end(),
+                             [&](const LightDef* other) { return other != replaced && is(*other); });
+    };
+    if (isShadowSpot(def) && others(isShadowSpot) >= kShadowSpots)
+        fail(name, ": castShadows: a scene has at most ", kShadowSpots, " spot lights with shadows");
+    if (isDirectional(def) && others(isDirectional) > 0) fail(name, ": a scene has at most one directional light");
+}
+
+void check(const CameraDef& def)
+{
+    const std::string name = text("camera '", def.name, "'");
+    validate(def, name);
+    if (!(def.far > def.near)) fail(name, ": far must be > near ", def.near, " m, got ", def.far);
+}
+
+void check(const ViewDef& def)
+{
+    const std::string name = text("view '", def.name, "'");
+    validate(def, name);
+    const Viewport& port = def.viewport;
+    constexpr double kRounding = 1e-9; // a third and two thirds fill the window
+    if (port.left + port.width > 1.0 + kRounding)
+        fail(name, ": viewport.left + width must be <= 1, got ", port.left + port.width);
+    if (port.top + port.height > 1.0 + kRounding)
+        fail(name, ": viewport.top + height must be <= 1, got ", port.top + port.height);
+}
+
+void check(const EnvironmentDef& def)
+{
+    validate(def, "environment");
+    if (def.lampDirection == Vec3{}) fail("environment: lampDirection must not be zero");
+}
+
+Light::Light(std::string name, std::unique_ptr<Impl> impl) : Transform(std::move(name)), impl_(std::move(impl))
+{
+    impl_->scene.lights.push_back(&impl_->def);
+}
+Light::~Light() { std::erase(impl_->scene.lights, &impl_->def); }
+const LightDef& Light::def() const { return impl_->def; }
+
+void Light::set(const LightDef& def)
+{
+    impl_->scene.assertThread();
+    check(def, impl_->scene, &impl_->def);
+    impl_->scene.backend->putLight(impl_->slot, def);
+    impl_->def = def;
+}
+
+Camera::Camera(std::string name, std::unique_ptr<Impl> impl) : Transform(std::move(name)), impl_(std::move(impl)) {}
+Camera::~Camera() = default;
+const CameraDef& Camera::def() const { return impl_->def; }
+
+void Camera::set(const CameraDef& def)
+{
+    impl_->scene.assertThread();
+    check(def);
+    impl_->scene.backend->putCamera(impl_->slot, def);
+    impl_->def = def;
+}
+
+View::View(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+View::~View() = default;
+const ViewDef& View::def() const { return impl_->def; }
+Camera& View::camera() const { return *impl_->camera; }
+
+void View::set(const ViewDef& def)
+{
+    impl_->scene.assertThread();
+    check(def);
+    impl_->scene.backend->putView(impl_->slot, def, impl_->camera->impl().slot);
+    impl_->def = def;
+}
+
+void View::setCamera(Camera& camera)
+{
+    impl_->scene.assertThread();
+    if (&camera.impl().scene != &impl_->scene)
+        fail("view '", impl_->def.name, "': camera '", camera.name(), "' belongs to another server");
+    impl_->scene.backend->putView(impl_->slot, impl_->def, camera.impl().slot);
+    impl_->camera = &camera;
+}
+
+} // namespace filasofia::visual

@@ -1,0 +1,23 @@
+#include "filasofia/visual/image.h"
+
+#include "filasofia/core/error.h"
+
+#include <stb/stb_image_write.h>
+
+namespace filasofia::visual {
+
+void savePng(const Image& image, const std::filesystem::path& file)
+{
+    const std::size_t pixels = std::size_t(std::max(image.width, 0)) * std::size_t(std::max(image.height, 0));
+    if (pixels == 0 || image.rgba.size() != 4 * pixels)
+        fail("cannot write picture '", file.string(), "': it is ", image.width, " x ", image.height, " pixels with ",
+             image.rgba.size(), " bytes");
+    // Opaque: the alpha that the scene leaves behind means nothing to who looks at the file.
+    std::vector<std::uint8_t> rgb(3 * pixels);
+    for (std::size_t i = 0; i < pixels; ++i)
+        for (std::size_t k = 0; k < 3; ++k) rgb[3 * i + k] = image.rgba[4 * i + k];
+    if (!stbi_write_png(file.c_str(), image.width, image.height, 3, rgb.data(), 3 * image.width))
+        fail("cannot write picture '", file.string(), "'");
+}
+
+} // namespace filasofia::visual

@@ -1,0 +1,82 @@
+#include "filasofia/visual/null_backend.h"
+
+#include "filasofia/core/assert.h"
+
+#include <utility>
+
+namespace filasofia::visual {
+
+void NullBackend::addBody(Slot slot, const Material& material, bool castShadows, BodyGeometry geometry)
+{
+    FILASOFIA_ASSERT(!bodies.contains(slot) && !placed.contains(slot));
+    Body body;
+    body.geometry = std::move(geometry);
+    body.states.resize(body.geometry.rest.size());
+    body.material = material;
+    body.castShadows = castShadows;
+    bodies.emplace(slot, std::move(body));
+}
+
+void NullBackend::setGeometry(Slot body, BodyGeometry geometry)
+{
+    Body& changed = bodies.at(body);
+    changed.geometry = std::move(geometry);
+    changed.states.assign(changed.geometry.rest.size(), {});
+    ++changed.geometryCalls;
+}
+
+void NullBackend::setVertices(Slot body, VertexData vertices)
+{
+    Body& changed = bodies.at(body);
+    FILASOFIA_ASSERT(vertices.positions.size() == changed.geometry.rest.size());
+    changed.geometry.vertices = std::move(vertices);
+    ++changed.vertexCalls;
+}
+
+void NullBackend::setSurfaceState(Slot body, std::vector<PackedState> states)
+{
+    Body& changed = bodies.at(body);
+    FILASOFIA_ASSERT(states.size() == changed.geometry.rest.size());
+    changed.states = std::move(states);
+}
+
+void NullBackend::setMaterial(Slot body, const Material& material) { bodies.at(body).material = material; }
+void NullBackend::setVisible(Slot body, bool visible) { bodies.at(body).visible = visible; }
+void NullBackend::putLight(Slot slot, const LightDef&) { ++placed[slot].putCalls; }
+void NullBackend::putCamera(Slot slot, const CameraDef&) { ++placed[slot].putCalls; }
+void NullBackend::putView(Slot slot, const ViewDef&, Slot camera)
+{
+    FILASOFIA_ASSERT(placed.contains(camera));
+    ++placed[slot].putCalls;
+}
+void NullBackend::setEnvironment(const EnvironmentDef&) { ++environmentCalls; }
+
+void NullBackend::setPose(Slot entity, const Pose& world)
+{
+    const auto body = bodies.find(entity);
+    (body != bodies.end() ? body->second.pose : placed.at(entity).pose) = world;
+}
+
+void NullBackend::remove(Slot entity) { FILASOFIA_ASSERT(bodies.erase(entity) + placed.erase(entity) == 1); }
+
+void NullBackend::resize(int width, int height)
+{
+    width_ = width;
+    height_ = height;
+}
+
+bool NullBackend::draw()
+{
+    ++frames;
+    return true;
+}
+
+Image NullBackend::capture()
+{
+    draw();
+    Image image{width_, height_, std::vector<std::uint8_t>(4 * std::size_t(width_) * std::size_t(height_), 0)};
+    for (std::size_t alpha = 3; alpha < image.rgba.size(); alpha += 4) image.rgba[alpha] = 255;
+    return image;
+}
+
+} // namespace filasofia::visual

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "filasofia/visual/render_backend.h"
+
+#include <map>
+
+namespace filasofia::visual {
+
+/// Draws nothing, keeps what it was given and counts the calls: for tests without a GPU.
+class NullBackend final : public RenderBackend {
+public:
+    struct Body {
+        BodyGeometry geometry;
+        std::vector<PackedState> states;
+        Material material;
+        bool castShadows = true;
+        bool visible = true;
+        Pose pose;
+        int vertexCalls = 0;   ///< setVertices
+        int geometryCalls = 0; ///< setGeometry
+    };
+    struct Placed {
+        Pose pose;
+        int putCalls = 0;
+    };
+
+    NullBackend(int width, int height) : width_(width), height_(height) {}
+
+    void addBody(Slot slot, const Material& material, bool castShadows, BodyGeometry geometry) override;
+    void setGeometry(Slot body, BodyGeometry geometry) override;
+    void setVertices(Slot body, VertexData vertices) override;
+    void setSurfaceState(Slot body, std::vector<PackedState> states) override;
+    void setMaterial(Slot body, const Material& material) override;
+    void setVisible(Slot body, bool visible) override;
+    void putLight(Slot slot, const LightDef& def) override;
+    void putCamera(Slot slot, const CameraDef& def) override;
+    void putView(Slot slot, const ViewDef& def, Slot camera) override;
+    void setEnvironment(const EnvironmentDef& def) override;
+    void setPose(Slot entity, const Pose& world) override;
+    void remove(Slot entity) override;
+    void resize(int width, int height) override;
+    bool draw() override;
+    Image capture() override;
+
+    std::map<Slot, Body> bodies;
+    std::map<Slot, Placed> placed; ///< lights, cameras and views
+    int frames = 0;
+    int environmentCalls = 0;
+
+private:
+    int width_;
+    int height_;
+};
+
+} // namespace filasofia::visual

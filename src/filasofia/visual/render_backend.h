@@ -1,0 +1,75 @@
+#pragma once
+
+#include "filasofia/visual/image.h"
+#include "filasofia/visual/light.h"
+#include "filasofia/visual/mesh_frames.h"
+#include "filasofia/visual/view.h"
+#include "filasofia/visual/visual_server.h"
+
+#include <array>
+#include <memory>
+
+namespace filament {
+class Engine;
+class Renderer;
+class Scene;
+class View;
+} // namespace filament
+
+namespace filasofia::visual {
+
+/// An entity as the backend knows it; given once by the server, never 0.
+using Slot = std::uint32_t;
+
+/// The surface of a body as it is drawn, after subdivision.
+struct BodyGeometry {
+    std::vector<Float3> rest;           ///< [m], one for each vertex: what the pattern sticks to
+    std::vector<std::uint32_t> indices; ///< three vertices for each triangle
+    VertexData vertices;
+};
+
+/// Blood, burn, wetness, in 255ths; the fourth is reserved.
+using PackedState = std::array<std::uint8_t, 4>;
+
+struct NativeObjects {
+    filament::Engine* engine = nullptr;
+    filament::Renderer* renderer = nullptr;
+    filament::Scene* scene = nullptr;
+};
+
+/// What draws. All it is given has been checked; a slot names one entity of one kind until remove().
+class RenderBackend {
+public:
+    RenderBackend() = default;
+    RenderBackend(const RenderBackend&) = delete;
+    RenderBackend& operator=(const RenderBackend&) = delete;
+    virtual ~RenderBackend() = default;
+
+    virtual void addBody(Slot slot, const Material& material, bool castShadows, BodyGeometry geometry) = 0;
+    virtual void setGeometry(Slot body, BodyGeometry geometry) = 0;
+    virtual void setVertices(Slot body, VertexData vertices) = 0; ///< as many as the geometry has
+    virtual void setSurfaceState(Slot body, std::vector<PackedState> states) = 0;
+    virtual void setMaterial(Slot body, const Material& material) = 0;
+    virtual void setVisible(Slot body, bool visible) = 0;
+
+    /// These make the entity or replace what it was.
+    virtual void putLight(Slot slot, const LightDef& def) = 0;
+    virtual void putCamera(Slot slot, const CameraDef& def) = 0;
+    virtual void putView(Slot slot, const ViewDef& def, Slot camera) = 0;
+    virtual void setEnvironment(const EnvironmentDef& def) = 0;
+
+    virtual void setPose(Slot entity, const Pose& world) = 0; ///< body, light or camera
+    virtual void remove(Slot entity) = 0;
+
+    virtual void resize(int width, int height) = 0;
+    virtual bool draw() = 0;     ///< one frame; false: skipped
+    virtual Image capture() = 0; ///< draws, and reads what was drawn; throws an Error when nothing comes
+
+    virtual NativeObjects native() { return {}; }
+    virtual filament::View* nativeView(Slot) { return nullptr; }
+};
+
+/// Throws an Error when it cannot start.
+std::unique_ptr<RenderBackend> makeBackend(const VisualServerDef& def);
+
+} // namespace filasofia::visual

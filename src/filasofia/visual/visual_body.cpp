@@ -1,0 +1,124 @@
+#include "filasofia/core/error.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/visual/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::visual {
+namespace {
+
+// Float bounds of a million metres keep every square and product of the graphics library finite.
+constexpr double kFarthest = 1e6;
+
+std::vector<Float3> toFloats(std::span<const Vec3> positions)
+{
+    std::vector<Float3> floats(positions.size());
+    std::transform(positions.begin(), positions.end(), floats.begin(), toFloat3);
+    return floats;
+}
+
+std::string bodyName(std::string_view name) { return text("body '", name, "'"); }
+
+} // namespace
+
+void checkPositions(std::span<const Vec3> positions, std::size_t count, std::string_view body)
+{
+    if (positions.size() != count)
+        fail(bodyName(body), ": needs one position for each of its ", count, " vertices, got ", positions.size());
+    for (std::size_t i = 0; i < count; ++i)
+        for (int k = 0; k < 3; ++k)
+            if (!(std::abs(positions[i][k]) < kFarthest))
+                fail(bodyName(body), ": the position of vertex ", i, " must be finite and nearer than ", kFarthest,
+                     " m, got ", positions[i][k]);
+}
+
+void check(const VisualBodyDef& def)
+{
+    validate(def, bodyName(def.name));
+    checkPositions(def.mesh.vertices, def.mesh.vertices.size(), def.name);
+}
+
+BodyGeometry bodyGeometry(const Subdivision& subdivision, std::span<const Vec3> rest, std::span<const Vec3> now)
+{
+    BodyGeometry geometry;
+    geometry.rest = subdivision.refine(toFloats(rest));
+    geometry.indices.assign(subdivision.indices().begin(), subdivision.indices().end());
+    geometry.vertices = vertexData(subdivision.refine(toFloats(now)), geometry.indices);
+    return geometry;
+}
+
+VisualBody::VisualBody(std::string name, std::unique_ptr<Impl> impl)
+    : Transform(std::move(name)), impl_(std::move(impl))
+{
+}
+VisualBody::~VisualBody() = default;
+
+int VisualBody::vertexCount() const { return static_cast<int>(impl_->def.mesh.vertices.size()); }
+std::span<const Vec3> VisualBody::vertices() const { return impl_->def.mesh.vertices; }
+std::span<const geometry::Triangle> VisualBody::triangles() const { return impl_->def.mesh.triangles; }
+const Material& VisualBody::material() const { return impl_->def.material; }
+bool VisualBody::visible() const { return impl_->visible; }
+
+void VisualBody::setVertices(std::span<const Vec3> positions)
+{
+    impl_->scene.assertThread();
+    std::vector<Vec3>& now = impl_->def.mesh.vertices;
+    checkPositions(positions, now.size(), name());
+    now.assign(positions.begin(), positions.end());
+    const Subdivision& subdivision = impl_->subdivision;
+    impl_->scene.backend->setVertices(impl_->slot,
+                                      vertexData(subdivision.refine(toFloats(positions)), subdivision.indices()));
+    ++impl_->scene.vertexUpdates;
+}
+
+void VisualBody::setMesh(const geometry::TriangleMesh& mesh, std::span<const Vec3> rest)
+{
+    impl_->scene.assertThread();
+    checkPositions(mesh.vertices, mesh.vertices.size(), name());
+    checkPositions(rest, mesh.vertices.size(), name());
+    Subdivision subdivision(mesh, impl_->def.subdivision, bodyName(name()));
+    impl_->scene.backend->setGeometry(impl_->slot, bodyGeometry(subdivision, rest, mesh.vertices));
+    impl_->def.mesh = mesh;
+    impl_->subdivision = std::move(subdivision);
+    ++impl_->scene.vertexUpdates;
+}
+
+void VisualBody::setSurfaceState(std::span<const SurfaceState> states)
+{
+    impl_->scene.assertThread();
+    if (states.size() != impl_->def.mesh.vertices.size())
+        fail(bodyName(name()), ": needs one surface state for each of its ", vertexCount(), " vertices, got ",
+             states.size());
+    std::vector<Float3> control(states.size());
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        for (double value : {states[i].blood, states[i].burn, states[i].wetness})
+            if (!(value >= 0.0 && value <= 1.0))
+                fail(bodyName(name()), ": the surface state of vertex ", i, " must be in [0, 1], got ", value);
+        control[i] = toFloat3({states[i].blood, states[i].burn, states[i].wetness});
+    }
+    // The refined values are means of the given ones, but for rounding.
+    const auto pack = [](float v) { return static_cast<std::uint8_t>(std::lrint(255.0F * std::clamp(v, 0.0F, 1.0F))); };
+    const std::vector<Float3> refined = impl_->subdivision.refine(control);
+    std::vector<PackedState> packed(refined.size());
+    for (std::size_t i = 0; i < refined.size(); ++i)
+        packed[i] = {pack(refined[i].x), pack(refined[i].y), pack(refined[i].z), 0};
+    impl_->scene.backend->setSurfaceState(impl_->slot, std::move(packed));
+}
+
+void VisualBody::setMaterial(const Material& material)
+{
+    impl_->scene.assertThread();
+    std::visit([&](const auto& held) { validate(held, text(bodyName(name()), ": material")); }, material);
+    impl_->def.material = material;
+    impl_->scene.backend->setMaterial(impl_->slot, material);
+}
+
+void VisualBody::setVisible(bool visible)
+{
+    impl_->scene.assertThread();
+    impl_->visible = visible;
+    impl_->scene.backend->setVisible(impl_->slot, visible);
+}
+
+} // namespace filasofia::visual

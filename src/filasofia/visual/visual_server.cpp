@@ -1,0 +1,227 @@
+#include "filasofia/visual/visual_server.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/visual/native.h"
+#include "filasofia/visual/scene.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace filasofia::visual {
+
+struct VisualServer::Impl {
+    int width = 0;
+    int height = 0;
+    Scene scene;
+    std::vector<std::unique_ptr<VisualBody>> bodies;
+    std::vector<std::unique_ptr<Light>> lights;
+    std::vector<std::unique_ptr<Camera>> cameras;
+    std::vector<std::unique_ptr<View>> views;
+    std::vector<std::unique_ptr<Transform>> rigs;
+    Slot lastSlot = 0;
+    VisualStatistics statistics;
+
+    /// The place of an entity in a list, or its end.
+    template <class Entity, class Wanted> static auto find(std::vector<std::unique_ptr<Entity>>& list, Wanted& wanted)
+    {
+        return std::find_if(list.begin(), list.end(), [&](const auto& each) { return each.get() == &wanted; });
+    }
+
+    /// Removes `entity` from scene and list; false when it is not in this list.
+    template <class Entity> bool erase(std::vector<std::unique_ptr<Entity>>& list, Transform& entity)
+    {
+        const auto found = find(list, entity);
+        if (found == list.end()) return false;
+        if constexpr (!std::is_same_v<Entity, Transform>) scene.backend->remove((*found)->impl().slot);
+        list.erase(found);
+        return true;
+    }
+
+    template <class Entity> void sendPoses(const std::vector<std::unique_ptr<Entity>>& list)
+    {
+        for (const auto& each : list) scene.backend->setPose(each->impl().slot, each->worldPose());
+    }
+
+    void sendAllPoses()
+    {
+        sendPoses(bodies);
+        sendPoses(lights);
+        sendPoses(cameras);
+    }
+};
+
+namespace {
+
+void checkSize(int width, int height)
+{
+    VisualServerDef def;
+    def.width = width;
+    def.height = height;
+    validate(def, "visual server");
+}
+
+/// Seconds that `work` took.
+template <class Work> double secondsOf(Work&& work)
+{
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace
+
+VisualServer::VisualServer(const VisualServerDef& def) : impl_(std::make_unique<Impl>())
+{
+    checkSize(def.width, def.height);
+    impl_->width = def.width;
+    impl_->height = def.height;
+    impl_->scene.backend = makeBackend(def);
+    impl_->scene.backend->setEnvironment({});
+}
+
+VisualServer::~VisualServer() { impl_->scene.assertThread(); }
+
+VisualBody& VisualServer::add(const VisualBodyDef& def)
+{
+    impl_->scene.assertThread();
+    check(def);
+    Subdivision subdivision(def.mesh, def.subdivision, text("body '", def.name, "'"));
+    BodyGeometry geometry = bodyGeometry(subdivision, def.mesh.vertices, def.mesh.vertices);
+    const Slot slot = ++impl_->lastSlot;
+    impl_->scene.backend->addBody(slot, def.material, def.castShadows, std::move(geometry));
+    ++impl_->scene.vertexUpdates;
+    impl_->bodies.push_back(std::make_unique<VisualBody>(
+        def.name,
+        std::unique_ptr<VisualBody::Impl>(new VisualBody::Impl{impl_->scene, slot, def, std::move(subdivision)})));
+    return *impl_->bodies.back();
+}
+
+Light& VisualServer::add(const LightDef& def)
+{
+    impl_->scene.assertThread();
+    check(def, impl_->scene, nullptr);
+    const Slot slot = ++impl_->lastSlot;
+    impl_->scene.backend->putLight(slot, def);
+    impl_->lights.push_back(
+        std::make_unique<Light>(def.name, std::unique_ptr<Light::Impl>(new Light::Impl{impl_->scene, slot, def})));
+    return *impl_->lights.back();
+}
+
+Camera& VisualServer::add(const CameraDef& def)
+{
+    impl_->scene.assertThread();
+    check(def);
+    const Slot slot = ++impl_->lastSlot;
+    impl_->scene.backend->putCamera(slot, def);
+    impl_->cameras.push_back(
+        std::make_unique<Camera>(def.name, std::unique_ptr<Camera::Impl>(new Camera::Impl{impl_->scene, slot, def})));
+    return *impl_->cameras.back();
+}
+
+View& VisualServer::add(const ViewDef& def, Camera& camera)
+{
+    impl_->scene.assertThread();
+    check(def);
+    if (&camera.impl().scene != &impl_->scene)
+        fail("view '", def.name, "': camera '", camera.name(), "' belongs to another server");
+    const Slot slot = ++impl_->lastSlot;
+    impl_->scene.backend->putView(slot, def, camera.impl().slot);
+    impl_->views.push_back(
+        std::make_unique<View>(std::unique_ptr<View::Impl>(new View::Impl{impl_->scene, slot, def, &camera})));
+    return *impl_->views.back();
+}
+
+Transform& VisualServer::addTransform(std::string name)
+{
+    impl_->scene.assertThread();
+    impl_->rigs.push_back(std::make_unique<Transform>(std::move(name)));
+    return *impl_->rigs.back();
+}
+
+void VisualServer::remove(Transform& entity)
+{
+    impl_->scene.assertThread();
+    for (const auto& view : impl_->views)
+        if (&view->camera() == &entity)
+            fail("camera '", entity.name(), "' cannot be removed: view '", view->def().name, "' shows it");
+    if (!impl_->erase(impl_->bodies, entity) && !impl_->erase(impl_->lights, entity) &&
+        !impl_->erase(impl_->cameras, entity) && !impl_->erase(impl_->rigs, entity))
+        fail("'", entity.name(), "' cannot be removed: it does not belong to this server");
+}
+
+void VisualServer::remove(View& view)
+{
+    impl_->scene.assertThread();
+    const auto found = Impl::find(impl_->views, view);
+    if (found == impl_->views.end())
+        fail("view '", view.def().name, "' cannot be removed: it does not belong to this server");
+    impl_->scene.backend->remove(view.impl().slot);
+    impl_->views.erase(found);
+}
+
+void VisualServer::setEnvironment(const EnvironmentDef& def)
+{
+    impl_->scene.assertThread();
+    check(def);
+    impl_->scene.backend->setEnvironment(def);
+}
+
+bool VisualServer::render()
+{
+    impl_->scene.assertThread();
+    bool drawn = false;
+    const double seconds = secondsOf([&] {
+        impl_->sendAllPoses();
+        drawn = impl_->scene.backend->draw();
+    });
+    if (drawn) impl_->statistics.lastFrameSeconds = seconds;
+    ++(drawn ? impl_->statistics.framesDrawn : impl_->statistics.framesSkipped);
+    return drawn;
+}
+
+void VisualServer::resize(int width, int height)
+{
+    impl_->scene.assertThread();
+    checkSize(width, height);
+    if (width == impl_->width && height == impl_->height) return;
+    impl_->scene.backend->resize(width, height);
+    impl_->width = width;
+    impl_->height = height;
+}
+
+int VisualServer::width() const { return impl_->width; }
+int VisualServer::height() const { return impl_->height; }
+
+Image VisualServer::capture()
+{
+    impl_->scene.assertThread();
+    Image image;
+    impl_->statistics.lastFrameSeconds = secondsOf([&] {
+        impl_->sendAllPoses();
+        image = impl_->scene.backend->capture();
+    });
+    ++impl_->statistics.framesDrawn;
+    return image;
+}
+
+VisualStatistics VisualServer::statistics() const
+{
+    VisualStatistics now = impl_->statistics;
+    now.vertexUpdates = impl_->scene.vertexUpdates;
+    now.bodies = static_cast<int>(impl_->bodies.size());
+    now.lights = static_cast<int>(impl_->lights.size());
+    now.cameras = static_cast<int>(impl_->cameras.size());
+    now.views = static_cast<int>(impl_->views.size());
+    return now;
+}
+
+namespace native {
+
+filament::Engine* engine(VisualServer& server) { return server.impl().scene.backend->native().engine; }
+filament::Renderer* renderer(VisualServer& server) { return server.impl().scene.backend->native().renderer; }
+filament::Scene* scene(VisualServer& server) { return server.impl().scene.backend->native().scene; }
+filament::View* view(View& view) { return view.impl().scene.backend->nativeView(view.impl().slot); }
+
+} // namespace native
+} // namespace filasofia::visual

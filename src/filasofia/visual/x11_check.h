@@ -1,0 +1,9 @@
+#pragma once
+
+namespace filasofia::visual {
+
+/// Throws an Error when there is no X display with OpenGL, or no such window on it: Filament and Xlib would end the
+/// process.
+void checkX11Window(void* nativeWindow);
+
+} // namespace filasofia::visual
