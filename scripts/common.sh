@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # Read by the scripts beside it: what they all say and need. Not a program.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 script=$(basename "$0")

@@ -34,13 +34,9 @@ constexpr auto fields(const EventDispatcherDef*)
 
 template <class E>
 concept EventClass = std::derived_from<E, Event>;
+/// An event class whose type is always the same.
 template <class E>
-concept TypedEvent = EventClass<E> && requires
-{
-    {
-        E::kType
-        } -> std::convertible_to<EventType>;
-};
+concept TypedEvent = EventClass<E> && std::same_as<decltype(E::kType), const EventType>;
 
 /// Brings events from any thread to the observers of their type, one event at a time.
 ///

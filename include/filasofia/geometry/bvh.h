@@ -2,6 +2,7 @@
 
 #include "filasofia/geometry/box.h"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -82,7 +83,8 @@ void overlappingPairs(const Bvh& a, const Bvh& b, std::vector<std::array<int, 2>
 template <class Bound, class Value> Bvh::Found Bvh::smallest(const Bound& bound, Value& value, double atMost) const
 {
     constexpr double kRounding = 1.0 - 1e-12; // a bound and the value it bounds are rounded differently
-    Found best{-1, atMost};
+    // What is infinitely far, or missed by the ray, is not found even where nothing else is.
+    Found best{-1, std::min(atMost, std::numeric_limits<double>::max())};
     if (nodes_.empty()) return best;
     struct Entry {
         int node;
@@ -100,8 +102,7 @@ template <class Bound, class Value> Bvh::Found Bvh::smallest(const Bound& bound,
             const Box& box = boxes_[primitive];
             if (isEmpty(box) || !(bound(box) * kRounding <= best.value)) continue;
             const double v = value(primitive);
-            if (v < best.value ||
-                (v == best.value && v < Box::kFar && (best.primitive < 0 || primitive < best.primitive)))
+            if (v < best.value || (v == best.value && (best.primitive < 0 || primitive < best.primitive)))
                 best = {primitive, v};
         }
         if (node.count > 0) continue;

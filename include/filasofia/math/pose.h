@@ -6,8 +6,8 @@ namespace filasofia {
 
 /// Where a rigid thing is: it maps its own coordinates to the world by rotating, then moving.
 struct Pose {
-    Vec3 position;    ///< [m]
-    Quat orientation; ///< unit quaternion
+    Vec3 position = {};    ///< [m]
+    Quat orientation = {}; ///< unit quaternion
 
     friend constexpr bool operator==(const Pose&, const Pose&) = default;
 };

@@ -19,33 +19,33 @@ public:
 };
 
 struct AddBody {
-    BodyId id;
-    std::shared_ptr<const BodyDef> def;
-    std::unique_ptr<BuiltBody> body;
+    BodyId id = {};
+    std::shared_ptr<const BodyDef> def = {};
+    std::unique_ptr<BuiltBody> body = {};
 };
 struct RemoveBody {
-    BodyId id;
+    BodyId id = {};
 };
 /// Where a rigid element is from the next step on.
 struct SetPose {
-    BodyId id;
+    BodyId id = {};
     int element = 0;
-    Pose pose;
+    Pose pose = {};
 };
 struct SetGravity {
-    Vec3 gravity; ///< [m/s^2]
+    Vec3 gravity = {}; ///< [m/s^2]
 };
 struct SetMaterial {
-    BodyId id;
-    SoftMaterial material;
+    BodyId id = {};
+    SoftMaterial material = {};
 };
 /// Replaces all given forces of a soft body.
 struct SetForces {
-    BodyId id;
-    std::vector<NodalForce> forces;
+    BodyId id = {};
+    std::vector<NodalForce> forces = {};
 };
 struct SetPressure {
-    BodyId id;
+    BodyId id = {};
     double pressure = 0.0; ///< [Pa]
 };
 /// Every body back to where it was added, at rest; time and step count go on.

@@ -65,15 +65,15 @@ inline constexpr double kHard = std::numeric_limits<double>::infinity();
 
 /// Holds nodes of a body where they are at the start.
 struct AttachmentDef {
-    std::vector<int> nodes;      ///< indices of the mesh
-    std::optional<geometry::Box> box; ///< and every node that starts in this box (world coordinates)
+    std::vector<int> nodes = {};      ///< indices of the mesh
+    std::optional<geometry::Box> box = {}; ///< and every node that starts in this box (world coordinates)
     double stiffness = kHard;    ///< [N/m], in (0, inf], of each node's spring; infinite: the node does not move
 };
 
 /// A given force on a node.
 struct NodalForce {
     int node = 0;                ///< index of the mesh
-    Vec3 force;                  ///< [N]
+    Vec3 force = {};                  ///< [N]
 };
 
 /// A tetrahedral mesh: the name of a file, or the mesh itself.
@@ -82,8 +82,8 @@ using TetMeshSource = std::variant<std::string, std::shared_ptr<const geometry::
 /// A body that deforms.
 struct SoftBodyDef {
     std::string name = "soft body";
-    TetMeshSource mesh;
-    Pose pose;                              ///< from the mesh's coordinates to the world
+    TetMeshSource mesh = {};
+    Pose pose = {};                              ///< from the mesh's coordinates to the world
     SoftMaterial material = FemMaterial{};
     Mass mass = Density{};
     Rayleigh rayleigh = {};
@@ -181,5 +181,11 @@ constexpr auto fields(const RigidBodyDef*)
 
 /// The body's kind and name as errors begin: "soft body 'uterus'".
 std::string describeBody(const BodyDef& def);
+
+/// The mesh a body asks for, read from its file where it names one, and checked. Throws an Error naming the body.
+std::shared_ptr<const geometry::TetMesh> loadMesh(const SoftBodyDef& def);
+
+/// That mesh where the body starts: nodes in world coordinates.
+geometry::TetMesh worldMesh(const SoftBodyDef& def);
 
 } // namespace filasofia::physics

@@ -1,7 +1,6 @@
 #pragma once
 
-#include "filasofia/physics/commands.h"
-#include "filasofia/physics/step.h"
+#include "filasofia/physics/step_record.h"
 
 #include "filasofia/frame/frame.h"
 
@@ -12,7 +11,8 @@ namespace filasofia::physics {
 /// What a step is told.
 struct StepInput {
     double dt = 1e-3;             ///< [s], >= 0; 0 applies the commands and moves nothing
-    std::span<Command> commands;  ///< applied first; moved from
+    std::span<Command> commands;  ///< applied first; the built bodies are moved out of them
+    std::uint32_t flags = 0;      ///< StepFlag bits the report starts with
 };
 
 /// The seam behind which an engine works: ours, or another one. Only build() may be called from any thread.

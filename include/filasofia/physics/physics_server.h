@@ -1,7 +1,6 @@
 #pragma once
 
-#include "filasofia/physics/commands.h"
-#include "filasofia/physics/step.h"
+#include "filasofia/physics/step_record.h"
 
 #include "filasofia/frame/frame_pool.h"
 
@@ -44,7 +43,8 @@ public:
     [[nodiscard]] std::shared_ptr<const BodyDef> def(BodyId id) const;
 
     // The stepping thread only.
-    StepReport step(double dt);
+    /// One step of dt [s], > 0. `flags`: StepFlag bits that the caller knows already, for report and log.
+    StepReport step(double dt, std::uint32_t flags = 0);
     [[nodiscard]] std::uint64_t hash() const;
     void captureNow(); ///< publishes a Frame whether a reader asked or not
     /// Computes the state's hash after every step, for the log.
@@ -54,7 +54,7 @@ public:
     /// The newest state. Any thread.
     [[nodiscard]] frame::FrameRef latest();
     /// The oldest step that was not read yet, or nullptr; popRecord() gives its place back. One reader.
-    [[nodiscard]] const StepRecord* nextRecord();
+    [[nodiscard]] StepRecord* nextRecord();
     void popRecord();
     /// Steps are logged from now on; without a reader nobody pays for it.
     void keepLog(bool on);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "filasofia/core/body_id.h"
-#include "filasofia/math/pose.h"
 
 #include <cstdint>
 #include <vector>
@@ -15,7 +14,7 @@ enum class StepFlag : std::uint32_t {
     NotConverged = 1u << 2,   ///< a solver stopped at its cap
     Undone = 1u << 3,         ///< a body's new state was not finite: it kept its positions and lost its velocity
     EventLost = 1u << 4,      ///< the event queue was full (runtime)
-    RecordLost = 1u << 5,     ///< the step log was full and this step is missing in it
+    RecordLost = 1u << 5,     ///< the step log was full; in a record: steps before it are missing
     Tuned = 1u << 6,          ///< tune() ran: a recording cannot be replayed from here on
     TuneRejected = 1u << 7,   ///< tune() threw or left an invalid model: everything was put back
 };
@@ -37,13 +36,6 @@ struct StepReport {
 
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }
     [[nodiscard]] bool has(StepFlag flag) const { return (flags & static_cast<std::uint32_t>(flag)) != 0; }
-};
-
-/// What the log keeps of every step.
-struct StepRecord {
-    StepReport report = {};
-    std::uint64_t hash = 0; ///< of the whole state; 0 unless it was asked for
-    std::vector<Pose> rigidPoses = {}; ///< of all rigid elements, in the order of bodies and elements
 };
 
 } // namespace filasofia::physics

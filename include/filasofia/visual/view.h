@@ -33,13 +33,15 @@ struct ViewDef {
     std::string name = "view";
     Viewport viewport = {};
     Quality quality = Quality::High;
+    double occlusionRadius = 0.012; ///< [m], > 0: how far corners darken their surroundings (Quality::High)
 };
 
 constexpr auto fields(const ViewDef*)
 {
     return describe("View", field("name", &ViewDef::name, "name in errors"),
                     field("viewport", &ViewDef::viewport, "where in the window"),
-                    field("quality", &ViewDef::quality, "what it spends on the picture"));
+                    field("quality", &ViewDef::quality, "what it spends on the picture"),
+                    field("occlusionRadius", &ViewDef::occlusionRadius, "m", positive(), "reach of dark corners"));
 }
 
 /// Shows what a camera sees in a rectangle of the window; made by VisualServer::add. Later views lie on top.

@@ -2,7 +2,6 @@
 
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/adjacency.h"
-#include "filasofia/geometry/mesh_file.h"
 #include "filasofia/geometry/surface.h"
 
 #include <algorithm>
@@ -11,24 +10,6 @@ namespace filasofia::engine {
 namespace {
 
 using geometry::TetMesh;
-
-/// The mesh a Def names, checked, in world coordinates.
-TetMesh worldMesh(const physics::SoftBodyDef& def, const std::string& object)
-{
-    TetMesh mesh;
-    if (const auto* file = std::get_if<std::string>(&def.mesh)) {
-        if (file->empty()) fail(object, ": mesh must name a file or be a mesh, got nothing");
-        mesh = geometry::loadTetMesh(*file);
-    } else {
-        const auto& given = std::get<std::shared_ptr<const TetMesh>>(def.mesh);
-        if (!given) fail(object, ": mesh must name a file or be a mesh, got nothing");
-        mesh = *given;
-        geometry::check(mesh, object + ": mesh");
-    }
-    const Pose pose{def.pose.position, normalized(def.pose.orientation)};
-    for (Vec3& node : mesh.nodes) node = transform(pose, node);
-    return mesh;
-}
 
 void addElements(const TetMesh& mesh, SoftModel& model)
 {
@@ -88,7 +69,7 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def)
 {
     const std::string object = text("soft body '", def.name, "'");
     validate(def, object);
-    const TetMesh mesh = worldMesh(def, object);
+    const TetMesh mesh = physics::worldMesh(def);
 
     auto built = std::make_unique<BuiltSoftBody>();
     SoftModel& model = built->model;

@@ -26,7 +26,7 @@ std::unique_ptr<physics::BuiltBody> World::build(const physics::BodyDef& def) co
 
 physics::StepReport World::step(const physics::StepInput& in)
 {
-    physics::StepReport report{.dt = in.dt};
+    physics::StepReport report{.dt = in.dt, .flags = in.flags};
     applyCommands(in.commands, *this, model_, state_, systems_, report); // 1 what the outside asked for
     assemble(model_, in.dt, state_, systems_);                           // 3 forces and stiffness
     advance(model_, in.dt, systems_, state_, report);                    // 4 new velocities, new positions

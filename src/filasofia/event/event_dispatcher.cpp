@@ -6,6 +6,8 @@
 #include "filasofia/event/event_queue.h"
 #include "filasofia/event/observer_list.h"
 
+#include <system_error>
+
 namespace filasofia::event {
 
 struct EventDispatcher::Impl {
@@ -177,7 +179,12 @@ void EventDispatcher::start()
 {
     impl_->claimDelivery();
     const std::lock_guard lock(impl_->lifecycle);
-    impl_->thread = std::thread([impl = impl_.get()] { impl->threadLoop(); });
+    try {
+        impl_->thread = std::thread([impl = impl_.get()] { impl->threadLoop(); });
+    } catch (const std::system_error& error) {
+        impl_->releaseDelivery();
+        fail("event dispatcher: no thread to be had: ", error.what());
+    }
 }
 
 void EventDispatcher::stop()

@@ -1,6 +1,7 @@
 #include "filasofia/physics/defs.h"
 
-#include "filasofia/core/text.h"
+#include "filasofia/core/error.h"
+#include "filasofia/geometry/mesh_file.h"
 
 namespace filasofia::physics {
 
@@ -8,6 +9,27 @@ std::string describeBody(const BodyDef& def)
 {
     if (const auto* soft = std::get_if<SoftBodyDef>(&def)) return text("soft body '", soft->name, "'");
     return text("rigid body '", std::get<RigidBodyDef>(def).name, "'");
+}
+
+std::shared_ptr<const geometry::TetMesh> loadMesh(const SoftBodyDef& def)
+{
+    const std::string object = text("soft body '", def.name, "': mesh");
+    if (const auto* file = std::get_if<std::string>(&def.mesh)) {
+        if (file->empty()) fail(object, " must name a file or be a mesh, got nothing");
+        return std::make_shared<const geometry::TetMesh>(geometry::loadTetMesh(*file));
+    }
+    const auto& given = std::get<std::shared_ptr<const geometry::TetMesh>>(def.mesh);
+    if (!given) fail(object, " must name a file or be a mesh, got nothing");
+    geometry::check(*given, object);
+    return given;
+}
+
+geometry::TetMesh worldMesh(const SoftBodyDef& def)
+{
+    geometry::TetMesh mesh = *loadMesh(def);
+    const Pose pose{def.pose.position, normalized(def.pose.orientation)};
+    for (Vec3& node : mesh.nodes) node = transform(pose, node);
+    return mesh;
 }
 
 } // namespace filasofia::physics

@@ -1,5 +1,6 @@
 #include "filasofia/physics/physics_server.h"
 
+#include "filasofia/core/assert.h"
 #include "filasofia/core/mpsc_queue.h"
 #include "filasofia/core/spsc_ring.h"
 #include "filasofia/core/validate.h"
@@ -35,6 +36,7 @@ struct PhysicsServer::Impl {
     frame::FramePool frames;
     SpscRing<StepRecord> log;
     bool hashing = false;
+    bool recordLost = false; ///< since the last record that was written
     bool paused = false;
     std::atomic<bool> logging = false;
 
@@ -86,9 +88,15 @@ struct PhysicsServer::Impl {
     {
         if (!logging.load(std::memory_order_relaxed)) return;
         StepRecord* record = log.beginWrite();
-        if (!record) return report.set(StepFlag::RecordLost);
+        if (!record) {
+            recordLost = true;
+            return report.set(StepFlag::RecordLost);
+        }
         record->report = report;
+        if (std::exchange(recordLost, false)) record->report.set(StepFlag::RecordLost); // the reader must see the gap
         record->hash = hashing ? engine->hash() : 0;
+        record->commands.clear();
+        for (Command& command : commands) record->commands.push_back(std::move(command));
         engine->record(*record);
         log.publish();
     }
@@ -112,7 +120,11 @@ PhysicsServer::PhysicsServer(std::unique_ptr<PhysicsEngine> engine, const Physic
 
 PhysicsServer::~PhysicsServer() = default;
 
-BodyId PhysicsServer::add(SoftBodyDef def) { return impl_->add(std::move(def)); }
+BodyId PhysicsServer::add(SoftBodyDef def)
+{
+    def.mesh = loadMesh(def); // read once: the engine and whoever shows the body use the same
+    return impl_->add(std::move(def));
+}
 BodyId PhysicsServer::add(RigidBodyDef def) { return impl_->add(std::move(def)); }
 
 void PhysicsServer::remove(BodyId id)
@@ -174,10 +186,12 @@ void PhysicsServer::tune(std::function<void(PhysicsEngine&)> change)
 
 std::shared_ptr<const BodyDef> PhysicsServer::def(BodyId id) const { return impl_->find(id).def; }
 
-StepReport PhysicsServer::step(double dt)
+StepReport PhysicsServer::step(double dt, std::uint32_t flags)
 {
+    FILASOFIA_ASSERT(dt > 0.0);
     impl_->drainInbox();
-    StepReport report = impl_->engine->step({.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands});
+    StepReport report =
+        impl_->engine->step({.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands, .flags = flags});
     impl_->writeLog(report);
     if (impl_->frames.wanted()) impl_->publishFrame();
     return report;
@@ -188,7 +202,7 @@ void PhysicsServer::captureNow() { impl_->publishFrame(); }
 void PhysicsServer::hashEveryStep(bool on) { impl_->hashing = on; }
 bool PhysicsServer::paused() const { return impl_->paused; }
 frame::FrameRef PhysicsServer::latest() { return impl_->frames.latest(); }
-const StepRecord* PhysicsServer::nextRecord() { return impl_->log.beginRead(); }
+StepRecord* PhysicsServer::nextRecord() { return impl_->log.beginRead(); }
 void PhysicsServer::popRecord() { impl_->log.release(); }
 void PhysicsServer::keepLog(bool on) { impl_->logging.store(on, std::memory_order_relaxed); }
 

@@ -49,6 +49,10 @@ EglContext::Address EglContext::address(const char* name) { return eglGetProcAdd
 bool EglContext::create(void* sharedContext, std::string& problem)
 {
     prepareMesa();
+    beforeDisplay_ = eglGetCurrentDisplay();
+    beforeContext_ = eglGetCurrentContext();
+    beforeDraw_ = eglGetCurrentSurface(EGL_DRAW);
+    beforeRead_ = eglGetCurrentSurface(EGL_READ);
     const std::vector<EGLDisplay> displays = headlessDisplays();
     if (displays.empty()) problem = "EGL offers no display that works without a screen";
     for (EGLDisplay display : displays)
@@ -70,10 +74,9 @@ bool EglContext::createOn(void* display, void* sharedContext, std::string& probl
         problem = "EGL has no configuration for OpenGL";
         return false;
     }
-    const EGLint contextWish[] = {EGL_CONTEXT_MAJOR_VERSION,       4,
-                                  EGL_CONTEXT_MINOR_VERSION,       1,
-                                  EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                  EGL_NONE};
+    const EGLint contextWish[] = {
+        EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 1, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
     EGLContext context = eglCreateContext(display, config, sharedContext, contextWish);
     if (context == EGL_NO_CONTEXT) {
         problem = "EGL cannot make an OpenGL 4.1 core context";
@@ -94,6 +97,7 @@ void EglContext::destroy()
     if (!context_) return;
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     eglDestroyContext(display_, context_);
+    if (beforeContext_ != EGL_NO_CONTEXT) eglMakeCurrent(beforeDisplay_, beforeDraw_, beforeRead_, beforeContext_);
     // No eglTerminate: the display belongs to the process, and another server may be using it.
     display_ = context_ = nullptr;
 }

@@ -12,9 +12,10 @@ public:
     EglContext& operator=(const EglContext&) = delete;
     ~EglContext() { destroy(); }
 
-    /// Makes the context and makes it current in this thread. False, and `problem` says why, when it cannot; never throws
-    /// but for lack of memory.
+    /// Makes the context and makes it current in this thread. False, and `problem` says why, when it cannot; never
+    /// throws but for lack of memory.
     bool create(void* sharedContext, std::string& problem);
+    /// What was current before create() is current again.
     void destroy();
 
     /// An OpenGL function by name.
@@ -30,6 +31,11 @@ private:
 
     void* display_ = nullptr;
     void* context_ = nullptr;
+    // What was current before create(): destroy() brings it back.
+    void* beforeDisplay_ = nullptr;
+    void* beforeContext_ = nullptr;
+    void* beforeDraw_ = nullptr;
+    void* beforeRead_ = nullptr;
 };
 
 /// To be called before the process makes its first OpenGL context. Mesa 22's framebuffer fetch garbles Filament's

@@ -6,8 +6,8 @@
 #include <backend/Platform.h>
 
 // libfilament_backend.so of Filament 1.9.25 exports this class, but Debian does not install its header. Declared anew:
-// the order of the virtual functions is the library's ABI and was read from its vtable. CMakeLists.txt refuses any other
-// version.
+// the order of the virtual functions is the library's ABI and was read from its vtable. CMakeLists.txt refuses any
+// other version.
 namespace filament::backend {
 
 struct AcquiredImage;

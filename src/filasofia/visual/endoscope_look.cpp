@@ -53,6 +53,7 @@ EndoscopeLook addEndoscopeLook(VisualServer& server, const Box& around, Quality 
     ViewDef view;
     view.name = "endoscope view";
     view.quality = quality;
+    view.occlusionRadius = 0.08 * radius;
     look.view = &server.add(view, *look.camera);
 
     server.setEnvironment({});

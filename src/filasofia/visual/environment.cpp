@@ -18,12 +18,18 @@ double lobeIntegral(double sharpness)
 Vec3 texelDirection(int face, double s, double t)
 {
     switch (face) {
-    case 0: return normalized(Vec3{1, -t, -s});
-    case 1: return normalized(Vec3{-1, -t, s});
-    case 2: return normalized(Vec3{s, 1, t});
-    case 3: return normalized(Vec3{s, -1, -t});
-    case 4: return normalized(Vec3{s, -t, 1});
-    default: return normalized(Vec3{-s, -t, -1});
+    case 0:
+        return normalized(Vec3{1, -t, -s});
+    case 1:
+        return normalized(Vec3{-1, -t, s});
+    case 2:
+        return normalized(Vec3{s, 1, t});
+    case 3:
+        return normalized(Vec3{s, -1, -t});
+    case 4:
+        return normalized(Vec3{s, -t, 1});
+    default:
+        return normalized(Vec3{-s, -t, -1});
     }
 }
 
@@ -31,9 +37,9 @@ Vec3 texelDirection(int face, double s, double t)
 
 Float3 radiance(const EnvironmentDef& def, Vec3 direction, double roughness)
 {
-    // The mirror lobe of GGX at normal incidence is nearly a spherical Gaussian of sharpness 1 / (2 alpha^2) (Wang et al.,
-    // "All-Frequency Rendering of Dynamic, Spatially-Varying Reflectance", 2009). A Gaussian lamp blurred by a Gaussian
-    // is again one, wider and as bright in all: no sampling is needed.
+    // The mirror lobe of GGX at normal incidence is nearly a spherical Gaussian of sharpness 1 / (2 alpha^2) (Wang et
+    // al., "All-Frequency Rendering of Dynamic, Spatially-Varying Reflectance", 2009). A Gaussian lamp blurred by a
+    // Gaussian is again one, wider and as bright in all: no sampling is needed.
     const double alpha = std::max(roughness * roughness, 1e-3);
     const double blur = 1.0 / (2.0 * alpha * alpha);
     const double sharp = 1.0 / (def.lampSize * def.lampSize);
@@ -66,8 +72,7 @@ std::array<Float3, 9> irradianceHarmonics(const EnvironmentDef& def)
     // the table beside IndirectLight::Builder::irradiance).
     constexpr double kPi = std::numbers::pi;
     const auto basis = [](Vec3 d) -> std::array<double, 9> {
-        return {1.0,       d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3.0 * d.z * d.z - 1.0, d.z * d.x,
-                d.x * d.x - d.y * d.y};
+        return {1.0, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3.0 * d.z * d.z - 1.0, d.z * d.x, d.x * d.x - d.y * d.y};
     };
     constexpr std::array<double, 9> kConstant = {0.282095, 0.488603, 0.488603, 0.488603, 1.092548,
                                                  1.092548, 0.315392, 1.092548, 0.546274};

@@ -4,8 +4,6 @@
 
 #include <GL/gl.h>
 
-#include <thread>
-
 namespace filasofia::visual {
 namespace {
 
@@ -33,18 +31,11 @@ GpuReport ask()
 
 GpuReport probeGpu() noexcept
 {
-    GpuReport report;
     try {
-        // A thread of its own: the caller's may have a context that must stay current.
-        std::thread([&] {
-            try {
-                report = ask();
-            } catch (...) { // lack of memory: the report says "not available", which is true
-            }
-        }).join();
-    } catch (...) { // no thread to be had: as above
+        return ask();
+    } catch (...) { // lack of memory: "not available" is true then
+        return {};
     }
-    return report;
 }
 
 } // namespace filasofia::visual

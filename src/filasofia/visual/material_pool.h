@@ -36,7 +36,6 @@ private:
 };
 
 /// Sets one parameter; throws an Error when the material has none of this name.
-template <class Value>
-void setParameter(filament::MaterialInstance& instance, const char* name, Value value);
+template <class Value> void setParameter(filament::MaterialInstance& instance, const char* name, Value value);
 
 } // namespace filasofia::visual

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "filasofia/frame/frame.h"
+#include "filasofia/geometry/embedding.h"
+#include "filasofia/geometry/triangle_mesh.h"
+
+#include <span>
+#include <variant>
+
+/// How the state of a body moves what is drawn of it. Every map is a plain value; applying one is a function.
+namespace filasofia::mapping {
+
+/// The drawn thing moves as one with an element of a rigid body.
+struct RigidMap {
+    int element = 0;
+};
+
+/// Each vertex is a node of the soft body.
+struct IdentityMap {
+    std::vector<int> nodes; ///< per vertex
+};
+
+/// Each vertex rides on a tetrahedron of the soft body.
+struct BarycentricMap {
+    geometry::Embedding embedding;
+};
+
+using SoftMap = std::variant<IdentityMap, BarycentricMap>;
+
+/// A surface and how it follows its soft body.
+struct MappedSurface {
+    geometry::TriangleMesh surface; ///< [m] at rest, in world coordinates
+    SoftMap map;
+};
+
+/// The body's own boundary: identity.
+MappedSurface mapBoundary(const geometry::TetMesh& rest);
+
+/// A surface given beside the mesh, both in world coordinates: identity where every vertex is the place of a node,
+/// else barycentric.
+MappedSurface mapSurface(const geometry::TetMesh& rest, geometry::TriangleMesh surface);
+
+/// Where the drawn thing is.
+Pose apply(const RigidMap& map, const frame::RigidBodyFrame& body);
+
+/// Where the vertices are [m]; `vertices` has one entry per vertex.
+void apply(const SoftMap& map, const frame::SoftBodyFrame& body, std::span<Vec3> vertices);
+
+} // namespace filasofia::mapping

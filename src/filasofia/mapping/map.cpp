@@ -1,0 +1,77 @@
+#include "filasofia/mapping/map.h"
+
+#include "filasofia/core/assert.h"
+#include "filasofia/geometry/surface.h"
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+#include <tuple>
+
+namespace filasofia::mapping {
+namespace {
+
+bool before(Vec3 a, Vec3 b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+
+/// The node at exactly the place of each vertex; nothing where a vertex has none.
+std::optional<IdentityMap> matchNodes(const geometry::TetMesh& rest, const geometry::TriangleMesh& surface)
+{
+    std::vector<int> order(rest.nodes.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+        return before(rest.nodes[a], rest.nodes[b]) || (rest.nodes[a] == rest.nodes[b] && a < b);
+    });
+    IdentityMap map;
+    for (const Vec3& vertex : surface.vertices) {
+        const auto found = std::lower_bound(order.begin(), order.end(), vertex,
+                                            [&](int node, Vec3 place) { return before(rest.nodes[node], place); });
+        if (found == order.end() || rest.nodes[*found] != vertex) return std::nullopt;
+        map.nodes.push_back(*found);
+    }
+    return map;
+}
+
+void applyTo(const IdentityMap& map, const frame::SoftBodyFrame& body, std::span<Vec3> vertices)
+{
+    FILASOFIA_ASSERT(vertices.size() == map.nodes.size());
+    for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = body.positions[map.nodes[i]];
+}
+
+void applyTo(const BarycentricMap& map, const frame::SoftBodyFrame& body, std::span<Vec3> vertices)
+{
+    const auto& [nodes, weights] = map.embedding;
+    FILASOFIA_ASSERT(vertices.size() == nodes.size());
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        Vec3 sum;
+        for (int k = 0; k < 4; ++k) sum += weights[i][k] * body.positions[nodes[i][k]];
+        vertices[i] = sum;
+    }
+}
+
+} // namespace
+
+MappedSurface mapBoundary(const geometry::TetMesh& rest)
+{
+    geometry::Surface surface = geometry::extractSurface(rest);
+    return {std::move(surface.mesh), IdentityMap{std::move(surface.nodes)}};
+}
+
+MappedSurface mapSurface(const geometry::TetMesh& rest, geometry::TriangleMesh surface)
+{
+    if (auto identity = matchNodes(rest, surface)) return {std::move(surface), std::move(*identity)};
+    BarycentricMap map{geometry::embed(rest, surface.vertices)};
+    return {std::move(surface), std::move(map)};
+}
+
+Pose apply(const RigidMap& map, const frame::RigidBodyFrame& body)
+{
+    FILASOFIA_ASSERT(map.element >= 0 && map.element < static_cast<int>(body.poses.size()));
+    return body.poses[map.element];
+}
+
+void apply(const SoftMap& map, const frame::SoftBodyFrame& body, std::span<Vec3> vertices)
+{
+    std::visit([&](const auto& each) { applyTo(each, body, vertices); }, map);
+}
+
+} // namespace filasofia::mapping

@@ -1,0 +1,82 @@
+#pragma once
+
+#include "filasofia/visual/filament_body.h"
+
+#include <filament/Camera.h>
+#include <filament/ColorGrading.h>
+#include <filament/IndirectLight.h>
+#include <filament/Renderer.h>
+#include <filament/SwapChain.h>
+#include <filament/Texture.h>
+#include <filament/View.h>
+
+#include <map>
+
+namespace filasofia::visual {
+
+/// Draws with Filament's OpenGL backend: into an X11 window, or into memory.
+class FilamentBackend final : public RenderBackend {
+public:
+    /// Throws an Error when it cannot start.
+    explicit FilamentBackend(const VisualServerDef& def);
+    ~FilamentBackend() override;
+
+    void addBody(Slot slot, const Material& material, bool castShadows, BodyGeometry geometry) override;
+    void setGeometry(Slot body, BodyGeometry geometry) override;
+    void setVertices(Slot body, VertexData vertices) override;
+    void setSurfaceState(Slot body, std::vector<PackedState> states) override;
+    void setMaterial(Slot body, const Material& material) override;
+    void setVisible(Slot body, bool visible) override;
+    void putLight(Slot slot, const LightDef& def) override;
+    void putCamera(Slot slot, const CameraDef& def) override;
+    void putView(Slot slot, const ViewDef& def, Slot camera) override;
+    void setEnvironment(const EnvironmentDef& def) override;
+    void setPose(Slot entity, const Pose& world) override;
+    void remove(Slot entity) override;
+    void resize(int width, int height) override;
+    bool draw() override;
+    Image capture() override;
+    NativeObjects native() override { return {engine_, renderer_, scene_}; }
+    filament::View* nativeView(Slot view) override { return views_.at(view).view; }
+
+private:
+    struct PlacedCamera {
+        utils::Entity entity;
+        filament::Camera* camera = nullptr;
+        CameraDef def;
+    };
+    struct PlacedView {
+        filament::View* view = nullptr;
+        ViewDef def;
+        Slot camera = 0;
+    };
+
+    void start(const VisualServerDef& def);
+    void stop();
+    utils::Entity makePlace();
+    void destroyPlace(utils::Entity entity);
+    void destroyEnvironment();
+    void drawViews();
+    /// Begins a frame; false when Filament wants none even after a while.
+    bool beginFrame(int tries);
+
+    bool headless_;
+    int width_;
+    int height_;
+    void* nativeWindow_;
+    std::unique_ptr<filament::backend::Platform> platform_; ///< outlives the engine
+    filament::Engine* engine_ = nullptr;
+    filament::Renderer* renderer_ = nullptr;
+    filament::SwapChain* swapChain_ = nullptr;
+    filament::Scene* scene_ = nullptr;
+    filament::ColorGrading* grading_ = nullptr;
+    filament::Texture* reflections_ = nullptr;
+    filament::IndirectLight* surroundings_ = nullptr;
+    std::unique_ptr<MaterialPool> pool_;
+    std::map<Slot, std::unique_ptr<FilamentBody>> bodies_;
+    std::map<Slot, utils::Entity> lights_;
+    std::map<Slot, PlacedCamera> cameras_;
+    std::map<Slot, PlacedView> views_; ///< in the order they were made: later ones lie on top
+};
+
+} // namespace filasofia::visual

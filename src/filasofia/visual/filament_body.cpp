@@ -1,0 +1,141 @@
+#include "filasofia/visual/filament_body.h"
+
+#include <backend/BufferDescriptor.h>
+#include <filament/Box.h>
+#include <filament/RenderableManager.h>
+#include <filament/TransformManager.h>
+#include <utils/EntityManager.h>
+
+namespace filasofia::visual {
+namespace {
+
+using Attribute = filament::VertexAttribute;
+using Type = filament::VertexBuffer::AttributeType;
+
+enum Stream : std::uint8_t { kPositions, kFrames, kRest, kStates, kStreamCount };
+
+/// The upload happens later, on Filament's thread: the data travels with it and dies after it.
+template <class T> filament::backend::BufferDescriptor owned(std::vector<T> data)
+{
+    auto* kept = new std::vector<T>(std::move(data));
+    return {kept->data(), kept->size() * sizeof(T),
+            [](void*, std::size_t, void* user) { delete static_cast<std::vector<T>*>(user); }, kept};
+}
+
+filament::Box boxOf(const VertexData& data)
+{
+    // Filament wants no flat box: a plane gets a thickness that nobody sees.
+    constexpr float kThin = 1e-5F;
+    return {{0.5F * (data.low.x + data.high.x), 0.5F * (data.low.y + data.high.y), 0.5F * (data.low.z + data.high.z)},
+            {0.5F * (data.high.x - data.low.x) + kThin, 0.5F * (data.high.y - data.low.y) + kThin,
+             0.5F * (data.high.z - data.low.z) + kThin}};
+}
+
+} // namespace
+
+FilamentBody::FilamentBody(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool,
+                           const Material& material, bool castShadows, BodyGeometry geometry)
+    : engine_(engine), scene_(scene), pool_(pool), entity_(utils::EntityManager::get().create()),
+      instance_(pool.instance(material)), materialName_(MaterialPool::nameOf(material))
+{
+    buildBuffers(geometry);
+    using Renderable = filament::RenderableManager;
+    Renderable::Builder(1)
+        .boundingBox(boxOf(geometry.vertices))
+        .geometry(0, Renderable::PrimitiveType::TRIANGLES, vertices_, indices_)
+        .material(0, instance_)
+        .castShadows(castShadows)
+        .receiveShadows(true)
+        .build(engine_, entity_);
+    engine_.getTransformManager().create(entity_);
+    setVertices(std::move(geometry.vertices));
+    scene_.addEntity(entity_);
+}
+
+FilamentBody::~FilamentBody()
+{
+    scene_.remove(entity_);
+    engine_.destroy(entity_); // before what it draws with
+    utils::EntityManager::get().destroy(entity_);
+    destroyBuffers();
+    engine_.destroy(instance_);
+}
+
+void FilamentBody::buildBuffers(const BodyGeometry& geometry)
+{
+    const std::size_t count = geometry.rest.size();
+    vertices_ = filament::VertexBuffer::Builder()
+                    .vertexCount(static_cast<std::uint32_t>(count))
+                    .bufferCount(kStreamCount)
+                    .attribute(Attribute::POSITION, kPositions, Type::FLOAT3)
+                    .attribute(Attribute::TANGENTS, kFrames, Type::SHORT4)
+                    .normalized(Attribute::TANGENTS)
+                    .attribute(Attribute::CUSTOM0, kRest, Type::FLOAT3)
+                    .attribute(Attribute::COLOR, kStates, Type::UBYTE4)
+                    .normalized(Attribute::COLOR)
+                    .build(engine_);
+    vertices_->setBufferAt(engine_, kRest, owned(geometry.rest));
+    vertices_->setBufferAt(engine_, kStates, owned(std::vector<PackedState>(count)));
+    indices_ = filament::IndexBuffer::Builder()
+                   .indexCount(static_cast<std::uint32_t>(geometry.indices.size()))
+                   .bufferType(filament::IndexBuffer::IndexType::UINT)
+                   .build(engine_);
+    indices_->setBuffer(engine_, owned(geometry.indices));
+}
+
+void FilamentBody::destroyBuffers()
+{
+    engine_.destroy(vertices_);
+    engine_.destroy(indices_);
+}
+
+void FilamentBody::setGeometry(BodyGeometry geometry)
+{
+    filament::VertexBuffer* oldVertices = vertices_;
+    filament::IndexBuffer* oldIndices = indices_;
+    buildBuffers(geometry);
+    auto& renderables = engine_.getRenderableManager();
+    renderables.setGeometryAt(renderables.getInstance(entity_), 0,
+                              filament::RenderableManager::PrimitiveType::TRIANGLES, vertices_, indices_, 0,
+                              geometry.indices.size());
+    engine_.destroy(oldVertices);
+    engine_.destroy(oldIndices);
+    setVertices(std::move(geometry.vertices));
+}
+
+void FilamentBody::setVertices(VertexData vertices)
+{
+    auto& renderables = engine_.getRenderableManager();
+    renderables.setAxisAlignedBoundingBox(renderables.getInstance(entity_), boxOf(vertices));
+    vertices_->setBufferAt(engine_, kPositions, owned(std::move(vertices.positions)));
+    vertices_->setBufferAt(engine_, kFrames, owned(std::move(vertices.frames)));
+}
+
+void FilamentBody::setSurfaceState(std::vector<PackedState> states)
+{
+    vertices_->setBufferAt(engine_, kStates, owned(std::move(states)));
+}
+
+void FilamentBody::setMaterial(const Material& material)
+{
+    if (MaterialPool::nameOf(material) == materialName_) {
+        MaterialPool::apply(material, *instance_);
+        return;
+    }
+    filament::MaterialInstance* old = instance_;
+    instance_ = pool_.instance(material);
+    materialName_ = MaterialPool::nameOf(material);
+    auto& renderables = engine_.getRenderableManager();
+    renderables.setMaterialInstanceAt(renderables.getInstance(entity_), 0, instance_);
+    engine_.destroy(old);
+}
+
+void FilamentBody::setVisible(bool visible)
+{
+    if (visible)
+        scene_.addEntity(entity_);
+    else
+        scene_.remove(entity_);
+}
+
+} // namespace filasofia::visual

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "filasofia/visual/material_pool.h"
+#include "filasofia/visual/render_backend.h"
+
+#include <filament/IndexBuffer.h>
+#include <filament/Scene.h>
+#include <filament/VertexBuffer.h>
+#include <utils/Entity.h>
+
+namespace filasofia::visual {
+
+/// One body's buffers, material instance and place in the scene.
+class FilamentBody {
+public:
+    FilamentBody(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool, const Material& material,
+                 bool castShadows, BodyGeometry geometry);
+    FilamentBody(const FilamentBody&) = delete;
+    FilamentBody& operator=(const FilamentBody&) = delete;
+    ~FilamentBody();
+
+    void setGeometry(BodyGeometry geometry);
+    void setVertices(VertexData vertices);
+    void setSurfaceState(std::vector<PackedState> states);
+    void setMaterial(const Material& material);
+    void setVisible(bool visible);
+    [[nodiscard]] utils::Entity entity() const { return entity_; }
+
+private:
+    void buildBuffers(const BodyGeometry& geometry);
+    void destroyBuffers();
+
+    filament::Engine& engine_;
+    filament::Scene& scene_;
+    MaterialPool& pool_;
+    utils::Entity entity_;
+    filament::VertexBuffer* vertices_ = nullptr;
+    filament::IndexBuffer* indices_ = nullptr;
+    filament::MaterialInstance* instance_ = nullptr;
+    std::string materialName_;
+};
+
+} // namespace filasofia::visual

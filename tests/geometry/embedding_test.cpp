@@ -1,0 +1,78 @@
+#include "filasofia/geometry/distance.h"
+#include "filasofia/geometry/embedding.h"
+#include "geometry/sample_meshes.h"
+
+using namespace filasofia;
+using namespace filasofia::geometry;
+
+namespace {
+
+int nearestByHand(const TetMesh& mesh, Vec3 p)
+{
+    int best = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (int t = 0; t < static_cast<int>(mesh.tetrahedra.size()); ++t) {
+        const auto [a, b, c, d] = mesh.tetrahedra[t];
+        const auto w = barycentric(p, mesh.nodes[a], mesh.nodes[b], mesh.nodes[c], mesh.nodes[d]);
+        const double distance =
+            std::ranges::min(w) >= -1e-12
+                ? 0.0
+                : nearestInTetrahedron(p, mesh.nodes[a], mesh.nodes[b], mesh.nodes[c], mesh.nodes[d]).squaredDistance;
+        if (distance < least) least = distance, best = t;
+    }
+    return best;
+}
+
+Vec3 positionOf(const TetMesh& mesh, const Embedding& embedding, std::size_t i)
+{
+    Vec3 sum;
+    for (int k = 0; k < 4; ++k) sum += embedding.weights[i][k] * mesh.nodes[embedding.nodes[i][k]];
+    return sum;
+}
+
+} // namespace
+
+TEST_CASE("every point is embedded in the tetrahedron that brute force finds, and is given back")
+{
+    std::mt19937 random(1);
+    const TetMesh mesh = cubeMesh(4, 1);
+    std::vector<Vec3> points = mesh.nodes; // on corners, where many tetrahedra tie
+    for (auto [a, b, c, d] : mesh.tetrahedra) points.push_back(0.5 * mesh.nodes[a] + 0.5 * mesh.nodes[d]);
+    for (int i = 0; i < 500; ++i) points.push_back(randomPoint(random, 0, 1));
+    for (int i = 0; i < 500; ++i) points.push_back(randomPoint(random, -1, 2));
+    const Embedding embedding = embed(mesh, points);
+    REQUIRE(embedding.nodes.size() == points.size());
+    REQUIRE(embedding.weights.size() == points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CHECK(embedding.nodes[i] == mesh.tetrahedra[nearestByHand(mesh, points[i])]);
+        CHECK(distance(positionOf(mesh, embedding, i), points[i]) < 1e-13);
+        const auto [a, b, c, d] = embedding.weights[i];
+        CHECK(a + b + c + d == Approx(1.0).epsilon(1e-13));
+    }
+}
+
+TEST_CASE("weights are not negative inside, and one of them is outside")
+{
+    std::mt19937 random(2);
+    const TetMesh mesh = cubeMesh(3, 2);
+    std::vector<Vec3> inside, outside;
+    for (int i = 0; i < 300; ++i) inside.push_back(randomPoint(random, 0, 1));
+    for (int i = 0; i < 300; ++i) outside.push_back(randomPoint(random, 1.01, 2));
+    for (const auto& weights : embed(mesh, inside).weights) CHECK(std::ranges::min(weights) >= -1e-12);
+    for (const auto& weights : embed(mesh, outside).weights) CHECK(std::ranges::min(weights) < 0.0);
+}
+
+TEST_CASE("an embedding follows a linear deformation exactly")
+{
+    std::mt19937 random(3);
+    TetMesh mesh = cubeMesh(3, 3);
+    std::vector<Vec3> points;
+    for (int i = 0; i < 200; ++i) points.push_back(randomPoint(random, -0.2, 1.2));
+    const Embedding embedding = embed(mesh, points);
+    const auto bend = [](Vec3 p) { return Vec3{2 * p.x + p.y, p.y - p.z + 1, 0.5 * p.z + p.x}; };
+    for (Vec3& node : mesh.nodes) node = bend(node);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        CHECK(distance(positionOf(mesh, embedding, i), bend(points[i])) < 1e-12);
+}
+
+TEST_CASE("no points make an empty embedding") { CHECK(embed(unitTetrahedron(), {}).nodes.empty()); }

@@ -1,0 +1,186 @@
+#include "filasofia/geometry/gmsh_reader.h"
+#include "geometry/gmsh_writer.h"
+#include "geometry/sample_meshes.h"
+
+using namespace filasofia;
+using namespace filasofia::geometry;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string errorIn(std::string_view bytes)
+{
+    return errorOf([&] { parseGmsh(bytes, "a.msh"); });
+}
+
+std::string replaced(std::string text, std::string_view from, std::string_view to)
+{
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}
+
+const std::string kAscii2 = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+                            "$EndNodes\n$Elements\n1\n7 4 2 0 1 1 2 3 4\n$EndElements\n";
+const std::string kAscii4 =
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+    "$EndNodes\n$Elements\n1 1 7 7\n3 1 4 1\n7 1 2 3 4\n$EndElements\n";
+
+} // namespace
+
+TEST_CASE("a mesh comes back from every version, form and byte order, bit for bit")
+{
+    const TetMesh mesh = cubeMesh(3, 1);
+    for (bool version4 : {false, true})
+        for (GmshForm form : {GmshForm::Ascii, GmshForm::Binary, GmshForm::SwappedBinary})
+            for (std::int64_t gap : {1, 1000}) {
+                const TetMesh read = parseGmsh(writeGmsh(mesh, {version4, form, gap}), "a.msh");
+                CHECK(read.nodes == mesh.nodes);
+                CHECK(read.tetrahedra == mesh.tetrahedra);
+            }
+}
+
+TEST_CASE("other sections are skipped, and lines may end as they do elsewhere")
+{
+    const std::string text =
+        replaced(kAscii2, "$Nodes\n", "$PhysicalNames\n1\n3 1 \"the $Nodes of it\"\n$EndPhysicalNames\n$Nodes\n");
+    CHECK(parseGmsh(text + "$NodeData\n1\n\"x\"\n$EndNodeData\n", "a.msh").nodes == unitTetrahedron().nodes);
+    std::string crlf;
+    for (char c : kAscii2) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
+    CHECK(parseGmsh(crlf, "a.msh").nodes == unitTetrahedron().nodes);
+    CHECK(parseGmsh(kAscii4, "a.msh").tetrahedra == unitTetrahedron().tetrahedra);
+}
+
+TEST_CASE("points, lines and surfaces are passed over, and nodes of theirs alone are dropped")
+{
+    const std::string text =
+        replaced(replaced(kAscii2, "$Nodes\n4\n", "$Nodes\n6\n9 5 5 5\n"), "$EndNodes", "8 6 6 6\n$EndNodes");
+    const TetMesh mesh =
+        parseGmsh(replaced(text, "1\n7 4", "4\n1 15 2 0 1 9\n2 1 2 0 1 9 1\n3 9 0 1 2 3 9 8 4\n7 4"), "a.msh");
+    CHECK(mesh.nodes == unitTetrahedron().nodes);
+    CHECK(mesh.tetrahedra == unitTetrahedron().tetrahedra);
+}
+
+TEST_CASE("parametric nodes of version 4 carry their parameters behind their positions")
+{
+    const std::string text = replaced(kAscii4, "3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n",
+                                      "2 1 1 4\n1\n2\n3\n4\n0 0 0 .1 .2\n1 0 0 .1 .2\n0 1 0 .3 .4\n0 0 1 .5 .6\n");
+    CHECK(parseGmsh(text, "a.msh").nodes == unitTetrahedron().nodes);
+}
+
+TEST_CASE("a wrong header is named")
+{
+    CHECK_THAT(errorIn("solid cube"), Contains("a.msh:1: a Gmsh file must begin with $MeshFormat"));
+    CHECK_THAT(errorIn(""), Contains("must begin with $MeshFormat"));
+    CHECK_THAT(errorIn(replaced(kAscii2, "2.2", "4.0")), Contains("a.msh:2: the Gmsh format must be 2.2 or 4.1"));
+    CHECK_THAT(errorIn(replaced(kAscii2, "2.2 0", "2.2 2")),
+               Contains("the file type must be 0 (ASCII) or 1 (binary), got 2"));
+    CHECK_THAT(errorIn(replaced(kAscii2, "0 8", "0 4")), Contains("the data size must be 8, got 4"));
+    std::string binary = writeGmsh(unitTetrahedron(), {false, GmshForm::Binary, 1});
+    binary[binary.find('\x01')] = 7;
+    CHECK_THAT(errorIn(binary), Contains("a.msh: byte 20: the byte order's number must be 1"));
+}
+
+TEST_CASE("solids that are no plain tetrahedra are refused by name")
+{
+    CHECK(errorIn(replaced(kAscii2, "7 4 2 0 1 1 2 3 4", "7 11 2 0 1 1 2 3 4 1 2 3 4 1 2")) ==
+          "a.msh:13: the only solid element taken is the tetrahedron of 4 nodes (type 4), got a second-order "
+          "tetrahedron (type 11)");
+    CHECK_THAT(errorIn(replaced(kAscii4, "3 1 4 1", "3 1 11 1")),
+               Contains("a.msh:18: ") && Contains("second-order tetrahedron"));
+    CHECK_THAT(errorIn(replaced(kAscii2, "7 4", "7 5")), Contains("got a hexahedron (type 5)"));
+    CHECK_THAT(errorIn(replaced(kAscii2, "7 4", "7 99")),
+               Contains("the element type must be one of Gmsh's 1 to 31, got 99"));
+}
+
+TEST_CASE("a wrong number in a Gmsh file is named with its line")
+{
+    CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "2 nan 0 0")) == "a.msh:7: a node's x must be finite, got 'nan'");
+    CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "2 1 -inf 0")) == "a.msh:7: a node's y must be finite, got '-inf'");
+    CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "2 1 0 1e999")) ==
+          "a.msh:7: a node's z must fit in a double, got '1e999'");
+    CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "2 1 O 0")) == "a.msh:7: a node's y must be a number, got 'O'");
+    CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "2.5 1 0 0")) ==
+          "a.msh:7: a node's number must be a whole number, got '2.5'");
+    CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "1 1 0 0")) == "a.msh:7: node 1 is given twice");
+    CHECK_THAT(
+        errorIn(replaced(kAscii2, "1 2 3 4\n$", "1 2 3 5\n$")),
+        Contains("a.msh:13: tetrahedron 7 names node 5, which the file does not give; 4 nodes are given, from 1 to 4"));
+    CHECK_THAT(errorIn(replaced(kAscii2, "1 2 3 4\n$", "1 2 3 -4\n$")), Contains("names node -4"));
+    CHECK_THAT(errorIn(replaced(kAscii2, "1 2 3 4\n$", "1 2 3 3\n$")),
+               Contains("a.msh:13: tetrahedron 7 names node 3 twice"));
+    CHECK_THAT(errorIn(replaced(kAscii2, "1 2 3 4\n$", "2 1 3 4\n$")),
+               Contains("a.msh:13: tetrahedron 7 is inverted: its volume must be > ") &&
+                   Contains("got -0.16666666666666666"));
+    CHECK_THAT(errorIn(replaced(kAscii2, "4 0 0 1", "4 1 1 0")),
+               Contains("a.msh:13: tetrahedron 7 is flat: its volume must be > "));
+    CHECK_THAT(errorIn(replaced(kAscii2, "1\n7 4 2 0 1 1 2 3 4", "2\n7 4 2 0 1 1 2 3 4\n8 4 2 0 1 1 2 3 4")),
+               Contains("a.msh:14: tetrahedra 7 and 8 lie on the same side of their common face"));
+    CHECK_THAT(errorIn(replaced(kAscii4, "1 2 3 4\n$", "2 1 3 4\n$")), Contains("a.msh:19: tetrahedron 7 is inverted"));
+    CHECK_THAT(errorIn(replaced(kAscii4, "0 1 0\n", "0 inf 0\n")), Contains("a.msh:13: a node's y must be finite"));
+}
+
+TEST_CASE("a wrong number in a binary Gmsh file is named with its byte")
+{
+    TetMesh mesh = unitTetrahedron();
+    std::swap(mesh.tetrahedra[0][0], mesh.tetrahedra[0][1]);
+    for (bool version4 : {false, true})
+        CHECK_THAT(errorIn(writeGmsh(mesh, {version4, GmshForm::Binary, 1})),
+                   Contains("a.msh: byte ") && Contains("tetrahedron 1 is inverted"));
+    mesh = unitTetrahedron();
+    mesh.nodes[2].y = std::numeric_limits<double>::quiet_NaN();
+    CHECK_THAT(errorIn(writeGmsh(mesh, {true, GmshForm::SwappedBinary, 1})), Contains("a node's y must be finite"));
+}
+
+TEST_CASE("a file without tetrahedra, nodes or elements is refused, and so is one with two of them")
+{
+    CHECK(errorIn(replaced(kAscii2, "1\n7 4 2 0 1 1 2 3 4", "1\n7 2 2 0 1 1 2 3")) ==
+          "a.msh: has no tetrahedra; it must have at least 1");
+    CHECK(errorIn(replaced(kAscii2, "1\n7 4 2 0 1 1 2 3 4", "0")) ==
+          "a.msh: has no tetrahedra; it must have at least 1");
+    const std::size_t elements = kAscii2.find("$Elements"), nodes = kAscii2.find("$Nodes");
+    CHECK_THAT(errorIn(kAscii2.substr(0, elements)), Contains("a.msh: has no $Elements section"));
+    CHECK_THAT(errorIn(kAscii2.substr(0, nodes) + kAscii2.substr(elements)), Contains("a.msh: has no $Nodes section"));
+    CHECK_THAT(errorIn(kAscii2 + kAscii2.substr(nodes)), Contains("a.msh:15: the file has a second $Nodes section"));
+}
+
+TEST_CASE("a count that no file of this size could hold is refused before anything is allocated")
+{
+    CHECK(errorIn(replaced(kAscii2, "$Nodes\n4", "$Nodes\n10000000000")) ==
+          "a.msh:5: the number of nodes must be in [0, 10] (what is left of the file holds no more), got 10000000000");
+    CHECK_THAT(errorIn(replaced(kAscii2, "$Nodes\n4", "$Nodes\n-4")),
+               Contains("a.msh:5: the number of nodes must be in [0, "));
+    CHECK_THAT(errorIn(replaced(kAscii2, "$Elements\n1", "$Elements\n400")),
+               Contains("a.msh:12: the number of elements must be in [0, "));
+    CHECK_THAT(errorIn(replaced(kAscii2, "7 4 2", "7 4 2000000000")),
+               Contains("a.msh:13: the number of tags must be in [0, "));
+    CHECK_THAT(errorIn(replaced(kAscii4, "1 4 1 4", "1 400000000 1 4")),
+               Contains("a.msh:5: the number of nodes must be in [0, "));
+    CHECK_THAT(errorIn(replaced(kAscii4, "1 4 1 4", "1 5 1 5")),
+               Contains("$Nodes announces 5 nodes, its blocks hold 4"));
+    CHECK_THAT(errorIn(replaced(kAscii4, "1 1 7 7", "1 2 7 8")),
+               Contains("$Elements announces 2 elements, its blocks hold 1"));
+    CHECK_THAT(errorIn(replaced(kAscii2, "$Nodes\n4", "$Nodes\n3")),
+               Contains("a.msh:9: $Nodes must end with $EndNodes"));
+}
+
+TEST_CASE("a Gmsh file cut off anywhere is refused, and any byte may be wrong: nothing but an Error comes out")
+{
+    std::mt19937 random(1);
+    for (bool version4 : {false, true})
+        for (GmshForm form : {GmshForm::Ascii, GmshForm::Binary, GmshForm::SwappedBinary}) {
+            const std::string whole = writeGmsh(cubeMesh(1, 1), {version4, form, 3});
+            const std::size_t end = whole.rfind("$EndElements") + std::string_view("$EndElements").size();
+            for (std::size_t length = 0; length < end; ++length)
+                if (!Catch::contains(errorIn(whole.substr(0, length)), "a.msh")) FAIL("cut at " << length);
+            for (int i = 0; i < 500; ++i) {
+                std::string wrong = whole;
+                wrong[random() % wrong.size()] = static_cast<char>(random());
+                try {
+                    check(parseGmsh(wrong, "a.msh"), "what was read");
+                } catch (const Error& error) {
+                    if (!Catch::contains(error.what(), "a.msh")) FAIL(error.what());
+                }
+            }
+        }
+}

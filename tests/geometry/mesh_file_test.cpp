@@ -1,0 +1,218 @@
+#include "filasofia/core/log.h"
+#include "filasofia/geometry/mesh_file.h"
+#include "geometry/sample_meshes.h"
+
+using namespace filasofia;
+using namespace filasofia::geometry;
+using Catch::Matchers::Contains;
+
+namespace {
+
+// What was logged as long as this is there.
+struct LogTrap {
+    std::string lines;
+    LogTrap()
+    {
+        setLogSink([this](LogLevel, std::string_view line) { lines += std::string(line) + "\n"; });
+    }
+    ~LogTrap() { setLogSink({}); }
+};
+
+std::string errorFor(const std::string& name, std::string_view bytes)
+{
+    const TemporaryFile file(name, bytes);
+    return errorOf([&] { loadTriangleMesh(file.path()); });
+}
+
+TriangleMesh meshFrom(const std::string& name, std::string_view bytes)
+{
+    const TemporaryFile file(name, bytes);
+    return loadTriangleMesh(file.path());
+}
+
+void putRaw(std::string& out, const auto& value) { out.append(reinterpret_cast<const char*>(&value), sizeof value); }
+
+// The unit tetrahedron's surface in each format.
+std::string obj() { return "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 2 3 4\nf 1 4 3\nf 1 2 4\nf 1 3 2\n"; }
+std::string asciiStl(const TriangleMesh& mesh)
+{
+    std::string out = "solid tetrahedron\n";
+    for (const Triangle& t : mesh.triangles) {
+        out += "facet normal 0 0 0\nouter loop\n";
+        for (int i : t)
+            out += text("vertex ", mesh.vertices[i].x, ' ', mesh.vertices[i].y, ' ', mesh.vertices[i].z, '\n');
+        out += "endloop\nendfacet\n";
+    }
+    return out + "endsolid tetrahedron\n";
+}
+std::string binaryStl(const TriangleMesh& mesh, std::uint32_t announced)
+{
+    std::string out(80, ' ');
+    putRaw(out, announced);
+    for (const Triangle& t : mesh.triangles) {
+        for (int i = 0; i < 3; ++i) putRaw(out, 0.0F);
+        for (int i : t)
+            for (int axis = 0; axis < 3; ++axis) putRaw(out, static_cast<float>(mesh.vertices[i][axis]));
+        out.append(2, '\0');
+    }
+    return out;
+}
+std::string ply(std::string_view vertices = "4", std::string_view faces = "4")
+{
+    return text("ply\nformat ascii 1.0\nelement vertex ", vertices,
+                "\nproperty float x\nproperty float y\nproperty float z\nelement face ", faces,
+                "\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+                "3 1 2 3\n3 0 3 2\n3 0 1 3\n3 0 2 1\n");
+}
+// Floats of the four corners, then the twelve indices; `nodes` places mesh 0.
+std::string gltf(std::string_view nodes, std::string_view count = "4")
+{
+    return text(R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)", nodes,
+                R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+                "accessors":[{"bufferView":0,"componentType":5126,"count":)",
+                count,
+                R"(,"type":"VEC3","min":[0,0,0],"max":[1,1,1]},
+                {"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}],
+                "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],
+                "buffers":[{"byteLength":72,"uri":"tetrahedron.bin"}]})");
+}
+std::string gltfBuffer()
+{
+    std::string out;
+    for (Vec3 p : unitTetrahedron().nodes)
+        for (int axis = 0; axis < 3; ++axis) putRaw(out, static_cast<float>(p[axis]));
+    for (const auto& face : kTetrahedronFaces)
+        for (int i : face) putRaw(out, static_cast<std::uint16_t>(i));
+    return out;
+}
+
+void checkIsUnitTetrahedron(const TriangleMesh& mesh)
+{
+    CHECK(mesh.vertices.size() == 4);
+    CHECK(mesh.triangles.size() == 4);
+    CHECK(isClosedManifold(mesh));
+    CHECK(volumeInside(mesh) == Approx(1.0 / 6.0));
+    CHECK(mesh.uv.empty());
+}
+
+} // namespace
+
+TEST_CASE("the same surface comes from OBJ, STL, PLY and glTF")
+{
+    const LogTrap log;
+    const TriangleMesh surface = extractSurface(unitTetrahedron()).mesh;
+    checkIsUnitTetrahedron(meshFrom("t.obj", obj()));
+    checkIsUnitTetrahedron(meshFrom("t.OBJ", obj()));
+    checkIsUnitTetrahedron(meshFrom("t.stl", asciiStl(surface)));
+    checkIsUnitTetrahedron(meshFrom("t.stl", binaryStl(surface, 4)));
+    checkIsUnitTetrahedron(meshFrom("t.ply", ply()));
+    const TemporaryFile buffer("tetrahedron.bin", gltfBuffer());
+    checkIsUnitTetrahedron(meshFrom("t.gltf", gltf(R"({"mesh":0})")));
+    CHECK(log.lines.empty());
+}
+
+TEST_CASE("nodes place their meshes, and a mirroring node does not turn its mesh inside out")
+{
+    const TemporaryFile buffer("tetrahedron.bin", gltfBuffer());
+    const TriangleMesh moved =
+        meshFrom("t.gltf", gltf(R"({"children":[1],"translation":[10,0,0]},{"mesh":0,"scale":[2,2,2]})"));
+    CHECK(moved.vertices.size() == 4);
+    CHECK(volumeInside(moved) == Approx(8.0 / 6.0));
+    for (Vec3 p : moved.vertices) CHECK(p.x >= 10.0);
+    const TriangleMesh mirrored = meshFrom("t.gltf", gltf(R"({"mesh":0,"scale":[-1,1,1]})"));
+    CHECK(isClosedManifold(mirrored));
+    CHECK(volumeInside(mirrored) == Approx(1.0 / 6.0));
+    const TriangleMesh twice =
+        meshFrom("t.gltf", gltf(R"({"mesh":0,"children":[1]},{"mesh":0,"translation":[5,0,0]})"));
+    CHECK(twice.vertices.size() == 8);
+    CHECK(volumeInside(twice) == Approx(2.0 / 6.0));
+}
+
+TEST_CASE("parts of one file become one mesh, and polygons become triangles")
+{
+    const TriangleMesh cube = meshFrom(
+        "t.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                 "o bottom\nf 4 3 2 1\no top\nf 5 6 7 8\no sides\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+    CHECK(cube.vertices.size() == 8);
+    CHECK(cube.triangles.size() == 12);
+    CHECK(isClosedManifold(cube));
+    CHECK(volumeInside(cube) == Approx(1.0));
+    CHECK(cube.vertices[0] == Vec3{0, 1, 0}); // in the order in which faces use them
+    CHECK(cube.vertices[1] == Vec3{1, 1, 0});
+}
+
+TEST_CASE("texture coordinates come along, one pair per vertex, and a seam is counted in the log")
+{
+    const LogTrap log;
+    const TriangleMesh mesh =
+        meshFrom("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0.25\nvt 1 0\nvt 0 1\nvt 0.5 0.5\n"
+                          "f 1/1 2/2 3/3\nf 3/3 2/4 4/4\n");
+    REQUIRE(mesh.uv.size() == 4);
+    CHECK(mesh.uv[0] == std::array{0.0, 0.25});
+    CHECK(mesh.uv[1] == std::array{1.0, 0.0});
+    CHECK_THAT(log.lines, Contains("1 second texture coordinates of a vertex"));
+}
+
+TEST_CASE("triangles that collapse in joining are dropped and counted in one warning")
+{
+    const LogTrap log;
+    const TriangleMesh mesh = meshFrom("t.obj", obj() + "v 0 0 0\nf 1 5 2\nf 1 2 2\n");
+    checkIsUnitTetrahedron(mesh);
+    CHECK_THAT(log.lines, Contains("dropped 2 triangles with two corners at the same place"));
+    CHECK(std::ranges::count(log.lines, '\n') == 1);
+}
+
+TEST_CASE("what is no mesh file at all is refused by name")
+{
+    const std::filesystem::path folder = std::filesystem::path(FILASOFIA_BINARY_DIR) / "test_files" / "folder.obj";
+    std::filesystem::create_directories(folder);
+    CHECK_THAT(errorOf([&] { loadTriangleMesh(folder); }), Contains("folder.obj: is a directory"));
+    CHECK_THAT(errorOf([] { loadTriangleMesh("nowhere.obj"); }), Contains("nowhere.obj: no such file"));
+    CHECK_THAT(errorOf([] { loadTetMesh("nowhere.msh"); }), Contains("nowhere.msh: no such file"));
+    CHECK_THAT(errorOf([] { loadTetMesh("nowhere.node"); }), Contains("nowhere.node: no such file"));
+    CHECK_THAT(errorOf([] { loadTriangleMesh("/dev/zero"); }),
+               Contains("must be an .obj, .stl, .ply, .gltf or .glb file"));
+    CHECK_THAT(errorOf([] { loadTriangleMesh("a.fbx"); }),
+               Contains("must be an .obj, .stl, .ply, .gltf or .glb file, got '.fbx'"));
+    CHECK_THAT(errorOf([] { loadTetMesh("a.obj"); }), Contains("must be a .msh, .node or .ele file, got '.obj'"));
+    CHECK_THAT(errorOf([] { loadTetMesh("liver"); }), Contains("liver: a tetrahedral mesh must be"));
+    for (const char* name : {"e.obj", "e.stl", "e.ply", "e.gltf", "e.glb"})
+        CHECK_THAT(errorFor(name, ""), Contains(std::string(name) + ": is empty"));
+    const TemporaryFile empty("e.msh", "");
+    CHECK_THAT(errorOf([&] { loadTetMesh(empty.path()); }), Contains("e.msh: is empty"));
+}
+
+TEST_CASE("a broken surface file gives an Error that names it")
+{
+    const LogTrap quiet; // a line or point that is passed over is logged
+    const TriangleMesh surface = extractSurface(unitTetrahedron()).mesh;
+    for (const char* name : {"b.obj", "b.stl", "b.ply", "b.gltf", "b.glb"}) {
+        CHECK_THAT(errorFor(name, "this is no mesh"), Contains(name));
+        CHECK_THAT(errorFor(name, std::string(200, '\0')), Contains(name));
+    }
+    CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"), Contains("b.obj"));
+    CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), Contains("b.obj"));
+    CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n"),
+               Contains("b.obj: vertex ") && Contains("must be finite"));
+    CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv 1e99 1 0\nf 1 2 3\n"),
+               Contains("b.obj: vertex ") && Contains("must be finite"));
+    CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv 1 0 0\nf 1 2 3\n"), Contains("b.obj: has no triangles"));
+    CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n"), Contains("b.obj: has no triangles"));
+    CHECK_THAT(errorFor("b.ply", ply().substr(0, 220)), Contains("b.ply"));
+    CHECK_THAT(errorFor("b.stl", binaryStl(surface, 4).substr(0, 200)), Contains("b.stl"));
+}
+
+TEST_CASE("a surface file that announces more than it can hold is refused before it is read")
+{
+    const TriangleMesh surface = extractSurface(unitTetrahedron()).mesh;
+    CHECK_THAT(errorFor("h.ply", ply("1000000000")),
+               Contains("h.ply:3: the number of elements 'vertex' must be in [0, "));
+    CHECK_THAT(errorFor("h.ply", ply("4", "4000000000")),
+               Contains("h.ply:7: the number of elements 'face' must be in [0, "));
+    CHECK_THAT(errorFor("h.stl", binaryStl(surface, 4000000000U)),
+               Contains("h.stl: byte 80: the number of triangles must be in [0, 4]") && Contains("got 4000000000"));
+    const TemporaryFile buffer("tetrahedron.bin", gltfBuffer());
+    CHECK_THAT(errorFor("h.gltf", gltf(R"({"mesh":0})", "4000000000")),
+               Contains("h.gltf: byte ") && Contains("\"count\" must be in [0, "));
+    CHECK_THAT(errorFor("h.gltf", gltf(R"({"mesh":0})", "5")), Contains("h.gltf"));
+}

@@ -1,0 +1,115 @@
+#pragma once
+
+#include "filasofia/core/error.h"
+#include "filasofia/geometry/surface.h"
+#include "filasofia/geometry/tet_mesh.h"
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <string>
+
+namespace filasofia::geometry {
+
+/// The unit tetrahedron: a right corner at the origin; volume 1/6.
+inline TetMesh unitTetrahedron() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2, 3}}}; }
+
+/// A cube of n^3 cells with edge 1, each of six tetrahedra around its diagonal (Kuhn); nodes inside are moved a little.
+inline TetMesh cubeMesh(int n, unsigned seed, double jitter = 0.15)
+{
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> shift(-jitter / n, jitter / n);
+    TetMesh mesh;
+    const auto nodeAt = [n](int i, int j, int k) { return (i * (n + 1) + j) * (n + 1) + k; };
+    for (int i = 0; i <= n; ++i)
+        for (int j = 0; j <= n; ++j)
+            for (int k = 0; k <= n; ++k) {
+                Vec3 p{double(i) / n, double(j) / n, double(k) / n};
+                if (i % n != 0 && j % n != 0 && k % n != 0) p += {shift(random), shift(random), shift(random)};
+                mesh.nodes.push_back(p);
+            }
+    constexpr int kOrders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+            for (int k = 0; k < n; ++k)
+                for (const auto& order : kOrders) {
+                    std::array<int, 3> at{i, j, k};
+                    Tetrahedron t{nodeAt(i, j, k)};
+                    for (int step = 0; step < 3; ++step) {
+                        ++at[order[step]];
+                        t[step + 1] = nodeAt(at[0], at[1], at[2]);
+                    }
+                    const auto [a, b, c, d] = t;
+                    if (signedVolume(mesh.nodes[a], mesh.nodes[b], mesh.nodes[c], mesh.nodes[d]) < 0)
+                        std::swap(t[2], t[3]);
+                    mesh.tetrahedra.push_back(t);
+                }
+    return mesh;
+}
+
+inline double volumeOf(const TetMesh& mesh)
+{
+    double sum = 0.0;
+    for (int t = 0; t < static_cast<int>(mesh.tetrahedra.size()); ++t) sum += signedVolume(mesh, t);
+    return sum;
+}
+
+/// By the divergence theorem; the surface is closed.
+inline double volumeInside(const TriangleMesh& mesh)
+{
+    double sum = 0.0;
+    for (auto [a, b, c] : mesh.triangles) sum += dot(mesh.vertices[a], cross(mesh.vertices[b], mesh.vertices[c])) / 6.0;
+    return sum;
+}
+
+/// Whether every edge is walked exactly once in each direction.
+inline bool isClosedManifold(const TriangleMesh& mesh)
+{
+    std::vector<std::array<int, 2>> there, back;
+    for (const Triangle& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) {
+            there.push_back({t[k], t[(k + 1) % 3]});
+            back.push_back({t[(k + 1) % 3], t[k]});
+        }
+    std::sort(there.begin(), there.end());
+    std::sort(back.begin(), back.end());
+    return there == back && std::adjacent_find(there.begin(), there.end()) == there.end();
+}
+
+inline Vec3 randomPoint(std::mt19937& random, double low, double high)
+{
+    std::uniform_real_distribution<double> number(low, high);
+    const double x = number(random), y = number(random);
+    return {x, y, number(random)};
+}
+
+/// What the Error says that `action` throws; empty where it throws none.
+template <class Action> std::string errorOf(Action&& action)
+{
+    try {
+        action();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return {};
+}
+
+/// A file that is there as long as this is.
+class TemporaryFile {
+public:
+    TemporaryFile(const std::string& name, std::string_view bytes)
+        : path_(std::filesystem::path(FILASOFIA_BINARY_DIR) / "test_files" / name)
+    {
+        std::filesystem::create_directories(path_.parent_path());
+        std::ofstream(path_, std::ios::binary) << bytes;
+    }
+    ~TemporaryFile() { std::filesystem::remove(path_); }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+} // namespace filasofia::geometry

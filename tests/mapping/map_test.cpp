@@ -1,0 +1,61 @@
+#include "filasofia/geometry/mesh_file.h"
+#include "filasofia/mapping/map.h"
+#include "filasofia/math/mat3.h"
+
+using namespace filasofia;
+using namespace filasofia::mapping;
+
+namespace {
+
+const std::string kMeshes = FILASOFIA_SOURCE_DIR "/assets/meshes/";
+
+frame::SoftBodyFrame bodyAt(const geometry::TetMesh& mesh, const Mat3& a, Vec3 b)
+{
+    frame::SoftBodyFrame body;
+    for (const Vec3& node : mesh.nodes) body.positions.push_back(a * node + b);
+    return body;
+}
+
+} // namespace
+
+TEST_CASE("a body's own boundary is mapped node by node")
+{
+    const geometry::TetMesh mesh = geometry::loadTetMesh(kMeshes + "bunny_756.msh");
+    const MappedSurface mapped = mapBoundary(mesh);
+    REQUIRE(std::holds_alternative<IdentityMap>(mapped.map));
+    std::vector<Vec3> vertices(mapped.surface.vertices.size());
+    apply(mapped.map, bodyAt(mesh, Mat3::identity(), {}), vertices);
+    CHECK(vertices == mapped.surface.vertices);
+}
+
+TEST_CASE("a surface whose vertices are nodes is mapped by identity, whatever their order")
+{
+    const geometry::TetMesh mesh = geometry::loadTetMesh(kMeshes + "bunny_756.msh");
+    geometry::TriangleMesh surface{{mesh.nodes[7], mesh.nodes[3], mesh.nodes[100]}, {{0, 1, 2}}, {}};
+    const MappedSurface mapped = mapSurface(mesh, surface);
+    REQUIRE(std::holds_alternative<IdentityMap>(mapped.map));
+    CHECK(std::get<IdentityMap>(mapped.map).nodes == std::vector<int>{7, 3, 100});
+}
+
+TEST_CASE("a surface beside the mesh follows an affine deformation exactly")
+{
+    const geometry::TetMesh mesh = geometry::loadTetMesh(kMeshes + "bunny_1492.msh");
+    const geometry::TriangleMesh surface = geometry::loadTriangleMesh(kMeshes + "bunny.obj");
+    const MappedSurface mapped = mapSurface(mesh, surface);
+    REQUIRE(std::holds_alternative<BarycentricMap>(mapped.map));
+
+    const Mat3 a{{{1.2, 0.3, 0}, {-0.1, 0.8, 0.2}, {0, 0.4, 1.1}}};
+    const Vec3 b{0.5, -1, 2};
+    std::vector<Vec3> vertices(surface.vertices.size());
+    apply(mapped.map, bodyAt(mesh, a, b), vertices);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+        worst = std::max(worst, distance(vertices[i], a * surface.vertices[i] + b));
+    CHECK(worst < 1e-12);
+}
+
+TEST_CASE("a rigid map is the element's pose")
+{
+    const Pose second{{1, 2, 3}, axisAngle({0, 1, 0}, 0.5)};
+    CHECK(apply(RigidMap{1}, frame::RigidBodyFrame{BodyId{1}, {Pose{}, second}}) == second);
+}
