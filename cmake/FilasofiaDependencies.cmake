@@ -1,7 +1,6 @@
 # Every third-party library, found once. All are Debian packages; scripts/setup.sh installs them. This file is also
 # installed and read by FilasofiaConfig.cmake, so that a user's project finds the same ones (or its own builds of them).
 find_package(Threads REQUIRED)
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(assimp 5.2 REQUIRED CONFIG)
 find_package(spdlog REQUIRED CONFIG)
 find_package(SDL2 REQUIRED CONFIG)

@@ -2,8 +2,6 @@
 
 #include "apps/filasofia/commands.h"
 
-#include <initializer_list>
-
 namespace filasofia::app {
 
 constexpr int kFailed = 1;  ///< exit code: the program itself went wrong
@@ -11,6 +9,6 @@ constexpr int kRefused = 2; ///< exit code: the user's words or files were wrong
 
 /// Understands the words, runs the command they name and returns the exit code. Whatever goes wrong is one line on
 /// standard error.
-int runCommandLine(int argc, char** argv, std::initializer_list<AddCommand> commands);
+int runCommandLine(int argc, char** argv, const std::vector<Command>& commands);
 
 } // namespace filasofia::app

@@ -1,20 +1,38 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <string>
+#include <variant>
+#include <vector>
 
-namespace CLI {
-class App;
-}
-
-/// The words of the command line. Each has its own file; main.cpp lists them.
+/// The words of the command line. Each command has its own file; main.cpp lists them.
 namespace filasofia::app {
 
-/// What a command does once its words are understood; returns the program's exit code.
-using Action = std::function<int()>;
+/// What an option is written to. A flag is a bool; all keep their value when not given.
+using OptionTarget =
+    std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*, std::vector<std::string>*>;
 
-/// Adds a command and its options to the command line; sets `chosen` when the user asks for it.
-using AddCommand = void (*)(CLI::App& app, Action& chosen);
+/// One word or option a command understands.
+struct Option {
+    std::string name;                      ///< "--steps" (or "-n,--steps"); without dashes it is a word in its place
+    OptionTarget target = {};              ///< must outlive the command line
+    std::string meaning = {};              ///< for the help
+    std::string type = {};                 ///< "N", "FILE", for the help; empty: chosen by the target
+    std::vector<std::string> choices = {}; ///< the only legal values; empty: any
+    bool required = false;
+};
 
-void addDoctor(CLI::App& app, Action& chosen); ///< `filasofia doctor`: what this machine can do for the simulation
+/// One command: `filasofia <name>`.
+struct Command {
+    std::string name;
+    std::string meaning = {};
+    std::vector<Option> options = {};
+    std::function<int()> run = {}; ///< called once its words are understood; returns the exit code
+};
+
+Command runCommand();    ///< a scene in a window, or headless
+Command benchCommand();  ///< tables and JSON
+Command doctorCommand(); ///< what this machine can do for the simulation, and what is missing
 
 } // namespace filasofia::app

@@ -2,8 +2,6 @@
 #include "apps/filasofia/doctor_report.h"
 #include "filasofia/core/error.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fstream>
 #include <iostream>
 
@@ -36,14 +34,16 @@ int runDoctor(const DoctorOptions& options)
 
 } // namespace
 
-void addDoctor(CLI::App& app, Action& chosen)
+Command doctorCommand()
 {
     static DoctorOptions options; // there is one command line, and it outlives this function
-    CLI::App* words =
-        app.add_subcommand("doctor", "Say what this machine can do for the simulation, and what is missing");
-    words->add_option("--json", options.json, "Write the report as JSON to FILE ('-': to standard output)")
-        ->type_name("FILE");
-    words->callback([&chosen] { chosen = [] { return runDoctor(options); }; });
+    return {.name = "doctor",
+            .meaning = "Say what this machine can do for the simulation, and what is missing",
+            .options = {{.name = "--json",
+                         .target = &options.json,
+                         .meaning = "Write the report as JSON to FILE ('-': to standard output)",
+                         .type = "FILE"}},
+            .run = [] { return runDoctor(options); }};
 }
 
 } // namespace filasofia::app

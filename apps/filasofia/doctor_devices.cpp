@@ -1,8 +1,6 @@
 #include "apps/filasofia/doctor_report.h"
 #include "filasofia/core/text.h"
-#ifdef FILASOFIA_HAS_VISUAL
 #include "filasofia/visual/gpu.h"
-#endif
 
 #include <dlfcn.h>
 #include <sys/socket.h>
@@ -105,7 +103,6 @@ Finding vendorLibrary(std::string name, std::initializer_list<const char*> files
 
 Section examineGpu()
 {
-#ifdef FILASOFIA_HAS_VISUAL
     const visual::GpuReport gpu = visual::probeGpu();
     if (!gpu.available)
         return {
@@ -123,9 +120,6 @@ Section examineGpu()
                 {.name = "vendor", .value = gpu.vendor},
                 {.name = "renderer", .value = gpu.renderer},
                 {.name = "driver", .value = gpu.version}}};
-#else
-    return {.title = "gpu", .findings = {{.name = "drawing without a window", .value = false}}};
-#endif
 }
 
 Section examineDisplay()

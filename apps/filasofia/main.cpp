@@ -4,5 +4,5 @@
 int main(int argc, char** argv)
 {
     using namespace filasofia::app;
-    return runCommandLine(argc, argv, {addDoctor});
+    return runCommandLine(argc, argv, {runCommand(), benchCommand(), doctorCommand()});
 }

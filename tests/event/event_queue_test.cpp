@@ -2,6 +2,7 @@
 
 #include "event/test_events.h"
 
+#include <latch>
 #include <thread>
 
 using namespace filasofia;
@@ -53,6 +54,48 @@ TEST_CASE("a collected batch is in the order of posting, across ring and merge p
     CHECK(numbers == std::vector<int>{1, 2, 3, 4});
     queue.collect(batch);
     CHECK(batch.empty());
+}
+
+namespace {
+/// Merges with its like, and stays in absorb() for as long as the test wants.
+class SlowEvent final : public Event {
+public:
+    SlowEvent(std::latch& itsEntered, std::latch& itsMayLeave)
+        : Event(EventType::Custom3), entered(itsEntered), mayLeave(itsMayLeave)
+    {
+    }
+    [[nodiscard]] std::optional<MergeKey> mergeKey() const override { return MergeKey{type}; }
+    void absorb(const Event&) noexcept override
+    {
+        entered.count_down();
+        mayLeave.wait();
+        ++absorbed;
+    }
+    std::latch &entered, &mayLeave;
+    int absorbed = 0;
+};
+} // namespace
+
+TEST_CASE("a writer does not wait for another that is in the place of the same key")
+{
+    EventQueue queue(4, 1);
+    std::latch entered(1), mayLeave(1);
+    const auto push = [&] {
+        std::unique_ptr<Event> event = std::make_unique<SlowEvent>(entered, mayLeave);
+        return queue.tryPush(event);
+    };
+    REQUIRE(push());
+    std::thread inside([&] { (void)push(); });
+    entered.wait();
+    CHECK(push()); // hangs where it waits
+    mayLeave.count_down();
+    inside.join();
+    CHECK(queue.merged() == 1);
+    std::vector<QueuedEvent> batch;
+    queue.collect(batch); // what went another way merges here
+    REQUIRE(batch.size() == 1);
+    CHECK(batch[0].stamp == 2);
+    CHECK(queue.merged() == 2);
 }
 
 TEST_CASE("each thread's events keep their order while a reader collects, mergeable or not")

@@ -2,6 +2,7 @@
 
 #include "event/test_events.h"
 
+#include <latch>
 #include <thread>
 
 using namespace filasofia;
@@ -48,6 +49,30 @@ TEST_CASE("four posting threads: nothing is lost, each one's order is kept, merg
     CHECK(dispatcher.merged() == static_cast<std::uint64_t>(kPosters * kEach - touchCalls));
     CHECK(dispatcher.delivered() == static_cast<std::uint64_t>(heard + touchCalls));
     CHECK(dispatcher.refused() == refused);
+}
+
+TEST_CASE("an observer that never comes back keeps nobody from posting, attaching and detaching others")
+{
+    EventDispatcher dispatcher;
+    std::latch entered(1), mayLeave(1);
+    int heard = 0;
+    const ObserverId stuck = dispatcher.on<NumberEvent>([&](const NumberEvent& event) {
+        if (event.number != 0) return;
+        entered.count_down();
+        mayLeave.wait();
+    });
+    dispatcher.start();
+    dispatcher.post(NumberEvent(0));
+    entered.wait();
+    for (int i = 1; i <= 100; ++i) dispatcher.post(NumberEvent(i));
+    for (int i = 0; i < 100; ++i) CHECK(dispatcher.tryPost(std::make_unique<PhysicsUpdateEvent>()));
+    dispatcher.on<NumberEvent>([&](const NumberEvent&) { ++heard; });
+    CHECK(dispatcher.detach(dispatcher.on<NumberEvent>([&](const NumberEvent&) { heard = -1000; })));
+    mayLeave.count_down();
+    dispatcher.stop();
+    CHECK(heard == 100); // attached during the delivery of event 0: hears of the ones after it
+    CHECK(dispatcher.merged() == 99);
+    CHECK(dispatcher.detach(stuck));
 }
 
 TEST_CASE("posters that outlive stop do not keep it from ending")

@@ -75,4 +75,10 @@ TEST_CASE("an embedding follows a linear deformation exactly")
         CHECK(distance(positionOf(mesh, embedding, i), bend(points[i])) < 1e-12);
 }
 
+TEST_CASE("a point so far away that its distance overflows is embedded too")
+{
+    const std::vector<Vec3> points{{1e200, 0, 0}};
+    CHECK(embed(cubeMesh(2, 1), points).nodes[0] == cubeMesh(2, 1).tetrahedra[0]);
+}
+
 TEST_CASE("no points make an empty embedding") { CHECK(embed(unitTetrahedron(), {}).nodes.empty()); }

@@ -64,8 +64,28 @@ std::string ply(std::string_view vertices = "4", std::string_view faces = "4")
                 "\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
                 "3 1 2 3\n3 0 3 2\n3 0 1 3\n3 0 2 1\n");
 }
+std::string binaryPly(bool bigEndian)
+{
+    std::string out = text("ply\nformat binary_", bigEndian ? "big" : "little",
+                           "_endian 1.0\ncomment element vertex 99999999\nelement vertex 4\nproperty double "
+                           "x\nproperty double y\nproperty double z\n"
+                           "element face 4\nproperty list uint8 uint16 vertex_indices\nend_header\n");
+    const auto put = [&](auto value) {
+        std::string raw;
+        putRaw(raw, value);
+        if (bigEndian) std::ranges::reverse(raw);
+        out += raw;
+    };
+    for (Vec3 p : unitTetrahedron().nodes) put(p.x), put(p.y), put(p.z);
+    for (const auto& face : kTetrahedronFaces) {
+        put(std::uint8_t{3});
+        for (int i : face) put(static_cast<std::uint16_t>(i));
+    }
+    return out;
+}
 // Floats of the four corners, then the twelve indices; `nodes` places mesh 0.
-std::string gltf(std::string_view nodes, std::string_view count = "4")
+std::string gltf(std::string_view nodes, std::string_view count = "4",
+                 std::string_view uri = R"(,"uri":"tetrahedron.bin")")
 {
     return text(R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)", nodes,
                 R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
@@ -74,7 +94,8 @@ std::string gltf(std::string_view nodes, std::string_view count = "4")
                 R"(,"type":"VEC3","min":[0,0,0],"max":[1,1,1]},
                 {"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}],
                 "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],
-                "buffers":[{"byteLength":72,"uri":"tetrahedron.bin"}]})");
+                "buffers":[{"byteLength":72)",
+                uri, "}]}");
 }
 std::string gltfBuffer()
 {
@@ -84,6 +105,18 @@ std::string gltfBuffer()
     for (const auto& face : kTetrahedronFaces)
         for (int i : face) putRaw(out, static_cast<std::uint16_t>(i));
     return out;
+}
+
+std::string glb()
+{
+    std::string json = gltf(R"({"mesh":0})", "4", ""), out = "glTF";
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    const std::string buffer = gltfBuffer();
+    for (std::size_t number : {std::size_t{2}, 28 + json.size() + buffer.size(), json.size()})
+        putRaw(out, static_cast<std::uint32_t>(number));
+    out += "JSON" + json;
+    putRaw(out, static_cast<std::uint32_t>(buffer.size()));
+    return out + std::string("BIN\0", 4) + buffer;
 }
 
 void checkIsUnitTetrahedron(const TriangleMesh& mesh)
@@ -106,6 +139,8 @@ TEST_CASE("the same surface comes from OBJ, STL, PLY and glTF")
     checkIsUnitTetrahedron(meshFrom("t.stl", asciiStl(surface)));
     checkIsUnitTetrahedron(meshFrom("t.stl", binaryStl(surface, 4)));
     checkIsUnitTetrahedron(meshFrom("t.ply", ply()));
+    for (bool bigEndian : {false, true}) checkIsUnitTetrahedron(meshFrom("t.ply", binaryPly(bigEndian)));
+    checkIsUnitTetrahedron(meshFrom("t.glb", glb()));
     const TemporaryFile buffer("tetrahedron.bin", gltfBuffer());
     checkIsUnitTetrahedron(meshFrom("t.gltf", gltf(R"({"mesh":0})")));
     CHECK(log.lines.empty());
@@ -198,7 +233,17 @@ TEST_CASE("a broken surface file gives an Error that names it")
                Contains("b.obj: vertex ") && Contains("must be finite"));
     CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv 1 0 0\nf 1 2 3\n"), Contains("b.obj: has no triangles"));
     CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n"), Contains("b.obj: has no triangles"));
-    CHECK_THAT(errorFor("b.ply", ply().substr(0, 220)), Contains("b.ply"));
+    for (std::size_t cut : {3, 4, 8, 12, 30})
+        CHECK_THAT(errorFor("b.ply", ply().substr(0, ply().size() - cut)), Contains("b.ply:"));
+    for (std::size_t cut : {1, 10, 25})
+        for (bool bigEndian : {false, true})
+            CHECK_THAT(errorFor("b.ply", binaryPly(bigEndian).substr(0, binaryPly(bigEndian).size() - cut)),
+                       Contains("b.ply: byte ") && Contains("the file ends"));
+    CHECK_THAT(errorFor("b.glb", glb().substr(0, glb().size() - 10)), Contains("b.glb"));
+    CHECK_THAT(errorFor("b.stl", asciiStl(surface).substr(0, asciiStl(surface).size() - 23)),
+               Contains("b.stl: the file ends before endsolid"));
+    CHECK_THAT(errorFor("b.gltf", gltf(R"({"mesh":0})", "4", R"(,"uri":"nowhere.bin")")), Contains("b.gltf"));
+    CHECK_THAT(errorFor("b.gltf", gltf(R"({"mesh":0,"children":[0]})")), Contains("b.gltf"));
     CHECK_THAT(errorFor("b.stl", binaryStl(surface, 4).substr(0, 200)), Contains("b.stl"));
 }
 

@@ -84,7 +84,7 @@ TEST_CASE("what is wrong in a .node file is named with its line")
     CHECK_THAT(errorIn("1 3 0 0\n0 0 0 0\n1 0 0 0\n", kElements), Contains("a.node:3: the file has more points"));
     CHECK_THAT(errorIn("1 3 0 0\n\n", kElements), Contains("a.node:3: the file ends before a point's number"));
     CHECK_THAT(errorIn("10000000000 3 0 0\n0 0 0 0\n", kElements),
-               Contains("a.node:1: the number of points must be in [0, 1"));
+               Contains("a.node:1: the number of points must be in [0, 2]"));
 }
 
 TEST_CASE("what is wrong in an .ele file is named with its line")
@@ -103,7 +103,7 @@ TEST_CASE("what is wrong in an .ele file is named with its line")
     CHECK_THAT(errorIn(kNodes, "1 4 0\n0 0 1 2 3 9\n"), Contains("a.ele:2: a tetrahedron has more numbers"));
     CHECK_THAT(errorIn(kNodes, "1 4 0\n0 0 1 2 3\n1 0 1 2 3\n"), Contains("a.ele:3: the file has more tetrahedra"));
     CHECK_THAT(errorIn(kNodes, "1000000000 4 0\n0 0 1 2 3\n"),
-               Contains("a.ele:1: the number of tetrahedra must be in [0, 2]"));
+               Contains("a.ele:1: the number of tetrahedra must be in [0, 1]"));
 }
 
 TEST_CASE("a TetGen file with any byte wrong or its end missing gives a mesh that is sound, or an Error")

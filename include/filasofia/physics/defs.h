@@ -182,6 +182,9 @@ constexpr auto fields(const RigidBodyDef*)
 /// The body's kind and name as errors begin: "soft body 'uterus'".
 std::string describeBody(const BodyDef& def);
 
+/// The pose with its orientation scaled to unit length; an Error naming `object` where it has no direction.
+Pose unitPose(const Pose& pose, std::string_view object);
+
 /// The mesh a body asks for, read from its file where it names one, and checked. Throws an Error naming the body.
 std::shared_ptr<const geometry::TetMesh> loadMesh(const SoftBodyDef& def);
 

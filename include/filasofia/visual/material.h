@@ -25,16 +25,16 @@ constexpr auto fields(const Color*)
 /// Living tissue: light enters, reddens and leaves elsewhere; a film of liquid glistens on top. The pattern (mottling,
 /// vessels, fine relief) is bound to the rest position, so that it moves with the tissue.
 struct TissueMaterial {
-    Color baseColor = {0.62, 0.17, 0.12};       ///< colour of the lit surface
-    Color subsurfaceColor = {0.75, 0.08, 0.03}; ///< colour of the light that has travelled inside
-    Color vesselColor = {0.30, 0.012, 0.02};    ///< colour of the small vessels
-    double roughness = 0.45;                    ///< [-], in [0.05, 1], of the tissue below the film
-    double wetness = 0.7;                       ///< [-], in [0, 1], how much of the surface the film covers
-    double thickness = 0.45;                    ///< [-], in [0, 1]: thin tissue lets more light through
-    double noiseScale = 160.0;                  ///< [1/m], > 0: mottles per metre; relief and vessels follow it
-    double mottling = 0.6;                      ///< [-], in [0, 1]
-    double vessels = 0.6;                       ///< [-], in [0, 1]
-    double bump = 0.5;                          ///< [-], in [0, 2], height of the fine relief
+    Color baseColor = {0.58, 0.135, 0.115};       ///< colour of the lit surface
+    Color subsurfaceColor = {0.70, 0.080, 0.055}; ///< colour of the light that has travelled inside
+    Color vesselColor = {0.26, 0.008, 0.014};     ///< colour of the small vessels
+    double roughness = 0.45;                      ///< [-], in [0.05, 1], of the tissue below the film
+    double wetness = 0.8;                         ///< [-], in [0, 1], how much of the surface the film covers
+    double thickness = 0.6;                       ///< [-], in [0, 1]: thin tissue lets more light through
+    double noiseScale = 165.0;                    ///< [1/m], > 0: mottles per metre; relief and vessels follow it
+    double mottling = 0.6;                        ///< [-], in [0, 1]
+    double vessels = 0.6;                         ///< [-], in [0, 1]
+    double bump = 0.5;                            ///< [-], in [0, 2], height of the fine relief
 
     friend constexpr bool operator==(const TissueMaterial&, const TissueMaterial&) = default;
 };

@@ -46,6 +46,7 @@ struct Apply {
             model.rigidBodies.push_back(std::move(rigid.model));
             state.rigidBodies.push_back(std::move(rigid.state));
         }
+        add.body.reset(); // the command goes on into the log: its empty shell need not
     }
     void operator()(const physics::RemoveBody& remove) const
     {
@@ -96,20 +97,38 @@ struct Apply {
         const State stateBefore = state;
         try {
             tune.change(self);
+            checkSameBodies(modelBefore);
             recheck();
         } catch (const std::exception& problem) {
-            logError("tune() was undone: ", problem.what());
-            report.set(physics::StepFlag::TuneRejected);
-            model = modelBefore;
-            state = stateBefore;
+            putBack(modelBefore, stateBefore, problem.what());
+        } catch (...) {
+            putBack(modelBefore, stateBefore, "it threw something that is no exception");
         }
         systems.clear();
         for (const SoftModel& body : model.softBodies) systems.push_back(makeSystem(body));
     }
 
 private:
+    void putBack(const Model& modelBefore, const State& stateBefore, const char* why) const
+    {
+        logError("tune() was undone: ", why);
+        report.set(physics::StepFlag::TuneRejected);
+        model = modelBefore;
+        state = stateBefore;
+    }
+
+    /// Callers know bodies by id and have checked their commands against the node counts: both must stay.
+    void checkSameBodies(const Model& before) const
+    {
+        const auto same = [](const auto& a, const auto& b) { return a.id == b.id && a.rest.size() == b.rest.size(); };
+        if (!std::ranges::equal(model.softBodies, before.softBodies, same) ||
+            !std::ranges::equal(model.rigidBodies, before.rigidBodies, same))
+            fail("tune: bodies, their ids, nodes and elements must stay; use add() and remove()");
+    }
+
     void recheck() const
     {
+        if (!nonNegative().contains(state.time)) fail("tune: time must be >= 0 s, got ", state.time);
         if (state.softBodies.size() != model.softBodies.size() || state.rigidBodies.size() != model.rigidBodies.size())
             fail("tune: model and state must hold the same bodies");
         if (!isFinite(state.gravity)) fail("tune: gravity must be finite");

@@ -89,9 +89,9 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def)
     for (std::size_t a = 0; a < def.attachments.size(); ++a)
         addAttachment(def.attachments[a], text(object, ": attachments[", a, "]"), model);
 
-    for (const physics::NodalForce& force : def.forces)
-        if (force.node >= built->nodeCount())
-            fail(object, ": forces.node must be in [0, ", built->nodeCount(), "), got ", force.node);
+    for (std::size_t i = 0; i < def.forces.size(); ++i)
+        if (const int node = def.forces[i].node; node >= built->nodeCount())
+            fail(object, ": forces[", i, "].node must be in [0, ", built->nodeCount(), "), got ", node);
     built->state = stateAtRest(model);
     built->state.pressure = def.pressure;
     setForces(def.forces, built->state);
@@ -102,10 +102,12 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def)
 
 std::unique_ptr<physics::BuiltBody> buildRigid(const physics::RigidBodyDef& def)
 {
-    validate(def, text("rigid body '", def.name, "'"));
+    const std::string object = text("rigid body '", def.name, "'");
+    validate(def, object);
     auto built = std::make_unique<BuiltRigidBody>();
     built->model.name = def.name;
-    for (const Pose& pose : def.elements) built->model.rest.push_back({pose.position, normalized(pose.orientation)});
+    for (std::size_t e = 0; e < def.elements.size(); ++e)
+        built->model.rest.push_back(physics::unitPose(def.elements[e], text(object, ": elements[", e, "]")));
     built->state.poses = built->model.rest;
     check(built->model, built->state);
     return built;

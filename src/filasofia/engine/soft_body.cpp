@@ -129,7 +129,12 @@ void check(const SoftModel& model, const SoftState& state)
         checkSize(object, list, values->size(), n);
         checkFinite(object, list, *values);
     }
+    for (std::size_t i = 0; i < n; ++i)
+        if (model.pins.hard[i] && !(state.v[i] == Vec3{} && state.dv[i] == Vec3{}))
+            fail(object, ": v[", i, "] and dv[", i, "] must be 0 m/s: the node is held");
     checkSize(object, "rotations", state.rotations.size(), model.elements.size());
+    for (const Quat& q : state.rotations)
+        if (!(std::abs(dot(q, q) - 1.0) < 1e-6)) fail(object, ": rotations must be unit quaternions");
     if (!std::isfinite(state.pressure)) fail(object, ": pressure must be finite, got ", state.pressure);
 }
 

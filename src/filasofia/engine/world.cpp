@@ -13,11 +13,16 @@ void add(Hasher& hash, Vec3 v)
     hash.add(v.z);
 }
 
+void add(Hasher& hash, Quat q)
+{
+    hash.add(q.w);
+    add(hash, Vec3{q.x, q.y, q.z});
+}
+
 void add(Hasher& hash, const Pose& pose)
 {
     add(hash, pose.position);
-    hash.add(pose.orientation.w);
-    add(hash, Vec3{pose.orientation.x, pose.orientation.y, pose.orientation.z});
+    add(hash, pose.orientation);
 }
 
 } // namespace
@@ -66,6 +71,7 @@ std::uint64_t World::hash() const
     for (const SoftState& body : state_.softBodies) {
         for (const auto* list : {&body.x, &body.v, &body.dv, &body.forces})
             for (const Vec3& v : *list) add(hash, v);
+        for (const Quat& q : body.rotations) add(hash, q);
         hash.add(body.pressure);
     }
     for (const RigidState& body : state_.rigidBodies)

@@ -37,6 +37,12 @@ FrameRef FramePool::latest()
         while (readers != kWriting &&
                !slot.readers.compare_exchange_weak(readers, readers + 1, std::memory_order_acquire)) {}
         if (readers == kWriting) continue;
+        // Held up in between, a reader may get a slot that is just being published, newer than newest_ yet says; the
+        // next look would take it back in time. So only what is still the newest is kept.
+        if (newest_.load(std::memory_order_acquire) != newest) {
+            slot.readers.fetch_sub(1, std::memory_order_release);
+            continue;
+        }
         taken_.store(true, std::memory_order_relaxed);
         return {&slot.frame, &slot.readers};
     }

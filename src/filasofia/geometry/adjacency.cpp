@@ -38,7 +38,7 @@ std::vector<std::array<int, 2>> edges(const TetMesh& mesh)
     for (const Tetrahedron& t : mesh.tetrahedra)
         for (auto [i, j] : kTetrahedronEdges) all.push_back({std::min(t[i], t[j]), std::max(t[i], t[j])});
     std::ranges::sort(all);
-    all.erase(std::ranges::unique(all).begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
     return all;
 }
 

@@ -1,38 +1,31 @@
 #include "filasofia/geometry/announced_size.h"
 
 #include "filasofia/core/error.h"
-#include "filasofia/geometry/number_source.h"
+#include "filasofia/geometry/ply_walk.h"
 
 #include <charconv>
-#include <cstring>
+#include <cstdint>
 
 namespace filasofia::geometry {
 namespace {
 
-// Every property of an element takes a byte at least, and so does every element in a text: a line's end.
-void checkPly(std::string_view bytes, std::string_view name)
-{
-    NumberSource in(bytes, name);
-    if (in.word() != "ply") in.failHere("a PLY file must begin with ply");
-    std::size_t room = 0;
-    for (std::string_view word = in.word(); word != "end_header"; word = in.word()) {
-        if (word.empty()) in.failHere("the file ends before end_header");
-        if (word != "element") continue;
-        const std::string what = "the number of elements '" + std::string(in.wordOnThisLine().substr(0, 40)) + "'";
-        room += in.count(what, 1, 1, 4);
-        in.boundCount(static_cast<std::int64_t>(room), "the sum of all numbers of elements", 1, 1);
-    }
-}
-
-// A binary STL: 80 bytes of header, the number of triangles, 50 bytes each. A text begins with "solid", but so do some
-// binary ones: the size tells.
+// A binary STL: 80 bytes of header, the number of triangles, 50 bytes each. A text begins with "solid" and ends with
+// "endsolid", but some binary ones begin with "solid" too: then the size tells.
 void checkStl(std::string_view bytes, std::string_view name)
 {
     constexpr std::uint64_t kHeader = 84, kTriangle = 50;
-    if (bytes.starts_with("solid")) return; // as text nothing is announced; assimp tells a binary one by its exact size
-    if (bytes.size() < kHeader) fail(name, ": a binary STL file must have at least 84 bytes, got ", bytes.size());
+    const bool solid = bytes.starts_with("solid");
+    if (bytes.size() < kHeader && !solid)
+        fail(name, ": a binary STL file must have at least 84 bytes, got ", bytes.size());
     std::uint32_t count = 0;
-    for (int i = 3; i >= 0; --i) count = count << 8 | static_cast<unsigned char>(bytes[80 + i]);
+    if (bytes.size() >= kHeader)
+        for (int i = 3; i >= 0; --i) count = count << 8 | static_cast<unsigned char>(bytes[80 + i]);
+    if (solid && (bytes.size() < kHeader || bytes.size() != kHeader + kTriangle * count)) {
+        const std::size_t end = bytes.rfind("endsolid"), lastFacet = bytes.rfind("endfacet");
+        if (end == std::string_view::npos || (lastFacet != std::string_view::npos && end < lastFacet))
+            fail(name, ": the file ends before endsolid");
+        return;
+    }
     const std::uint64_t most = (bytes.size() - kHeader) / kTriangle;
     if (count > most)
         fail(name, ": byte 80: the number of triangles must be in [0, ", most, "] (what the file holds), got ", count);
@@ -78,7 +71,7 @@ void checkGltf(const std::filesystem::path& file, std::string_view bytes)
 
 void checkAnnouncedSizes(const std::filesystem::path& file, std::string_view extension, std::string_view bytes)
 {
-    if (extension == ".ply") checkPly(bytes, file.string());
+    if (extension == ".ply") walkPly(bytes, file.string());
     if (extension == ".stl") checkStl(bytes, file.string());
     if (extension == ".gltf" || extension == ".glb") checkGltf(file, bytes);
 }

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <optional>
 
 namespace filasofia::geometry {
 namespace {
@@ -73,6 +72,18 @@ void appendNodes(const aiScene& scene, std::string_view name, Soup& soup)
         for (unsigned i = 0; i < now.node->mNumMeshes; ++i)
             appendMesh(*scene.mMeshes[now.node->mMeshes[i]], place, name, soup);
         for (unsigned i = now.node->mNumChildren; i-- > 0;) open.push_back({now.node->mChildren[i], place});
+    }
+}
+
+// Before anything is compared: a NaN equals nothing and would break the order below.
+void checkNumbers(const TriangleMesh& mesh, std::string_view name)
+{
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+        const Vec3 p = mesh.vertices[i];
+        const auto [u, v] = mesh.uv[i];
+        if (!isFinite(p)) fail(name, ": vertex ", i, " must be finite, got ", p.x, " ", p.y, " ", p.z);
+        if (!std::isfinite(u) || !std::isfinite(v))
+            fail(name, ": uv of vertex ", i, " must be finite, got ", u, " ", v);
     }
 }
 
@@ -153,7 +164,7 @@ TriangleMesh readWithAssimp(const std::filesystem::path& file)
     const std::string name = file.string();
     const Soup soup = readSoup(file);
     if (soup.mesh.triangles.empty()) fail(name, ": has no triangles; it must have at least 1");
-    check(TriangleMesh{soup.mesh.vertices, {{0, 1, 2}}, soup.mesh.uv}, name); // the numbers, before they are compared
+    checkNumbers(soup.mesh, name);
     Dropped dropped;
     TriangleMesh mesh = joined(soup, dropped);
     if (dropped.triangles + dropped.texture + soup.notTriangles > 0 || (soup.anyUv && soup.anyWithout))

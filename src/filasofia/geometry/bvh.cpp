@@ -3,6 +3,8 @@
 #include "filasofia/core/assert.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace filasofia::geometry {
@@ -120,15 +122,15 @@ void overlappingPairs(const Bvh& a, const Bvh& b, std::vector<std::array<int, 2>
 
 double Bvh::rayEntry(const Box& box, Vec3 origin, Vec3 inverseDirection)
 {
-    // Slabs (Kay and Kajiya 1986). Where the ray runs along a slab and starts on its border, 0 * infinity is a NaN,
-    // and the comparisons are written so that this slab then cuts nothing.
+    // Slabs (Kay and Kajiya 1986).
     double enter = 0.0, leave = Box::kFar;
     for (int axis = 0; axis < 3; ++axis) {
         const double t0 = (box.low[axis] - origin[axis]) * inverseDirection[axis];
         const double t1 = (box.high[axis] - origin[axis]) * inverseDirection[axis];
-        const double nearer = t0 < t1 ? t0 : t1, farther = t0 < t1 ? t1 : t0;
-        if (nearer > enter) enter = nearer;
-        if (farther < leave) leave = farther;
+        // Where the ray runs along a slab's border, 0 times infinity is a NaN, and this slab cuts nothing off.
+        if (std::isnan(t0) || std::isnan(t1)) continue;
+        enter = std::max(enter, std::min(t0, t1));
+        leave = std::min(leave, std::max(t0, t1));
     }
     // A flat box is entered and left at once: rounding must not tell otherwise.
     return enter <= leave * (1.0 + 1e-12) ? enter : Box::kFar;

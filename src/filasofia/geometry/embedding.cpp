@@ -44,7 +44,8 @@ Embedding embed(const TetMesh& mesh, std::span<const Vec3> points)
     embedding.weights.reserve(points.size());
     for (Vec3 p : points) {
         FILASOFIA_ASSERT(isFinite(p));
-        const int holder = tree.nearest(p, [&](int t) { return squaredDistance(t, p); }).primitive;
+        // Beyond 1e154 m a squared distance is infinite, and the tree finds nothing: then the first one serves.
+        const int holder = std::max(0, tree.nearest(p, [&](int t) { return squaredDistance(t, p); }).primitive);
         embedding.nodes.push_back(mesh.tetrahedra[holder]);
         embedding.weights.push_back(weightsIn(holder, p));
     }

@@ -67,6 +67,13 @@ char NumberSource::byte()
     return bytes_[at_++];
 }
 
+void NumberSource::skipBytes(std::size_t count, std::string_view what)
+{
+    lastAt_ = at_;
+    if (count > remaining()) failHere("the file ends before ", count, " bytes of ", what);
+    at_ += count;
+}
+
 bool NumberSource::skipPast(std::string_view text)
 {
     const std::size_t found = bytes_.find(text, at_);

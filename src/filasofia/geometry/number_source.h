@@ -29,6 +29,8 @@ public:
     std::string_view wordOnThisLine();
     /// Takes one byte. The end of the line before raw data.
     char byte();
+    /// Goes on behind so many bytes that hold `what`.
+    void skipBytes(std::size_t count, std::string_view what);
     /// Goes on behind `text`; false, and stays, where it does not occur any more.
     bool skipPast(std::string_view text);
 

@@ -11,6 +11,14 @@ std::string describeBody(const BodyDef& def)
     return text("rigid body '", std::get<RigidBodyDef>(def).name, "'");
 }
 
+Pose unitPose(const Pose& pose, std::string_view object)
+{
+    const Quat q = pose.orientation;
+    const double size = std::sqrt(dot(q, q));
+    if (!(size > 1e-6)) fail(object, ": orientation must have a length > 1e-06, got ", size);
+    return {pose.position, normalized(q)};
+}
+
 std::shared_ptr<const geometry::TetMesh> loadMesh(const SoftBodyDef& def)
 {
     const std::string object = text("soft body '", def.name, "': mesh");
@@ -27,7 +35,7 @@ std::shared_ptr<const geometry::TetMesh> loadMesh(const SoftBodyDef& def)
 geometry::TetMesh worldMesh(const SoftBodyDef& def)
 {
     geometry::TetMesh mesh = *loadMesh(def);
-    const Pose pose{def.pose.position, normalized(def.pose.orientation)};
+    const Pose pose = unitPose(def.pose, text("soft body '", def.name, "': pose"));
     for (Vec3& node : mesh.nodes) node = transform(pose, node);
     return mesh;
 }

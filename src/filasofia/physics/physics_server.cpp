@@ -6,6 +6,7 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/physics/physics_engine.h"
 
+#include <cmath>
 #include <map>
 #include <mutex>
 
@@ -40,7 +41,9 @@ struct PhysicsServer::Impl {
     bool paused = false;
     std::atomic<bool> logging = false;
 
-    mutable std::mutex registryMutex; ///< callers only: the step never takes it
+    /// Callers only: the step never takes it. Held from the look at a body to the push of its command, so that no
+    /// command for a body comes behind the one that removes it.
+    mutable std::mutex registryMutex;
     std::map<BodyId, Registered> registry;
     std::uint32_t lastId = 0;
 
@@ -59,18 +62,17 @@ struct PhysicsServer::Impl {
         return id;
     }
 
-    Registered find(BodyId id) const
+    const Registered& find(BodyId id) const
     {
-        const std::lock_guard lock(registryMutex);
         const auto found = registry.find(id);
         if (found == registry.end()) fail("body ", id.value, ": no such body (it was removed, or never added)");
         return found->second;
     }
 
     /// The body behind an id, which must be of kind Def.
-    template <class Def> Registered find(BodyId id, const char* what) const
+    template <class Def> const Registered& find(BodyId id, const char* what) const
     {
-        Registered body = find(id);
+        const Registered& body = find(id);
         if (!std::holds_alternative<Def>(*body.def)) fail(describeBody(*body.def), ": ", what);
         return body;
     }
@@ -136,12 +138,13 @@ void PhysicsServer::remove(BodyId id)
 
 void PhysicsServer::setPose(BodyId id, const Pose& pose, int element)
 {
-    const Registered body = impl_->find<RigidBodyDef>(id, "a pose can be set on a rigid body only");
+    const std::lock_guard lock(impl_->registryMutex);
+    const Registered& body = impl_->find<RigidBodyDef>(id, "a pose can be set on a rigid body only");
     const std::string object = describeBody(*body.def);
     if (element < 0 || element >= body.nodeCount)
         fail(object, ": element must be in [0, ", body.nodeCount, "), got ", element);
     validate(pose, object);
-    impl_->inbox.push(SetPose{id, element, {pose.position, normalized(pose.orientation)}});
+    impl_->inbox.push(SetPose{id, element, unitPose(pose, object)});
 }
 
 void PhysicsServer::setGravity(Vec3 gravity)
@@ -153,7 +156,8 @@ void PhysicsServer::setGravity(Vec3 gravity)
 
 void PhysicsServer::setMaterial(BodyId id, const SoftMaterial& material)
 {
-    const Registered body = impl_->find<SoftBodyDef>(id, "a material can be set on a soft body only");
+    const std::lock_guard lock(impl_->registryMutex);
+    const Registered& body = impl_->find<SoftBodyDef>(id, "a material can be set on a soft body only");
     const std::string object = describeBody(*body.def);
     std::visit([&](const auto& each) { validate(each, object); }, material);
     if (material.index() != std::get<SoftBodyDef>(*body.def).material.index())
@@ -163,14 +167,16 @@ void PhysicsServer::setMaterial(BodyId id, const SoftMaterial& material)
 
 void PhysicsServer::setForces(BodyId id, std::vector<NodalForce> forces)
 {
-    const Registered body = impl_->find<SoftBodyDef>(id, "nodal forces can be set on a soft body only");
+    const std::lock_guard lock(impl_->registryMutex);
+    const Registered& body = impl_->find<SoftBodyDef>(id, "nodal forces can be set on a soft body only");
     checkForces(forces, body.nodeCount, describeBody(*body.def));
     impl_->inbox.push(SetForces{id, std::move(forces)});
 }
 
 void PhysicsServer::setPressure(BodyId id, double pressure)
 {
-    const Registered body = impl_->find<SoftBodyDef>(id, "pressure can be set on a soft body only");
+    const std::lock_guard lock(impl_->registryMutex);
+    const Registered& body = impl_->find<SoftBodyDef>(id, "pressure can be set on a soft body only");
     if (!std::isfinite(pressure)) fail(describeBody(*body.def), ": pressure must be finite, got ", pressure);
     impl_->inbox.push(SetPressure{id, pressure});
 }
@@ -184,11 +190,15 @@ void PhysicsServer::tune(std::function<void(PhysicsEngine&)> change)
     impl_->inbox.push(Tune{std::move(change)});
 }
 
-std::shared_ptr<const BodyDef> PhysicsServer::def(BodyId id) const { return impl_->find(id).def; }
+std::shared_ptr<const BodyDef> PhysicsServer::def(BodyId id) const
+{
+    const std::lock_guard lock(impl_->registryMutex);
+    return impl_->find(id).def;
+}
 
 StepReport PhysicsServer::step(double dt, std::uint32_t flags)
 {
-    FILASOFIA_ASSERT(dt > 0.0);
+    FILASOFIA_ASSERT(std::isfinite(dt) && dt > 0.0);
     impl_->drainInbox();
     StepReport report =
         impl_->engine->step({.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands, .flags = flags});

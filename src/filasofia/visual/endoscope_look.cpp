@@ -26,7 +26,7 @@ EndoscopeLook addEndoscopeLook(VisualServer& server, const Box& around, Quality 
 
     CameraDef cameraDef;
     cameraDef.name = "endoscope camera";
-    const double away = 0.92 * radius / std::sin(0.5 * cameraDef.verticalFieldOfView);
+    const double away = 0.85 * radius / std::sin(0.5 * cameraDef.verticalFieldOfView);
     cameraDef.near = 0.05 * away;
     cameraDef.far = 20.0 * away;
 
@@ -38,9 +38,9 @@ EndoscopeLook addEndoscopeLook(VisualServer& server, const Box& around, Quality 
 
     // The lamp sits beside the lens, a little further than on a real tip: its shadows and highlights model the shape.
     SpotLight spot;
-    spot.intensity = 5200.0 * away * away; // [cd]: the same illuminance at any distance
-    spot.innerAngle = 0.10;
-    spot.outerAngle = 0.68;
+    spot.intensity = 8000.0 * away * away; // [cd]: the same illuminance at any distance
+    spot.innerAngle = 0.2;
+    spot.outerAngle = 0.75;
     spot.range = 8.0 * away;
     LightDef lightDef;
     lightDef.name = "endoscope light";
@@ -56,7 +56,11 @@ EndoscopeLook addEndoscopeLook(VisualServer& server, const Box& around, Quality 
     view.occlusionRadius = 0.08 * radius;
     look.view = &server.add(view, *look.camera);
 
-    server.setEnvironment({});
+    // The walls of the cavity send light back: a dim, soft gleam from above the camera.
+    EnvironmentDef environment;
+    const Pose rig = look.rig->pose();
+    environment.lampDirection = rotate(rig.orientation, Vec3{0.45, 0.8, 0.6});
+    server.setEnvironment(environment);
     return look;
 }
 

@@ -56,6 +56,10 @@ void FilamentBackend::start(const VisualServerDef& def)
     filament::Renderer::DisplayInfo display;
     display.refreshRate = 0.0F; // unknown: then Filament does not pace frames, which the caller does
     renderer_->setDisplayInfo(display);
+    filament::Renderer::ClearOptions clear;
+    clear.clear = true; // the default leaves the last frame's pixels where there is no view
+    clear.clearColor = {0.0F, 0.0F, 0.0F, 1.0F};
+    renderer_->setClearOptions(clear);
     scene_ = engine_->createScene();
     grading_ = filament::ColorGrading::Builder()
                    .toneMapping(filament::ColorGrading::ToneMapping::ACES)
@@ -123,7 +127,8 @@ void FilamentBackend::putCamera(Slot slot, const CameraDef& def)
         placed.camera = engine_->createCamera(placed.entity); // makes the transform too
     }
     placed.def = def;
-    // Aperture f/1 and ISO 100: the shutter alone is the exposure value. (In 1.9.25 setExposure(float) inverts its number.)
+    // Aperture f/1 and ISO 100: the shutter alone is the exposure value. (In 1.9.25 setExposure(float) inverts its
+    // number.)
     placed.camera->setExposure(1.0F, static_cast<float>(std::exp2(-def.exposure)), 100.0F);
 }
 

@@ -6,6 +6,7 @@
 #include <filament/ColorGrading.h>
 #include <filament/IndirectLight.h>
 #include <filament/Renderer.h>
+#include <filament/Skybox.h>
 #include <filament/SwapChain.h>
 #include <filament/Texture.h>
 #include <filament/View.h>
@@ -72,6 +73,7 @@ private:
     filament::ColorGrading* grading_ = nullptr;
     filament::Texture* reflections_ = nullptr;
     filament::IndirectLight* surroundings_ = nullptr;
+    filament::Skybox* background_ = nullptr;
     std::unique_ptr<MaterialPool> pool_;
     std::map<Slot, std::unique_ptr<FilamentBody>> bodies_;
     std::map<Slot, utils::Entity> lights_;

@@ -108,16 +108,19 @@ void FilamentBackend::setEnvironment(const EnvironmentDef& def)
                         .build(*engine_);
     scene_->setIndirectLight(surroundings_);
 
-    filament::Renderer::ClearOptions clear;
-    clear.clear = true; // the default leaves the last frame's pixels where nothing is drawn
-    clear.clearColor = {float(def.background.red), float(def.background.green), float(def.background.blue), 1.0F};
-    renderer_->setClearOptions(clear);
+    // Clearing is for the window, once a frame; only a skybox covers what other views left in the buffers they share.
+    background_ = filament::Skybox::Builder()
+                      .color({float(def.background.red), float(def.background.green), float(def.background.blue), 1.0F})
+                      .build(*engine_);
+    scene_->setSkybox(background_);
 }
 
 void FilamentBackend::destroyEnvironment()
 {
     if (!surroundings_) return;
     scene_->setIndirectLight(nullptr);
+    scene_->setSkybox(nullptr);
+    engine_->destroy(background_);
     engine_->destroy(surroundings_);
     engine_->destroy(reflections_);
     surroundings_ = nullptr;

@@ -23,13 +23,12 @@ PackedFrame packFrame(Float3 normal)
     const float length = std::sqrt(dot(normal, normal));
     const Float3 n =
         length > 1e-30F ? Float3{normal.x / length, normal.y / length, normal.z / length} : Float3{0.0F, 0.0F, 1.0F};
-    // The shortest rotation from +Z to n; where n is -Z, half a turn about X. w = 0 would lose the sign that tells
-    // Filament the handedness of the frame, so w stays at least one step above it.
-    if (n.z < -0.99999F) return {32767, 0, 0, 1};
-    const float scale = 1.0F / std::sqrt(2.0F * (1.0F + n.z));
-    const auto pack = [](float v) { return static_cast<std::int16_t>(std::lrint(v * kOne)); };
-    const float w = std::max((1.0F + n.z) * scale, 1.0F / kOne);
-    return {pack(-n.y * scale), pack(n.x * scale), 0, pack(w)};
+    // The shortest rotation from +Z to n; where n is -Z, half a turn about X.
+    const float size = std::sqrt(n.x * n.x + n.y * n.y + (1.0F + n.z) * (1.0F + n.z));
+    if (size < 1e-4F) return {32767, 0, 0, 1};
+    const auto pack = [&](float v) { return static_cast<std::int16_t>(std::lrint(v / size * kOne)); };
+    // w = 0 would lose the sign that tells Filament the handedness of the frame: it stays one step above.
+    return {pack(-n.y), pack(n.x), 0, std::max<std::int16_t>(pack(1.0F + n.z), 1)};
 }
 
 VertexData vertexData(std::vector<Float3> positions, std::span<const std::uint32_t> indices)

@@ -1,0 +1,49 @@
+#pragma once
+
+/// Everything that a simulator usually needs, under one namespace. Rooms keep their own headers for the rest.
+#include "filasofia/core/error.h"
+#include "filasofia/core/units.h"
+#include "filasofia/event/input_events.h"
+#include "filasofia/runtime/assets.h"
+#include "filasofia/runtime/simulation.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace filasofia {
+
+using event::EventType;
+using event::KeyCode;
+using event::KeyEvent;
+using event::MouseButtonEvent;
+using event::MouseMoveEvent;
+using event::MouseWheelEvent;
+using event::PhysicsUpdateEvent;
+using event::VisualUpdateEvent;
+using geometry::Box;
+using geometry::TetMesh;
+using geometry::TriangleMesh;
+using physics::AttachmentDef;
+using physics::Cholesky;
+using physics::ConjugateGradient;
+using physics::Density;
+using physics::ExplicitEuler;
+using physics::FemMaterial;
+using physics::ImplicitEuler;
+using physics::MassSpringMaterial;
+using physics::NodalForce;
+using physics::Rayleigh;
+using physics::RigidBodyDef;
+using physics::SoftBodyDef;
+using physics::TotalMass;
+using runtime::asset;
+using runtime::report;
+using runtime::RunDef;
+using runtime::RunReport;
+using runtime::ShowDef;
+using runtime::Simulation;
+using runtime::SimulationDef;
+using visual::MetalMaterial;
+using visual::TissueMaterial;
+
+} // namespace filasofia

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+namespace filasofia::runtime {
+
+/// The path of a file that comes with Filasofia, such as "meshes/bunny_3004.msh". Looks in the folder that the
+/// environment variable FILASOFIA_ASSETS names, in share/filasofia beside the running program's folder, in the source
+/// tree this library was built from, and where it was to be installed. Throws an Error naming them when it is in none.
+std::string asset(const std::string& name);
+
+} // namespace filasofia::runtime

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "filasofia/core/fields.h"
+#include "filasofia/geometry/triangle_mesh.h"
+#include "filasofia/visual/material.h"
+
+#include <memory>
+#include <string>
+#include <variant>
+
+namespace filasofia::runtime {
+
+/// A surface: the name of a file, or the surface itself.
+using SurfaceSource = std::variant<std::string, std::shared_ptr<const geometry::TriangleMesh>>;
+
+/// How a body is drawn. The way it follows the body is chosen from the body and the surface: as one with an element of
+/// a rigid body; node by node; or riding on the tetrahedra of a soft one.
+struct ShowDef {
+    SurfaceSource surface = {};                           ///< in the body's coordinates; empty: a soft body's boundary
+    int element = 0;                                      ///< [-], >= 0, of a rigid body
+    int subdivision = 0;                                  ///< [-], in [0, 3], each level four times the triangles
+    visual::Material material = visual::TissueMaterial{}; ///< what it looks like
+    bool castShadows = true;
+};
+constexpr auto fields(const ShowDef*)
+{
+    using T = ShowDef;
+    return describe("ShowDef", field("surface", &T::surface, "a surface file, or the surface"),
+                    field("element", &T::element, "-", nonNegative(), "element of a rigid body"),
+                    field("subdivision", &T::subdivision, "-", closed(0, 3), "each level four times the triangles"),
+                    field("material", &T::material, "what it looks like"),
+                    field("castShadows", &T::castShadows, "does it throw shadows"));
+}
+
+} // namespace filasofia::runtime

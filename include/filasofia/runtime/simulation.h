@@ -1,0 +1,113 @@
+#pragma once
+
+#include "filasofia/core/error.h"
+#include "filasofia/event/event_dispatcher.h"
+#include "filasofia/event/input_events.h"
+#include "filasofia/physics/physics_server.h"
+#include "filasofia/runtime/run.h"
+#include "filasofia/runtime/show.h"
+#include "filasofia/visual/endoscope_look.h"
+#include "filasofia/window/window.h"
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+namespace filasofia::engine {
+struct Native;
+}
+
+namespace filasofia::runtime {
+
+/// How physics is paced.
+struct PhysicsDef {
+    double rate = 1000.0;              ///< [Hz], in [1, 100000], steps per second
+    double slack = 2e-3;               ///< [s], >= 0: a step is never longer than 1/rate + slack
+    Vec3 gravity = {0.0, -9.81, 0.0};  ///< [m/s^2]
+    bool realTime = true;              ///< ask the system to schedule physics before ordinary threads
+};
+constexpr auto fields(const PhysicsDef*)
+{
+    using T = PhysicsDef;
+    return describe("PhysicsDef", field("rate", &T::rate, "Hz", closed(1, 100000), "steps per second"),
+                    field("slack", &T::slack, "s", nonNegative(), "a step is never longer than 1/rate + slack"),
+                    field("gravity", &T::gravity, "m/s^2", finite(), "acts on every body"),
+                    field("realTime", &T::realTime, "schedule physics before ordinary threads"));
+}
+
+/// The picture that a simulation has unless it makes its own: an endoscope's.
+struct LookDef {
+    std::optional<geometry::Box> around;   ///< [m], what to see; not given: everything shown, as it is at the start
+    Vec3 direction = {0.25, 0.3, 1.0};     ///< [-], from there towards the camera
+    visual::Quality quality = visual::Quality::High;
+    double rate = 60.0;                    ///< [Hz], in [1, 1000], pictures per second at most
+};
+constexpr auto fields(const LookDef*)
+{
+    using T = LookDef;
+    return describe("LookDef", field("around", &T::around, "what to see"),
+                    field("direction", &T::direction, "-", finite(), "from there towards the camera"),
+                    field("quality", &T::quality, "effects"),
+                    field("rate", &T::rate, "Hz", closed(1, 1000), "pictures per second at most"));
+}
+
+struct SimulationDef {
+    PhysicsDef physics = {};
+    window::WindowDef window = {};
+    LookDef look = {};
+};
+constexpr auto fields(const SimulationDef*)
+{
+    using T = SimulationDef;
+    return describe("SimulationDef", field("physics", &T::physics, "how physics is paced"),
+                    field("window", &T::window, "the window of a live run"), field("look", &T::look, "the picture"));
+}
+
+/// A whole simulator: the physics server, the visual server, the events and their threads.
+///
+/// run() belongs to the main thread. What adds, removes or changes something may be called from any thread, before and
+/// during a run, and fails with an Error at once where it is wrong.
+class Simulation {
+public:
+    explicit Simulation(const SimulationDef& def = {});
+    ~Simulation();
+    Simulation(const Simulation&) = delete;
+    Simulation& operator=(const Simulation&) = delete;
+
+    BodyId add(physics::SoftBodyDef def);
+    BodyId add(physics::RigidBodyDef def);
+    /// Draws a body; several times for several surfaces.
+    void show(BodyId id, const ShowDef& def = {});
+    /// Called on the main thread as soon as there is a visual server, in place of the look of the Def: makes lights,
+    /// cameras and views.
+    void dress(std::function<void(visual::VisualServer&)> scene);
+
+    /// Calls `callback` for every event of a type, on the dispatcher's thread; in a headless run after each step.
+    template <event::TypedEvent E> event::ObserverId on(std::function<void(const E&)> callback)
+    {
+        return events().on<E>(std::move(callback));
+    }
+    [[nodiscard]] event::EventDispatcher& events();
+    [[nodiscard]] physics::PhysicsServer& physics();
+    /// Fine-tuning: see filasofia/engine/native.h.
+    void tune(std::function<void(engine::Native&)> change);
+
+    /// Ends the run, from any thread; the report says why.
+    void finish(std::string why);
+
+    /// Runs until finish(), the end that `def` asks for, Ctrl-C, or the window is closed. Throws Error.
+    RunReport run(const RunDef& def);
+    /// The same for a main(): reads --headless, --steps N, --picture FILE.png and more (--help), prints how it went and
+    /// returns the exit code: 0, or 2 after one line that says what is wrong.
+    int run(int argc, const char* const* argv);
+
+    struct Impl;
+
+private:
+    std::unique_ptr<Impl> impl_;
+};
+
+/// For a main(): prints what was wrong, in one line, and returns the exit code 2.
+int report(const Error& error);
+
+} // namespace filasofia::runtime

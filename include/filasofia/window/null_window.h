@@ -1,0 +1,34 @@
+#pragma once
+
+#include "filasofia/window/window.h"
+
+#include <deque>
+
+namespace filasofia::window {
+
+/// A window that nobody sees: for tests and runs without a display. What would come from a person is injected.
+class NullWindow final : public Window {
+public:
+    /// Throws an Error where a field is outside its range.
+    explicit NullWindow(const WindowDef& def = {});
+
+    /// The next poll() hands it on, after all injected before. A WindowEvent acts as well: Resized changes size(),
+    /// CloseRequested makes shouldClose() true when it is handed on.
+    void inject(std::unique_ptr<event::Event> event);
+
+    [[nodiscard]] void* nativeWindow() const override { return nullptr; }
+    [[nodiscard]] WindowSize size() const override { return size_; }
+    [[nodiscard]] double scale() const override { return 1.0; }
+    void poll(const event::EventSink& sink) override;
+    [[nodiscard]] bool shouldClose() const override { return shouldClose_; }
+    void setTitle(const std::string& title) override { title_ = title; }
+    [[nodiscard]] const std::string& title() const { return title_; }
+
+private:
+    std::string title_;
+    WindowSize size_;
+    bool shouldClose_ = false;
+    std::deque<std::unique_ptr<event::Event>> injected_;
+};
+
+} // namespace filasofia::window

@@ -1,0 +1,127 @@
+#include "filasofia/runtime/bindings.h"
+
+#include "filasofia/core/validate.h"
+#include "filasofia/geometry/mesh_file.h"
+#include "filasofia/physics/physics_server.h"
+#include "filasofia/visual/visual_server.h"
+
+namespace filasofia::runtime {
+namespace {
+
+using geometry::TriangleMesh;
+
+/// The surface that was asked for, in the body's coordinates; nothing where none was.
+std::shared_ptr<const TriangleMesh> loadSurface(const SurfaceSource& source, const std::string& object)
+{
+    if (const auto* file = std::get_if<std::string>(&source)) {
+        if (file->empty()) return nullptr;
+        return std::make_shared<const TriangleMesh>(geometry::loadTriangleMesh(*file));
+    }
+    const auto& given = std::get<std::shared_ptr<const TriangleMesh>>(source);
+    if (given) geometry::check(*given, object + ": surface");
+    return given;
+}
+
+mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const TriangleMesh* surface)
+{
+    const geometry::TetMesh rest = physics::worldMesh(body);
+    if (!surface) return mapping::mapBoundary(rest);
+    TriangleMesh inWorld = *surface;
+    for (Vec3& vertex : inWorld.vertices) vertex = transform(body.pose, vertex);
+    return mapping::mapSurface(rest, std::move(inWorld));
+}
+
+} // namespace
+
+void Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServer& physics)
+{
+    const auto body = physics.def(id);
+    const std::string object = text("show ", physics::describeBody(*body));
+    validate(def, object);
+    const auto surface = loadSurface(def.surface, object);
+
+    Binding binding{.id = id, .def = def};
+    if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body)) {
+        mapping::MappedSurface mapped = mapSoft(*soft, surface.get());
+        binding.name = soft->name;
+        binding.surface = std::move(mapped.surface);
+        binding.softMap = std::move(mapped.map);
+    } else {
+        const auto& rigid = std::get<physics::RigidBodyDef>(*body);
+        if (!surface) fail(object, ": surface must name a file or be a surface, got nothing");
+        const int count = static_cast<int>(rigid.elements.size());
+        if (def.element >= count) fail(object, ": element must be in [0, ", count, "), got ", def.element);
+        binding.soft = false;
+        binding.name = rigid.name;
+        binding.surface = *surface;
+        binding.rigidMap = {def.element};
+    }
+    const std::lock_guard lock(pendingMutex_);
+    pending_.push_back(std::move(binding));
+}
+
+void Bindings::addPending(visual::VisualServer& visual)
+{
+    std::vector<Binding> fresh;
+    {
+        const std::lock_guard lock(pendingMutex_);
+        fresh.swap(pending_);
+    }
+    for (Binding& binding : fresh) {
+        binding.drawn = &visual.add(visual::VisualBodyDef{.name = binding.name,
+                                                          .mesh = binding.surface,
+                                                          .subdivision = binding.def.subdivision,
+                                                          .material = binding.def.material,
+                                                          .castShadows = binding.def.castShadows});
+        shown_.push_back(std::move(binding));
+    }
+}
+
+void Bindings::update(const frame::Frame& frame, visual::VisualServer& visual)
+{
+    std::erase_if(shown_, [&](Binding& binding) {
+        const bool found = place(binding, frame, vertices_);
+        const bool gone = !found && binding.seen; // a body that has not come yet is waited for
+        if (gone) visual.remove(*binding.drawn);
+        binding.seen = binding.seen || found;
+        return gone;
+    });
+}
+
+bool Bindings::place(Binding& binding, const frame::Frame& frame, std::vector<Vec3>& vertices)
+{
+    if (binding.soft) {
+        const frame::SoftBodyFrame* body = frame.softBody(binding.id);
+        if (!body) return false;
+        vertices.resize(binding.surface.vertices.size());
+        mapping::apply(binding.softMap, *body, vertices);
+        binding.drawn->setVertices(vertices);
+    } else {
+        const frame::RigidBodyFrame* body = frame.rigidBody(binding.id);
+        if (!body) return false;
+        binding.drawn->setPose(mapping::apply(binding.rigidMap, *body));
+    }
+    return true;
+}
+
+void Bindings::release()
+{
+    const std::lock_guard lock(pendingMutex_);
+    for (Binding& binding : shown_) {
+        binding.drawn = nullptr;
+        pending_.push_back(std::move(binding));
+    }
+    shown_.clear();
+}
+
+geometry::Box Bindings::bounds() const
+{
+    geometry::Box box;
+    const std::lock_guard lock(pendingMutex_);
+    for (const auto* list : {&pending_, &shown_})
+        for (const Binding& binding : *list)
+            for (const Vec3& vertex : binding.surface.vertices) box = merged(box, vertex);
+    return box;
+}
+
+} // namespace filasofia::runtime

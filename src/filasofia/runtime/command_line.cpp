@@ -1,0 +1,72 @@
+#include "filasofia/runtime/simulation.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <iostream>
+
+namespace filasofia::runtime {
+namespace {
+
+std::string line(const char* format, auto... values)
+{
+    char buffer[200];
+    std::snprintf(buffer, sizeof buffer, format, values...);
+    return std::string(buffer) + "\n";
+}
+
+constexpr int kRefused = 2; ///< exit code: the user's words or files were wrong
+
+} // namespace
+
+std::string summary(const RunReport& report)
+{
+    const Spread cost = report.timing.cost(), rate = report.timing.rate();
+    std::string out = line("%llu steps, %.3f s simulated in %.3f s (%.2f x real time); ended: %s",
+                           static_cast<unsigned long long>(report.timing.stepCount), report.timing.simulatedSeconds,
+                           report.timing.wallSeconds, report.timing.realTimeFactor(), report.finished.c_str());
+    out += line("one step takes [ms]    median %8.3f   p1 %8.3f   p99 %8.3f", cost.median * 1e3, cost.p1 * 1e3,
+                cost.p99 * 1e3);
+    out += line("physics rate [1/s]     median %8.1f   p1 %8.1f   p99 %8.1f", rate.median, rate.p1, rate.p99);
+    out += line("late steps %llu, clamped by slack %llu, put back %llu, solver at its cap %llu",
+                static_cast<unsigned long long>(report.timing.late),
+                static_cast<unsigned long long>(report.timing.clamped), static_cast<unsigned long long>(report.undone),
+                static_cast<unsigned long long>(report.notConverged));
+    if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
+        out += line("pictures drawn %ld", report.visual.framesDrawn);
+    for (const std::string& picture : report.pictures) out += "wrote " + picture + "\n";
+    out += line("state hash %016llx", static_cast<unsigned long long>(report.hash));
+    return out;
+}
+
+int Simulation::run(int argc, const char* const* argv)
+{
+    RunDef def;
+    CLI::App app("A Filasofia simulation");
+    app.add_flag("--headless", def.headless, "a plain loop without window or clock, the same every time");
+    app.add_option("--steps", def.steps, "end after as many steps");
+    app.add_option("--seconds", def.seconds, "end after as many seconds of wall time");
+    app.add_option("--picture", def.picture, "write the last state to this PNG file");
+    app.add_option("--picture-every", def.pictureEvery, "with --headless: numbered pictures, seconds apart");
+    app.add_option("--log", def.log, "write a line per step to this CSV file");
+    try {
+        app.parse(argc, argv);
+        std::cout << summary(run(def));
+        return 0;
+    } catch (const CLI::CallForHelp&) {
+        std::cout << app.help();
+        return 0;
+    } catch (const CLI::ParseError& problem) {
+        return report(Error(problem.what()));
+    } catch (const Error& problem) {
+        return report(problem);
+    }
+}
+
+int report(const Error& error)
+{
+    std::cerr << error.what() << '\n';
+    return kRefused;
+}
+
+} // namespace filasofia::runtime

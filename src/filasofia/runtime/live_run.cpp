@@ -1,0 +1,157 @@
+#include "filasofia/runtime/parts.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/record/step_log.h"
+#include "filasofia/runtime/physics_loop.h"
+#include "filasofia/runtime/stop_signal.h"
+
+#include <thread>
+
+namespace filasofia::runtime {
+namespace {
+
+/// The physics thread: it runs from construction to join(), also when the main thread throws.
+class PhysicsThread {
+public:
+    PhysicsThread(Simulation::Impl& parts, const RunDef& def) : parts_(parts)
+    {
+        const PhysicsLoopDef loop{.period = parts.period(),
+                                  .slack = toNanoseconds(parts.def.physics.slack),
+                                  .freeRunning = def.freeRunning,
+                                  .maximumSteps = static_cast<std::uint64_t>(def.steps)};
+        thread_ = std::thread([this, loop] {
+            realTime_ = parts_.def.physics.realTime && !loop.freeRunning && requestRealTime();
+            timing_ = runPhysics(parts_.physics, loop, parts_.clock, parts_.stop,
+                                 [this](const physics::StepReport& step) { return parts_.afterStep(step); });
+            parts_.finish(text("made ", timing_.stepCount, " steps"));
+        });
+    }
+    ~PhysicsThread() { join(); }
+
+    void join()
+    {
+        if (!thread_.joinable()) return;
+        parts_.stop.store(true);
+        thread_.join();
+    }
+    void fill(RunReport& report)
+    {
+        report.timing = std::move(timing_);
+        report.realTime = realTime_;
+    }
+
+private:
+    Simulation::Impl& parts_;
+    RunTiming timing_;
+    bool realTime_ = false;
+    std::thread thread_;
+};
+
+/// Delivers events on the dispatcher's own thread while it lives.
+class EventThread {
+public:
+    explicit EventThread(event::EventDispatcher& events) : events_(events) { events_.start(); }
+    ~EventThread()
+    {
+        try {
+            events_.stop();
+        } catch (const std::exception& problem) { // observers that answer each other without end
+            logError("events: ", problem.what());
+        }
+    }
+
+private:
+    event::EventDispatcher& events_;
+};
+
+/// The main thread's loop: input, mapping, picture.
+class Screen {
+public:
+    Screen(Simulation::Impl& parts, const RunDef& def) : parts_(parts)
+    {
+        if (def.backend == visual::Backend::Window) window_ = window::openWindow(parts.def.window);
+        size_ = window_ ? window_->size() : window::WindowSize{parts.def.window.width, parts.def.window.height};
+        visual_ = std::make_unique<visual::VisualServer>(
+            visual::VisualServerDef{.backend = def.backend,
+                                    .width = size_.width,
+                                    .height = size_.height,
+                                    .nativeWindow = window_ ? window_->nativeWindow() : nullptr});
+        parts.bindings.addPending(*visual_);
+        parts.dressScene(*visual_);
+    }
+    ~Screen() { parts_.bindings.release(); }
+
+    void input()
+    {
+        if (!window_) return;
+        window_->poll([this](std::unique_ptr<event::Event> event) { post(std::move(event)); });
+        if (window_->shouldClose()) parts_.finish("window closed");
+        if (const window::WindowSize now = window_->size(); now != size_) {
+            size_ = now;
+            visual_->resize(now.width, now.height);
+        }
+    }
+    void draw()
+    {
+        parts_.mapNewestFrame(*visual_);
+        if (visual_->render()) post(std::make_unique<event::VisualUpdateEvent>());
+    }
+    [[nodiscard]] visual::VisualServer& visual() { return *visual_; }
+
+private:
+    void post(std::unique_ptr<event::Event> event)
+    {
+        parts_.stamp(*event);
+        if (!parts_.events.tryPost(std::move(event)) && !std::exchange(warned_, true))
+            logWarning("events come faster than observers take them: some are lost");
+    }
+
+    Simulation::Impl& parts_;
+    std::unique_ptr<window::Window> window_;
+    window::WindowSize size_;
+    std::unique_ptr<visual::VisualServer> visual_; ///< after the window: it goes first
+    bool warned_ = false;
+};
+
+void loop(Simulation::Impl& parts, const RunDef& def, Screen& screen, std::optional<record::StepTable>& log)
+{
+    const Nanoseconds start = parts.clock.now(), end = start + toNanoseconds(def.seconds);
+    const Nanoseconds period = toNanoseconds(1.0 / parts.def.look.rate);
+    for (Nanoseconds next = start; !parts.stop.load();) {
+        screen.input();
+        screen.draw();
+        if (log) log->drain(parts.physics);
+        if (StopSignal::received()) parts.finish("interrupted");
+        if (def.seconds > 0.0 && parts.clock.now() >= end) parts.finish(text("ran ", def.seconds, " s"));
+        next = std::max(next + period, parts.clock.now());
+        parts.clock.sleepUntil(next);
+    }
+}
+
+} // namespace
+
+RunReport runLive(Simulation::Impl& parts, const RunDef& def)
+{
+    RunReport report;
+    Screen screen(parts, def);
+    std::optional<record::StepTable> log;
+    if (!def.log.empty()) log.emplace(def.log);
+    parts.physics.keepLog(log.has_value());
+    parts.physics.hashEveryStep(log.has_value());
+    {
+        const EventThread events(parts.events);
+        PhysicsThread physics(parts, def);
+        loop(parts, def, screen, log);
+        physics.join();
+        physics.fill(report);
+    }
+    if (log) log->drain(parts.physics);
+    if (!def.picture.empty()) {
+        parts.takePicture(screen.visual(), def.picture);
+        report.pictures.push_back(def.picture);
+    }
+    report.visual = screen.visual().statistics();
+    return report;
+}
+
+} // namespace filasofia::runtime

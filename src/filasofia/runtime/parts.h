@@ -1,0 +1,52 @@
+#pragma once
+
+#include "filasofia/runtime/bindings.h"
+#include "filasofia/runtime/clock.h"
+#include "filasofia/runtime/simulation.h"
+
+#include <atomic>
+#include <mutex>
+
+namespace filasofia::runtime {
+
+/// What a Simulation is made of; the run modes work on it.
+struct Simulation::Impl {
+    SimulationDef def;
+    Clock clock = steadyClock();
+    physics::PhysicsServer physics;
+    event::EventDispatcher events;
+    Bindings bindings;
+    std::function<void(visual::VisualServer&)> dress;
+
+    std::atomic<bool> stop = false;
+    std::mutex reasonMutex;
+    std::string reason; ///< why the run ends: the first that was given
+
+    // Written by the stepping thread after each step, read by whoever stamps an event.
+    std::atomic<double> time = 0.0;
+    std::atomic<std::uint64_t> step = 0;
+    std::uint64_t undone = 0, notConverged = 0; ///< stepping thread; read when it has ended
+
+    explicit Impl(const SimulationDef& asked);
+
+    void finish(std::string why);
+    [[nodiscard]] Nanoseconds period() const { return toNanoseconds(1.0 / def.physics.rate); }
+    /// Time and step of now, onto an event.
+    void stamp(event::Event& event) const;
+    /// Bookkeeping after a step: time, counters, and the update event. Returns the flags for the next report.
+    std::uint32_t afterStep(const physics::StepReport& report);
+    /// The look of the Def, or what the user made of the scene.
+    void dressScene(visual::VisualServer& visual);
+    /// Moves the drawn bodies to the newest frame.
+    void mapNewestFrame(visual::VisualServer& visual);
+    /// Draws the present state into a file; physics must not be stepping.
+    void takePicture(visual::VisualServer& visual, const std::string& file);
+    void fill(RunReport& report);
+};
+
+/// Steps of one period in a plain loop; events are delivered between steps.
+RunReport runHeadless(Simulation::Impl& parts, const RunDef& def);
+/// Physics in its own thread, the picture on this one.
+RunReport runLive(Simulation::Impl& parts, const RunDef& def);
+
+} // namespace filasofia::runtime

@@ -1,0 +1,60 @@
+#include "filasofia/runtime/physics_loop.h"
+
+#include "filasofia/physics/physics_server.h"
+
+#include <pthread.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <thread>
+
+namespace filasofia::runtime {
+namespace {
+
+constexpr std::size_t kMaximumTimings = 1'000'000; // 24 MB; reserved before the loop, so that a step never allocates
+
+std::uint32_t flagsOf(const Tick& tick)
+{
+    std::uint32_t flags = 0;
+    if (tick.late) flags |= static_cast<std::uint32_t>(physics::StepFlag::Late);
+    if (tick.clamped) flags |= static_cast<std::uint32_t>(physics::StepFlag::Clamped);
+    return flags;
+}
+
+} // namespace
+
+RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, const Clock& clock,
+                     const std::atomic<bool>& stop, const AfterStep& afterStep)
+{
+    RunTiming timing;
+    timing.steps.reserve(kMaximumTimings);
+    StepGrid grid(def.period, def.slack);
+    const Nanoseconds start = clock.now();
+    grid.start(start);
+    std::uint32_t flags = 0;
+    while (!stop.load(std::memory_order_relaxed) && (def.maximumSteps == 0 || timing.stepCount < def.maximumSteps)) {
+        if (!def.freeRunning) clock.sleepUntil(grid.nextWake());
+        const Nanoseconds now = clock.now();
+        const Tick tick = def.freeRunning ? Tick{.dt = def.period} : grid.wake(now);
+        const physics::StepReport report = server.step(toSeconds(tick.dt), flags | flagsOf(tick));
+        const Nanoseconds cost = clock.now() - now;
+        flags = afterStep(report);
+
+        if (timing.steps.size() < kMaximumTimings) timing.steps.push_back({now - start, tick.dt, cost});
+        ++timing.stepCount;
+        timing.late += tick.late;
+        timing.clamped += tick.clamped;
+        timing.simulatedSeconds += report.dt;
+    }
+    timing.wallSeconds = toSeconds(clock.now() - start);
+    return timing;
+}
+
+bool requestRealTime()
+{
+    if (std::thread::hardware_concurrency() < 2) return false;
+    const sched_param priority{.sched_priority = sched_get_priority_min(SCHED_FIFO)};
+    return pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
+}
+
+} // namespace filasofia::runtime

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "filasofia/runtime/clock.h"
+#include "filasofia/runtime/timing.h"
+
+#include "filasofia/physics/step.h"
+
+#include <atomic>
+
+namespace filasofia::physics {
+class PhysicsServer;
+}
+
+namespace filasofia::runtime {
+
+struct PhysicsLoopDef {
+    Nanoseconds period = 1'000'000;
+    Nanoseconds slack = 2'000'000;
+    bool freeRunning = false;    ///< steps of one period back to back, no waiting: measures cost
+    std::uint64_t maximumSteps = 0; ///< 0: until stopped
+};
+
+/// Called after every step, on the stepping thread; returns StepFlag bits for the next step's report.
+using AfterStep = std::function<std::uint32_t(const physics::StepReport&)>;
+
+/// The periodic task: wakes on the grid, steps, sleeps, until `stop` is set. Runs on the caller's thread.
+RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, const Clock& clock,
+                     const std::atomic<bool>& stop, const AfterStep& afterStep);
+
+/// Asks the system to schedule the calling thread before ordinary ones (SCHED_FIFO, lowest priority); false where it
+/// may not, or where it would starve the only core.
+bool requestRealTime();
+
+} // namespace filasofia::runtime

@@ -1,0 +1,129 @@
+#include "filasofia/runtime/simulation.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/engine/native.h"
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/physics/physics_engine.h"
+#include "filasofia/runtime/parts.h"
+#include "filasofia/runtime/stop_signal.h"
+
+#include <filesystem>
+
+namespace filasofia::runtime {
+namespace {
+
+const SimulationDef& checked(const SimulationDef& def)
+{
+    validate(def, "simulation");
+    return def;
+}
+
+/// Fails before the run, not after it.
+void checkFile(const std::string& file, const char* field, const char* extension)
+{
+    if (file.empty()) return;
+    const std::filesystem::path path(file);
+    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    if (path.extension() != extension) fail("run: ", field, " must end in ", extension, ", got '", file, "'");
+    if (!std::filesystem::is_directory(folder)) fail("run: ", field, " '", file, "': there is no such folder");
+    if (std::filesystem::is_directory(path)) fail("run: ", field, " '", file, "' is a folder");
+}
+
+void check(const RunDef& def)
+{
+    validate(def, "run");
+    checkFile(def.picture, "picture", ".png");
+    checkFile(def.log, "log", ".csv");
+    if (def.pictureEvery > 0.0 && def.picture.empty()) fail("run: pictureEvery needs picture");
+    if (def.pictureEvery > 0.0 && !def.headless) fail("run: pictureEvery needs headless");
+    if (def.headless && def.seconds > 0.0) fail("run: a headless run ends after steps, not seconds");
+}
+
+} // namespace
+
+Simulation::Impl::Impl(const SimulationDef& asked)
+    : def(checked(asked)), physics(engine::makeNativeEngine(), {.gravity = asked.physics.gravity})
+{}
+
+void Simulation::Impl::finish(std::string why)
+{
+    const std::lock_guard lock(reasonMutex);
+    if (reason.empty()) reason = std::move(why);
+    stop.store(true);
+}
+
+void Simulation::Impl::stamp(event::Event& event) const
+{
+    event.time = time.load(std::memory_order_relaxed);
+    event.step = step.load(std::memory_order_relaxed);
+}
+
+std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
+{
+    time.store(report.time, std::memory_order_relaxed);
+    step.store(report.step, std::memory_order_relaxed);
+    undone += report.has(physics::StepFlag::Undone);
+    notConverged += report.has(physics::StepFlag::NotConverged);
+    auto update = std::make_unique<event::PhysicsUpdateEvent>();
+    stamp(*update);
+    return events.tryPost(std::move(update)) ? 0u : static_cast<std::uint32_t>(physics::StepFlag::EventLost);
+}
+
+void Simulation::Impl::dressScene(visual::VisualServer& visual)
+{
+    if (dress) return dress(visual);
+    const geometry::Box bounds = def.look.around ? *def.look.around : bindings.bounds();
+    if (geometry::isEmpty(bounds)) return; // nothing is shown yet: the picture stays dark
+    visual::addEndoscopeLook(visual, {bounds.low, bounds.high}, def.look.quality, def.look.direction);
+}
+
+void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
+{
+    bindings.addPending(visual);
+    if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, visual);
+}
+
+void Simulation::Impl::takePicture(visual::VisualServer& visual, const std::string& file)
+{
+    physics.captureNow();
+    mapNewestFrame(visual);
+    visual::savePng(visual.capture(), file);
+}
+
+void Simulation::Impl::fill(RunReport& report)
+{
+    report.time = time.load();
+    report.steps = step.load();
+    report.hash = physics.hash();
+    report.undone = undone;
+    report.notConverged = notConverged;
+    const std::lock_guard lock(reasonMutex);
+    report.finished = reason;
+}
+
+Simulation::Simulation(const SimulationDef& def) : impl_(std::make_unique<Impl>(def)) {}
+Simulation::~Simulation() = default;
+
+BodyId Simulation::add(physics::SoftBodyDef def) { return impl_->physics.add(std::move(def)); }
+BodyId Simulation::add(physics::RigidBodyDef def) { return impl_->physics.add(std::move(def)); }
+void Simulation::show(BodyId id, const ShowDef& def) { impl_->bindings.show(id, def, impl_->physics); }
+void Simulation::dress(std::function<void(visual::VisualServer&)> scene) { impl_->dress = std::move(scene); }
+event::EventDispatcher& Simulation::events() { return impl_->events; }
+physics::PhysicsServer& Simulation::physics() { return impl_->physics; }
+void Simulation::tune(std::function<void(engine::Native&)> change) { engine::tune(impl_->physics, std::move(change)); }
+void Simulation::finish(std::string why) { impl_->finish(std::move(why)); }
+
+RunReport Simulation::run(const RunDef& def)
+{
+    check(def);
+    const StopSignal stopSignal;
+    impl_->stop.store(false);
+    impl_->reason.clear();
+    RunReport report = def.headless ? runHeadless(*impl_, def) : runLive(*impl_, def);
+    impl_->physics.captureNow(); // whoever asks afterwards sees the last state
+    impl_->fill(report);
+    return report;
+}
+
+} // namespace filasofia::runtime

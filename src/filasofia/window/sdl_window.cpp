@@ -1,0 +1,127 @@
+#include "filasofia/window/sdl_window.h"
+
+#include "filasofia/core/assert.h"
+#include "filasofia/core/error.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/window/sdl_events.h"
+
+#include <SDL_syswm.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace filasofia::window {
+namespace {
+
+// SDL has one queue of events for all windows; each finds its own here. One thread (see SdlVideo).
+std::vector<SdlWindow*> openWindows;
+
+} // namespace
+
+SdlWindow::SdlWindow(const WindowDef& def)
+{
+    Uint32 flags = SDL_WINDOW_SHOWN;
+    if (def.resizable) flags |= SDL_WINDOW_RESIZABLE;
+    // Not SDL_WINDOW_OPENGL: the renderer makes its own context and wants the display's default visual.
+    window_ = SDL_CreateWindow(def.title.c_str(), SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, def.width,
+                               def.height, flags);
+    if (!window_) fail("SDL cannot make it: ", std::string_view(SDL_GetError()));
+    openWindows.push_back(this);
+}
+
+SdlWindow::~SdlWindow()
+{
+    std::erase(openWindows, this);
+    SDL_DestroyWindow(window_);
+}
+
+void* SdlWindow::nativeWindow() const
+{
+    SDL_SysWMinfo info;
+    SDL_VERSION(&info.version)
+    const bool known = SDL_GetWindowWMInfo(window_, &info) == SDL_TRUE && info.subsystem == SDL_SYSWM_X11;
+    FILASOFIA_ASSERT(known); // SdlVideo has let only X11 through
+    return reinterpret_cast<void*>(static_cast<std::uintptr_t>(info.info.x11.window));
+}
+
+WindowSize SdlWindow::size() const
+{
+    WindowSize size;
+    SDL_GetWindowSize(window_, &size.width, &size.height); // pixels: X11 knows no other unit
+    return size;
+}
+
+double SdlWindow::scale() const
+{
+    float dotsPerInch = 0.0f;
+    const int display = SDL_GetWindowDisplayIndex(window_);
+    if (display < 0 || SDL_GetDisplayDPI(display, &dotsPerInch, nullptr, nullptr) != 0) return 1.0;
+    // Quarters: monitors report their size roughly, and a text at 1.04 is only blurred.
+    return std::clamp(std::round(4.0 * static_cast<double>(dotsPerInch) / 96.0) / 4.0, 1.0, 4.0);
+}
+
+void SdlWindow::poll(const event::EventSink& sink)
+{
+    pump();
+    while (!waiting_.empty()) {
+        std::unique_ptr<event::Event> event = std::move(waiting_.front());
+        waiting_.pop_front();
+        if (const auto* own = dynamic_cast<const event::WindowEvent*>(event.get()))
+            shouldClose_ = shouldClose_ || own->kind == event::WindowEvent::Kind::CloseRequested;
+        sink(std::move(event));
+    }
+}
+
+void SdlWindow::pump()
+{
+    SDL_Event event;
+    while (SDL_PollEvent(&event)) {
+        const Uint32 id = windowOf(event);
+        for (SdlWindow* window : openWindows)
+            if (id == 0 || id == SDL_GetWindowID(window->window_)) window->take(event);
+    }
+}
+
+void SdlWindow::take(const SDL_Event& from)
+{
+    std::unique_ptr<event::Event> made = translate(from);
+    if (!made) return;
+    if (auto* own = dynamic_cast<event::WindowEvent*>(made.get())) {
+        const WindowSize now = size();
+        own->width = now.width;
+        own->height = now.height;
+        // SDL says "minimized" and "hidden" about the same thing.
+        const bool appears = own->kind == event::WindowEvent::Kind::Shown;
+        if ((appears || own->kind == event::WindowEvent::Kind::Hidden) && std::exchange(shown_, appears) == appears)
+            return;
+    }
+    waiting_.push_back(std::move(made));
+}
+
+void SdlWindow::setTitle(const std::string& title) { SDL_SetWindowTitle(window_, title.c_str()); }
+
+std::unique_ptr<Window> openWindow(const WindowDef& def)
+{
+    const std::string object = text("window '", def.title, "'");
+    validate(def, object);
+    try {
+        return std::make_unique<SdlWindow>(def);
+    } catch (const Error& error) {
+        fail(object, ": ", std::string_view(error.what()));
+    }
+}
+
+bool displayAvailable(std::string* why)
+{
+    try {
+        const SdlVideo video;
+        return true;
+    } catch (const Error& error) {
+        if (why) *why = error.what();
+        return false;
+    }
+}
+
+} // namespace filasofia::window

@@ -1,0 +1,95 @@
+#include "filasofia/engine/elastic/corotational.h"
+
+#include "filasofia/math/polar.h"
+
+#include "engine/meshes.h"
+
+using namespace filasofia;
+using namespace filasofia::engine;
+
+namespace {
+
+const Corners kRest{Vec3{0.1, 0, 0}, {1.2, 0.1, 0}, {0.2, 0.9, 0.1}, {0, 0.3, 1.1}};
+
+FemElement someElement()
+{
+    return {.nodes = {0, 1, 2, 3},
+            .gradients = shapeGradients(kRest),
+            .volume = geometry::signedVolume(kRest[0], kRest[1], kRest[2], kRest[3]),
+            .youngModulus = 3000,
+            .poissonRatio = 0.4};
+}
+
+Corners mapped(const Mat3& a, Vec3 b)
+{
+    Corners x;
+    for (std::size_t i = 0; i < 4; ++i) x[i] = a * kRest[i] + b;
+    return x;
+}
+
+} // namespace
+
+TEST_CASE("shape gradients sum to zero, and each rises from 0 to 1 at its own node")
+{
+    const Corners g = shapeGradients(kRest);
+    CHECK(length(g[0] + g[1] + g[2] + g[3]) < 1e-14);
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < 4; ++j)
+            if (i != j) CHECK(dot(g[i], kRest[i] - kRest[j]) == Approx(1.0).epsilon(1e-13));
+}
+
+TEST_CASE("the deformation gradient of an affine map is its matrix, however far the element lies")
+{
+    std::mt19937 random(1);
+    const Mat3 a = randomMat3(random, 2.0);
+    CHECK(frobeniusNorm(gradient(someElement(), mapped(a, {1, 2, 3})) - a) < 1e-13);
+    CHECK(frobeniusNorm(gradient(someElement(), mapped(a, {1e6, 0, 0})) - a) < 1e-8);
+}
+
+TEST_CASE("an element at rest pulls at nobody; in every deformation its forces sum to zero")
+{
+    std::mt19937 random(2);
+    const FemElement element = someElement();
+    for (const Vec3& f : corotationalForces(element, Mat3::identity(), Mat3::identity())) CHECK(f == Vec3{});
+    for (int k = 0; k < 50; ++k) {
+        const Mat3 f = randomMat3(random, 2.0);
+        const Corners forces = corotationalForces(element, f, toMat3(polarRotation(f, {})));
+        CHECK(length(forces[0] + forces[1] + forces[2] + forces[3]) < 1e-11);
+    }
+}
+
+TEST_CASE("small uniaxial strain gives the stress of Hooke's law")
+{
+    const FemElement element = someElement();
+    const auto [mu, lambda] = lame(3000, 0.4);
+    const double strain = 1e-6;
+    const Mat3 f = Mat3::diagonal({1 + strain, 1, 1});
+    const Mat3 stress = Mat3::diagonal({(lambda + 2 * mu) * strain, lambda * strain, lambda * strain});
+    const Corners forces = corotationalForces(element, f, Mat3::identity());
+    for (std::size_t i = 0; i < 4; ++i)
+        CHECK(length(forces[i] + element.volume * (stress * element.gradients[i])) < 1e-9 * length(forces[i]));
+    CHECK(corotationalEnergy(element, f, Mat3::identity()) ==
+          Approx(0.5 * element.volume * (lambda + 2 * mu) * strain * strain).epsilon(1e-9));
+}
+
+TEST_CASE("the blocks of the warped stiffness make the same product as warpedStiffnessTimes")
+{
+    std::mt19937 random(3);
+    const FemElement element = someElement();
+    for (int k = 0; k < 20; ++k) {
+        const Mat3 r = toMat3(randomRotation(random));
+        Corners x, rotated;
+        for (std::size_t i = 0; i < 4; ++i) {
+            x[i] = randomVec3(random, 1.0);
+            rotated[i] = r * element.gradients[i];
+        }
+        const Corners whole = warpedStiffnessTimes(element, r, x);
+        for (int i = 0; i < 4; ++i) {
+            Vec3 row;
+            for (int j = 0; j < 4; ++j)
+                row += warpedStiffnessBlock(rotated, lame(3000, 0.4), element.volume, i, j) *
+                       x[static_cast<std::size_t>(j)];
+            CHECK(length(row - whole[static_cast<std::size_t>(i)]) < 1e-10 * length(row));
+        }
+    }
+}

@@ -1,0 +1,48 @@
+#include "engine/stage.h"
+
+using namespace filasofia;
+using namespace filasofia::engine;
+using namespace filasofia::physics;
+
+namespace {
+
+/// Steps a bunny from where `place` puts its nodes until no element is inverted; the number of steps, or `most`.
+template <class Place> int stepsToRecover(Place place, int most)
+{
+    Stage stage;
+    SoftBodyDef def{.mesh = bunnyFile(756), .gravity = false};
+    stage.add(def);
+    stage.step(0.0);
+    place(stage.soft().x);
+    for (int i = 1; i <= most; ++i) {
+        if (stage.step(0.01).has(StepFlag::Undone)) return most;
+        if (invertedElements(stage.model(), stage.soft()) == 0) return i;
+    }
+    return most;
+}
+
+} // namespace
+
+TEST_CASE("a bunny turned inside out comes right")
+{
+    CHECK(stepsToRecover([](std::vector<Vec3>& x) { for (Vec3& p : x) p.x = -p.x; }, 1000) < 1000);
+}
+
+TEST_CASE("a bunny flattened to a sheet comes right")
+{
+    CHECK(stepsToRecover([](std::vector<Vec3>& x) { for (Vec3& p : x) p.y = 0.05; }, 1000) < 1000);
+}
+
+TEST_CASE("a bunny shrunk to a point comes right")
+{
+    CHECK(stepsToRecover([](std::vector<Vec3>& x) { for (Vec3& p : x) p = {0, 0.1, 0}; }, 1000) < 1000);
+}
+
+TEST_CASE("a bunny with every node somewhere in its box comes right")
+{
+    for (unsigned seed : {1u, 2u, 3u}) {
+        std::mt19937 random(seed);
+        const auto scramble = [&](std::vector<Vec3>& x) { for (Vec3& p : x) p = randomVec3(random, 0.08); };
+        CHECK(stepsToRecover(scramble, 1000) < 1000);
+    }
+}

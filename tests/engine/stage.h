@@ -1,0 +1,88 @@
+#pragma once
+
+#include "filasofia/core/error.h"
+#include "filasofia/engine/world.h"
+
+#include "engine/meshes.h"
+
+namespace filasofia::engine {
+
+/// A World driven by hand: commands wait for the next step, as the server would have them.
+struct Stage {
+    World world;
+    std::vector<physics::Command> commands;
+    std::uint32_t lastId = 0;
+
+    BodyId add(const physics::BodyDef& def)
+    {
+        const BodyId id{++lastId};
+        commands.push_back(physics::AddBody{id, std::make_shared<const physics::BodyDef>(def), world.build(def)});
+        return id;
+    }
+    void post(physics::Command command) { commands.push_back(std::move(command)); }
+    physics::StepReport step(double dt)
+    {
+        const physics::StepReport report = world.step({.dt = dt, .commands = commands});
+        commands.clear();
+        return report;
+    }
+    physics::StepReport run(int steps, double dt)
+    {
+        physics::StepReport all;
+        for (int i = 0; i < steps; ++i) {
+            const std::uint32_t flags = all.flags;
+            all = step(dt);
+            all.flags |= flags;
+        }
+        return all;
+    }
+    SoftModel& model(std::size_t body = 0) { return world.model().softBodies[body]; }
+    SoftState& soft(std::size_t body = 0) { return world.state().softBodies[body]; }
+};
+
+/// Without gravity, damping and pins: what a test does not name does not act.
+inline physics::SoftBodyDef freeBody(geometry::TetMesh mesh)
+{
+    return {.mesh = shared(std::move(mesh)), .rayleigh = {0.0, 0.0}, .gravity = false};
+}
+
+/// The forces on the nodes of a free body at rest or not, read off one explicit step made on a copy of its state:
+/// the body must be explicit.
+inline std::vector<Vec3> forcesNow(Stage& stage, std::size_t body = 0)
+{
+    const State before = stage.world.state();
+    constexpr double dt = 1e-9;
+    stage.step(dt);
+    std::vector<Vec3> forces;
+    for (std::size_t i = 0; i < stage.soft(body).v.size(); ++i)
+        forces.push_back(stage.model(body).masses[i] / dt * (stage.soft(body).v[i] - before.softBodies[body].v[i]));
+    stage.world.state() = before;
+    return forces;
+}
+
+inline double meshVolume(const SoftModel& model, const std::vector<Vec3>& x)
+{
+    double volume = 0.0;
+    for (const FemElement& e : model.elements)
+        volume += geometry::signedVolume(x[e.nodes[0]], x[e.nodes[1]], x[e.nodes[2]], x[e.nodes[3]]);
+    return volume;
+}
+
+inline int invertedElements(const SoftModel& model, const SoftState& state)
+{
+    int count = 0;
+    for (const FemElement& e : model.elements)
+        count += !(geometry::signedVolume(state.x[e.nodes[0]], state.x[e.nodes[1]], state.x[e.nodes[2]],
+                                          state.x[e.nodes[3]]) > 0.0);
+    return count;
+}
+
+/// Root mean square distance between two lists of points, relative to `size`.
+inline double relativeDistance(const std::vector<Vec3>& a, const std::vector<Vec3>& b, double size)
+{
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += lengthSquared(a[i] - b[i]);
+    return std::sqrt(sum / static_cast<double>(a.size())) / size;
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,137 @@
+#include "filasofia/runtime/physics_loop.h"
+
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/physics/physics_engine.h"
+#include "filasofia/physics/physics_server.h"
+
+using namespace filasofia;
+using namespace filasofia::runtime;
+
+namespace {
+
+constexpr Nanoseconds kMs = 1'000'000;
+
+/// A clock that a test turns: sleeping takes it to the wake-up time and a given lateness further.
+struct FakeClock {
+    Nanoseconds time = 12345;
+    Nanoseconds oversleep = 0;
+    int sleeps = 0;
+
+    Clock clock()
+    {
+        return {.now = [this] { return time; },
+                .sleepUntil =
+                    [this](Nanoseconds wake) {
+                        ++sleeps;
+                        time = std::max(time, wake) + oversleep;
+                    }};
+    }
+};
+
+physics::SoftBodyDef bunny()
+{
+    return {.name = "bunny",
+            .mesh = FILASOFIA_SOURCE_DIR "/assets/meshes/bunny_756.msh",
+            .attachments = {{.box = geometry::Box{{-1, 0.105, -1}, {1, 1, 1}}}}};
+}
+
+const std::atomic<bool> kNeverStop = false;
+
+} // namespace
+
+TEST_CASE("on a quiet machine simulated time equals wall time to the microsecond")
+{
+    FakeClock fake;
+    fake.oversleep = 70'000;
+    physics::PhysicsServer server(engine::makeNativeEngine());
+    const Nanoseconds start = fake.time;
+    double last = 0.0;
+    const RunTiming timing =
+        runPhysics(server, {.period = kMs, .slack = 2 * kMs, .maximumSteps = 1000}, fake.clock(), kNeverStop,
+                   [&](const physics::StepReport& report) {
+                       last = report.time;
+                       fake.time += 400'000; // what the step took
+                       return 0u;
+                   });
+    const Nanoseconds lastWake = timing.steps.back().wake + start;
+    CHECK(std::abs(last - toSeconds(lastWake - start)) < 1e-6);
+    CHECK(timing.simulatedSeconds == Approx(last).epsilon(1e-12));
+    CHECK(timing.late == 0);
+    CHECK(timing.clamped == 0);
+    CHECK(timing.stepCount == 1000);
+}
+
+TEST_CASE("under load no step is longer than period and slack, the report counts it, and the state stays finite")
+{
+    FakeClock fake;
+    physics::PhysicsServer server(engine::makeNativeEngine());
+    server.add(bunny());
+    const Nanoseconds period = 5 * kMs, slack = 2 * kMs;
+    std::mt19937 random(3);
+    std::uniform_int_distribution<Nanoseconds> load(kMs, 20 * kMs);
+    double longest = 0.0;
+    std::uint64_t clampedReports = 0;
+    const RunTiming timing = runPhysics(server, {.period = period, .slack = slack, .maximumSteps = 200}, fake.clock(),
+                                        kNeverStop, [&](const physics::StepReport& report) {
+                                            longest = std::max(longest, report.dt);
+                                            clampedReports += report.has(physics::StepFlag::Clamped);
+                                            CHECK_FALSE(report.has(physics::StepFlag::Undone));
+                                            fake.time += load(random);
+                                            return 0u;
+                                        });
+    CHECK(longest <= toSeconds(period + slack));
+    CHECK(longest == Approx(toSeconds(period + slack)));
+    CHECK(timing.clamped > 20);
+    CHECK(timing.clamped == clampedReports);
+    CHECK(timing.realTimeFactor() < 0.9);
+    server.captureNow();
+    const frame::FrameRef frame = server.latest();
+    for (const Vec3& p : frame->softBodies[0].positions) CHECK(isFinite(p));
+}
+
+TEST_CASE("flags that the runtime knows reach the next report")
+{
+    FakeClock fake;
+    physics::PhysicsServer server(engine::makeNativeEngine());
+    int lost = 0;
+    const auto flag = static_cast<std::uint32_t>(physics::StepFlag::EventLost);
+    runPhysics(server, {.period = kMs, .maximumSteps = 3}, fake.clock(), kNeverStop,
+               [&](const physics::StepReport& report) {
+                   lost += report.has(physics::StepFlag::EventLost);
+                   return flag;
+               });
+    CHECK(lost == 2);
+}
+
+TEST_CASE("a free-running loop does not sleep and steps by the period")
+{
+    FakeClock fake;
+    physics::PhysicsServer server(engine::makeNativeEngine());
+    const RunTiming timing = runPhysics(server, {.period = kMs, .freeRunning = true, .maximumSteps = 10}, fake.clock(),
+                                        kNeverStop, [](const physics::StepReport&) { return 0u; });
+    CHECK(fake.sleeps == 0);
+    CHECK(timing.simulatedSeconds == Approx(0.01));
+}
+
+TEST_CASE("the loop ends when it is told to")
+{
+    FakeClock fake;
+    physics::PhysicsServer server(engine::makeNativeEngine());
+    std::atomic<bool> stop = false;
+    const RunTiming timing =
+        runPhysics(server, {.period = kMs}, fake.clock(), stop, [&](const physics::StepReport& report) {
+            if (report.step == 7) stop = true;
+            return 0u;
+        });
+    CHECK(timing.stepCount == 7);
+}
+
+TEST_CASE("the machine's clock wakes no earlier than asked")
+{
+    const Clock clock = steadyClock();
+    for (int i = 0; i < 20; ++i) {
+        const Nanoseconds wake = clock.now() + 200'000;
+        clock.sleepUntil(wake);
+        CHECK(clock.now() >= wake);
+    }
+}

@@ -1,0 +1,218 @@
+#include "filasofia/filasofia.h"
+
+#include "filasofia/engine/native.h"
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+using namespace filasofia;
+
+namespace {
+
+SoftBodyDef bunny(const std::string& name = "bunny")
+{
+    return {.name = name,
+            .mesh = asset("meshes/bunny_756.msh"),
+            .attachments = {{.box = Box{{-1, 0.105, -1}, {1, 1, 1}}}}};
+}
+
+RunDef live(double seconds) { return {.backend = visual::Backend::Null, .seconds = seconds}; }
+RunDef headless(int steps) { return {.headless = true, .steps = steps}; }
+
+std::vector<std::string> linesOf(const std::string& file)
+{
+    std::vector<std::string> lines;
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+} // namespace
+
+TEST_CASE("two headless runs of the same scene end in the same hash")
+{
+    std::uint64_t hash[2];
+    for (std::uint64_t& each : hash) {
+        Simulation sim;
+        sim.show(sim.add(bunny()));
+        const RunReport report = sim.run(headless(50));
+        each = report.hash;
+        CHECK(report.steps == 50);
+        CHECK(report.time == Approx(0.05));
+        CHECK(report.finished == "made 50 steps");
+    }
+    CHECK(hash[0] == hash[1]);
+}
+
+TEST_CASE("a live run without a window steps, draws and ends")
+{
+    Simulation sim;
+    const BodyId body = sim.add(bunny());
+    sim.show(body, {.surface = asset("meshes/bunny.obj"), .subdivision = 1});
+    sim.show(body);
+    const RunReport report = sim.run(live(0.3));
+    CHECK(report.steps > 10);
+    CHECK(report.visual.framesDrawn > 2);
+    CHECK(report.visual.bodies == 2);
+    CHECK(report.undone == 0);
+    const auto frame = sim.physics().latest();
+    CHECK(frame->step == report.steps);
+}
+
+TEST_CASE("a simulation may run again and goes on where it was")
+{
+    Simulation sim;
+    sim.show(sim.add(bunny()));
+    sim.run(live(0.05));
+    const RunReport first = sim.run(headless(5));
+    const RunReport second = sim.run(headless(5));
+    CHECK(second.steps == first.steps + 5);
+}
+
+TEST_CASE("every event of a headless step is delivered before the next step begins")
+{
+    std::uint64_t hash[2];
+    for (std::uint64_t& each : hash) {
+        Simulation sim;
+        sim.add(bunny());
+        std::vector<std::uint64_t> steps;
+        sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
+            steps.push_back(update.step);
+            if (update.step == 10) sim.physics().setGravity({9.81, 0, 0}); // comes at the same step every time
+        });
+        each = sim.run(headless(20)).hash;
+        REQUIRE(steps.size() == 20);
+        for (std::size_t i = 0; i < steps.size(); ++i) CHECK(steps[i] == i + 1);
+    }
+    CHECK(hash[0] == hash[1]);
+}
+
+TEST_CASE("finish() ends a run from another thread, and the report says why")
+{
+    Simulation sim;
+    sim.add(bunny());
+    std::thread other([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        sim.finish("the polyp is out");
+    });
+    const RunReport report = sim.run({.backend = visual::Backend::Null});
+    other.join();
+    CHECK(report.finished == "the polyp is out");
+}
+
+TEST_CASE("an observer may end a headless run")
+{
+    Simulation sim;
+    sim.add(bunny());
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
+        if (update.step == 3) sim.finish("enough");
+    });
+    const RunReport report = sim.run(headless(0));
+    CHECK(report.steps == 3);
+    CHECK(report.finished == "enough");
+}
+
+TEST_CASE("Ctrl-C ends a run cleanly")
+{
+    for (const bool isHeadless : {false, true}) {
+        Simulation sim;
+        sim.add(bunny());
+        std::atomic<int> steps = 0;
+        sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent&) {
+            if (++steps == 2) std::raise(SIGINT);
+        });
+        const RunReport report = sim.run({.headless = isHeadless, .backend = visual::Backend::Null});
+        CHECK(report.finished == "interrupted");
+    }
+}
+
+TEST_CASE("bodies come and go while a simulation runs")
+{
+    Simulation sim;
+    std::thread surgeon([&] {
+        for (int i = 0; i < 5; ++i) {
+            const BodyId id = sim.add(bunny("guest"));
+            sim.show(id);
+            std::this_thread::sleep_for(std::chrono::milliseconds(40));
+            sim.physics().remove(id);
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        sim.finish("done");
+    });
+    const RunReport report = sim.run({.backend = visual::Backend::Null});
+    surgeon.join();
+    CHECK(report.finished == "done");
+    CHECK(report.visual.bodies == 0);
+}
+
+TEST_CASE("a kinematic rigid body is drawn where it was put")
+{
+    Simulation sim;
+    const BodyId probe = sim.add(RigidBodyDef{.name = "probe"});
+    sim.show(probe, {.surface = asset("meshes/bunny.obj"), .material = MetalMaterial{}});
+    visual::VisualServer* server = nullptr;
+    sim.dress([&](visual::VisualServer& visual) { server = &visual; });
+    const Pose pose{{0.1, 0.2, 0.3}, axisAngle({0, 1, 0}, 1.0)};
+    sim.physics().setPose(probe, pose);
+    const RunReport report = sim.run(live(0.1));
+    CHECK(server != nullptr);
+    CHECK(report.visual.bodies == 1);
+    CHECK(sim.physics().latest()->rigidBody(probe)->poses[0] == pose);
+}
+
+TEST_CASE("tune() reaches the engine of a simulation")
+{
+    Simulation sim;
+    sim.add(bunny());
+    int elements = 0;
+    sim.tune([&](engine::Native& native) { elements = static_cast<int>(native.model.softBodies[0].elements.size()); });
+    sim.run(headless(1));
+    CHECK(elements == 756);
+}
+
+TEST_CASE("a log has a line per step with the state's hash")
+{
+    const std::string file = (std::filesystem::temp_directory_path() / "filasofia_simulation_test.csv").string();
+    Simulation sim;
+    sim.add(bunny());
+    const RunReport report = sim.run({.headless = true, .steps = 12, .log = file});
+    const auto lines = linesOf(file);
+    REQUIRE(lines.size() == 13);
+    char hash[20];
+    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(report.hash));
+    CHECK(lines.back().substr(lines.back().rfind(',') + 1) == hash);
+    std::filesystem::remove(file);
+}
+
+TEST_CASE("what cannot be run is refused before anything starts")
+{
+    Simulation sim;
+    CHECK_THROWS_WITH(sim.run({.headless = true, .steps = -1}), "run: steps must be >= 0, got -1");
+    CHECK_THROWS_WITH(sim.run({.headless = true, .picture = "x.jpg"}), "run: picture must end in .png, got 'x.jpg'");
+    CHECK_THROWS_WITH(sim.run({.headless = true, .picture = "/no/folder/x.png"}),
+                      "run: picture '/no/folder/x.png': there is no such folder");
+    CHECK_THROWS_WITH(sim.run({.headless = true, .seconds = 1}), "run: a headless run ends after steps, not seconds");
+    CHECK_THROWS_WITH(Simulation({.physics = {.rate = 0}}),
+                      "simulation: physics.rate must be in [1, 100000] Hz, got 0");
+    CHECK_THROWS_WITH(sim.show(BodyId{77}), Catch::Contains("no such body"));
+    const BodyId probe = sim.add(RigidBodyDef{.name = "probe"});
+    CHECK_THROWS_WITH(sim.show(probe), "show rigid body 'probe': surface must name a file or be a surface, got nothing");
+    CHECK_THROWS_WITH(sim.show(probe, {.surface = asset("meshes/bunny.obj"), .element = 1}),
+                      "show rigid body 'probe': element must be in [0, 1), got 1");
+    CHECK_THROWS_WITH(sim.show(sim.add(bunny()), {.subdivision = 4}),
+                      "show soft body 'bunny': subdivision must be in [0, 3], got 4");
+    CHECK_THROWS_WITH(asset("meshes/cow.msh"), Catch::Contains("asset 'meshes/cow.msh' is in none of"));
+}
+
+TEST_CASE("a simulation's command line refuses what it does not know with exit code 2")
+{
+    Simulation sim;
+    const char* unknown[] = {"program", "--headles"};
+    CHECK(sim.run(2, unknown) == 2);
+    const char* wrong[] = {"program", "--headless", "--steps", "many"};
+    CHECK(sim.run(4, wrong) == 2);
+    const char* good[] = {"program", "--headless", "--steps", "3"};
+    CHECK(sim.run(4, good) == 0);
+}

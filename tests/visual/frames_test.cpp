@@ -1,0 +1,55 @@
+#include "little_scene.h"
+
+#include "filasofia/visual/mesh_frames.h"
+
+#include <random>
+
+using namespace filasofia;
+using namespace filasofia::visual;
+
+namespace {
+
+/// The third axis of a packed frame.
+Vec3 normalOf(PackedFrame f)
+{
+    const double x = f.x / 32767.0, y = f.y / 32767.0, z = f.z / 32767.0, w = f.w / 32767.0;
+    return {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)};
+}
+
+} // namespace
+
+TEST_CASE("a packed frame gives its normal back")
+{
+    std::mt19937 random(1);
+    std::normal_distribution<double> number;
+    for (int i = 0; i < 10000; ++i) {
+        const Vec3 n = normalized(Vec3{number(random), number(random), number(random)});
+        const PackedFrame frame = packFrame(toFloat3(3.0 * n));
+        CHECK(distance(normalOf(frame), n) < 5e-4);
+        CHECK(frame.w > 0);
+    }
+}
+
+TEST_CASE("a packed frame takes the axes, the pole behind and no normal at all")
+{
+    for (Vec3 n : {Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1e-4, 0, -1}}) {
+        CHECK(distance(normalOf(packFrame(toFloat3(n))), normalized(n)) < 5e-3);
+        CHECK(packFrame(toFloat3(n)).w > 0);
+    }
+    CHECK(distance(normalOf(packFrame({0, 0, 0})), {0, 0, 1}) < 1e-3);
+}
+
+TEST_CASE("the normals of a sphere point outwards, and its box holds it")
+{
+    const geometry::TriangleMesh mesh = sphere(0.05, 3);
+    std::vector<Float3> positions;
+    std::vector<std::uint32_t> indices;
+    for (Vec3 v : mesh.vertices) positions.push_back(toFloat3(v));
+    for (const auto& t : mesh.triangles)
+        for (int v : t) indices.push_back(std::uint32_t(v));
+    const VertexData data = vertexData(positions, indices);
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+        CHECK(dot(normalOf(data.frames[i]), normalized(mesh.vertices[i])) > 0.99);
+    CHECK(data.low == Float3{-0.05F, -0.05F, -0.05F});
+    CHECK(data.high == Float3{0.05F, 0.05F, 0.05F});
+}

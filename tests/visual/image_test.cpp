@@ -1,0 +1,47 @@
+#include "little_scene.h"
+
+#include "filasofia/core/error.h"
+
+#include <stb/stb_image.h>
+
+using namespace filasofia;
+using namespace filasofia::visual;
+
+namespace {
+
+Image checkers()
+{
+    Image image{3, 2, {}};
+    for (int i = 0; i < 6; ++i)
+        for (int k : {40 * i, 255 - 40 * i, i, 0}) image.rgba.push_back(std::uint8_t(k));
+    return image;
+}
+
+} // namespace
+
+TEST_CASE("a picture comes back from its file")
+{
+    const std::string file = std::string(FILASOFIA_BINARY_DIR) + "/picture_test.png";
+    const Image image = checkers();
+    savePng(image, file);
+    int width = 0, height = 0, channels = 0;
+    unsigned char* read = stbi_load(file.c_str(), &width, &height, &channels, 4);
+    REQUIRE(read);
+    CHECK(width == 3);
+    CHECK(height == 2);
+    CHECK(channels == 3);
+    for (std::size_t i = 0; i < 24; ++i) CHECK(read[i] == (i % 4 == 3 ? 255 : image.rgba[i]));
+    stbi_image_free(read);
+    CHECK(image.pixel(1, 1)[0] == 160);
+}
+
+TEST_CASE("a picture that cannot be written is an error that names the file")
+{
+    using Catch::Contains;
+    CHECK_THROWS_WITH(savePng(checkers(), "/no/such/folder/picture.png"), Contains("/no/such/folder/picture.png"));
+    CHECK_THROWS_WITH(savePng(Image{}, "empty.png"), Contains("empty.png"));
+    Image torn = checkers();
+    torn.rgba.pop_back();
+    CHECK_THROWS_WITH(savePng(torn, "torn.png"), Contains("torn.png"));
+    CHECK_THROWS_AS(savePng(Image{-1, -1, {}}, "negative.png"), Error);
+}

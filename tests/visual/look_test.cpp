@@ -1,0 +1,79 @@
+#include "little_scene.h"
+
+#include "filasofia/geometry/mesh_file.h"
+
+using namespace filasofia;
+using namespace filasofia::visual;
+
+namespace {
+
+struct Look {
+    double dark = 0.0;  ///< share of pixels that are nearly black
+    double white = 0.0; ///< share of pixels where all three colours are full
+    double red = 0.0;   ///< mean red of the others
+    double green = 0.0; ///< mean green of the others
+};
+
+Look lookOf(const Image& image)
+{
+    Look look;
+    double lit = 0.0;
+    const double all = image.width * image.height;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const auto p = image.pixel(x, y);
+            if (brightnessAt(image, x, y) < 8) {
+                look.dark += 1.0 / all;
+                continue;
+            }
+            lit += 1.0;
+            look.red += p[0];
+            look.green += p[1];
+            if (p[0] > 252 && p[1] > 252 && p[2] > 252) look.white += 1.0 / all;
+        }
+    look.red /= lit;
+    look.green /= lit;
+    return look;
+}
+
+} // namespace
+
+TEST_CASE("the bunny looks like wet tissue under an endoscope: red, glistening, not burnt out, in the dark")
+{
+    VisualBodyDef def;
+    def.name = "bunny";
+    def.mesh = geometry::loadTriangleMesh(FILASOFIA_SOURCE_DIR "/assets/meshes/bunny.obj");
+    def.subdivision = 1;
+    VisualServer server({.width = 960, .height = 720});
+    server.add(def);
+    addEndoscopeLook(server, boundsOf(def.mesh));
+    const Image image = server.capture();
+    savePng(image, FILASOFIA_BINARY_DIR "/endoscope_look.png"); // for who wants to see it
+
+    const Look look = lookOf(image);
+    CHECK(look.dark > 0.3);
+    CHECK(look.dark < 0.85);
+    CHECK(look.white < 0.01);
+    CHECK(look.red > 80);
+    CHECK(look.red > 1.5 * look.green);
+    int highlights = 0;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) highlights += brightnessAt(image, x, y) > 200;
+    CHECK(highlights > 200);
+    CHECK(highlights < 20000);
+}
+
+TEST_CASE("a box of any size is framed and exposed alike")
+{
+    double expected = 0.0;
+    for (double radius : {0.05, 0.005, 0.5}) {
+        VisualServer server({.width = 160, .height = 120});
+        VisualBodyDef def = sphereDef(radius);
+        def.material = TissueMaterial{.noiseScale = 8.0 / radius};
+        server.add(def);
+        addEndoscopeLook(server, boundsOf(def.mesh), Quality::Low);
+        const double now = brightness(server.capture());
+        if (expected == 0.0) expected = now;
+        CHECK(now == Approx(expected).epsilon(0.05));
+    }
+}

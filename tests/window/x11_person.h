@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+/// An X server of our own and somebody who sits in front of it. Xlib's macros stay behind this header.
+namespace filasofia::window {
+
+/// A value of an environment variable while this lives (nullptr: unset).
+class ScopedVariable {
+public:
+    ScopedVariable(const char* name, const char* value);
+    ~ScopedVariable();
+    ScopedVariable(const ScopedVariable&) = delete;
+    ScopedVariable& operator=(const ScopedVariable&) = delete;
+
+private:
+    std::string name_;
+    std::unique_ptr<std::string> before_;
+};
+
+/// Xvfb on a free display, which DISPLAY names while this lives. Throws where Xvfb is not installed or does not start.
+class VirtualDisplay {
+public:
+    VirtualDisplay();
+    ~VirtualDisplay();
+
+private:
+    int process_ = 0;
+    std::unique_ptr<ScopedVariable> variable_;
+};
+
+/// What a person and a window manager do to a window. Every call has reached the X server when it returns.
+class Person {
+public:
+    explicit Person(void* nativeWindow);
+    ~Person();
+
+    void moveMouse(int x, int y); ///< to a place in the window
+    void button(int number, bool pressed);
+    void key(const char* name, bool pressed); ///< "a", "Shift_L", as X names it
+    void resize(int width, int height);
+    void requestClose();
+    void minimize(bool hidden);
+    [[nodiscard]] std::string title() const; ///< as the window manager sees it
+    [[nodiscard]] bool resizable() const;    ///< the window manager may change the size
+    [[nodiscard]] int width() const;         ///< as the X server knows it
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace filasofia::window
