@@ -79,7 +79,7 @@ check_fuzz() {
     corpus=build/fuzz/corpus/$name
     mkdir -p "$corpus" build/fuzz/found
     seeds=()
-    [ -d "tests/fuzz/seeds/$name" ] && seeds=("tests/fuzz/seeds/$name")
+    [ -d "tests/fuzz/corpus/${name#fuzz_}" ] && seeds=("tests/fuzz/corpus/${name#fuzz_}")
     echo "$name: $seconds s"
     "$fuzzer" -max_total_time="$seconds" -rss_limit_mb=2048 -print_final_stats=1 -verbosity=0 \
       -artifact_prefix="build/fuzz/found/$name-" "$corpus" "${seeds[@]}" || return 1

@@ -13,6 +13,17 @@ struct Options {
     RunDef run;
 };
 
+/// What a person at the window can do.
+void bindKeys(Simulation& sim)
+{
+    sim.on<KeyEvent>([&sim, paused = false](const KeyEvent& key) mutable {
+        if (!key.pressed || key.repeat) return;
+        if (key.key == KeyCode::Escape) sim.finish("Escape");
+        if (key.key == KeyCode::Space) sim.physics().pause(paused = !paused);
+        if (key.key == KeyCode::R) sim.physics().reset();
+    });
+}
+
 int runScene(Options& options)
 {
     if (options.scene != "bunny") fail("run: there is no scene '", options.scene, "'; there is bunny");
@@ -20,6 +31,7 @@ int runScene(Options& options)
     Simulation sim(
         {.physics = {.rate = options.rate}, .window = {.title = "Filasofia: bunny"}, .look = {.around = bunnyRoom()}});
     addBunny(sim, options.bunny);
+    bindKeys(sim);
     std::cout << runtime::summary(sim.run(options.run));
     return 0;
 }
@@ -31,7 +43,7 @@ Command runCommand()
     static Options options; // there is one command line, and it outlives this function
     return {
         .name = "run",
-        .meaning = "Run a scene in a window, or headless",
+        .meaning = "Run a scene in a window (Space pauses, R resets, Escape ends), or headless",
         .options = {{"SCENE", &options.scene, "bunny: pinned at the head, falling under its own weight", "", {}, true},
                     {"--tets", &options.bunny.tets, "Tetrahedra: 756, 1492, 3004, 10000 or 30000"},
                     {"--subdivision", &options.bunny.subdivision, "Levels of the drawn surface, 0 to 3"},

@@ -6,6 +6,7 @@ using namespace filasofia;
 
 TEST_CASE("an error reads as one line, numbers in their shortest exact form")
 {
+    CHECK(text(1e5, " ", -100000.0, " ", 1e12, " ", 0.5f) == "100000 -100000 1e+12 0.5");
     CHECK(text("a ", 1, ' ', 0.1, " ", 6_kPa, " ", true) == "a 1 0.1 6000 true");
     CHECK_THROWS_WITH(fail("body 'x': density must be > 0 kg/m^3, got ", -1.5),
                       "body 'x': density must be > 0 kg/m^3, got -1.5");

@@ -16,6 +16,23 @@ bool allFinite(const SoftState& state)
     return true;
 }
 
+/// [J] elastic, and of the motion across the direction in which the body flies.
+double energy(Stage& stage)
+{
+    double sum = 0.0;
+    for (std::size_t e = 0; e < stage.model().elements.size(); ++e) {
+        const FemElement& element = stage.model().elements[e];
+        Corners x;
+        for (std::size_t i = 0; i < 4; ++i) x[i] = stage.soft().x[element.nodes[i]];
+        sum += corotationalEnergy(element, gradient(element, x), toMat3(stage.soft().rotations[e]));
+    }
+    for (std::size_t i = 0; i < stage.soft().v.size(); ++i) {
+        const Vec3 v = stage.soft().v[i];
+        sum += 0.5 * stage.model().masses[i] * (v.y * v.y + v.z * v.z);
+    }
+    return sum;
+}
+
 } // namespace
 
 TEST_CASE("a step of dt = 0 moves nothing and makes no step")
@@ -34,7 +51,8 @@ TEST_CASE("a step of dt = 0 moves nothing and makes no step")
 
 TEST_CASE("a free body falls as g t says, undeformed, under every integrator")
 {
-    for (const Integrator& integrator : {Integrator{ImplicitEuler{}}, Integrator{ExplicitEuler{false}}, Integrator{ExplicitEuler{true}}}) {
+    for (const Integrator& integrator :
+         {Integrator{ImplicitEuler{}}, Integrator{ExplicitEuler{false}}, Integrator{ExplicitEuler{true}}}) {
         Stage stage;
         SoftBodyDef def = freeBody(boxMesh({2, 2, 2}, {0.1, 0.1, 0.1}, 0.2));
         def.integrator = integrator;
@@ -73,7 +91,7 @@ TEST_CASE("stiffness damping does not slow a rigid motion, and calms a vibration
     Stage damped, undamped;
     for (Stage* stage : {&damped, &undamped}) {
         SoftBodyDef def = freeBody(boxMesh({2, 2, 2}, {0.1, 0.1, 0.1}, 0.2));
-        def.rayleigh.stiffness = stage == &damped ? 0.05 : 0.0;
+        def.rayleigh.stiffness = stage == &damped ? 0.005 : 0.0;
         def.solver = Cholesky{};
         stage->add(def);
         stage->step(0.0);
@@ -81,20 +99,16 @@ TEST_CASE("stiffness damping does not slow a rigid motion, and calms a vibration
             stage->soft().v[i] = {1, 0, 0};
             stage->soft().x[i].y *= 1.2;
         }
-        stage->run(20, 0.002);
+        stage->run(50, 0.002);
     }
     Vec3 momentum;
-    double mass = 0.0, stretch[2]{};
+    double mass = 0.0;
     for (std::size_t i = 0; i < 27; ++i) {
         momentum += damped.model().masses[i] * damped.soft().v[i];
         mass += damped.model().masses[i];
     }
     CHECK(distance(momentum / mass, {1, 0, 0}) < 1e-9);
-    for (std::size_t i = 0; i < 27; ++i) {
-        stretch[0] += std::abs(damped.soft().v[i].y);
-        stretch[1] += std::abs(undamped.soft().v[i].y);
-    }
-    CHECK(stretch[0] < 0.5 * stretch[1]);
+    CHECK(energy(damped) < 0.1 * energy(undamped));
 }
 
 TEST_CASE("explicit Euler with far too large a step is undone, says so, and stays finite for ever")
@@ -158,7 +172,8 @@ TEST_CASE("implicit Euler stays finite and upright at any step and stiffness")
 TEST_CASE("a solver stopped at its cap says so, and how far it came")
 {
     Stage stage;
-    stage.add(SoftBodyDef{.mesh = bunnyFile(756), .solver = ConjugateGradient{.maxIterations = 1, .tolerance = 1e-8},
+    stage.add(SoftBodyDef{.mesh = bunnyFile(756),
+                          .solver = ConjugateGradient{.maxIterations = 1, .tolerance = 1e-8},
                           .attachments = {{.nodes = {0}}}});
     stage.post(SetGravity{{0, -9.81, 0}});
     const StepReport report = stage.step(0.01);

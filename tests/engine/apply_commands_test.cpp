@@ -8,7 +8,8 @@ namespace {
 
 SoftBodyDef hangingBox()
 {
-    return {.mesh = shared(boxMesh({3, 2, 2}, {0.3, 0.1, 0.1})), .attachments = {{.box = geometry::Box{{0, 0, 0}, {0, 1, 1}}}}};
+    return {.mesh = shared(boxMesh({3, 2, 2}, {0.3, 0.1, 0.1})),
+            .attachments = {{.box = geometry::Box{{0, 0, 0}, {0, 1, 1}}}}};
 }
 
 Stage hanging()

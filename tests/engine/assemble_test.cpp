@@ -97,8 +97,11 @@ TEST_CASE("a hard pin does not move, whatever pulls at it")
     for (const Integrator& integrator : {Integrator{ImplicitEuler{}}, Integrator{ExplicitEuler{true}}})
         for (const Solver& solver : {Solver{Cholesky{}}, Solver{ConjugateGradient{}}}) {
             Stage stage;
-            SoftBodyDef def{.mesh = shared(boxMesh({3, 2, 2}, {0.3, 0.1, 0.1})), .integrator = integrator,
-                            .solver = solver, .attachments = {{.nodes = {0, 4, 17}}}, .forces = {{4, {100, 0, 0}}},
+            SoftBodyDef def{.mesh = shared(boxMesh({3, 2, 2}, {0.3, 0.1, 0.1})),
+                            .integrator = integrator,
+                            .solver = solver,
+                            .attachments = {{.nodes = {0, 4, 17}}},
+                            .forces = {{4, {100, 0, 0}}},
                             .pressure = 50};
             stage.add(def);
             stage.post(SetGravity{{0, -9.81, 0}});

@@ -61,21 +61,23 @@ TEST_CASE("numbers out of their range are refused by name")
           "soft body 'liver': mass.value must be > 0 kg/m^3, got 0");
     CHECK(refusal([](SoftBodyDef& d) { d.mass = TotalMass{-3}; }) ==
           "soft body 'liver': mass.value must be > 0 kg, got -3");
-    CHECK(refusal([](SoftBodyDef& d) { d.forces = {{0, {kNan, 0, 0}}}; }) ==
-          "soft body 'liver': forces[0].force.x must be finite, got nan");
-    CHECK(refusal([](SoftBodyDef& d) { d.pressure = kNan; }) ==
-          "soft body 'liver': pressure must be finite, got nan");
+    CHECK(refusal([](SoftBodyDef& d) {
+              d.forces = {{0, {kNan, 0, 0}}};
+          }) == "soft body 'liver': forces[0].force.x must be finite, got nan");
+    CHECK(refusal([](SoftBodyDef& d) { d.pressure = kNan; }) == "soft body 'liver': pressure must be finite, got nan");
 }
 
 TEST_CASE("nodes that the mesh does not have are refused")
 {
     CHECK(refusal([](SoftBodyDef& d) { d.attachments = {{.nodes = {26}}}; }) == "accepted");
-    CHECK(refusal([](SoftBodyDef& d) { d.attachments = {{.nodes = {0}}, {.nodes = {3, 27}}}; }) ==
-          "soft body 'liver': attachments[1].nodes must be in [0, 27), got 27");
+    CHECK(refusal([](SoftBodyDef& d) {
+              d.attachments = {{.nodes = {0}}, {.nodes = {3, 27}}};
+          }) == "soft body 'liver': attachments[1].nodes must be in [0, 27), got 27");
     CHECK(refusal([](SoftBodyDef& d) { d.attachments = {{.nodes = {-1}}}; }) ==
           "soft body 'liver': attachments[0].nodes[0] must be >= 0, got -1");
-    CHECK(refusal([](SoftBodyDef& d) { d.forces = {{27, {1, 0, 0}}}; }) ==
-          "soft body 'liver': forces[0].node must be in [0, 27), got 27");
+    CHECK(refusal([](SoftBodyDef& d) {
+              d.forces = {{27, {1, 0, 0}}};
+          }) == "soft body 'liver': forces[0].node must be in [0, 27), got 27");
 }
 
 TEST_CASE("an attachment that holds nothing is refused")
@@ -83,10 +85,12 @@ TEST_CASE("an attachment that holds nothing is refused")
     using geometry::Box;
     CHECK(refusal([](SoftBodyDef& d) { d.attachments = {{}}; }) ==
           "soft body 'liver': attachments[0]: must hold at least one node, got none");
-    CHECK(refusal([](SoftBodyDef& d) { d.attachments = {{.box = Box{{5, 5, 5}, {6, 6, 6}}}}; }) ==
-          "soft body 'liver': attachments[0]: must hold at least one node, got none in its box");
-    CHECK(refusal([](SoftBodyDef& d) { d.attachments = {{.box = Box{{0, 0, 0}, {1, -1, 1}}}}; }) ==
-          "soft body 'liver': attachments[0].box: high must be >= low in every axis");
+    CHECK(refusal([](SoftBodyDef& d) {
+              d.attachments = {{.box = Box{{5, 5, 5}, {6, 6, 6}}}};
+          }) == "soft body 'liver': attachments[0]: must hold at least one node, got none in its box");
+    CHECK(refusal([](SoftBodyDef& d) {
+              d.attachments = {{.box = Box{{0, 0, 0}, {1, -1, 1}}}};
+          }) == "soft body 'liver': attachments[0].box: high must be >= low in every axis");
 }
 
 TEST_CASE("meshes that cannot be simulated are refused, naming the body")

@@ -3,8 +3,8 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/engine/native_engine.h"
-#include "filasofia/physics/physics_server.h"
 #include "filasofia/physics/physics_engine.h"
+#include "filasofia/physics/physics_server.h"
 
 #include "engine/meshes.h"
 
@@ -107,7 +107,8 @@ TEST_CASE("one element made stiffer changes the result, most of all there")
     }
     const std::vector<Vec3> xa = a.positions(), xb = b.positions();
     CHECK(xa != xb);
-    const auto mesh = std::get<std::shared_ptr<const geometry::TetMesh>>(std::get<SoftBodyDef>(*a.server.def(a.soft)).mesh);
+    const auto mesh =
+        std::get<std::shared_ptr<const geometry::TetMesh>>(std::get<SoftBodyDef>(*a.server.def(a.soft)).mesh);
     const auto strain = [&](const std::vector<Vec3>& x) {
         double sum = 0.0;
         for (auto [i, j] : geometry::kTetrahedronEdges) {

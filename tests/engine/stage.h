@@ -16,10 +16,10 @@ struct Stage {
     BodyId add(const physics::BodyDef& def)
     {
         const BodyId id{++lastId};
-        commands.push_back(physics::AddBody{id, std::make_shared<const physics::BodyDef>(def), world.build(def)});
+        post(physics::AddBody{id, std::make_shared<const physics::BodyDef>(def), world.build(def)});
         return id;
     }
-    void post(physics::Command command) { commands.push_back(std::move(command)); }
+    template <class C> void post(C command) { commands.emplace_back(std::in_place_type<C>, std::move(command)); }
     physics::StepReport step(double dt)
     {
         const physics::StepReport report = world.step({.dt = dt, .commands = commands});

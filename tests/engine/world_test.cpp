@@ -85,7 +85,8 @@ TEST_CASE("the hash sees every number of the state")
     nudge(state.gravity.z);
     nudge(state.softBodies[0].pressure);
     nudge(state.softBodies[0].rotations[0].x);
-    for (auto* list : {&state.softBodies[0].x, &state.softBodies[0].v, &state.softBodies[0].dv, &state.softBodies[0].forces})
+    for (auto* list :
+         {&state.softBodies[0].x, &state.softBodies[0].v, &state.softBodies[0].dv, &state.softBodies[0].forces})
         for (int axis = 0; axis < 3; ++axis) nudge((*list)[3][axis]);
     nudge(state.rigidBodies[0].poses[0].position.y);
     nudge(state.rigidBodies[0].poses[0].orientation.z);

@@ -247,6 +247,23 @@ TEST_CASE("a broken surface file gives an Error that names it")
     CHECK_THAT(errorFor("b.stl", binaryStl(surface, 4).substr(0, 200)), Contains("b.stl"));
 }
 
+TEST_CASE("what would make assimp end the process gives an Error")
+{
+    const LogTrap quiet;
+    const std::string good = ply();
+    const auto with = [&](std::string_view from, std::string_view to) {
+        std::string bad = good;
+        return bad.replace(bad.rfind(from), from.size(), to);
+    };
+    CHECK_THAT(errorFor("a.ply", with("3 0 2 1", "0")), Contains("a.ply"));       // a face without corners
+    CHECK_THAT(errorFor("a.ply", with("3 0 2 1", "3 0 2 9")), Contains("a.ply")); // a vertex that is not there
+    CHECK_THAT(errorFor("a.ply", with("3 0 2 1", "3 0\n2 1")),
+               Contains("a.ply:17: the line ends before all numbers of face"));
+    CHECK_THAT(errorFor("a.ply", with("3 0 2 1", "3 0 2 1 7")),
+               Contains("a.ply:17: the line has more numbers than face"));
+    CHECK_THAT(errorFor("a.ply", with("3 0 2 1", "3 0 x 1")), Contains("a.ply:17: face must be a number, got 'x'"));
+}
+
 TEST_CASE("a surface file that announces more than it can hold is refused before it is read")
 {
     const TriangleMesh surface = extractSurface(unitTetrahedron()).mesh;

@@ -61,10 +61,16 @@ TEST_CASE_METHOD(Fixture, "a command for a body of the other kind is an error")
 
 TEST_CASE_METHOD(Fixture, "a pose that is not one is an error")
 {
-    checkError([&] { server.setPose(rigid, {{0, kNan, 0}, {}}); },
-               {"rigid body 'forceps'", "position.y", "must be finite", "got nan"});
-    checkError([&] { server.setPose(rigid, {{}, {1, 0, kNan, 0}}); },
-               {"rigid body 'forceps'", "orientation.y", "must be in [-1, 1]", "got nan"});
+    checkError(
+        [&] {
+            server.setPose(rigid, {{0, kNan, 0}, {}});
+        },
+        {"rigid body 'forceps'", "position.y", "must be finite", "got nan"});
+    checkError(
+        [&] {
+            server.setPose(rigid, {{}, {1, 0, kNan, 0}});
+        },
+        {"rigid body 'forceps'", "orientation.y", "must be in [-1, 1]", "got nan"});
     checkError([&] { server.setPose(rigid, {{}, {0, 0, 0, 0}}); }, {"rigid body 'forceps'", "orientation", "got 0"});
     checkError([&] { server.setPose(rigid, {}, 2); }, {"rigid body 'forceps'", "element", "[0, 2)", "got 2"});
     checkError([&] { server.setPose(rigid, {}, -1); }, {"rigid body 'forceps'", "element", "[0, 2)", "got -1"});
@@ -89,8 +95,11 @@ TEST_CASE_METHOD(Fixture, "a force on no node, or one that is not finite, is an 
 {
     checkError([&] { server.setForces(soft, {{0, {}}, {4, {}}}); }, {"liver", "forces[1].node", "[0, 4)", "got 4"});
     checkError([&] { server.setForces(soft, {{-1, {}}}); }, {"liver", "forces[0]", "node", ">= 0", "got -1"});
-    checkError([&] { server.setForces(soft, {{0, {0, 0, kInf}}}); },
-               {"liver", "forces[0]", "force.z", "must be finite", "got inf"});
+    checkError(
+        [&] {
+            server.setForces(soft, {{0, {0, 0, kInf}}});
+        },
+        {"liver", "forces[0]", "force.z", "must be finite", "got inf"});
 }
 
 TEST_CASE_METHOD(Fixture, "a pressure that is not finite is an error")

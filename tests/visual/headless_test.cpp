@@ -58,7 +58,7 @@ TEST_CASE("a picture's first row is the top")
 {
     LittleScene scene;
     scene.body.setPose({{0.0, 0.06, 0.0}, {}});
-    scene.look.rig->setPose(lookAt({0, 0, 0.3}, {0, 0, 0}));
+    lookFromFront(scene);
     const Image image = scene.server.capture();
     CHECK(brightnessAt(image, 160, 78) > brightnessAt(image, 160, 162) + 20);
 }
@@ -66,7 +66,7 @@ TEST_CASE("a picture's first row is the top")
 TEST_CASE("a body that moves moves in the picture")
 {
     LittleScene scene;
-    scene.look.rig->setPose(lookAt({0, 0, 0.3}, {0, 0, 0}));
+    lookFromFront(scene);
     const Image before = scene.server.capture();
     scene.body.setPose({{0.08, 0, 0}, {}});
     const Image after = scene.server.capture();
@@ -201,7 +201,7 @@ TEST_CASE("one body throws its shadow on another")
     wall.vertices = {{-1, -1, -0.1}, {1, -1, -0.1}, {1, 1, -0.1}, {-1, 1, -0.1}};
     wall.triangles = {{0, 1, 2}, {0, 2, 3}};
     scene.server.add(VisualBodyDef{.name = "wall", .mesh = wall});
-    scene.look.rig->setPose(lookAt({0, 0, 0.3}, {0, 0, 0}));
+    lookFromFront(scene);
     scene.look.light->setPose(lookAt({0.15, 0, 0}, {0, 0, -0.3})); // from the side: the camera sees the shadow
     const Image shaded = scene.server.capture();
     LightDef light = scene.look.light->def();

@@ -3,6 +3,7 @@
 #include "filasofia/visual/endoscope_look.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace filasofia::visual {
 
@@ -52,6 +53,18 @@ struct LittleScene {
     VisualBody& body;
     EndoscopeLook look;
 };
+
+/// The camera at (0, 0, 0.3), looking along -Z, under a wide lamp: for tests that know where in the picture things lie.
+inline void lookFromFront(LittleScene& scene)
+{
+    scene.look.rig->setPose(lookAt({0, 0, 0.3}, {0, 0, 0}));
+    CameraDef camera = scene.look.camera->def();
+    camera.verticalFieldOfView = std::numbers::pi / 3;
+    scene.look.camera->set(camera);
+    LightDef light = scene.look.light->def();
+    light.kind = SpotLight{.intensity = 300, .innerAngle = 0.3, .outerAngle = 0.8};
+    scene.look.light->set(light);
+}
 
 /// Mean of the three colours over the pixels, in 255ths.
 inline double brightness(const Image& image)

@@ -109,8 +109,8 @@ TEST_CASE("wrong lights, cameras, views and surroundings are errors that name th
                           Contains("left"));
         CHECK_THROWS_WITH(server.setEnvironment({.lampDirection = {}}), Contains("lampDirection"));
         CHECK_THROWS_WITH(server.setEnvironment({.intensity = -1}), Contains("intensity"));
-        CHECK_THROWS_AS(addEndoscopeLook(server, Box{}), Error);
-        CHECK_THROWS_AS(addEndoscopeLook(server, Box{{0, 0, 0}, {kNan, 1, 1}}), Error);
+        CHECK_THROWS_AS(addEndoscopeLook(server, geometry::Box{}), Error);
+        CHECK_THROWS_AS(addEndoscopeLook(server, geometry::Box{{0, 0, 0}, {kNan, 1, 1}}), Error);
         CHECK_THROWS_AS(boundsOf({}), Error);
         CHECK(server.render());
     }

@@ -41,9 +41,10 @@ VirtualDisplay::VirtualDisplay()
     if (process_ == 0) {
         prctl(PR_SET_PDEATHSIG, SIGKILL); // a test that crashes leaves no server behind
         close(channel[0]);
+        // With -noreset it does not start over, deaf for a moment, each time the last window closes.
         // With -displayfd the server takes the first free display and writes its number when it is ready.
         execlp("Xvfb", "Xvfb", "-displayfd", descriptor.c_str(), "-screen", "0", "1024x768x24", "-dpi", "96",
-               "-nolisten", "tcp", static_cast<char*>(nullptr));
+               "-noreset", "-nolisten", "tcp", static_cast<char*>(nullptr));
         _exit(127);
     }
     close(channel[1]);

@@ -18,8 +18,14 @@ requires((std::integral<Number> || std::floating_point<Number>)&&!std::same_as<N
          !std::same_as<Number, char>) void append(std::string& out, Number value)
 {
     char buffer[40]; // the shortest text that reads back to the same number needs at most 24
-    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-    out.append(buffer, end);
+    if constexpr (std::floating_point<Number>) {
+        // 100000, not 1e+05: people write whole numbers whole.
+        if (value > Number(-1e9) && value < Number(1e9) && value == static_cast<Number>(static_cast<long>(value))) {
+            out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, static_cast<long>(value)).ptr);
+            return;
+        }
+    }
+    out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
 }
 
 } // namespace detail

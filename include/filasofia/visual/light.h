@@ -83,11 +83,11 @@ private:
 /// What surrounds the scene and mirrors in it: dim light from all sides, softer or stronger from above, and one soft
 /// lamp. Everything is computed; there are no image files.
 struct EnvironmentDef {
-    double intensity = 280.0;              ///< [lx], >= 0: illuminance where the colours are 1
+    double intensity = 220.0;              ///< [lx], >= 0: illuminance where the colours are 1
     Color above = {0.55, 0.30, 0.26};      ///< radiance from +Y, relative to intensity
     Color below = {0.25, 0.08, 0.06};      ///< radiance from -Y
     Color lamp = {1.0, 0.95, 0.9};         ///< colour of the soft lamp
-    double lampStrength = 14.0;            ///< [-], >= 0: radiance in its middle
+    double lampStrength = 28.0;            ///< [-], >= 0: radiance in its middle
     double lampSize = 0.22;                ///< [rad], in [0.05, 3]: where it has fallen to 60 %
     Vec3 lampDirection = {0.3, 0.8, 0.52}; ///< [-], from the scene towards the lamp; any length but 0
     Color background = {0.0, 0.0, 0.0};    ///< what is seen where there is no body

@@ -13,8 +13,8 @@ namespace {
 /// The index of a body by its id. The server has checked that it is there.
 template <class Bodies> std::size_t indexOf(const Bodies& bodies, BodyId id)
 {
-    const auto found =
-        std::lower_bound(bodies.begin(), bodies.end(), id, [](const auto& body, BodyId wanted) { return body.id < wanted; });
+    const auto found = std::lower_bound(bodies.begin(), bodies.end(), id,
+                                        [](const auto& body, BodyId wanted) { return body.id < wanted; });
     FILASOFIA_ASSERT(found != bodies.end() && found->id == id);
     return static_cast<std::size_t>(found - bodies.begin());
 }
@@ -87,7 +87,8 @@ struct Apply {
             fresh.pressure = state.softBodies[b].pressure;
             state.softBodies[b] = std::move(fresh);
         }
-        for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) state.rigidBodies[b].poses = model.rigidBodies[b].rest;
+        for (std::size_t b = 0; b < model.rigidBodies.size(); ++b)
+            state.rigidBodies[b].poses = model.rigidBodies[b].rest;
     }
     void operator()(const physics::Pause&) const {} // the server's: it steps with dt = 0
     void operator()(const physics::Tune& tune) const

@@ -48,10 +48,14 @@ void addElements(const SoftModel& model, ImplicitWeights weights, SoftState& sta
         for (int i = 0; i < 4; ++i) rotated[i] = rotation * element.gradients[i];
         const Lame material = lame(element.youngModulus, element.poissonRatio);
         const double scale = weights.stiffness * element.volume;
+        const std::array<int, 16>& positions = system.elementBlocks[e];
         for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j)
-                if (const int p = system.elementBlocks[e][4 * i + j]; p >= 0)
-                    system.matrix.block(p) += warpedStiffnessBlock(rotated, material, scale, i, j);
+            for (int j = i; j < 4; ++j) {
+                if (positions[4 * i + j] < 0) continue;
+                const Mat3 block = warpedStiffnessBlock(rotated, material, scale, i, j);
+                system.matrix.block(positions[4 * i + j]) += block;
+                if (j != i) system.matrix.block(positions[4 * j + i]) += transpose(block);
+            }
     }
 }
 

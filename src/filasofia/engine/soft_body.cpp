@@ -54,7 +54,8 @@ void checkPins(const SoftModel& model, const std::string& object)
     checkSize(object, "pins.hard", model.pins.hard.size(), model.rest.size());
     for (const PinSpring& pin : model.pins.springs) {
         checkNodes(object, std::array{pin.node}, model.rest.size());
-        if (!positive().contains(pin.stiffness)) fail(object, ": a pin's stiffness must be > 0 N/m, got ", pin.stiffness);
+        if (!positive().contains(pin.stiffness))
+            fail(object, ": a pin's stiffness must be > 0 N/m, got ", pin.stiffness);
         if (!isFinite(pin.anchor)) fail(object, ": a pin's anchor must be finite");
     }
 }
@@ -77,9 +78,8 @@ std::vector<std::vector<int>> blockColumns(const SoftModel& model)
 }
 
 /// Where the blocks of one element go. Rows and columns of held nodes are left out: they stay those of the identity.
-template <std::size_t n>
-std::array<int, n * n> blockPositions(const linalg::BlockSparseMatrix& matrix, const std::vector<bool>& held,
-                                      const std::array<int, n>& nodes)
+template <std::size_t n> std::array<int, n * n>
+blockPositions(const linalg::BlockSparseMatrix& matrix, const std::vector<bool>& held, const std::array<int, n>& nodes)
 {
     std::array<int, n * n> positions;
     for (std::size_t i = 0; i < n; ++i)
@@ -124,8 +124,11 @@ void check(const SoftModel& model, const SoftState& state)
     std::visit([&](const auto& each) { validate(each, object + ": integrator"); }, model.integrator);
     std::visit([&](const auto& each) { validate(each, object + ": solver"); }, model.solver);
 
-    for (const auto& [list, values] : {std::pair{"x", &state.x}, {"v", &state.v}, {"dv", &state.dv},
-                                       {"forces", &state.forces}, {"rest", &model.rest}}) {
+    for (const auto& [list, values] : {std::pair{"x", &state.x},
+                                       {"v", &state.v},
+                                       {"dv", &state.dv},
+                                       {"forces", &state.forces},
+                                       {"rest", &model.rest}}) {
         checkSize(object, list, values->size(), n);
         checkFinite(object, list, *values);
     }
@@ -163,8 +166,8 @@ SoftSystem makeSystem(const SoftModel& model)
         for (int i = 0; i < system.matrix.rows(); ++i) system.diagonalBlocks.push_back(system.matrix.find(i, i));
         system.solver = makeSolver(model.solver);
     }
-    for (auto* buffer : {&system.forces, &system.stiffnessTimesVelocity, &system.rightHandSide, &system.x, &system.v,
-                         &system.dv})
+    for (auto* buffer :
+         {&system.forces, &system.stiffnessTimesVelocity, &system.rightHandSide, &system.x, &system.v, &system.dv})
         buffer->resize(model.rest.size());
     return system;
 }

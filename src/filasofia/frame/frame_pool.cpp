@@ -10,7 +10,8 @@ Frame* FramePool::beginWrite()
     const int newest = newest_.load(std::memory_order_relaxed);
     for (int i = 0; i < kFrames; ++i) {
         int free = 0;
-        if (i == newest || !slots_[i].readers.compare_exchange_strong(free, kWriting, std::memory_order_acquire)) continue;
+        if (i == newest || !slots_[i].readers.compare_exchange_strong(free, kWriting, std::memory_order_acquire))
+            continue;
         writing_ = i;
         return &slots_[i].frame;
     }
@@ -35,7 +36,8 @@ FrameRef FramePool::latest()
         Slot& slot = slots_[newest];
         int readers = slot.readers.load(std::memory_order_relaxed);
         while (readers != kWriting &&
-               !slot.readers.compare_exchange_weak(readers, readers + 1, std::memory_order_acquire)) {}
+               !slot.readers.compare_exchange_weak(readers, readers + 1, std::memory_order_acquire)) {
+        }
         if (readers == kWriting) continue;
         // Held up in between, a reader may get a slot that is just being published, newer than newest_ yet says; the
         // next look would take it back in time. So only what is still the newest is kept.

@@ -8,6 +8,7 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace filasofia::geometry {
@@ -28,6 +29,27 @@ Vec3 placed(const aiMatrix4x4& m, const aiVector3D& p)
             m.c1 * x + m.c2 * y + m.c3 * z + m.c4};
 }
 
+// assimp's triangulation believes what its parsers give it, and ends the process at a face without corners.
+void checkMesh(const aiMesh& mesh, std::string_view name)
+{
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+        const aiVector3D p = mesh.mVertices[i],
+                         uv = mesh.HasTextureCoords(0) ? mesh.mTextureCoords[0][i] : aiVector3D();
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+            fail(name, ": vertex ", i, " must be finite, got ", p.x, " ", p.y, " ", p.z);
+        if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
+            fail(name, ": the texture coordinates of vertex ", i, " must be finite, got ", uv.x, " ", uv.y);
+    }
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+        const aiFace& face = mesh.mFaces[i];
+        if (face.mNumIndices == 0) fail(name, ": face ", i, " must have at least 1 vertex, got 0");
+        for (unsigned k = 0; k < face.mNumIndices; ++k)
+            if (face.mIndices[k] >= mesh.mNumVertices)
+                fail(name, ": face ", i, " names vertex ", face.mIndices[k], "; it must be in [0, ", mesh.mNumVertices,
+                     ")");
+    }
+}
+
 void appendMesh(const aiMesh& mesh, const aiMatrix4x4& place, std::string_view name, Soup& soup)
 {
     constexpr std::size_t kMost = 500'000'000;
@@ -36,7 +58,9 @@ void appendMesh(const aiMesh& mesh, const aiMatrix4x4& place, std::string_view n
     const bool hasUv = mesh.HasTextureCoords(0);
     (hasUv ? soup.anyUv : soup.anyWithout) = true;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-        soup.mesh.vertices.push_back(placed(place, mesh.mVertices[i]));
+        const Vec3 p = placed(place, mesh.mVertices[i]);
+        if (!isFinite(p)) fail(name, ": vertex ", i, " must be finite where its node places it");
+        soup.mesh.vertices.push_back(p);
         const aiVector3D uv = hasUv ? mesh.mTextureCoords[0][i] : aiVector3D();
         soup.mesh.uv.push_back({uv.x, uv.y});
     }
@@ -49,10 +73,7 @@ void appendMesh(const aiMesh& mesh, const aiMatrix4x4& place, std::string_view n
         }
         Triangle triangle{};
         for (int k = 0; k < 3; ++k) {
-            const unsigned index = face.mIndices[mirrored ? 2 - k : k];
-            if (index >= mesh.mNumVertices)
-                fail(name, ": triangle ", i, " names vertex ", index, "; it must be in [0, ", mesh.mNumVertices, ")");
-            triangle[k] = static_cast<int>(first + index);
+            triangle[k] = static_cast<int>(first + face.mIndices[mirrored ? 2 - k : k]);
         }
         soup.mesh.triangles.push_back(triangle);
     }
@@ -72,18 +93,6 @@ void appendNodes(const aiScene& scene, std::string_view name, Soup& soup)
         for (unsigned i = 0; i < now.node->mNumMeshes; ++i)
             appendMesh(*scene.mMeshes[now.node->mMeshes[i]], place, name, soup);
         for (unsigned i = now.node->mNumChildren; i-- > 0;) open.push_back({now.node->mChildren[i], place});
-    }
-}
-
-// Before anything is compared: a NaN equals nothing and would break the order below.
-void checkNumbers(const TriangleMesh& mesh, std::string_view name)
-{
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-        const Vec3 p = mesh.vertices[i];
-        const auto [u, v] = mesh.uv[i];
-        if (!isFinite(p)) fail(name, ": vertex ", i, " must be finite, got ", p.x, " ", p.y, " ", p.z);
-        if (!std::isfinite(u) || !std::isfinite(v))
-            fail(name, ": uv of vertex ", i, " must be finite, got ", u, " ", v);
     }
 }
 
@@ -144,10 +153,13 @@ Soup readSoup(const std::filesystem::path& file)
     Soup soup;
     try {
         Assimp::Importer importer;
-        const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);
+        const aiScene* scene = importer.ReadFile(name, 0);
         if (scene == nullptr) fail(name, ": cannot be read: ", std::string_view(importer.GetErrorString()));
         if (scene->mRootNode == nullptr || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0)
             fail(name, ": has no complete mesh");
+        for (unsigned i = 0; i < scene->mNumMeshes; ++i) checkMesh(*scene->mMeshes[i], name);
+        scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+        if (scene == nullptr) fail(name, ": cannot be triangulated: ", std::string_view(importer.GetErrorString()));
         appendNodes(*scene, name, soup);
     } catch (const Error&) {
         throw;
@@ -164,7 +176,6 @@ TriangleMesh readWithAssimp(const std::filesystem::path& file)
     const std::string name = file.string();
     const Soup soup = readSoup(file);
     if (soup.mesh.triangles.empty()) fail(name, ": has no triangles; it must have at least 1");
-    checkNumbers(soup.mesh, name);
     Dropped dropped;
     TriangleMesh mesh = joined(soup, dropped);
     if (dropped.triangles + dropped.texture + soup.notTriangles > 0 || (soup.anyUv && soup.anyWithout))

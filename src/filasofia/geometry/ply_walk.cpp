@@ -53,6 +53,7 @@ Property readProperty(NumberSource& in)
         property.size = sizeOfType(in, type, false);
     }
     if (in.wordOnThisLine().empty()) in.failHere("a property must have a name");
+    if (!in.wordOnThisLine().empty()) in.failHere("a line must end after a property's name");
     return property;
 }
 
@@ -109,14 +110,32 @@ void walkRaw(NumberSource& in, const Header& header)
             }
 }
 
+// An element is a line: assimp counts lines, whatever stands on them.
+void walkLine(NumberSource& in, const Element& element)
+{
+    bool first = true;
+    const auto next = [&] {
+        const std::string_view word = first ? in.word() : in.wordOnThisLine();
+        if (word.empty()) in.failHere(first ? "the file" : "the line", " ends before all numbers of ", element.name);
+        first = false;
+        return word;
+    };
+    for (const Property& property : element.properties) {
+        if (property.countSize == 0) {
+            in.realIn(next(), element.name);
+            continue;
+        }
+        const std::int64_t count = in.integerIn(next(), "the length of a list");
+        in.boundCount(count, "the length of a list", 1, 1);
+        for (std::int64_t i = 0; i < count; ++i) in.realIn(next(), element.name);
+    }
+    if (!first && !in.wordOnThisLine().empty()) in.failHere("the line has more numbers than ", element.name, " has");
+}
+
 void walkText(NumberSource& in, const Header& header)
 {
     for (const Element& element : header.elements)
-        for (std::size_t i = 0; i < element.count; ++i)
-            for (const Property& property : element.properties) {
-                const std::size_t numbers = property.countSize > 0 ? in.count("the length of a list", 1, 1, 4) : 1;
-                for (std::size_t k = 0; k < numbers; ++k) in.real(element.name);
-            }
+        for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) walkLine(in, element);
 }
 
 } // namespace

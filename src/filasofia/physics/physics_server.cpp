@@ -49,7 +49,8 @@ struct PhysicsServer::Impl {
 
     Impl(std::unique_ptr<PhysicsEngine> made, int logLength)
         : engine(std::move(made)), log(static_cast<std::size_t>(logLength))
-    {}
+    {
+    }
 
     BodyId add(BodyDef def)
     {

@@ -3,18 +3,19 @@
 #include "filasofia/core/error.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace filasofia::visual {
 
-Box boundsOf(const geometry::TriangleMesh& mesh)
+geometry::Box boundsOf(const geometry::TriangleMesh& mesh)
 {
     if (mesh.vertices.empty()) fail("boundsOf: the mesh has no vertices");
-    Box box{mesh.vertices.front(), mesh.vertices.front()};
-    for (Vec3 v : mesh.vertices) box = {min(box.low, v), max(box.high, v)};
+    geometry::Box box;
+    for (Vec3 v : mesh.vertices) box = geometry::merged(box, v);
     return box;
 }
 
-EndoscopeLook addEndoscopeLook(VisualServer& server, const Box& around, Quality quality, Vec3 direction)
+EndoscopeLook addEndoscopeLook(VisualServer& server, const geometry::Box& around, Quality quality, Vec3 direction)
 {
     const double radius = 0.5 * distance(around.low, around.high);
     const Vec3 middle = 0.5 * (around.low + around.high);
@@ -26,7 +27,8 @@ EndoscopeLook addEndoscopeLook(VisualServer& server, const Box& around, Quality 
 
     CameraDef cameraDef;
     cameraDef.name = "endoscope camera";
-    const double away = 0.85 * radius / std::sin(0.5 * cameraDef.verticalFieldOfView);
+    cameraDef.verticalFieldOfView = 70.0 * std::numbers::pi / 180.0; // wide, as these lenses are
+    const double away = 0.80 * radius / std::sin(0.5 * cameraDef.verticalFieldOfView);
     cameraDef.near = 0.05 * away;
     cameraDef.far = 20.0 * away;
 
@@ -39,8 +41,8 @@ EndoscopeLook addEndoscopeLook(VisualServer& server, const Box& around, Quality 
     // The lamp sits beside the lens, a little further than on a real tip: its shadows and highlights model the shape.
     SpotLight spot;
     spot.intensity = 8000.0 * away * away; // [cd]: the same illuminance at any distance
-    spot.innerAngle = 0.2;
-    spot.outerAngle = 0.75;
+    spot.innerAngle = 0.12;
+    spot.outerAngle = 0.72;
     spot.range = 8.0 * away;
     LightDef lightDef;
     lightDef.name = "endoscope light";

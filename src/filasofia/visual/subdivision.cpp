@@ -50,7 +50,7 @@ std::unique_ptr<Far::TopologyRefiner> refinerOf(const geometry::TriangleMesh& me
 } // namespace
 
 struct Subdivision::Stencils {
-    std::unique_ptr<const Far::StencilTable> table;
+    std::unique_ptr<const Far::StencilTableReal<float>> table; // its derived class is a mere name for it
 };
 
 Subdivision::Subdivision(const geometry::TriangleMesh& mesh, int level, std::string_view name)
@@ -70,11 +70,12 @@ Subdivision::Subdivision(const geometry::TriangleMesh& mesh, int level, std::str
     uniform.fullTopologyInLastLevel = true; // the triangles of the last level are what is drawn
     refiner->RefineUniform(uniform);
 
-    Far::StencilTableFactory::Options options;
+    using Factory = Far::StencilTableFactoryReal<float>;
+    Factory::Options options;
     options.generateIntermediateLevels = false;
     options.generateOffsets = true;
     stencils_ = std::make_unique<Stencils>();
-    stencils_->table.reset(Far::StencilTableFactory::Create(*refiner, options));
+    stencils_->table.reset(Factory::Create(*refiner, options));
 
     const Far::TopologyLevel& last = refiner->GetLevel(level);
     vertexCount_ = last.GetNumVertices();

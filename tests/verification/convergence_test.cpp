@@ -1,0 +1,24 @@
+#include "verification/bunny.h"
+
+using namespace filasofia;
+using namespace filasofia::engine;
+using namespace filasofia::physics;
+
+TEST_CASE("implicit Euler is of the first order in dt")
+{
+    const auto after = [](double dt) {
+        Stage stage = standingBunny(756, Cholesky{});
+        CHECK(stage.run(static_cast<int>(std::lround(0.05 / dt)), dt).flags == 0);
+        return stage;
+    };
+    Stage reference = after(0.05 / 2400);
+    const double size = displacement(reference);
+    std::vector<double> errors;
+    for (int steps : {50, 100}) {
+        Stage stage = after(0.05 / steps);
+        errors.push_back(relativeDistance(stage.soft().x, reference.soft().x, size));
+        tell(text("bunny 756 after 0.05 s in ", steps, " steps, error relative to displacement"), errors.back());
+    }
+    // The reference is of the same order: its own error moves the ratio from 2 to (1/50 - 1/2400) / (1/100 - 1/2400).
+    verifyWithin("bunny 756, implicit Euler, ratio of errors at dt and dt / 2", errors[0] / errors[1], 1.8, 2.2);
+}

@@ -1,0 +1,107 @@
+#pragma once
+
+#include "filasofia/core/text.h"
+#include "filasofia/math/polar.h"
+
+#include "engine/stage.h"
+
+#include <iostream>
+
+namespace filasofia::engine {
+
+/// Says what was measured, in the one form that docs/verification.md is written from, and holds it to its bound.
+inline void verify(const std::string& what, double value, double bound)
+{
+    std::cout << "verification: " << what << ": " << text(value) << " (bound " << text(bound) << ")\n";
+    CHECK(value <= bound);
+}
+
+inline void verifyWithin(const std::string& what, double value, double low, double high)
+{
+    std::cout << "verification: " << what << ": " << text(value) << " (bound " << text(low) << " to " << text(high)
+              << ")\n";
+    CHECK(value >= low);
+    CHECK(value <= high);
+}
+
+/// What is only printed, because nothing says how large it may be.
+inline void tell(const std::string& what, double value)
+{
+    std::cout << "verification: " << what << ": " << text(value) << " (bound none)\n";
+}
+
+/// An element with a random shape of about unit size.
+inline FemElement randomElement(std::mt19937& random, Corners& rest)
+{
+    double volume = 0.0;
+    while (!(volume > 0.02))
+        for (volume = 0.0; Vec3 & x : rest) {
+            x = randomVec3(random, 1.0);
+            volume = geometry::signedVolume(rest[0], rest[1], rest[2], rest[3]);
+        }
+    return {.nodes = {0, 1, 2, 3},
+            .gradients = shapeGradients(rest),
+            .volume = volume,
+            .youngModulus = 1e4,
+            .poissonRatio = 0.4};
+}
+
+/// The nearest rotation, from no guess.
+inline Mat3 nearestRotation(const Mat3& f) { return toMat3(polarRotation(f, {})); }
+
+inline Corners elementForces(const FemElement& element, const Corners& x)
+{
+    const Mat3 f = gradient(element, x);
+    return corotationalForces(element, f, nearestRotation(f));
+}
+
+/// Finds where a body of elements is at rest under given forces, nodes that are held staying where x has them:
+/// Newton's method on the forces with the warped stiffness, each solved by Cholesky, until a correction is
+/// made from a residual below `tolerance` of the first.
+inline void solveStatic(const SoftModel& model, std::span<const Vec3> given, std::vector<Vec3>& x,
+                        double tolerance = 1e-13)
+{
+    SoftModel implicit = model;
+    implicit.integrator = physics::ImplicitEuler{};
+    implicit.solver = physics::Cholesky{};
+    SoftSystem system = makeSystem(implicit);
+    std::vector<Quat> rotations(model.elements.size());
+    std::vector<Vec3> residual(x.size()), dx(x.size());
+    double first = 0.0;
+    for (int iteration = 0; iteration < 300; ++iteration) {
+        residual.assign(given.begin(), given.end());
+        system.matrix.setZero();
+        for (std::size_t e = 0; e < model.elements.size(); ++e) {
+            const FemElement& element = model.elements[e];
+            Corners corners, rotated;
+            for (std::size_t i = 0; i < 4; ++i) corners[i] = x[element.nodes[i]];
+            const Mat3 f = gradient(element, corners);
+            rotations[e] = polarRotation(f, rotations[e]);
+            const Mat3 r = toMat3(rotations[e]);
+            const Corners forces = corotationalForces(element, f, r);
+            for (std::size_t i = 0; i < 4; ++i) {
+                residual[element.nodes[i]] += forces[i];
+                rotated[i] = r * element.gradients[i];
+            }
+            const Lame material = lame(element.youngModulus, element.poissonRatio);
+            for (int i = 0; i < 4; ++i)
+                for (int j = 0; j < 4; ++j)
+                    if (const int p = system.elementBlocks[e][4 * i + j]; p >= 0)
+                        system.matrix.block(p) += warpedStiffnessBlock(rotated, material, element.volume, i, j);
+        }
+        double size = 0.0;
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            if (model.pins.hard[i]) {
+                residual[i] = {};
+                system.matrix.block(system.diagonalBlocks[i]) += Mat3::identity();
+            }
+            size += lengthSquared(residual[i]);
+        }
+        if (iteration == 0) first = size;
+        system.solver->solve(system.matrix, residual, dx);
+        for (std::size_t i = 0; i < x.size(); ++i) x[i] += dx[i];
+        if (iteration > 0 && size < tolerance * tolerance * first) return;
+    }
+}
+
+} // namespace filasofia::engine
