@@ -32,11 +32,7 @@ struct Fixture {
     }
     ~Fixture() { setLogSink({}); }
 
-    std::vector<Vec3> positions()
-    {
-        server.captureNow();
-        return server.latest()->softBody(soft)->positions;
-    }
+    std::vector<Vec3> positions() { return server.latest()->softBody(soft)->positions; }
     StepReport tuned(std::function<void(Native&)> change)
     {
         tune(server, std::move(change));

@@ -195,7 +195,6 @@ TEST_CASE("a removed body is gone from frame and log")
     server.remove(soft);
     server.remove(rigid);
     CHECK(server.step(0.1).solves.empty());
-    server.captureNow();
     CHECK(server.latest()->softBody(soft) == nullptr);
     CHECK(server.latest()->rigidBody(rigid) == nullptr);
     server.popRecord();

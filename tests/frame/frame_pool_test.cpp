@@ -39,11 +39,10 @@ bool write(FramePool& pool, std::uint64_t step)
 
 } // namespace
 
-TEST_CASE("before the first frame there is none, and one is wanted")
+TEST_CASE("before the first frame there is none")
 {
     FramePool pool;
     CHECK_FALSE(pool.latest());
-    CHECK(pool.wanted());
 }
 
 TEST_CASE("the newest frame wins")
@@ -54,18 +53,6 @@ TEST_CASE("the newest frame wins")
     CHECK(pool.latest()->step == 50); // and stays the newest until there is a newer one
     write(pool, 51);
     CHECK(pool.latest()->step == 51);
-}
-
-TEST_CASE("a new frame is wanted once a reader took the newest")
-{
-    FramePool pool;
-    write(pool, 1);
-    CHECK_FALSE(pool.wanted());
-    CHECK(pool.latest());
-    CHECK(pool.wanted());
-    CHECK(pool.wanted());
-    write(pool, 2);
-    CHECK_FALSE(pool.wanted());
 }
 
 TEST_CASE("a held frame does not change while the writer goes on")

@@ -94,7 +94,9 @@ TEST_CASE("a matrix that is not positive definite is reported, not thrown")
     a.block(0) = Mat3::diagonal({1, -1, 1});
     const std::vector<Vec3> b{{1, 1, 1}};
     std::vector<Vec3> x(1);
+    x[0] = {5, 5, 5};
     CHECK_FALSE(makeCholesky()->solve(a, b, x).converged);
+    CHECK(x[0] == Vec3{}); // a guess is no answer
     a.block(0) = Mat3::diagonal({std::numeric_limits<double>::quiet_NaN(), 1, 1});
     CHECK_FALSE(makeConjugateGradient(10, 1e-6)->solve(a, b, x).converged);
 }

@@ -28,17 +28,38 @@ record::StepLog eventfulRun(physics::PhysicsServer& server)
     BodyId soft = server.add(bunny()), rigid = server.add(physics::RigidBodyDef{.name = "probe"});
     for (int step = 0; step < 30; ++step) {
         switch (step) {
-        case 3: server.setGravity({0, 0, -9.81}); break;
-        case 5: server.setPose(rigid, {{0, 0.1 * step, 0}, {}}); break;
-        case 7: server.setMaterial(soft, physics::FemMaterial{.youngModulus = 20e3}); break;
-        case 9: server.setForces(soft, {{.node = 3, .force = {0, 0.1, 0}}}); break;
-        case 11: server.setPressure(soft, 50.0); break;
-        case 13: server.pause(true); break;
-        case 15: server.pause(false); break;
-        case 17: server.add(bunny()); break;
-        case 20: server.reset(); break;
-        case 25: server.remove(soft); break;
-        default: break;
+        case 3:
+            server.setGravity({0, 0, -9.81});
+            break;
+        case 5:
+            server.setPose(rigid, {{0, 0.1 * step, 0}, {}});
+            break;
+        case 7:
+            server.setMaterial(soft, physics::FemMaterial{.youngModulus = 20e3});
+            break;
+        case 9:
+            server.setForces(soft, {{.node = 3, .force = {0, 0.1, 0}}});
+            break;
+        case 11:
+            server.setPressure(soft, 50.0);
+            break;
+        case 13:
+            server.pause(true);
+            break;
+        case 15:
+            server.pause(false);
+            break;
+        case 17:
+            server.add(bunny());
+            break;
+        case 20:
+            server.reset();
+            break;
+        case 25:
+            server.remove(soft);
+            break;
+        default:
+            break;
         }
         server.step(step % 2 ? 1e-3 : 2e-3);
     }

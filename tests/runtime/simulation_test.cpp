@@ -13,9 +13,8 @@ namespace {
 
 SoftBodyDef bunny(const std::string& name = "bunny")
 {
-    return {.name = name,
-            .mesh = asset("meshes/bunny_756.msh"),
-            .attachments = {{.box = Box{{-1, 0.105, -1}, {1, 1, 1}}}}};
+    return {
+        .name = name, .mesh = asset("meshes/bunny_756.msh"), .attachments = {{.box = Box{{-1, 0.105, -1}, {1, 1, 1}}}}};
 }
 
 RunDef live(double seconds) { return {.backend = visual::Backend::Null, .seconds = seconds}; }
@@ -198,7 +197,8 @@ TEST_CASE("what cannot be run is refused before anything starts")
                       "simulation: physics.rate must be in [1, 100000] Hz, got 0");
     CHECK_THROWS_WITH(sim.show(BodyId{77}), Catch::Contains("no such body"));
     const BodyId probe = sim.add(RigidBodyDef{.name = "probe"});
-    CHECK_THROWS_WITH(sim.show(probe), "show rigid body 'probe': surface must name a file or be a surface, got nothing");
+    CHECK_THROWS_WITH(sim.show(probe),
+                      "show rigid body 'probe': surface must name a file or be a surface, got nothing");
     CHECK_THROWS_WITH(sim.show(probe, {.surface = asset("meshes/bunny.obj"), .element = 1}),
                       "show rigid body 'probe': element must be in [0, 1), got 1");
     CHECK_THROWS_WITH(sim.show(sim.add(bunny()), {.subdivision = 4}),

@@ -17,7 +17,8 @@ TEST_CASE("percentiles are by nearest rank")
 TEST_CASE("the rate is one over the time between wake-ups")
 {
     RunTiming timing;
-    for (int i = 0; i < 5; ++i) timing.steps.push_back({.wake = i * 5'000'000, .dt = 5'000'000, .cost = 1'000'000 * (i + 1)});
+    for (int i = 0; i < 5; ++i)
+        timing.steps.push_back({.wake = i * 5'000'000, .dt = 5'000'000, .cost = 1'000'000 * (i + 1)});
     CHECK(timing.rate().median == Approx(200.0));
     CHECK(timing.cost().median == Approx(3e-3));
     timing.wallSeconds = 2.0;

@@ -19,11 +19,11 @@ namespace filasofia::engine {
 struct SoftModel {
     BodyId id;
     std::string name;
-    std::vector<Vec3> rest;                    ///< [m] nodes at the start, in world coordinates
-    std::vector<double> masses;                ///< [kg] lumped, a quarter of each tetrahedron to each node
-    std::vector<FemElement> elements;          ///< of a FEM body
-    std::vector<Spring> springs;               ///< of a mass-spring body
-    std::vector<geometry::Triangle> surface;   ///< boundary, by nodes, outwards: where pressure acts
+    std::vector<Vec3> rest;                  ///< [m] nodes at the start, in world coordinates
+    std::vector<double> masses;              ///< [kg] lumped, a quarter of each tetrahedron to each node
+    std::vector<FemElement> elements;        ///< of a FEM body
+    std::vector<Spring> springs;             ///< of a mass-spring body
+    std::vector<geometry::Triangle> surface; ///< boundary, by nodes, outwards: where pressure acts
     Pins pins;
     physics::Rayleigh rayleigh;
     physics::Integrator integrator;

@@ -19,8 +19,8 @@ struct Native {
 };
 
 /// Runs `change` once, at the start of the next step, with mutable access to model and state. Afterwards everything is
-/// checked as if it had just been built: where `change` throws or leaves something invalid, all is put back, the log says
-/// why, and the step's report has StepFlag::TuneRejected. The recording is marked as not replayable from there.
+/// checked as if it had just been built: where `change` throws or leaves something invalid, all is put back, the log
+/// says why, and the step's report has StepFlag::TuneRejected. The recording is marked as not replayable from there.
 /// Error where the server's engine is another one.
 void tune(physics::PhysicsServer& server, std::function<void(Native&)> change);
 

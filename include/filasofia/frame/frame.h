@@ -23,8 +23,8 @@ struct RigidBodyFrame {
 
 /// The whole state after one step, as everyone outside the engine sees it. Immutable once published.
 struct Frame {
-    std::uint64_t step = 0; ///< number of steps made
-    double time = 0.0;      ///< [s], simulated
+    std::uint64_t step = 0;                       ///< number of steps made
+    double time = 0.0;                            ///< [s], simulated
     std::vector<SoftBodyFrame> softBodies = {};   ///< in the order of their ids
     std::vector<RigidBodyFrame> rigidBodies = {}; ///< in the order of their ids
 

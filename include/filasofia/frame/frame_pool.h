@@ -45,8 +45,6 @@ public:
     /// Readers may hold this many frames at once, less two; with more held, the writer skips.
     static constexpr int kFrames = 8;
 
-    /// Writer: true when a reader took the newest Frame (or none was published yet), so that a new one has a reader.
-    [[nodiscard]] bool wanted() const { return taken_.load(std::memory_order_relaxed); }
     /// Writer: a Frame to fill, or nullptr when readers hold all. publish() must follow.
     [[nodiscard]] Frame* beginWrite();
     void publish();
@@ -62,7 +60,6 @@ private:
     };
     std::array<Slot, kFrames> slots_;
     std::atomic<int> newest_ = -1;
-    std::atomic<bool> taken_ = true;
     int writing_ = -1;
 };
 

@@ -17,7 +17,8 @@ struct SolveReport {
 class LinearSolver {
 public:
     virtual ~LinearSolver() = default;
-    /// `x` holds the first guess on entry, the solution on return. Never throws for a bad matrix: see the report.
+    /// `x` holds the first guess on entry; on return the solution, the best there was, or zero where there was none.
+    /// Never throws for a bad matrix: see the report.
     virtual SolveReport solve(const LinearOperator& a, std::span<const Vec3> b, std::span<Vec3> x) = 0;
 };
 

@@ -15,7 +15,7 @@ class PhysicsEngine;
 class BuiltBody {
 public:
     virtual ~BuiltBody() = default;
-    [[nodiscard]] virtual int nodeCount() const = 0;           ///< nodes of a soft body, elements of a rigid one
+    [[nodiscard]] virtual int nodeCount() const = 0; ///< nodes of a soft body, elements of a rigid one
 };
 
 struct AddBody {
@@ -59,7 +59,7 @@ struct Tune {
     std::function<void(PhysicsEngine&)> change;
 };
 
-using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, Reset,
-                             Pause, Tune>;
+using Command =
+    std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, Reset, Pause, Tune>;
 
 } // namespace filasofia::physics

@@ -18,35 +18,35 @@ namespace filasofia::physics {
 
 /// Linear elastic tissue in large rotation: corotational tetrahedra (Mueller and Gross 2004; polar rotation).
 struct FemMaterial {
-    double youngModulus = 10e3;  ///< [Pa], > 0
-    double poissonRatio = 0.45;  ///< [-], in [0, 0.5)
+    double youngModulus = 10e3; ///< [Pa], > 0
+    double poissonRatio = 0.45; ///< [-], in [0, 0.5)
 };
 
 /// Springs with dashpots on the mesh's edges, all alike.
 struct MassSpringMaterial {
-    double stiffness = 100.0;    ///< [N/m], > 0, of each spring
-    double damping = 0.0;        ///< [N s/m], >= 0, of each dashpot, along the spring
+    double stiffness = 100.0; ///< [N/m], > 0, of each spring
+    double damping = 0.0;     ///< [N s/m], >= 0, of each dashpot, along the spring
 };
 
 using SoftMaterial = std::variant<FemMaterial, MassSpringMaterial>;
 
 struct Density {
-    double value = 1000.0;       ///< [kg/m^3], > 0
+    double value = 1000.0; ///< [kg/m^3], > 0
 };
 struct TotalMass {
-    double value = 1.0;          ///< [kg], > 0, spread by volume
+    double value = 1.0; ///< [kg], > 0, spread by volume
 };
 using Mass = std::variant<Density, TotalMass>;
 
 /// Rayleigh damping: the damping matrix is mass * M + stiffness * K.
 struct Rayleigh {
-    double mass = 0.1;           ///< [1/s], >= 0
-    double stiffness = 0.01;     ///< [s], >= 0
+    double mass = 0.1;       ///< [1/s], >= 0
+    double stiffness = 0.01; ///< [s], >= 0
 };
 
 /// v' = v + dt M^-1 f(x, v), x' = x + dt v: cheap, and unstable for all but small steps.
 struct ExplicitEuler {
-    bool symplectic = false;     ///< x' = x + dt v' instead: keeps energy bounded
+    bool symplectic = false; ///< x' = x + dt v' instead: keeps energy bounded
 };
 /// Backward Euler, linearised once per step (Baraff and Witkin 1998).
 struct ImplicitEuler {};
@@ -54,8 +54,8 @@ using Integrator = std::variant<ImplicitEuler, ExplicitEuler>;
 
 /// Iterative: conjugate gradients from the last step's answer.
 struct ConjugateGradient {
-    int maxIterations = 300;     ///< [-], in [1, 100000]
-    double tolerance = 1e-4;     ///< [-], in (0, 1), residual relative to the right-hand side
+    int maxIterations = 300; ///< [-], in [1, 100000]
+    double tolerance = 1e-4; ///< [-], in (0, 1), residual relative to the right-hand side
 };
 /// Direct: sparse Cholesky, factorised every step.
 struct Cholesky {};
@@ -65,15 +65,15 @@ inline constexpr double kHard = std::numeric_limits<double>::infinity();
 
 /// Holds nodes of a body where they are at the start.
 struct AttachmentDef {
-    std::vector<int> nodes = {};      ///< indices of the mesh
+    std::vector<int> nodes = {};           ///< indices of the mesh
     std::optional<geometry::Box> box = {}; ///< and every node that starts in this box (world coordinates)
-    double stiffness = kHard;    ///< [N/m], in (0, inf], of each node's spring; infinite: the node does not move
+    double stiffness = kHard; ///< [N/m], in (0, inf], of each node's spring; infinite: the node does not move
 };
 
 /// A given force on a node.
 struct NodalForce {
-    int node = 0;                ///< index of the mesh
-    Vec3 force = {};                  ///< [N]
+    int node = 0;    ///< index of the mesh
+    Vec3 force = {}; ///< [N]
 };
 
 /// A tetrahedral mesh: the name of a file, or the mesh itself.
@@ -83,22 +83,22 @@ using TetMeshSource = std::variant<std::string, std::shared_ptr<const geometry::
 struct SoftBodyDef {
     std::string name = "soft body";
     TetMeshSource mesh = {};
-    Pose pose = {};                              ///< from the mesh's coordinates to the world
+    Pose pose = {}; ///< from the mesh's coordinates to the world
     SoftMaterial material = FemMaterial{};
     Mass mass = Density{};
     Rayleigh rayleigh = {};
-    bool gravity = true;                    ///< does gravity act on it
+    bool gravity = true; ///< does gravity act on it
     Integrator integrator = ImplicitEuler{};
     Solver solver = ConjugateGradient{};
     std::vector<AttachmentDef> attachments = {};
-    std::vector<NodalForce> forces = {};    ///< until changed by a command
-    double pressure = 0.0;                  ///< [Pa], on the whole surface, positive pushes inwards
+    std::vector<NodalForce> forces = {}; ///< until changed by a command
+    double pressure = 0.0;               ///< [Pa], on the whole surface, positive pushes inwards
 };
 
 /// A body of one or more elements that do not deform. Kinematic: it goes where it is told.
 struct RigidBodyDef {
     std::string name = "rigid body";
-    std::vector<Pose> elements = {Pose{}};  ///< one pose per element, at least one
+    std::vector<Pose> elements = {Pose{}}; ///< one pose per element, at least one
 };
 
 using BodyDef = std::variant<SoftBodyDef, RigidBodyDef>;
@@ -106,8 +106,7 @@ using BodyDef = std::variant<SoftBodyDef, RigidBodyDef>;
 constexpr auto fields(const FemMaterial*)
 {
     using T = FemMaterial;
-    return describe("FemMaterial",
-                    field("youngModulus", &T::youngModulus, "Pa", positive(), "stiffness of the tissue"),
+    return describe("FemMaterial", field("youngModulus", &T::youngModulus, "Pa", positive(), "stiffness of the tissue"),
                     field("poissonRatio", &T::poissonRatio, "-", closedOpen(0, 0.5), "0.5 would be incompressible"));
 }
 constexpr auto fields(const MassSpringMaterial*)
@@ -160,17 +159,16 @@ constexpr auto fields(const NodalForce*)
 constexpr auto fields(const SoftBodyDef*)
 {
     using T = SoftBodyDef;
-    return describe("SoftBodyDef", field("name", &T::name, "what errors and reports call it"),
-                    field("mesh", &T::mesh, "a mesh file, or the mesh"),
-                    field("pose", &T::pose, "from the mesh's coordinates to the world"),
-                    field("material", &T::material, "how it resists deformation"),
-                    field("mass", &T::mass, "density or total mass"), field("rayleigh", &T::rayleigh, "damping"),
-                    field("gravity", &T::gravity, "does gravity act on it"),
-                    field("integrator", &T::integrator, "how a step is made"),
-                    field("solver", &T::solver, "how the step's equations are solved"),
-                    field("attachments", &T::attachments, "nodes held in space"),
-                    field("forces", &T::forces, "given forces"),
-                    field("pressure", &T::pressure, "Pa", finite(), "on the whole surface, positive inwards"));
+    return describe(
+        "SoftBodyDef", field("name", &T::name, "what errors and reports call it"),
+        field("mesh", &T::mesh, "a mesh file, or the mesh"),
+        field("pose", &T::pose, "from the mesh's coordinates to the world"),
+        field("material", &T::material, "how it resists deformation"), field("mass", &T::mass, "density or total mass"),
+        field("rayleigh", &T::rayleigh, "damping"), field("gravity", &T::gravity, "does gravity act on it"),
+        field("integrator", &T::integrator, "how a step is made"),
+        field("solver", &T::solver, "how the step's equations are solved"),
+        field("attachments", &T::attachments, "nodes held in space"), field("forces", &T::forces, "given forces"),
+        field("pressure", &T::pressure, "Pa", finite(), "on the whole surface, positive inwards"));
 }
 constexpr auto fields(const RigidBodyDef*)
 {

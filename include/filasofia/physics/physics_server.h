@@ -46,7 +46,6 @@ public:
     /// One step of dt [s], > 0. `flags`: StepFlag bits that the caller knows already, for report and log.
     StepReport step(double dt, std::uint32_t flags = 0);
     [[nodiscard]] std::uint64_t hash() const;
-    void captureNow(); ///< publishes a Frame whether a reader asked or not
     /// Computes the state's hash after every step, for the log.
     void hashEveryStep(bool on);
     [[nodiscard]] bool paused() const;

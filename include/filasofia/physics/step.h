@@ -9,29 +9,29 @@ namespace filasofia::physics {
 
 /// What a step could not do as asked. Never an exception: the simulation goes on and stays finite.
 enum class StepFlag : std::uint32_t {
-    Late = 1u << 0,           ///< woke up more than a period late (runtime)
-    Clamped = 1u << 1,        ///< dt was cut to period + slack: simulated time fell behind (runtime)
-    NotConverged = 1u << 2,   ///< a solver stopped at its cap
-    Undone = 1u << 3,         ///< a body's new state was not finite: it kept its positions and lost its velocity
-    EventLost = 1u << 4,      ///< the event queue was full (runtime)
-    RecordLost = 1u << 5,     ///< the step log was full; in a record: steps before it are missing
-    Tuned = 1u << 6,          ///< tune() ran: a recording cannot be replayed from here on
-    TuneRejected = 1u << 7,   ///< tune() threw or left an invalid model: everything was put back
+    Late = 1u << 0,         ///< woke up more than a period late (runtime)
+    Clamped = 1u << 1,      ///< dt was cut to period + slack: simulated time fell behind (runtime)
+    NotConverged = 1u << 2, ///< a solver stopped at its cap
+    Undone = 1u << 3,       ///< a body's new state was not finite: it kept its positions and lost its velocity
+    EventLost = 1u << 4,    ///< the event queue was full (runtime)
+    RecordLost = 1u << 5,   ///< the step log was full; in a record: steps before it are missing
+    Tuned = 1u << 6,        ///< tune() ran: a recording cannot be replayed from here on
+    TuneRejected = 1u << 7, ///< tune() threw or left an invalid model: everything was put back
 };
 
 /// How one body's step was solved.
 struct BodySolve {
     BodyId body;
-    int iterations = 0;     ///< [-], 0 for explicit bodies
-    double residual = 0.0;  ///< [-], relative to the right-hand side
+    int iterations = 0;    ///< [-], 0 for explicit bodies
+    double residual = 0.0; ///< [-], relative to the right-hand side
 };
 
 /// How a step went.
 struct StepReport {
-    std::uint64_t step = 0;  ///< number of steps made, this one included
-    double time = 0.0;       ///< [s], simulated, at the end of the step
-    double dt = 0.0;         ///< [s]; 0 while paused
-    std::uint32_t flags = 0; ///< StepFlag bits
+    std::uint64_t step = 0;             ///< number of steps made, this one included
+    double time = 0.0;                  ///< [s], simulated, at the end of the step
+    double dt = 0.0;                    ///< [s]; 0 while paused
+    std::uint32_t flags = 0;            ///< StepFlag bits
     std::vector<BodySolve> solves = {}; ///< per soft body, in the order of their ids
 
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }

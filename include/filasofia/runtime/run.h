@@ -10,14 +10,14 @@ namespace filasofia::runtime {
 
 /// How a simulation is run.
 struct RunDef {
-    bool headless = false;   ///< a plain loop of steps of one period each: no threads, no clock, the same every time
+    bool headless = false; ///< a plain loop of steps of one period each: no threads, no clock, the same every time
     visual::Backend backend = visual::Backend::Window; ///< where a live run draws
-    int steps = 0;           ///< [-], >= 0, ends after as many; 0: no end of its own
-    double seconds = 0.0;    ///< [s], >= 0, wall time after which a live run ends; 0: no end of its own
-    std::string picture = {};///< a PNG file for the last state; empty: none
+    int steps = 0;                                     ///< [-], >= 0, ends after as many; 0: no end of its own
+    double seconds = 0.0;      ///< [s], >= 0, wall time after which a live run ends; 0: no end of its own
+    std::string picture = {};  ///< a PNG file for the last state; empty: none
     double pictureEvery = 0.0; ///< [s], >= 0, simulated time between numbered pictures of a headless run; 0: none
-    std::string log = {};    ///< a CSV file with a line per step; empty: none
-    bool freeRunning = false; ///< a live run that does not wait between steps: measures what they cost
+    std::string log = {};      ///< a CSV file with a line per step; empty: none
+    bool freeRunning = false;  ///< a live run that does not wait between steps: measures what they cost
 };
 constexpr auto fields(const RunDef*)
 {
@@ -35,14 +35,14 @@ constexpr auto fields(const RunDef*)
 /// How a run went.
 struct RunReport {
     RunTiming timing;
-    visual::VisualStatistics visual; ///< zeros where nothing was drawn
-    double time = 0.0;               ///< [s], simulated since the simulation began
-    std::uint64_t steps = 0;         ///< [-], made since the simulation began
-    std::uint64_t hash = 0;          ///< of the last state
-    std::uint64_t undone = 0;        ///< steps in which a body was put back (StepFlag::Undone)
-    std::uint64_t notConverged = 0;  ///< steps in which a solver reached its cap
-    bool realTime = false;           ///< physics was scheduled before ordinary threads
-    std::string finished;            ///< why it ended
+    visual::VisualStatistics visual;   ///< zeros where nothing was drawn
+    double time = 0.0;                 ///< [s], simulated since the simulation began
+    std::uint64_t steps = 0;           ///< [-], made since the simulation began
+    std::uint64_t hash = 0;            ///< of the last state
+    std::uint64_t undone = 0;          ///< steps in which a body was put back (StepFlag::Undone)
+    std::uint64_t notConverged = 0;    ///< steps in which a solver reached its cap
+    bool realTime = false;             ///< physics was scheduled before ordinary threads
+    std::string finished;              ///< why it ended
     std::vector<std::string> pictures; ///< files written
 };
 

@@ -21,10 +21,10 @@ namespace filasofia::runtime {
 
 /// How physics is paced.
 struct PhysicsDef {
-    double rate = 1000.0;              ///< [Hz], in [1, 100000], steps per second
-    double slack = 2e-3;               ///< [s], >= 0: a step is never longer than 1/rate + slack
-    Vec3 gravity = {0.0, -9.81, 0.0};  ///< [m/s^2]
-    bool realTime = true;              ///< ask the system to schedule physics before ordinary threads
+    double rate = 1000.0;             ///< [Hz], in [1, 100000], steps per second
+    double slack = 2e-3;              ///< [s], >= 0: a step is never longer than 1/rate + slack
+    Vec3 gravity = {0.0, -9.81, 0.0}; ///< [m/s^2]
+    bool realTime = true;             ///< ask the system to schedule physics before ordinary threads
 };
 constexpr auto fields(const PhysicsDef*)
 {
@@ -37,10 +37,10 @@ constexpr auto fields(const PhysicsDef*)
 
 /// The picture that a simulation has unless it makes its own: an endoscope's.
 struct LookDef {
-    std::optional<geometry::Box> around;   ///< [m], what to see; not given: everything shown, as it is at the start
-    Vec3 direction = {0.25, 0.3, 1.0};     ///< [-], from there towards the camera
+    std::optional<geometry::Box> around; ///< [m], what to see; not given: everything shown, as it is at the start
+    Vec3 direction = {0.25, 0.3, 1.0};   ///< [-], from there towards the camera
     visual::Quality quality = visual::Quality::High;
-    double rate = 60.0;                    ///< [Hz], in [1, 1000], pictures per second at most
+    double rate = 60.0; ///< [Hz], in [1, 1000], pictures per second at most
 };
 constexpr auto fields(const LookDef*)
 {

@@ -8,9 +8,9 @@ namespace filasofia::runtime {
 
 /// One step as the clock saw it.
 struct StepTiming {
-    Nanoseconds wake = 0;  ///< when it began, since the run's start
-    Nanoseconds dt = 0;    ///< simulated
-    Nanoseconds cost = 0;  ///< wall time it took
+    Nanoseconds wake = 0; ///< when it began, since the run's start
+    Nanoseconds dt = 0;   ///< simulated
+    Nanoseconds cost = 0; ///< wall time it took
 };
 
 /// A list of numbers in three.
@@ -25,7 +25,7 @@ Spread spreadOf(std::vector<double> values);
 
 /// How the steps of a live run were paced.
 struct RunTiming {
-    std::vector<StepTiming> steps; ///< every step, or the first million
+    std::vector<StepTiming> steps; ///< every step, or the first 200,000
     std::uint64_t stepCount = 0;   ///< [-]
     std::uint64_t late = 0;        ///< steps that began more than a period late
     std::uint64_t clamped = 0;     ///< steps cut to period + slack

@@ -28,8 +28,8 @@ void advanceBody(const SoftModel& model, double dt, SoftSystem& system, SoftStat
         advanceImplicit(dt, system.dv, system.x, system.v);
     } else {
         const bool symplectic = std::get<physics::ExplicitEuler>(model.integrator).symplectic;
-        advanceExplicit(dt, symplectic, {model.rayleigh.mass, model.rayleigh.stiffness}, model.masses, system.forces, system.stiffnessTimesVelocity,
-                        model.pins.hard, system.x, system.v);
+        advanceExplicit(dt, symplectic, {model.rayleigh.mass, model.rayleigh.stiffness}, model.masses, system.forces,
+                        system.stiffnessTimesVelocity, model.pins.hard, system.x, system.v);
         report.solves.push_back({model.id, 0, 0.0});
     }
     if (usable(system.x) && usable(system.v)) {

@@ -88,7 +88,8 @@ void addPins(const SoftModel& model, ImplicitWeights weights, const SoftState& s
     for (const PinSpring& pin : model.pins.springs) {
         system.stiffnessTimesVelocity[pin.node] += pin.stiffness * state.v[pin.node];
         if (system.solver && !model.pins.hard[pin.node])
-            system.matrix.block(system.diagonalBlocks[pin.node]) += weights.stiffness * pin.stiffness * Mat3::identity();
+            system.matrix.block(system.diagonalBlocks[pin.node]) +=
+                weights.stiffness * pin.stiffness * Mat3::identity();
     }
 }
 

@@ -12,7 +12,7 @@ namespace filasofia::engine {
 /// One soft body's equations of one step, and the memory they are made in. Nothing here outlives a step but for speed:
 /// all of it follows from the model.
 struct SoftSystem {
-    linalg::BlockSparseMatrix matrix;             ///< of the implicit step
+    linalg::BlockSparseMatrix matrix;               ///< of the implicit step
     std::vector<std::array<int, 16>> elementBlocks; ///< where block (i, j) of each element goes; -1: a held node
     std::vector<std::array<int, 4>> springBlocks;   ///< the same for springs
     std::vector<int> diagonalBlocks;                ///< per node

@@ -21,7 +21,6 @@ Frame* FramePool::beginWrite()
 void FramePool::publish()
 {
     FILASOFIA_ASSERT(writing_ >= 0);
-    taken_.store(false, std::memory_order_relaxed);
     slots_[writing_].readers.store(0, std::memory_order_release);
     newest_.store(writing_, std::memory_order_release);
     writing_ = -1;
@@ -45,7 +44,6 @@ FrameRef FramePool::latest()
             slot.readers.fetch_sub(1, std::memory_order_release);
             continue;
         }
-        taken_.store(true, std::memory_order_relaxed);
         return {&slot.frame, &slot.readers};
     }
 }

@@ -3,6 +3,8 @@
 
 #include <Eigen/SparseCholesky>
 
+#include <algorithm>
+
 namespace filasofia::linalg {
 namespace {
 
@@ -16,7 +18,10 @@ public:
         if (entries.columns() != columns_ || entries.rowStarts() != rowStarts_) analyse(entries);
         copyValues(entries);
         factor_.factorize(lower_);
-        if (factor_.info() != Eigen::Success) return {.iterations = 1, .residual = 1.0, .converged = false};
+        if (factor_.info() != Eigen::Success) { // no answer: nothing is safer than the guess
+            std::fill(x.begin(), x.end(), Vec3{});
+            return {.iterations = 1, .residual = 1.0, .converged = false};
+        }
 
         const auto size = static_cast<Eigen::Index>(3 * b.size());
         const Eigen::VectorXd solution = factor_.solve(Eigen::Map<const Eigen::VectorXd>(&b[0].x, size));

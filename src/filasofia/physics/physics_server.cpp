@@ -204,12 +204,11 @@ StepReport PhysicsServer::step(double dt, std::uint32_t flags)
     StepReport report =
         impl_->engine->step({.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands, .flags = flags});
     impl_->writeLog(report);
-    if (impl_->frames.wanted()) impl_->publishFrame();
+    impl_->publishFrame();
     return report;
 }
 
 std::uint64_t PhysicsServer::hash() const { return impl_->engine->hash(); }
-void PhysicsServer::captureNow() { impl_->publishFrame(); }
 void PhysicsServer::hashEveryStep(bool on) { impl_->hashing = on; }
 bool PhysicsServer::paused() const { return impl_->paused; }
 frame::FrameRef PhysicsServer::latest() { return impl_->frames.latest(); }

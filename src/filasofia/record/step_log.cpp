@@ -24,8 +24,14 @@ bool repeatable(const StepRecord& step)
 struct Again {
     const physics::PhysicsEngine& engine;
 
-    Command operator()(const physics::AddBody& add) const { return physics::AddBody{add.id, add.def, engine.build(*add.def)}; }
-    Command operator()(const physics::Tune&) const { fail("a recording with tune() cannot be made again from there on"); }
+    Command operator()(const physics::AddBody& add) const
+    {
+        return physics::AddBody{add.id, add.def, engine.build(*add.def)};
+    }
+    Command operator()(const physics::Tune&) const
+    {
+        fail("a recording with tune() cannot be made again from there on");
+    }
     template <class Plain> Command operator()(const Plain& command) const { return command; }
 };
 

@@ -44,7 +44,7 @@ private:
         mapping::SoftMap softMap = {};
         mapping::RigidMap rigidMap = {};
         ShowDef def = {};
-        bool seen = false;                  ///< the body has been in a frame
+        bool seen = false;                   ///< the body has been in a frame
         visual::VisualBody* drawn = nullptr; ///< nullptr while pending
     };
 

@@ -16,7 +16,8 @@ Clock steadyClock()
             .sleepUntil =
                 [](Nanoseconds time) {
                     const timespec t{.tv_sec = time / 1'000'000'000, .tv_nsec = time % 1'000'000'000};
-                    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) {}
+                    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) {
+                    }
                 }};
 }
 

@@ -16,7 +16,7 @@ namespace filasofia::runtime {
 struct PhysicsLoopDef {
     Nanoseconds period = 1'000'000;
     Nanoseconds slack = 2'000'000;
-    bool freeRunning = false;    ///< steps of one period back to back, no waiting: measures cost
+    bool freeRunning = false;       ///< steps of one period back to back, no waiting: measures cost
     std::uint64_t maximumSteps = 0; ///< 0: until stopped
 };
 

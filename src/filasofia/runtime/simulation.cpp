@@ -44,7 +44,8 @@ void check(const RunDef& def)
 
 Simulation::Impl::Impl(const SimulationDef& asked)
     : def(checked(asked)), physics(engine::makeNativeEngine(), {.gravity = asked.physics.gravity})
-{}
+{
+}
 
 void Simulation::Impl::finish(std::string why)
 {
@@ -86,7 +87,6 @@ void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
 
 void Simulation::Impl::takePicture(visual::VisualServer& visual, const std::string& file)
 {
-    physics.captureNow();
     mapNewestFrame(visual);
     visual::savePng(visual.capture(), file);
 }
@@ -121,7 +121,6 @@ RunReport Simulation::run(const RunDef& def)
     impl_->stop.store(false);
     impl_->reason.clear();
     RunReport report = def.headless ? runHeadless(*impl_, def) : runLive(*impl_, def);
-    impl_->physics.captureNow(); // whoever asks afterwards sees the last state
     impl_->fill(report);
     return report;
 }

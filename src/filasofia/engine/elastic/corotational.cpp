@@ -72,7 +72,8 @@ Corners exactForceChange(const FemElement& element, const Mat3& f, const Mat3& r
     const Vec3 axial{b[2].y - b[1].z, b[0].z - b[2].x, b[1].x - b[0].y};
     const Vec3 w = inverse(trace(s) * Mat3::identity() - s) * axial;
     const Mat3 dr = rotation * crossMatrix(w);
-    return forcesOf(element, 2.0 * mu * (df - dr) + lambda * (contract(rotation, df) * rotation + (trace(s) - 3.0) * dr));
+    return forcesOf(element,
+                    2.0 * mu * (df - dr) + lambda * (contract(rotation, df) * rotation + (trace(s) - 3.0) * dr));
 }
 
 } // namespace filasofia::engine

@@ -26,7 +26,8 @@ void advanceExplicit(double dt, bool symplectic, RayleighDamping rayleigh, std::
 {
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (fixed[i]) continue;
-        const Vec3 force = forces[i] - rayleigh.mass * masses[i] * v[i] - rayleigh.stiffness * stiffnessTimesVelocity[i];
+        const Vec3 force =
+            forces[i] - rayleigh.mass * masses[i] * v[i] - rayleigh.stiffness * stiffnessTimesVelocity[i];
         const Vec3 old = v[i];
         v[i] += dt / masses[i] * force;
         x[i] += dt * (symplectic ? v[i] : old);
