@@ -18,6 +18,6 @@ BodyId addBunny(Simulation& sim, const BunnyDef& def)
     return bunny;
 }
 
-Box bunnyRoom() { return {{-0.095, -0.07, -0.065}, {0.065, 0.155, 0.065}}; }
+Box bunnyRoom() { return {{-0.088, -0.06, -0.04}, {0.062, 0.152, 0.04}}; }
 
 } // namespace filasofia::app

@@ -15,6 +15,7 @@ try {
 
     if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 300, --picture p.png: see --help
     const auto frame = sim.physics().latest();
+    if (!frame) return 0; // --help
     const auto lowest = std::ranges::min(frame->softBody(bunny)->positions, {}, &Vec3::y);
     std::printf("after %.3f s the lowest point hangs at %.1f mm\n", frame->time, lowest.y * 1e3);
     return lowest.y < -0.04 ? 0 : 1; // it has sunk, or something is wrong

@@ -19,6 +19,8 @@ std::string numbered(const std::string& picture, double time)
     return (path.parent_path() / text(path.stem().string(), "_", milliseconds, "ms.png")).string();
 }
 
+constexpr double kRounding = 1e-9; // [s], 250 steps of 5 ms sum to a little less than 1.25 s
+
 /// Pictures of a run that has no window: an own visual server, only when there is something to draw.
 class Pictures {
 public:
@@ -34,8 +36,8 @@ public:
 
     void afterStep(double time)
     {
-        if (def_.pictureEvery == 0.0 || time < next_) return;
-        while (next_ <= time) next_ += def_.pictureEvery;
+        if (def_.pictureEvery == 0.0 || time + kRounding < next_) return;
+        while (next_ <= time + kRounding) next_ += def_.pictureEvery;
         take(numbered(def_.picture, time));
     }
     void last()

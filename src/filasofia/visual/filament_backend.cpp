@@ -6,6 +6,7 @@
 #include "filasofia/visual/egl_platform.h"
 #include "filasofia/visual/filament_view.h"
 #include "filasofia/visual/gpu.h"
+#include "filasofia/visual/quiet_output.h"
 #include "filasofia/visual/x11_check.h"
 
 #include <filament/TransformManager.h>
@@ -49,7 +50,10 @@ void FilamentBackend::start(const VisualServerDef& def)
     } else {
         checkX11Window(def.nativeWindow);
     }
-    engine_ = filament::Engine::create(filament::Engine::Backend::OPENGL, platform_.get());
+    {
+        const QuietOutput quiet;
+        engine_ = filament::Engine::create(filament::Engine::Backend::OPENGL, platform_.get());
+    }
     if (!engine_) fail("visual server: Filament's OpenGL engine does not start");
     pool_ = std::make_unique<MaterialPool>(*engine_);
     renderer_ = engine_->createRenderer();

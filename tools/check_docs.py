@@ -1,0 +1,17 @@
+#!/usr/bin/env python3
+"""Fail when the README's program is not examples/01_bunny, or a link in a page leads nowhere. Usage: check_docs.py <root>"""
+import re
+import sys
+from pathlib import Path
+
+root = Path(sys.argv[1])
+bad = []
+readme = (root / "README.md").read_text()
+if (root / "examples/01_bunny/main.cpp").read_text().strip() not in readme:
+    bad.append("README.md does not hold examples/01_bunny/main.cpp as it is")
+for page in [*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("assets/**/*.md")]:
+    for target in re.findall(r"\]\(([^)#\s]+)", page.read_text()):
+        if "://" not in target and not (page.parent / target).exists():
+            bad.append(f"{page.relative_to(root)}: the link to {target} leads nowhere")
+print("\n".join(bad))
+sys.exit(bool(bad))
