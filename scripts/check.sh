@@ -7,13 +7,13 @@ Parts (default: all of them)
   tidy    clang-tidy on the sources changed since --base (default: origin/HEAD, else the last tag, else all)
   tsan    all tests under the thread sanitizer
   fuzz    every fuzzer for --seconds (default 60)
-  soak    the bunny twice for --steps (default 20000): both runs must end in the same hash
+  soak    one simulated hour of the bunny, twice (or --steps of 5 ms): same hash, no growth of memory, always finite
 --all     clang-tidy on every source'
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 cd "$root" || exit 1
 
 all_parts=(clang tidy tsan fuzz soak)
-parts=() base='' all=no seconds=60 steps=20000
+parts=() base='' all=no seconds=60 steps=720000
 while (($# > 0)); do
   case $1 in
     clang | tidy | tsan | fuzz | soak) parts+=("$1") ;;
@@ -88,13 +88,35 @@ check_fuzz() {
   ((ran > 0)) || { echo "no program named fuzz_* was built"; return 1; }
 }
 
+# One run of the bunny at 200 steps per second; prints "HASH FIRST LAST": the memory it holds [KiB] after 3 s and at the end.
+soak_run() {
+  local said first='' last=''
+  said=$(mktemp)
+  build/release/bin/filasofia run bunny --tets 756 --rate 200 --headless --steps "$steps" >"$said" &
+  local run=$! second=0
+  while kill -0 $run 2>/dev/null; do
+    sleep 1
+    second=$((second + 1))
+    held=$(awk '/^VmRSS/ {print $2}' /proc/$run/status 2>/dev/null || true)
+    [ -z "$held" ] || last=$held
+    ((second != 3)) || first=$last
+  done
+  wait $run || return 1
+  grep -q 'put back 0,' "$said" || { cat "$said" >&2; echo "a state was not finite" >&2; return 1; }
+  echo "$(awk '/^state hash/ {print $3}' "$said") ${first:-0} ${last:-0}"
+  rm -f "$said"
+}
+
 check_soak() {
   (configure release && build release --target filasofia) || return 1
-  local first second
-  first=$(build/release/bin/filasofia run bunny --headless --steps "$steps" | grep -i hash) || return 1
-  second=$(build/release/bin/filasofia run bunny --headless --steps "$steps" | grep -i hash) || return 1
-  printf 'first:  %s\nsecond: %s\n' "$first" "$second"
-  [ "$first" = "$second" ]
+  local one two
+  one=$(soak_run) || return 1
+  two=$(soak_run) || return 1
+  printf '%s: hash, KiB after 3 s, KiB at the end\n' "first run  $one" "second run $two"
+  [ "${one%% *}" = "${two%% *}" ] || { echo "the hashes differ"; return 1; }
+  local first last
+  read -r _ first last <<<"$one"
+  ((last - first < 1024)) || { echo "memory grew by $((last - first)) KiB"; return 1; }
 }
 
 "$root/scripts/setup.sh" --dev || exit 1

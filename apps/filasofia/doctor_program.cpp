@@ -25,11 +25,16 @@ std::string procField(const char* path, std::string_view key)
     return {};
 }
 
-/// A line of /proc/meminfo in GiB, rounded to a tenth; 0 where it cannot be read.
-double memoryGiB(std::string_view key)
+/// A line of /proc/meminfo in GiB, rounded to a tenth.
+Finding memory(std::string name, std::string_view key)
 {
-    const double kiB = std::strtod(procField("/proc/meminfo", key).c_str(), nullptr);
-    return std::round(kiB / (1024.0 * 1024.0) * 10.0) / 10.0;
+    const std::string kiB = procField("/proc/meminfo", key);
+    if (kiB.empty()) return {.name = std::move(name), .value = "unknown"};
+    const double GiB = std::round(std::strtod(kiB.c_str(), nullptr) / (1024.0 * 1024.0) * 10.0) / 10.0;
+    return {.name = std::move(name),
+            .value = GiB,
+            .unit = "GiB",
+            .hint = GiB < 1.0 ? "less than 1 GiB: close other programs" : ""};
 }
 
 std::string vectorInstructions()
@@ -89,7 +94,6 @@ Section examineProcessor()
 {
     std::string model = procField("/proc/cpuinfo", "model name");
     const long long cores = usableCores();
-    const double available = memoryGiB("MemAvailable");
     return {.title = "machine",
             .findings = {
                 {.name = "system", .value = operatingSystem()},
@@ -99,11 +103,8 @@ Section examineProcessor()
                  .hint = cores < 4 ? "physics, drawing and a haptic device each want a core of their own: use 4 or more"
                                    : ""},
                 {.name = "vector instructions", .value = vectorInstructions()},
-                {.name = "memory", .value = memoryGiB("MemTotal"), .unit = "GiB"},
-                {.name = "memory available",
-                 .value = available,
-                 .unit = "GiB",
-                 .hint = available < 1.0 ? "close other programs: less than 1 GiB is free" : ""},
+                memory("memory", "MemTotal"),
+                memory("memory available", "MemAvailable"),
             }};
 }
 
