@@ -18,6 +18,6 @@ BodyId addBunny(Simulation& sim, const BunnyDef& def)
     return bunny;
 }
 
-Box bunnyRoom() { return {{-0.088, -0.06, -0.04}, {0.062, 0.152, 0.04}}; }
+Box bunnyRoom() { return {{-0.115, -0.058, -0.04}, {0.058, 0.15, 0.04}}; }
 
 } // namespace filasofia::app

@@ -15,7 +15,7 @@ inline constexpr int kBunnySizes[] = {756, 1492, 3004, 10000, 30000};
 /// Throws an Error naming the sizes that there are.
 BodyId addBunny(Simulation& sim, const BunnyDef& def);
 
-/// Room for the bunny at rest and stretched by its weight: what the camera looks at.
+/// Where the bunny swings: what the camera looks at.
 Box bunnyRoom();
 
 } // namespace filasofia::app

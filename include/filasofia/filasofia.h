@@ -12,6 +12,7 @@
 
 namespace filasofia {
 
+using event::Event;
 using event::EventType;
 using event::KeyCode;
 using event::KeyEvent;
@@ -20,6 +21,7 @@ using event::MouseMoveEvent;
 using event::MouseWheelEvent;
 using event::PhysicsUpdateEvent;
 using event::VisualUpdateEvent;
+using event::WindowEvent;
 using geometry::Box;
 using geometry::TetMesh;
 using geometry::TriangleMesh;

@@ -1,6 +1,7 @@
 """Runs the program as a user does. Usage: command_line_test.py PROGRAM VERSION [CLASS]"""
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -15,7 +16,7 @@ def run(*words, **environment):
                           env={**os.environ, **environment}, timeout=100)
 
 
-class Words(unittest.TestCase):
+class Program(unittest.TestCase):
     def refused(self, *words, says):
         """The program exits with 2 and one line on standard error that holds each of `says`."""
         done = run(*words)
@@ -28,6 +29,19 @@ class Words(unittest.TestCase):
             self.assertIn(part, lines[0])
         return lines[0]
 
+    def output(self, *words, **environment):
+        """What the program prints; it exits with 0."""
+        done = run(*words, **environment)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+
+def can_draw():
+    """Whether this build has Filament."""
+    return json.loads(run("doctor", "--json", "-").stdout)["libraries"]["Filament"]["value"] != "not built in"
+
+
+class Words(Program):
     def test_version_is_the_project_version(self):
         done = run("--version")
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, f"filasofia {VERSION}\n", ""))
@@ -121,6 +135,118 @@ class Doctor(unittest.TestCase):
         self.assertEqual(display["DISPLAY"]["value"], ":97531")
         self.assertEqual(display["a_window_can_open"]["value"], False)
         self.assertIn("--headless", display["a_window_can_open"]["hint"])
+
+
+class Run(Program):
+    BUNNY = ("run", "bunny", "--tets", "756", "--headless")
+
+    def test_what_is_not_there_is_refused(self):
+        self.refused("run", "cat", "--headless", says=["'cat'", "bunny"])
+        self.refused("run", "bunny", "--headless", "--tets", "5", says=["tets", "1492", "got 5"])
+        self.refused("run", "bunny", "--headless", "--subdivision", "9", says=["subdivision", "[0, 3]", "got 9"])
+        self.refused("run", "bunny", "--headless", "--rate", "0", says=["rate", "Hz", "got 0"])
+
+    def test_a_picture_that_cannot_be_written_is_refused_before_the_run(self):
+        with tempfile.TemporaryDirectory() as folder:
+            missing = os.path.join(folder, "missing", "bunny.png")
+            self.refused(*self.BUNNY, "--steps", "2000000000", "--picture", missing, says=["picture"])
+
+    def test_the_same_run_has_the_same_hash_and_a_longer_one_another(self):
+        def state_hash(steps):
+            said = self.output(*self.BUNNY, "--steps", steps)
+            self.assertIn(f"made {steps} steps", said)
+            return re.search(r"(?m)^state hash ([0-9a-f]+)$", said)[1]
+
+        self.assertEqual(state_hash("20"), state_hash("20"))
+        self.assertNotEqual(state_hash("20"), state_hash("21"))
+
+    def test_numbered_pictures_are_written_where_the_build_draws(self):
+        with tempfile.TemporaryDirectory() as folder:
+            words = (*self.BUNNY, "--steps", "10", "--rate", "200", "--picture", os.path.join(folder, "bunny.png"),
+                     "--picture-every", "0.025")
+            if not can_draw():
+                self.refused(*words, says=["draws nothing"])
+                return
+            said = self.output(*words)
+            pictures = sorted(Path(folder).iterdir())
+            self.assertGreaterEqual(len(pictures), 2)
+            for picture in pictures:
+                self.assertRegex(picture.name, r"^bunny_\d{4}ms\.png$")
+                self.assertIn(f"wrote {picture}\n", said)
+                self.assertTrue(picture.read_bytes().startswith(b"\x89PNG\r\n"))
+            self.assertNotEqual(pictures[0].read_bytes(), pictures[-1].read_bytes())
+
+
+class Bench(Program):
+    QUICK = ("bench", "bunny", "--quick", "--seconds", "0.1")
+    NO_EGL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json"}  # as on a machine without a driver
+
+    def measured(self, *words, **environment):
+        """The JSON of a quick bench, and what it printed."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "bench.json")
+            said = self.output(*self.QUICK, "--json", str(path), *words, **environment)
+            return json.loads(path.read_text()), said
+
+    def names(self, cells):
+        return [(cell["tets"], cell["subdivision"], cell["backend"], cell["pace"]) for cell in cells]
+
+    def expected(self, backend, pace):
+        return [(756, level, backend, pace) for level in (0, 1, 2)]
+
+    def test_every_cell_of_the_quick_table_has_its_figures(self):
+        report, said = self.measured(LP_NUM_THREADS="2")
+        drawn = self.expected("filament", "5 ms") if can_draw() else []
+        self.assertEqual(self.names(report["cells"]),
+                         self.expected("null", "5 ms") + drawn + self.expected("null", "free"))
+        self.assertEqual((report["skipped"], report["interrupted"], report["rate_hz"]), ([], False, 200))
+        self.assertEqual(report["lp_num_threads"], "2")  # the user's own choice stays
+        for cell in report["cells"]:
+            for spread in (cell["rate_per_s"], cell["cost_s"]):
+                self.assertLessEqual(0, spread["p1"])
+                self.assertLessEqual(spread["p1"], spread["median"])
+                self.assertLessEqual(spread["median"], spread["p99"])
+            self.assertGreater(cell["steps"], 0)
+            self.assertEqual(len(cell["series"]["wake_us"]), cell["steps"])
+            self.assertEqual(len(cell["series"]["cost_us"]), cell["steps"])
+            for name in ("late", "clamped", "real_time_factor", "real_time_scheduling", "frames"):
+                self.assertIn(name, cell)
+        self.assertIn("LP_NUM_THREADS=2", said)
+
+    def test_the_limits_are_judged_by_the_cells(self):
+        report, said = self.measured()
+        self.assertEqual(len(report["limits"]), 3)
+        for limit in report["limits"]:
+            self.assertIn(limit["met"], (True, False))
+            word = "met" if limit["met"] else "MISSED"
+            self.assertRegex(said, rf"(?m)^{word} +{re.escape(limit['limit'] + ': ' + limit['measured'])}$")
+        medians = [cell["rate_per_s"]["median"] for cell in report["cells"] if cell["pace"] == "5 ms"]
+        self.assertEqual(report["limits"][0]["met"], min(medians) >= 196)
+        costs = [cell["cost_s"]["median"] for cell in report["cells"] if cell["pace"] == "free"]
+        self.assertEqual(report["limits"][2]["met"], max(costs) / min(costs) - 1 <= 0.05)
+        self.assertEqual(report["slower_than_real_time"], [756] if max(costs) > 5e-3 else [])
+
+    def test_pictures_that_cannot_start_are_named_and_the_rest_is_kept(self):
+        report, said = self.measured(**self.NO_EGL)
+        self.assertEqual(self.names(report["cells"]), self.expected("null", "5 ms") + self.expected("null", "free"))
+        self.assertEqual(self.names(report["skipped"]), self.expected("filament", "5 ms") if can_draw() else [])
+        for cell in report["skipped"]:
+            self.assertIn(f"skipped: {cell['why']}\n", said)
+
+    def test_without_a_file_the_table_and_the_limits_are_printed(self):
+        environment = {k: v for k, v in os.environ.items() if k != "LP_NUM_THREADS"}
+        done = subprocess.run([PROGRAM, *self.QUICK], capture_output=True, text=True, env=environment, timeout=100)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("LP_NUM_THREADS=1", done.stdout)
+        self.assertEqual(len(re.findall(r"(?m)^ *756 ", done.stdout)), 9 if can_draw() else 6)
+        self.assertIn("slower than real time at steps of 5 ms: ", done.stdout)
+
+    def test_what_it_cannot_do_is_refused_before_it_measures(self):
+        with tempfile.TemporaryDirectory() as folder:
+            missing = os.path.join(folder, "missing", "bench.json")
+            self.refused("bench", "bunny", "--seconds", "3600", "--json", missing, says=[missing])
+        self.refused("bench", "cat", says=["'cat'", "bunny"])
+        self.refused("bench", "bunny", "--seconds", "0", says=["--seconds", "got 0"])
 
 
 if __name__ == "__main__":

@@ -21,9 +21,11 @@ file(REMOVE_RECURSE ${place})
 file(COPY ${FILASOFIA_SOURCE}/tests/install/${WAY}/ DESTINATION ${place}/source)
 
 if(WAY STREQUAL consumer)
-  step(${CMAKE_COMMAND} --install ${FILASOFIA_BUILD} --prefix ${prefix})
+  step(${CMAKE_COMMAND} --install ${FILASOFIA_BUILD} --prefix ${place}/first)
+  file(RENAME ${place}/first ${prefix}) # an installed package may be moved
   expect_file(${prefix}/bin/filasofia)
   expect_file(${prefix}/include/filasofia/core/error.h)
+  expect_file(${prefix}/share/filasofia/README.md)
   file(GLOB source_meshes RELATIVE ${FILASOFIA_SOURCE}/assets/meshes ${FILASOFIA_SOURCE}/assets/meshes/*)
   foreach(mesh IN LISTS source_meshes)
     expect_file(${prefix}/share/filasofia/meshes/${mesh})
@@ -36,4 +38,6 @@ endif()
 step(${CMAKE_COMMAND} -S ${place}/source -B ${place}/build -G Ninja -D CMAKE_BUILD_TYPE=${BUILD_TYPE}
   -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} ${where})
 step(${CMAKE_COMMAND} --build ${place}/build)
-step(${place}/build/outside)
+# The meshes must come from the package, and from where it lies now.
+unset(ENV{FILASOFIA_ASSETS})
+step(${place}/build/outside ${prefix}/)

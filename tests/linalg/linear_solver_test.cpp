@@ -100,3 +100,18 @@ TEST_CASE("a matrix that is not positive definite is reported, not thrown")
     a.block(0) = Mat3::diagonal({std::numeric_limits<double>::quiet_NaN(), 1, 1});
     CHECK_FALSE(makeConjugateGradient(10, 1e-6)->solve(a, b, x).converged);
 }
+
+TEST_CASE("a right-hand side too large to measure gives no answer, and says so")
+{
+    const BlockSparseMatrix a = [] {
+        BlockSparseMatrix one(std::vector<std::vector<int>>{{0}});
+        one.block(0) = Mat3::identity();
+        return one;
+    }();
+    const std::vector<Vec3> b{{1e200, 0, 0}};
+    std::vector<Vec3> x{{3, 3, 3}};
+    const SolveReport report = makeConjugateGradient(10, 1e-6)->solve(a, b, x);
+    CHECK_FALSE(report.converged);
+    CHECK(std::isfinite(report.residual));
+    CHECK(x[0] == Vec3{});
+}

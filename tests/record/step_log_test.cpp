@@ -82,9 +82,9 @@ TEST_CASE("a replay names the first step that differs")
 {
     physics::PhysicsServer server(engine::makeNativeEngine());
     record::StepLog log = eventfulRun(server);
-    auto& steps = const_cast<std::vector<physics::StepRecord>&>(log.steps());
+    std::vector<physics::StepRecord> steps = log.take();
     steps[10].report.dt *= 1.0 + 1e-15;
-    const auto difference = record::replay(log.steps(), *engine::makeNativeEngine());
+    const auto difference = record::replay(steps, *engine::makeNativeEngine());
     REQUIRE(difference);
     CHECK(difference->step == steps[10].report.step);
     CHECK(difference->recorded != difference->replayed);
@@ -100,6 +100,19 @@ TEST_CASE("a recording with tune() says that it cannot be made again")
     log.drain(server);
     CHECK_FALSE(log.replayable());
     CHECK_THROWS_WITH(record::replay(log.steps(), *engine::makeNativeEngine()), Catch::Contains("tune()"));
+}
+
+TEST_CASE("a log that begins after the first step says that it cannot be made again")
+{
+    physics::PhysicsServer server(engine::makeNativeEngine());
+    server.add(bunny());
+    server.step(1e-3);
+    server.keepLog(true);
+    server.step(1e-3);
+    record::StepLog log;
+    log.drain(server);
+    CHECK_FALSE(log.replayable());
+    CHECK_THROWS_WITH(record::replay(log.steps(), *engine::makeNativeEngine()), Catch::Contains("lost"));
 }
 
 TEST_CASE("a full log is seen by who reads it")

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <stdexcept>
-
 #include "filasofia/core/text.h"
+
+#include <stdexcept>
 
 namespace filasofia {
 

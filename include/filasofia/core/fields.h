@@ -10,8 +10,7 @@
 ///     struct Spring { double stiffness = 100; };
 ///     constexpr auto fields(const Spring*)
 ///     {
-///         return describe("Spring", field("stiffness", &Spring::stiffness, "N/m", positive(), "force per
-///         elongation"));
+///         return describe("Spring", field("stiffness", &Spring::stiffness, "N/m", positive(), "how stiff"));
 ///     }
 namespace filasofia {
 

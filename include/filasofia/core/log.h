@@ -12,6 +12,7 @@ enum class LogLevel { Info, Warning, Error };
 void writeLog(LogLevel level, std::string_view line);
 
 /// Sends every line to `sink` in place of standard error; an empty function restores it. Any thread.
+/// Lines come one at a time; a sink must not log itself, and what it throws is dropped.
 void setLogSink(std::function<void(LogLevel, std::string_view)> sink);
 
 template <class... Parts> void logInfo(const Parts&... parts) { writeLog(LogLevel::Info, text(parts...)); }

@@ -68,6 +68,9 @@ struct State {
 /// The start: at rest, with the given forces.
 SoftState stateAtRest(const SoftModel& model);
 
+/// True where every number is finite and within physics::kFarthest.
+bool usable(const std::vector<Vec3>& values);
+
 /// Throws an Error naming the body unless every size, index and number can be stepped with.
 void check(const SoftModel& model, const SoftState& state);
 void check(const RigidModel& model, const RigidState& state);

@@ -23,12 +23,12 @@ struct EventDispatcherDef {
 };
 constexpr auto fields(const EventDispatcherDef*)
 {
-    return describe("EventDispatcher",
+    return describe("EventDispatcherDef",
                     field("capacity", &EventDispatcherDef::capacity, "events", closed(2, 1048576),
                           "how many events may wait; beyond it post() throws and tryPost() refuses"),
-                    field("mergePlaces", &EventDispatcherDef::mergePlaces, "", closed(1, 65536),
+                    field("mergePlaces", &EventDispatcherDef::mergePlaces, "-", closed(1, 65536),
                           "merge keys that wait at the same time without using the capacity"),
-                    field("maximumRounds", &EventDispatcherDef::maximumRounds, "", closed(1, 1000000),
+                    field("maximumRounds", &EventDispatcherDef::maximumRounds, "-", closed(1, 1000000),
                           "rounds of events that observers post in answer to events before this is an error"));
 }
 

@@ -61,6 +61,10 @@ struct ConjugateGradient {
 struct Cholesky {};
 using Solver = std::variant<ConjugateGradient, Cholesky>;
 
+/// [m], [m/s]: nothing may be placed farther out, and a state that gets there is a blow-up. A picture computes in
+/// float, and surfaces that ride on a body extrapolate: both stay far from overflow.
+inline constexpr double kFarthest = 1e4;
+
 inline constexpr double kHard = std::numeric_limits<double>::infinity();
 
 /// Holds nodes of a body where they are at the start.

@@ -42,6 +42,11 @@ public:
     /// What a body was made from; Error where the id names none.
     [[nodiscard]] std::shared_ptr<const BodyDef> def(BodyId id) const;
 
+    /// Was it added and not removed. Any thread.
+    [[nodiscard]] bool has(BodyId id) const;
+    /// For asking which engine it is, and for its build(). Any thread.
+    [[nodiscard]] const PhysicsEngine& engine() const;
+
     // The stepping thread only.
     /// One step of dt [s], > 0. `flags`: StepFlag bits that the caller knows already, for report and log.
     StepReport step(double dt, std::uint32_t flags = 0);

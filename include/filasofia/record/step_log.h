@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace filasofia::physics {
@@ -22,6 +23,8 @@ public:
     void drain(physics::PhysicsServer& server);
 
     [[nodiscard]] const std::vector<physics::StepRecord>& steps() const { return steps_; }
+    /// Hands the steps over and starts anew.
+    [[nodiscard]] std::vector<physics::StepRecord> take() { return std::exchange(steps_, {}); }
     /// False when a step was lost or tune() ran: what follows cannot be made again.
     [[nodiscard]] bool replayable() const;
 

@@ -4,9 +4,17 @@
 
 namespace filasofia::runtime {
 
+/// The data folder of the installed Filasofia that find_package() found, wherever it has been moved to; else empty.
+#ifdef FILASOFIA_DATA_DIR
+constexpr const char* kInstalledData = FILASOFIA_DATA_DIR;
+#else
+constexpr const char* kInstalledData = "";
+#endif
+
 /// The path of a file that comes with Filasofia, such as "meshes/bunny_3004.msh". Looks in the folder that the
-/// environment variable FILASOFIA_ASSETS names, in share/filasofia beside the running program's folder, in the source
-/// tree this library was built from, and where it was to be installed. Throws an Error naming them when it is in none.
-std::string asset(const std::string& name);
+/// environment variable FILASOFIA_ASSETS names, in share/filasofia beside the running program's folder, in `installed`
+/// (unless empty), in the source tree this library was built from, and where it was to be installed. Throws an Error
+/// naming them when it is in none.
+std::string asset(const std::string& name, const std::string& installed = kInstalledData);
 
 } // namespace filasofia::runtime

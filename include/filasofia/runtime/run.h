@@ -13,9 +13,9 @@ struct RunDef {
     bool headless = false; ///< a plain loop of steps of one period each: no threads, no clock, the same every time
     visual::Backend backend = visual::Backend::Window; ///< where a live run draws
     int steps = 0;                                     ///< [-], >= 0, ends after as many; 0: no end of its own
-    double seconds = 0.0;      ///< [s], >= 0, wall time after which a live run ends; 0: no end of its own
+    double seconds = 0.0;      ///< [s], in [0, 1e8], wall time after which a live run ends; 0: no end of its own
     std::string picture = {};  ///< a PNG file for the last state; empty: none
-    double pictureEvery = 0.0; ///< [s], >= 0, simulated time between numbered pictures of a headless run; 0: none
+    double pictureEvery = 0.0; ///< [s], 0 or >= 1e-3, headless: numbered pictures instead, simulated time apart
     std::string log = {};      ///< a CSV file with a line per step; empty: none
     bool freeRunning = false;  ///< a live run that does not wait between steps: measures what they cost
 };
@@ -25,7 +25,7 @@ constexpr auto fields(const RunDef*)
     return describe("RunDef", field("headless", &T::headless, "a plain loop with fixed steps"),
                     field("backend", &T::backend, "where a live run draws"),
                     field("steps", &T::steps, "-", nonNegative(), "ends after as many"),
-                    field("seconds", &T::seconds, "s", nonNegative(), "ends after this wall time"),
+                    field("seconds", &T::seconds, "s", closed(0, 1e8), "ends after this wall time"),
                     field("picture", &T::picture, "a PNG file for the last state"),
                     field("pictureEvery", &T::pictureEvery, "s", nonNegative(), "between numbered pictures"),
                     field("log", &T::log, "a CSV file with a line per step"),

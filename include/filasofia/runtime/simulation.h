@@ -22,7 +22,7 @@ namespace filasofia::runtime {
 /// How physics is paced.
 struct PhysicsDef {
     double rate = 1000.0;             ///< [Hz], in [1, 100000], steps per second
-    double slack = 2e-3;              ///< [s], >= 0: a step is never longer than 1/rate + slack
+    double slack = 2e-3;              ///< [s], in [0, 10]: a step is never longer than 1/rate + slack
     Vec3 gravity = {0.0, -9.81, 0.0}; ///< [m/s^2]
     bool realTime = true;             ///< ask the system to schedule physics before ordinary threads
 };
@@ -30,15 +30,15 @@ constexpr auto fields(const PhysicsDef*)
 {
     using T = PhysicsDef;
     return describe("PhysicsDef", field("rate", &T::rate, "Hz", closed(1, 100000), "steps per second"),
-                    field("slack", &T::slack, "s", nonNegative(), "a step is never longer than 1/rate + slack"),
+                    field("slack", &T::slack, "s", closed(0, 10), "a step is never longer than 1/rate + slack"),
                     field("gravity", &T::gravity, "m/s^2", finite(), "acts on every body"),
                     field("realTime", &T::realTime, "schedule physics before ordinary threads"));
 }
 
 /// The picture that a simulation has unless it makes its own: an endoscope's.
 struct LookDef {
-    std::optional<geometry::Box> around; ///< [m], what to see; not given: everything shown, as it is at the start
-    Vec3 direction = {0.25, 0.3, 1.0};   ///< [-], from there towards the camera
+    std::optional<geometry::Box> around = {}; ///< [m], what to see; not given: everything shown, as it is at the start
+    Vec3 direction = {0.25, 0.3, 1.0};        ///< [-], from there towards the camera
     visual::Quality quality = visual::Quality::High;
     double rate = 60.0; ///< [Hz], in [1, 1000], pictures per second at most
 };
@@ -80,19 +80,26 @@ public:
     void show(BodyId id, const ShowDef& def = {});
     /// Called on the main thread as soon as there is a visual server, in place of the look of the Def: makes lights,
     /// cameras and views.
+    /// To be set before a run.
     void dress(std::function<void(visual::VisualServer&)> scene);
+    /// Opens the window of live runs in place of window::openWindow: another library's, or one that nobody sees. To be
+    /// set before a run.
+    void useWindow(std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> open);
 
     /// Calls `callback` for every event of a type, on the dispatcher's thread; in a headless run after each step.
     template <event::TypedEvent E> event::ObserverId on(std::function<void(const E&)> callback)
     {
         return events().on<E>(std::move(callback));
     }
+    /// Posts an event, stamped with the simulation's time and step. Any thread. Error where the queue is full.
+    void post(std::unique_ptr<event::Event> event);
+    template <event::EventClass E> void post(E event) { post(std::make_unique<E>(std::move(event))); }
     [[nodiscard]] event::EventDispatcher& events();
     [[nodiscard]] physics::PhysicsServer& physics();
     /// Fine-tuning: see filasofia/engine/native.h.
     void tune(std::function<void(engine::Native&)> change);
 
-    /// Ends the run, from any thread; the report says why.
+    /// Ends the run, from any thread; the report says why. Between two runs: the next one ends at once.
     void finish(std::string why);
 
     /// Runs until finish(), the end that `def` asks for, Ctrl-C, or the window is closed. Throws Error.

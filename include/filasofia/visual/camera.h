@@ -20,7 +20,7 @@ struct CameraDef {
 constexpr auto fields(const CameraDef*)
 {
     using D = CameraDef;
-    return describe("Camera", field("name", &D::name, "name in errors"),
+    return describe("CameraDef", field("name", &D::name, "name in errors"),
                     field("verticalFieldOfView", &D::verticalFieldOfView, "rad", closed(0.01, 3), "full angle"),
                     field("near", &D::near, "m", positive(), "nothing nearer is drawn"),
                     field("far", &D::far, "m", positive(), "nothing farther is drawn"),

@@ -58,8 +58,8 @@ struct LightDef {
 constexpr auto fields(const LightDef*)
 {
     using D = LightDef;
-    return describe("Light", field("name", &D::name, "name in errors"), field("kind", &D::kind, "shape of the light"),
-                    field("color", &D::color, "colour of the light"),
+    return describe("LightDef", field("name", &D::name, "name in errors"),
+                    field("kind", &D::kind, "shape of the light"), field("color", &D::color, "colour of the light"),
                     field("castShadows", &D::castShadows, "whether bodies shade each other"));
 }
 
@@ -96,7 +96,7 @@ struct EnvironmentDef {
 constexpr auto fields(const EnvironmentDef*)
 {
     using D = EnvironmentDef;
-    return describe("Environment", field("intensity", &D::intensity, "lx", nonNegative(), "illuminance of colour 1"),
+    return describe("EnvironmentDef", field("intensity", &D::intensity, "lx", nonNegative(), "illuminance of colour 1"),
                     field("above", &D::above, "radiance from +Y"), field("below", &D::below, "radiance from -Y"),
                     field("lamp", &D::lamp, "colour of the soft lamp"),
                     field("lampStrength", &D::lampStrength, "-", nonNegative(), "radiance in the lamp's middle"),

@@ -38,7 +38,7 @@ struct ViewDef {
 
 constexpr auto fields(const ViewDef*)
 {
-    return describe("View", field("name", &ViewDef::name, "name in errors"),
+    return describe("ViewDef", field("name", &ViewDef::name, "name in errors"),
                     field("viewport", &ViewDef::viewport, "where in the window"),
                     field("quality", &ViewDef::quality, "what it spends on the picture"),
                     field("occlusionRadius", &ViewDef::occlusionRadius, "m", positive(), "reach of dark corners"));

@@ -21,7 +21,8 @@ struct VisualBodyDef {
 constexpr auto fields(const VisualBodyDef*)
 {
     using D = VisualBodyDef;
-    return describe("VisualBody", field("name", &D::name, "name in errors"), field("mesh", &D::mesh, "surface at rest"),
+    return describe("VisualBodyDef", field("name", &D::name, "name in errors"),
+                    field("mesh", &D::mesh, "surface at rest"),
                     field("subdivision", &D::subdivision, "-", closed(0, 3), "Loop subdivision steps"),
                     field("material", &D::material, "what it looks like"),
                     field("castShadows", &D::castShadows, "whether it throws shadows"));

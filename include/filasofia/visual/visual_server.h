@@ -16,17 +16,17 @@ enum class Backend {
 
 struct VisualServerDef {
     Backend backend = Backend::Headless;
-    int width = 960;              ///< [pixel], in [1, 8192]
-    int height = 720;             ///< [pixel], in [1, 8192]
+    int width = 960;              ///< [px], in [1, 8192]
+    int height = 720;             ///< [px], in [1, 8192]
     void* nativeWindow = nullptr; ///< the X11 Window id, for Backend::Window; not a field of files
 };
 
 constexpr auto fields(const VisualServerDef*)
 {
     using D = VisualServerDef;
-    return describe("VisualServer", field("backend", &D::backend, "where the pictures go"),
-                    field("width", &D::width, "pixel", closed(1, 8192), "of the window"),
-                    field("height", &D::height, "pixel", closed(1, 8192), "of the window"));
+    return describe("VisualServerDef", field("backend", &D::backend, "where the pictures go"),
+                    field("width", &D::width, "px", closed(1, 8192), "of the window"),
+                    field("height", &D::height, "px", closed(1, 8192), "of the window"));
 }
 
 /// How it went so far.

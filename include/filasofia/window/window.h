@@ -16,7 +16,7 @@ struct WindowDef {
 };
 constexpr auto fields(const WindowDef*)
 {
-    return describe("Window", field("title", &WindowDef::title, "what the window's frame says"),
+    return describe("WindowDef", field("title", &WindowDef::title, "what the window's frame says"),
                     field("width", &WindowDef::width, "px", closed(1, 8192), "of the content"),
                     field("height", &WindowDef::height, "px", closed(1, 8192), "of the content"),
                     field("resizable", &WindowDef::resizable, "whether a person may change the size"));

@@ -41,7 +41,10 @@ void writeLog(LogLevel level, std::string_view line)
 {
     const std::lock_guard lock(sinkMutex);
     if (userSink) {
-        userSink(level, line);
+        try {
+            userSink(level, line);
+        } catch (...) { // whoever logs has something to do, and a sink's trouble is not his
+        }
     } else {
         standardError().log(spdlogLevel(level), spdlog::string_view_t(line.data(), line.size()));
     }

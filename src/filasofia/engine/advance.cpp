@@ -6,16 +6,6 @@
 namespace filasofia::engine {
 namespace {
 
-/// So far out that a picture's float or the next product would overflow: a blow-up, though still a number.
-constexpr double kFarAway = 1e6; // [m], [m/s]
-
-bool usable(const std::vector<Vec3>& values)
-{
-    for (const Vec3& v : values)
-        if (!(std::abs(v.x) < kFarAway && std::abs(v.y) < kFarAway && std::abs(v.z) < kFarAway)) return false;
-    return true;
-}
-
 void advanceBody(const SoftModel& model, double dt, SoftSystem& system, SoftState& state, physics::StepReport& report)
 {
     system.x = state.x;

@@ -112,10 +112,10 @@ struct Apply {
 private:
     void putBack(const Model& modelBefore, const State& stateBefore, const char* why) const
     {
-        logError("tune() was undone: ", why);
-        report.set(physics::StepFlag::TuneRejected);
         model = modelBefore;
         state = stateBefore;
+        report.set(physics::StepFlag::TuneRejected);
+        logError("tune() was undone: ", why);
     }
 
     /// Callers know bodies by id and have checked their commands against the node counts: both must stay.

@@ -4,6 +4,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/engine/native.h"
 #include "filasofia/engine/world.h"
+#include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/physics_server.h"
 
 namespace filasofia::engine {
@@ -13,10 +14,10 @@ std::unique_ptr<physics::PhysicsEngine> makeNativeEngine() { return std::make_un
 void tune(physics::PhysicsServer& server, std::function<void(Native&)> change)
 {
     FILASOFIA_ASSERT(change != nullptr);
+    if (!dynamic_cast<const World*>(&server.engine())) fail("tune: the native engine is not in use");
     server.tune([change = std::move(change)](physics::PhysicsEngine& engine) {
-        auto* world = dynamic_cast<World*>(&engine);
-        if (!world) fail("tune: the native engine is not in use");
-        Native native{world->model(), world->state()};
+        World& world = static_cast<World&>(engine);
+        Native native{world.model(), world.state()};
         change(native);
     });
 }

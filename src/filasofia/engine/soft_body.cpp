@@ -108,6 +108,14 @@ SoftState stateAtRest(const SoftModel& model)
     return state;
 }
 
+bool usable(const std::vector<Vec3>& values)
+{
+    constexpr double far = physics::kFarthest;
+    for (const Vec3& v : values)
+        if (!(std::abs(v.x) < far && std::abs(v.y) < far && std::abs(v.z) < far)) return false;
+    return true;
+}
+
 void check(const SoftModel& model, const SoftState& state)
 {
     const std::string object = text("soft body '", model.name, "'");
@@ -132,6 +140,9 @@ void check(const SoftModel& model, const SoftState& state)
         checkSize(object, list, values->size(), n);
         checkFinite(object, list, *values);
     }
+    if (!usable(state.x) || !usable(state.v) || !usable(model.rest))
+        fail(object, ": nodes must lie within ", physics::kFarthest,
+             " m of the origin, and be slower than as many m/s");
     for (std::size_t i = 0; i < n; ++i)
         if (model.pins.hard[i] && !(state.v[i] == Vec3{} && state.dv[i] == Vec3{}))
             fail(object, ": v[", i, "] and dv[", i, "] must be 0 m/s: the node is held");

@@ -18,15 +18,16 @@ public:
         if (entries.columns() != columns_ || entries.rowStarts() != rowStarts_) analyse(entries);
         copyValues(entries);
         factor_.factorize(lower_);
-        if (factor_.info() != Eigen::Success) { // no answer: nothing is safer than the guess
+        const auto size = static_cast<Eigen::Index>(3 * b.size());
+        Eigen::VectorXd solution;
+        if (factor_.info() == Eigen::Success)
+            solution = factor_.solve(Eigen::Map<const Eigen::VectorXd>(&b[0].x, size));
+        if (solution.size() == 0 || !solution.allFinite()) { // no answer: nothing is safer than the guess
             std::fill(x.begin(), x.end(), Vec3{});
             return {.iterations = 1, .residual = 1.0, .converged = false};
         }
-
-        const auto size = static_cast<Eigen::Index>(3 * b.size());
-        const Eigen::VectorXd solution = factor_.solve(Eigen::Map<const Eigen::VectorXd>(&b[0].x, size));
         Eigen::Map<Eigen::VectorXd>(&x[0].x, size) = solution;
-        return {.iterations = 1, .residual = residual(a, b, x), .converged = solution.allFinite()};
+        return {.iterations = 1, .residual = residual(a, b, x)};
     }
 
 private:

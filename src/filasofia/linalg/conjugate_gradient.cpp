@@ -21,9 +21,9 @@ public:
     {
         prepare(a);
         const double size = dotProduct(b, b);
-        if (size == 0.0) { // relative to nothing no guess is good enough: say the answer
+        if (size == 0.0 || !std::isfinite(size)) { // relative to nothing no guess is good enough: say the answer
             std::fill(x.begin(), x.end(), Vec3{});
-            return {};
+            return {.residual = size == 0.0 ? 0.0 : 1.0, .converged = size == 0.0};
         }
         const double target = tolerance_ * tolerance_ * size;
         a.multiply(x, q_);

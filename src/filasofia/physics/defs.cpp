@@ -16,7 +16,10 @@ Pose unitPose(const Pose& pose, std::string_view object)
     const Quat q = pose.orientation;
     const double size = std::sqrt(dot(q, q));
     if (!(size > 1e-6)) fail(object, ": orientation must have a length > 1e-06, got ", size);
-    return {pose.position, normalized(q)};
+    const Vec3 p = pose.position;
+    if (!(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest))
+        fail(object, ": position must lie within ", kFarthest, " m of the origin, got ", p.x, " ", p.y, " ", p.z);
+    return {p, normalized(q)};
 }
 
 std::shared_ptr<const geometry::TetMesh> loadMesh(const SoftBodyDef& def)

@@ -19,6 +19,8 @@ struct Registered {
     int nodeCount = 0;
 };
 
+constexpr std::size_t kMaximumCommands = 4096; // per step
+
 void checkForces(const std::vector<NodalForce>& forces, int nodeCount, const std::string& object)
 {
     for (std::size_t i = 0; i < forces.size(); ++i) {
@@ -81,7 +83,9 @@ struct PhysicsServer::Impl {
     void drainInbox()
     {
         commands.clear();
-        while (auto command = inbox.pop()) {
+        while (commands.size() < kMaximumCommands) { // what comes faster waits: a step must end
+            auto command = inbox.pop();
+            if (!command) break;
             if (const auto* pause = std::get_if<Pause>(&*command)) paused = pause->paused;
             commands.push_back(std::move(*command));
         }
@@ -89,7 +93,10 @@ struct PhysicsServer::Impl {
 
     void writeLog(StepReport& report)
     {
-        if (!logging.load(std::memory_order_relaxed)) return;
+        if (!logging.load(std::memory_order_relaxed)) {
+            recordLost = true; // a log that begins later does not begin at the beginning
+            return;
+        }
         StepRecord* record = log.beginWrite();
         if (!record) {
             recordLost = true;
@@ -126,9 +133,15 @@ PhysicsServer::~PhysicsServer() = default;
 BodyId PhysicsServer::add(SoftBodyDef def)
 {
     def.mesh = loadMesh(def); // read once: the engine and whoever shows the body use the same
+    def.pose = unitPose(def.pose, text("soft body '", def.name, "': pose"));
     return impl_->add(std::move(def));
 }
-BodyId PhysicsServer::add(RigidBodyDef def) { return impl_->add(std::move(def)); }
+BodyId PhysicsServer::add(RigidBodyDef def)
+{
+    for (std::size_t e = 0; e < def.elements.size(); ++e)
+        def.elements[e] = unitPose(def.elements[e], text("rigid body '", def.name, "': elements[", e, "]"));
+    return impl_->add(std::move(def));
+}
 
 void PhysicsServer::remove(BodyId id)
 {
@@ -208,6 +221,13 @@ StepReport PhysicsServer::step(double dt, std::uint32_t flags)
     return report;
 }
 
+bool PhysicsServer::has(BodyId id) const
+{
+    const std::lock_guard lock(impl_->registryMutex);
+    return impl_->registry.contains(id);
+}
+
+const PhysicsEngine& PhysicsServer::engine() const { return *impl_->engine; }
 std::uint64_t PhysicsServer::hash() const { return impl_->engine->hash(); }
 void PhysicsServer::hashEveryStep(bool on) { impl_->hashing = on; }
 bool PhysicsServer::paused() const { return impl_->paused; }

@@ -8,7 +8,7 @@
 
 namespace filasofia::runtime {
 
-std::string asset(const std::string& name)
+std::string asset(const std::string& name, const std::string& installed)
 {
     namespace fs = std::filesystem;
     std::vector<fs::path> folders;
@@ -16,6 +16,7 @@ std::string asset(const std::string& name)
     std::error_code ignored;
     const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
     folders.push_back(program.parent_path().parent_path() / "share/filasofia");
+    if (!installed.empty()) folders.emplace_back(installed);
     folders.emplace_back(FILASOFIA_SOURCE_ASSETS);
     folders.emplace_back(FILASOFIA_INSTALLED_ASSETS);
 

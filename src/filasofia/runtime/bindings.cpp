@@ -55,6 +55,7 @@ void Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServer&
         binding.name = rigid.name;
         binding.surface = *surface;
         binding.rigidMap = {def.element};
+        binding.start = rigid.elements[def.element];
     }
     const std::lock_guard lock(pendingMutex_);
     pending_.push_back(std::move(binding));
@@ -62,28 +63,35 @@ void Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServer&
 
 void Bindings::addPending(visual::VisualServer& visual)
 {
-    std::vector<Binding> fresh;
-    {
-        const std::lock_guard lock(pendingMutex_);
-        fresh.swap(pending_);
+    const std::lock_guard lock(pendingMutex_);
+    std::size_t added = 0;
+    const auto forgetAdded = [&] { pending_.erase(pending_.begin(), pending_.begin() + static_cast<long>(added)); };
+    try {
+        for (; added < pending_.size(); ++added) {
+            const Binding& binding = pending_[added];
+            visual::VisualBody& drawn = visual.add(visual::VisualBodyDef{.name = binding.name,
+                                                                         .mesh = binding.surface,
+                                                                         .subdivision = binding.def.subdivision,
+                                                                         .material = binding.def.material,
+                                                                         .castShadows = binding.def.castShadows});
+            shown_.push_back(std::move(pending_[added]));
+            shown_.back().drawn = &drawn;
+        }
+    } catch (...) {
+        forgetAdded();
+        throw;
     }
-    for (Binding& binding : fresh) {
-        binding.drawn = &visual.add(visual::VisualBodyDef{.name = binding.name,
-                                                          .mesh = binding.surface,
-                                                          .subdivision = binding.def.subdivision,
-                                                          .material = binding.def.material,
-                                                          .castShadows = binding.def.castShadows});
-        shown_.push_back(std::move(binding));
-    }
+    forgetAdded();
 }
 
-void Bindings::update(const frame::Frame& frame, visual::VisualServer& visual)
+void Bindings::update(const frame::Frame& frame, const physics::PhysicsServer& physics, visual::VisualServer& visual)
 {
     std::erase_if(shown_, [&](Binding& binding) {
         const bool found = place(binding, frame, vertices_);
-        const bool gone = !found && binding.seen; // a body that has not come yet is waited for
-        if (gone) visual.remove(*binding.drawn);
         binding.seen = binding.seen || found;
+        // A body that has not come yet is waited for, unless it was removed before it came.
+        const bool gone = !found && (binding.seen || !physics.has(binding.id));
+        if (gone) visual.remove(*binding.drawn);
         return gone;
     });
 }
@@ -109,6 +117,7 @@ void Bindings::release()
     const std::lock_guard lock(pendingMutex_);
     for (Binding& binding : shown_) {
         binding.drawn = nullptr;
+        binding.seen = false;
         pending_.push_back(std::move(binding));
     }
     shown_.clear();
@@ -120,7 +129,7 @@ geometry::Box Bindings::bounds() const
     const std::lock_guard lock(pendingMutex_);
     for (const auto* list : {&pending_, &shown_})
         for (const Binding& binding : *list)
-            for (const Vec3& vertex : binding.surface.vertices) box = merged(box, vertex);
+            for (const Vec3& vertex : binding.surface.vertices) box = merged(box, transform(binding.start, vertex));
     return box;
 }
 

@@ -44,13 +44,14 @@ int Simulation::run(int argc, const char* const* argv)
     RunDef def;
     CLI::App app("A Filasofia simulation");
     app.add_flag("--headless", def.headless, "a plain loop without window or clock, the same every time");
-    app.add_option("--steps", def.steps, "end after as many steps");
+    app.add_option("--steps", def.steps, "end after as many steps (headless: 1000 unless given)");
     app.add_option("--seconds", def.seconds, "end after as many seconds of wall time");
     app.add_option("--picture", def.picture, "write the last state to this PNG file");
     app.add_option("--picture-every", def.pictureEvery, "with --headless: numbered pictures, seconds apart");
     app.add_option("--log", def.log, "write a line per step to this CSV file");
     try {
         app.parse(argc, argv);
+        if (def.headless && def.steps == 0) def.steps = 1000; // nobody could close it
         std::cout << summary(run(def));
         return 0;
     } catch (const CLI::CallForHelp&) {

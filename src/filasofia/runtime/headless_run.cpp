@@ -5,6 +5,7 @@
 #include "filasofia/runtime/physics_loop.h"
 #include "filasofia/runtime/stop_signal.h"
 
+#include <cmath>
 #include <filesystem>
 
 namespace filasofia::runtime {
@@ -32,12 +33,10 @@ public:
         parts.bindings.addPending(*visual_);
         parts.dressScene(*visual_);
     }
-    ~Pictures() { parts_.bindings.release(); }
-
     void afterStep(double time)
     {
         if (def_.pictureEvery == 0.0 || time + kRounding < next_) return;
-        while (next_ <= time + kRounding) next_ += def_.pictureEvery;
+        next_ = (std::floor((time + kRounding) / def_.pictureEvery) + 1.0) * def_.pictureEvery;
         take(numbered(def_.picture, time));
     }
     void last()
@@ -59,6 +58,7 @@ private:
 
     Simulation::Impl& parts_;
     const RunDef& def_;
+    const DrawnBindings drawn_{parts_.bindings};
     std::unique_ptr<visual::VisualServer> visual_;
     std::vector<std::string> files_;
     double next_ = 0.0;

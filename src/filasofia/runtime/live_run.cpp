@@ -5,6 +5,7 @@
 #include "filasofia/runtime/physics_loop.h"
 #include "filasofia/runtime/stop_signal.h"
 
+#include <algorithm>
 #include <thread>
 
 namespace filasofia::runtime {
@@ -64,12 +65,18 @@ private:
     event::EventDispatcher& events_;
 };
 
+constexpr int kLargestPicture = 8192; // [px], what a visual server takes
+
 /// The main thread's loop: input, mapping, picture.
 class Screen {
 public:
     Screen(Simulation::Impl& parts, const RunDef& def) : parts_(parts)
     {
-        if (def.backend == visual::Backend::Window) window_ = window::openWindow(parts.def.window);
+        if (parts.openWindow) {
+            window_ = parts.openWindow(parts.def.window);
+        } else if (def.backend == visual::Backend::Window) {
+            window_ = window::openWindow(parts.def.window);
+        }
         size_ = window_ ? window_->size() : window::WindowSize{parts.def.window.width, parts.def.window.height};
         visual_ = std::make_unique<visual::VisualServer>(
             visual::VisualServerDef{.backend = def.backend,
@@ -79,7 +86,6 @@ public:
         parts.bindings.addPending(*visual_);
         parts.dressScene(*visual_);
     }
-    ~Screen() { parts_.bindings.release(); }
 
     void input()
     {
@@ -88,7 +94,7 @@ public:
         if (window_->shouldClose()) parts_.finish("window closed");
         if (const window::WindowSize now = window_->size(); now != size_) {
             size_ = now;
-            visual_->resize(now.width, now.height);
+            visual_->resize(std::clamp(now.width, 1, kLargestPicture), std::clamp(now.height, 1, kLargestPicture));
         }
     }
     void draw()
@@ -107,6 +113,7 @@ private:
     }
 
     Simulation::Impl& parts_;
+    const DrawnBindings drawn_{parts_.bindings};
     std::unique_ptr<window::Window> window_;
     window::WindowSize size_;
     std::unique_ptr<visual::VisualServer> visual_; ///< after the window: it goes first

@@ -17,6 +17,7 @@ struct Simulation::Impl {
     event::EventDispatcher events;
     Bindings bindings;
     std::function<void(visual::VisualServer&)> dress;
+    std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow;
 
     std::atomic<bool> stop = false;
     std::mutex reasonMutex;
@@ -25,11 +26,12 @@ struct Simulation::Impl {
     // Written by the stepping thread after each step, read by whoever stamps an event.
     std::atomic<double> time = 0.0;
     std::atomic<std::uint64_t> step = 0;
-    std::uint64_t undone = 0, notConverged = 0; ///< stepping thread; read when it has ended
+    std::uint64_t undone = 0, notConverged = 0; ///< of this run; stepping thread; read when it has ended
 
     explicit Impl(const SimulationDef& asked);
 
     void finish(std::string why);
+    void readyAgain(); ///< after a run, however it ended
     [[nodiscard]] Nanoseconds period() const { return toNanoseconds(1.0 / def.physics.rate); }
     /// Time and step of now, onto an event.
     void stamp(event::Event& event) const;

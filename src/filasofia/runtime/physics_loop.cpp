@@ -5,9 +5,6 @@
 #include <pthread.h>
 #include <sched.h>
 
-#include <algorithm>
-#include <thread>
-
 namespace filasofia::runtime {
 namespace {
 
@@ -53,7 +50,8 @@ RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, 
 
 bool requestRealTime()
 {
-    if (std::thread::hardware_concurrency() < 2) return false;
+    cpu_set_t usable; // not the cores there are, but those this process may use
+    if (sched_getaffinity(0, sizeof usable, &usable) != 0 || CPU_COUNT(&usable) < 2) return false;
     const sched_param priority{.sched_priority = sched_get_priority_min(SCHED_FIFO)};
     return pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
 }

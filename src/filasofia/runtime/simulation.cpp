@@ -16,6 +16,9 @@ namespace {
 const SimulationDef& checked(const SimulationDef& def)
 {
     validate(def, "simulation");
+    if (length(def.look.direction) == 0.0) fail("simulation: look.direction must have a length > 0, got 0 0 0");
+    if (def.look.around && geometry::isEmpty(*def.look.around))
+        fail("simulation: look.around: high must be >= low in every axis");
     return def;
 }
 
@@ -35,6 +38,8 @@ void check(const RunDef& def)
     validate(def, "run");
     checkFile(def.picture, "picture", ".png");
     checkFile(def.log, "log", ".csv");
+    if (def.pictureEvery > 0.0 && def.pictureEvery < 1e-3)
+        fail("run: pictureEvery must be 0 or >= 0.001 s, got ", def.pictureEvery);
     if (def.pictureEvery > 0.0 && def.picture.empty()) fail("run: pictureEvery needs picture");
     if (def.pictureEvery > 0.0 && !def.headless) fail("run: pictureEvery needs headless");
     if (def.headless && def.seconds > 0.0) fail("run: a headless run ends after steps, not seconds");
@@ -52,6 +57,13 @@ void Simulation::Impl::finish(std::string why)
     const std::lock_guard lock(reasonMutex);
     if (reason.empty()) reason = std::move(why);
     stop.store(true);
+}
+
+void Simulation::Impl::readyAgain()
+{
+    const std::lock_guard lock(reasonMutex);
+    reason.clear();
+    stop.store(false);
 }
 
 void Simulation::Impl::stamp(event::Event& event) const
@@ -82,7 +94,7 @@ void Simulation::Impl::dressScene(visual::VisualServer& visual)
 void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
 {
     bindings.addPending(visual);
-    if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, visual);
+    if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, physics, visual);
 }
 
 void Simulation::Impl::takePicture(visual::VisualServer& visual, const std::string& file)
@@ -109,6 +121,17 @@ BodyId Simulation::add(physics::SoftBodyDef def) { return impl_->physics.add(std
 BodyId Simulation::add(physics::RigidBodyDef def) { return impl_->physics.add(std::move(def)); }
 void Simulation::show(BodyId id, const ShowDef& def) { impl_->bindings.show(id, def, impl_->physics); }
 void Simulation::dress(std::function<void(visual::VisualServer&)> scene) { impl_->dress = std::move(scene); }
+void Simulation::useWindow(std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> open)
+{
+    impl_->openWindow = std::move(open);
+}
+
+void Simulation::post(std::unique_ptr<event::Event> event)
+{
+    impl_->stamp(*event);
+    impl_->events.post(std::move(event));
+}
+
 event::EventDispatcher& Simulation::events() { return impl_->events; }
 physics::PhysicsServer& Simulation::physics() { return impl_->physics; }
 void Simulation::tune(std::function<void(engine::Native&)> change) { engine::tune(impl_->physics, std::move(change)); }
@@ -118,11 +141,16 @@ RunReport Simulation::run(const RunDef& def)
 {
     check(def);
     const StopSignal stopSignal;
-    impl_->stop.store(false);
-    impl_->reason.clear();
-    RunReport report = def.headless ? runHeadless(*impl_, def) : runLive(*impl_, def);
-    impl_->fill(report);
-    return report;
+    impl_->undone = impl_->notConverged = 0;
+    try {
+        RunReport report = def.headless ? runHeadless(*impl_, def) : runLive(*impl_, def);
+        impl_->fill(report);
+        impl_->readyAgain();
+        return report;
+    } catch (...) {
+        impl_->readyAgain();
+        throw;
+    }
 }
 
 } // namespace filasofia::runtime

@@ -6,6 +6,42 @@
 #include <numbers>
 
 namespace filasofia::visual {
+namespace {
+
+constexpr double kFieldOfView = 70.0 * std::numbers::pi / 180.0; ///< [rad], wide, as these lenses are
+
+/// `away` [m] is the distance from the lens to the middle of what it looks at, here and below.
+Camera& addCamera(VisualServer& server, Transform& rig, double away)
+{
+    CameraDef def;
+    def.name = "endoscope camera";
+    def.verticalFieldOfView = kFieldOfView;
+    def.near = 0.05 * away;
+    def.far = 20.0 * away;
+    Camera& camera = server.add(def);
+    camera.attachTo(rig);
+    return camera;
+}
+
+/// The lamp sits beside the lens, a little further than on a real tip: its shadows and highlights model the shape.
+Light& addLamp(VisualServer& server, Transform& rig, double away)
+{
+    SpotLight spot;
+    spot.intensity = 8000.0 * away * away; // [cd]: the same illuminance at any distance
+    spot.innerAngle = 0.12;
+    spot.outerAngle = 0.72;
+    spot.range = 8.0 * away;
+    LightDef def;
+    def.name = "endoscope light";
+    def.kind = spot;
+    def.color = {1.0, 0.95, 0.88};
+    Light& light = server.add(def);
+    light.attachTo(rig);
+    light.setPose(lookAt(away * Vec3{-0.16, 0.20, 0.0}, away * Vec3{0.0, 0.02, -1.0}));
+    return light;
+}
+
+} // namespace
 
 geometry::Box boundsOf(const geometry::TriangleMesh& mesh)
 {
@@ -24,33 +60,13 @@ EndoscopeLook addEndoscopeLook(VisualServer& server, const geometry::Box& around
         fail("addEndoscopeLook: the box must be finite and not empty");
     if (towardsCamera == Vec3{} || !isFinite(towardsCamera))
         fail("addEndoscopeLook: direction must be finite and not zero");
-
-    CameraDef cameraDef;
-    cameraDef.name = "endoscope camera";
-    cameraDef.verticalFieldOfView = 70.0 * std::numbers::pi / 180.0; // wide, as these lenses are
-    const double away = 0.80 * radius / std::sin(0.5 * cameraDef.verticalFieldOfView);
-    cameraDef.near = 0.05 * away;
-    cameraDef.far = 20.0 * away;
+    const double away = 0.80 * radius / std::sin(0.5 * kFieldOfView);
 
     EndoscopeLook look;
     look.rig = &server.addTransform("endoscope");
     look.rig->setPose(lookAt(middle + away * towardsCamera, middle));
-    look.camera = &server.add(cameraDef);
-    look.camera->attachTo(*look.rig);
-
-    // The lamp sits beside the lens, a little further than on a real tip: its shadows and highlights model the shape.
-    SpotLight spot;
-    spot.intensity = 8000.0 * away * away; // [cd]: the same illuminance at any distance
-    spot.innerAngle = 0.12;
-    spot.outerAngle = 0.72;
-    spot.range = 8.0 * away;
-    LightDef lightDef;
-    lightDef.name = "endoscope light";
-    lightDef.kind = spot;
-    lightDef.color = {1.0, 0.95, 0.88};
-    look.light = &server.add(lightDef);
-    look.light->attachTo(*look.rig);
-    look.light->setPose(lookAt(away * Vec3{-0.16, 0.20, 0.0}, away * Vec3{0.0, 0.02, -1.0}));
+    look.camera = &addCamera(server, *look.rig, away);
+    look.light = &addLamp(server, *look.rig, away);
 
     ViewDef view;
     view.name = "endoscope view";
@@ -60,8 +76,7 @@ EndoscopeLook addEndoscopeLook(VisualServer& server, const geometry::Box& around
 
     // The walls of the cavity send light back: a dim, soft gleam from above the camera.
     EnvironmentDef environment;
-    const Pose rig = look.rig->pose();
-    environment.lampDirection = rotate(rig.orientation, Vec3{0.45, 0.8, 0.6});
+    environment.lampDirection = rotate(look.rig->pose().orientation, Vec3{0.45, 0.8, 0.6});
     server.setEnvironment(environment);
     return look;
 }

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <mutex>
 
 namespace filasofia::visual {
 
@@ -15,7 +16,8 @@ public:
     {
         std::fflush(stdout);
         saved_ = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
-        if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); saved_ >= 0 && nowhere >= 0) {
+        if (saved_ < 0) return; // there is no standard output
+        if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) {
             dup2(nowhere, STDOUT_FILENO);
             close(nowhere);
         }
@@ -31,6 +33,8 @@ public:
     QuietOutput& operator=(const QuietOutput&) = delete;
 
 private:
+    static inline std::mutex one_; ///< two at once would restore each other's nothing
+    const std::lock_guard<std::mutex> lock_{one_};
     int saved_ = -1;
 };
 

@@ -2,13 +2,16 @@
 
 using namespace filasofia;
 
-// A user's program: the smallest installed bunny, pinned at the head, falls for a quarter of a second.
-int main()
+// A user's program: the smallest installed bunny, pinned at the head, falls for a quarter of a second. Its word is the
+// prefix under which the mesh must be found.
+int main(int, char** argv)
 try {
+    const std::string mesh = asset("meshes/bunny_756.msh");
+    if (!mesh.starts_with(argv[1])) fail(mesh, " does not lie under ", argv[1]);
     Simulation sim({.physics = {.rate = 200_Hz}});
     const BodyId bunny = sim.add(SoftBodyDef{
         .name = "bunny",
-        .mesh = MESHES "/bunny_756.msh",
+        .mesh = mesh,
         .material = FemMaterial{.youngModulus = 10_kPa, .poissonRatio = 0.45},
         .attachments = {{.box = Box{{-1, 0.105, -1}, {1, 1, 1}}}},
     });

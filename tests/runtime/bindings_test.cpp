@@ -1,0 +1,136 @@
+#include "filasofia/runtime/bindings.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/geometry/mesh_file.h"
+#include "filasofia/geometry/surface.h"
+#include "filasofia/physics/physics_engine.h"
+#include "filasofia/physics/physics_server.h"
+#include "filasofia/runtime/assets.h"
+#include "filasofia/visual/visual_server.h"
+
+using namespace filasofia;
+using namespace filasofia::runtime;
+
+namespace {
+
+/// A physics server, a null visual server, and what binds them.
+struct Stage {
+    physics::PhysicsServer physics{engine::makeNativeEngine()};
+    Bindings bindings;
+    visual::VisualServer visual{{.backend = visual::Backend::Null}};
+
+    BodyId addBunny(const Pose& pose = {})
+    {
+        return physics.add(physics::SoftBodyDef{.mesh = asset("meshes/bunny_756.msh"), .pose = pose});
+    }
+    void map()
+    {
+        bindings.addPending(visual);
+        if (const auto frame = physics.latest()) bindings.update(*frame, physics, visual);
+    }
+    int drawn() { return visual.statistics().bodies; }
+};
+
+SurfaceSource sharedBunny()
+{
+    return std::make_shared<const geometry::TriangleMesh>(geometry::loadTriangleMesh(asset("meshes/bunny.obj")));
+}
+
+} // namespace
+
+TEST_CASE("a skin stays on its body, also where the orientation given was not of unit length")
+{
+    Stage stage;
+    const Pose pose{{0.1, 0, 0}, {1, 0, 1, 0}}; // length sqrt 2
+    const BodyId id = stage.addBunny(pose);
+    const geometry::TetMesh mesh = geometry::loadTetMesh(asset("meshes/bunny_756.msh"));
+    const auto boundary = std::make_shared<const geometry::TriangleMesh>(geometry::extractSurface(mesh).mesh);
+    stage.bindings.show(id, {.surface = boundary}, stage.physics);
+    const geometry::Box skin = stage.bindings.bounds();
+    stage.physics.setGravity({});
+    stage.physics.step(1e-3);
+    geometry::Box body;
+    for (const Vec3& p : stage.physics.latest()->softBody(id)->positions) body = merged(body, p);
+    CHECK(distance(skin.low, body.low) < 1e-12);
+    CHECK(distance(skin.high, body.high) < 1e-12);
+}
+
+TEST_CASE("the bounds hold rigid bodies where they start")
+{
+    Stage stage;
+    const BodyId id = stage.physics.add(physics::RigidBodyDef{.elements = {Pose{{5, 6, 7}, {}}}});
+    stage.bindings.show(id, {.surface = sharedBunny()}, stage.physics);
+    CHECK(distance(stage.bindings.bounds().low, {5, 6, 7}) < 0.3);
+}
+
+TEST_CASE("what is drawn of a soft body moves with its nodes, of a rigid one with its pose")
+{
+    Stage stage;
+    const BodyId soft = stage.addBunny(), rigid = stage.physics.add(physics::RigidBodyDef{});
+    stage.bindings.show(soft, {}, stage.physics);
+    stage.bindings.show(rigid, {.surface = sharedBunny()}, stage.physics);
+    stage.physics.setPose(rigid, {{1, 2, 3}, {}});
+    stage.physics.step(0.01);
+    stage.map();
+    const long before = stage.visual.statistics().vertexUpdates;
+    stage.physics.step(0.01);
+    stage.map();
+    CHECK(stage.drawn() == 2);
+    CHECK(stage.visual.statistics().vertexUpdates == before + 1); // the soft one; the rigid one has a pose
+}
+
+TEST_CASE("a removed body is no longer drawn")
+{
+    Stage stage;
+    const BodyId id = stage.addBunny();
+    stage.bindings.show(id, {}, stage.physics);
+    stage.physics.step(0.01);
+    stage.map();
+    CHECK(stage.drawn() == 1);
+    stage.physics.remove(id);
+    stage.physics.step(0.01);
+    stage.map();
+    CHECK(stage.drawn() == 0);
+}
+
+TEST_CASE("a body that was removed before it was ever drawn leaves no ghost")
+{
+    Stage stage;
+    const BodyId id = stage.addBunny();
+    stage.bindings.show(id, {}, stage.physics);
+    stage.physics.remove(id);
+    stage.physics.step(0.01);
+    stage.map();
+    CHECK(stage.drawn() == 0);
+}
+
+TEST_CASE("a body that was shown before its first step is waited for")
+{
+    Stage stage;
+    stage.physics.step(0.01);
+    const BodyId id = stage.addBunny();
+    stage.bindings.show(id, {}, stage.physics);
+    stage.map(); // the frame is older than the body
+    CHECK(stage.drawn() == 1);
+    stage.physics.step(0.01);
+    stage.map();
+    CHECK(stage.drawn() == 1);
+}
+
+TEST_CASE("what a visual server refuses stays pending, with all that comes after it")
+{
+    Stage stage;
+    const BodyId id = stage.addBunny();
+    // Three triangles on one edge: fine as it is, but no surface that can be subdivided.
+    auto fin = std::make_shared<geometry::TriangleMesh>();
+    fin->vertices = {{0, 0, 0}, {0, 0, 0.1}, {0.1, 0, 0}, {-0.1, 0, 0}, {0, 0.1, 0}};
+    fin->triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
+    stage.bindings.show(id, {}, stage.physics);
+    stage.bindings.show(id, {.surface = fin, .subdivision = 1}, stage.physics);
+    stage.bindings.show(id, {}, stage.physics);
+    CHECK_THROWS_AS(stage.bindings.addPending(stage.visual), Error);
+    CHECK(stage.drawn() == 1);
+    CHECK_THROWS_AS(stage.bindings.addPending(stage.visual), Error); // nothing twice, nothing lost
+    CHECK(stage.drawn() == 1);
+}
