@@ -4,6 +4,8 @@
 #include "filasofia/geometry/surface.h"
 #include "filasofia/geometry/tet_mesh.h"
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -98,12 +100,17 @@ template <class Action> std::string errorOf(Action&& action)
 class TemporaryFile {
 public:
     TemporaryFile(const std::string& name, std::string_view bytes)
-        : path_(std::filesystem::path(FILASOFIA_BINARY_DIR) / "test_files" / name)
+        : path_(std::filesystem::path(FILASOFIA_BINARY_DIR) / "test_files" / std::to_string(getpid()) / name)
     {
         std::filesystem::create_directories(path_.parent_path());
         std::ofstream(path_, std::ios::binary) << bytes;
     }
-    ~TemporaryFile() { std::filesystem::remove(path_); }
+    ~TemporaryFile()
+    {
+        std::filesystem::remove(path_);
+        std::error_code filled; // by another file of this test
+        std::filesystem::remove(path_.parent_path(), filled);
+    }
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }

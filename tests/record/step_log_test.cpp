@@ -1,9 +1,12 @@
 #include "filasofia/record/step_log.h"
 
+#include "filasofia/core/text.h"
 #include "filasofia/engine/native.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/physics_server.h"
+
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -133,7 +136,7 @@ TEST_CASE("a full log is seen by who reads it")
 
 TEST_CASE("the step table has a line per step and says when it cannot be written")
 {
-    const auto file = std::filesystem::temp_directory_path() / "filasofia_step_table_test.csv";
+    const auto file = std::filesystem::temp_directory_path() / text("filasofia_step_table_test_", getpid(), ".csv");
     physics::PhysicsServer server(engine::makeNativeEngine());
     server.keepLog(true);
     server.hashEveryStep(true);

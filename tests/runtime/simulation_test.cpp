@@ -3,6 +3,8 @@
 #include "filasofia/engine/native.h"
 
 #include <csignal>
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -193,7 +195,8 @@ TEST_CASE("tune() reaches the engine of a simulation")
 
 TEST_CASE("a log has a line per step with the state's hash")
 {
-    const std::string file = (std::filesystem::temp_directory_path() / "filasofia_simulation_test.csv").string();
+    const std::string file =
+        (std::filesystem::temp_directory_path() / text("filasofia_simulation_test_", getpid(), ".csv")).string();
     Simulation sim;
     sim.add(bunny());
     const RunReport report = sim.run({.headless = true, .steps = 12, .log = file});

@@ -24,7 +24,7 @@ TEST_CASE("two runs of every bunny have the same hash at every step")
 TEST_CASE("after 50 steps of 1 ms every bunny has the hash that it had on any machine")
 {
     const std::pair<int, std::uint64_t> goldens[] = {
-        {756, 0x0000000000000000}, {1492, 0x0000000000000000}, {3004, 0x0000000000000000}};
+        {756, 0xc4a79457c94ddf63}, {1492, 0x241e0ef1b6982ec8}, {3004, 0xd068708e14c6de10}};
     for (const auto& [elements, golden] : goldens) {
         Stage stage = standingBunny(elements, ConjugateGradient{});
         stage.run(50, 0.001);

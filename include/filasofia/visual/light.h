@@ -101,7 +101,7 @@ constexpr auto fields(const EnvironmentDef*)
                     field("lamp", &D::lamp, "colour of the soft lamp"),
                     field("lampStrength", &D::lampStrength, "-", nonNegative(), "radiance in the lamp's middle"),
                     field("lampSize", &D::lampSize, "rad", closed(0.05, 3), "where it has fallen to 60 %"),
-                    field("lampDirection", &D::lampDirection, "from the scene towards the lamp"),
+                    field("lampDirection", &D::lampDirection, "-", finite(), "from the scene towards the lamp"),
                     field("background", &D::background, "where there is no body"));
 }
 
