@@ -143,8 +143,9 @@ std::vector<Cell> paperTable(bool quick)
 /// said how many. Read by the driver when the first visual server starts.
 std::string limitDrawThreads()
 {
-    setenv(kDrawThreads, "1", 0);
-    return std::getenv(kDrawThreads);
+    const char* asked = std::getenv(kDrawThreads);
+    if (!asked) setenv(kDrawThreads, "1", 1);
+    return asked ? asked : "1";
 }
 
 json printVerdicts(const std::vector<CellResult>& measured)

@@ -66,7 +66,7 @@ std::string unknownWord(const CLI::App& app, const std::string& after, const std
         return text("unexpected word '", word, "'", after);
     }
     for (const CLI::App* chosen : app.get_subcommands()) {
-        const std::string found = unknownWord(*chosen, text(" after '", chosen->get_name(), "'"), {});
+        std::string found = unknownWord(*chosen, text(" after '", chosen->get_name(), "'"), {});
         if (!found.empty()) return found;
     }
     return {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 /// When physics steps. Pure arithmetic: it reads no clock, so that a test can feed it any.
@@ -8,7 +9,7 @@ namespace filasofia::runtime {
 /// Nanoseconds on a steady clock: sums are exact.
 using Nanoseconds = std::int64_t;
 
-constexpr Nanoseconds toNanoseconds(double seconds) { return static_cast<Nanoseconds>(seconds * 1e9 + 0.5); }
+inline Nanoseconds toNanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 constexpr double toSeconds(Nanoseconds time) { return static_cast<double>(time) * 1e-9; }
 
 /// The length of a step: the time since the last wake-up, but at most period + slack. With the lateness t_d of the
