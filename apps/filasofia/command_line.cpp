@@ -33,6 +33,8 @@ void addOption(CLI::App& app, const Option& option)
         option.target);
     added->required(option.required);
     if (!option.type.empty()) added->type_name(option.type);
+    if (std::holds_alternative<std::string*>(option.target))
+        added->check([](const std::string& word) { return word.empty() ? std::string("must not be empty") : ""; });
     if (option.choices.empty()) return;
     added->check([choices = option.choices](const std::string& word) {
         if (std::find(choices.begin(), choices.end(), word) != choices.end()) return std::string();

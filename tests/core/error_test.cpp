@@ -12,6 +12,16 @@ TEST_CASE("an error reads as one line, numbers in their shortest exact form")
                       "body 'x': density must be > 0 kg/m^3, got -1.5");
 }
 
+TEST_CASE("an error and a log line stay one line, whatever a user named his things")
+{
+    CHECK_THROWS_WITH(fail("body 'a\nb\033[31m': no"), "body 'a b [31m': no");
+    std::string logged;
+    setLogSink([&](LogLevel, std::string_view line) { logged = line; });
+    logError("one\ntwo");
+    setLogSink({});
+    CHECK(logged == "one two");
+}
+
 TEST_CASE("a unit literal is its value in SI")
 {
     CHECK(6_kPa == 6000.0);

@@ -156,6 +156,33 @@ TEST_CASE("finish() between two runs ends the next one at once, and only that on
     CHECK(sim.run(headless(5)).finished == "made 5 steps");
 }
 
+TEST_CASE("a run inside a run is refused, and the outer one does not notice")
+{
+    Simulation sim;
+    sim.add(bunny());
+    std::string refused;
+    const auto inner = [&] {
+        try {
+            sim.run(headless(50));
+        } catch (const Error& error) {
+            refused = error.what();
+        }
+    };
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent&) { inner(); });
+    CHECK(sim.run(headless(5)).steps == 5);
+    CHECK_THAT(refused, Catch::Contains("a run is going on"));
+    refused.clear();
+    CHECK(sim.run({.backend = visual::Backend::Null, .steps = 20}).steps == 25);
+    CHECK_THAT(refused, Catch::Contains("a run is going on"));
+}
+
+TEST_CASE("nothing is no event and no tune")
+{
+    Simulation sim;
+    CHECK_THROWS_AS(sim.post(std::unique_ptr<event::Event>()), Error);
+    CHECK_THROWS_AS(sim.tune({}), Error);
+}
+
 TEST_CASE("a run that fails leaves a simulation that can run")
 {
     Simulation sim;
@@ -218,6 +245,9 @@ TEST_CASE("what cannot be run is refused before anything starts")
     CHECK_THROWS_WITH(sim.run({.headless = true, .seconds = 1}), "run: a headless run ends after steps, not seconds");
     CHECK_THROWS_WITH(Simulation({.physics = {.rate = 0}}),
                       "simulation: physics.rate must be in [1, 100000] Hz, got 0");
+    RunDef longName = headless(1);
+    longName.picture.assign(300, 'x').append(".png"); // longer than a file's name can be
+    CHECK_THROWS_AS(sim.run(longName), Error);
     CHECK_THROWS_WITH(sim.run({.headless = true, .picture = "x.png", .pictureEvery = 1e-20}),
                       Catch::Contains("run: pictureEvery must be 0 or >= 0.001 s"));
     CHECK_THROWS_WITH(Simulation({.look = {.direction = {}}}), Catch::Contains("look.direction"));

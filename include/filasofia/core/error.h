@@ -3,13 +3,14 @@
 #include "filasofia/core/text.h"
 
 #include <stdexcept>
+#include <utility>
 
 namespace filasofia {
 
 /// What a user's input did wrong, in one line that names object, field, bound and value (or file and line).
 class Error : public std::runtime_error {
 public:
-    using std::runtime_error::runtime_error;
+    explicit Error(std::string line) : std::runtime_error(oneLine(std::move(line))) {}
 };
 
 /// Throws an Error made of the parts: fail("body '", name, "': density must be > 0 kg/m^3, got ", density).

@@ -38,4 +38,12 @@ template <class... Parts> std::string text(const Parts&... parts)
     return out;
 }
 
+/// The text without line breaks and other control characters: what a user named cannot forge a second line.
+inline std::string oneLine(std::string line)
+{
+    for (char& letter : line)
+        if (static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f) letter = ' ';
+    return line;
+}
+
 } // namespace filasofia

@@ -55,7 +55,8 @@ public:
     void hashEveryStep(bool on);
     [[nodiscard]] bool paused() const;
 
-    /// The newest state. Any thread.
+    /// The newest state. Any thread. Let go of it soon: while readers hold all of the pool's eight frames, no newer one
+    /// is made.
     [[nodiscard]] frame::FrameRef latest();
     /// The oldest step that was not read yet, or nullptr; popRecord() gives its place back. One reader.
     [[nodiscard]] StepRecord* nextRecord();

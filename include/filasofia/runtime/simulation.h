@@ -102,7 +102,8 @@ public:
     /// Ends the run, from any thread; the report says why. Between two runs: the next one ends at once.
     void finish(std::string why);
 
-    /// Runs until finish(), the end that `def` asks for, Ctrl-C, or the window is closed. Throws Error.
+    /// Runs until finish(), the end that `def` asks for, Ctrl-C, or the window is closed. Throws Error, also
+    /// when a run of this simulation is going on (so from inside an observer or a tune).
     RunReport run(const RunDef& def);
     /// The same for a main(): reads --headless, --steps N, --picture FILE.png and more (--help), prints how it went and
     /// returns the exit code: 0, or 2 after one line that says what is wrong.

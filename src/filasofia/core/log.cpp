@@ -37,8 +37,9 @@ spdlog::level::level_enum spdlogLevel(LogLevel level)
 
 } // namespace
 
-void writeLog(LogLevel level, std::string_view line)
+void writeLog(LogLevel level, std::string_view words)
 {
+    const std::string line = oneLine(std::string(words));
     const std::lock_guard lock(sinkMutex);
     if (userSink) {
         try {

@@ -1,6 +1,5 @@
 #include "filasofia/engine/native_engine.h"
 
-#include "filasofia/core/assert.h"
 #include "filasofia/core/error.h"
 #include "filasofia/engine/native.h"
 #include "filasofia/engine/world.h"
@@ -13,7 +12,7 @@ std::unique_ptr<physics::PhysicsEngine> makeNativeEngine() { return std::make_un
 
 void tune(physics::PhysicsServer& server, std::function<void(Native&)> change)
 {
-    FILASOFIA_ASSERT(change != nullptr);
+    if (!change) fail("tune: the function to run must be one, got nothing");
     if (!dynamic_cast<const World*>(&server.engine())) fail("tune: the native engine is not in use");
     server.tune([change = std::move(change)](physics::PhysicsEngine& engine) {
         World& world = static_cast<World&>(engine);

@@ -2,9 +2,13 @@
 
 #include "filasofia/core/error.h"
 
+#include <cstdint>
 #include <fstream>
 
 namespace filasofia::geometry {
+
+/// A mesh of 300,000 tetrahedra is 13 MB of text: what is larger than this is something else.
+constexpr std::uintmax_t kLargestFile = 4'000'000'000;
 
 std::string readFile(const std::filesystem::path& file)
 {
@@ -16,6 +20,7 @@ std::string readFile(const std::filesystem::path& file)
     const auto size = std::filesystem::file_size(file, problem);
     if (problem) fail(file.string(), ": cannot be read: ", problem.message());
     if (size == 0) fail(file.string(), ": is empty");
+    if (size > kLargestFile) fail(file.string(), ": must have at most ", kLargestFile, " bytes, got ", size);
     std::ifstream in(file, std::ios::binary);
     std::string bytes(size, '\0');
     if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) fail(file.string(), ": cannot be read");

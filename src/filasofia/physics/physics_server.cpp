@@ -200,7 +200,7 @@ void PhysicsServer::reset() { impl_->inbox.push(Reset{}); }
 
 void PhysicsServer::tune(std::function<void(PhysicsEngine&)> change)
 {
-    FILASOFIA_ASSERT(change != nullptr);
+    if (!change) fail("tune: the function to run must be one, got nothing");
     impl_->inbox.push(Tune{std::move(change)});
 }
 

@@ -46,13 +46,15 @@ int Simulation::run(int argc, const char* const* argv)
     app.add_flag("--headless", def.headless, "a plain loop without window or clock, the same every time");
     app.add_option("--steps", def.steps, "end after as many steps (headless: 1000 unless given)");
     app.add_option("--seconds", def.seconds, "end after as many seconds of wall time");
-    app.add_option("--picture", def.picture, "write the last state to this PNG file");
+    const CLI::Validator named([](const std::string& word) { return word.empty() ? "a file name is empty" : ""; }, "");
+    app.add_option("--picture", def.picture, "write the last state to this PNG file")->check(named);
     app.add_option("--picture-every", def.pictureEvery, "with --headless: numbered pictures, seconds apart");
-    app.add_option("--log", def.log, "write a line per step to this CSV file");
+    app.add_option("--log", def.log, "write a line per step to this CSV file")->check(named);
     try {
         app.parse(argc, argv);
         if (def.headless && def.steps == 0) def.steps = 1000; // nobody could close it
         std::cout << summary(run(def));
+        if (!std::cout.flush()) fail("cannot write to standard output");
         return 0;
     } catch (const CLI::CallForHelp&) {
         std::cout << app.help();

@@ -19,6 +19,7 @@ struct Simulation::Impl {
     std::function<void(visual::VisualServer&)> dress;
     std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow;
 
+    std::atomic<bool> running = false; ///< run() is going on, on whatever thread
     std::atomic<bool> stop = false;
     std::mutex reasonMutex;
     std::string reason; ///< why the run ends: the first that was given

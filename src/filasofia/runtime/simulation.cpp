@@ -29,8 +29,11 @@ void checkFile(const std::string& file, const char* field, const char* extension
     const std::filesystem::path path(file);
     const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
     if (path.extension() != extension) fail("run: ", field, " must end in ", extension, ", got '", file, "'");
-    if (!std::filesystem::is_directory(folder)) fail("run: ", field, " '", file, "': there is no such folder");
-    if (std::filesystem::is_directory(path)) fail("run: ", field, " '", file, "' is a folder");
+    std::error_code problem; // a name too long, a folder that may not be entered, a link in a circle
+    if (!std::filesystem::is_directory(folder, problem)) fail("run: ", field, " '", file, "': there is no such folder");
+    const auto status = std::filesystem::status(path, problem);
+    if (std::filesystem::is_directory(status)) fail("run: ", field, " '", file, "' is a folder");
+    if (!std::filesystem::status_known(status)) fail("run: ", field, " '", file, "': ", problem.message());
 }
 
 void check(const RunDef& def)
@@ -64,6 +67,7 @@ void Simulation::Impl::readyAgain()
     const std::lock_guard lock(reasonMutex);
     reason.clear();
     stop.store(false);
+    running.store(false);
 }
 
 void Simulation::Impl::stamp(event::Event& event) const
@@ -128,6 +132,7 @@ void Simulation::useWindow(std::function<std::unique_ptr<window::Window>(const w
 
 void Simulation::post(std::unique_ptr<event::Event> event)
 {
+    if (!event) fail("simulation: an event to post must be one, got null");
     impl_->stamp(*event);
     impl_->events.post(std::move(event));
 }
@@ -140,12 +145,16 @@ void Simulation::finish(std::string why) { impl_->finish(std::move(why)); }
 RunReport Simulation::run(const RunDef& def)
 {
     check(def);
+    if (impl_->running.exchange(true)) fail("simulation: a run is going on; it cannot be run again meanwhile");
     const StopSignal stopSignal;
     impl_->undone = impl_->notConverged = 0;
     try {
         RunReport report = def.headless ? runHeadless(*impl_, def) : runLive(*impl_, def);
         impl_->fill(report);
         impl_->readyAgain();
+        // Whoever does not look at the report should hear it once.
+        if (report.undone > 0) logWarning("in ", report.undone, " steps a state blew up and was put back (Undone)");
+        if (report.notConverged > 0) logWarning("in ", report.notConverged, " steps a solver stopped at its cap");
         return report;
     } catch (...) {
         impl_->readyAgain();

@@ -4,6 +4,9 @@
 
 #include <stb/stb_image_write.h>
 
+#include <fstream>
+#include <string>
+
 namespace filasofia::visual {
 
 void savePng(const Image& image, const std::filesystem::path& file)
@@ -16,8 +19,18 @@ void savePng(const Image& image, const std::filesystem::path& file)
     std::vector<std::uint8_t> rgb(3 * pixels);
     for (std::size_t i = 0; i < pixels; ++i)
         for (std::size_t k = 0; k < 3; ++k) rgb[3 * i + k] = image.rgba[4 * i + k];
-    if (!stbi_write_png(file.c_str(), image.width, image.height, 3, rgb.data(), 3 * image.width))
-        fail("cannot write picture '", file.string(), "'");
+    // Encoded into memory, because stb looks neither at its writes nor at its close: a full disk would pass for a
+    // picture.
+    std::string png;
+    const auto append = [](void* out, void* data, int size) {
+        static_cast<std::string*>(out)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+    };
+    const bool encoded =
+        stbi_write_png_to_func(append, &png, image.width, image.height, 3, rgb.data(), 3 * image.width);
+    std::ofstream out(file, std::ios::binary);
+    out.write(png.data(), static_cast<std::streamsize>(png.size()));
+    out.close();
+    if (!encoded || !out) fail("cannot write picture '", file.string(), "'");
 }
 
 } // namespace filasofia::visual
