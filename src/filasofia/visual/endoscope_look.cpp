@@ -29,7 +29,7 @@ Light& addLamp(VisualServer& server, Transform& rig, double away)
     SpotLight spot;
     spot.intensity = 8000.0 * away * away; // [cd]: the same illuminance at any distance
     spot.innerAngle = 0.12;
-    spot.outerAngle = 0.72;
+    spot.outerAngle = 0.95; // a little beyond the corners of the picture, so that nothing in it is cut off in black
     spot.range = 8.0 * away;
     LightDef def;
     def.name = "endoscope light";
