@@ -145,8 +145,10 @@ bool EventDispatcher::detach(ObserverId id) { return impl_->observers.detach(id)
 
 void EventDispatcher::post(std::unique_ptr<Event> event)
 {
+    if (!event) fail("event dispatcher: an event to post must be one, got null");
+    const EventType type = event->type;
     if (!tryPost(std::move(event)))
-        fail("event dispatcher: queue is full: ", impl_->def.capacity, " events wait (capacity), a ", name(event->type),
+        fail("event dispatcher: queue is full: ", impl_->def.capacity, " events wait (capacity), a ", name(type),
              " event does not fit");
 }
 

@@ -28,7 +28,7 @@ std::shared_ptr<ObserverList::Observer> ObserverList::remove(std::uint64_t id)
         if (!list) continue;
         const auto found = std::find_if(list->begin(), list->end(), [&](const auto& each) { return each->id == id; });
         if (found == list->end()) continue;
-        const std::shared_ptr<Observer> observer = *found;
+        std::shared_ptr<Observer> observer = *found;
         auto shorter = std::make_shared<Observers>(*list);
         std::erase(*shorter, observer);
         list = std::move(shorter);

@@ -15,7 +15,7 @@ namespace {
 std::string numbered(const std::string& picture, double time)
 {
     const std::filesystem::path path(picture);
-    std::string milliseconds = std::to_string(static_cast<long>(time * 1e3 + 0.5));
+    std::string milliseconds = std::to_string(std::lround(time * 1e3));
     milliseconds.insert(0, milliseconds.size() < 4 ? 4 - milliseconds.size() : 0, '0');
     return (path.parent_path() / text(path.stem().string(), "_", milliseconds, "ms.png")).string();
 }
