@@ -1,6 +1,9 @@
 #pragma once
 
+#include "filasofia/core/fields.h"
+
 #include <memory>
+#include <optional>
 
 namespace filasofia::physics {
 class PhysicsEngine;
@@ -8,7 +11,21 @@ class PhysicsEngine;
 
 namespace filasofia::engine {
 
-/// The native engine: corotational elements and springs, explicit and implicit Euler, Cholesky and conjugate gradients.
-std::unique_ptr<physics::PhysicsEngine> makeNativeEngine();
+struct NativeEngineDef {
+    double period = 1e-3; ///< [s], in (0, 10]: the step that solvers prepare for. Others only take more iterations.
+    std::optional<int> threads = {}; ///< [-], in [1, 256], at work within one step; not given: the cores but one, up to
+                                     ///< 8. The same bits whatever their number.
+};
+constexpr auto fields(const NativeEngineDef*)
+{
+    using T = NativeEngineDef;
+    return describe("NativeEngineDef",
+                    field("period", &T::period, "s", openClosed(0, 10), "the step that solvers prepare for"),
+                    field("threads", &T::threads, "-", closed(1, 256), "at work within one step"));
+}
+
+/// The native engine: corotational elements and springs, explicit and implicit Euler, conjugate gradients and Cholesky.
+/// Throws an Error naming the field that is out of its range.
+std::unique_ptr<physics::PhysicsEngine> makeNativeEngine(const NativeEngineDef& def = {});
 
 } // namespace filasofia::engine

@@ -49,7 +49,7 @@ public:
 
     // The stepping thread only.
     /// One step of dt [s], > 0. `flags`: StepFlag bits that the caller knows already, for report and log.
-    StepReport step(double dt, std::uint32_t flags = 0);
+    StepReport step(double dt, std::uint32_t flags = 0, const StepBudget& budget = {});
     [[nodiscard]] std::uint64_t hash() const;
     /// Computes the state's hash after every step, for the log.
     void hashEveryStep(bool on);

@@ -3,6 +3,8 @@
 #include "filasofia/core/body_id.h"
 
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <vector>
 
 namespace filasofia::physics {
@@ -12,11 +14,13 @@ enum class StepFlag : std::uint32_t {
     Late = 1u << 0,         ///< woke up more than a period late (runtime)
     Clamped = 1u << 1,      ///< dt was cut to period + slack: simulated time fell behind (runtime)
     NotConverged = 1u << 2, ///< a solver stopped at its cap
-    Undone = 1u << 3,       ///< a body's new state was not finite: it kept its positions and lost its velocity
+    Undone = 1u << 3,       ///< nor was it when made again (Damped): the body kept its positions and lost its velocity
     EventLost = 1u << 4,    ///< the event queue was full (runtime)
     RecordLost = 1u << 5,   ///< the step log was full; in a record: steps before it are missing
     Tuned = 1u << 6,        ///< tune() ran: a recording cannot be replayed from here on
     TuneRejected = 1u << 7, ///< tune() threw or left an invalid model: everything was put back
+    Damped = 1u << 8,       ///< a body's new state was not finite: its step was made again from rest, heavily damped
+    OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance
 };
 
 /// How one body's step was solved.
@@ -26,6 +30,22 @@ struct BodySolve {
     double residual = 0.0; ///< [-], relative to the right-hand side
 };
 
+/// What the stages of a step took [s]. Zeros where the step was given no clock.
+struct StageTimes {
+    double commands = 0.0; ///< applying them
+    double assemble = 0.0; ///< rotations, forces, stiffness
+    double advance = 0.0;  ///< the solve, and moving the nodes
+};
+
+/// How long a step may take. Of all that a step computes it changes only where its solvers stop.
+struct StepBudget {
+    std::function<std::int64_t()> now = {}; ///< [ns], a steady clock for any thread; empty: neither deadline nor times
+    std::int64_t deadline = std::numeric_limits<std::int64_t>::max(); ///< [ns], on that clock
+    /// In place of a deadline, when a step is made again: the iterations that each soft body's solver made then, in the
+    /// order of StepReport::solves; empty: solvers end by themselves.
+    std::vector<int> iterations = {};
+};
+
 /// How a step went.
 struct StepReport {
     std::uint64_t step = 0;             ///< number of steps made, this one included
@@ -33,6 +53,7 @@ struct StepReport {
     double dt = 0.0;                    ///< [s]; 0 while paused
     std::uint32_t flags = 0;            ///< StepFlag bits
     std::vector<BodySolve> solves = {}; ///< per soft body, in the order of their ids
+    StageTimes times = {};
 
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }
     [[nodiscard]] bool has(StepFlag flag) const { return (flags & static_cast<std::uint32_t>(flag)) != 0; }

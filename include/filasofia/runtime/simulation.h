@@ -25,14 +25,20 @@ struct PhysicsDef {
     double slack = 2e-3;              ///< [s], in [0, 10]: a step is never longer than 1/rate + slack
     Vec3 gravity = {0.0, -9.81, 0.0}; ///< [m/s^2]
     bool realTime = true;             ///< ask the system to schedule physics before ordinary threads
+    std::optional<int> threads =
+        {}; ///< [-], in [1, 256], at work within one step; not given: the cores but one, up to 8
+    std::optional<double> deadline = {}; ///< [s], > 0, after a live step's start: solvers stop there; not given: 1/rate
 };
 constexpr auto fields(const PhysicsDef*)
 {
     using T = PhysicsDef;
-    return describe("PhysicsDef", field("rate", &T::rate, "Hz", closed(1, 100000), "steps per second"),
-                    field("slack", &T::slack, "s", closed(0, 10), "a step is never longer than 1/rate + slack"),
-                    field("gravity", &T::gravity, "m/s^2", finite(), "acts on every body"),
-                    field("realTime", &T::realTime, "schedule physics before ordinary threads"));
+    return describe(
+        "PhysicsDef", field("rate", &T::rate, "Hz", closed(1, 100000), "steps per second"),
+        field("slack", &T::slack, "s", closed(0, 10), "a step is never longer than 1/rate + slack"),
+        field("gravity", &T::gravity, "m/s^2", finite(), "acts on every body"),
+        field("realTime", &T::realTime, "schedule physics before ordinary threads"),
+        field("threads", &T::threads, "-", closed(1, 256), "at work within one step"),
+        field("deadline", &T::deadline, "s", positiveOrInfinite(), "solvers stop so long after a step's start"));
 }
 
 /// The picture that a simulation has unless it makes its own: an endoscope's.

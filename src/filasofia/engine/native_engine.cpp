@@ -1,6 +1,6 @@
 #include "filasofia/engine/native_engine.h"
 
-#include "filasofia/core/error.h"
+#include "filasofia/core/validate.h"
 #include "filasofia/engine/native.h"
 #include "filasofia/engine/world.h"
 #include "filasofia/physics/physics_engine.h"
@@ -8,7 +8,11 @@
 
 namespace filasofia::engine {
 
-std::unique_ptr<physics::PhysicsEngine> makeNativeEngine() { return std::make_unique<World>(); }
+std::unique_ptr<physics::PhysicsEngine> makeNativeEngine(const NativeEngineDef& def)
+{
+    validate(def, "native engine");
+    return std::make_unique<World>();
+}
 
 void tune(physics::PhysicsServer& server, std::function<void(Native&)> change)
 {

@@ -210,12 +210,12 @@ std::shared_ptr<const BodyDef> PhysicsServer::def(BodyId id) const
     return impl_->find(id).def;
 }
 
-StepReport PhysicsServer::step(double dt, std::uint32_t flags)
+StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget& budget)
 {
     FILASOFIA_ASSERT(std::isfinite(dt) && dt > 0.0);
     impl_->drainInbox();
-    StepReport report =
-        impl_->engine->step({.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands, .flags = flags});
+    StepReport report = impl_->engine->step(
+        {.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands, .flags = flags, .budget = &budget});
     impl_->writeLog(report);
     impl_->publishFrame();
     return report;

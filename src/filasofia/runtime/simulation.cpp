@@ -51,7 +51,9 @@ void check(const RunDef& def)
 } // namespace
 
 Simulation::Impl::Impl(const SimulationDef& asked)
-    : def(checked(asked)), physics(engine::makeNativeEngine(), {.gravity = asked.physics.gravity})
+    : def(checked(asked)),
+      physics(engine::makeNativeEngine({.period = 1.0 / asked.physics.rate, .threads = asked.physics.threads}),
+              {.gravity = asked.physics.gravity})
 {
 }
 
