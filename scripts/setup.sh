@@ -11,12 +11,12 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 # Catch2 and python3 are here because configuring looks for them even when no test is built.
 run_packages=(
   g++ cmake ninja-build ccache git ca-certificates python3 catch2
-  libeigen3-dev libassimp-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libstb-dev
+  libeigen3-dev libhwy-dev libassimp-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libstb-dev
   libfilament-dev libfilament-tools libosd-dev libsdl2-dev
   libx11-dev libgl-dev libopengl-dev libegl-dev libegl1 libgl1 libgl1-mesa-dri
 )
 test_packages=(clang-format xvfb xauth)
-dev_packages=(clang clang-tidy libclang-rt-dev util-linux)
+dev_packages=(clang clang-tidy libclang-rt-dev util-linux calculix-ccx libbullet-dev)
 
 groups=run,test check=no
 for word in "$@"; do

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -32,7 +33,11 @@ struct Command {
 };
 
 Command runCommand();    ///< a scene in a window, or headless
+Command replayCommand(); ///< makes a recorded run again
 Command benchCommand();  ///< tables and JSON
 Command doctorCommand(); ///< what this machine can do for the simulation, and what is missing
+
+/// What --threads N asks for; 0 leaves the choice to the engine.
+inline std::optional<int> givenThreads(int threads) { return threads == 0 ? std::nullopt : std::optional(threads); }
 
 } // namespace filasofia::app

@@ -10,6 +10,7 @@ struct Options {
     std::string scene;
     BunnyDef bunny;
     double rate = 1000.0;
+    int threads = 0;
     RunDef run;
 };
 
@@ -28,8 +29,9 @@ int runScene(Options& options)
 {
     if (options.scene != "bunny") fail("run: there is no scene '", options.scene, "'; there is bunny");
     if (options.run.headless && options.run.steps == 0) options.run.steps = 1000; // it would never end
-    Simulation sim(
-        {.physics = {.rate = options.rate}, .window = {.title = "Filasofia: bunny"}, .look = {.around = bunnyRoom()}});
+    Simulation sim({.physics = {.rate = options.rate, .threads = givenThreads(options.threads)},
+                    .window = {.title = "Filasofia: bunny"},
+                    .look = {.around = bunnyRoom()}});
     addBunny(sim, options.bunny);
     bindKeys(sim);
     std::cout << runtime::summary(sim.run(options.run));
@@ -53,7 +55,9 @@ Command runCommand()
                     {"--seconds", &options.run.seconds, "End after as many seconds of wall time", "S"},
                     {"--picture", &options.run.picture, "Write the last state to this PNG file", "FILE"},
                     {"--picture-every", &options.run.pictureEvery, "Headless: numbered pictures, seconds apart", "S"},
-                    {"--log", &options.run.log, "Write a line per step to this CSV file", "FILE"}},
+                    {"--log", &options.run.log, "Write a line per step to this CSV file", "FILE"},
+                    {"--record", &options.run.record, "Write the run to this .rec file, for replay", "FILE"},
+                    {"--threads", &options.threads, "Threads within one step; 0: the cores but one, up to 8", "N"}},
         .run = [] { return runScene(options); }};
 }
 

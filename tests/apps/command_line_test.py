@@ -11,9 +11,9 @@ from pathlib import Path
 PROGRAM, VERSION = sys.argv[1:3]
 
 
-def run(*words, **environment):
+def run(*words, timeout=100, **environment):
     return subprocess.run([PROGRAM, *words], capture_output=True, text=True, stdin=subprocess.DEVNULL,
-                          env={**os.environ, **environment}, timeout=100)
+                          env={**os.environ, **environment}, timeout=timeout)
 
 
 class Program(unittest.TestCase):
@@ -177,6 +177,96 @@ class Run(Program):
             self.assertNotEqual(pictures[0].read_bytes(), pictures[-1].read_bytes())
 
 
+class Replay(Program):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.file = Path(self.folder.name, "bunny.rec")
+
+    def record(self, *words):
+        """Records the bunny and returns the hash of its last state."""
+        said = self.output("run", "bunny", "--tets", "756", "--record", str(self.file), *words)
+        return self.state_hash(said)
+
+    def state_hash(self, said):
+        return re.search(r"(?m)^state hash ([0-9a-f]{16})$", said)[1]
+
+    def change(self, line, of, into):
+        """Edits a line of the recording, counted from 1."""
+        lines = self.file.read_text().splitlines(keepends=True)
+        self.assertRegex(lines[line - 1], of)
+        lines[line - 1] = re.sub(of, into, lines[line - 1], count=1)
+        self.file.write_text("".join(lines))
+
+    def test_a_headless_run_is_made_again_by_any_number_of_threads(self):
+        recorded = self.record("--headless", "--steps", "30", "--rate", "200")
+        for words in ((), ("--check",), ("--check", "--threads", "1"), ("--check", "--threads", "3")):
+            said = self.output("replay", str(self.file), *words)
+            self.assertEqual(self.state_hash(said), recorded)
+            self.assertRegex(said, r"(?m)^30 steps, 0\.150 s simulated, made again in \d+\.\d+ s$")
+            self.assertEqual("every step has the recorded hash\n" in said, "--check" in words)
+
+    def test_the_recording_needs_no_other_file(self):
+        recorded = self.record("--headless", "--steps", "3")
+        said = self.output("replay", str(self.file), "--check", FILASOFIA_ASSETS="/nonexistent")
+        self.assertEqual(self.state_hash(said), recorded)
+        self.assertNotIn(".msh", self.file.read_text())
+
+    def test_a_log_and_a_recording_may_be_written_together(self):
+        table = Path(self.folder.name, "bunny.csv")
+        self.record("--headless", "--steps", "5", "--log", str(table))
+        hashes = [line.split(",")[5] for line in table.read_text().splitlines()[1:]]
+        steps = [json.loads(line) for line in self.file.read_text().splitlines()[2:]]
+        self.assertEqual(hashes, [step["hash"] for step in steps])
+        self.assertEqual(len(hashes), 5)
+
+    def test_a_step_that_differs_is_named_and_the_exit_code_is_1(self):
+        self.record("--headless", "--steps", "10")
+        digit = json.loads(self.file.read_text().splitlines()[8])["hash"][0]
+        self.change(9, '"hash":"[0-9a-f]', f'"hash":"{"1" if digit == "0" else "0"}')  # line 1 header, 2 mesh
+        done = run("replay", str(self.file), "--check")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertRegex(done.stdout, r"^step 7 differs: recorded [0-9a-f]{16}, replayed [0-9a-f]{16}\n$")
+        self.assertEqual(run("replay", str(self.file)).returncode, 0)  # nobody asked
+
+    def test_a_changed_command_is_seen_in_the_first_step_it_changes(self):
+        self.record("--headless", "--steps", "5")
+        self.change(3, '"youngModulus":10000.0', '"youngModulus":10000.1')
+        done = run("replay", str(self.file), "--check")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertTrue(done.stdout.startswith("step 1 differs: ") or done.stdout.startswith("step 2 differs: "), done.stdout)
+
+    def test_what_is_no_whole_recording_is_refused_with_file_and_line(self):
+        self.record("--headless", "--steps", "5")
+        whole = self.file.read_text()
+        self.refused("replay", "/nonexistent.rec", says=["/nonexistent.rec", "cannot be read"])
+        self.refused("replay", says=["RECORDING"])
+        self.change(6, '"dt":', '"xx":')
+        self.refused("replay", str(self.file), says=[f"{self.file}:6:", "'dt'", "missing"])
+        self.file.write_text(whole[:-20])
+        self.refused("replay", str(self.file), says=[f"{self.file}:7:", "cut off after step 4"])
+        self.file.write_text(whole.replace('"version":1', '"version":9'))
+        self.refused("replay", str(self.file), says=[f"{self.file}:1:", "version 9"])
+        self.file.write_text(whole.splitlines()[0] + "\n")
+        self.refused("replay", str(self.file), says=["holds no step"])
+        self.file.write_bytes(b"\x00\xff\n" * 10)
+        self.refused("replay", str(self.file), says=[f"{self.file}:1:"])
+
+    def test_steps_that_cannot_be_made_again_are_named(self):
+        self.record("--headless", "--steps", "5")
+        lines = self.file.read_text().splitlines(keepends=True)
+        self.change(5, '"flags":0', '"flags":64')
+        self.refused("replay", str(self.file), says=["step 3", "tune()"])
+        self.file.write_text("".join(lines[:4] + lines[5:]))
+        self.refused("replay", str(self.file), says=["step 4", "step 3 is missing"])
+
+    def test_a_recording_that_cannot_be_written_is_refused_before_the_run(self):
+        words = ("run", "bunny", "--headless", "--steps", "2000000000", "--record")
+        self.refused(*words, os.path.join(self.folder.name, "missing", "bunny.rec"), says=["record"])
+        self.refused(*words, os.path.join(self.folder.name, "bunny.txt"), says=["record", ".rec"])
+        self.refused("run", "bunny", "--headless", "--threads", "-1", says=["threads", "[1, 256]", "got -1"])
+
+
 class Bench(Program):
     QUICK = ("bench", "bunny", "--quick", "--seconds", "0.1")
     NO_EGL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json"}  # as on a machine without a driver
@@ -245,8 +335,93 @@ class Bench(Program):
         with tempfile.TemporaryDirectory() as folder:
             missing = os.path.join(folder, "missing", "bench.json")
             self.refused("bench", "bunny", "--seconds", "3600", "--json", missing, says=[missing])
-        self.refused("bench", "cat", says=["'cat'", "bunny"])
+        self.refused("bench", "cat", says=["'cat'", "bunny", "solver"])
         self.refused("bench", "bunny", "--seconds", "0", says=["--seconds", "got 0"])
+
+
+class BenchSolver(Program):
+    @classmethod
+    def setUpClass(cls):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "solver.json")
+            done = run("bench", "solver", "--quick", "--json", str(path), timeout=280)
+            assert done.returncode == 0, done.stderr
+            cls.report, cls.said = json.loads(path.read_text()), done.stdout
+
+    def test_every_mesh_and_step_has_its_figures(self):
+        cells = self.report["cells"]
+        self.assertEqual([(cell["mesh"], cell["dt_s"]) for cell in cells],
+                         [(mesh, dt) for mesh in ("756", "1492", "3004") for dt in (1e-3, 5e-3)])
+        for cell in cells:
+            self.assertAlmostEqual(cell["tetrahedra"] / int(cell["mesh"]), 1, delta=0.01)
+            self.assertGreater(cell["oracle_over_step"]["median"], 0)
+            for run_ in cell["runs"]:
+                spreads = [run_["step_s"]]
+                if not run_["other_cores_busy"]:
+                    spreads += [run_["floor_s"], run_["step_over_floor"]]
+                    self.assertGreater(run_["floor_gflop_per_s"], 0)
+                for spread in spreads:
+                    self.assertLess(0, spread["p1"])
+                    self.assertLessEqual(spread["p1"], spread["median"])
+                    self.assertLessEqual(spread["median"], spread["p99"])
+                self.assertEqual(run_["flags"], 0)
+                self.assertGreater(run_["iterations_mean"], 0)
+
+    def test_one_thread_comes_first_and_every_number_of_threads_makes_the_same_iterations(self):
+        for cell in self.report["cells"]:
+            crews = [(run_["threads"], run_["other_cores_busy"]) for run_ in cell["runs"]]
+            self.assertEqual(crews[0], (1, False))
+            self.assertEqual(len(set(crews)), len(crews))
+            self.assertEqual((2, True) in crews, self.report["cores"] > 1)
+            self.assertEqual(len({round(run_["iterations_mean"], 9) for run_ in cell["runs"]}), 1)
+
+    def test_a_tight_tolerance_comes_close_to_the_reference_and_closer_than_the_default_one(self):
+        for cell in self.report["cells"]:
+            for scene in ("hanging", "standing"):
+                error, tight = cell["error"][scene], cell["error"][scene + "_tight"]
+                self.assertLess(0, tight)
+                self.assertLess(tight, 1e-4)
+                self.assertLess(tight, 1e-5)
+                self.assertLess(error, 0.1)
+
+    def test_stiff_materials_are_solved_and_take_more_iterations(self):
+        for stiff in self.report["stiff"]:
+            self.assertEqual(stiff["flags"], 0)
+            if stiff["young_modulus_pa"] == 1e6:
+                soft = next(cell["runs"][0] for cell in self.report["cells"]
+                            if (cell["mesh"], cell["dt_s"]) == (stiff["mesh"], stiff["dt_s"]))
+                self.assertGreater(stiff["iterations_most"], soft["iterations_most"])
+
+    def test_the_limits_are_judged_by_the_cells_and_those_not_measured_are_unknown(self):
+        limits = {limit["limit"]: limit for limit in self.report["limits"]}
+        words = {True: "met", False: "MISSED", None: "unknown"}
+        for limit in limits.values():
+            self.assertRegex(self.said, rf"(?m)^{words[limit['met']]} +"
+                                        rf"{re.escape(limit['limit'] + ': ' + limit['measured'])}$")
+
+        def met(part):
+            return next(limit["met"] for name, limit in limits.items() if part in name)
+
+        def alone(dt):
+            return [cell["runs"][0] for cell in self.report["cells"] if cell["dt_s"] == dt]
+
+        self.assertEqual(met("a step of 1 ms"), max(run_["step_over_floor"]["median"] for run_ in alone(1e-3)) <= 2.5)
+        self.assertEqual(met("a step of 5 ms"), max(run_["step_over_floor"]["median"] for run_ in alone(5e-3)) <= 4)
+        errors = [max(cell["error"][scene] for scene in ("hanging", "standing")) for cell in self.report["cells"]]
+        self.assertEqual(met("the default tolerance"), max(errors) <= 1e-3)
+        self.assertIs(met("raises a flag"), True)
+        self.assertIs(met("converge"), True)
+        for part in ("at 10000 tetrahedra and 5 ms", "from 3004 to 30000", "from 10000 tetrahedra"):
+            self.assertIsNone(met(part))
+
+    def test_what_it_cannot_do_is_refused_before_it_measures(self):
+        with tempfile.TemporaryDirectory() as folder:
+            missing = os.path.join(folder, "missing", "bench.json")
+            self.refused("bench", "solver", "--json", missing, says=[missing])
+        self.refused("bench", "solvre", says=["'solvre'", "bunny", "solver"])
+        self.refused("bench", "solver", "--seconds", "3", says=["--seconds", "bunny"])
+        self.refused("bench", "solver", "--quik", says=["'--quik'", "did you mean '--quick'?"])
+        self.refused("bench", "solver", "bunny", says=["'bunny'"])
 
 
 if __name__ == "__main__":

@@ -24,7 +24,8 @@ double energy(Stage& stage)
         const FemElement& element = stage.model().elements[e];
         Corners x;
         for (std::size_t i = 0; i < 4; ++i) x[i] = stage.soft().x[element.nodes[i]];
-        sum += corotationalEnergy(element, gradient(element, x), toMat3(stage.soft().rotations[e]));
+        sum += corotationalEnergy(element, gradient(element, x),
+                                  toMat3(normalized(rotationOf(stage.soft().rotations, e))));
     }
     for (std::size_t i = 0; i < stage.soft().v.size(); ++i) {
         const Vec3 v = stage.soft().v[i];

@@ -21,7 +21,7 @@ template <class Change> std::string refusal(Change change)
     SoftBodyDef def = someBody();
     change(def);
     try {
-        buildBody(def);
+        buildBody(def, 1e-3);
     } catch (const Error& error) {
         return error.what();
     }
@@ -41,7 +41,7 @@ double totalMass(const SoftBodyDef& def)
 TEST_CASE("the body of these tests is accepted")
 {
     CHECK(refusal([](SoftBodyDef&) {}) == "accepted");
-    const auto built = buildBody(someBody());
+    const auto built = buildBody(someBody(), 1e-3);
     CHECK(built->nodeCount() == 27);
 }
 
@@ -124,7 +124,7 @@ TEST_CASE("rigid bodies with no element or a pose that is none are refused")
 {
     const auto refusalOf = [](RigidBodyDef def) -> std::string {
         try {
-            buildBody(def);
+            buildBody(def, 1e-3);
         } catch (const Error& error) {
             return error.what();
         }

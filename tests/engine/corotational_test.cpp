@@ -83,7 +83,7 @@ TEST_CASE("the blocks of the warped stiffness make the same product as warpedSti
             x[i] = randomVec3(random, 1.0);
             rotated[i] = r * element.gradients[i];
         }
-        const Corners whole = warpedStiffnessTimes(element, r, x);
+        const Corners whole = warpedStiffnessTimes(element, lame(element.youngModulus, element.poissonRatio), r, x);
         for (int i = 0; i < 4; ++i) {
             Vec3 row;
             for (int j = 0; j < 4; ++j)

@@ -15,9 +15,10 @@ TEST_CASE("explicit Euler moves with the old velocity, symplectic with the new o
 {
     const std::vector<Vec3> forces(2, {4, 0, 0}), stiffnessTimesVelocity(2, {0, 10, 0});
     for (bool symplectic : {false, true}) {
-        std::vector<Vec3> x(2), v(2, {0, 0, 1});
+        std::vector<Vec3> x(2), v(2, {0, 0, 1}), dv(2, {9, 9, 9});
         v[1] = {};
-        advanceExplicit(0.5, symplectic, kDamping, kMasses, forces, stiffnessTimesVelocity, kFixed, x, v);
+        explicitChange(0.5, kDamping, 1.0, kMasses, forces, stiffnessTimesVelocity, v, kFixed, dv);
+        move(0.5, !symplectic, dv, x, v);
         // (f - a M v - b K v) / m = (4, -1, -1) / 2
         CHECK(v[0] == Vec3{1.0, -0.25, 0.75});
         CHECK(x[0] == (symplectic ? 0.5 * v[0] : Vec3{0, 0, 0.5}));
@@ -30,7 +31,7 @@ TEST_CASE("implicit Euler moves with the new velocity")
 {
     const std::vector<Vec3> dv{{1, 0, 0}};
     std::vector<Vec3> x{{10, 0, 0}}, v{{2, 4, 0}};
-    advanceImplicit(0.5, dv, x, v);
+    move(0.5, false, dv, x, v);
     CHECK(v[0] == Vec3{3, 4, 0});
     CHECK(x[0] == Vec3{11.5, 2, 0});
 }

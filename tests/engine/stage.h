@@ -9,6 +9,8 @@ namespace filasofia::engine {
 
 /// A World driven by hand: commands wait for the next step, as the server would have them.
 struct Stage {
+    explicit Stage(const NativeEngineDef& def = {.threads = 1}) : world(def) {}
+
     World world;
     std::vector<physics::Command> commands;
     std::uint32_t lastId = 0;
@@ -40,10 +42,13 @@ struct Stage {
     SoftState& soft(std::size_t body = 0) { return world.state().softBodies[body]; }
 };
 
-/// Without gravity, damping and pins: what a test does not name does not act.
+/// Without gravity, damping and pins: what a test does not name does not act. In double precision: for exact answers.
 inline physics::SoftBodyDef freeBody(geometry::TetMesh mesh)
 {
-    return {.mesh = shared(std::move(mesh)), .rayleigh = {0.0, 0.0}, .gravity = false};
+    return {.mesh = shared(std::move(mesh)),
+            .rayleigh = {0.0, 0.0},
+            .gravity = false,
+            .solver = physics::ConjugateGradient{.tolerance = 1e-4, .assembled = true}};
 }
 
 /// The forces on the nodes of a free body at rest or not, read off one explicit step made on a copy of its state:

@@ -74,9 +74,9 @@ TEST_CASE("the hash sees every number of the state")
     stage.run(3, 0.01);
     const std::uint64_t before = stage.world.hash();
     State& state = stage.world.state();
-    const auto nudge = [&](double& number) {
-        const double old = number;
-        number = std::nextafter(number, 1e9);
+    const auto nudge = [&](auto& number) {
+        const auto old = number;
+        number = std::nextafter(number, std::decay_t<decltype(number)>(1e9));
         CHECK(stage.world.hash() != before);
         number = old;
         CHECK(stage.world.hash() == before);
@@ -84,7 +84,8 @@ TEST_CASE("the hash sees every number of the state")
     nudge(state.time);
     nudge(state.gravity.z);
     nudge(state.softBodies[0].pressure);
-    nudge(state.softBodies[0].rotations[0].x);
+    for (auto list : {&ElementRotations::x, &ElementRotations::y, &ElementRotations::z, &ElementRotations::w})
+        nudge((state.softBodies[0].rotations[0].*list)[0]);
     for (auto* list :
          {&state.softBodies[0].x, &state.softBodies[0].v, &state.softBodies[0].dv, &state.softBodies[0].forces})
         for (int axis = 0; axis < 3; ++axis) nudge((*list)[3][axis]);

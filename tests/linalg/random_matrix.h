@@ -1,8 +1,12 @@
 #pragma once
 
 #include "filasofia/linalg/block_sparse_matrix.h"
+#include "filasofia/linalg/node_kernels.h"
+#include "filasofia/math/quat.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -45,6 +49,102 @@ inline BlockSparseMatrix randomSpd(std::mt19937& random, int n)
         a.block(a.find(j, i)) -= k;
     }
     return a;
+}
+
+inline float randomFloat(std::mt19937& random)
+{
+    return static_cast<float>(std::normal_distribution<double>()(random));
+}
+
+/// The first `count` nodes are random, x y z 0, and the rest of the array zero.
+inline NodeArray randomNodes(std::mt19937& random, int count, int heldBlocks = 0)
+{
+    NodeArray nodes(blocksFor(count), heldBlocks);
+    for (int node = 0; node < count; ++node)
+        for (int i = 0; i < 3; ++i) nodes[node][i] = randomFloat(random);
+    return nodes;
+}
+
+inline Quat randomQuat(std::mt19937& random)
+{
+    std::normal_distribution<double> number;
+    return normalized(Quat{number(random), number(random), number(random), number(random)});
+}
+
+inline void setRotation(std::vector<RotationBlock>& rotations, int node, Quat q)
+{
+    const Mat3 r = toMat3(q);
+    for (int k = 0; k < 9; ++k)
+        rotations[static_cast<std::size_t>(node / kBlock)].m[k][node % kBlock] = static_cast<float>(r[k / 3][k % 3]);
+}
+
+inline Mat3 rotationOf(const std::vector<RotationBlock>& rotations, int node)
+{
+    Mat3 r;
+    for (int k = 0; k < 9; ++k)
+        r[k / 3][k % 3] = static_cast<double>(rotations[static_cast<std::size_t>(node / kBlock)].m[k][node % kBlock]);
+    return r;
+}
+
+inline std::vector<RotationBlock> randomRotations(std::mt19937& random, int blocks)
+{
+    std::vector<RotationBlock> rotations(static_cast<std::size_t>(blocks));
+    for (int node = 0; node < kBlock * blocks; ++node) setRotation(rotations, node, randomQuat(random));
+    return rotations;
+}
+
+inline Vec3 vectorOf(const float* node) { return {node[0], node[1], node[2]}; }
+
+/// Half the distance of floats around 1: what one operation may err, relative to its result.
+constexpr double kRounding = 0x1p-24;
+
+/// The largest error of what has been compared, in roundings of what was summed up for it.
+class WorstError {
+public:
+    /// `size`: the sum of the absolute values of all terms that the exact value is the sum of.
+    void compare(double value, double exact, double size)
+    {
+        const double error = std::abs(value - exact) / (kRounding * size);
+        if (value == exact) return;
+        if (!(error <= roundings_)) roundings_ = std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
+    }
+    [[nodiscard]] double roundings() const { return roundings_; }
+
+private:
+    double roundings_ = 0.0;
+};
+
+/// Whether an instruction set multiplies and adds with one rounding. All that do give the same bits.
+inline bool isFused(const std::string& target)
+{
+    return target.rfind("SSE", 0) != 0 && target != "EMU128" && target != "SCALAR";
+}
+
+/// Calls test(name) on every instruction set of this machine, with the best one in use again afterwards, also when a
+/// check throws.
+template <class Test> void onEveryTarget(const Test& test)
+{
+    struct BestAgain {
+        ~BestAgain() { useSimdTarget({}); }
+    } const bestAgain;
+    for (const std::string& target : simdTargets()) {
+        INFO("instruction set " << target);
+        useSimdTarget(target);
+        REQUIRE(simdTarget() == target);
+        test(target);
+    }
+}
+
+/// `results()` gives the bits of many results, each with a name: all instruction sets that fuse must agree on them.
+template <class Results> void checkSameBitsWhereFused(const Results& results)
+{
+    decltype(results()) first;
+    onEveryTarget([&](const std::string& target) {
+        if (!isFused(target)) return;
+        const auto found = results();
+        if (first.empty()) first = found;
+        CHECK(found == first);
+    });
 }
 
 } // namespace filasofia::linalg

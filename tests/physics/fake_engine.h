@@ -15,13 +15,19 @@ struct FakeBody final : BuiltBody {
 
 /// What a fake engine was asked to do. It outlives the server that owns the engine.
 struct Told {
-    std::vector<Command> commands; ///< all, in the order in which they arrived
-    std::vector<double> dts;       ///< one per step
+    std::vector<Command> commands = {}; ///< all, in the order in which they arrived
+    std::vector<double> dts = {};       ///< one per step
     int captures = 0;
     int hashes = 0;
+    std::vector<std::int64_t> deadlines = {}; ///< one per step that had a clock
+
+    int needed = 0;                     ///< iterations that each soft body's solver makes when nothing stops it
+    std::function<void()> iterate = {}; ///< called for each: where a fake clock goes on
+    std::vector<std::vector<int>> iterations = {}; ///< made, per step and soft body
 };
 
-/// An engine that moves nothing and writes down what it is told. Soft bodies have four nodes.
+/// An engine that moves nothing and writes down what it is told. Soft bodies have four nodes, and solvers whose
+/// iterations are the only thing that the hash depends on besides the number of the step.
 class FakeEngine final : public PhysicsEngine {
 public:
     explicit FakeEngine(Told& told) : told_(told) {}
@@ -37,11 +43,16 @@ public:
     {
         for (Command& command : in.commands) {
             if (auto* tune = std::get_if<Tune>(&command)) tune->change(*this);
+            if (const auto* add = std::get_if<AddBody>(&command))
+                softBodies_ += std::holds_alternative<SoftBodyDef>(*add->def);
             told_.commands.push_back(taken(command));
         }
         told_.dts.push_back(in.dt);
         ++steps_;
-        return {.step = steps_, .time = 0.5, .dt = in.dt, .flags = in.flags};
+        StepReport report{.step = steps_, .time = 0.5, .dt = in.dt, .flags = in.flags};
+        if (told_.needed > 0) solve(in.budget ? *in.budget : StepBudget{}, report);
+        if (in.budget && in.budget->now) told_.deadlines.push_back(in.budget->deadline);
+        return report;
     }
     void capture(frame::Frame& out) const override
     {
@@ -52,7 +63,7 @@ public:
     [[nodiscard]] std::uint64_t hash() const override
     {
         ++told_.hashes;
-        return 1000 + steps_;
+        return 1000 + steps_ + 1'000'000 * iterationsMade_;
     }
 
 private:
@@ -69,8 +80,26 @@ private:
         return copy;
     }
 
+    /// As the seam says: a deadline is looked at between iterations; recorded counts stand in its place.
+    void solve(const StepBudget& budget, StepReport& report)
+    {
+        told_.iterations.emplace_back();
+        for (std::size_t body = 0; body < softBodies_; ++body) {
+            const int wanted = budget.iterations.empty() ? told_.needed : budget.iterations[body];
+            int made = 0;
+            for (; made < wanted && !(budget.now && budget.now() >= budget.deadline); ++made)
+                if (told_.iterate) told_.iterate();
+            if (made < wanted) report.set(StepFlag::OutOfTime);
+            iterationsMade_ = 31 * iterationsMade_ + static_cast<std::uint64_t>(made);
+            report.solves.push_back({.body = {}, .iterations = made});
+            told_.iterations.back().push_back(made);
+        }
+    }
+
     Told& told_;
     std::uint64_t steps_ = 0;
+    std::size_t softBodies_ = 0;
+    std::uint64_t iterationsMade_ = 0;
 };
 
 inline PhysicsServer fakeServer(Told& told, const PhysicsServerDef& def = {})

@@ -52,8 +52,8 @@ TEST_CASE("a skin stays on its body, also where the orientation given was not of
     stage.physics.step(1e-3);
     geometry::Box body;
     for (const Vec3& p : stage.physics.latest()->softBody(id)->positions) body = merged(body, p);
-    CHECK(distance(skin.low, body.low) < 1e-12);
-    CHECK(distance(skin.high, body.high) < 1e-12);
+    CHECK(distance(skin.low, body.low) < 1e-8); // an engine that computes in float moves a body at rest by 1e-10 m
+    CHECK(distance(skin.high, body.high) < 1e-8);
 }
 
 TEST_CASE("the bounds hold rigid bodies where they start")

@@ -3,6 +3,7 @@
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/physics_server.h"
+#include "physics/fake_engine.h"
 
 using namespace filasofia;
 using namespace filasofia::runtime;
@@ -109,6 +110,56 @@ TEST_CASE("a free-running loop does not sleep and steps by the period")
                                         kNeverStop, [](const physics::StepReport&) { return 0u; });
     CHECK(fake.sleeps == 0);
     CHECK(timing.simulatedSeconds == Approx(0.01));
+}
+
+TEST_CASE("every live step is given the time until its deadline, counted from its start")
+{
+    FakeClock fake;
+    fake.oversleep = 70'000;
+    physics::Told told;
+    physics::PhysicsServer server = physics::fakeServer(told);
+    std::vector<Nanoseconds> expected;
+    const Nanoseconds start = fake.time;
+    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maximumSteps = 50},
+                                        fake.clock(), kNeverStop, [&](const physics::StepReport&) {
+                                            fake.time += 400'000;
+                                            return 0u;
+                                        });
+    for (const StepTiming& step : timing.steps) expected.push_back(start + step.wake + kMs);
+    CHECK(expected.size() == 50);
+    CHECK(told.deadlines == expected);
+}
+
+TEST_CASE("a deadline that never comes is the end of all time, and so is none")
+{
+    constexpr Nanoseconds never = std::numeric_limits<Nanoseconds>::max();
+    for (const std::optional<Nanoseconds> deadline :
+         {std::optional<Nanoseconds>(), std::optional<Nanoseconds>(never)}) {
+        FakeClock fake;
+        physics::Told told;
+        physics::PhysicsServer server = physics::fakeServer(told);
+        runPhysics(server, {.period = kMs, .deadline = deadline, .maximumSteps = 3}, fake.clock(), kNeverStop,
+                   [](const physics::StepReport&) { return 0u; });
+        CHECK(told.deadlines == std::vector<Nanoseconds>(3, never)); // and there is a clock for the stages' times
+    }
+}
+
+TEST_CASE("a step whose solver is stopped ends at its deadline and says so")
+{
+    FakeClock fake;
+    physics::Told told{.needed = 10};
+    told.iterate = [&] { fake.time += 300'000; };
+    physics::PhysicsServer server = physics::fakeServer(told);
+    server.add(physics::SoftBodyDef{.mesh = physics::oneTetrahedron()});
+    int outOfTime = 0;
+    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maximumSteps = 4},
+                                        fake.clock(), kNeverStop, [&](const physics::StepReport& report) {
+                                            outOfTime += report.has(physics::StepFlag::OutOfTime);
+                                            return 0u;
+                                        });
+    CHECK(outOfTime == 4);
+    CHECK(told.iterations == std::vector<std::vector<int>>(4, {4})); // the fourth goes over: only then it looks again
+    for (const StepTiming& step : timing.steps) CHECK(step.cost == 1'200'000);
 }
 
 TEST_CASE("the loop ends when it is told to")

@@ -5,9 +5,9 @@
 namespace filasofia::engine {
 
 /// A bunny that stands on its feet under gravity.
-inline Stage standingBunny(int elements, const physics::Solver& solver)
+inline Stage standingBunny(int elements, const physics::Solver& solver, int threads = 1)
 {
-    Stage stage;
+    Stage stage({.threads = threads});
     stage.add(physics::SoftBodyDef{.mesh = bunnyFile(elements),
                                    .solver = solver,
                                    .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 0.045, 1}}}}});

@@ -6,7 +6,7 @@ using namespace filasofia::physics;
 
 namespace {
 
-constexpr ConjugateGradient kTight{.maxIterations = 10000, .tolerance = 1e-12};
+constexpr ConjugateGradient kTight{.maxIterations = 10000, .tolerance = 1e-12, .assembled = true};
 
 } // namespace
 

@@ -31,7 +31,9 @@ Matrix12 exactTangent(const FemElement& element, const Mat3& f)
 Matrix12 warpedTangent(const FemElement& element, const Mat3& f)
 {
     const Mat3 r = nearestRotation(f);
-    return matrixOf([&](const Corners& dx) { return warpedStiffnessTimes(element, r, dx); });
+    return matrixOf([&](const Corners& dx) {
+        return warpedStiffnessTimes(element, lame(element.youngModulus, element.poissonRatio), r, dx);
+    });
 }
 
 Matrix12 differences(const FemElement& element, const Corners& x)

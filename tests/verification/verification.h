@@ -64,7 +64,7 @@ inline void solveStatic(const SoftModel& model, std::span<const Vec3> given, std
     SoftModel implicit = model;
     implicit.integrator = physics::ImplicitEuler{};
     implicit.solver = physics::Cholesky{};
-    SoftSystem system = makeSystem(implicit);
+    AssembledSystem system(implicit);
     std::vector<Quat> rotations(model.elements.size());
     std::vector<Vec3> residual(x.size()), dx(x.size());
     double first = 0.0;

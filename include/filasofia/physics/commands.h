@@ -59,6 +59,42 @@ struct Tune {
     std::function<void(PhysicsEngine&)> change;
 };
 
+// For recordings: what a command says. The built body is no part of it: it is built again from the Def.
+constexpr auto fields(const AddBody*)
+{
+    return describe("AddBody", field("id", &AddBody::id, "the body to be"),
+                    field("def", &AddBody::def, "what it is made from"));
+}
+constexpr auto fields(const RemoveBody*) { return describe("RemoveBody", field("id", &RemoveBody::id, "the body")); }
+constexpr auto fields(const SetPose*)
+{
+    return describe("SetPose", field("id", &SetPose::id, "the rigid body"),
+                    field("element", &SetPose::element, "-", nonNegative(), "of its elements"),
+                    field("pose", &SetPose::pose, "where it is from now on"));
+}
+constexpr auto fields(const SetGravity*)
+{
+    return describe("SetGravity", field("gravity", &SetGravity::gravity, "m/s^2", finite(), "acts on every body"));
+}
+constexpr auto fields(const SetMaterial*)
+{
+    return describe("SetMaterial", field("id", &SetMaterial::id, "the soft body"),
+                    field("material", &SetMaterial::material, "of the kind it was made with"));
+}
+constexpr auto fields(const SetForces*)
+{
+    return describe("SetForces", field("id", &SetForces::id, "the soft body"),
+                    field("forces", &SetForces::forces, "in place of those it had"));
+}
+constexpr auto fields(const SetPressure*)
+{
+    return describe("SetPressure", field("id", &SetPressure::id, "the soft body"),
+                    field("pressure", &SetPressure::pressure, "Pa", finite(), "positive pushes inwards"));
+}
+constexpr auto fields(const Reset*) { return describe("Reset"); }
+constexpr auto fields(const Pause*) { return describe("Pause", field("paused", &Pause::paused, "or going on")); }
+constexpr auto fields(const Tune*) { return describe("Tune"); } // a function cannot be written down
+
 using Command =
     std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, Reset, Pause, Tune>;
 

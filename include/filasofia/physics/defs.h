@@ -55,7 +55,7 @@ using Integrator = std::variant<ImplicitEuler, ExplicitEuler>;
 /// Iterative: conjugate gradients from the last step's answer.
 struct ConjugateGradient {
     int maxIterations = 300; ///< [-], in [1, 100000]
-    double tolerance = 1e-4; ///< [-], in (0, 1), residual relative to the right-hand side
+    double tolerance = 5e-3; ///< [-], in (0, 1), error of a step relative to its answer, by energy
     int minIterations = 4; ///< [-], in [0, 100000], made before a deadline may end the solve: keeps energy from growing
     bool assembled = false; ///< the reference: the whole matrix, in double precision. Many times slower.
 };
@@ -146,7 +146,7 @@ constexpr auto fields(const ConjugateGradient*)
     using T = ConjugateGradient;
     return describe("ConjugateGradient",
                     field("maxIterations", &T::maxIterations, "-", closed(1, 100000), "iterations per step at most"),
-                    field("tolerance", &T::tolerance, "-", open(0, 1), "residual relative to the right-hand side"),
+                    field("tolerance", &T::tolerance, "-", open(0, 1), "error of a step, by energy"),
                     field("minIterations", &T::minIterations, "-", closed(0, 100000), "made in spite of a deadline"),
                     field("assembled", &T::assembled, "the whole matrix, in double precision: the reference"));
 }

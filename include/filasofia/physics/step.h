@@ -14,12 +14,12 @@ enum class StepFlag : std::uint32_t {
     Late = 1u << 0,         ///< woke up more than a period late (runtime)
     Clamped = 1u << 1,      ///< dt was cut to period + slack: simulated time fell behind (runtime)
     NotConverged = 1u << 2, ///< a solver stopped at its cap
-    Undone = 1u << 3,       ///< nor was it when made again (Damped): the body kept its positions and lost its velocity
+    Undone = 1u << 3,       ///< a body's new state was not finite: it went back to where it was, and lost its velocity
     EventLost = 1u << 4,    ///< the event queue was full (runtime)
     RecordLost = 1u << 5,   ///< the step log was full; in a record: steps before it are missing
     Tuned = 1u << 6,        ///< tune() ran: a recording cannot be replayed from here on
     TuneRejected = 1u << 7, ///< tune() threw or left an invalid model: everything was put back
-    Damped = 1u << 8,       ///< a body's new state was not finite: its step was made again from rest, heavily damped
+    Damped = 1u << 8,       ///< an undone body made its step again from rest, heavily damped, and it came out finite
     OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance
 };
 

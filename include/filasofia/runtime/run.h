@@ -17,6 +17,7 @@ struct RunDef {
     std::string picture = {};  ///< a PNG file for the last state; empty: none
     double pictureEvery = 0.0; ///< [s], 0 or >= 1e-3, headless: numbered pictures instead, simulated time apart
     std::string log = {};      ///< a CSV file with a line per step; empty: none
+    std::string record = {};   ///< a .rec file for `filasofia replay`, of a simulation's first run; empty: none
     bool freeRunning = false;  ///< a live run that does not wait between steps: measures what they cost
 };
 constexpr auto fields(const RunDef*)
@@ -29,6 +30,7 @@ constexpr auto fields(const RunDef*)
                     field("picture", &T::picture, "a PNG file for the last state"),
                     field("pictureEvery", &T::pictureEvery, "s", nonNegative(), "between numbered pictures"),
                     field("log", &T::log, "a CSV file with a line per step"),
+                    field("record", &T::record, "a file from which the run can be made again"),
                     field("freeRunning", &T::freeRunning, "does not wait between steps"));
 }
 
@@ -40,7 +42,9 @@ struct RunReport {
     std::uint64_t steps = 0;           ///< [-], made since the simulation began
     std::uint64_t hash = 0;            ///< of the last state
     std::uint64_t undone = 0;          ///< steps in which a body was put back (StepFlag::Undone)
+    std::uint64_t damped = 0;          ///< of these, made again from rest, damped (StepFlag::Damped)
     std::uint64_t notConverged = 0;    ///< steps in which a solver reached its cap
+    std::uint64_t outOfTime = 0;       ///< steps in which a solver stopped at the deadline (StepFlag::OutOfTime)
     bool realTime = false;             ///< physics was scheduled before ordinary threads
     std::string finished;              ///< why it ended
     std::vector<std::string> pictures; ///< files written

@@ -1,45 +1,122 @@
-#include "filasofia/engine/integrate/euler.h"
+#include "filasofia/engine/each_body.h"
 #include "filasofia/engine/stages.h"
 
 #include <algorithm>
+#include <atomic>
+#include <span>
 
 namespace filasofia::engine {
 namespace {
 
-void advanceBody(const SoftModel& model, double dt, SoftSystem& system, SoftState& state, physics::StepReport& report)
+using physics::StepFlag;
+
+// A step that blew up is made again from rest, as if the body were so many times as heavy: it creeps towards where
+// the forces pull, and cannot gather speed.
+constexpr double kCreep = 100.0;
+
+linalg::SolveLimits limitsOf(const SoftModel& model)
 {
-    system.x = state.x;
-    system.v = state.v;
+    const auto* cg = std::get_if<physics::ConjugateGradient>(&model.solver);
+    if (!cg) return {};
+    return {.tolerance = cg->tolerance, .maxIterations = cg->maxIterations, .minIterations = cg->minIterations};
+}
+
+/// The same under a budget: a deadline, or the iterations that were made when the step was made first.
+linalg::SolveLimits limitsOf(const SoftModel& model, const physics::StepBudget* budget, std::size_t body)
+{
+    linalg::SolveLimits limits = limitsOf(model);
+    if (!budget) return limits;
+    if (body < budget->iterations.size())
+        limits.maxIterations = std::min(limits.maxIterations, budget->iterations[body]);
+    else if (budget->now && budget->deadline != physics::StepBudget{}.deadline)
+        limits.outOfTime = [budget] { return budget->now() >= budget->deadline; };
+    return limits;
+}
+
+/// What the velocities change by.
+linalg::NodeSolveReport solveBody(const SoftModel& model, double dt, double inertia, const linalg::SolveLimits& limits,
+                                  std::span<const Vec3> v, SoftSystem& system, WorkerPool& pool)
+{
+    if (system.assembled) return {solve(model, dt, inertia, v, *system.assembled, system.dv)};
+    if (std::holds_alternative<physics::ImplicitEuler>(model.integrator))
+        return system.matrixFree->solve(limits, system.dv, system.leftover, pool);
+    system.matrixFree->solveExplicit(system.dv);
+    return {};
+}
+
+/// The new state from the change of the velocities; false where it is not one to go on with.
+bool moveBody(const SoftModel& model, double dt, const SoftState& state, SoftSystem& system, WorkerPool& pool)
+{
+    const auto* explicitEuler = std::get_if<physics::ExplicitEuler>(&model.integrator);
+    const bool withOld = explicitEuler && !explicitEuler->symplectic;
+    constexpr std::size_t size = 512; // nodes in a part
+    const std::size_t count = (state.x.size() + size - 1) / size;
+    std::atomic<bool> good = true;
+    pool.run(static_cast<int>(count), [&](int part) {
+        const std::size_t first = size * static_cast<std::size_t>(part);
+        const auto nodes = [&](auto& list) {
+            return std::span(list).subspan(first, std::min(size, list.size() - first));
+        };
+        const std::span<Vec3> x = nodes(system.x), v = nodes(system.v);
+        std::ranges::copy(nodes(state.x), x.begin());
+        std::ranges::copy(nodes(state.v), v.begin());
+        move(dt, withOld, nodes(system.dv), x, v);
+        if (!usable(x) || !usable(v)) good = false;
+    });
+    return good;
+}
+
+struct BodyOutcome {
+    physics::BodySolve solve;
+    std::uint32_t flags = 0;
+    void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }
+};
+
+BodyOutcome advanceBody(const SoftModel& model, Vec3 gravity, double dt, const linalg::SolveLimits& limits,
+                        SoftSystem& system, SoftState& state, WorkerPool& pool)
+{
+    BodyOutcome outcome;
     system.dv = state.dv;
-    if (system.solver) {
-        const linalg::SolveReport solve = system.solver->solve(system.matrix, system.rightHandSide, system.dv);
-        report.solves.push_back({model.id, solve.iterations, solve.residual});
-        if (!solve.converged) report.set(physics::StepFlag::NotConverged);
-        advanceImplicit(dt, system.dv, system.x, system.v);
-    } else {
-        const bool symplectic = std::get<physics::ExplicitEuler>(model.integrator).symplectic;
-        advanceExplicit(dt, symplectic, {model.rayleigh.mass, model.rayleigh.stiffness}, model.masses, system.forces,
-                        system.stiffnessTimesVelocity, model.pins.hard, system.x, system.v);
-        report.solves.push_back({model.id, 0, 0.0});
+    const linalg::NodeSolveReport solve = solveBody(model, dt, 1.0, limits, state.v, system, pool);
+    outcome.solve = {model.id, solve.iterations, solve.residual};
+    if (solve.outOfTime) outcome.set(StepFlag::OutOfTime);
+    if (!solve.converged && !solve.outOfTime) outcome.set(StepFlag::NotConverged);
+
+    bool good = moveBody(model, dt, state, system, pool);
+    if (!good) { // stay where it was, forget the motion that led here, and creep
+        for (auto* list : {&state.v, &state.dv, &state.leftover}) std::fill(list->begin(), list->end(), Vec3{});
+        assembleBody(model, gravity, dt, kCreep, state, system, pool);
+        system.dv = state.dv;
+        solveBody(model, dt, kCreep, limitsOf(model), state.v, system, pool);
+        std::fill(system.leftover.begin(), system.leftover.end(), Vec3{}); // a heavier body's: nothing to make up for
+        good = moveBody(model, dt, state, system, pool);
+        outcome.set(StepFlag::Undone);
+        if (good) outcome.set(StepFlag::Damped);
     }
-    if (usable(system.x) && usable(system.v)) {
+    if (good) {
         std::swap(system.x, state.x);
         std::swap(system.v, state.v);
         std::swap(system.dv, state.dv);
-    } else { // stay where it was, and forget the motion that led here
-        std::fill(state.v.begin(), state.v.end(), Vec3{});
-        std::fill(state.dv.begin(), state.dv.end(), Vec3{});
-        report.set(physics::StepFlag::Undone);
+        std::swap(system.leftover, state.leftover);
     }
+    return outcome;
 }
 
 } // namespace
 
-void advance(const Model& model, double dt, Systems& systems, State& state, physics::StepReport& report)
+void advance(const Model& model, double dt, const physics::StepBudget* budget, Systems& systems, State& state,
+             WorkerPool& pool, physics::StepReport& report)
 {
     if (dt > 0.0) {
-        for (std::size_t b = 0; b < model.softBodies.size(); ++b)
-            advanceBody(model.softBodies[b], dt, systems[b], state.softBodies[b], report);
+        std::vector<BodyOutcome> outcomes(model.softBodies.size());
+        forEachBody(model, pool, [&](std::size_t b) {
+            outcomes[b] = advanceBody(model.softBodies[b], state.gravity, dt, limitsOf(model.softBodies[b], budget, b),
+                                      systems[b], state.softBodies[b], pool);
+        });
+        for (const BodyOutcome& outcome : outcomes) {
+            report.solves.push_back(outcome.solve);
+            report.flags |= outcome.flags;
+        }
         state.time += dt;
         ++state.step;
     }

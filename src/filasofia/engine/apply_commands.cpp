@@ -27,6 +27,7 @@ template <class List> bool eraseAt(List& list, std::size_t index)
 
 /// Carries out one command; one function per kind.
 struct Apply {
+    double period;
     physics::PhysicsEngine& self;
     Model& model;
     State& state;
@@ -69,7 +70,9 @@ struct Apply {
     void operator()(const physics::SetGravity& set) const { state.gravity = set.gravity; }
     void operator()(const physics::SetMaterial& set) const
     {
-        setMaterial(set.material, model.softBodies[indexOf(model.softBodies, set.id)]);
+        const std::size_t index = indexOf(model.softBodies, set.id);
+        setMaterial(set.material, model.softBodies[index]);
+        systems[index] = makeSystem(model.softBodies[index], period);
     }
     void operator()(const physics::SetForces& set) const
     {
@@ -106,7 +109,7 @@ struct Apply {
             putBack(modelBefore, stateBefore, "it threw something that is no exception");
         }
         systems.clear();
-        for (const SoftModel& body : model.softBodies) systems.push_back(makeSystem(body));
+        for (const SoftModel& body : model.softBodies) systems.push_back(makeSystem(body, period));
     }
 
 private:
@@ -140,10 +143,10 @@ private:
 
 } // namespace
 
-void applyCommands(std::span<physics::Command> commands, physics::PhysicsEngine& self, Model& model, State& state,
-                   Systems& systems, physics::StepReport& report)
+void applyCommands(std::span<physics::Command> commands, double period, physics::PhysicsEngine& self, Model& model,
+                   State& state, Systems& systems, physics::StepReport& report)
 {
-    const Apply apply{self, model, state, systems, report};
+    const Apply apply{period, self, model, state, systems, report};
     for (physics::Command& command : commands) std::visit(apply, command);
 }
 

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/adjacency.h"
+#include "filasofia/geometry/space_order.h"
 #include "filasofia/geometry/surface.h"
 
 #include <algorithm>
@@ -13,7 +14,11 @@ using geometry::TetMesh;
 
 void addElements(const TetMesh& mesh, SoftModel& model)
 {
-    for (const geometry::Tetrahedron& t : mesh.tetrahedra) {
+    std::vector<Vec3> centres;
+    for (const geometry::Tetrahedron& t : mesh.tetrahedra)
+        centres.push_back(0.25 * (mesh.nodes[t[0]] + mesh.nodes[t[1]] + mesh.nodes[t[2]] + mesh.nodes[t[3]]));
+    for (int each : geometry::orderAlongCurve(centres)) {
+        const geometry::Tetrahedron& t = mesh.tetrahedra[each];
         const Corners rest{mesh.nodes[t[0]], mesh.nodes[t[1]], mesh.nodes[t[2]], mesh.nodes[t[3]]};
         model.elements.push_back({.nodes = t,
                                   .gradients = shapeGradients(rest),
@@ -65,7 +70,7 @@ void addAttachment(const physics::AttachmentDef& def, const std::string& object,
     }
 }
 
-std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def)
+std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, double period)
 {
     const std::string object = text("soft body '", def.name, "'");
     validate(def, object);
@@ -96,7 +101,7 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def)
     built->state.pressure = def.pressure;
     setForces(def.forces, built->state);
     check(model, built->state);
-    built->system = makeSystem(model);
+    built->system = makeSystem(model, period);
     return built;
 }
 
@@ -137,9 +142,9 @@ void setForces(const std::vector<physics::NodalForce>& forces, SoftState& state)
     for (const physics::NodalForce& force : forces) state.forces[force.node] += force.force;
 }
 
-std::unique_ptr<physics::BuiltBody> buildBody(const physics::BodyDef& def)
+std::unique_ptr<physics::BuiltBody> buildBody(const physics::BodyDef& def, double period)
 {
-    if (const auto* soft = std::get_if<physics::SoftBodyDef>(&def)) return buildSoft(*soft);
+    if (const auto* soft = std::get_if<physics::SoftBodyDef>(&def)) return buildSoft(*soft, period);
     return buildRigid(std::get<physics::RigidBodyDef>(def));
 }
 

@@ -18,8 +18,9 @@ struct BuiltRigidBody final : physics::BuiltBody {
     [[nodiscard]] int nodeCount() const override { return static_cast<int>(model.rest.size()); }
 };
 
-/// From what was asked to what can be stepped; throws an Error that names body, field, bound and value.
-std::unique_ptr<physics::BuiltBody> buildBody(const physics::BodyDef& def);
+/// From what was asked to what can be stepped, by steps of about `period` [s]; throws an Error that names body, field,
+/// bound and value.
+std::unique_ptr<physics::BuiltBody> buildBody(const physics::BodyDef& def, double period);
 
 /// Writes a material into every element or spring of a body that was made with one of the same kind.
 void setMaterial(const physics::SoftMaterial& material, SoftModel& model);

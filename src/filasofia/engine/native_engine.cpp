@@ -11,7 +11,7 @@ namespace filasofia::engine {
 std::unique_ptr<physics::PhysicsEngine> makeNativeEngine(const NativeEngineDef& def)
 {
     validate(def, "native engine");
-    return std::make_unique<World>();
+    return std::make_unique<World>(def);
 }
 
 void tune(physics::PhysicsServer& server, std::function<void(Native&)> change)

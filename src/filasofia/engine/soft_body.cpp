@@ -1,3 +1,4 @@
+#include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/engine/soft_system.h"
 
@@ -60,41 +61,6 @@ void checkPins(const SoftModel& model, const std::string& object)
     }
 }
 
-/// The blocks of every row: a node's own and those of the nodes it shares an element or a spring with.
-std::vector<std::vector<int>> blockColumns(const SoftModel& model)
-{
-    std::vector<std::vector<int>> columns(model.rest.size());
-    const auto connect = [&](const auto& nodes) {
-        for (int a : nodes) columns[a].insert(columns[a].end(), nodes.begin(), nodes.end());
-    };
-    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].push_back(static_cast<int>(i));
-    for (const FemElement& element : model.elements) connect(element.nodes);
-    for (const Spring& spring : model.springs) connect(spring.nodes);
-    for (auto& row : columns) {
-        std::sort(row.begin(), row.end());
-        row.erase(std::unique(row.begin(), row.end()), row.end());
-    }
-    return columns;
-}
-
-/// Where the blocks of one element go. Rows and columns of held nodes are left out: they stay those of the identity.
-template <std::size_t n> std::array<int, n * n>
-blockPositions(const linalg::BlockSparseMatrix& matrix, const std::vector<bool>& held, const std::array<int, n>& nodes)
-{
-    std::array<int, n * n> positions;
-    for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t j = 0; j < n; ++j)
-            positions[n * i + j] = held[nodes[i]] || held[nodes[j]] ? -1 : matrix.find(nodes[i], nodes[j]);
-    return positions;
-}
-
-std::unique_ptr<linalg::LinearSolver> makeSolver(const physics::Solver& solver)
-{
-    if (const auto* cg = std::get_if<physics::ConjugateGradient>(&solver))
-        return linalg::makeConjugateGradient(cg->maxIterations, cg->tolerance);
-    return linalg::makeCholesky();
-}
-
 } // namespace
 
 SoftState stateAtRest(const SoftModel& model)
@@ -103,12 +69,13 @@ SoftState stateAtRest(const SoftModel& model)
     state.x = model.rest;
     state.v.resize(model.rest.size());
     state.dv.resize(model.rest.size());
+    state.leftover.resize(model.rest.size());
     state.forces.resize(model.rest.size());
-    state.rotations.resize(model.elements.size());
+    state.rotations.resize(static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size()))));
     return state;
 }
 
-bool usable(const std::vector<Vec3>& values)
+bool usable(std::span<const Vec3> values)
 {
     constexpr double far = physics::kFarthest;
     for (const Vec3& v : values)
@@ -135,6 +102,7 @@ void check(const SoftModel& model, const SoftState& state)
     for (const auto& [list, values] : {std::pair{"x", &state.x},
                                        {"v", &state.v},
                                        {"dv", &state.dv},
+                                       {"leftover", &state.leftover},
                                        {"forces", &state.forces},
                                        {"rest", &model.rest}}) {
         checkSize(object, list, values->size(), n);
@@ -146,9 +114,11 @@ void check(const SoftModel& model, const SoftState& state)
     for (std::size_t i = 0; i < n; ++i)
         if (model.pins.hard[i] && !(state.v[i] == Vec3{} && state.dv[i] == Vec3{}))
             fail(object, ": v[", i, "] and dv[", i, "] must be 0 m/s: the node is held");
-    checkSize(object, "rotations", state.rotations.size(), model.elements.size());
-    for (const Quat& q : state.rotations)
-        if (!(std::abs(dot(q, q) - 1.0) < 1e-6)) fail(object, ": rotations must be unit quaternions");
+    const int blocks = linalg::blocksFor(static_cast<int>(model.elements.size()));
+    checkSize(object, "rotations", state.rotations.size(), static_cast<std::size_t>(blocks));
+    for (std::size_t e = 0; e < state.rotations.size() * kBlock; ++e)
+        if (const Quat q = rotationOf(state.rotations, e); !(std::abs(dot(q, q) - 1.0) < 1e-5))
+            fail(object, ": rotations must be unit quaternions");
     if (!std::isfinite(state.pressure)) fail(object, ": pressure must be finite, got ", state.pressure);
 }
 
@@ -165,20 +135,36 @@ void check(const RigidModel& model, const RigidState& state)
         }
 }
 
-SoftSystem makeSystem(const SoftModel& model)
+Quat rotationOf(const std::vector<ElementRotations>& rotations, std::size_t element)
+{
+    const ElementRotations& block = rotations[element / kBlock];
+    const std::size_t lane = element % kBlock;
+    return {block.w[lane], block.x[lane], block.y[lane], block.z[lane]};
+}
+
+void setRotation(std::vector<ElementRotations>& rotations, std::size_t element, Quat q)
+{
+    ElementRotations& block = rotations[element / kBlock];
+    const std::size_t lane = element % kBlock;
+    block.w[lane] = static_cast<float>(q.w);
+    block.x[lane] = static_cast<float>(q.x);
+    block.y[lane] = static_cast<float>(q.y);
+    block.z[lane] = static_cast<float>(q.z);
+}
+
+SoftSystem makeSystem(const SoftModel& model, double period)
 {
     SoftSystem system;
-    if (std::holds_alternative<physics::ImplicitEuler>(model.integrator)) {
-        system.matrix = linalg::BlockSparseMatrix(blockColumns(model));
-        for (const FemElement& element : model.elements)
-            system.elementBlocks.push_back(blockPositions(system.matrix, model.pins.hard, element.nodes));
-        for (const Spring& spring : model.springs)
-            system.springBlocks.push_back(blockPositions(system.matrix, model.pins.hard, spring.nodes));
-        for (int i = 0; i < system.matrix.rows(); ++i) system.diagonalBlocks.push_back(system.matrix.find(i, i));
-        system.solver = makeSolver(model.solver);
-    }
-    for (auto* buffer :
-         {&system.forces, &system.stiffnessTimesVelocity, &system.rightHandSide, &system.x, &system.v, &system.dv})
+    const auto* cg = std::get_if<physics::ConjugateGradient>(&model.solver);
+    const bool wanted = cg && !cg->assembled, possible = MatrixFreeSystem::fits(model, period);
+    if (wanted && !possible)
+        logWarning("soft body '", model.name, "': its masses and stiffnesses are too far apart for single precision; ",
+                   "it is solved in double, which takes longer");
+    if (wanted && possible)
+        system.matrixFree = std::make_unique<MatrixFreeSystem>(model, period);
+    else
+        system.assembled = std::make_unique<AssembledSystem>(model);
+    for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
         buffer->resize(model.rest.size());
     return system;
 }

@@ -3,6 +3,9 @@
 #include "filasofia/core/hash.h"
 #include "filasofia/engine/build_body.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace filasofia::engine {
 namespace {
 
@@ -13,28 +16,53 @@ void add(Hasher& hash, Vec3 v)
     hash.add(v.z);
 }
 
-void add(Hasher& hash, Quat q)
-{
-    hash.add(q.w);
-    add(hash, Vec3{q.x, q.y, q.z});
-}
-
 void add(Hasher& hash, const Pose& pose)
 {
     add(hash, pose.position);
-    add(hash, pose.orientation);
+    hash.add(pose.orientation.w);
+    add(hash, Vec3{pose.orientation.x, pose.orientation.y, pose.orientation.z});
 }
+
+/// Times the stages of a step with the clock that the step was given.
+class StopWatch {
+public:
+    explicit StopWatch(const physics::StepBudget* budget) : now_(budget && budget->now ? &budget->now : nullptr)
+    {
+        if (now_) last_ = (*now_)();
+    }
+    /// [s] since the last lap; 0 without a clock.
+    double lap()
+    {
+        if (!now_) return 0.0;
+        const std::int64_t before = std::exchange(last_, (*now_)());
+        return 1e-9 * static_cast<double>(last_ - before);
+    }
+
+private:
+    const std::function<std::int64_t()>* now_;
+    std::int64_t last_ = 0;
+};
 
 } // namespace
 
-std::unique_ptr<physics::BuiltBody> World::build(const physics::BodyDef& def) const { return buildBody(def); }
+World::World(const NativeEngineDef& def)
+    : period_(def.period),
+      pool_(std::make_unique<WorkerPool>(def.threads.value_or(std::clamp(usableCores() - 1, 1, 8))))
+{
+}
+
+std::unique_ptr<physics::BuiltBody> World::build(const physics::BodyDef& def) const { return buildBody(def, period_); }
 
 physics::StepReport World::step(const physics::StepInput& in)
 {
     physics::StepReport report{.dt = in.dt, .flags = in.flags};
-    applyCommands(in.commands, *this, model_, state_, systems_, report); // 1 what the outside asked for
-    assemble(model_, in.dt, state_, systems_);                           // 3 forces and stiffness
-    advance(model_, in.dt, systems_, state_, report);                    // 4 new velocities, new positions
+    StopWatch watch(in.budget);
+    applyCommands(in.commands, period_, *this, model_, state_, systems_, report); // 1 what the outside asked for
+    report.times.commands = watch.lap();
+    assemble(model_, in.dt, state_, systems_, *pool_); // 3 forces and stiffness
+    report.times.assemble = watch.lap();
+    advance(model_, in.dt, in.budget, systems_, state_, *pool_, report); // 4 new velocities, new positions
+    report.times.advance = watch.lap();
     return report;
 }
 
@@ -69,9 +97,11 @@ std::uint64_t World::hash() const
     hash.add(state_.time);
     add(hash, state_.gravity);
     for (const SoftState& body : state_.softBodies) {
-        for (const auto* list : {&body.x, &body.v, &body.dv, &body.forces})
+        for (const auto* list : {&body.x, &body.v, &body.dv, &body.leftover, &body.forces})
             for (const Vec3& v : *list) add(hash, v);
-        for (const Quat& q : body.rotations) add(hash, q);
+        for (const ElementRotations& block : body.rotations)
+            for (const auto* list : {&block.x, &block.y, &block.z, &block.w})
+                for (float each : *list) hash.add(static_cast<double>(each));
         hash.add(body.pressure);
     }
     for (const RigidState& body : state_.rigidBodies)

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "filasofia/core/worker_pool.h"
+#include "filasofia/engine/native_engine.h"
 #include "filasofia/engine/stages.h"
 
 namespace filasofia::engine {
@@ -7,6 +9,7 @@ namespace filasofia::engine {
 /// The native engine: model, state, and the one function that makes a step of them.
 class World final : public physics::PhysicsEngine {
 public:
+    explicit World(const NativeEngineDef& def = {});
     [[nodiscard]] std::unique_ptr<physics::BuiltBody> build(const physics::BodyDef& def) const override;
     physics::StepReport step(const physics::StepInput& in) override;
     void capture(frame::Frame& out) const override;
@@ -17,6 +20,8 @@ public:
     [[nodiscard]] State& state() { return state_; }
 
 private:
+    double period_;
+    std::unique_ptr<WorkerPool> pool_;
     Model model_;
     State state_;
     Systems systems_;

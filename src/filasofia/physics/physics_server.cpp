@@ -5,30 +5,15 @@
 #include "filasofia/core/spsc_ring.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/physics/physics_engine.h"
+#include "filasofia/physics/registry.h"
 
 #include <cmath>
-#include <map>
 #include <mutex>
 
 namespace filasofia::physics {
 namespace {
 
-/// What the callers' side knows of a body, so that a wrong command fails where it is made.
-struct Registered {
-    std::shared_ptr<const BodyDef> def;
-    int nodeCount = 0;
-};
-
 constexpr std::size_t kMaximumCommands = 4096; // per step
-
-void checkForces(const std::vector<NodalForce>& forces, int nodeCount, const std::string& object)
-{
-    for (std::size_t i = 0; i < forces.size(); ++i) {
-        validate(forces[i], text(object, ": forces[", i, "]"));
-        if (forces[i].node >= nodeCount)
-            fail(object, ": forces[", i, "].node must be in [0, ", nodeCount, "), got ", forces[i].node);
-    }
-}
 
 } // namespace
 
@@ -46,8 +31,7 @@ struct PhysicsServer::Impl {
     /// Callers only: the step never takes it. Held from the look at a body to the push of its command, so that no
     /// command for a body comes behind the one that removes it.
     mutable std::mutex registryMutex;
-    std::map<BodyId, Registered> registry;
-    std::uint32_t lastId = 0;
+    Registry registry;
 
     Impl(std::unique_ptr<PhysicsEngine> made, int logLength)
         : engine(std::move(made)), log(static_cast<std::size_t>(logLength))
@@ -59,25 +43,24 @@ struct PhysicsServer::Impl {
         auto shared = std::make_shared<const BodyDef>(std::move(def));
         auto body = engine->build(*shared);
         const std::lock_guard lock(registryMutex);
-        const BodyId id{++lastId};
-        registry[id] = {shared, body->nodeCount()};
-        inbox.push(AddBody{id, shared, std::move(body)}); // under the lock: bodies arrive in the order of their ids
+        const BodyId id{registry.lastAdded().value + 1};
+        push(AddBody{id, shared, std::move(body)}); // under the lock: bodies arrive in the order of their ids
         return id;
     }
 
-    const Registered& find(BodyId id) const
+    void post(Command command)
     {
-        const auto found = registry.find(id);
-        if (found == registry.end()) fail("body ", id.value, ": no such body (it was removed, or never added)");
-        return found->second;
+        const std::lock_guard lock(registryMutex);
+        push(std::move(command));
     }
 
-    /// The body behind an id, which must be of kind Def.
-    template <class Def> const Registered& find(BodyId id, const char* what) const
+    /// Throws an Error where the command is wrong. Under the lock.
+    void push(Command command)
     {
-        const Registered& body = find(id);
-        if (!std::holds_alternative<Def>(*body.def)) fail(describeBody(*body.def), ": ", what);
-        return body;
+        registry.check(command);
+        if (auto* set = std::get_if<SetPose>(&command)) set->pose = unitPose(set->pose, "pose");
+        registry.note(command);
+        inbox.push(std::move(command));
     }
 
     void drainInbox()
@@ -143,71 +126,23 @@ BodyId PhysicsServer::add(RigidBodyDef def)
     return impl_->add(std::move(def));
 }
 
-void PhysicsServer::remove(BodyId id)
-{
-    const std::lock_guard lock(impl_->registryMutex);
-    if (impl_->registry.erase(id) == 0) fail("body ", id.value, ": no such body (it was removed, or never added)");
-    impl_->inbox.push(RemoveBody{id});
-}
-
-void PhysicsServer::setPose(BodyId id, const Pose& pose, int element)
-{
-    const std::lock_guard lock(impl_->registryMutex);
-    const Registered& body = impl_->find<RigidBodyDef>(id, "a pose can be set on a rigid body only");
-    const std::string object = describeBody(*body.def);
-    if (element < 0 || element >= body.nodeCount)
-        fail(object, ": element must be in [0, ", body.nodeCount, "), got ", element);
-    validate(pose, object);
-    impl_->inbox.push(SetPose{id, element, unitPose(pose, object)});
-}
-
-void PhysicsServer::setGravity(Vec3 gravity)
-{
-    if (!isFinite(gravity))
-        fail("physics server: gravity must be finite, got ", gravity.x, " ", gravity.y, " ", gravity.z);
-    impl_->inbox.push(SetGravity{gravity});
-}
-
-void PhysicsServer::setMaterial(BodyId id, const SoftMaterial& material)
-{
-    const std::lock_guard lock(impl_->registryMutex);
-    const Registered& body = impl_->find<SoftBodyDef>(id, "a material can be set on a soft body only");
-    const std::string object = describeBody(*body.def);
-    std::visit([&](const auto& each) { validate(each, object); }, material);
-    if (material.index() != std::get<SoftBodyDef>(*body.def).material.index())
-        fail(object, ": material must stay of the kind the body was made with");
-    impl_->inbox.push(SetMaterial{id, material});
-}
-
+void PhysicsServer::remove(BodyId id) { impl_->post(RemoveBody{id}); }
+void PhysicsServer::setPose(BodyId id, const Pose& pose, int element) { impl_->post(SetPose{id, element, pose}); }
+void PhysicsServer::setGravity(Vec3 gravity) { impl_->post(SetGravity{gravity}); }
+void PhysicsServer::setMaterial(BodyId id, const SoftMaterial& material) { impl_->post(SetMaterial{id, material}); }
 void PhysicsServer::setForces(BodyId id, std::vector<NodalForce> forces)
 {
-    const std::lock_guard lock(impl_->registryMutex);
-    const Registered& body = impl_->find<SoftBodyDef>(id, "nodal forces can be set on a soft body only");
-    checkForces(forces, body.nodeCount, describeBody(*body.def));
-    impl_->inbox.push(SetForces{id, std::move(forces)});
+    impl_->post(SetForces{id, std::move(forces)});
 }
-
-void PhysicsServer::setPressure(BodyId id, double pressure)
-{
-    const std::lock_guard lock(impl_->registryMutex);
-    const Registered& body = impl_->find<SoftBodyDef>(id, "pressure can be set on a soft body only");
-    if (!std::isfinite(pressure)) fail(describeBody(*body.def), ": pressure must be finite, got ", pressure);
-    impl_->inbox.push(SetPressure{id, pressure});
-}
-
-void PhysicsServer::pause(bool paused) { impl_->inbox.push(Pause{paused}); }
-void PhysicsServer::reset() { impl_->inbox.push(Reset{}); }
-
-void PhysicsServer::tune(std::function<void(PhysicsEngine&)> change)
-{
-    if (!change) fail("tune: the function to run must be one, got nothing");
-    impl_->inbox.push(Tune{std::move(change)});
-}
+void PhysicsServer::setPressure(BodyId id, double pressure) { impl_->post(SetPressure{id, pressure}); }
+void PhysicsServer::pause(bool paused) { impl_->post(Pause{paused}); }
+void PhysicsServer::reset() { impl_->post(Reset{}); }
+void PhysicsServer::tune(std::function<void(PhysicsEngine&)> change) { impl_->post(Tune{std::move(change)}); }
 
 std::shared_ptr<const BodyDef> PhysicsServer::def(BodyId id) const
 {
     const std::lock_guard lock(impl_->registryMutex);
-    return impl_->find(id).def;
+    return impl_->registry.find(id).def;
 }
 
 StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget& budget)
@@ -224,7 +159,7 @@ StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget&
 bool PhysicsServer::has(BodyId id) const
 {
     const std::lock_guard lock(impl_->registryMutex);
-    return impl_->registry.contains(id);
+    return impl_->registry.has(id);
 }
 
 const PhysicsEngine& PhysicsServer::engine() const { return *impl_->engine; }

@@ -28,10 +28,9 @@ std::string summary(const RunReport& report)
     out += line("one step takes [ms]    median %8.3f   p1 %8.3f   p99 %8.3f", cost.median * 1e3, cost.p1 * 1e3,
                 cost.p99 * 1e3);
     out += line("physics rate [1/s]     median %8.1f   p1 %8.1f   p99 %8.1f", rate.median, rate.p1, rate.p99);
-    out += line("late steps %llu, clamped by slack %llu, put back %llu, solver at its cap %llu",
-                static_cast<unsigned long long>(report.timing.late),
-                static_cast<unsigned long long>(report.timing.clamped), static_cast<unsigned long long>(report.undone),
-                static_cast<unsigned long long>(report.notConverged));
+    out += text("late steps ", report.timing.late, ", clamped by slack ", report.timing.clamped, ", put back ",
+                report.undone, ", of these made again damped ", report.damped, ", solver at its cap ",
+                report.notConverged, ", at the deadline ", report.outOfTime, "\n");
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
         out += line("pictures drawn %ld", report.visual.framesDrawn);
     for (const std::string& picture : report.pictures) out += "wrote " + picture + "\n";
@@ -50,6 +49,7 @@ int Simulation::run(int argc, const char* const* argv)
     app.add_option("--picture", def.picture, "write the last state to this PNG file")->check(named);
     app.add_option("--picture-every", def.pictureEvery, "with --headless: numbered pictures, seconds apart");
     app.add_option("--log", def.log, "write a line per step to this CSV file")->check(named);
+    app.add_option("--record", def.record, "write the run to this .rec file, for 'filasofia replay'")->check(named);
     try {
         app.parse(argc, argv);
         if (def.headless && def.steps == 0) def.steps = 1000; // nobody could close it

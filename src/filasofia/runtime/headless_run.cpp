@@ -1,8 +1,8 @@
 #include "filasofia/runtime/parts.h"
 
 #include "filasofia/core/text.h"
-#include "filasofia/record/step_log.h"
 #include "filasofia/runtime/physics_loop.h"
+#include "filasofia/runtime/run_files.h"
 #include "filasofia/runtime/stop_signal.h"
 
 #include <cmath>
@@ -69,10 +69,7 @@ private:
 RunReport runHeadless(Simulation::Impl& parts, const RunDef& def)
 {
     Pictures pictures(parts, def);
-    std::optional<record::StepTable> log;
-    if (!def.log.empty()) log.emplace(def.log);
-    parts.physics.keepLog(log.has_value());
-    parts.physics.hashEveryStep(log.has_value());
+    RunFiles files(parts, def);
 
     const PhysicsLoopDef loop{
         .period = parts.period(), .freeRunning = true, .maximumSteps = static_cast<std::uint64_t>(def.steps)};
@@ -80,7 +77,7 @@ RunReport runHeadless(Simulation::Impl& parts, const RunDef& def)
     report.timing = runPhysics(parts.physics, loop, parts.clock, parts.stop, [&](const physics::StepReport& step) {
         const std::uint32_t flags = parts.afterStep(step);
         parts.events.deliverAll(); // before the next step begins: observers' commands come at the same step every time
-        if (log) log->drain(parts.physics);
+        files.drain();
         pictures.afterStep(step.time);
         if (StopSignal::received()) parts.finish("interrupted");
         return flags;

@@ -1,8 +1,8 @@
 #include "filasofia/runtime/parts.h"
 
 #include "filasofia/core/log.h"
-#include "filasofia/record/step_log.h"
 #include "filasofia/runtime/physics_loop.h"
+#include "filasofia/runtime/run_files.h"
 #include "filasofia/runtime/stop_signal.h"
 
 #include <algorithm>
@@ -16,10 +16,11 @@ class PhysicsThread {
 public:
     PhysicsThread(Simulation::Impl& parts, const RunDef& def) : parts_(parts)
     {
-        const PhysicsLoopDef loop{.period = parts.period(),
-                                  .slack = toNanoseconds(parts.def.physics.slack),
-                                  .freeRunning = def.freeRunning,
-                                  .maximumSteps = static_cast<std::uint64_t>(def.steps)};
+        PhysicsLoopDef loop{.period = parts.period(),
+                            .slack = toNanoseconds(parts.def.physics.slack),
+                            .freeRunning = def.freeRunning,
+                            .maximumSteps = static_cast<std::uint64_t>(def.steps)};
+        if (!def.freeRunning) loop.deadline = parts.deadline(); // else it measures what steps cost
         thread_ = std::thread([this, loop] {
             realTime_ = parts_.def.physics.realTime && !loop.freeRunning && requestRealTime();
             timing_ = runPhysics(parts_.physics, loop, parts_.clock, parts_.stop,
@@ -120,14 +121,14 @@ private:
     bool warned_ = false;
 };
 
-void loop(Simulation::Impl& parts, const RunDef& def, Screen& screen, std::optional<record::StepTable>& log)
+void loop(Simulation::Impl& parts, const RunDef& def, Screen& screen, RunFiles& files)
 {
     const Nanoseconds start = parts.clock.now(), end = start + toNanoseconds(def.seconds);
     const Nanoseconds period = toNanoseconds(1.0 / parts.def.look.rate);
     for (Nanoseconds next = start; !parts.stop.load();) {
         screen.input();
         screen.draw();
-        if (log) log->drain(parts.physics);
+        files.drain();
         if (StopSignal::received()) parts.finish("interrupted");
         if (def.seconds > 0.0 && parts.clock.now() >= end) parts.finish(text("ran ", def.seconds, " s"));
         next = std::max(next + period, parts.clock.now());
@@ -141,18 +142,15 @@ RunReport runLive(Simulation::Impl& parts, const RunDef& def)
 {
     RunReport report;
     Screen screen(parts, def);
-    std::optional<record::StepTable> log;
-    if (!def.log.empty()) log.emplace(def.log);
-    parts.physics.keepLog(log.has_value());
-    parts.physics.hashEveryStep(log.has_value());
+    RunFiles files(parts, def);
     {
         const EventThread events(parts.events);
         PhysicsThread physics(parts, def);
-        loop(parts, def, screen, log);
+        loop(parts, def, screen, files);
         physics.join();
         physics.fill(report);
     }
-    if (log) log->drain(parts.physics);
+    files.drain();
     if (!def.picture.empty()) {
         parts.takePicture(screen.visual(), def.picture);
         report.pictures.push_back(def.picture);

@@ -27,13 +27,16 @@ struct Simulation::Impl {
     // Written by the stepping thread after each step, read by whoever stamps an event.
     std::atomic<double> time = 0.0;
     std::atomic<std::uint64_t> step = 0;
-    std::uint64_t undone = 0, notConverged = 0; ///< of this run; stepping thread; read when it has ended
+    std::uint64_t everMade = 0; ///< steps of all runs, paused ones too; the stepping thread's until the run has ended
+    std::uint64_t undone = 0, damped = 0, notConverged = 0, outOfTime = 0; ///< of this run; read when it has ended
 
     explicit Impl(const SimulationDef& asked);
 
     void finish(std::string why);
     void readyAgain(); ///< after a run, however it ended
     [[nodiscard]] Nanoseconds period() const { return toNanoseconds(1.0 / def.physics.rate); }
+    /// Of a live step, after its start.
+    [[nodiscard]] Nanoseconds deadline() const;
     /// Time and step of now, onto an event.
     void stamp(event::Event& event) const;
     /// Bookkeeping after a step: time, counters, and the update event. Returns the flags for the next report.

@@ -5,6 +5,8 @@
 #include <pthread.h>
 #include <sched.h>
 
+#include <limits>
+
 namespace filasofia::runtime {
 namespace {
 
@@ -18,6 +20,13 @@ std::uint32_t flagsOf(const Tick& tick)
     return flags;
 }
 
+/// The sum, or the end of all time where that comes first.
+Nanoseconds later(Nanoseconds time, Nanoseconds by)
+{
+    constexpr Nanoseconds end = std::numeric_limits<Nanoseconds>::max();
+    return by > end - time ? end : time + by;
+}
+
 } // namespace
 
 RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, const Clock& clock,
@@ -29,12 +38,14 @@ RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, 
     StepGrid grid(def.period, def.slack);
     const Nanoseconds start = clock.now();
     grid.start(start);
+    physics::StepBudget budget{.now = clock.now};
     std::uint32_t flags = 0;
     while (!stop.load(std::memory_order_relaxed) && (def.maximumSteps == 0 || timing.stepCount < def.maximumSteps)) {
         if (!def.freeRunning) clock.sleepUntil(grid.nextWake());
         const Nanoseconds now = clock.now();
         const Tick tick = def.freeRunning ? Tick{.dt = def.period} : grid.wake(now);
-        const physics::StepReport report = server.step(toSeconds(tick.dt), flags | flagsOf(tick));
+        if (def.deadline) budget.deadline = later(now, *def.deadline);
+        const physics::StepReport report = server.step(toSeconds(tick.dt), flags | flagsOf(tick), budget);
         const Nanoseconds cost = clock.now() - now;
         flags = afterStep(report);
 

@@ -6,6 +6,7 @@
 #include "filasofia/physics/step.h"
 
 #include <atomic>
+#include <optional>
 
 namespace filasofia::physics {
 class PhysicsServer;
@@ -16,14 +17,16 @@ namespace filasofia::runtime {
 struct PhysicsLoopDef {
     Nanoseconds period = 1'000'000;
     Nanoseconds slack = 2'000'000;
-    bool freeRunning = false;       ///< steps of one period back to back, no waiting: measures cost
-    std::uint64_t maximumSteps = 0; ///< 0: until stopped
+    std::optional<Nanoseconds> deadline = {}; ///< after a step's start; not given: none
+    bool freeRunning = false;                 ///< steps of one period back to back, no waiting: measures cost
+    std::uint64_t maximumSteps = 0;           ///< 0: until stopped
 };
 
 /// Called after every step, on the stepping thread; returns StepFlag bits for the next step's report.
 using AfterStep = std::function<std::uint32_t(const physics::StepReport&)>;
 
-/// The periodic task: wakes on the grid, steps, sleeps, until `stop` is set. Runs on the caller's thread.
+/// The periodic task: wakes on the grid, steps, sleeps, until `stop` is set. Runs on the caller's thread. Every step
+/// gets the clock, so that it can tell what its stages took.
 RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, const Clock& clock,
                      const std::atomic<bool>& stop, const AfterStep& afterStep);
 

@@ -9,6 +9,7 @@
 #include "filasofia/runtime/stop_signal.h"
 
 #include <filesystem>
+#include <limits>
 
 namespace filasofia::runtime {
 namespace {
@@ -41,11 +42,22 @@ void check(const RunDef& def)
     validate(def, "run");
     checkFile(def.picture, "picture", ".png");
     checkFile(def.log, "log", ".csv");
+    checkFile(def.record, "record", ".rec");
     if (def.pictureEvery > 0.0 && def.pictureEvery < 1e-3)
         fail("run: pictureEvery must be 0 or >= 0.001 s, got ", def.pictureEvery);
     if (def.pictureEvery > 0.0 && def.picture.empty()) fail("run: pictureEvery needs picture");
     if (def.pictureEvery > 0.0 && !def.headless) fail("run: pictureEvery needs headless");
     if (def.headless && def.seconds > 0.0) fail("run: a headless run ends after steps, not seconds");
+}
+
+/// Whoever does not look at the report should hear it once.
+void warn(const RunReport& report)
+{
+    if (report.undone > 0)
+        logWarning("in ", report.undone, " steps a state blew up and was put back (Undone), in ", report.damped,
+                   " of them to creep on (Damped)");
+    if (report.notConverged > 0) logWarning("in ", report.notConverged, " steps a solver stopped at its cap");
+    if (report.outOfTime > 0) logWarning("in ", report.outOfTime, " steps a solver stopped at the deadline");
 }
 
 } // namespace
@@ -55,6 +67,13 @@ Simulation::Impl::Impl(const SimulationDef& asked)
       physics(engine::makeNativeEngine({.period = 1.0 / asked.physics.rate, .threads = asked.physics.threads}),
               {.gravity = asked.physics.gravity})
 {
+}
+
+Nanoseconds Simulation::Impl::deadline() const
+{
+    const double seconds = def.physics.deadline.value_or(1.0 / def.physics.rate);
+    // Above a century it is none: nanoseconds end at three.
+    return seconds < 3e9 ? toNanoseconds(seconds) : std::numeric_limits<Nanoseconds>::max();
 }
 
 void Simulation::Impl::finish(std::string why)
@@ -82,8 +101,11 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
 {
     time.store(report.time, std::memory_order_relaxed);
     step.store(report.step, std::memory_order_relaxed);
+    ++everMade;
     undone += report.has(physics::StepFlag::Undone);
+    damped += report.has(physics::StepFlag::Damped);
     notConverged += report.has(physics::StepFlag::NotConverged);
+    outOfTime += report.has(physics::StepFlag::OutOfTime);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     stamp(*update);
     return events.tryPost(std::move(update)) ? 0u : static_cast<std::uint32_t>(physics::StepFlag::EventLost);
@@ -115,7 +137,9 @@ void Simulation::Impl::fill(RunReport& report)
     report.steps = step.load();
     report.hash = physics.hash();
     report.undone = undone;
+    report.damped = damped;
     report.notConverged = notConverged;
+    report.outOfTime = outOfTime;
     const std::lock_guard lock(reasonMutex);
     report.finished = reason;
 }
@@ -149,14 +173,14 @@ RunReport Simulation::run(const RunDef& def)
     check(def);
     if (impl_->running.exchange(true)) fail("simulation: a run is going on; it cannot be run again meanwhile");
     const StopSignal stopSignal;
-    impl_->undone = impl_->notConverged = 0;
+    impl_->undone = impl_->damped = impl_->notConverged = impl_->outOfTime = 0;
     try {
+        if (impl_->everMade > 0 && !def.record.empty())
+            fail("run: record is for a simulation's first run, and this one has made ", impl_->everMade, " steps");
         RunReport report = def.headless ? runHeadless(*impl_, def) : runLive(*impl_, def);
         impl_->fill(report);
         impl_->readyAgain();
-        // Whoever does not look at the report should hear it once.
-        if (report.undone > 0) logWarning("in ", report.undone, " steps a state blew up and was put back (Undone)");
-        if (report.notConverged > 0) logWarning("in ", report.notConverged, " steps a solver stopped at its cap");
+        warn(report);
         return report;
     } catch (...) {
         impl_->readyAgain();

@@ -33,6 +33,11 @@ constexpr Lame lame(double youngModulus, double poissonRatio)
             youngModulus * poissonRatio / ((1.0 + poissonRatio) * (1.0 - 2.0 * poissonRatio))};
 }
 
+/// Lame's parameters of an element at the deformation gradient f. Inside out (det f < 0) it has no lambda, only shear:
+/// the volumetric energy tells nothing from its mirror image there, and would hold up knots of inverted elements that
+/// shear alone resolves. The energy jumps at det f = 0; on either side the forces are its gradient.
+Lame lameAt(const FemElement& element, const Mat3& f);
+
 using Corners = std::array<Vec3, 4>; ///< one vector per node of a tetrahedron
 
 /// Gradients of the four shape functions of a tetrahedron of positive volume.
@@ -49,7 +54,7 @@ Corners corotationalForces(const FemElement& element, const Mat3& f, const Mat3&
 
 /// The warped stiffness R K R^T times four vectors [m] -> [N]: positive semi-definite, and exact at every rotated rest
 /// shape. This is what a step linearises with.
-Corners warpedStiffnessTimes(const FemElement& element, const Mat3& rotation, const Corners& x);
+Corners warpedStiffnessTimes(const FemElement& element, Lame material, const Mat3& rotation, const Corners& x);
 
 /// Block (i, j) of the warped stiffness [N/m]; `rotated` are the gradients turned by R.
 Mat3 warpedStiffnessBlock(const Corners& rotated, Lame material, double volume, int i, int j);

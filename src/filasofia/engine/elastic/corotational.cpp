@@ -11,9 +11,13 @@ Corners forcesOf(const FemElement& element, const Mat3& stress)
     return forces;
 }
 
-Lame lameOf(const FemElement& element) { return lame(element.youngModulus, element.poissonRatio); }
-
 } // namespace
+
+Lame lameAt(const FemElement& element, const Mat3& f)
+{
+    const Lame all = lame(element.youngModulus, element.poissonRatio);
+    return determinant(f) < 0.0 ? Lame{all.mu, 0.0} : all;
+}
 
 Corners shapeGradients(const Corners& rest)
 {
@@ -33,7 +37,7 @@ Mat3 gradient(const FemElement& element, const Corners& x)
 
 double corotationalEnergy(const FemElement& element, const Mat3& f, const Mat3& rotation)
 {
-    const auto [mu, lambda] = lameOf(element);
+    const auto [mu, lambda] = lameAt(element, f);
     const Mat3 strain = f - rotation;
     const double volumetric = contract(rotation, f) - 3.0;
     return element.volume * (mu * contract(strain, strain) + 0.5 * lambda * volumetric * volumetric);
@@ -41,13 +45,13 @@ double corotationalEnergy(const FemElement& element, const Mat3& f, const Mat3& 
 
 Corners corotationalForces(const FemElement& element, const Mat3& f, const Mat3& rotation)
 {
-    const auto [mu, lambda] = lameOf(element);
+    const auto [mu, lambda] = lameAt(element, f);
     return forcesOf(element, 2.0 * mu * (f - rotation) + lambda * (contract(rotation, f) - 3.0) * rotation);
 }
 
-Corners warpedStiffnessTimes(const FemElement& element, const Mat3& rotation, const Corners& x)
+Corners warpedStiffnessTimes(const FemElement& element, Lame material, const Mat3& rotation, const Corners& x)
 {
-    const auto [mu, lambda] = lameOf(element);
+    const auto [mu, lambda] = material;
     const Mat3 h = gradient(element, x) * transpose(rotation); // with respect to the turned rest shape
     const Mat3 stress = mu * (h + transpose(h)) + lambda * trace(h) * Mat3::identity();
     Corners product = forcesOf(element, stress * rotation);
@@ -66,7 +70,7 @@ Mat3 warpedStiffnessBlock(const Corners& b, Lame material, double volume, int i,
 Corners exactForceChange(const FemElement& element, const Mat3& f, const Mat3& rotation, const Corners& dx)
 {
     // dR = R [w]x with (tr(S) I - S) w = axial(R^T dF - dF^T R), S = R^T F (e.g. McAdams et al. 2011, supplement).
-    const auto [mu, lambda] = lameOf(element);
+    const auto [mu, lambda] = lameAt(element, f);
     const Mat3 df = gradient(element, dx);
     const Mat3 s = transposeTimes(rotation, f), b = transposeTimes(rotation, df);
     const Vec3 axial{b[2].y - b[1].z, b[0].z - b[2].x, b[1].x - b[0].y};

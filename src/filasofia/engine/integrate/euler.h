@@ -27,17 +27,23 @@ constexpr ImplicitWeights implicitWeights(double dt, RayleighDamping rayleigh)
     return {1.0 + dt * rayleigh.mass, dt * dt + dt * rayleigh.stiffness, dt};
 }
 
+/// The same sum for a step without a matrix but the masses: M dv = h (f - a M v - b K v - D v).
+constexpr ImplicitWeights explicitWeights(double dt, RayleighDamping rayleigh)
+{
+    return {1.0, dt * rayleigh.stiffness, dt};
+}
+
 /// The right-hand side above; `forces` holds f - D v. Zero on fixed nodes.
 void implicitRightHandSide(double dt, RayleighDamping rayleigh, std::span<const double> masses,
                            std::span<const Vec3> forces, std::span<const Vec3> stiffnessTimesVelocity,
                            std::span<const Vec3> v, const std::vector<bool>& fixed, std::span<Vec3> b);
 
-/// v' = v + dv, x' = x + dt v'.
-void advanceImplicit(double dt, std::span<const Vec3> dv, std::span<Vec3> x, std::span<Vec3> v);
+/// dv = dt M^-1 (f - a M v - b K v), the masses in M^-1 alone taken `inertia` times.
+void explicitChange(double dt, RayleighDamping rayleigh, double inertia, std::span<const double> masses,
+                    std::span<const Vec3> forces, std::span<const Vec3> stiffnessTimesVelocity, std::span<const Vec3> v,
+                    const std::vector<bool>& fixed, std::span<Vec3> dv);
 
-/// v' = v + dt M^-1 (f - a M v - b K v), x' = x + dt v, or x + dt v' when symplectic.
-void advanceExplicit(double dt, bool symplectic, RayleighDamping rayleigh, std::span<const double> masses,
-                     std::span<const Vec3> forces, std::span<const Vec3> stiffnessTimesVelocity,
-                     const std::vector<bool>& fixed, std::span<Vec3> x, std::span<Vec3> v);
+/// v' = v + dv, x' = x + dt v', or x + dt v for the plain explicit step.
+void move(double dt, bool withOldVelocity, std::span<const Vec3> dv, std::span<Vec3> x, std::span<Vec3> v);
 
 } // namespace filasofia::engine

@@ -1,9 +1,8 @@
-#include "apps/filasofia/bench_verdict.h"
+#include "apps/filasofia/bench_bunny_limits.h"
 
 #include "filasofia/core/text.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 
@@ -14,8 +13,6 @@ constexpr double kLowestRate = 196.0;  ///< [1/s] of 200: 2 % may be lost
 constexpr double kRateSpread = 0.02;   ///< [-] of a paced median rate over the levels
 constexpr double kCostSpread = 0.05;   ///< [-] of a free-running median cost over the levels
 constexpr double kRealTimeCost = 5e-3; ///< [s], what one step simulates
-
-double rounded(double value, double digits) { return std::round(value * digits) / digits; }
 
 std::string nameOf(const CellResult& cell)
 {
@@ -58,7 +55,7 @@ Verdict judgeLevels(const std::vector<CellResult>& cells, bool freeRunning, doub
 
 } // namespace
 
-std::vector<Verdict> judge(const std::vector<CellResult>& cells)
+std::vector<Verdict> judgeBunny(const std::vector<CellResult>& cells)
 {
     return {
         judgeRate(cells),

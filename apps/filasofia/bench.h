@@ -1,0 +1,37 @@
+#pragma once
+
+#include "filasofia/runtime/timing.h"
+
+#include <nlohmann/json.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What the benches share. Each measures, prints a table, holds it against its limits and returns all of it as JSON.
+namespace filasofia::app {
+
+/// One limit of the project, held against what was measured.
+struct Verdict {
+    std::string limit = {};       ///< what is asked
+    std::optional<bool> met = {}; ///< nothing where nothing was measured that says anything about it
+    std::string measured = {};    ///< the worst case, in words
+};
+
+/// Prints them, a line each.
+nlohmann::json printVerdicts(const std::vector<Verdict>& verdicts);
+
+nlohmann::json spreadToJson(const runtime::Spread& spread);
+
+/// Cut to so many decimals: 10 for one, 100 for two.
+double rounded(double value, double digits);
+
+/// The paper's table of tetrahedra x subdivision; `seconds` [s] of wall time per cell; `quick` leaves the smallest mesh
+/// only.
+nlohmann::json benchBunny(double seconds, bool quick);
+
+/// A step's cost by size, time step and threads, against what it costs at least and against the double-precision
+/// reference; `quick` leaves the small meshes and fewer steps.
+nlohmann::json benchSolver(bool quick);
+
+} // namespace filasofia::app

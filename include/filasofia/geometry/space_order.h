@@ -1,0 +1,15 @@
+#pragma once
+
+#include "filasofia/math/vec3.h"
+
+#include <span>
+#include <vector>
+
+namespace filasofia::geometry {
+
+/// The indices of points [m] along a Z-order curve through their bounding box (Morton 1966), so that neighbours in the
+/// list are mostly neighbours in space: what is worked on together then lies together in memory. Equal places keep
+/// their order.
+std::vector<int> orderAlongCurve(std::span<const Vec3> points);
+
+} // namespace filasofia::geometry

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "filasofia/physics/step_record.h"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace filasofia::record {
+
+/// What a recording says of itself before its first step.
+struct RecordingHeader {
+    std::string filasofia = {}; ///< version that wrote it; the writer puts its own
+    double period = 1e-3;       ///< [s], what the engine's solvers were prepared for
+};
+
+/// Writes a run into a file as it goes: a line per step, and every mesh once, so that a replay needs nothing else.
+/// docs/runtime.md describes the lines. What was flushed stays readable whatever happens to the program afterwards.
+class RecordingWriter {
+public:
+    /// Throws an Error naming the file when it cannot be written; so do the others, when the disk is full.
+    RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header);
+    ~RecordingWriter();
+    /// Steps in their order. Warns once, in the log, of a step that no replay can make again.
+    void write(const physics::StepRecord& step);
+    void flush();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Reads a recording step by step. Throws an Error naming file and line where it is no recording, of another version,
+/// damaged or cut off.
+class RecordingReader {
+public:
+    explicit RecordingReader(const std::filesystem::path& file);
+    ~RecordingReader();
+    [[nodiscard]] const RecordingHeader& header() const;
+    /// The next step, or nothing at the end. It has what a replay needs: the report's step, dt, flags and the
+    /// iterations of its solves, the hash, the commands (of a tune() only that there was one).
+    std::optional<physics::StepRecord> next();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// A whole recording in memory.
+struct Recording {
+    RecordingHeader header = {};
+    std::vector<physics::StepRecord> steps = {};
+};
+Recording readRecording(const std::filesystem::path& file);
+
+} // namespace filasofia::record

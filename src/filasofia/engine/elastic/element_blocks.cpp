@@ -1,0 +1,374 @@
+#include "filasofia/engine/elastic/element_blocks.h"
+
+#include "filasofia/linalg/simd_targets.h"
+#include "filasofia/math/polar.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "filasofia/engine/elastic/element_blocks.cpp"
+#include <hwy/foreach_target.h>
+
+#include "filasofia/linalg/simd-inl.h"
+
+#ifndef FILASOFIA_ENGINE_ELEMENT_BLOCKS_ONCE
+#define FILASOFIA_ENGINE_ELEMENT_BLOCKS_ONCE
+namespace filasofia::engine {
+
+/// The rotation of one element whose neighbours in the block found theirs by Newton's method, but not this one: it is
+/// flattened, tangled, or has jumped. Double precision finds it from anywhere.
+inline void rotateAlone(const float (&f)[9][kBlock], int lane, ElementRotations& q)
+{
+    Mat3 m;
+    for (int r = 0; r < 3; ++r) m[r] = {f[3 * r][lane], f[3 * r + 1][lane], f[3 * r + 2][lane]};
+    const Quat old{q.w[lane], q.x[lane], q.y[lane], q.z[lane]};
+    if (!isFinite(m[0]) || !isFinite(m[1]) || !isFinite(m[2])) return; // the step will be undone: keep the old one
+    Quat found = polarRotation(m, normalized(old));
+    if (dot(found, old) < 0.0) found = {-found.w, -found.x, -found.y, -found.z}; // neighbours' must add up
+    q.w[lane] = static_cast<float>(found.w);
+    q.x[lane] = static_cast<float>(found.x);
+    q.y[lane] = static_cast<float>(found.y);
+    q.z[lane] = static_cast<float>(found.z);
+}
+
+} // namespace filasofia::engine
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace filasofia::engine::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using linalg::HWY_NAMESPACE::gatherNodes;
+using linalg::HWY_NAMESPACE::kLanes;
+using linalg::HWY_NAMESPACE::Lanes;
+using linalg::HWY_NAMESPACE::storeGroup;
+using linalg::HWY_NAMESPACE::sumOfProducts;
+using linalg::HWY_NAMESPACE::V;
+using linalg::HWY_NAMESPACE::V3;
+
+struct M3 {
+    V m[3][3]; ///< by rows
+};
+struct Q4 {
+    V x, y, z, w;
+};
+
+HWY_INLINE V3 operator-(V3 a, V3 b) { return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)}; }
+HWY_INLINE V3 operator+(V3 a, V3 b) { return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)}; }
+HWY_INLINE V3 negative(V3 a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)}; }
+HWY_INLINE V3 operator*(V s, V3 a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
+HWY_INLINE V dot(V3 a, V3 b) { return sumOfProducts(a.x, b.x, a.y, b.y, a.z, b.z); }
+HWY_INLINE V3 times(const M3& a, V3 b)
+{
+    return {dot({a.m[0][0], a.m[0][1], a.m[0][2]}, b), dot({a.m[1][0], a.m[1][1], a.m[1][2]}, b),
+            dot({a.m[2][0], a.m[2][1], a.m[2][2]}, b)};
+}
+HWY_INLINE V twice(V a) { return hn::Add(a, a); }
+
+HWY_INLINE M3 matrixOf(const Q4& q)
+{
+    const Lanes d;
+    const V one = hn::Set(d, 1.0f), x2 = twice(q.x), y2 = twice(q.y), z2 = twice(q.z);
+    const V xx = hn::Mul(q.x, x2), yy = hn::Mul(q.y, y2), zz = hn::Mul(q.z, z2);
+    const V xy = hn::Mul(q.x, y2), xz = hn::Mul(q.x, z2), yz = hn::Mul(q.y, z2);
+    const V wx = hn::Mul(q.w, x2), wy = hn::Mul(q.w, y2), wz = hn::Mul(q.w, z2);
+    return {{{hn::Sub(one, hn::Add(yy, zz)), hn::Sub(xy, wz), hn::Add(xz, wy)},
+             {hn::Add(xy, wz), hn::Sub(one, hn::Add(xx, zz)), hn::Sub(yz, wx)},
+             {hn::Sub(xz, wy), hn::Add(yz, wx), hn::Sub(one, hn::Add(xx, yy))}}};
+}
+
+/// sum of e_k g_k^T over the edges to nodes 1, 2, 3: of positions the deformation gradient, of velocities its rate.
+HWY_INLINE M3 gradientOf(const V3 (&e)[3], const V3 (&g)[3])
+{
+    M3 f;
+    const auto row = [&](V a, V b, V c, V(&out)[3]) HWY_ATTR {
+        out[0] = sumOfProducts(a, g[0].x, b, g[1].x, c, g[2].x);
+        out[1] = sumOfProducts(a, g[0].y, b, g[1].y, c, g[2].y);
+        out[2] = sumOfProducts(a, g[0].z, b, g[1].z, c, g[2].z);
+    };
+    row(e[0].x, e[1].x, e[2].x, f.m[0]);
+    row(e[0].y, e[1].y, e[2].y, f.m[1]);
+    row(e[0].z, e[1].z, e[2].z, f.m[2]);
+    return f;
+}
+
+HWY_INLINE V determinant(const M3& f)
+{
+    const auto minor = [&](int i, int j)
+                           HWY_ATTR { return hn::MulSub(f.m[1][i], f.m[2][j], hn::Mul(f.m[1][j], f.m[2][i])); };
+    return sumOfProducts(f.m[0][0], minor(1, 2), f.m[0][1], minor(2, 0), f.m[0][2], minor(0, 1));
+}
+
+HWY_INLINE void loadGradients(const float (&gradients)[9][kBlock], std::size_t part, V3 (&g)[3])
+{
+    const Lanes d;
+    for (int k = 0; k < 3; ++k)
+        g[k] = {hn::Load(d, gradients[3 * k] + part), hn::Load(d, gradients[3 * k + 1] + part),
+                hn::Load(d, gradients[3 * k + 2] + part)};
+}
+
+HWY_INLINE void loadEdges(const float* HWY_RESTRICT nodes, const int (&at)[4][kBlock], std::size_t part, V3 (&e)[3])
+{
+    const V3 origin = gatherNodes(nodes, at[0] + part);
+    for (int k = 0; k < 3; ++k) e[k] = gatherNodes(nodes, at[k + 1] + part) - origin;
+}
+
+/// Writes what an element says to its four nodes: given for three of them, they sum to zero.
+HWY_INLINE void storeCorners(const V3 (&c)[3], float* HWY_RESTRICT corners, std::size_t part)
+{
+    const V zero = hn::Zero(Lanes());
+    storeGroup(negative(c[0] + c[1] + c[2]), zero, corners, part);
+    for (int k = 0; k < 3; ++k) storeGroup(c[k], zero, corners + 64 * (k + 1), part);
+}
+
+/// Newton's method for the rotation nearest to F (math/polar.h), lane by lane: each stops when its last correction was
+/// so small that the next would be lost in rounding. Returns the lanes that did not arrive.
+HWY_INLINE hn::Mask<Lanes> nearestRotation(const M3& f, Q4& q)
+{
+    const Lanes d;
+    const V zero = hn::Zero(d), half = hn::Set(d, 0.5f), minusHalf = hn::Set(d, -0.5f);
+    auto going = hn::Eq(zero, zero);
+    auto failed = hn::Ne(zero, zero);
+    for (int k = 0; k < 6; ++k) {
+        const M3 r = matrixOf(q);
+        M3 b; // R^T F
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                b.m[i][j] = sumOfProducts(r.m[0][i], f.m[0][j], r.m[1][i], f.m[1][j], r.m[2][i], f.m[2][j]);
+        // A further rotation by w changes tr(R^T F) by w . g - w^T H w / 2, H = tr(B) I - sym(B).
+        const V3 g{hn::Sub(b.m[2][1], b.m[1][2]), hn::Sub(b.m[0][2], b.m[2][0]), hn::Sub(b.m[1][0], b.m[0][1])};
+        const V h0 = hn::Add(b.m[1][1], b.m[2][2]), h1 = hn::Add(b.m[0][0], b.m[2][2]);
+        const V h2 = hn::Add(b.m[0][0], b.m[1][1]), trace = hn::Add(h0, b.m[0][0]);
+        const V s01 = hn::Mul(minusHalf, hn::Add(b.m[0][1], b.m[1][0]));
+        const V s02 = hn::Mul(minusHalf, hn::Add(b.m[0][2], b.m[2][0]));
+        const V s12 = hn::Mul(minusHalf, hn::Add(b.m[1][2], b.m[2][1]));
+        const V c00 = hn::MulSub(h1, h2, hn::Mul(s12, s12)), c01 = hn::MulSub(s02, s12, hn::Mul(s01, h2));
+        const V c02 = hn::MulSub(s01, s12, hn::Mul(s02, h1)), c11 = hn::MulSub(h0, h2, hn::Mul(s02, s02));
+        const V c12 = hn::MulSub(s01, s02, hn::Mul(h0, s12)), c22 = hn::MulSub(h0, h1, hn::Mul(s01, s01));
+        const V det = sumOfProducts(h0, c00, s01, c01, s02, c02);
+        // Only where H is safely positive definite is this the way to the maximum. Of an element shrunk to a point the
+        // products of three stretches vanish in floats.
+        const V trace2 = hn::Mul(trace, trace), safe = hn::Set(d, 1e-4f);
+        const auto definite =
+            hn::And(hn::And(hn::Gt(h0, zero), hn::Gt(trace, hn::Set(d, 1e-9f))),
+                    hn::And(hn::Gt(c22, hn::Mul(safe, trace2)), hn::Gt(det, hn::Mul(safe, hn::Mul(trace2, trace)))));
+        failed = hn::Or(failed, hn::AndNot(definite, going));
+        going = hn::And(going, definite);
+        const V scale = hn::Div(half, hn::IfThenElse(definite, det, hn::Set(d, 1.0f)));
+        const V3 w = scale * V3{dot({c00, c01, c02}, g), dot({c01, c11, c12}, g), dot({c02, c12, c22}, g)};
+        const V nw = hn::NegMulAdd(q.z, w.z, hn::NegMulAdd(q.y, w.y, hn::NegMulAdd(q.x, w.x, q.w)));
+        const V nx = hn::NegMulAdd(q.z, w.y, hn::MulAdd(q.y, w.z, hn::MulAdd(q.w, w.x, q.x)));
+        const V ny = hn::NegMulAdd(q.x, w.z, hn::MulAdd(q.z, w.x, hn::MulAdd(q.w, w.y, q.y)));
+        const V nz = hn::NegMulAdd(q.y, w.x, hn::MulAdd(q.x, w.y, hn::MulAdd(q.w, w.z, q.z)));
+        const V length = hn::Sqrt(hn::MulAdd(nw, nw, sumOfProducts(nx, nx, ny, ny, nz, nz)));
+        const V one = hn::Div(hn::Set(d, 1.0f), length);
+        q.w = hn::IfThenElse(going, hn::Mul(nw, one), q.w);
+        q.x = hn::IfThenElse(going, hn::Mul(nx, one), q.x);
+        q.y = hn::IfThenElse(going, hn::Mul(ny, one), q.y);
+        q.z = hn::IfThenElse(going, hn::Mul(nz, one), q.z);
+        going = hn::And(going, hn::Ge(dot(w, w), hn::Set(d, 2e-8f)));
+        if (hn::AllFalse(d, going)) break;
+    }
+    return hn::Or(failed, going);
+}
+
+HWY_INLINE void finishAlone(hn::Mask<Lanes> lanes, const M3& f, std::size_t part, ElementRotations& rotations)
+{
+    const Lanes d;
+    alignas(64) float copy[9][kBlock];
+    alignas(64) float late[kBlock];
+    for (int k = 0; k < 9; ++k) hn::Store(f.m[k / 3][k % 3], d, copy[k] + part);
+    hn::Store(hn::IfThenElseZero(lanes, hn::Set(d, 1.0f)), d, late + part);
+    for (std::size_t l = part; l < part + kLanes; ++l)
+        if (late[l] != 0.0f) rotateAlone(copy, static_cast<int>(l), rotations);
+}
+
+/// The three columns that a symmetric 3 x 3 stress applied to warped gradients gives. h: gradient of what is
+/// multiplied, with respect to the turned and scaled rest shape.
+HWY_INLINE void warpedStress(const M3& h, V ratio, const V3 (&b)[3], V3 (&out)[3])
+{
+    const V volumetric = hn::Mul(ratio, hn::Add(hn::Add(h.m[0][0], h.m[1][1]), h.m[2][2]));
+    const V xx = hn::Add(twice(h.m[0][0]), volumetric), yy = hn::Add(twice(h.m[1][1]), volumetric);
+    const V zz = hn::Add(twice(h.m[2][2]), volumetric), xy = hn::Add(h.m[0][1], h.m[1][0]);
+    const V xz = hn::Add(h.m[0][2], h.m[2][0]), yz = hn::Add(h.m[1][2], h.m[2][1]);
+    for (int k = 0; k < 3; ++k) out[k] = {dot({xx, xy, xz}, b[k]), dot({xy, yy, yz}, b[k]), dot({xz, yz, zz}, b[k])};
+}
+
+HWY_ATTR void updateElementBlocks(const ElementBlock* HWY_RESTRICT elements, const float* HWY_RESTRICT x,
+                                  const float* HWY_RESTRICT v, BlockWeights weights,
+                                  ElementRotations* HWY_RESTRICT rotations, WarpedBlock* HWY_RESTRICT warped,
+                                  float* HWY_RESTRICT corners, float* HWY_RESTRICT quaternions, int begin, int end)
+{
+    const Lanes d;
+    const V force = hn::Set(d, weights.force), stiffness = hn::Set(d, weights.stiffness), two = hn::Set(d, 2.0f);
+    for (int block = begin; block < end; ++block)
+        for (std::size_t part = 0; part < kBlock; part += kLanes) {
+            const ElementBlock& element = elements[block];
+            V3 edges[3], g[3];
+            loadEdges(x, element.nodes, part, edges);
+            loadGradients(element.gradients, part, g);
+            const M3 f = gradientOf(edges, g);
+
+            ElementRotations& turn = rotations[block];
+            Q4 q{hn::Load(d, turn.x + part), hn::Load(d, turn.y + part), hn::Load(d, turn.z + part),
+                 hn::Load(d, turn.w + part)};
+            const auto late = nearestRotation(f, q);
+            hn::Store(q.x, d, turn.x + part);
+            hn::Store(q.y, d, turn.y + part);
+            hn::Store(q.z, d, turn.z + part);
+            hn::Store(q.w, d, turn.w + part);
+            if (!hn::AllFalse(d, late)) {
+                finishAlone(late, f, part, turn);
+                q = {hn::Load(d, turn.x + part), hn::Load(d, turn.y + part), hn::Load(d, turn.z + part),
+                     hn::Load(d, turn.w + part)};
+            }
+            storeGroup({q.x, q.y, q.z}, q.w, quaternions + 64l * block, part);
+
+            // First Piola-Kirchhoff stress, P = 2 mu (F - R) + lambda (tr(R^T F) - 3) R, and -V P g_k on the nodes.
+            const M3 r = matrixOf(q);
+            // Inside out it resists shear alone (lameAt in corotational.h).
+            const auto inverted = hn::Lt(determinant(f), hn::Zero(d));
+            const V mu = hn::Load(d, element.mu + part);
+            const V ratio = hn::IfThenZeroElse(inverted, hn::Load(d, element.ratio + part));
+            const V lambda = hn::Mul(ratio, mu);
+            V stretch = hn::Set(d, -3.0f);
+            for (int k = 0; k < 9; ++k) stretch = hn::MulAdd(r.m[k / 3][k % 3], f.m[k / 3][k % 3], stretch);
+            const V shear = hn::Mul(hn::Mul(two, mu), force), bulk = hn::Mul(hn::Mul(lambda, stretch), force);
+            M3 stress;
+            for (int k = 0; k < 9; ++k)
+                stress.m[k / 3][k % 3] =
+                    hn::MulAdd(shear, hn::Sub(f.m[k / 3][k % 3], r.m[k / 3][k % 3]), hn::Mul(bulk, r.m[k / 3][k % 3]));
+
+            WarpedBlock& out = warped[block];
+            hn::Store(ratio, d, out.ratio + part);
+            const V root = hn::Sqrt(hn::Mul(mu, stiffness));
+            V3 b[3];
+            for (int k = 0; k < 3; ++k) {
+                b[k] = root * times(r, g[k]);
+                hn::Store(b[k].x, d, out.gradients[3 * k] + part);
+                hn::Store(b[k].y, d, out.gradients[3 * k + 1] + part);
+                hn::Store(b[k].z, d, out.gradients[3 * k + 2] + part);
+            }
+            loadEdges(v, element.nodes, part, edges);
+            V3 kv[3], total[3];
+            warpedStress(gradientOf(edges, b), ratio, b, kv);
+            for (int k = 0; k < 3; ++k) total[k] = negative(times(stress, g[k]) + kv[k]);
+            storeCorners(total, corners + static_cast<long>(kElementCorners) * block, part);
+        }
+}
+
+HWY_ATTR void multiplyElementBlocks(const WarpedBlock* HWY_RESTRICT warped, const float* HWY_RESTRICT p,
+                                    float* HWY_RESTRICT corners, int begin, int end)
+{
+    const Lanes d;
+    for (int block = begin; block < end; ++block)
+        for (std::size_t part = 0; part < kBlock; part += kLanes) {
+            V3 edges[3], b[3], out[3];
+            loadEdges(p, warped[block].nodes, part, edges);
+            loadGradients(warped[block].gradients, part, b);
+            warpedStress(gradientOf(edges, b), hn::Load(d, warped[block].ratio + part), b, out);
+            storeCorners(out, corners + static_cast<long>(kElementCorners) * block, part);
+        }
+}
+
+/// Of a symmetric matrix by its six entries, times a vector.
+HWY_INLINE V3 symmetricTimes(const V (&m)[6], V3 a)
+{
+    return {dot({m[0], m[1], m[2]}, a), dot({m[1], m[3], m[4]}, a), dot({m[2], m[4], m[5]}, a)};
+}
+
+HWY_ATTR void updateSpringBlocks(const SpringBlock* HWY_RESTRICT springs, const float* HWY_RESTRICT x,
+                                 const float* HWY_RESTRICT v, BlockWeights weights,
+                                 SpringMatrixBlock* HWY_RESTRICT matrices, float* HWY_RESTRICT corners, int begin,
+                                 int end)
+{
+    const Lanes d;
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), force = hn::Set(d, weights.force);
+    const V stiffness = hn::Set(d, weights.stiffness), damping = hn::Set(d, weights.damping);
+    for (int block = begin; block < end; ++block)
+        for (std::size_t part = 0; part < kBlock; part += kLanes) {
+            const SpringBlock& spring = springs[block];
+            const V3 edge = gatherNodes(x, spring.nodes[1] + part) - gatherNodes(x, spring.nodes[0] + part);
+            const V3 rate = gatherNodes(v, spring.nodes[1] + part) - gatherNodes(v, spring.nodes[0] + part);
+            const V length = hn::Sqrt(dot(edge, edge)), rest = hn::Load(d, spring.restLength + part);
+            // Coincident ends have no direction: no force, and never a NaN.
+            const auto apart = hn::Gt(length, hn::Set(d, 1e-12f));
+            const V inverse = hn::IfThenElseZero(apart, hn::Div(one, hn::IfThenElse(apart, length, one)));
+            const V3 along = inverse * edge;
+            const V k = hn::Load(d, spring.stiffness + part), c = hn::Load(d, spring.damping + part);
+
+            // K = k ( (1 - t) d d^T + t I ), t = 1 - rest / length where it is stretched, 0 where compressed, as in
+            // springStiffness; the dashpot adds c d d^T.
+            const V slack = hn::Max(zero, hn::NegMulAdd(rest, inverse, one));
+            const V across = hn::Mul(hn::Mul(stiffness, k), hn::IfThenElseZero(apart, slack));
+            const V straight =
+                hn::MulAdd(hn::Mul(stiffness, k), hn::Sub(one, hn::IfThenElseZero(apart, slack)), hn::Mul(damping, c));
+            const V3 s = straight * along;
+            const V m[6] = {hn::MulAdd(s.x, along.x, across), hn::Mul(s.x, along.y), hn::Mul(s.x, along.z),
+                            hn::MulAdd(s.y, along.y, across), hn::Mul(s.y, along.z), hn::MulAdd(s.z, along.z, across)};
+            for (int i = 0; i < 6; ++i) hn::Store(m[i], d, matrices[block].m[i] + part);
+
+            const V size = hn::Mul(hn::Mul(force, k), hn::Sub(length, rest));
+            const V3 total = size * along + symmetricTimes(m, rate);
+            float* out = corners + static_cast<long>(kSpringCorners) * block;
+            storeGroup(total, zero, out, part);
+            storeGroup(negative(total), zero, out + 64, part);
+        }
+}
+
+HWY_ATTR void multiplySpringBlocks(const SpringMatrixBlock* HWY_RESTRICT matrices, const float* HWY_RESTRICT p,
+                                   float* HWY_RESTRICT corners, int begin, int end)
+{
+    const Lanes d;
+    for (int block = begin; block < end; ++block)
+        for (std::size_t part = 0; part < kBlock; part += kLanes) {
+            const SpringMatrixBlock& spring = matrices[block];
+            V m[6];
+            for (int i = 0; i < 6; ++i) m[i] = hn::Load(d, spring.m[i] + part);
+            const V3 product =
+                symmetricTimes(m, gatherNodes(p, spring.nodes[0] + part) - gatherNodes(p, spring.nodes[1] + part));
+            float* out = corners + static_cast<long>(kSpringCorners) * block;
+            storeGroup(product, hn::Zero(d), out, part);
+            storeGroup(negative(product), hn::Zero(d), out + 64, part);
+        }
+}
+
+} // namespace filasofia::engine::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace filasofia::engine {
+
+HWY_EXPORT(updateElementBlocks);
+HWY_EXPORT(multiplyElementBlocks);
+HWY_EXPORT(updateSpringBlocks);
+HWY_EXPORT(multiplySpringBlocks);
+
+void updateElements(std::span<const ElementBlock> elements, const linalg::NodeArray& x, const linalg::NodeArray& v,
+                    BlockWeights weights, std::span<ElementRotations> rotations, std::span<WarpedBlock> warped,
+                    std::span<float> corners, std::span<float> quaternions, int begin, int end)
+{
+    HWY_DYNAMIC_DISPATCH(updateElementBlocks)
+    (elements.data(), x.data(), v.data(), weights, rotations.data(), warped.data(), corners.data(), quaternions.data(),
+     begin, end);
+}
+
+void multiplyElements(std::span<const WarpedBlock> warped, const linalg::NodeArray& p, std::span<float> corners,
+                      int begin, int end)
+{
+    HWY_DYNAMIC_DISPATCH(multiplyElementBlocks)(warped.data(), p.data(), corners.data(), begin, end);
+}
+
+void updateSprings(std::span<const SpringBlock> springs, const linalg::NodeArray& x, const linalg::NodeArray& v,
+                   BlockWeights weights, std::span<SpringMatrixBlock> matrices, std::span<float> corners, int begin,
+                   int end)
+{
+    HWY_DYNAMIC_DISPATCH(updateSpringBlocks)
+    (springs.data(), x.data(), v.data(), weights, matrices.data(), corners.data(), begin, end);
+}
+
+void multiplySprings(std::span<const SpringMatrixBlock> matrices, const linalg::NodeArray& p, std::span<float> corners,
+                     int begin, int end)
+{
+    HWY_DYNAMIC_DISPATCH(multiplySpringBlocks)(matrices.data(), p.data(), corners.data(), begin, end);
+}
+
+} // namespace filasofia::engine
+#endif

@@ -1,0 +1,88 @@
+#pragma once
+
+#include "filasofia/engine/elastic/element_blocks.h"
+#include "filasofia/engine/integrate/euler.h"
+#include "filasofia/engine/model.h"
+#include "filasofia/linalg/matrix_free_cg.h"
+
+namespace filasofia::engine {
+
+/// The equations of one step as they are solved by default: in float, element by element, without a matrix.
+///
+/// Everything is divided by the mean nodal mass, so that the numbers are of the size of velocities whatever the body is
+/// made of; positions are taken relative to one of the body's nodes. Nodes lie in an order of their own: those that
+/// move first, along a space-filling curve, then those that are held, whose entries in every vector stay zero.
+class MatrixFreeSystem final : public linalg::NodeOperator {
+public:
+    /// `period` [s]: the step that the preconditioner is made for.
+    MatrixFreeSystem(const SoftModel& model, double period);
+
+    /// True where float holds all numbers of the model; extreme ones need the assembled system.
+    static bool fits(const SoftModel& model, double period);
+
+    /// Rotations, forces and right-hand side at a state. `given` [N]: what acts without any deformation. `inertia`
+    /// multiplies the masses in the matrix.
+    void assemble(const SoftModel& model, std::span<const Vec3> given, double dt, double inertia, SoftState& state,
+                  WorkerPool& pool);
+
+    /// The change of the velocities, `dv` holding the first guess, and the impulse [N s] that the solve left undone.
+    linalg::NodeSolveReport solve(const linalg::SolveLimits& limits, std::span<Vec3> dv, std::span<Vec3> leftover,
+                                  WorkerPool& pool);
+    /// The same where the masses are all there is in the matrix.
+    void solveExplicit(std::span<Vec3> dv) const;
+
+    double multiply(const linalg::NodeArray& p, linalg::NodeArray& q, WorkerPool& pool) override;
+
+    /// z = M^-1 r, M close to the matrix; returns r . z
+    double precondition(const linalg::NodeArray& r, linalg::NodeArray& z, WorkerPool& pool);
+    /// A vector of unknowns, zero.
+    [[nodiscard]] linalg::NodeArray unknowns() const { return linalg::NodeArray(dv_.blocks(), dv_.heldBlocks()); }
+
+    [[nodiscard]] int coarseNodes() const { return preconditioner_.coarseNodes(); }
+
+private:
+    void orderNodes(const SoftModel& model);
+    void makeElements(const SoftModel& model);
+    void makeSprings(const SoftModel& model);
+    void makeGather(const SoftModel& model);
+    void makePreconditioner(const SoftModel& model, double period);
+    void load(std::span<const Vec3> from, Vec3 origin, linalg::NodeArray& to, WorkerPool& pool) const;
+
+    void loadImpulses(std::span<const Vec3> forces, std::span<const Vec3> leftover, double dt, WorkerPool& pool);
+
+    /// The part of the new velocities w = v + dv that a step must give up so as not to make energy; usually none. An
+    /// impulse r that the solve left undone acts on the body as a push by -r would. With what was handed on from the
+    /// last step, l, a step changes the energy by
+    ///     E' - E = - dv . M dv / 2 - h a w . M w - (h^2 / 2 + h b) w . K w - (r - l) . w
+    /// (exactly so where forces are linear). Where that is not negative the body is slowed down, all of it alike, until
+    /// the push does no work: less a part t, the residual of w is r + t A w.
+    double heldBack(WorkerPool& pool);
+
+    double scale_ = 1.0;          ///< [1/kg]
+    int freeNodes_ = 0;           ///< they are in slots [0, freeNodes_)
+    int freeBlocks_ = 0;          ///< blocks of sixteen slots that vectors of unknowns have
+    std::vector<int> nodeOf_;     ///< per slot: the model's node, or -1
+    std::vector<int> slotOf_;     ///< per node of the model
+    std::vector<float> masses_;   ///< per free slot, scaled
+    std::vector<float> pins_;     ///< per free slot: stiffness of its pin springs, scaled
+    std::vector<float> diagonal_; ///< per free slot: what the step's matrix has of pins
+
+    std::vector<ElementBlock> elements_;
+    std::vector<WarpedBlock> warped_;
+    std::vector<SpringBlock> springs_;
+    std::vector<SpringMatrixBlock> springMatrices_;
+    linalg::Gather gather_;                      ///< the corners around each free slot
+    linalg::Gather turns_;                       ///< some of the element corners, for the node rotations
+    std::vector<linalg::NodeBlock> corners_;     ///< what elements and springs say to their nodes, sixteen to a block
+    std::vector<linalg::NodeBlock> quaternions_; ///< of the elements
+
+    double massWeight_ = 1.0;  ///< of the masses in the step's matrix
+    double elasticLoss_ = 0.5; ///< (h^2 / 2 + h b) / (h^2 + h b)
+    linalg::NodeArray x_, v_, residual_, handedOn_, dv_, scratch_, product_;
+    double size_ = 0.0; ///< square of the right-hand side
+    std::vector<double> sums_;
+    linalg::TwoLevelPreconditioner preconditioner_;
+    linalg::MatrixFreeCg cg_;
+};
+
+} // namespace filasofia::engine

@@ -1,0 +1,100 @@
+#pragma once
+
+#include "filasofia/linalg/node_array.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+/// The inner loops over nodes. Vectorised (Highway), chosen when the program runs; the same bits on every instruction
+/// set with fused multiply-add. Sums are made per part, lane by lane and then over the sixteen lanes in double.
+namespace filasofia::linalg {
+
+struct alignas(64) RotationBlock {
+    float m[9][kBlock]; ///< by rows
+};
+struct alignas(64) SymmetricBlock {
+    float m[6][kBlock]; ///< xx xy xz yy yz zz
+};
+
+/// a . b
+double dot(const NodeArray& a, const NodeArray& b, Blocks blocks);
+
+/// p = z + beta p
+void turn(const NodeArray& z, float beta, NodeArray& p, Blocks blocks);
+
+/// x += alpha p, r -= alpha q; returns r . r
+double descend(float alpha, const NodeArray& p, const NodeArray& q, NodeArray& x, NodeArray& r, Blocks blocks);
+
+/// s = R^T r, w = D s: a residual in the rest frame, and smoothed there.
+void warpAndSmooth(const std::vector<RotationBlock>& rotations, const std::vector<SymmetricBlock>& inverseDiagonal,
+                   const NodeArray& r, NodeArray& s, NodeArray& w, Blocks blocks);
+
+/// Four entries per node of an interpolation from coarse nodes.
+struct alignas(64) InterpolationBlock {
+    int at[kBlock][4]; ///< 3 * coarse node
+    float weights[kBlock][4];
+};
+
+/// z = R (w + what the coarse nodes say), x y z of the coarse nodes packed; returns r . z. Without coarse nodes `from`
+/// is empty.
+double prolongAndUnwarp(const std::vector<RotationBlock>& rotations, const std::vector<InterpolationBlock>& from,
+                        std::span<const float> coarse, const NodeArray& w, const NodeArray& r, NodeArray& z,
+                        Blocks blocks);
+
+/// The transpose of an interpolation, by coarse nodes.
+struct Restriction {
+    std::vector<int> starts; ///< coarse nodes + 1
+    std::vector<int> nodes;
+    std::vector<float> weights;
+};
+
+/// Sums s into coarse nodes [begin, end), packed.
+void restrictTo(const Restriction& restriction, const NodeArray& s, std::span<float> coarse, int begin, int end);
+
+/// A dense symmetric matrix in panels of sixteen columns: panel k holds columns 16 k ... 16 k + 15 of every row.
+struct alignas(64) PanelRow {
+    float values[kBlock];
+};
+/// y = A x for the panels [begin, end).
+void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> x, std::span<float> y, int begin,
+                    int end);
+
+/// What a node gathers: the places of its corners' vectors.
+struct Gather {
+    std::vector<int> starts; ///< nodes + 1
+    std::vector<int> places; ///< in floats
+};
+
+/// y = sum of the node's corners + (scale * masses + extra) p; returns p . y. `masses` and `extra` per node.
+double gatherAndAdd(const Gather& gather, std::span<const float> corners, float scale, std::span<const float> masses,
+                    std::span<const float> extra, const NodeArray& p, NodeArray& y, Blocks blocks);
+
+/// y = y + sum of the node's corners - (scale * masses + extra) p; returns y . y
+double gatherForces(const Gather& gather, std::span<const float> corners, float scale, std::span<const float> masses,
+                    std::span<const float> extra, const NodeArray& p, NodeArray& y, Blocks blocks);
+
+/// What the end of a step is judged by: new velocities v + dv, and a residual r of a system that was given an extra
+/// push.
+struct StepWork {
+    double work = 0.0;   ///< (r - push) . w, w = v + dv
+    double change = 0.0; ///< dv . M dv
+    double motion = 0.0; ///< w . M w
+};
+StepWork stepWork(std::span<const float> masses, const NodeArray& v, const NodeArray& dv, const NodeArray& r,
+                  const NodeArray& push, Blocks blocks);
+
+/// Each node's rotation: the mean of the quaternions (x y z w) of the elements around it. `quaternions` holds a group
+/// of sixteen for every four groups of corners. The identity where there is none.
+void averageRotations(const Gather& gather, std::span<const float> quaternions, std::vector<RotationBlock>& rotations,
+                      Blocks blocks);
+
+/// The names of the instruction sets that this machine can run, the best first (only the one chosen by useSimdTarget,
+/// while it is), and the one in use.
+std::vector<std::string> simdTargets();
+std::string simdTarget();
+/// Uses another one of them; an empty name: the best again; an Error for an unknown one. For tests and measurements;
+/// not while a step is made.
+void useSimdTarget(const std::string& name);
+
+} // namespace filasofia::linalg

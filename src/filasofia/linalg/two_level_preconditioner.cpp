@@ -1,0 +1,124 @@
+#include "filasofia/linalg/two_level_preconditioner.h"
+
+#include "filasofia/core/worker_pool.h"
+#include "filasofia/linalg/node_parts.h"
+
+#include <Eigen/Cholesky>
+
+namespace filasofia::linalg {
+namespace {
+
+// Coarse nodes that hold hardly anything of the body make A_c nearly singular. What this adds to its diagonal, relative
+// to the diagonal, does not slow the iteration, and float can invert what is left.
+constexpr double kShift = 1e-5;
+
+constexpr Parts coarseNodeParts(int nodes) { return {nodes, 16}; }
+constexpr Parts panelParts(int panels) { return {panels, 4}; }
+
+void setBlock(std::vector<SymmetricBlock>& blocks, int node, const Mat3& value)
+{
+    auto& m = blocks[static_cast<std::size_t>(node / kBlock)].m;
+    const double entries[6] = {value[0].x, value[0].y, value[0].z, value[1].y, value[1].z, value[2].z};
+    for (int k = 0; k < 6; ++k) m[k][node % kBlock] = static_cast<float>(entries[k]);
+}
+
+/// P^T A P, without forming P: every block of A goes to the four times four coarse nodes of its row and column.
+Eigen::MatrixXd galerkin(const PreconditionerInput& in)
+{
+    std::vector<bool> unknown(static_cast<std::size_t>(in.matrix.rows()));
+    for (int row : in.rows) unknown[row] = true;
+    Eigen::MatrixXd coarse = Eigen::MatrixXd::Zero(3 * in.coarseNodes, 3 * in.coarseNodes);
+    for (int row : in.rows)
+        for (int at = in.matrix.rowStarts()[row]; at < in.matrix.rowStarts()[row + 1]; ++at) {
+            const int column = in.matrix.columns()[at];
+            if (!unknown[column]) continue;
+            const Mat3& m = in.matrix.block(at);
+            const Eigen::Matrix3d block{{m[0].x, m[0].y, m[0].z}, {m[1].x, m[1].y, m[1].z}, {m[2].x, m[2].y, m[2].z}};
+            for (std::size_t a = 0; a < 4; ++a)
+                for (std::size_t b = 0; b < 4; ++b) {
+                    const double weight = static_cast<double>(in.weights[row][a]) * in.weights[column][b];
+                    if (weight == 0.0) continue;
+                    coarse.block<3, 3>(3 * in.corners[row][a], 3 * in.corners[column][b]) += weight * in.scale * block;
+                }
+        }
+    return coarse;
+}
+
+} // namespace
+
+TwoLevelPreconditioner::TwoLevelPreconditioner(const PreconditionerInput& in)
+{
+    const int blocks = blocksFor(static_cast<int>(in.rows.size()));
+    RotationBlock identity{};
+    for (int k : {0, 4, 8}) std::fill(std::begin(identity.m[k]), std::end(identity.m[k]), 1.0f);
+    rotations_.assign(static_cast<std::size_t>(blocks), identity);
+    inverseDiagonal_.assign(static_cast<std::size_t>(blocks), {});
+    for (std::size_t i = 0; i < in.rows.size(); ++i)
+        setBlock(inverseDiagonal_, static_cast<int>(i),
+                 inverse(in.scale * in.matrix.block(in.matrix.find(in.rows[i], in.rows[i]))));
+    rest_ = NodeArray(blocks);
+    smoothed_ = NodeArray(blocks);
+    sums_.resize(static_cast<std::size_t>(nodeParts(blocks).count()));
+    if (in.coarseNodes > 0) makeCoarseLevel(in);
+}
+
+void TwoLevelPreconditioner::makeCoarseLevel(const PreconditionerInput& in)
+{
+    Eigen::MatrixXd coarse = galerkin(in);
+    const double largest = coarse.diagonal().maxCoeff();
+    for (Eigen::Index i = 0; i < coarse.rows(); ++i) coarse(i, i) += kShift * coarse(i, i) + 1e-12 * largest;
+    const Eigen::LLT<Eigen::MatrixXd> factor(coarse);
+    if (factor.info() != Eigen::Success) return; // not positive definite to rounding: the smoother alone will do
+    const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(coarse.rows(), coarse.rows()));
+    if (!inverse.allFinite()) return;
+
+    coarseNodes_ = in.coarseNodes;
+    const int unknowns = 3 * coarseNodes_, panels = blocksFor(unknowns), rows = (unknowns + 3) / 4 * 4;
+    coarseResidual_.assign(static_cast<std::size_t>(rows), 0.0f);
+    coarse_.assign(static_cast<std::size_t>(panels * kBlock + 4), 0.0f);
+    coarseInverse_.assign(static_cast<std::size_t>(panels) * rows, {});
+    for (int i = 0; i < unknowns; ++i)
+        for (int j = 0; j < unknowns; ++j)
+            coarseInverse_[static_cast<std::size_t>(j / kBlock) * rows + i].values[j % kBlock] =
+                static_cast<float>(0.5 * (inverse(i, j) + inverse(j, i)));
+
+    interpolation_.assign(rotations_.size(), {});
+    std::vector<std::vector<std::pair<int, float>>> entries(static_cast<std::size_t>(coarseNodes_));
+    for (std::size_t i = 0; i < in.rows.size(); ++i)
+        for (std::size_t k = 0; k < 4; ++k) {
+            const int corner = in.corners[in.rows[i]][k];
+            const float weight = in.weights[in.rows[i]][k];
+            interpolation_[i / kBlock].at[i % kBlock][k] = 3 * corner;
+            interpolation_[i / kBlock].weights[i % kBlock][k] = weight;
+            if (weight != 0.0f) entries[corner].emplace_back(static_cast<int>(i), weight);
+        }
+    restriction_.starts = {0};
+    for (const auto& list : entries) {
+        for (const auto& [node, weight] : list) {
+            restriction_.nodes.push_back(node);
+            restriction_.weights.push_back(weight);
+        }
+        restriction_.starts.push_back(static_cast<int>(restriction_.nodes.size()));
+    }
+}
+
+double TwoLevelPreconditioner::apply(const NodeArray& r, NodeArray& z, WorkerPool& pool)
+{
+    const Parts nodes = nodeParts(r.blocks());
+    pool.run(nodes.count(),
+             [&](int part) { warpAndSmooth(rotations_, inverseDiagonal_, r, rest_, smoothed_, nodes[part]); });
+    if (coarseNodes_ > 0) {
+        const Parts coarse = coarseNodeParts(coarseNodes_), panels = panelParts(blocksFor(3 * coarseNodes_));
+        pool.run(coarse.count(), [&](int part) {
+            restrictTo(restriction_, rest_, coarseResidual_, coarse[part].begin, coarse[part].end);
+        });
+        pool.run(panels.count(), [&](int part) {
+            multiplyPanels(coarseInverse_, coarseResidual_, coarse_, panels[part].begin, panels[part].end);
+        });
+    }
+    return sumOfParts(pool, nodes, sums_, [&](Blocks blocks) {
+        return prolongAndUnwarp(rotations_, interpolation_, coarse_, smoothed_, r, z, blocks);
+    });
+}
+
+} // namespace filasofia::linalg

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "filasofia/linalg/block_sparse_matrix.h"
+#include "filasofia/linalg/node_kernels.h"
+
+#include <array>
+
+namespace filasofia {
+class WorkerPool;
+}
+
+namespace filasofia::linalg {
+
+/// What a preconditioner is made from, once: a matrix, which of its rows are unknowns and in which order, and how they
+/// are interpolated from coarse unknowns.
+struct PreconditionerInput {
+    const BlockSparseMatrix& matrix;               ///< at rest; rows that are not unknowns are left out
+    std::span<const int> rows;                     ///< per unknown node: its row in the matrix
+    double scale = 1.0;                            ///< the matrix is used times this
+    int coarseNodes = 0;                           ///< 0: the smoother alone
+    std::span<const std::array<int, 4>> corners;   ///< per matrix row: its coarse nodes
+    std::span<const std::array<float, 4>> weights; ///< per matrix row
+};
+
+/// An approximate inverse of a matrix of elasticity that was known at rest and has since been turned, node by node:
+///
+///     z = R ( D^-1 + P A_c^-1 P^T ) R^T r,    A_c = P^T A_rest P,
+///
+/// D the 3 x 3 blocks on the diagonal (block Jacobi), P the interpolation from a coarse mesh, R the node rotations. The
+/// sum of both is symmetric and positive definite whatever P is. A_c is small: its inverse is kept whole, so that
+/// applying it is one product of a dense matrix that threads share without waiting for each other.
+class TwoLevelPreconditioner {
+public:
+    TwoLevelPreconditioner() = default;
+    explicit TwoLevelPreconditioner(const PreconditionerInput& in);
+
+    /// The rotation of each node, in blocks; who owns the elements writes them. The identity at first.
+    [[nodiscard]] std::vector<RotationBlock>& rotations() { return rotations_; }
+    [[nodiscard]] int coarseNodes() const { return coarseNodes_; }
+
+    /// z = M^-1 r; returns r . z
+    double apply(const NodeArray& r, NodeArray& z, WorkerPool& pool);
+
+private:
+    void makeCoarseLevel(const PreconditionerInput& in);
+
+    std::vector<RotationBlock> rotations_;
+    std::vector<SymmetricBlock> inverseDiagonal_;
+    int coarseNodes_ = 0;
+    std::vector<InterpolationBlock> interpolation_; ///< P
+    Restriction restriction_;                       ///< P^T
+    std::vector<PanelRow> coarseInverse_;           ///< A_c^-1
+    NodeArray rest_, smoothed_;
+    std::vector<float> coarseResidual_, coarse_;
+    std::vector<double> sums_;
+};
+
+} // namespace filasofia::linalg

@@ -1,0 +1,103 @@
+#include "filasofia/physics/registry.h"
+
+#include "filasofia/core/assert.h"
+#include "filasofia/core/validate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::physics {
+
+/// One function per kind of command.
+struct Registry::Check {
+    const Registry& registry;
+
+    void operator()(const AddBody& add) const
+    {
+        FILASOFIA_ASSERT(add.def != nullptr && add.body != nullptr);
+        if (add.id <= registry.last_)
+            fail("body ", add.id.value, ": ids rise, and one up to ", registry.last_.value, " was given already");
+    }
+    void operator()(const RemoveBody& remove) const { static_cast<void>(registry.find(remove.id)); }
+    void operator()(const SetPose& set) const
+    {
+        const Body& body = find<RigidBodyDef>(set.id, "a pose can be set on a rigid body only");
+        const std::string object = describeBody(*body.def);
+        if (set.element < 0 || set.element >= body.nodeCount)
+            fail(object, ": element must be in [0, ", body.nodeCount, "), got ", set.element);
+        validate(set.pose, object);
+        static_cast<void>(unitPose(set.pose, object));
+    }
+    void operator()(const SetGravity& set) const
+    {
+        const Vec3 g = set.gravity;
+        if (!isFinite(g)) fail("physics server: gravity must be finite, got ", g.x, " ", g.y, " ", g.z);
+    }
+    void operator()(const SetMaterial& set) const
+    {
+        const Body& body = find<SoftBodyDef>(set.id, "a material can be set on a soft body only");
+        const std::string object = describeBody(*body.def);
+        std::visit([&](const auto& each) { validate(each, object); }, set.material);
+        if (set.material.index() != std::get<SoftBodyDef>(*body.def).material.index())
+            fail(object, ": material must stay of the kind the body was made with");
+    }
+    void operator()(const SetForces& set) const
+    {
+        const Body& body = find<SoftBodyDef>(set.id, "nodal forces can be set on a soft body only");
+        const std::string object = describeBody(*body.def);
+        for (std::size_t i = 0; i < set.forces.size(); ++i) {
+            validate(set.forces[i], text(object, ": forces[", i, "]"));
+            if (const int node = set.forces[i].node; node >= body.nodeCount)
+                fail(object, ": forces[", i, "].node must be in [0, ", body.nodeCount, "), got ", node);
+        }
+    }
+    void operator()(const SetPressure& set) const
+    {
+        const Body& body = find<SoftBodyDef>(set.id, "pressure can be set on a soft body only");
+        if (!std::isfinite(set.pressure))
+            fail(describeBody(*body.def), ": pressure must be finite, got ", set.pressure);
+    }
+    void operator()(const Reset&) const {}
+    void operator()(const Pause&) const {}
+    void operator()(const Tune& tune) const
+    {
+        if (!tune.change) fail("tune: the function to run must be one, got nothing");
+    }
+
+private:
+    /// The body behind an id, which must be of kind Def.
+    template <class Def> const Body& find(BodyId id, const char* what) const
+    {
+        const Body& body = registry.find(id);
+        if (!std::holds_alternative<Def>(*body.def)) fail(describeBody(*body.def), ": ", what);
+        return body;
+    }
+};
+
+void Registry::check(const Command& command) const { std::visit(Check{*this}, command); }
+
+void Registry::note(const Command& command)
+{
+    if (const auto* add = std::get_if<AddBody>(&command)) {
+        bodies_[add->id] = {add->def, add->body->nodeCount()};
+        last_ = add->id;
+    } else if (const auto* remove = std::get_if<RemoveBody>(&command)) {
+        bodies_.erase(remove->id);
+    }
+}
+
+const Registry::Body& Registry::find(BodyId id) const
+{
+    const auto found = bodies_.find(id);
+    if (found == bodies_.end()) fail("body ", id.value, ": no such body (it was removed, or never added)");
+    return found->second;
+}
+
+std::size_t Registry::softBodyCount() const
+{
+    return static_cast<std::size_t>(std::count_if(bodies_.begin(), bodies_.end(), [](const auto& each) {
+        return std::holds_alternative<SoftBodyDef>(*each.second.def);
+    }));
+}
+
+} // namespace filasofia::physics

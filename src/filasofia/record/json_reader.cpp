@@ -1,0 +1,63 @@
+#include "filasofia/record/json_reader.h"
+
+namespace filasofia::record {
+namespace {
+
+constexpr std::size_t kLongestShown = 40; // characters of a wrong value
+
+} // namespace
+
+std::string Place::path() const
+{
+    if (name.empty()) return text(outer ? outer->path() : "", "[", index, "]");
+    return outer ? text(outer->path(), ".", name) : std::string(name);
+}
+
+void Place::refuse(std::string_view must, const Json& got) const
+{
+    std::string shown = got.dump(-1, ' ', true, Json::error_handler_t::replace);
+    if (shown.size() > kLongestShown) shown.replace(kLongestShown, std::string::npos, "...");
+    fail(path(), " ", must, ", got ", shown);
+}
+
+const Json& JsonReader::find(const Json& object, std::string_view name, const Place* outer)
+{
+    const auto found = object.find(std::string(name));
+    if (found == object.end()) fail("field '", Place{outer, name}.path(), "' is missing");
+    return *found;
+}
+
+void JsonReader::unknown(const std::string& name, const Place* outer)
+{
+    fail("unknown field '", name.substr(0, kLongestShown), "'", outer ? text(" in ", outer->path()) : "");
+}
+
+double JsonReader::number(const Json& json, const Place& place)
+{
+    if (json.is_number()) return json.get<double>();
+    if (json == kInfinite) return std::numeric_limits<double>::infinity();
+    if (json == kMinusInfinite) return -std::numeric_limits<double>::infinity();
+    place.refuse("must be a number", json);
+}
+
+bool JsonReader::flag(const Json& json, const Place& place)
+{
+    if (!json.is_boolean()) place.refuse("must be true or false", json);
+    return json.get<bool>();
+}
+
+std::string JsonReader::word(const Json& json, const Place& place)
+{
+    if (!json.is_string()) place.refuse("must be a text", json);
+    return json.get<std::string>();
+}
+
+physics::TetMeshSource JsonReader::mesh(const Json& json, const Place& place) const
+{
+    if (json.is_string()) return json.get<std::string>();
+    const auto number = integer<std::size_t>(json, place);
+    if (number >= meshes.size()) place.refuse("must be the number of a mesh on a line before", json);
+    return meshes[number];
+}
+
+} // namespace filasofia::record

@@ -1,0 +1,132 @@
+#pragma once
+
+#include "filasofia/record/json_shapes.h"
+
+#include <limits>
+
+namespace filasofia::record {
+
+/// The way to a value inside a line, for errors: a list on the stack, put into words only where something is wrong.
+struct Place {
+    const Place* outer = nullptr;
+    std::string_view name = {};
+    std::size_t index = 0; ///< of a list, where the name is empty
+
+    [[nodiscard]] std::string path() const;
+    /// Throws the Error "<path> <must be ...>, got <value>".
+    [[noreturn]] void refuse(std::string_view must, const Json& got) const;
+};
+
+/// Turns JSON into values. Strict: a field that is missing, unknown or of the wrong kind is an Error naming its place.
+class JsonReader {
+public:
+    std::vector<TetMesh> meshes; ///< by number
+
+    template <class T> void read(const Json& json, T& out, const Place& place) const
+    {
+        if constexpr (std::is_same_v<T, double>)
+            out = number(json, place);
+        else if constexpr (std::is_same_v<T, bool>)
+            out = flag(json, place);
+        else if constexpr (std::is_integral_v<T>)
+            out = integer<T>(json, place);
+        else if constexpr (std::is_same_v<T, std::string>)
+            out = word(json, place);
+        else if constexpr (std::is_same_v<T, BodyId>)
+            out.value = integer<std::uint32_t>(json, place);
+        else if constexpr (std::is_same_v<T, physics::TetMeshSource>)
+            out = mesh(json, place);
+        else if constexpr (kIsOptional<T>)
+            json.is_null() ? out.reset() : read(json, out.emplace(), place);
+        else if constexpr (kIsShared<T>)
+            out = shared<typename T::element_type>(json, place);
+        else if constexpr (kIsVariant<T>)
+            readNamed(json, out, place);
+        else if constexpr (kIsVector<T> || kIsArray<T>)
+            readList(json, out, place);
+        else if constexpr (IsPlaces<T>)
+            readPlaces(json, out, place);
+        else
+            readObject(json, out, place);
+    }
+
+    /// The member of an object, which must be there.
+    template <class T>
+    void member(const Json& object, std::string_view name, T& out, const Place* outer = nullptr) const
+    {
+        read(find(object, name, outer), out, Place{outer, name});
+    }
+    /// Throws an Error for members besides the `count` that were read; `known` tells which those are.
+    template <class Known>
+    static void noOthers(const Json& object, std::size_t count, Known&& known, const Place* outer = nullptr)
+    {
+        if (object.size() == count) return;
+        for (const auto& item : object.items())
+            if (!known(std::string_view(item.key()))) unknown(item.key(), outer);
+    }
+
+private:
+    static const Json& find(const Json& object, std::string_view name, const Place* outer);
+    [[noreturn]] static void unknown(const std::string& name, const Place* outer);
+    static double number(const Json& json, const Place& place);
+    static bool flag(const Json& json, const Place& place);
+    static std::string word(const Json& json, const Place& place);
+    [[nodiscard]] physics::TetMeshSource mesh(const Json& json, const Place& place) const;
+
+    template <class T> static T integer(const Json& json, const Place& place)
+    {
+        if (json.is_number_unsigned() && std::in_range<T>(json.get<std::uint64_t>())) return json.get<T>();
+        if (json.is_number_integer() && !json.is_number_unsigned() && std::in_range<T>(json.get<std::int64_t>()))
+            return json.get<T>();
+        using Limits = std::numeric_limits<T>;
+        place.refuse(text("must be a whole number in [", Limits::min(), ", ", Limits::max(), "]"), json);
+    }
+    template <class Held> std::shared_ptr<Held> shared(const Json& json, const Place& place) const
+    {
+        std::remove_const_t<Held> held;
+        read(json, held, place);
+        return std::make_shared<Held>(std::move(held));
+    }
+    template <class... Each> void readNamed(const Json& json, std::variant<Each...>& out, const Place& place) const
+    {
+        if (!json.is_object() || json.size() != 1) place.refuse("must be an object with one name", json);
+        const std::string& name = json.begin().key();
+        if (!(readAs<Each>(name, json.begin().value(), out, place) || ...)) unknown(name, &place);
+    }
+    template <class T, class Variant>
+    bool readAs(std::string_view name, const Json& json, Variant& out, const Place& place) const
+    {
+        if (name != typeName<T>()) return false;
+        read(json, out.template emplace<T>(), Place{&place, name});
+        return true;
+    }
+    template <class List> void readList(const Json& json, List& out, const Place& place) const
+    {
+        if (!json.is_array()) place.refuse("must be a list", json);
+        if constexpr (kIsVector<List>)
+            out.resize(json.size());
+        else if (json.size() != out.size())
+            place.refuse(text("must be a list of ", out.size()), json);
+        for (std::size_t i = 0; i < out.size(); ++i) read(json[i], out[i], Place{&place, {}, i});
+    }
+    template <class T> void readPlaces(const Json& json, T& out, const Place& place) const
+    {
+        if (!json.is_array() || json.size() != fieldCount<T>())
+            place.refuse(text("must be a list of ", fieldCount<T>()), json);
+        std::size_t i = 0;
+        forEachField<T>([&](const auto& each) { read(json[i++], out.*(each.member), Place{&place, each.name}); });
+    }
+    template <class T> void readObject(const Json& json, T& out, const Place& place) const
+    {
+        if (!json.is_object()) place.refuse("must be an object", json);
+        forEachField<T>([&](const auto& each) { member(json, each.name, out.*(each.member), &place); });
+        const auto known = [](std::string_view name) {
+            bool found = false;
+            forEachField<T>([&](const auto& each) { found = found || each.name == name; });
+            return found;
+        };
+        noOthers(json, fieldCount<T>(), known, &place);
+    }
+};
+
+} // namespace filasofia::record

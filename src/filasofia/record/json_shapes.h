@@ -1,0 +1,50 @@
+#pragma once
+
+#include "filasofia/core/error.h"
+#include "filasofia/physics/step_record.h"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+/// How values look in a recording, for the writer and the reader alike. A Def is an object with the fields of its list,
+/// a variant an object with the one name of what it holds, a vector in space or a pose an array, an infinity a word.
+namespace filasofia::record {
+
+using Json = nlohmann::ordered_json; ///< keeps the order in which members were written
+
+using TetMesh = std::shared_ptr<const geometry::TetMesh>;
+
+inline constexpr const char* kFormat = "filasofia recording";
+inline constexpr int kVersion = 1;
+inline constexpr const char* kInfinite = "infinite";
+inline constexpr const char* kMinusInfinite = "-infinite";
+
+/// Small things that everybody knows by their place: an array of their fields.
+template <class T>
+concept IsPlaces =
+    std::is_same_v<T, Vec3> || std::is_same_v<T, Quat> || std::is_same_v<T, Pose> || std::is_same_v<T, geometry::Box>;
+
+template <class T> inline constexpr bool kIsOptional = false;
+template <class T> inline constexpr bool kIsOptional<std::optional<T>> = true;
+template <class T> inline constexpr bool kIsShared = false;
+template <class T> inline constexpr bool kIsShared<std::shared_ptr<const T>> = true;
+template <class T> inline constexpr bool kIsVariant = false;
+template <class... T> inline constexpr bool kIsVariant<std::variant<T...>> = true;
+template <class T> inline constexpr bool kIsVector = false;
+template <class T> inline constexpr bool kIsVector<std::vector<T>> = true;
+template <class T> inline constexpr bool kIsArray = false;
+template <class T, std::size_t n> inline constexpr bool kIsArray<std::array<T, n>> = true;
+
+template <class T> constexpr std::string_view typeName() { return fields(static_cast<const T*>(nullptr)).typeName; }
+template <class T> constexpr std::size_t fieldCount()
+{
+    return std::tuple_size_v<decltype(fields(static_cast<const T*>(nullptr)).list)>;
+}
+
+} // namespace filasofia::record

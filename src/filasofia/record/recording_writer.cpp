@@ -1,0 +1,65 @@
+#include "filasofia/record/recording.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/record/json_writer.h"
+#include "filasofia/record/output_file.h"
+#include "filasofia/record/repeatable.h"
+
+namespace filasofia::record {
+namespace {
+
+std::string hexadecimal(std::uint64_t number)
+{
+    std::array<char, 17> digits;
+    std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(number));
+    return digits.data();
+}
+
+/// A name may hold any bytes; in the file those that are no UTF-8 become U+FFFD.
+std::string lineOf(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'; }
+
+} // namespace
+
+struct RecordingWriter::Impl {
+    OutputFile file;
+    JsonWriter json = {};
+    std::size_t meshes = 0; ///< written
+    bool warned = false;
+
+    void warnOnce(const physics::StepRecord& step)
+    {
+        const auto why = whyNotRepeatable(step);
+        if (why.empty() || std::exchange(warned, true)) return;
+        logWarning(file.name(), ": no replay can go beyond step ", step.report.step, ": ", why);
+    }
+};
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header)
+    : impl_(new Impl{OutputFile(file)})
+{
+    impl_->file.write(lineOf({{"format", kFormat},
+                              {"version", kVersion},
+                              {"filasofia", FILASOFIA_VERSION},
+                              {"period", impl_->json.write(header.period)}}));
+}
+
+RecordingWriter::~RecordingWriter() = default;
+
+void RecordingWriter::write(const physics::StepRecord& step)
+{
+    Json iterations = Json::array();
+    for (const physics::BodySolve& solve : step.report.solves) iterations.push_back(solve.iterations);
+    const Json line = {{"step", step.report.step},   {"dt", impl_->json.write(step.report.dt)},
+                       {"flags", step.report.flags}, {"hash", hexadecimal(step.hash)},
+                       {"iterations", iterations},   {"commands", impl_->json.write(step.commands)}};
+    for (const TetMesh& mesh : impl_->json.takeNewMeshes())
+        impl_->file.write(lineOf({{"mesh", impl_->meshes++},
+                                  {"nodes", impl_->json.write(mesh->nodes)},
+                                  {"tetrahedra", impl_->json.write(mesh->tetrahedra)}}));
+    impl_->file.write(lineOf(line));
+    impl_->warnOnce(step);
+}
+
+void RecordingWriter::flush() { impl_->file.flush(); }
+
+} // namespace filasofia::record

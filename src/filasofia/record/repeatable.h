@@ -1,0 +1,17 @@
+#pragma once
+
+#include "filasofia/physics/step_record.h"
+
+#include <string_view>
+
+namespace filasofia::record {
+
+/// Why this step and those after it cannot be made again; empty where they can.
+inline std::string_view whyNotRepeatable(const physics::StepRecord& step)
+{
+    if (step.report.has(physics::StepFlag::RecordLost)) return "steps before it were lost while recording";
+    if (step.report.has(physics::StepFlag::Tuned)) return "tune() ran before it";
+    return {};
+}
+
+} // namespace filasofia::record

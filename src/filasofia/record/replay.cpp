@@ -1,0 +1,98 @@
+#include "filasofia/record/replay.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/physics/physics_engine.h"
+#include "filasofia/physics/registry.h"
+#include "filasofia/record/repeatable.h"
+
+#include <cmath>
+
+namespace filasofia::record {
+namespace {
+
+using physics::Command;
+using physics::StepRecord;
+
+/// A recorded command, ready to be applied again: bodies are built anew from their Defs.
+struct Again {
+    const physics::PhysicsEngine& engine;
+
+    Command operator()(const physics::AddBody& add) const
+    {
+        return physics::AddBody{add.id, add.def, engine.build(*add.def)};
+    }
+    template <class Plain> Command operator()(const Plain& command) const { return command; }
+};
+
+} // namespace
+
+struct Replayer::Impl {
+    physics::PhysicsEngine& engine;
+    /// A recording may come from anywhere: its commands are held to what the server holds its callers to.
+    physics::Registry bodies = {};
+    std::uint64_t made = 0; ///< the last step's number
+
+    void checkOrder(const StepRecord& recorded) const
+    {
+        const std::uint64_t step = recorded.report.step;
+        if (const auto why = whyNotRepeatable(recorded); !why.empty())
+            fail("step ", step, " cannot be made again: ", why);
+        const bool paused = recorded.report.dt == 0.0; // made, and not counted
+        if (step != made + 1 && !(paused && step == made))
+            fail("step ", step, " cannot be made again: step ", made + 1, " is missing");
+        if (!(std::isfinite(recorded.report.dt) && recorded.report.dt >= 0.0))
+            fail("step ", step, ": dt must be >= 0 s, got ", recorded.report.dt);
+    }
+
+    std::vector<Command> commandsOf(const StepRecord& recorded)
+    {
+        std::vector<Command> commands;
+        try {
+            for (const Command& command : recorded.commands) {
+                commands.push_back(std::visit(Again{engine}, command));
+                bodies.check(commands.back());
+                bodies.note(commands.back());
+            }
+        } catch (const Error& problem) {
+            fail("step ", recorded.report.step, ": ", problem.what());
+        }
+        return commands;
+    }
+
+    physics::StepBudget budgetOf(const StepRecord& recorded) const
+    {
+        physics::StepBudget budget;
+        if (!recorded.report.has(physics::StepFlag::OutOfTime)) return budget;
+        for (const physics::BodySolve& solve : recorded.report.solves) budget.iterations.push_back(solve.iterations);
+        if (budget.iterations.size() != bodies.softBodyCount())
+            fail("step ", recorded.report.step, ": iterations must be given for each of ", bodies.softBodyCount(),
+                 " soft bodies, got ", budget.iterations.size());
+        return budget;
+    }
+};
+
+Replayer::Replayer(physics::PhysicsEngine& fresh) : impl_(new Impl{fresh}) {}
+Replayer::~Replayer() = default;
+
+physics::StepReport Replayer::step(const StepRecord& recorded)
+{
+    impl_->checkOrder(recorded);
+    std::vector<Command> commands = impl_->commandsOf(recorded);
+    const physics::StepBudget budget = impl_->budgetOf(recorded);
+    impl_->made = recorded.report.step;
+    return impl_->engine.step({.dt = recorded.report.dt, .commands = commands, .budget = &budget});
+}
+
+std::optional<Difference> replay(const std::vector<StepRecord>& steps, physics::PhysicsEngine& fresh)
+{
+    Replayer replayer(fresh);
+    for (const StepRecord& step : steps) {
+        replayer.step(step);
+        if (step.hash == 0) continue;
+        if (const std::uint64_t hash = fresh.hash(); hash != step.hash)
+            return Difference{step.report.step, step.hash, hash};
+    }
+    return std::nullopt;
+}
+
+} // namespace filasofia::record

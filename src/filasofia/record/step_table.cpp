@@ -1,0 +1,36 @@
+#include "filasofia/record/step_table.h"
+
+#include "filasofia/record/output_file.h"
+
+#include <array>
+#include <cinttypes>
+
+namespace filasofia::record {
+
+struct StepTable::Impl {
+    OutputFile file;
+};
+
+StepTable::StepTable(const std::filesystem::path& file) : impl_(new Impl{OutputFile(file)})
+{
+    impl_->file.write("step,time [s],dt [s],flags,iterations,hash,commands [s],assemble [s],advance [s]\n");
+}
+
+StepTable::~StepTable() = default;
+
+void StepTable::write(const physics::StepRecord& step)
+{
+    const physics::StepReport& report = step.report;
+    int iterations = 0;
+    for (const physics::BodySolve& solve : report.solves) iterations += solve.iterations;
+    std::array<char, 320> line; // nine numbers of at most 25 characters
+    const int length = std::snprintf(line.data(), line.size(),
+                                     "%" PRIu64 ",%.17g,%.17g,%" PRIu32 ",%d,%016" PRIx64 ",%.9g,%.9g,%.9g\n",
+                                     report.step, report.time, report.dt, report.flags, iterations, step.hash,
+                                     report.times.commands, report.times.assemble, report.times.advance);
+    impl_->file.write({line.data(), static_cast<std::size_t>(length)});
+}
+
+void StepTable::flush() { impl_->file.flush(); }
+
+} // namespace filasofia::record

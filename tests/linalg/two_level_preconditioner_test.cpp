@@ -1,0 +1,206 @@
+#include "filasofia/linalg/two_level_preconditioner.h"
+
+#include "filasofia/core/worker_pool.h"
+
+#include "linalg/random_matrix.h"
+
+#include <Eigen/Cholesky>
+
+#include <cstring>
+#include <numeric>
+#include <optional>
+
+using namespace filasofia;
+using namespace filasofia::linalg;
+
+namespace {
+
+/// A matrix of which some rows are unknowns, in an order of their own, and coarse nodes for its rows.
+struct Problem {
+    Problem(std::mt19937& random, int matrixRows, int unknowns, int coarse)
+        : matrix(randomSpd(random, matrixRows)), rows(static_cast<std::size_t>(matrixRows)), coarseNodes(coarse),
+          corners(rows.size()), weights(rows.size())
+    {
+        std::iota(rows.begin(), rows.end(), 0);
+        std::shuffle(rows.begin(), rows.end(), random);
+        rows.resize(static_cast<std::size_t>(unknowns));
+        for (std::size_t row = 0; row < corners.size() && coarse > 0; ++row)
+            for (std::size_t k = 0; k < 4; ++k) {
+                corners[row][k] = static_cast<int>(random() % static_cast<unsigned>(coarse));
+                weights[row][k] = k == 3 ? 0.0f : randomFloat(random);
+            }
+    }
+    [[nodiscard]] PreconditionerInput input() const
+    {
+        return {.matrix = matrix,
+                .rows = rows,
+                .scale = 2.5,
+                .coarseNodes = coarseNodes,
+                .corners = corners,
+                .weights = weights};
+    }
+
+    BlockSparseMatrix matrix;
+    std::vector<int> rows;
+    int coarseNodes;
+    std::vector<std::array<int, 4>> corners;
+    std::vector<std::array<float, 4>> weights;
+};
+
+int count(const Problem& problem) { return static_cast<int>(problem.rows.size()); }
+
+Eigen::VectorXd dense(const NodeArray& nodes, int unknowns)
+{
+    Eigen::VectorXd all(3 * unknowns);
+    for (int i = 0; i < 3 * unknowns; ++i) all[i] = static_cast<double>(nodes[i / 3][i % 3]);
+    return all;
+}
+
+Eigen::Matrix3d dense(const Mat3& m)
+{
+    return Eigen::Matrix3d{{m[0].x, m[0].y, m[0].z}, {m[1].x, m[1].y, m[1].z}, {m[2].x, m[2].y, m[2].z}};
+}
+
+/// R (D^-1 + P A_c^-1 P^T) R^T, with what is added to the diagonal of A_c: a part in a hundred thousand of itself, and
+/// next to nothing of the largest entry, for coarse nodes that hold nothing.
+Eigen::MatrixXd densePreconditioner(const Problem& problem, const std::vector<RotationBlock>& rotations)
+{
+    const int n = 3 * count(problem);
+    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n), inverseDiagonal = a, r = a;
+    Eigen::MatrixXd p = Eigen::MatrixXd::Zero(n, 3 * problem.coarseNodes);
+    for (int i = 0; i < count(problem); ++i) {
+        const int row = problem.rows[static_cast<std::size_t>(i)];
+        for (int j = 0; j < count(problem); ++j)
+            if (const int at = problem.matrix.find(row, problem.rows[static_cast<std::size_t>(j)]); at >= 0)
+                a.block<3, 3>(3 * i, 3 * j) = problem.input().scale * dense(problem.matrix.block(at));
+        inverseDiagonal.block<3, 3>(3 * i, 3 * i) =
+            Eigen::LLT<Eigen::Matrix3d>(a.block<3, 3>(3 * i, 3 * i)).solve(Eigen::Matrix3d::Identity());
+        r.block<3, 3>(3 * i, 3 * i) = dense(rotationOf(rotations, i));
+        for (std::size_t k = 0; k < 4 && problem.coarseNodes > 0; ++k)
+            p.block<3, 3>(3 * i, 3 * problem.corners[static_cast<std::size_t>(row)][k]) +=
+                static_cast<double>(problem.weights[static_cast<std::size_t>(row)][k]) * Eigen::Matrix3d::Identity();
+    }
+    Eigen::MatrixXd sum = inverseDiagonal;
+    if (problem.coarseNodes > 0) {
+        Eigen::MatrixXd coarse = p.transpose() * a * p;
+        const double largest = coarse.diagonal().maxCoeff();
+        if (largest == 0.0) return r * sum * r.transpose();
+        for (Eigen::Index i = 0; i < coarse.rows(); ++i) coarse(i, i) += 1e-5 * coarse(i, i) + 1e-12 * largest;
+        sum += p * Eigen::LLT<Eigen::MatrixXd>(coarse).solve(p.transpose());
+    }
+    return r * sum * r.transpose();
+}
+
+TwoLevelPreconditioner turned(const Problem& problem, std::mt19937& random)
+{
+    TwoLevelPreconditioner m(problem.input());
+    m.rotations() = randomRotations(random, blocksFor(count(problem)));
+    return m;
+}
+
+} // namespace
+
+TEST_CASE("the preconditioner is its definition, with coarse nodes and without, of all rows or some of them")
+{
+    std::mt19937 random(1);
+    WorkerPool pool(1);
+    for (const int coarseNodes : {0, 1, 7})
+        for (const int unknowns : {1, 16, 45, 60}) {
+            INFO(coarseNodes << " coarse nodes, " << unknowns << " of 60 rows");
+            const Problem problem(random, 60, unknowns, coarseNodes);
+            TwoLevelPreconditioner m = turned(problem, random);
+            CHECK(m.coarseNodes() == coarseNodes);
+            const NodeArray r = randomNodes(random, unknowns);
+            NodeArray z(r.blocks());
+            const double rz = m.apply(r, z, pool);
+            const Eigen::VectorXd exact = densePreconditioner(problem, m.rotations()) * dense(r, unknowns);
+            const Eigen::VectorXd found = dense(z, unknowns);
+            // Every entry of D^-1, P and A_c^-1 is rounded to float, 6e-8 of it, and a few hundred are summed up. With
+            // fewer unknowns than coarse ones A_c is singular, and they cancel to a part in the hundred thousand.
+            CHECK((found - exact).norm() <= (unknowns < coarseNodes ? 1e-2 : 1e-5) * exact.norm());
+            CHECK(std::abs(rz - found.dot(dense(r, unknowns))) <= 1e-5 * found.norm() * dense(r, unknowns).norm());
+            for (int node = unknowns; node < kBlock * r.blocks(); ++node) CHECK(vectorOf(z[node]) == Vec3{});
+        }
+}
+
+TEST_CASE("without rotations it is the preconditioner of the matrix at rest")
+{
+    std::mt19937 random(2);
+    WorkerPool pool(1);
+    const Problem problem(random, 30, 30, 5);
+    TwoLevelPreconditioner m(problem.input());
+    std::vector<RotationBlock> none(m.rotations().size());
+    for (int node = 0; node < kBlock * static_cast<int>(none.size()); ++node) setRotation(none, node, {});
+    const NodeArray r = randomNodes(random, 30);
+    NodeArray z(r.blocks());
+    m.apply(r, z, pool);
+    const Eigen::VectorXd exact = densePreconditioner(problem, none) * dense(r, 30);
+    CHECK((dense(z, 30) - exact).norm() <= 1e-5 * exact.norm());
+}
+
+TEST_CASE("the preconditioner is symmetric and positive")
+{
+    std::mt19937 random(3);
+    WorkerPool pool(1);
+    const Problem problem(random, 100, 90, 9);
+    TwoLevelPreconditioner m = turned(problem, random);
+    for (int k = 0; k < 20; ++k) {
+        const NodeArray a = randomNodes(random, 90), b = randomNodes(random, 90);
+        NodeArray za(a.blocks()), zb(b.blocks());
+        CHECK(m.apply(a, za, pool) > 0.0);
+        m.apply(b, zb, pool);
+        const double ab = dense(a, 90).dot(dense(zb, 90)), ba = dense(b, 90).dot(dense(za, 90));
+        CHECK(std::abs(ab - ba) <= 1e-6 * dense(a, 90).norm() * dense(zb, 90).norm());
+    }
+}
+
+TEST_CASE(
+    "coarse nodes that say the same twice, hold nothing, or are no use at all leave a finite positive preconditioner")
+{
+    std::mt19937 random(4);
+    WorkerPool pool(1);
+    Problem twins(random, 80, 70, 8), empty(random, 80, 70, 8), useless(random, 80, 70, 8);
+    for (std::size_t row = 0; row < 80; ++row) {
+        twins.corners[row] = {1, 5, 2, 3}; // the columns of coarse nodes 1 and 5 are one and the same
+        twins.weights[row][1] = twins.weights[row][0];
+        for (int& corner : empty.corners[row]) corner = std::max(corner, 3);
+        useless.weights[row] = {};
+    }
+    for (const Problem* problem : {&twins, &empty, &useless}) {
+        TwoLevelPreconditioner m = turned(*problem, random);
+        CHECK(m.coarseNodes() == (problem == &useless ? 0 : 8));
+        for (int k = 0; k < 10; ++k) {
+            const NodeArray r = randomNodes(random, 70);
+            NodeArray z(r.blocks());
+            const double rz = m.apply(r, z, pool);
+            CHECK(rz > 0.0);
+            CHECK(std::isfinite(dense(z, 70).squaredNorm()));
+            // Where A_c is singular, the two columns share what one of them would get: D^-1 and the rest are as ever.
+            const Eigen::VectorXd exact = densePreconditioner(*problem, m.rotations()) * dense(r, 70);
+            CHECK((dense(z, 70) - exact).norm() <= (problem == &twins ? 0.05 : 1e-5) * exact.norm());
+        }
+    }
+}
+
+TEST_CASE("any number of threads gives the same bits")
+{
+    std::mt19937 random(5);
+    const Problem problem(random, 1500, 1400, 45); // six parts of nodes, three of coarse nodes and of panels
+    TwoLevelPreconditioner m = turned(problem, random);
+    const NodeArray r = randomNodes(random, 1400);
+    std::optional<double> rz;
+    NodeArray z(r.blocks());
+    for (const int threads : {1, 2, 3, 8}) {
+        WorkerPool pool(threads);
+        for (int k = 0; k < 20; ++k) {
+            NodeArray again(r.blocks());
+            const double product = m.apply(r, again, pool);
+            if (!rz) {
+                rz = product;
+                z = again;
+            }
+            REQUIRE(product == *rz);
+            REQUIRE(std::memcmp(again.data(), z.data(), 256 * static_cast<std::size_t>(z.blocks())) == 0);
+        }
+    }
+}

@@ -1,0 +1,251 @@
+#include "filasofia/record/recording.h"
+
+#include "filasofia/core/log.h"
+#include "physics/fake_engine.h"
+#include "record/runs.h"
+
+#include <bit>
+
+using namespace filasofia;
+using namespace filasofia::physics;
+
+namespace {
+
+// Numbers that a careless format loses: no short decimal, the smallest, the largest, the sign of zero.
+const double kThird = 1.0 / 3.0, kTiny = 4.9406564584124654e-324, kLarge = 1.7976931348623157e308, kMinusZero = -0.0;
+
+bool sameBits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+bool sameBits(Vec3 a, Vec3 b) { return sameBits(a.x, b.x) && sameBits(a.y, b.y) && sameBits(a.z, b.z); }
+bool sameBits(Quat a, Quat b) { return sameBits(a.w, b.w) && sameBits(Vec3{a.x, a.y, a.z}, Vec3{b.x, b.y, b.z}); }
+bool sameBits(const Pose& a, const Pose& b)
+{
+    return sameBits(a.position, b.position) && sameBits(a.orientation, b.orientation);
+}
+
+const Vec3 kVec{kThird, kTiny, kMinusZero};
+const Pose kPose{{kLarge, -kThird, kMinusZero}, {0.1, 0.2, -0.3, kThird}};
+
+template <class Kind> AddBody adding(std::uint32_t id, Kind def)
+{
+    return {BodyId{id}, std::make_shared<const BodyDef>(std::move(def)), nullptr};
+}
+
+StepRecord stepWith(Command command)
+{
+    StepRecord step;
+    step.report = {.step = 1, .dt = 1e-3};
+    step.commands.push_back(std::move(command));
+    return step;
+}
+
+/// What a recording makes of a step.
+StepRecord roundTrip(const StepRecord& step)
+{
+    const record::ScratchFile file("round.rec");
+    {
+        record::RecordingWriter writer(file.path(), {});
+        writer.write(step);
+    }
+    auto steps = record::readRecording(file.path()).steps;
+    REQUIRE(steps.size() == 1);
+    return std::move(steps[0]);
+}
+
+template <class Kind> Kind roundTrip(Kind command)
+{
+    const StepRecord step = roundTrip(stepWith(std::move(command)));
+    REQUIRE(step.commands.size() == 1);
+    REQUIRE(std::holds_alternative<Kind>(step.commands[0]));
+    return std::move(const_cast<Kind&>(std::get<Kind>(step.commands[0])));
+}
+
+SoftBodyDef roundTrip(const SoftBodyDef& def)
+{
+    const AddBody add = roundTrip(adding(4, def));
+    CHECK(add.id == BodyId{4});
+    return std::get<SoftBodyDef>(*add.def);
+}
+
+} // namespace
+
+TEST_CASE("what a step was comes back bit for bit")
+{
+    StepRecord step; // every flag but RecordLost and Tuned, which warn
+    step.report = {.step = 123456789012345678u, .dt = kThird, .flags = 0xffffff9fu};
+    step.report.solves = {{.body = {}, .iterations = 17}, {.body = {}, .iterations = 0}};
+    step.hash = 0xfedcba9876543210u;
+    const StepRecord back = roundTrip(step);
+    CHECK(back.report.step == step.report.step);
+    CHECK(sameBits(back.report.dt, kThird));
+    CHECK(back.report.flags == step.report.flags);
+    REQUIRE(back.report.solves.size() == 2);
+    CHECK(back.report.solves[0].iterations == 17);
+    CHECK(back.report.solves[1].iterations == 0);
+    CHECK(back.hash == step.hash);
+    CHECK(back.commands.empty());
+}
+
+TEST_CASE("every field of a soft body comes back bit for bit, its mesh with it")
+{
+    auto mesh = *oneTetrahedron();
+    mesh.nodes[2] = kVec;
+    const SoftBodyDef def{
+        .name = "liver \"left\"\nlobe \xc3\xa9",
+        .mesh = std::make_shared<const geometry::TetMesh>(mesh),
+        .pose = kPose,
+        .material = MassSpringMaterial{.stiffness = kLarge, .damping = kTiny},
+        .mass = TotalMass{kThird},
+        .rayleigh = {.mass = kThird, .stiffness = kMinusZero},
+        .gravity = false,
+        .integrator = ExplicitEuler{.symplectic = true},
+        .solver = ConjugateGradient{.maxIterations = 7, .tolerance = kThird, .minIterations = 3, .assembled = true},
+        .attachments = {{.nodes = {0, 3}, .stiffness = kHard},
+                        {.box = geometry::Box{kVec, {1, 2, 3}}, .stiffness = kThird}},
+        .forces = {{.node = 2, .force = kVec}},
+        .pressure = -kThird};
+    const SoftBodyDef back = roundTrip(def);
+    CHECK(back.name == def.name);
+    const auto& nodes = std::get<std::shared_ptr<const geometry::TetMesh>>(back.mesh)->nodes;
+    CHECK(std::equal(nodes.begin(), nodes.end(), mesh.nodes.begin(), mesh.nodes.end(),
+                     [](Vec3 a, Vec3 b) { return sameBits(a, b); }));
+    CHECK(std::get<std::shared_ptr<const geometry::TetMesh>>(back.mesh)->tetrahedra == mesh.tetrahedra);
+    CHECK(sameBits(back.pose, kPose));
+    CHECK(std::get<MassSpringMaterial>(back.material).stiffness == kLarge);
+    CHECK(sameBits(std::get<MassSpringMaterial>(back.material).damping, kTiny));
+    CHECK(sameBits(std::get<TotalMass>(back.mass).value, kThird));
+    CHECK(sameBits(back.rayleigh.mass, kThird));
+    CHECK(sameBits(back.rayleigh.stiffness, kMinusZero));
+    CHECK_FALSE(back.gravity);
+    CHECK(std::get<ExplicitEuler>(back.integrator).symplectic);
+    const auto& solver = std::get<ConjugateGradient>(back.solver);
+    CHECK(solver.maxIterations == 7);
+    CHECK(sameBits(solver.tolerance, kThird));
+    CHECK(solver.minIterations == 3);
+    CHECK(solver.assembled);
+    REQUIRE(back.attachments.size() == 2);
+    CHECK(back.attachments[0].nodes == std::vector<int>{0, 3});
+    CHECK_FALSE(back.attachments[0].box);
+    CHECK(back.attachments[0].stiffness == kHard);
+    CHECK(back.attachments[1].nodes.empty());
+    REQUIRE(back.attachments[1].box);
+    CHECK(sameBits(back.attachments[1].box->low, kVec));
+    CHECK(back.attachments[1].box->high == Vec3{1, 2, 3});
+    CHECK(sameBits(back.attachments[1].stiffness, kThird));
+    REQUIRE(back.forces.size() == 1);
+    CHECK(back.forces[0].node == 2);
+    CHECK(sameBits(back.forces[0].force, kVec));
+    CHECK(sameBits(back.pressure, -kThird));
+}
+
+TEST_CASE("the other alternatives of a soft body come back")
+{
+    const SoftBodyDef back = roundTrip(SoftBodyDef{.mesh = oneTetrahedron(),
+                                                   .material = FemMaterial{.youngModulus = kThird, .poissonRatio = 0.1},
+                                                   .mass = Density{kThird},
+                                                   .integrator = ImplicitEuler{},
+                                                   .solver = Cholesky{}});
+    CHECK(sameBits(std::get<FemMaterial>(back.material).youngModulus, kThird));
+    CHECK(sameBits(std::get<FemMaterial>(back.material).poissonRatio, 0.1));
+    CHECK(sameBits(std::get<Density>(back.mass).value, kThird));
+    CHECK(std::holds_alternative<ImplicitEuler>(back.integrator));
+    CHECK(std::holds_alternative<Cholesky>(back.solver));
+    // No body of a server names a file any more; a Def from elsewhere may.
+    CHECK(std::get<std::string>(roundTrip(SoftBodyDef{.mesh = "liver.msh"}).mesh) == "liver.msh");
+}
+
+TEST_CASE("every other kind of command comes back bit for bit")
+{
+    const AddBody add = roundTrip(adding(9, RigidBodyDef{.name = "forceps", .elements = {kPose, Pose{}}}));
+    const auto& rigid = std::get<RigidBodyDef>(*add.def);
+    CHECK(rigid.name == "forceps");
+    REQUIRE(rigid.elements.size() == 2);
+    CHECK(sameBits(rigid.elements[0], kPose));
+    CHECK(roundTrip(RemoveBody{BodyId{4294967295u}}).id == BodyId{4294967295u});
+    const auto pose = roundTrip(SetPose{BodyId{3}, 2, kPose});
+    CHECK(pose.id == BodyId{3});
+    CHECK(pose.element == 2);
+    CHECK(sameBits(pose.pose, kPose));
+    CHECK(sameBits(roundTrip(SetGravity{kVec}).gravity, kVec));
+    const auto material = roundTrip(SetMaterial{BodyId{3}, FemMaterial{.youngModulus = kThird}});
+    CHECK(material.id == BodyId{3});
+    CHECK(sameBits(std::get<FemMaterial>(material.material).youngModulus, kThird));
+    const auto forces = roundTrip(SetForces{BodyId{3}, {{1, kVec}, {2, {}}}});
+    CHECK(forces.id == BodyId{3});
+    REQUIRE(forces.forces.size() == 2);
+    CHECK(forces.forces[0].node == 1);
+    CHECK(sameBits(forces.forces[0].force, kVec));
+    const auto pressure = roundTrip(SetPressure{BodyId{3}, kTiny});
+    CHECK(pressure.id == BodyId{3});
+    CHECK(sameBits(pressure.pressure, kTiny));
+    roundTrip(Reset{});
+    CHECK(roundTrip(Pause{true}).paused);
+    CHECK_FALSE(roundTrip(Pause{false}).paused);
+    CHECK_FALSE(roundTrip(Tune{[](PhysicsEngine&) {}}).change); // that there was one is all that can be kept
+    STATIC_REQUIRE(std::variant_size_v<Command> == 10);
+}
+
+TEST_CASE("a name that is no text does not end the recording")
+{
+    CHECK(roundTrip(SoftBodyDef{.name = "li\xffver", .mesh = oneTetrahedron()}).name == "li\xef\xbf\xbdver");
+}
+
+TEST_CASE("a mesh is written once, before the step that needs it, however often it is loaded")
+{
+    const record::ScratchFile file("meshes.rec");
+    {
+        record::RecordingWriter writer(file.path(), {.period = 0.005});
+        for (std::uint32_t id = 1; id <= 3; ++id)
+            writer.write(stepWith(adding(id, SoftBodyDef{.mesh = oneTetrahedron()})));
+        auto other = *oneTetrahedron();
+        other.nodes[0].x = -0.0; // equal, and not the same bits
+        writer.write(stepWith(adding(4, SoftBodyDef{.mesh = std::make_shared<const geometry::TetMesh>(other)})));
+    }
+    const auto lines = file.lines();
+    REQUIRE(lines.size() == 1 + 4 + 2);
+    CHECK_THAT(lines[0], Catch::StartsWith(R"({"format":"filasofia recording","version":1,"filasofia":")"));
+    CHECK_THAT(lines[0], Catch::EndsWith(R"(,"period":0.005})"));
+    CHECK(lines[1] ==
+          R"({"mesh":0,"nodes":[[0.0,0.0,0.0],[1.0,0.0,0.0],[0.0,1.0,0.0],[0.0,0.0,1.0]],"tetrahedra":[[0,1,2,3]]})");
+    CHECK_THAT(lines[2],
+               Catch::StartsWith(R"({"step":1,"dt":0.001,"flags":0,"hash":"0000000000000000","iterations":[],)"));
+    CHECK_THAT(lines[5], Catch::StartsWith(R"({"mesh":1,)"));
+    const record::Recording recording = record::readRecording(file.path());
+    CHECK(recording.header.period == 0.005);
+    CHECK(recording.steps.size() == 4);
+}
+
+TEST_CASE("what was flushed can be read while the writer is still at work")
+{
+    const record::ScratchFile file("growing.rec");
+    record::RecordingWriter writer(file.path(), {});
+    for (std::size_t steps = 1; steps <= 3; ++steps) {
+        writer.write(stepWith(Reset{}));
+        writer.flush();
+        CHECK(record::readRecording(file.path()).steps.size() == steps);
+    }
+}
+
+TEST_CASE("a recording says when it cannot be written")
+{
+    CHECK_THROWS_WITH(record::RecordingWriter("/no/such/folder/a.rec", {}), "/no/such/folder/a.rec: cannot be written");
+    record::RecordingWriter full("/dev/full", {});
+    CHECK_THROWS_WITH(full.flush(), "/dev/full: cannot be written (disk full?)");
+}
+
+TEST_CASE("the log is told once that a recording cannot be replayed to its end")
+{
+    std::vector<std::string> warnings;
+    setLogSink([&](LogLevel, std::string_view line) { warnings.emplace_back(line); });
+    const record::ScratchFile file("tuned.rec");
+    {
+        record::RecordingWriter writer(file.path(), {});
+        StepRecord step = stepWith(Tune{[](PhysicsEngine&) {}});
+        step.report.step = 12;
+        step.report.set(StepFlag::Tuned);
+        writer.write(step);
+        writer.write(step);
+    }
+    setLogSink({});
+    REQUIRE(warnings.size() == 1);
+    CHECK(warnings[0] == file.name() + ": no replay can go beyond step 12: tune() ran before it");
+}

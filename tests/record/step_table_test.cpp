@@ -1,0 +1,31 @@
+#include "filasofia/record/step_table.h"
+
+#include "filasofia/core/error.h"
+#include "record/runs.h"
+
+using namespace filasofia;
+
+TEST_CASE("the step table has a line per step")
+{
+    const record::ScratchFile file("table.csv");
+    {
+        record::StepTable table(file.path());
+        physics::StepRecord step;
+        step.report = {.step = 7, .time = 0.5, .dt = 1e-3, .flags = 4};
+        step.report.solves = {{.body = {}, .iterations = 12}, {.body = {}, .iterations = 30}};
+        step.report.times = {.commands = 1e-6, .assemble = 2e-4, .advance = 5e-4};
+        step.hash = 0xabc;
+        table.write(step);
+    }
+    const auto lines = file.lines();
+    REQUIRE(lines.size() == 2);
+    CHECK(lines[0] == "step,time [s],dt [s],flags,iterations,hash,commands [s],assemble [s],advance [s]");
+    CHECK(lines[1] == "7,0.5,0.001,4,42,0000000000000abc,1e-06,0.0002,0.0005");
+}
+
+TEST_CASE("a step table says when it cannot be written")
+{
+    CHECK_THROWS_WITH(record::StepTable("/no/such/folder/log.csv"), "/no/such/folder/log.csv: cannot be written");
+    record::StepTable full("/dev/full");
+    CHECK_THROWS_WITH(full.flush(), "/dev/full: cannot be written (disk full?)");
+}

@@ -1,0 +1,155 @@
+#include "filasofia/filasofia.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/physics/physics_engine.h"
+#include "filasofia/record/recording.h"
+#include "filasofia/record/replay.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+using namespace filasofia;
+
+namespace {
+
+SoftBodyDef bunny()
+{
+    return {.name = "bunny",
+            .mesh = asset("meshes/bunny_756.msh"),
+            .attachments = {{.box = Box{{-1, 0.105, -1}, {1, 1, 1}}}}};
+}
+
+/// Files of this test's own in a folder that goes away.
+struct Folder {
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / text("filasofia_runtime_record_test_", getpid());
+    Folder() { std::filesystem::create_directory(path); }
+    ~Folder() { std::filesystem::remove_all(path); }
+    [[nodiscard]] std::string operator/(const char* name) const { return (path / name).string(); }
+};
+
+/// Makes a recorded run again and returns its last hash; the test fails where a step differs.
+std::uint64_t madeAgain(const std::string& file, std::size_t steps)
+{
+    const record::Recording recording = record::readRecording(file);
+    CHECK(recording.steps.size() == steps);
+    const auto engine = engine::makeNativeEngine({.period = recording.header.period});
+    CHECK_FALSE(record::replay(recording.steps, *engine));
+    return engine->hash();
+}
+
+} // namespace
+
+TEST_CASE("a headless run with commands on its way is made again from its recording")
+{
+    const Folder folder;
+    Simulation sim({.physics = {.rate = 500}});
+    const BodyId body = sim.add(bunny());
+    std::optional<BodyId> guest;
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
+        if (update.step == 3) sim.physics().setMaterial(body, FemMaterial{.youngModulus = 4_kPa});
+        if (update.step == 6) sim.physics().setForces(body, {{.node = 5, .force = {0.05, 0, 0}}});
+        if (update.step == 9) sim.physics().setPressure(body, 30.0);
+        if (update.step == 12) guest = sim.add(bunny());
+        if (update.step == 15) sim.physics().reset();
+        if (update.step == 18) sim.physics().remove(*guest);
+    });
+    const RunReport report = sim.run({.headless = true, .steps = 25, .record = folder / "run.rec"});
+    CHECK(record::RecordingReader(folder / "run.rec").header().period == 1.0 / 500);
+    CHECK(madeAgain(folder / "run.rec", 25) == report.hash);
+}
+
+TEST_CASE("a live run is made again from its recording")
+{
+    const Folder folder;
+    Simulation sim;
+    const BodyId body = sim.add(bunny());
+    sim.show(body);
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
+        if (update.step == 50) sim.physics().setPressure(body, 20.0); // comes whenever it comes
+    });
+    const RunReport report =
+        sim.run({.backend = Backend::Null, .steps = 300, .log = folder / "run.csv", .record = folder / "run.rec"});
+    CHECK(madeAgain(folder / "run.rec", 300) == report.hash);
+    std::ifstream table(folder / "run.csv"); // both files are fed from the one log
+    int lines = 0;
+    for (std::string line; std::getline(table, line);) ++lines;
+    CHECK(lines == 301);
+}
+
+TEST_CASE("a live run whose solvers were stopped by the deadline is made again without one")
+{
+    const Folder folder;
+    Simulation sim({.physics = {.deadline = 1e-9}}); // has always passed
+    for (const char* name : {"left", "right"}) {
+        SoftBodyDef body = bunny();
+        body.name = name;
+        body.solver = ConjugateGradient{.tolerance = 1e-8};
+        sim.add(body);
+    }
+    const RunReport report = sim.run({.backend = Backend::Null, .steps = 200, .record = folder / "run.rec"});
+    CHECK(report.outOfTime > 100);
+    CHECK(madeAgain(folder / "run.rec", 200) == report.hash);
+}
+
+TEST_CASE("only a simulation's first run can be recorded")
+{
+    const Folder folder;
+    Simulation sim;
+    sim.run({.headless = true, .steps = 2});
+    CHECK_THROWS_WITH(sim.run({.headless = true, .steps = 2, .record = folder / "run.rec"}),
+                      "run: record is for a simulation's first run, and this one has made 2 steps");
+    CHECK(sim.run({.headless = true, .steps = 2}).steps == 4);
+}
+
+TEST_CASE("a run whose recording finds no room on the disk says so")
+{
+    const Folder folder;
+    std::filesystem::create_symlink("/dev/full", folder.path / "full.rec");
+    for (const bool headless : {true, false}) {
+        Simulation sim;
+        CHECK_THROWS_WITH(
+            sim.run({.headless = headless, .backend = Backend::Null, .steps = 100, .record = folder / "full.rec"}),
+            folder / "full.rec" + ": cannot be written (disk full?)");
+    }
+}
+
+TEST_CASE("a simulation's command line records")
+{
+    const Folder folder;
+    const std::string file = folder / "run.rec";
+    Simulation sim;
+    sim.add(bunny());
+    const char* words[] = {"program", "--headless", "--steps", "3", "--record", file.c_str()};
+    CHECK(sim.run(6, words) == 0);
+    madeAgain(file, 3);
+}
+
+TEST_CASE("the summary counts what did not go as asked")
+{
+    RunReport report;
+    report.undone = 5;
+    report.notConverged = 2;
+    report.damped = 3;
+    report.outOfTime = 4;
+    CHECK_THAT(runtime::summary(report),
+               Catch::Contains("put back 5, of these made again damped 3, solver at its cap 2, at the deadline 4\n"));
+}
+
+TEST_CASE("a run that begins paused is made again from its recording")
+{
+    const Folder folder;
+    Simulation sim;
+    sim.add(bunny());
+    sim.physics().pause(true);
+    int steps = 0;
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent&) {
+        if (++steps == 4) sim.physics().pause(false);
+    });
+    const RunReport report = sim.run({.headless = true, .steps = 10, .record = folder / "run.rec"});
+    CHECK(report.steps == 6);
+    CHECK(madeAgain(folder / "run.rec", 10) == report.hash);
+}
