@@ -6,7 +6,7 @@ namespace filasofia::app {
 
 /// The paper's benchmark: the Stanford bunny pinned at the head, the rest falling under its own weight.
 struct BunnyDef {
-    int tets = 1492;     ///< one of kBunnySizes
+    int tets = 3004;     ///< one of kBunnySizes
     int subdivision = 1; ///< [-], in [0, 3], of the visual surface
 };
 

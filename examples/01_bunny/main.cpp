@@ -4,10 +4,10 @@ using namespace filasofia;
 
 int main(int argc, char** argv)
 try {
-    Simulation sim({.physics = {.rate = 200_Hz, .slack = 2_ms}, .window = {.title = "Bunny"}});
+    Simulation sim({.physics = {.rate = 1_kHz, .slack = 2_ms}, .window = {.title = "Bunny"}});
     const BodyId bunny = sim.add(SoftBodyDef{
         .name = "bunny",
-        .mesh = asset("meshes/bunny_1492.msh"),
+        .mesh = asset("meshes/bunny_3004.msh"),
         .material = FemMaterial{.youngModulus = 10_kPa, .poissonRatio = 0.45},
         .attachments = {{.box = Box{{-1, 0.105, -1}, {1, 1, 1}}}}, // held at the head
     });
