@@ -297,3 +297,93 @@ TEST_CASE("solver settings out of range are refused with their bound and value")
     CHECK_THROWS_WITH(buildBody(SoftBodyDef{.mesh = bunnyFile(756), .material = FemMaterial{1e4, 0.5}}, 1e-3),
                       Catch::Contains("poissonRatio must be in [0, 0.5), got 0.5"));
 }
+
+TEST_CASE("springs that tune adds to a body of elements pull on it, and turn nothing")
+{
+    Stage stage = hangingBunny(756, FemMaterial{}, 0.005), exact = hangingBunny(756, FemMaterial{}, 0.005, Cholesky{});
+    for (Stage* each : {&stage, &exact}) {
+        each->step(0.005);
+        each->post(Tune{[](PhysicsEngine& engine) {
+            SoftModel& body = static_cast<World&>(engine).model().softBodies[0];
+            for (int k = 0; k < 40; ++k)
+                body.springs.push_back({.nodes = {k, k + 60}, .restLength = 0.01, .stiffness = 20.0, .damping = 0.1});
+        }});
+        CHECK((each->run(60, 0.005).flags & ~static_cast<std::uint32_t>(StepFlag::Tuned)) == 0);
+    }
+    const double size = relativeDistance(exact.soft().x, exact.model().rest, 1.0);
+    CHECK(relativeDistance(stage.soft().x, exact.soft().x, size) < 1e-3);
+}
+
+TEST_CASE("a body tuned to another solver is not pushed by what the default one left undone")
+{
+    Stage stage = hangingBunny(756, FemMaterial{}, 0.005);
+    stage.run(5, 0.005);
+    double before = 0.0;
+    for (const Vec3& l : stage.soft().leftover) before += length(l);
+    CHECK(before > 0.0);
+    stage.post(
+        Tune{[](PhysicsEngine& engine) { static_cast<World&>(engine).model().softBodies[0].solver = Cholesky{}; }});
+    for (int i = 0; i < 3; ++i) {
+        stage.step(0.005);
+        CHECK(stage.soft().leftover == std::vector<Vec3>(stage.soft().x.size()));
+    }
+}
+
+TEST_CASE("bodies share a deadline by their size: the first does not use up what the last needs")
+{
+    Stage stage({.period = 0.005, .threads = 1});
+    for (int k = 0; k < 3; ++k)
+        stage.add(SoftBodyDef{.mesh = bunnyFile(1492),
+                              .solver = ConjugateGradient{.tolerance = 1e-5, .minIterations = 0},
+                              .attachments = {{.box = geometry::Box{{-1, 0.105, -1}, {1, 1, 1}}}}});
+    stage.post(SetGravity{{0, -9.81, 0}});
+    stage.run(20, 0.005);
+    std::int64_t now = 0; // each look at the clock costs one, and so each iteration
+    const StepBudget budget{.now = [&] { return ++now; }, .deadline = 24};
+    const StepReport report = stage.world.step({.dt = 0.005, .budget = &budget});
+    REQUIRE(report.has(StepFlag::OutOfTime));
+    for (const BodySolve& solve : report.solves) CHECK(solve.iterations >= 4);
+    CHECK(std::abs(report.solves[0].iterations - report.solves[2].iterations) <= 2);
+}
+
+TEST_CASE("a free body whose solves are all cut short falls and turns as it should")
+{
+    Stage cut({.period = 0.005, .threads = 1}), exact;
+    for (Stage* stage : {&cut, &exact}) {
+        const Solver solver =
+            stage == &cut ? Solver{ConjugateGradient{.maxIterations = 2, .tolerance = 1e-9}} : Solver{Cholesky{}};
+        stage->add(SoftBodyDef{.mesh = bunnyFile(1492), .solver = solver});
+        stage->post(SetGravity{{0, -9.81, 0}});
+        stage->step(0.0);
+        for (std::size_t i = 0; i < stage->soft().x.size(); ++i)
+            stage->soft().v[i] = cross({0, 2, 0}, stage->soft().x[i]) + Vec3{0.5, 0, 0};
+        stage->run(200, 0.005);
+    }
+    const auto motion = [](Stage& stage) { // per mass: momentum and angular momentum
+        Vec3 linear, centre, angular;
+        double mass = 0.0;
+        const auto& [x, v] = std::tie(stage.soft().x, stage.soft().v);
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            mass += stage.model().masses[i];
+            linear += stage.model().masses[i] * v[i];
+            centre += stage.model().masses[i] * x[i];
+        }
+        for (std::size_t i = 0; i < x.size(); ++i)
+            angular += stage.model().masses[i] * cross(x[i] - 1.0 / mass * centre, v[i]);
+        return std::pair{1.0 / mass * linear, 1.0 / mass * angular};
+    };
+    const auto [linear, angular] = motion(exact);
+    CHECK(length(motion(cut).first - linear) < 0.02 * length(linear));
+    CHECK(length(motion(cut).second - angular) < 0.1 * length(angular));
+}
+
+TEST_CASE("one step of an absurd force does not freeze a body for ever")
+{
+    Stage stage = hangingBunny(756, FemMaterial{}, 0.005);
+    stage.step(0.005);
+    stage.post(SetForces{BodyId{1}, {{.node = 0, .force = {1e40, 0, 0}}}});
+    CHECK(stage.step(0.005).has(StepFlag::Undone));
+    stage.post(SetForces{BodyId{1}, {}});
+    CHECK(stage.run(100, 0.005).flags == 0);
+    CHECK(relativeDistance(stage.soft().x, stage.model().rest, 1.0) > 0.01);
+}

@@ -13,21 +13,21 @@ namespace filasofia::physics {
 enum class StepFlag : std::uint32_t {
     Late = 1u << 0,         ///< woke up more than a period late (runtime)
     Clamped = 1u << 1,      ///< dt was cut to period + slack: simulated time fell behind (runtime)
-    NotConverged = 1u << 2, ///< a solver stopped at its cap
+    NotConverged = 1u << 2, ///< a solver stopped at its cap: the body gave up as much of its speed as the error was
     Undone = 1u << 3,       ///< a body's new state was not finite: it went back to where it was, and lost its velocity
     EventLost = 1u << 4,    ///< the event queue was full (runtime)
     RecordLost = 1u << 5,   ///< the step log was full; in a record: steps before it are missing
     Tuned = 1u << 6,        ///< tune() ran: a recording cannot be replayed from here on
     TuneRejected = 1u << 7, ///< tune() threw or left an invalid model: everything was put back
     Damped = 1u << 8,       ///< an undone body made its step again from rest, heavily damped, and it came out finite
-    OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance
+    OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance: the body gave up some speed
 };
 
 /// How one body's step was solved.
 struct BodySolve {
     BodyId body;
     int iterations = 0;    ///< [-], 0 for explicit bodies
-    double residual = 0.0; ///< [-], relative to the right-hand side
+    double residual = 0.0; ///< [-], the error that the solver's tolerance is about
 };
 
 /// What the stages of a step took [s]. Zeros where the step was given no clock.
@@ -42,7 +42,7 @@ struct StepBudget {
     std::function<std::int64_t()> now = {}; ///< [ns], a steady clock for any thread; empty: neither deadline nor times
     std::int64_t deadline = std::numeric_limits<std::int64_t>::max(); ///< [ns], on that clock
     /// In place of a deadline, when a step is made again: the iterations that each soft body's solver made then, in the
-    /// order of StepReport::solves; empty: solvers end by themselves.
+    /// order of StepReport::solves; empty: solvers end by themselves. As a deadline it is for the default solver only.
     std::vector<int> iterations = {};
 };
 

@@ -21,15 +21,41 @@ linalg::SolveLimits limitsOf(const SoftModel& model)
     return {.tolerance = cg->tolerance, .maxIterations = cg->maxIterations, .minIterations = cg->minIterations};
 }
 
-/// The same under a budget: a deadline, or the iterations that were made when the step was made first.
-linalg::SolveLimits limitsOf(const SoftModel& model, const physics::StepBudget* budget, std::size_t body)
+/// When each body's solver must end [ns], so that the bodies that come first leave time for those that come last: by
+/// its share of all that is to be done before it and by it.
+std::vector<std::int64_t> deadlines(const Model& model, const physics::StepBudget& budget, const WorkerPool& pool)
 {
-    linalg::SolveLimits limits = limitsOf(model);
+    const std::int64_t start = budget.now();
+    const auto left = static_cast<double>(std::max<std::int64_t>(0, budget.deadline - start));
+    const std::size_t limit = sharedBeyond(model, pool);
+    double total = 0.0, done = 0.0; // side by side, small bodies take a thread each
+    const auto weight = [&](const SoftModel& body) {
+        return static_cast<double>(sizeOf(body)) / (sizeOf(body) > limit ? 1.0 : pool.threads());
+    };
+    for (const SoftModel& body : model.softBodies) total += weight(body);
+    std::vector<std::int64_t> ends(model.softBodies.size());
+    for (const bool large : {true, false}) // in the order of forEachBody
+        for (std::size_t b = 0; b < ends.size(); ++b) {
+            if ((sizeOf(model.softBodies[b]) > limit) != large) continue;
+            done += weight(model.softBodies[b]);
+            ends[b] = start + static_cast<std::int64_t>(left * (total > 0.0 ? std::min(1.0, done / total) : 1.0));
+        }
+    return ends;
+}
+
+/// The limits of every body's solver under a budget: a deadline, or the iterations made when the step was made first.
+std::vector<linalg::SolveLimits> limitsOf(const Model& model, const physics::StepBudget* budget, const WorkerPool& pool)
+{
+    std::vector<linalg::SolveLimits> limits;
+    for (const SoftModel& body : model.softBodies) limits.push_back(limitsOf(body));
     if (!budget) return limits;
-    if (body < budget->iterations.size())
-        limits.maxIterations = std::min(limits.maxIterations, budget->iterations[body]);
-    else if (budget->now && budget->deadline != physics::StepBudget{}.deadline)
-        limits.outOfTime = [budget] { return budget->now() >= budget->deadline; };
+    const bool again = budget->iterations.size() == limits.size();
+    const bool hurried = !again && budget->now && budget->deadline != physics::StepBudget{}.deadline;
+    const std::vector<std::int64_t> ends = hurried ? deadlines(model, *budget, pool) : std::vector<std::int64_t>();
+    for (std::size_t b = 0; b < limits.size(); ++b) {
+        if (again) limits[b].stopAt = budget->iterations[b];
+        if (hurried) limits[b].outOfTime = [budget, end = ends[b]] { return budget->now() >= end; };
+    }
     return limits;
 }
 
@@ -61,7 +87,9 @@ bool moveBody(const SoftModel& model, double dt, const SoftState& state, SoftSys
         std::ranges::copy(nodes(state.x), x.begin());
         std::ranges::copy(nodes(state.v), v.begin());
         move(dt, withOld, nodes(system.dv), x, v);
-        if (!usable(x) || !usable(v)) good = false;
+        if (!usable(x) || !usable(v) ||
+            !std::ranges::all_of(nodes(system.leftover), [](Vec3 l) { return isFinite(l); }))
+            good = false;
     });
     return good;
 }
@@ -77,6 +105,7 @@ BodyOutcome advanceBody(const SoftModel& model, Vec3 gravity, double dt, const l
 {
     BodyOutcome outcome;
     system.dv = state.dv;
+    std::fill(system.leftover.begin(), system.leftover.end(), Vec3{}); // only the default solver leaves something
     const linalg::NodeSolveReport solve = solveBody(model, dt, 1.0, limits, state.v, system, pool);
     outcome.solve = {model.id, solve.iterations, solve.residual};
     if (solve.outOfTime) outcome.set(StepFlag::OutOfTime);
@@ -109,9 +138,10 @@ void advance(const Model& model, double dt, const physics::StepBudget* budget, S
 {
     if (dt > 0.0) {
         std::vector<BodyOutcome> outcomes(model.softBodies.size());
+        const std::vector<linalg::SolveLimits> limits = limitsOf(model, budget, pool);
         forEachBody(model, pool, [&](std::size_t b) {
-            outcomes[b] = advanceBody(model.softBodies[b], state.gravity, dt, limitsOf(model.softBodies[b], budget, b),
-                                      systems[b], state.softBodies[b], pool);
+            outcomes[b] =
+                advanceBody(model.softBodies[b], state.gravity, dt, limits[b], systems[b], state.softBodies[b], pool);
         });
         for (const BodyOutcome& outcome : outcomes) {
             report.solves.push_back(outcome.solve);

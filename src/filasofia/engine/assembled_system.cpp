@@ -120,7 +120,10 @@ blockPositions(const linalg::BlockSparseMatrix& matrix, const std::vector<bool>&
 std::unique_ptr<linalg::LinearSolver> makeSolver(const physics::Solver& solver)
 {
     if (const auto* cg = std::get_if<physics::ConjugateGradient>(&solver))
-        return linalg::makeConjugateGradient(cg->maxIterations, cg->tolerance);
+        // Where it stands in for the default solver: its tolerance is of the energy, and 1e-4 of the residual does as
+        // well.
+        return linalg::makeConjugateGradient(cg->maxIterations,
+                                             cg->assembled ? cg->tolerance : std::min(cg->tolerance, 1e-4));
     return linalg::makeCholesky();
 }
 

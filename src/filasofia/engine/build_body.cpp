@@ -75,6 +75,7 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     const std::string object = text("soft body '", def.name, "'");
     validate(def, object);
     const TetMesh mesh = physics::worldMesh(def);
+    if (!usable(mesh.nodes)) fail(object, ": nodes must lie within ", physics::kFarthest, " m of the origin");
 
     auto built = std::make_unique<BuiltSoftBody>();
     SoftModel& model = built->model;

@@ -63,6 +63,12 @@ void store(Vec3 value, float* out)
     out[2] = asFloat(value.z);
 }
 
+Vec3 vectorAt(const linalg::NodeArray& array, int node)
+{
+    const float* at = array[node];
+    return {at[0], at[1], at[2]};
+}
+
 std::span<float> floats(std::vector<linalg::NodeBlock>& blocks)
 {
     if (blocks.empty()) return {};
@@ -127,6 +133,7 @@ void MatrixFreeSystem::orderNodes(const SoftModel& model)
     const std::vector<int> order = geometry::orderAlongCurve(model.rest);
     std::vector<int> held;
     for (int node : order) (model.pins.hard[node] ? held : nodeOf_).push_back(node);
+    free_ = held.empty() && model.pins.springs.empty();
     freeNodes_ = static_cast<int>(nodeOf_.size());
     freeBlocks_ = linalg::blocksFor(freeNodes_);
     nodeOf_.resize(static_cast<std::size_t>(freeBlocks_) * kBlock, -1);
@@ -144,7 +151,7 @@ void MatrixFreeSystem::orderNodes(const SoftModel& model)
 
     const int heldBlocks = linalg::blocksFor(static_cast<int>(held.size()));
     for (NodeArray* array : {&x_, &v_, &dv_, &scratch_}) *array = NodeArray(freeBlocks_, heldBlocks);
-    for (NodeArray* array : {&residual_, &product_, &handedOn_}) *array = NodeArray(freeBlocks_);
+    for (NodeArray* array : {&residual_, &product_, &handedOn_, &zeros_}) *array = NodeArray(freeBlocks_);
     sums_.resize(static_cast<std::size_t>(linalg::nodeParts(freeBlocks_).count()));
     cg_ = linalg::MatrixFreeCg(freeBlocks_, heldBlocks);
 }
@@ -198,12 +205,12 @@ void MatrixFreeSystem::makeGather(const SoftModel& model)
     for (std::size_t e = 0; e < model.elements.size(); ++e)
         for (std::size_t i = 0; i < 4; ++i)
             add(model.elements[e].nodes[i], 4 * (e / kBlock) + i, static_cast<int>(e % kBlock));
+    // A few of the elements around a node say how it turns, nearly as well as all of them.
+    if (!elements_.empty()) turns_ = gatherOf(thinned(places, kRotationsPerNode));
     for (std::size_t s = 0; s < model.springs.size(); ++s)
         for (std::size_t i = 0; i < 2; ++i)
             add(model.springs[s].nodes[i], 4 * elements_.size() + 2 * (s / kBlock) + i, static_cast<int>(s % kBlock));
     gather_ = gatherOf(places);
-    // A few of the elements around a node say how it turns, nearly as well as all of them.
-    if (!elements_.empty()) turns_ = gatherOf(thinned(places, kRotationsPerNode));
 }
 
 void MatrixFreeSystem::makePreconditioner(const SoftModel& model, double period)
@@ -307,42 +314,85 @@ linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limit
 {
     load(dv, {}, dv_, pool);
     const linalg::NodeSolveReport report = cg_.solve(*this, preconditioner_, residual_, size_, dv_, limits, pool);
+    // What a solve lacks that was cut short could do harm: it is not handed on, and the body gives up some motion for
+    // it.
+    const double share = report.converged ? kHandedOn : 0.0;
     const double held = std::max(heldBack(pool), report.converged ? 0.0 : report.residual);
-    const double share = report.converged ? kHandedOn : 0.0; // what a solve lacks that was cut short could do harm
+    const RigidMotion rigid = held > 0.0 ? rigidMotion() : RigidMotion{};
+    const RigidMotion push = report.converged ? RigidMotion{} : rigidPush(); // so much of it can be done at once
     const Parts parts{freeNodes_, kNodesPerPart};
     pool.run(parts.count(), [&](int part) {
         for (int slot = parts[part].begin; slot < parts[part].end; ++slot) {
-            const float *change = dv_[slot], *old = v_[slot], *rest = residual_[slot];
-            const Vec3 all{change[0], change[1], change[2]};
-            dv[nodeOf_[slot]] = all - held * (all + Vec3{old[0], old[1], old[2]});
-            leftover[nodeOf_[slot]] = share / scale_ * Vec3{rest[0], rest[1], rest[2]};
+            const Vec3 change = vectorAt(dv_, slot), rest = vectorAt(residual_, slot);
+            const int node = nodeOf_[slot];
+            leftover[node] = share / scale_ * rest;
+            dv[node] = change + push.at(vectorAt(x_, slot));
+            if (held > 0.0) dv[node] -= held * (vectorAt(v_, slot) + change - rigid.at(vectorAt(x_, slot)));
         }
     });
     return report;
 }
 
+template <class MomentumOf>
+MatrixFreeSystem::RigidMotion MatrixFreeSystem::rigidMotionOf(const MomentumOf& momentumOf) const
+{
+    if (!free_) return {};
+    double mass = 0.0;
+    Vec3 centre, momentum, spin;
+    for (int slot = 0; slot < freeNodes_; ++slot) {
+        mass += masses_[slot];
+        centre += static_cast<double>(masses_[slot]) * vectorAt(x_, slot);
+        momentum += momentumOf(slot);
+    }
+    centre = 1.0 / mass * centre;
+    Mat3 inertia;
+    for (int slot = 0; slot < freeNodes_; ++slot) {
+        const Vec3 d = vectorAt(x_, slot) - centre;
+        spin += cross(d, momentumOf(slot));
+        inertia += static_cast<double>(masses_[slot]) * (lengthSquared(d) * Mat3::identity() - outer(d, d));
+    }
+    const bool solid = determinant(inertia) > 1e-9 * std::pow(trace(inertia) / 3.0, 3.0); // else a point, or a line
+    return {centre, 1.0 / mass * momentum, solid ? inverse(inertia) * spin : Vec3{}};
+}
+
+MatrixFreeSystem::RigidMotion MatrixFreeSystem::rigidMotion() const
+{
+    return rigidMotionOf(
+        [&](int slot) { return static_cast<double>(masses_[slot]) * (vectorAt(v_, slot) + vectorAt(dv_, slot)); });
+}
+
+MatrixFreeSystem::RigidMotion MatrixFreeSystem::rigidPush() const
+{
+    return rigidMotionOf([&](int slot) { return 1.0 / massWeight_ * vectorAt(residual_, slot); });
+}
+
 double MatrixFreeSystem::heldBack(WorkerPool& pool)
 {
     const Parts parts = linalg::nodeParts(freeBlocks_);
-    std::vector<linalg::StepWork> works(static_cast<std::size_t>(parts.count()));
-    pool.run(parts.count(), [&](int part) {
-        works[static_cast<std::size_t>(part)] = linalg::stepWork(masses_, v_, dv_, residual_, handedOn_, parts[part]);
-    });
-    linalg::StepWork all;
-    for (const linalg::StepWork& each : works) {
-        all.work += each.work;
-        all.change += each.change;
-        all.motion += each.motion;
-    }
-    if (all.work >= -0.5 * all.change) return 0.0; // no need to look closer
+    const auto workOf = [&](const NodeArray& v, const NodeArray& dv) {
+        std::vector<linalg::StepWork> works(static_cast<std::size_t>(parts.count()));
+        pool.run(parts.count(), [&](int part) {
+            works[static_cast<std::size_t>(part)] = linalg::stepWork(masses_, v, dv, residual_, handedOn_, parts[part]);
+        });
+        linalg::StepWork all;
+        for (const linalg::StepWork& each : works) {
+            all.work += each.work;
+            all.change += each.change;
+            all.motion += each.motion;
+        }
+        return all;
+    };
+    const linalg::StepWork whole = workOf(v_, dv_);
+    if (whole.work >= -0.5 * whole.change) return 0.0; // no need to look closer
 
-    linalg::NodeArray& w = scratch_;
-    w = dv_;
-    pool.run(parts.count(), [&](int part) { linalg::turn(v_, 1.0f, w, parts[part]); });
-    const double inertia = multiply(w, product_, pool); // w . A w
-    const double elastic = std::max(0.0, inertia - massWeight_ * all.motion);
-    const double lost = 0.5 * all.change + (massWeight_ - 1.0) * all.motion + elasticLoss_ * elastic;
-    return all.work >= -lost ? 0.0 : std::min(1.0, -all.work / inertia);
+    const RigidMotion rigid = rigidMotion();
+    for (int slot = 0; slot < freeNodes_; ++slot)
+        store(vectorAt(v_, slot) + vectorAt(dv_, slot) - rigid.at(vectorAt(x_, slot)), scratch_[slot]);
+    const linalg::StepWork inner = workOf(scratch_, zeros_);
+    const double inertia = multiply(scratch_, product_, pool); // w . A w
+    const double elastic = std::max(0.0, inertia - massWeight_ * inner.motion);
+    const double lost = 0.5 * whole.change + (massWeight_ - 1.0) * inner.motion + elasticLoss_ * elastic;
+    return inner.work >= -lost ? 0.0 : std::min(1.0, -inner.work / inertia);
 }
 
 void MatrixFreeSystem::solveExplicit(std::span<Vec3> dv) const

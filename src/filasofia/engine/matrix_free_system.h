@@ -50,14 +50,28 @@ private:
 
     void loadImpulses(std::span<const Vec3> forces, std::span<const Vec3> leftover, double dt, WorkerPool& pool);
 
-    /// The part of the new velocities w = v + dv that a step must give up so as not to make energy; usually none. An
-    /// impulse r that the solve left undone acts on the body as a push by -r would. With what was handed on from the
-    /// last step, l, a step changes the energy by
+    /// The part of its motion w = v + dv that a step must give up so as not to make energy; usually none. An impulse r
+    /// that the solve left undone acts on the body as a push by -r would. With what was handed on from the last step,
+    /// l, a step changes the energy by
     ///     E' - E = - dv . M dv / 2 - h a w . M w - (h^2 / 2 + h b) w . K w - (r - l) . w
     /// (exactly so where forces are linear). Where that is not negative the body is slowed down, all of it alike, until
-    /// the push does no work: less a part t, the residual of w is r + t A w.
+    /// the push does no work: less a part t, the residual of w is r + t A w. A body that nothing holds is slowed down
+    /// only in what it does besides moving as a rigid body: w is measured from that.
     double heldBack(WorkerPool& pool);
 
+    /// A rigid motion: u(x) = linear + angular x (x - centre), in the coordinates of x_.
+    struct RigidMotion {
+        Vec3 centre, linear, angular;
+        [[nodiscard]] Vec3 at(Vec3 x) const { return linear + cross(angular, x - centre); }
+    };
+    /// The one that has the momentum and the angular momentum of the masses times v + dv; none where something holds
+    /// the body.
+    [[nodiscard]] RigidMotion rigidMotion() const;
+    /// The one that the residual's impulse would give to the body as a whole: elasticity does not resist it.
+    [[nodiscard]] RigidMotion rigidPush() const;
+    template <class MomentumOf> [[nodiscard]] RigidMotion rigidMotionOf(const MomentumOf& momentumOf) const;
+
+    bool free_ = false;           ///< nothing holds the body
     double scale_ = 1.0;          ///< [1/kg]
     int freeNodes_ = 0;           ///< they are in slots [0, freeNodes_)
     int freeBlocks_ = 0;          ///< blocks of sixteen slots that vectors of unknowns have
@@ -78,7 +92,7 @@ private:
 
     double massWeight_ = 1.0;  ///< of the masses in the step's matrix
     double elasticLoss_ = 0.5; ///< (h^2 / 2 + h b) / (h^2 + h b)
-    linalg::NodeArray x_, v_, residual_, handedOn_, dv_, scratch_, product_;
+    linalg::NodeArray x_, v_, residual_, handedOn_, dv_, scratch_, product_, zeros_;
     double size_ = 0.0; ///< square of the right-hand side
     std::vector<double> sums_;
     linalg::TwoLevelPreconditioner preconditioner_;

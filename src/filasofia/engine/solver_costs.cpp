@@ -1,5 +1,6 @@
 #include "filasofia/engine/solver_costs.h"
 
+#include "filasofia/core/assert.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/build_body.h"
@@ -22,8 +23,11 @@ SolverCosts measureSolver(const physics::SoftBodyDef& def, Vec3 gravity, double 
 {
     const std::unique_ptr<physics::BuiltBody> built = buildBody(def, period);
     auto& body = dynamic_cast<BuiltSoftBody&>(*built);
-    if (!body.system.matrixFree || body.model.elements.empty())
-        fail("soft body '", def.name, "': only the default solver of a body of elements can be measured");
+    FILASOFIA_ASSERT(warmUp >= 0 && repeats > 0);
+    if (!body.system.matrixFree || body.model.elements.empty() ||
+        !std::holds_alternative<physics::ImplicitEuler>(body.model.integrator))
+        fail("soft body '", def.name,
+             "': only the default solver and integrator of a body of elements can be measured");
     Model model;
     State state;
     Systems systems;

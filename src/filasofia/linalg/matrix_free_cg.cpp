@@ -43,10 +43,13 @@ NodeSolveReport MatrixFreeCg::solve(NodeOperator& a, TwoLevelPreconditioner& m, 
 
     for (double rz = 0.0;; ++report.iterations) {
         const double rzNew = m.apply(r, z_, pool); // the energy of the error, as the preconditioner sees it
-        report.residual = rzNew > 0.0 ? std::sqrt(rzNew / (rzNew + energy)) : 0.0;
+        const bool number = rzNew >= 0.0 && std::isfinite(rzNew);
+        report.residual = rzNew == 0.0 ? 0.0 : number ? std::sqrt(rzNew / (rzNew + energy)) : 1.0;
         report.converged = report.residual <= limits.tolerance;
-        if (report.converged || !std::isfinite(rzNew) || report.iterations >= limits.maxIterations) break;
-        report.outOfTime = report.iterations >= limits.minIterations && limits.outOfTime && limits.outOfTime();
+        if (report.converged || !number) break;
+        if (report.iterations >= limits.maxIterations) break;
+        report.outOfTime = report.iterations == limits.stopAt ||
+                           (report.iterations >= limits.minIterations && limits.outOfTime && limits.outOfTime());
         if (report.outOfTime) break;
 
         const float beta = report.iterations == 0 ? 0.0f : static_cast<float>(rzNew / rz);

@@ -21,6 +21,7 @@ struct SolveLimits {
     int maxIterations = 300;
     int minIterations = 0;                ///< made before outOfTime is asked
     std::function<bool()> outOfTime = {}; ///< asked between iterations; empty: never
+    int stopAt = -1;                      ///< out of time after as many iterations; -1: never
 };
 
 /// `residual` is the error that the tolerance is about.

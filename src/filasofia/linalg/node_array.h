@@ -24,8 +24,8 @@ public:
 
     [[nodiscard]] int blocks() const { return unknown_; } ///< of unknowns
     [[nodiscard]] int heldBlocks() const { return static_cast<int>(blocks_.size()) - unknown_; }
-    [[nodiscard]] float* data() { return &blocks_.data()->values[0][0]; }
-    [[nodiscard]] const float* data() const { return &blocks_.data()->values[0][0]; }
+    [[nodiscard]] float* data() { return blocks_.empty() ? nullptr : blocks_.data()->values[0]; }
+    [[nodiscard]] const float* data() const { return blocks_.empty() ? nullptr : blocks_.data()->values[0]; }
     [[nodiscard]] float* operator[](int node) { return data() + 4 * static_cast<std::ptrdiff_t>(node); }
     [[nodiscard]] const float* operator[](int node) const { return data() + 4 * static_cast<std::ptrdiff_t>(node); }
 

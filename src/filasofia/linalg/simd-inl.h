@@ -75,7 +75,7 @@ HWY_INLINE Transposed transposed(V x, V y, V z, V w)
     return {lowerHalves(xy01, zw01), upperHalves(xy01, zw01), lowerHalves(xy23, zw23), upperHalves(xy23, zw23)};
 }
 
-/// Stores one vector per lane into a group of sixteen. Lane l of the group is found at laneOffset(l) (corners.h).
+/// Stores one vector per lane into a group of sixteen. Lane l of the group is found at laneOffset(l) (node_array.h).
 HWY_INLINE void storeGroup(V3 v, V w, float* HWY_RESTRICT group, std::size_t part)
 {
     const Lanes d;
