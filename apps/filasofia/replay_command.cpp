@@ -3,6 +3,7 @@
 #include "apps/filasofia/commands.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/hash.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/recording.h"
@@ -20,13 +21,6 @@ struct Options {
     bool check = false;
     int threads = 0;
 };
-
-std::string hexadecimal(std::uint64_t hash)
-{
-    char digits[17];
-    std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
-    return digits;
-}
 
 /// Whose bits were compared, where they are not our own.
 std::string writtenBy(const record::RecordingHeader& header)

@@ -79,6 +79,19 @@ inline geometry::TetMesh boxMesh(std::array<int, 3> n, Vec3 size, double jitter 
     return mesh;
 }
 
+/// The mesh and a copy of it, moved by `shift`: two pieces that are not connected.
+inline geometry::TetMesh twice(const geometry::TetMesh& one, Vec3 shift)
+{
+    geometry::TetMesh two = one;
+    const int n = static_cast<int>(one.nodes.size());
+    for (const Vec3& p : one.nodes) two.nodes.push_back(p + shift);
+    for (geometry::Tetrahedron t : one.tetrahedra) {
+        for (int& node : t) node += n;
+        two.tetrahedra.push_back(t);
+    }
+    return two;
+}
+
 /// The nodes for which `where` holds.
 template <class Where> std::vector<int> nodesWhere(const geometry::TetMesh& mesh, Where&& where)
 {

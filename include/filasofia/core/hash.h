@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <string>
 
 namespace filasofia {
 
@@ -25,5 +26,8 @@ public:
 private:
     std::uint64_t state_ = 0;
 };
+
+/// The 16 digits by which recordings, reports and people know a hash.
+std::string hexadecimal(std::uint64_t hash);
 
 } // namespace filasofia

@@ -75,14 +75,11 @@ bool moveBody(const SoftModel& model, double dt, const SoftState& state, SoftSys
 {
     const auto* explicitEuler = std::get_if<physics::ExplicitEuler>(&model.integrator);
     const bool withOld = explicitEuler && !explicitEuler->symplectic;
-    constexpr std::size_t size = 512; // nodes in a part
-    const std::size_t count = (state.x.size() + size - 1) / size;
+    const linalg::Parts parts{static_cast<int>(state.x.size()), 512};
     std::atomic<bool> good = true;
-    pool.run(static_cast<int>(count), [&](int part) {
-        const std::size_t first = size * static_cast<std::size_t>(part);
-        const auto nodes = [&](auto& list) {
-            return std::span(list).subspan(first, std::min(size, list.size() - first));
-        };
+    pool.run(parts.count(), [&](int part) {
+        const auto first = static_cast<std::size_t>(parts[part].begin), end = static_cast<std::size_t>(parts[part].end);
+        const auto nodes = [&](auto& list) { return std::span(list).subspan(first, end - first); };
         const std::span<Vec3> x = nodes(system.x), v = nodes(system.v);
         std::ranges::copy(nodes(state.x), x.begin());
         std::ranges::copy(nodes(state.v), v.begin());

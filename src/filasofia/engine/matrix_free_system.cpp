@@ -333,37 +333,23 @@ linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limit
     return report;
 }
 
-template <class MomentumOf>
-MatrixFreeSystem::RigidMotion MatrixFreeSystem::rigidMotionOf(const MomentumOf& momentumOf) const
-{
-    if (!free_) return {};
-    double mass = 0.0;
-    Vec3 centre, momentum, spin;
-    for (int slot = 0; slot < freeNodes_; ++slot) {
-        mass += masses_[slot];
-        centre += static_cast<double>(masses_[slot]) * vectorAt(x_, slot);
-        momentum += momentumOf(slot);
-    }
-    centre = 1.0 / mass * centre;
-    Mat3 inertia;
-    for (int slot = 0; slot < freeNodes_; ++slot) {
-        const Vec3 d = vectorAt(x_, slot) - centre;
-        spin += cross(d, momentumOf(slot));
-        inertia += static_cast<double>(masses_[slot]) * (lengthSquared(d) * Mat3::identity() - outer(d, d));
-    }
-    const bool solid = determinant(inertia) > 1e-9 * std::pow(trace(inertia) / 3.0, 3.0); // else a point, or a line
-    return {centre, 1.0 / mass * momentum, solid ? inverse(inertia) * spin : Vec3{}};
-}
-
-MatrixFreeSystem::RigidMotion MatrixFreeSystem::rigidMotion() const
+RigidMotion MatrixFreeSystem::rigidMotion() const
 {
     return rigidMotionOf(
         [&](int slot) { return static_cast<double>(masses_[slot]) * (vectorAt(v_, slot) + vectorAt(dv_, slot)); });
 }
 
-MatrixFreeSystem::RigidMotion MatrixFreeSystem::rigidPush() const
+RigidMotion MatrixFreeSystem::rigidPush() const
 {
     return rigidMotionOf([&](int slot) { return 1.0 / massWeight_ * vectorAt(residual_, slot); });
+}
+
+template <class MomentumOf> RigidMotion MatrixFreeSystem::rigidMotionOf(const MomentumOf& momentumOf) const
+{
+    if (!free_) return {};
+    return engine::rigidMotionOf(
+        freeNodes_, [&](int slot) { return static_cast<double>(masses_[slot]); },
+        [&](int slot) { return vectorAt(x_, slot); }, momentumOf);
 }
 
 double MatrixFreeSystem::heldBack(WorkerPool& pool)

@@ -3,6 +3,7 @@
 #include "filasofia/engine/elastic/element_blocks.h"
 #include "filasofia/engine/integrate/euler.h"
 #include "filasofia/engine/model.h"
+#include "filasofia/engine/rigid_motion.h"
 #include "filasofia/linalg/matrix_free_cg.h"
 
 namespace filasofia::engine {
@@ -59,13 +60,8 @@ private:
     /// only in what it does besides moving as a rigid body: w is measured from that.
     double heldBack(WorkerPool& pool);
 
-    /// A rigid motion: u(x) = linear + angular x (x - centre), in the coordinates of x_.
-    struct RigidMotion {
-        Vec3 centre, linear, angular;
-        [[nodiscard]] Vec3 at(Vec3 x) const { return linear + cross(angular, x - centre); }
-    };
-    /// The one that has the momentum and the angular momentum of the masses times v + dv; none where something holds
-    /// the body.
+    /// The rigid motion that has the momentum and the angular momentum of the masses times v + dv; none where something
+    /// holds the body.
     [[nodiscard]] RigidMotion rigidMotion() const;
     /// The one that the residual's impulse would give to the body as a whole: elasticity does not resist it.
     [[nodiscard]] RigidMotion rigidPush() const;

@@ -156,14 +156,14 @@ SoftSystem makeSystem(const SoftModel& model, double period)
 {
     SoftSystem system;
     const auto* cg = std::get_if<physics::ConjugateGradient>(&model.solver);
-    const bool wanted = cg && !cg->assembled, possible = MatrixFreeSystem::fits(model, period);
-    if (wanted && !possible)
-        logWarning("soft body '", model.name, "': its masses and stiffnesses are too far apart for single precision; ",
-                   "it is solved in double, which takes longer");
-    if (wanted && possible)
+    const bool wanted = cg && !cg->assembled;
+    if (wanted && MatrixFreeSystem::fits(model, period))
         system.matrixFree = std::make_unique<MatrixFreeSystem>(model, period);
     else
         system.assembled = std::make_unique<AssembledSystem>(model);
+    if (wanted && !system.matrixFree)
+        logWarning("soft body '", model.name, "': its masses and stiffnesses are too far apart for single precision; ",
+                   "it is solved in double, which takes longer");
     for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
         buffer->resize(model.rest.size());
     return system;

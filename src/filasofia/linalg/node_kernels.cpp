@@ -277,8 +277,7 @@ HWY_ATTR void averageRotationBlocks(const int* HWY_RESTRICT starts, const int* H
             if (place == end) sum[3] = 1.0f;
         }
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
-            static constexpr int kAt[16] = {0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, 56, 60};
-            const V3 v = gatherNodes(sums, kAt + part);
+            const V3 v = loadNodes(sums, part);
             alignas(64) float real[kLanes];
             for (std::size_t l = 0; l < kLanes; ++l) real[l] = sums[4 * (part + l) + 3];
             const V w = hn::Load(d, real), one = hn::Set(d, 1.0f);

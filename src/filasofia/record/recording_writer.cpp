@@ -1,5 +1,6 @@
 #include "filasofia/record/recording.h"
 
+#include "filasofia/core/hash.h"
 #include "filasofia/core/log.h"
 #include "filasofia/record/json_writer.h"
 #include "filasofia/record/output_file.h"
@@ -7,13 +8,6 @@
 
 namespace filasofia::record {
 namespace {
-
-std::string hexadecimal(std::uint64_t number)
-{
-    std::array<char, 17> digits;
-    std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(number));
-    return digits.data();
-}
 
 /// A name may hold any bytes; in the file those that are no UTF-8 become U+FFFD.
 std::string lineOf(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'; }
