@@ -34,4 +34,12 @@ nlohmann::json benchBunny(double seconds, bool quick);
 /// reference; `quick` leaves the small meshes and fewer steps.
 nlohmann::json benchSolver(bool quick);
 
+/// A step's cost with bodies that touch, detection and response apart, against the step of the same bodies going
+/// through each other; `quick` leaves the smallest meshes and fewer steps.
+nlohmann::json benchContact(bool quick);
+
+/// What lasts: a tool that presses, scrapes and grasps the bunny at random for so many simulated minutes, a soft ball
+/// on a floor for as long, up to 10, and a tower of boxes for up to 1.
+nlohmann::json soakContact(double minutes, int seed);
+
 } // namespace filasofia::app

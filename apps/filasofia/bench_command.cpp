@@ -16,23 +16,30 @@ struct Options {
     std::string scene;
     std::string file;
     double seconds = std::numeric_limits<double>::quiet_NaN(); ///< not given
+    double soak = std::numeric_limits<double>::quiet_NaN();    ///< not given
+    int seed = 1;
     bool quick = false;
 };
 
 constexpr double kSeconds = 10.0; ///< [s] of a cell
 
-/// Which bench it is; refuses what it cannot do.
-bool isSolver(const Options& options)
+/// Refuses what it cannot do.
+void checkOptions(const Options& options)
 {
-    const bool given = !std::isnan(options.seconds);
-    if (options.scene == "solver") {
-        if (given) fail("bench: --seconds is for bunny; solver makes a fixed number of steps");
-        return true;
-    }
-    if (options.scene != "bunny") fail("bench: there is no scene '", options.scene, "'; there are bunny and solver");
-    if (given && !(options.seconds > 0.0 && options.seconds <= 3600.0))
-        fail("bench: --seconds must be in (0, 3600], got ", options.seconds);
-    return false;
+    if (options.scene != "bunny" && options.scene != "solver" && options.scene != "contact")
+        fail("bench: there is no scene '", shortened(options.scene), "'; there are bunny, solver and contact");
+    if (!std::isnan(options.seconds) && options.scene != "bunny")
+        fail("bench: --seconds is for bunny; ", options.scene, " makes a fixed number of steps");
+    if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak is for contact");
+    if (!std::isnan(options.soak) && options.quick) fail("bench: --soak says how long it takes: no --quick");
+}
+
+json measure(const Options& options)
+{
+    if (options.scene == "solver") return benchSolver(options.quick);
+    if (options.scene == "bunny")
+        return benchBunny(std::isnan(options.seconds) ? kSeconds : options.seconds, options.quick);
+    return std::isnan(options.soak) ? benchContact(options.quick) : soakContact(options.soak, options.seed);
 }
 
 /// Opened before the minutes of measuring, not after.
@@ -47,13 +54,13 @@ std::ofstream open(const std::string& file)
 
 int bench(const Options& options)
 {
-    const bool solver = isSolver(options);
+    checkOptions(options);
     std::ofstream out = open(options.file);
-    const double seconds = std::isnan(options.seconds) ? kSeconds : options.seconds;
-    const json all = solver ? benchSolver(options.quick) : benchBunny(seconds, options.quick);
+    const json all = measure(options);
     if (!out.is_open()) return 0;
     out << all.dump(-1, ' ', false, json::error_handler_t::replace) << '\n'; // a driver's words may hold any bytes
-    if (!out.flush()) fail(options.file, ": cannot be written (disk full?)");
+    out.close();                                                             // what is still on its way may fail too
+    if (!out) fail(options.file, ": cannot be written (disk full?)");
     std::printf("wrote %s\n", options.file.c_str());
     return 0;
 }
@@ -86,15 +93,33 @@ Command benchCommand()
     static Options options; // there is one command line, and it outlives this function
     return {.name = "bench",
             .meaning = "Measure, print a table and write JSON",
-            .options = {{"SCENE",
-                         &options.scene,
-                         "bunny: the paper's table of tetrahedra x subdivision; solver: what a step costs",
-                         "",
-                         {},
-                         true},
-                        {"--json", &options.file, "Write every figure to this file", "FILE"},
-                        {"--seconds", &options.seconds, "Wall time of each of bunny's cells, 10 unless given", "S"},
-                        {"--quick", &options.quick, "Only the smallest meshes"}},
+            .options =
+                {{"SCENE",
+                  &options.scene,
+                  "bunny: the paper's table of tetrahedra x subdivision; solver: what a step costs; contact: what it "
+                  "costs where bodies touch",
+                  "",
+                  {},
+                  true},
+                 {"--json", &options.file, "Write every figure to this file", "FILE"},
+                 {.name = "--seconds",
+                  .target = &options.seconds,
+                  .meaning = "Wall time of each of bunny's cells",
+                  .type = "S",
+                  .bound = {openClosed(0, 3600), "s"},
+                  .standard = text(kSeconds)},
+                 {.name = "--soak",
+                  .target = &options.soak,
+                  .meaning = "Of contact: a tool at random for so many simulated minutes, in place of the costs",
+                  .type = "MIN",
+                  .bound = {openClosed(0, 600), "min"},
+                  .standard = "none"},
+                 {.name = "--seed",
+                  .target = &options.seed,
+                  .meaning = "Of the soak's tool",
+                  .type = "N",
+                  .bound = {closed(0, 1000000), "-"}},
+                 {"--quick", &options.quick, "Only the smallest meshes"}},
             .run = [] { return bench(options); }};
 }
 

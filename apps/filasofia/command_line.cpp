@@ -15,35 +15,54 @@ namespace {
 
 int refuse(std::string line, int code)
 {
-    std::replace(line.begin(), line.end(), '\n', ' ');
-    std::cerr << "filasofia: " << line << '\n';
+    std::cerr << "filasofia: " << withShortWords(oneLine(std::move(line))) << '\n';
     return code;
 }
 
-/// Teaches CLI11 one option. The words of the user's that are no legal choice are refused with the nearest one.
-void addOption(CLI::App& app, const Option& option)
+/// The user's word for an option, onto its target. `name` is how errors call it.
+void take(const Option& option, const std::string& name, const std::string& word)
 {
-    CLI::Option* added = std::visit(
-        [&](auto* target) -> CLI::Option* {
-            if constexpr (std::is_same_v<decltype(target), bool*>)
-                return app.add_flag(option.name, *target, option.meaning);
-            else
-                return app.add_option(option.name, *target, option.meaning);
-        },
-        option.target);
-    added->required(option.required);
-    if (!option.type.empty()) added->type_name(option.type);
-    if (std::holds_alternative<std::string*>(option.target))
-        added->check([](const std::string& word) { return word.empty() ? std::string("must not be empty") : ""; });
-    if (option.choices.empty()) return;
-    added->check([choices = option.choices](const std::string& word) {
-        if (std::find(choices.begin(), choices.end(), word) != choices.end()) return std::string();
-        const std::string hint = didYouMean(word, choices);
-        if (!hint.empty()) return text("unknown word '", word, "'", hint);
+    const std::vector<std::string>& choices = option.choices;
+    if (!choices.empty() && std::find(choices.begin(), choices.end(), word) == choices.end()) {
         std::string list;
         for (const std::string& choice : choices) list += text(list.empty() ? "" : ", ", choice);
-        return text("unknown word '", word, "' (known: ", list, ")");
-    });
+        fail(name, " must be one of ", list, ", got ", shownWord(word));
+    }
+    if (auto* const* whole = std::get_if<int*>(&option.target))
+        **whole = wholeNumber(name, word, option.bound);
+    else if (auto* const* real = std::get_if<double*>(&option.target))
+        **real = realNumber(name, word, option.bound);
+    else if (word.empty())
+        fail(name, " must not be empty");
+    else
+        *std::get<std::string*>(option.target) = word;
+}
+
+/// What a target holds before anything was given, for the help.
+std::string standardOf(const Option& option)
+{
+    if (!option.standard.empty()) return option.standard;
+    if (auto* const* whole = std::get_if<int*>(&option.target)) return text(**whole);
+    if (auto* const* real = std::get_if<double*>(&option.target)) return text(**real);
+    const std::string& words = *std::get<std::string*>(option.target);
+    return words.empty() ? "none" : words;
+}
+
+/// Teaches CLI11 one option. It hands us the words as they are: what we say of them is in our own.
+void addOption(CLI::App& app, const Option& option)
+{
+    if (bool* const* flag = std::get_if<bool*>(&option.target)) {
+        app.add_flag(option.name, **flag, option.meaning);
+        return;
+    }
+    const auto takeWord = [option, name = text(app.get_name(), ": ", option.name)](const std::string& word) {
+        take(option, name, word);
+    };
+    CLI::Option* added = app.add_option_function<std::string>(option.name, takeWord, option.meaning);
+    added->required(option.required);
+    const char* type = std::holds_alternative<std::string*>(option.target) ? "TEXT" : "N";
+    added->type_name(option.type.empty() ? type : option.type);
+    if (!option.required) added->default_str(standardOf(option));
 }
 
 std::vector<std::string> optionNames(const CLI::App& app)
@@ -61,17 +80,25 @@ std::string unknownWord(const CLI::App& app, const std::string& after, const std
         if (word == "--") continue;
         if (word.starts_with('-')) {
             const std::string name = word.substr(0, word.find('='));
-            return text("unknown option '", word, "'", after, didYouMean(name, optionNames(app)));
+            return text("unknown option '", shortened(word), "'", after, didYouMean(name, optionNames(app)));
         }
         if (after.empty() && app.get_subcommands().empty())
-            return text("unknown command '", word, "'", didYouMean(word, commands));
-        return text("unexpected word '", word, "'", after);
+            return text("unknown command '", shortened(word), "'", didYouMean(word, commands));
+        return text("unexpected word '", shortened(word), "'", after);
     }
     for (const CLI::App* chosen : app.get_subcommands()) {
         std::string found = unknownWord(*chosen, text(" after '", chosen->get_name(), "'"), {});
         if (!found.empty()) return found;
     }
     return {};
+}
+
+/// What is wrong, in our words.
+std::string inOurWords(const CLI::ParseError& error)
+{
+    const std::string said = error.what();
+    if (!dynamic_cast<const CLI::ArgumentMismatch*>(&error)) return said;
+    return text(said.substr(0, said.find(':')), " must be given once, with one value");
 }
 
 int understandAndRun(int argc, char** argv, const std::vector<Command>& commands)
@@ -94,7 +121,7 @@ int understandAndRun(int argc, char** argv, const std::vector<Command>& commands
     } catch (const CLI::ParseError& error) {
         // A missing word is often a misspelt one: the misspelling says more.
         const std::string unknown = unknownWord(app, "", names);
-        return refuse(unknown.empty() ? error.what() : unknown, kRefused);
+        return refuse(unknown.empty() ? inOurWords(error) : unknown, kRefused);
     }
     if (const std::string unknown = unknownWord(app, "", names); !unknown.empty()) return refuse(unknown, kRefused);
     for (const Command& command : commands)

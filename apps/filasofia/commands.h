@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstdint>
+#include "filasofia/core/word.h"
+
 #include <functional>
 #include <optional>
 #include <string>
@@ -10,9 +11,8 @@
 /// The words of the command line. Each command has its own file; main.cpp lists them.
 namespace filasofia::app {
 
-/// What an option is written to. A flag is a bool; all keep their value when not given.
-using OptionTarget =
-    std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*, std::vector<std::string>*>;
+/// What an option is written to. A flag is a bool; all keep their value, the default, when not given.
+using OptionTarget = std::variant<bool*, int*, double*, std::string*>;
 
 /// One word or option a command understands.
 struct Option {
@@ -22,6 +22,8 @@ struct Option {
     std::string type = {};                 ///< "N", "FILE", for the help; empty: chosen by the target
     std::vector<std::string> choices = {}; ///< the only legal values; empty: any
     bool required = false;
+    Bound bound = {};          ///< of a number
+    std::string standard = {}; ///< the default as the help shows it; empty: the target's value
 };
 
 /// One command: `filasofia <name>`.
@@ -37,7 +39,9 @@ Command replayCommand(); ///< makes a recorded run again
 Command benchCommand();  ///< tables and JSON
 Command doctorCommand(); ///< what this machine can do for the simulation, and what is missing
 
-/// What --threads N asks for; 0 leaves the choice to the engine.
+/// What --threads N may be; 0 leaves the choice to the engine.
+inline constexpr Bound kThreads = {closed(0, 256), "-"};
+/// What --threads N asks for.
 inline std::optional<int> givenThreads(int threads) { return threads == 0 ? std::nullopt : std::optional(threads); }
 
 } // namespace filasofia::app

@@ -16,7 +16,8 @@ void writeJsonFile(const DoctorReport& report, const std::string& path)
 {
     std::ofstream file(path);
     if (file) writeJson(report, file);
-    if (!file.flush()) fail("doctor: cannot write '", path, "'");
+    file.close(); // what is still on its way may fail too
+    if (!file) fail("doctor: cannot write '", path, "'");
 }
 
 int runDoctor(const DoctorOptions& options)

@@ -1,5 +1,6 @@
 #include "apps/filasofia/bunny_scene.h"
 #include "apps/filasofia/commands.h"
+#include "apps/filasofia/contact_scenes.h"
 
 #include <iostream>
 
@@ -14,6 +15,30 @@ struct Options {
     RunDef run;
 };
 
+/// What can be run by its name.
+struct Scene {
+    const char* name;
+    Box around; ///< what the camera looks at
+    void (*make)(Simulation&, const BunnyDef&);
+};
+
+const Scene kScenes[] = {
+    {"bunny", bunnyRoom(), [](Simulation& sim, const BunnyDef& def) { addBunny(sim, def); }},
+    {"poke", kPokeRoom, [](Simulation& sim, const BunnyDef& def) { addPoke(sim, def.subdivision); }},
+    {"grasp", kGraspRoom, [](Simulation& sim, const BunnyDef& def) { addGrasp(sim, def.subdivision); }},
+    {"friction", kFrictionRoom, [](Simulation& sim, const BunnyDef&) { addFriction(sim); }},
+};
+
+const Scene& sceneOf(const Options& options)
+{
+    std::string names;
+    for (const Scene& scene : kScenes) {
+        if (options.scene == scene.name) return scene;
+        names += text(names.empty() ? "" : ", ", scene.name);
+    }
+    fail("run: there is no scene '", shortened(options.scene), "'; there are ", names);
+}
+
 /// What a person at the window can do.
 void bindKeys(Simulation& sim)
 {
@@ -25,14 +50,23 @@ void bindKeys(Simulation& sim)
     });
 }
 
+std::vector<std::string> bunnySizes()
+{
+    std::vector<std::string> sizes;
+    for (const int size : kBunnySizes) sizes.push_back(text(size));
+    return sizes;
+}
+
 int runScene(Options& options)
 {
-    if (options.scene != "bunny") fail("run: there is no scene '", options.scene, "'; there is bunny");
+    const Scene& scene = sceneOf(options);
+    if (options.scene != "bunny" && options.bunny.tets != BunnyDef{}.tets)
+        fail("run: --tets is for the bunny, not for '", scene.name, "'");
     if (options.run.headless && options.run.steps == 0) options.run.steps = 1000; // it would never end
     Simulation sim({.physics = {.rate = options.rate, .threads = givenThreads(options.threads)},
-                    .window = {.title = "Filasofia: bunny"},
-                    .look = {.around = bunnyRoom()}});
-    addBunny(sim, options.bunny);
+                    .window = {.title = text("Filasofia: ", scene.name)},
+                    .look = {.around = scene.around}});
+    scene.make(sim, options.bunny);
     bindKeys(sim);
     std::cout << runtime::summary(sim.run(options.run));
     return 0;
@@ -43,22 +77,50 @@ int runScene(Options& options)
 Command runCommand()
 {
     static Options options; // there is one command line, and it outlives this function
-    return {
-        .name = "run",
-        .meaning = "Run a scene in a window (Space pauses, R resets, Escape ends), or headless",
-        .options = {{"SCENE", &options.scene, "bunny: pinned at the head, falling under its own weight", "", {}, true},
-                    {"--tets", &options.bunny.tets, "Tetrahedra: 756, 1492, 3004, 10000 or 30000"},
-                    {"--subdivision", &options.bunny.subdivision, "Levels of the drawn surface, 0 to 3"},
-                    {"--rate", &options.rate, "Physics steps per second", "HZ"},
-                    {"--headless", &options.run.headless, "No window, no clock: the same steps every time"},
-                    {"--steps", &options.run.steps, "End after as many steps (headless: 1000 unless given)"},
-                    {"--seconds", &options.run.seconds, "End after as many seconds of wall time", "S"},
-                    {"--picture", &options.run.picture, "Write the last state to this PNG file", "FILE"},
-                    {"--picture-every", &options.run.pictureEvery, "Headless: numbered pictures, seconds apart", "S"},
-                    {"--log", &options.run.log, "Write a line per step to this CSV file", "FILE"},
-                    {"--record", &options.run.record, "Write the run to this .rec file, for replay", "FILE"},
-                    {"--threads", &options.threads, "Threads within one step; 0: the cores but one, up to 8", "N"}},
-        .run = [] { return runScene(options); }};
+    return {.name = "run",
+            .meaning = "Run a scene in a window (Space pauses, R resets, Escape ends), or headless",
+            .options = {{"SCENE",
+                         &options.scene,
+                         "bunny (pinned at the head, falling under its own weight), poke, grasp or friction",
+                         "",
+                         {},
+                         true},
+                        {.name = "--tets",
+                         .target = &options.bunny.tets,
+                         .meaning = "The bunny's tetrahedra: 756, 1492, 3004, 10000 or 30000",
+                         .choices = bunnySizes()},
+                        {.name = "--subdivision",
+                         .target = &options.bunny.subdivision,
+                         .meaning = "Levels of the drawn surface, 0 to 3",
+                         .bound = boundOf(&runtime::ShowDef::subdivision)},
+                        {.name = "--rate",
+                         .target = &options.rate,
+                         .meaning = "Physics steps per second",
+                         .type = "HZ",
+                         .bound = boundOf(&runtime::PhysicsDef::rate)},
+                        {"--headless", &options.run.headless, "No window, no clock: the same steps every time"},
+                        {.name = "--steps",
+                         .target = &options.run.steps,
+                         .meaning = "End after as many steps; 0: no end (headless: 1000)",
+                         .bound = boundOf(&RunDef::steps)},
+                        {.name = "--seconds",
+                         .target = &options.run.seconds,
+                         .meaning = "End after as many seconds of wall time; 0: no end",
+                         .type = "S",
+                         .bound = boundOf(&RunDef::seconds)},
+                        {"--picture", &options.run.picture, "Write the last state to this PNG file", "FILE"},
+                        {.name = "--picture-every",
+                         .target = &options.run.pictureEvery,
+                         .meaning = "Headless: numbered pictures, seconds apart; 0: only the last",
+                         .type = "S",
+                         .bound = boundOf(&RunDef::pictureEvery)},
+                        {"--log", &options.run.log, "Write a line per step to this CSV file", "FILE"},
+                        {"--record", &options.run.record, "Write the run to this .rec file, for replay", "FILE"},
+                        {.name = "--threads",
+                         .target = &options.threads,
+                         .meaning = "Threads within one step; 0: the cores but one, up to 8",
+                         .bound = kThreads}},
+            .run = [] { return runScene(options); }};
 }
 
 } // namespace filasofia::app

@@ -4,6 +4,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/units.h"
 #include "filasofia/event/input_events.h"
+#include "filasofia/geometry/shapes.h"
 #include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/simulation.h"
 
@@ -11,6 +12,8 @@
 #include <cstdio>
 
 namespace filasofia {
+
+namespace shapes = geometry::shapes;
 
 using event::Event;
 using event::EventType;
@@ -27,21 +30,30 @@ using geometry::Box;
 using geometry::TetMesh;
 using geometry::TriangleMesh;
 using physics::AttachmentDef;
+using physics::AttachMode;
+using physics::Ball;
 using physics::Cholesky;
+using physics::CollisionDef;
 using physics::ConjugateGradient;
 using physics::Density;
+using physics::ExactContact;
 using physics::ExplicitEuler;
 using physics::FemMaterial;
+using physics::GivenInertia;
+using physics::GraspDef;
 using physics::ImplicitEuler;
 using physics::kHard;
 using physics::MassSpringMaterial;
 using physics::NodalForce;
+using physics::PenaltyContact;
 using physics::Rayleigh;
+using physics::RigidAttachmentDef;
 using physics::RigidBodyDef;
 using physics::SoftBodyDef;
 using physics::TetMeshSource;
 using physics::TotalMass;
 using runtime::asset;
+using runtime::ContactEvent;
 using runtime::LookDef;
 using runtime::PhysicsDef;
 using runtime::report;
@@ -51,6 +63,7 @@ using runtime::ShowDef;
 using runtime::Simulation;
 using runtime::SimulationDef;
 using visual::Backend;
+using visual::Color;
 using visual::MetalMaterial;
 using visual::TissueMaterial;
 

@@ -80,8 +80,56 @@ class Words(Program):
         self.refused("doctor", "doctor", says=["'doctor'"])
         self.refused("doctor", "", says=["''"])
 
-    def test_an_option_without_its_value_is_named(self):
-        self.refused("doctor", "--json", says=["--json"])
+    def test_an_option_without_its_value_or_given_twice_is_named(self):
+        self.refused("doctor", "--json", says=["--json must be given once, with one value"])
+        self.refused("doctor", "--json", "-", "--json", "-", says=["--json must be given once, with one value"])
+        self.refused("doctor", "--json", "", says=["doctor: --json must not be empty"])
+
+    NUMBERS = {"run bunny --headless": {"--threads": "must be a whole number in [0, 256]",
+                                        "--steps": "must be a whole number in [0, 2147483647]",
+                                        "--subdivision": "must be a whole number in [0, 3]",
+                                        "--tets": "must be one of 756, 1492, 3004, 10000, 30000",
+                                        "--rate": "must be in [1, 100000] Hz",
+                                        "--seconds": "must be in [0, 100000000] s",
+                                        "--picture-every": "must be >= 0 s"},
+               "replay nothing.rec": {"--threads": "must be a whole number in [0, 256]"},
+               "bench bunny": {"--seconds": "must be in (0, 3600] s"}}
+
+    def test_every_number_is_refused_with_option_bound_and_value(self):
+        for words, options in self.NUMBERS.items():
+            command = words.split()
+            for option, bound in options.items():
+                for word in ("abc", "", "3x", " 3", "0x10", "--steps"):
+                    line = self.refused(*command, option, word, says=[])
+                    self.assertEqual(line, f"filasofia: {command[0]}: {option} {bound}, got '{word}'")
+                for word in ("-1", "nan"):
+                    line = self.refused(*command, option, word, says=[])
+                    self.assertIn(f"filasofia: {command[0]}: {option} {bound}, got ", line)
+                    self.assertIn(word, line)
+        for word in ("10000", "257", "99999999999999999999"):
+            self.refused("run", "bunny", "--headless", "--threads", word, says=["--threads", "[0, 256]", f"got {word}"])
+
+    def test_the_help_shows_every_default(self):
+        for command, defaults in {"run": {"--tets": "3004", "--subdivision": "1", "--rate": "1000", "--steps": "0",
+                                          "--seconds": "0", "--picture": "none", "--picture-every": "0",
+                                          "--log": "none", "--record": "none", "--threads": "0"},
+                                  "replay": {"--threads": "0"}, "bench": {"--json": "none", "--seconds": "10"},
+                                  "doctor": {"--json": "none"}}.items():
+            said = self.output(command, "--help")
+            for option, default in defaults.items():
+                self.assertRegex(said, rf"(?m)^ +{option} \w+={default} ")
+
+    def test_an_endless_word_is_shortened(self):
+        endless = "7" * 1000
+        shown = "7" * 40 + "…"
+        self.assertLess(len(self.refused("run", "bunny", "--threads", endless, says=[shown])), 200)
+        self.assertLess(len(self.refused("run", endless, says=[shown])), 200)
+        self.assertLess(len(self.refused(endless, says=[shown])), 200)
+        self.assertLess(len(self.refused("run", "bunny", "--" + endless, says=["--" + "7" * 38 + "…"])), 200)
+        for words in (("replay", "/" + endless), ("run", "bunny", "--headless", "--record", "/" + endless + ".rec"),
+                      ("doctor", "--json", "/" + endless)):
+            line = self.refused(*words, says=["/777", "…"])
+            self.assertLess(len(line), 200)
 
     def test_a_file_that_cannot_be_written_is_named(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -160,6 +208,47 @@ class Run(Program):
         self.assertEqual(state_hash("20"), state_hash("20"))
         self.assertNotEqual(state_hash("20"), state_hash("21"))
 
+    def test_every_scene_runs_and_its_contacts_are_in_the_summary(self):
+        # Steps at which the bodies have met, and a pair of which the forces are known to about a tenth.
+        scenes = {"poke": ("500", "tissue, ball", 1.8), "grasp": ("800", "cube, left jaw", 0.9),
+                  "friction": ("300", "slope, rough box", 0.018 * 9.81 * 0.94)}
+        for scene, (steps, pair, force) in scenes.items():
+            said = self.output("run", scene, "--headless", "--steps", steps)
+            self.assertIn(f"made {steps} steps", said)
+            self.assertIn("normal force [N]", said)
+            row = re.search(rf"(?m)^{pair} +(\d+) +([\d.]+) +([\d.]+) +([\d.]+) +([\d.]+) +([\d.]+)$", said)
+            self.assertIsNotNone(row, said)
+            self.assertLessEqual(int(row[1]), int(steps))
+            self.assertAlmostEqual(float(row[2 if scene == "friction" else 3]), force, delta=0.15 * force)
+        self.assertNotIn("contacts of", self.output(*self.BUNNY, "--steps", "3"))
+        self.assertNotIn("contacts of", self.output("run", "poke", "--headless", "--steps", "3"))
+
+    def test_every_scene_can_be_seen_where_the_build_draws(self):
+        if not can_draw():
+            self.refused("run", "poke", "--headless", "--steps", "1", "--picture", "poke.png", says=["draws nothing"])
+            return
+        for scene in ("poke", "grasp", "friction"):
+            with tempfile.TemporaryDirectory() as folder:
+                pictures = [Path(folder, f"{steps}.png") for steps in ("1", "600")]
+                for picture in pictures:
+                    self.output("run", scene, "--headless", "--steps", picture.stem, "--picture", str(picture))
+                    self.assertGreater(picture.stat().st_size, 20000)  # a dark picture has 3 kB
+                self.assertNotEqual(pictures[0].read_bytes(), pictures[1].read_bytes())
+
+    def test_an_option_of_the_bunny_is_refused_for_other_scenes(self):
+        self.refused("run", "poke", "--headless", "--tets", "756", says=["--tets", "'poke'"])
+        self.refused("run", "cat", "--headless", says=["bunny, poke, grasp, friction"])
+
+    def test_a_run_with_contacts_is_made_again(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file, table = os.path.join(folder, "poke.rec"), Path(folder, "poke.csv")
+            self.output("run", "poke", "--headless", "--steps", "300", "--record", file, "--log", str(table))
+            self.assertIn("every step has the recorded hash\n", self.output("replay", file, "--check"))
+            lines = [line.split(",") for line in table.read_text().splitlines()]
+            force = lines[0].index("contact force [N]")
+            self.assertEqual(float(lines[100][force]), 0)
+            self.assertGreater(float(lines[-1][force]), 0.5)
+
     def test_numbered_pictures_are_written_where_the_build_draws(self):
         with tempfile.TemporaryDirectory() as folder:
             words = (*self.BUNNY, "--steps", "10", "--rate", "200", "--picture", os.path.join(folder, "bunny.png"),
@@ -182,6 +271,8 @@ class Replay(Program):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
         self.file = Path(self.folder.name, "bunny.rec")
+
+    MAKER = rf"recorded by Filasofia {re.escape(VERSION)}, revision \S+, vector instructions \S+"
 
     def record(self, *words):
         """Records the bunny and returns the hash of its last state."""
@@ -226,15 +317,49 @@ class Replay(Program):
         self.change(9, '"hash":"[0-9a-f]', f'"hash":"{"1" if digit == "0" else "0"}')  # line 1 header, 2 mesh
         done = run("replay", str(self.file), "--check")
         self.assertEqual(done.returncode, 1, done.stderr)
-        self.assertRegex(done.stdout, r"^step 7 differs: recorded [0-9a-f]{16}, replayed [0-9a-f]{16}\n$")
+        differs = r"step 7 differs: recorded [0-9a-f]{16}, replayed [0-9a-f]{16}\n"
+        self.assertRegex(done.stdout, rf"^{self.MAKER}\n{differs}$")
         self.assertEqual(run("replay", str(self.file)).returncode, 0)  # nobody asked
+        # Another build, then other vector instructions as well: the likely reasons.
+        self.change(1, '"revision":"[^"]*"', '"revision":"0123456789ab"')
+        said = run("replay", str(self.file), "--check").stdout
+        self.assertRegex(said, rf"^recorded by .*, revision 0123456789ab, .*\n{differs}the likely reason: another build; "
+                               r"this is Filasofia .*\n$")
+        self.change(1, '"simd":"[^"]*"', '"simd":"Z80"')
+        said = run("replay", str(self.file), "--check").stdout
+        self.assertRegex(said, rf"^recorded by .*, vector instructions Z80\n{differs}the likely reason: another build and "
+                               r"other vector instructions; this is Filasofia .*\n$")
+
+    def test_a_replay_says_what_made_the_recording(self):
+        self.record("--headless", "--steps", "1")
+        said = self.output("replay", str(self.file), "--check")
+        self.assertRegex(said, rf"^{self.MAKER}\n1 step, ")
+        self.assertNotIn("likely reason", said)
+        header = json.loads(self.file.read_text().splitlines()[0])
+        self.assertIn(f"Filasofia {VERSION}, revision {header['revision']}, ", said)
+
+    def test_what_is_no_regular_file_is_refused_at_once(self):
+        pipe = os.path.join(self.folder.name, "pipe.rec")
+        os.mkfifo(pipe)
+        for file in (pipe, "/dev/zero", "/dev/null"):
+            self.refused("replay", file, says=[f"{file}: is no regular file"])
+        self.refused("replay", self.folder.name, says=[f"{self.folder.name}: is a folder"])
+
+    def test_one_file_by_two_names_is_refused_for_log_and_recording(self):
+        table = Path(self.folder.name, "bunny.csv")
+        for link in (table.symlink_to, table.hardlink_to):
+            self.file.write_text("")
+            link(self.file)
+            self.refused("run", "bunny", "--tets", "756", "--headless", "--steps", "3", "--record", str(self.file),
+                         "--log", str(table), says=["is being written already"])
+            table.unlink()
 
     def test_a_changed_command_is_seen_in_the_first_step_it_changes(self):
         self.record("--headless", "--steps", "5")
         self.change(3, '"youngModulus":10000.0', '"youngModulus":10000.1')
         done = run("replay", str(self.file), "--check")
         self.assertEqual(done.returncode, 1, done.stderr)
-        self.assertTrue(done.stdout.startswith("step 1 differs: ") or done.stdout.startswith("step 2 differs: "), done.stdout)
+        self.assertTrue(re.search(r"(?m)^step [12] differs: ", done.stdout), done.stdout)
 
     def test_what_is_no_whole_recording_is_refused_with_file_and_line(self):
         self.record("--headless", "--steps", "5")
@@ -245,7 +370,7 @@ class Replay(Program):
         self.refused("replay", str(self.file), says=[f"{self.file}:6:", "'dt'", "missing"])
         self.file.write_text(whole[:-20])
         self.refused("replay", str(self.file), says=[f"{self.file}:7:", "cut off after step 4"])
-        self.file.write_text(whole.replace('"version":1', '"version":9'))
+        self.file.write_text(re.sub('"version":[0-9]+', '"version":9', whole, count=1))
         self.refused("replay", str(self.file), says=[f"{self.file}:1:", "version 9"])
         self.file.write_text(whole.splitlines()[0] + "\n")
         self.refused("replay", str(self.file), says=["holds no step"])
@@ -264,7 +389,7 @@ class Replay(Program):
         words = ("run", "bunny", "--headless", "--steps", "2000000000", "--record")
         self.refused(*words, os.path.join(self.folder.name, "missing", "bunny.rec"), says=["record"])
         self.refused(*words, os.path.join(self.folder.name, "bunny.txt"), says=["record", ".rec"])
-        self.refused("run", "bunny", "--headless", "--threads", "-1", says=["threads", "[1, 256]", "got -1"])
+        self.refused("run", "bunny", "--headless", "--threads", "-1", says=["threads", "[0, 256]", "got -1"])
 
 
 class Bench(Program):
@@ -422,6 +547,79 @@ class BenchSolver(Program):
         self.refused("bench", "solver", "--seconds", "3", says=["--seconds", "bunny"])
         self.refused("bench", "solver", "--quik", says=["'--quik'", "did you mean '--quick'?"])
         self.refused("bench", "solver", "bunny", says=["'bunny'"])
+
+
+class BenchContact(Program):
+    def measured(self, *words, timeout):
+        """The JSON of a bench, and what it printed."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "contact.json")
+            done = run("bench", "contact", *words, "--json", str(path), timeout=timeout)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return json.loads(path.read_text()), done.stdout
+
+    def limits(self, report, said):
+        words = {True: "met", False: "MISSED", None: "unknown"}
+        for limit in report["limits"]:
+            self.assertRegex(said, rf"(?m)^{words[limit['met']]} +"
+                                   rf"{re.escape(limit['limit'] + ': ' + limit['measured'])}$")
+
+        def met(part):
+            return next(limit["met"] for limit in report["limits"] if part in limit["limit"])
+        return met
+
+    def test_every_scene_has_its_figures_and_the_limits_are_judged_by_them(self):
+        report, said = self.measured("--quick", timeout=280)
+        met = self.limits(report, said)
+        cells = report["cells"]
+        self.assertEqual([(cell["body"], cell["scene"]) for cell in cells],
+                         [("bunny 3004", "at rest on a floor"), ("bunny 3004", "scraped at 0.1 m/s"),
+                          ("bunny 3004", "scraped at 1 m/s"), ("blocks", "soft on soft"), ("tower", "five boxes")])
+        for cell in cells:
+            self.assertEqual([(run_["threads"], run_["contacts"]) for run_ in cell["runs"]][:2],
+                             [(1, True), (1, False)])
+            self.assertGreater(cell["step_over_contact_free"]["median"], 0)
+            self.assertGreater(cell["force_n"]["median"], 0)
+            self.assertLessEqual(cell["pushing"]["max"], cell["found"]["max"])
+            for run_ in cell["runs"]:
+                self.assertEqual(run_["steps_counted"], 180)
+                for part in ("step_s", "detection_s", "response_s"):
+                    spread = run_[part]
+                    self.assertLessEqual(spread["p1"], spread["median"])
+                    self.assertLessEqual(spread["median"], spread["p99"])
+                    self.assertLessEqual(spread["p99"], spread["max"])
+        resting = cells[0]["force_n"]["median"]  # the floor bears the bunny: 9.81 m/s^2 of its litre and a half of water
+        self.assertGreater(resting, 5)
+        self.assertLess(resting, 10)
+        scraped = [cell["runs"][0]["step_s"] for cell in cells if cell["scene"].startswith("scraped")]
+        self.assertEqual(met("3004 tetrahedra, scraped: median"), max(s["median"] for s in scraped) <= 0.2e-3)
+        self.assertEqual(met("3004 tetrahedra, scraped: p99"), max(s["p99"] for s in scraped) <= 0.8e-3)
+        self.assertEqual(met("at least 60 contacts"), cells[1]["found"]["median"] >= 60)
+        for part in ("10000 tetrahedra", "on 30000 tetrahedra"):
+            self.assertIsNone(met(part))
+
+    def test_a_soak_keeps_its_tools_out_and_comes_out_the_same_for_the_same_seed(self):
+        report, said = self.measured("--soak", "0.05", "--seed", "3", timeout=280)
+        met = self.limits(report, said)
+        tools, ball, tower = report["runs"]
+        self.assertGreater(tools["steps_touching"], 100)
+        for run_ in report["runs"]:
+            self.assertEqual(run_["not_finite"]["steps"], 0)
+            self.assertEqual(run_["inverted_at_end"], 0)
+        self.assertEqual(met("never through"), tools["through"]["steps"] == 0)
+        self.assertIs(met("soft ball"), True)
+        self.assertLess(ball["penetration_m"], 0.05 * ball["proximity_m"])
+        self.assertIs(met("the tower stands"), True)
+        self.assertLess(tower["lean_m"], 1e-4)
+        again, _ = self.measured("--soak", "0.05", "--seed", "3", timeout=280)
+        for one, other in zip(report["runs"], again["runs"]):
+            self.assertEqual({**one, "wall_s": 0}, {**other, "wall_s": 0})
+
+    def test_what_it_cannot_do_is_refused_before_it_measures(self):
+        self.refused("bench", "contact", "--seconds", "3", says=["--seconds", "bunny"])
+        self.refused("bench", "contact", "--soak", "0", says=["--soak", "got 0"])
+        self.refused("bench", "contact", "--soak", "1", "--quick", says=["--soak", "--quick"])
+        self.refused("bench", "solver", "--soak", "1", says=["--soak", "contact"])
 
 
 if __name__ == "__main__":

@@ -1,141 +1,16 @@
 #include "filasofia/engine/elastic/element_blocks.h"
 
-#include "filasofia/core/hash.h"
-#include "filasofia/engine/elastic/corotational.h"
-#include "filasofia/engine/elastic/spring.h"
 #include "filasofia/math/polar.h"
 #include "filasofia/math/svd.h"
 
-#include "engine/meshes.h"
-#include "linalg/random_matrix.h"
-
-#include <cstring>
+#include "engine/element_blocks.h"
 
 using namespace filasofia;
 using namespace filasofia::engine;
-using linalg::NodeArray;
-using linalg::onEveryTarget;
-using linalg::vectorOf;
-using linalg::WorstError;
-
-// Tolerances are counts of float roundings (WorstError). The references start from the same floats, in double.
 
 namespace {
 
-constexpr BlockWeights kWeights{.force = 0.8f, .stiffness = 0.03f, .damping = 0.5f};
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-double inFloat(double value) { return static_cast<double>(static_cast<float>(value)); }
-Vec3 inFloat(Vec3 v) { return {inFloat(v.x), inFloat(v.y), inFloat(v.z)}; }
-void store(Vec3 v, float* out)
-{
-    for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
-}
-
-/// A tetrahedron of random shape, not too flat. Its gradients are what floats hold of them.
-FemElement randomElement(std::mt19937& random, double poissonRatio)
-{
-    Corners rest;
-    double volume = 0.0;
-    while (volume < 0.05) {
-        for (Vec3& each : rest) each = randomVec3(random, 1.0);
-        volume = geometry::signedVolume(rest[0], rest[1], rest[2], rest[3]);
-    }
-    FemElement element{.nodes = {},
-                       .gradients = shapeGradients(rest),
-                       .volume = volume,
-                       .youngModulus = 1.0 + std::abs(randomVec3(random, 1.0).x),
-                       .poissonRatio = poissonRatio};
-    for (std::size_t k = 1; k < 4; ++k) element.gradients[k] = inFloat(element.gradients[k]);
-    element.gradients[0] = -(element.gradients[1] + element.gradients[2] + element.gradients[3]);
-    return element;
-}
-
-/// Elements that share no node: element e has nodes 4 e ... 4 e + 3.
-struct Elements {
-    explicit Elements(const std::vector<FemElement>& all)
-        : elements(all), blocks(linalg::blocksFor(static_cast<int>(all.size()))), x(4 * blocks), v(x), p(x),
-          elementBlocks(static_cast<std::size_t>(blocks)), rotations(elementBlocks.size()),
-          warped(elementBlocks.size()), corners(4 * blocks), products(4 * blocks), quaternions(blocks)
-    {
-        const int count = static_cast<int>(all.size());
-        for (int lane = 0; lane < kBlock * blocks; ++lane) {
-            const int element = std::min(lane, count - 1), l = lane % kBlock;
-            const FemElement& e = all[static_cast<std::size_t>(element)];
-            ElementBlock& block = elementBlocks[static_cast<std::size_t>(lane / kBlock)];
-            WarpedBlock& out = warped[static_cast<std::size_t>(lane / kBlock)];
-            for (int i = 0; i < 4; ++i) block.nodes[i][l] = out.nodes[i][l] = 4 * (4 * element + i);
-            for (int k = 0; k < 9; ++k)
-                block.gradients[k][l] = static_cast<float>(e.gradients[static_cast<std::size_t>(1 + k / 3)][k % 3]);
-            const auto [mu, lambda] = lame(e.youngModulus, e.poissonRatio);
-            block.mu[l] = lane < count ? static_cast<float>(e.volume * mu) : 0.0f;
-            block.ratio[l] = static_cast<float>(lambda / mu);
-        }
-    }
-
-    /// Nodes 1, 2, 3 go where f takes them, around node 0.
-    void deform(int element, const Mat3& f, Vec3 origin = {})
-    {
-        const Corners& g = elements[static_cast<std::size_t>(element)].gradients;
-        const Mat3 edges = inverse(Mat3{{g[1], g[2], g[3]}}); // its columns
-        store(origin, x[4 * element]);
-        for (int k = 0; k < 3; ++k) store(origin + f * edges.column(k), x[4 * element + k + 1]);
-    }
-
-    void run()
-    {
-        updateElements(elementBlocks, x, v, kWeights, rotations, warped, floats(corners), floats(quaternions), 0,
-                       blocks);
-        multiplyElements(warped, p, floats(products), 0, blocks);
-    }
-
-    static std::span<float> floats(NodeArray& a) { return {a.data(), 64 * static_cast<std::size_t>(a.blocks())}; }
-    [[nodiscard]] int count() const { return static_cast<int>(elements.size()); }
-    [[nodiscard]] Quat rotation(int element) const
-    {
-        const ElementRotations& r = rotations[static_cast<std::size_t>(element / kBlock)];
-        const int l = element % kBlock;
-        return {r.w[l], r.x[l], r.y[l], r.z[l]};
-    }
-    /// What `array` has for node i of the element of a lane.
-    static const float* corner(const NodeArray& array, int lane, int i)
-    {
-        return array.data() + lane / kBlock * kElementCorners + 64 * i + linalg::laneOffset(lane % kBlock);
-    }
-    static Corners nodes(const NodeArray& array, int element)
-    {
-        Corners all;
-        for (int i = 0; i < 4; ++i) all[static_cast<std::size_t>(i)] = vectorOf(array[4 * element + i]);
-        return all;
-    }
-
-    std::vector<FemElement> elements;
-    int blocks;
-    NodeArray x, v, p;
-    std::vector<ElementBlock> elementBlocks;
-    std::vector<ElementRotations> rotations;
-    std::vector<WarpedBlock> warped;
-    NodeArray corners, products, quaternions;
-};
-
-std::vector<FemElement> randomElements(std::mt19937& random, int count, double poissonRatio)
-{
-    std::vector<FemElement> all;
-    while (static_cast<int>(all.size()) < count) all.push_back(randomElement(random, poissonRatio));
-    return all;
-}
-
-void randomMotion(std::mt19937& random, Elements& all)
-{
-    all.v = linalg::randomNodes(random, 4 * all.count());
-    all.p = linalg::randomNodes(random, 4 * all.count());
-    for (NodeArray* each : {&all.v, &all.p}) // over all lanes' nodes
-        if (each->blocks() != all.x.blocks()) {
-            NodeArray larger(all.x.blocks());
-            std::copy(each->data(), each->data() + 64 * each->blocks(), larger.data());
-            *each = larger;
-        }
-}
 
 /// The deformations that elements meet, one kind after the other.
 void deformInManyWays(std::mt19937& random, Elements& all)
@@ -213,22 +88,6 @@ void compareElement(const Elements& all, int e, WorstError& forces, WorstError& 
         forces.compare(Elements::corner(all.corners, e, i)[3], 0.0, 0.0); // nodes sum up all four floats
         products.compare(Elements::corner(all.products, e, i)[3], 0.0, 0.0);
     }
-}
-
-/// Of the bits of blocks of numbers.
-template <class Block> std::uint64_t hashOf(const Block* blocks, std::size_t count)
-{
-    Hasher hash;
-    for (std::size_t at = 0; at < count * sizeof(Block); at += sizeof(std::uint64_t)) {
-        std::uint64_t word = 0;
-        std::memcpy(&word, reinterpret_cast<const char*>(blocks) + at, sizeof word);
-        hash.add(word);
-    }
-    return hash.value();
-}
-std::uint64_t hashOf(const NodeArray& nodes)
-{
-    return hashOf(nodes.data(), 64 * static_cast<std::size_t>(nodes.blocks()));
 }
 
 /// What a run of the kernels leaves: rotations, warped elements, corners, products, quaternions.
@@ -479,107 +338,5 @@ TEST_CASE("the product of elements is that of their assembled warped stiffness: 
         }
         CHECK(blocks.roundings() <= 10);
         CHECK(symmetry.roundings() <= 10);
-    });
-}
-
-namespace {
-
-/// Springs that share no node: at random, compressed, stretched, and with coincident ends.
-struct Springs {
-    Springs(std::mt19937& random, int count)
-        : blocks(linalg::blocksFor(count)), x(2 * blocks), v(linalg::randomNodes(random, 32 * blocks)),
-          p(linalg::randomNodes(random, 32 * blocks)), springBlocks(static_cast<std::size_t>(blocks)),
-          matrices(springBlocks.size()), corners(2 * blocks), products(2 * blocks)
-    {
-        for (int lane = 0; lane < kBlock * blocks; ++lane) {
-            const int s = std::min(lane, count - 1), l = lane % kBlock;
-            if (lane < count) {
-                springs.push_back({.nodes = {2 * s, 2 * s + 1},
-                                   .restLength = inFloat(0.5 + std::abs(randomVec3(random, 1.0).x)),
-                                   .stiffness = inFloat(1.0 + std::abs(randomVec3(random, 9.0).x)),
-                                   .damping = s % 2 ? 0.0 : inFloat(std::abs(randomVec3(random, 2.0).x))});
-                const Vec3 a = randomVec3(random, 1.0), direction = normalized(randomVec3(random, 1.0));
-                const double stretches[4] = {0.0, 0.3, 1.0, 2.5};
-                store(a, x[2 * s]);
-                store(vectorOf(x[2 * s]) + stretches[s % 4] * springs.back().restLength * direction, x[2 * s + 1]);
-            }
-            const Spring& spring = springs[static_cast<std::size_t>(s)];
-            SpringBlock& block = springBlocks[static_cast<std::size_t>(lane / kBlock)];
-            SpringMatrixBlock& matrix = matrices[static_cast<std::size_t>(lane / kBlock)];
-            for (int i = 0; i < 2; ++i) block.nodes[i][l] = matrix.nodes[i][l] = 4 * (2 * s + i);
-            block.restLength[l] = static_cast<float>(spring.restLength);
-            block.stiffness[l] = lane < count ? static_cast<float>(spring.stiffness) : 0.0f;
-            block.damping[l] = lane < count ? static_cast<float>(spring.damping) : 0.0f;
-        }
-    }
-    void run(int begin, int end)
-    {
-        updateSprings(springBlocks, x, v, kWeights, matrices, Elements::floats(corners), begin, end);
-        multiplySprings(matrices, p, Elements::floats(products), begin, end);
-    }
-    static const float* corner(const NodeArray& array, int lane, int i)
-    {
-        return array.data() + lane / kBlock * kSpringCorners + 64 * i + linalg::laneOffset(lane % kBlock);
-    }
-
-    int blocks;
-    NodeArray x, v, p;
-    std::vector<Spring> springs;
-    std::vector<SpringBlock> springBlocks;
-    std::vector<SpringMatrixBlock> matrices;
-    NodeArray corners, products;
-};
-
-} // namespace
-
-TEST_CASE("blocks of springs say what the double-precision spring says: apart, coincident, compressed, damped")
-{
-    onEveryTarget([](const std::string&) {
-        std::mt19937 random(10);
-        Springs all(random, 16 * 6 - 3);
-        all.run(0, all.blocks);
-        WorstError forces, products;
-        for (int lane = 0; lane < kBlock * all.blocks; ++lane) {
-            Vec3 force, product;
-            double forceSize = 0.0, productSize = 0.0;
-            if (lane < static_cast<int>(all.springs.size())) {
-                const Spring& s = all.springs[static_cast<std::size_t>(lane)];
-                const Vec3 a = vectorOf(all.x[2 * lane]), b = vectorOf(all.x[2 * lane + 1]);
-                const Mat3 m =
-                    kWeights.stiffness * springStiffness(s, a, b) + kWeights.damping * springDamping(s, a, b);
-                const Vec3 rate = vectorOf(all.v[2 * lane]) - vectorOf(all.v[2 * lane + 1]);
-                const Vec3 direction = vectorOf(all.p[2 * lane]) - vectorOf(all.p[2 * lane + 1]);
-                force = kWeights.force * springForce(s, a, b) - m * rate;
-                product = m * direction;
-                const double size = kWeights.stiffness * s.stiffness + kWeights.damping * s.damping;
-                forceSize = kWeights.force * s.stiffness * (distance(a, b) + s.restLength) + size * length(rate);
-                productSize = size * length(direction);
-            }
-            for (int i = 0; i < 2; ++i)
-                for (int c = 0; c < 4; ++c) {
-                    const double sign = i == 0 ? 1.0 : -1.0;
-                    forces.compare(Springs::corner(all.corners, lane, i)[c], c < 3 ? sign * force[c] : 0.0, forceSize);
-                    products.compare(Springs::corner(all.products, lane, i)[c], c < 3 ? sign * product[c] : 0.0,
-                                     productSize);
-                }
-        }
-        CHECK(forces.roundings() <= 8);
-        CHECK(products.roundings() <= 8);
-    });
-}
-
-TEST_CASE("blocks of springs outside the range stay, and all that fuse multiply and add give the same bits")
-{
-    linalg::checkSameBitsWhereFused([] {
-        std::mt19937 random(11);
-        Springs all(random, 16 * 5);
-        all.run(1, 4);
-        std::vector<std::uint64_t> bits;
-        for (const NodeArray* array : {&all.corners, &all.products}) {
-            for (int lane = 0; lane < 16 * 5; ++lane)
-                if (lane < 16 || lane >= 64) CHECK(vectorOf(Springs::corner(*array, lane, 0)) == Vec3{});
-            bits.push_back(hashOf(*array));
-        }
-        return bits;
     });
 }

@@ -14,11 +14,15 @@ struct Stage {
     World world;
     std::vector<physics::Command> commands;
     std::uint32_t lastId = 0;
+    std::uint32_t lastAttachment = 0;
 
     BodyId add(const physics::BodyDef& def)
     {
         const BodyId id{++lastId};
-        post(physics::AddBody{id, std::make_shared<const physics::BodyDef>(def), world.build(def)});
+        const AttachmentId first{lastAttachment + 1};
+        lastAttachment +=
+            std::visit([](const auto& d) { return static_cast<std::uint32_t>(d.attachments.size()); }, def);
+        post(physics::AddBody{id, std::make_shared<const physics::BodyDef>(def), world.build(def), first});
         return id;
     }
     template <class C> void post(C command) { commands.emplace_back(std::in_place_type<C>, std::move(command)); }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "filasofia/linalg/block_sparse_matrix.h"
-#include "filasofia/linalg/node_kernels.h"
+#include "filasofia/linalg/rotation_kernels.h"
 #include "filasofia/math/quat.h"
 
 #include <algorithm>

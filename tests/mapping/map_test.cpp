@@ -1,4 +1,5 @@
 #include "filasofia/geometry/mesh_file.h"
+#include "filasofia/geometry/shapes.h"
 #include "filasofia/mapping/map.h"
 #include "filasofia/math/mat3.h"
 
@@ -58,4 +59,29 @@ TEST_CASE("a rigid map is the element's pose")
 {
     const Pose second{{1, 2, 3}, axisAngle({0, 1, 0}, 0.5)};
     CHECK(apply(RigidMap{1}, frame::RigidBodyFrame{BodyId{1}, {Pose{}, second}}) == second);
+}
+
+TEST_CASE("creases get a vertex for each side, and only creases do")
+{
+    const auto box = geometry::shapes::box({1, 2, 3}, {2, 2, 2});
+    const geometry::TriangleMesh sharp = mapping::withCreases(*box, 0.6);
+    CHECK(sharp.vertices.size() == 6 * 9); // every face has its own
+    REQUIRE(sharp.triangles.size() == box->triangles.size());
+    for (std::size_t t = 0; t < sharp.triangles.size(); ++t)
+        for (int corner : {0, 1, 2})
+            CHECK(sharp.vertices[sharp.triangles[t][corner]] == box->vertices[box->triangles[t][corner]]);
+    CHECK(mapping::withCreases(*box, 2.0).vertices.size() == box->vertices.size());
+
+    const auto sphere = geometry::shapes::sphere(0.01);
+    CHECK(mapping::withCreases(*sphere, 0.6).vertices.size() == sphere->vertices.size());
+    const auto can = geometry::shapes::cylinder(0.01, 0.04, 8);
+    CHECK(mapping::withCreases(*can, 0.6).vertices.size() == can->vertices.size() + 2 * 32); // both rims
+
+    geometry::TriangleMesh pictured = *box;
+    for (std::size_t v = 0; v < pictured.vertices.size(); ++v) pictured.uv.push_back({static_cast<double>(v), 0.0});
+    const geometry::TriangleMesh both = mapping::withCreases(pictured, 0.6);
+    REQUIRE(both.uv.size() == both.vertices.size());
+    for (std::size_t t = 0; t < both.triangles.size(); ++t)
+        for (int corner : {0, 1, 2})
+            CHECK(both.uv[both.triangles[t][corner]] == pictured.uv[pictured.triangles[t][corner]]);
 }

@@ -32,6 +32,11 @@ TEST_CASE("commands reach the engine at the next step, in the order of posting, 
     CHECK(command<SetPose>(told, 3).pose.position == Vec3{4, 5, 6});
     CHECK(command<SetGravity>(told, 4).gravity == Vec3{7, 8, 9});
     CHECK(std::get<FemMaterial>(command<SetMaterial>(told, 5).material).youngModulus == 77);
+    const auto& rebuilt = dynamic_cast<const FakeBody&>(*command<SetMaterial>(told, 5).body);
+    CHECK(std::get<SoftBodyDef>(rebuilt.def).name == "tissue");
+    CHECK(std::get<FemMaterial>(std::get<SoftBodyDef>(rebuilt.def).material).youngModulus == 77);
+    CHECK(std::get<FemMaterial>(std::get<SoftBodyDef>(*server.def(soft)).material).youngModulus ==
+          FemMaterial{}.youngModulus); // what it was made from stays
     REQUIRE(command<SetForces>(told, 6).forces.size() == 1);
     CHECK(command<SetForces>(told, 6).forces[0].node == 3);
     CHECK(command<SetPressure>(told, 7).pressure == -11);

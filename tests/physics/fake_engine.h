@@ -10,6 +10,7 @@ namespace filasofia::physics {
 
 struct FakeBody final : BuiltBody {
     int nodes = 0;
+    BodyDef def = {}; ///< what it was made from
     [[nodiscard]] int nodeCount() const override { return nodes; }
 };
 
@@ -22,6 +23,7 @@ struct Told {
     std::vector<std::int64_t> deadlines = {}; ///< one per step that had a clock
 
     int needed = 0;                     ///< iterations that each soft body's solver makes when nothing stops it
+    std::function<void()> build = {};   ///< called while a body is built
     std::function<void()> iterate = {}; ///< called for each: where a fake clock goes on
     std::vector<std::vector<int>> iterations = {}; ///< made, per step and soft body
 };
@@ -36,6 +38,8 @@ public:
     {
         auto body = std::make_unique<FakeBody>();
         const auto* rigid = std::get_if<RigidBodyDef>(&def);
+        body->def = def;
+        if (told_.build) told_.build();
         body->nodes = rigid ? static_cast<int>(rigid->elements.size()) : 4;
         return body;
     }
@@ -70,7 +74,10 @@ private:
     /// As the seam says: the built body is moved out, the rest of the command stays for the log.
     static Command taken(Command& command)
     {
-        if (auto* add = std::get_if<AddBody>(&command)) return AddBody{add->id, add->def, std::move(add->body)};
+        if (auto* add = std::get_if<AddBody>(&command))
+            return AddBody{add->id, add->def, std::move(add->body), add->attachments};
+        if (auto* set = std::get_if<SetMaterial>(&command))
+            return SetMaterial{set->id, set->material, std::move(set->body)};
         Command copy;
         std::visit(
             [&](auto& each) {

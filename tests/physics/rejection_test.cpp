@@ -113,3 +113,14 @@ TEST_CASE("a server def out of its range is an error")
     checkError([&] { fakeServer(told, {.gravity = {0, kNan, 0}}); }, {"physics server", "gravity.y", "finite", "nan"});
     checkError([&] { fakeServer(told, {.logLength = 0}); }, {"physics server", "logLength", "[1, 1000000]", "got 0"});
 }
+
+TEST_CASE_METHOD(Fixture, "others may go on while a material is built; one whose body went meanwhile is an error")
+{
+    const BodyId gone = server.add(SoftBodyDef{.name = "bile", .mesh = oneTetrahedron()});
+    told.build = [&] { server.remove(gone); };
+    checkError([&] { server.setMaterial(gone, FemMaterial{}); }, {text("body ", gone.value), "no such body"});
+    told.build = {};
+    server.step(0.1);
+    REQUIRE(told.commands.size() == 2); // the body came and went
+    told.commands.clear();
+}

@@ -6,6 +6,8 @@
 #include "physics/fake_engine.h"
 #include "record/runs.h"
 
+#include <sys/stat.h>
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -94,18 +96,24 @@ TEST_CASE("what is no recording says so")
     CHECK(refusal("{\"format\":\"something else\",\"version\":1}\n") == ":1: this is no Filasofia recording");
     CHECK_THROWS_WITH(record::readRecording("/no/such/file.rec"), "/no/such/file.rec: cannot be read");
     CHECK_THROWS_WITH(record::readRecording("/tmp"), "/tmp: is a folder");
+    CHECK_THROWS_WITH(record::readRecording("/dev/zero"), "/dev/zero: is no regular file");
+    const record::ScratchFile pipe("pipe.rec");
+    REQUIRE(mkfifo(pipe.path().c_str(), 0600) == 0);
+    CHECK_THROWS_WITH(record::readRecording(pipe.path()), pipe.name() + ": is no regular file");
 }
 
 TEST_CASE("a recording of another version says so")
 {
-    CHECK(refusal(1, "\"version\":1", "\"version\":2") ==
-          ":1: the recording is of version 2, this Filasofia reads version 1");
-    CHECK_THAT(refusal(1, "\"version\":1", "\"version\":\"1\""), Catch::Contains("version must be a whole number"));
+    CHECK(refusal(1, "\"version\":2", "\"version\":1") ==
+          ":1: the recording is of version 1, this Filasofia reads version 2");
+    CHECK_THAT(refusal(1, "\"version\":2", "\"version\":\"1\""), Catch::Contains("version must be a whole number"));
 }
 
 TEST_CASE("a line without one of its fields names the field")
 {
     CHECK(refusal(1, ",\"period\":0.001", "") == ":1: field 'period' is missing");
+    CHECK(refusal(1, "\"revision\"", "\"x\"") == ":1: field 'revision' is missing");
+    CHECK(refusal(1, "\"simd\"", "\"x\"") == ":1: field 'simd' is missing");
     for (const std::string field : {"step", "dt", "flags", "hash", "iterations", "commands"})
         CHECK(refusal(3, "\"" + field + "\"", "\"x\"") == ":3: field '" + field + "' is missing");
     CHECK(refusal(2, "\"tetrahedra\"", "\"x\"") == ":2: field 'tetrahedra' is missing");
@@ -132,8 +140,8 @@ TEST_CASE("a value of the wrong kind is named with what it must be")
     CHECK_THAT(refusal(3, "\"hash\":\"", "\"hash\":\"x"), Catch::Contains("hash must be 16 hexadecimal digits"));
     CHECK_THAT(refusal(3, "\"iterations\":[", "\"iterations\":[-1,"), Catch::Contains("iterations must be >= 0"));
     CHECK(refusal(4, "\"paused\":true", "\"paused\":1") == ":4: commands[5].Pause.paused must be true or false, got 1");
-    CHECK(refusal(3, "\"mesh\":0", "\"mesh\":1") ==
-          ":3: commands[1].AddBody.def.SoftBodyDef.mesh must be the number of a mesh on a line before, got 1");
+    CHECK(refusal(3, "\"mesh\":0", "\"mesh\":1") == ":3: commands[1].AddBody.def.SoftBodyDef.mesh must be the number "
+                                                    "of a mesh of its kind on a line before, got 1");
     CHECK(refusal(2, "\"mesh\":0", "\"mesh\":1") == ":2: mesh must be 0, the next number, got 1");
     CHECK_THAT(refusal(2, "[0,1,2,3]", "[0,1,2]"), Catch::StartsWith(":2: tetrahedra[0] must be a list of 4"));
     CHECK_THAT(refusal(2, "[1.0,0.0,0.0]", "[1.0]"), Catch::StartsWith(":2: nodes[1] must be a list of 3"));

@@ -1,72 +1,11 @@
 #include "filasofia/record/recording.h"
 
 #include "filasofia/core/log.h"
-#include "physics/fake_engine.h"
-#include "record/runs.h"
-
-#include <bit>
+#include "record/round_trip.h"
 
 using namespace filasofia;
 using namespace filasofia::physics;
-
-namespace {
-
-// Numbers that a careless format loses: no short decimal, the smallest, the largest, the sign of zero.
-const double kThird = 1.0 / 3.0, kTiny = 4.9406564584124654e-324, kLarge = 1.7976931348623157e308, kMinusZero = -0.0;
-
-bool sameBits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
-bool sameBits(Vec3 a, Vec3 b) { return sameBits(a.x, b.x) && sameBits(a.y, b.y) && sameBits(a.z, b.z); }
-bool sameBits(Quat a, Quat b) { return sameBits(a.w, b.w) && sameBits(Vec3{a.x, a.y, a.z}, Vec3{b.x, b.y, b.z}); }
-bool sameBits(const Pose& a, const Pose& b)
-{
-    return sameBits(a.position, b.position) && sameBits(a.orientation, b.orientation);
-}
-
-const Vec3 kVec{kThird, kTiny, kMinusZero};
-const Pose kPose{{kLarge, -kThird, kMinusZero}, {0.1, 0.2, -0.3, kThird}};
-
-template <class Kind> AddBody adding(std::uint32_t id, Kind def)
-{
-    return {BodyId{id}, std::make_shared<const BodyDef>(std::move(def)), nullptr};
-}
-
-StepRecord stepWith(Command command)
-{
-    StepRecord step;
-    step.report = {.step = 1, .dt = 1e-3};
-    step.commands.push_back(std::move(command));
-    return step;
-}
-
-/// What a recording makes of a step.
-StepRecord roundTrip(const StepRecord& step)
-{
-    const record::ScratchFile file("round.rec");
-    {
-        record::RecordingWriter writer(file.path(), {});
-        writer.write(step);
-    }
-    auto steps = record::readRecording(file.path()).steps;
-    REQUIRE(steps.size() == 1);
-    return std::move(steps[0]);
-}
-
-template <class Kind> Kind roundTrip(Kind command)
-{
-    const StepRecord step = roundTrip(stepWith(std::move(command)));
-    REQUIRE(step.commands.size() == 1);
-    REQUIRE(std::holds_alternative<Kind>(step.commands[0]));
-    return std::move(const_cast<Kind&>(std::get<Kind>(step.commands[0])));
-}
-
-SoftBodyDef roundTrip(const SoftBodyDef& def)
-{
-    const AddBody add = roundTrip(adding(4, def));
-    CHECK(add.id == BodyId{4});
-    return std::get<SoftBodyDef>(*add.def);
-}
-
-} // namespace
+using namespace filasofia::record_test;
 
 TEST_CASE("what a step was comes back bit for bit")
 {
@@ -165,6 +104,9 @@ TEST_CASE("every other kind of command comes back bit for bit")
     CHECK(pose.id == BodyId{3});
     CHECK(pose.element == 2);
     CHECK(sameBits(pose.pose, kPose));
+    const auto wrench = roundTrip(SetWrench{BodyId{3}, 2, kVec, {kLarge, 0, kThird}});
+    CHECK((wrench.id == BodyId{3} && wrench.element == 2));
+    CHECK((sameBits(wrench.force, kVec) && sameBits(wrench.torque, {kLarge, 0, kThird})));
     CHECK(sameBits(roundTrip(SetGravity{kVec}).gravity, kVec));
     const auto material = roundTrip(SetMaterial{BodyId{3}, FemMaterial{.youngModulus = kThird}});
     CHECK(material.id == BodyId{3});
@@ -181,7 +123,7 @@ TEST_CASE("every other kind of command comes back bit for bit")
     CHECK(roundTrip(Pause{true}).paused);
     CHECK_FALSE(roundTrip(Pause{false}).paused);
     CHECK_FALSE(roundTrip(Tune{[](PhysicsEngine&) {}}).change); // that there was one is all that can be kept
-    STATIC_REQUIRE(std::variant_size_v<Command> == 10);
+    STATIC_REQUIRE(std::variant_size_v<Command> == 15);
 }
 
 TEST_CASE("a name that is no text does not end the recording")
@@ -202,8 +144,9 @@ TEST_CASE("a mesh is written once, before the step that needs it, however often 
     }
     const auto lines = file.lines();
     REQUIRE(lines.size() == 1 + 4 + 2);
-    CHECK_THAT(lines[0], Catch::StartsWith(R"({"format":"filasofia recording","version":1,"filasofia":")"));
-    CHECK_THAT(lines[0], Catch::EndsWith(R"(,"period":0.005})"));
+    CHECK_THAT(lines[0], Catch::StartsWith(R"({"format":"filasofia recording","version":2,"filasofia":")"));
+    CHECK_THAT(lines[0],
+               Catch::EndsWith(R"(,"period":0.005,"contact":{"ExactContact":{"rounds":8,"tolerance":0.005}}})"));
     CHECK(lines[1] ==
           R"({"mesh":0,"nodes":[[0.0,0.0,0.0],[1.0,0.0,0.0],[0.0,1.0,0.0],[0.0,0.0,1.0]],"tetrahedra":[[0,1,2,3]]})");
     CHECK_THAT(lines[2],
@@ -230,6 +173,47 @@ TEST_CASE("a recording says when it cannot be written")
     CHECK_THROWS_WITH(record::RecordingWriter("/no/such/folder/a.rec", {}), "/no/such/folder/a.rec: cannot be written");
     record::RecordingWriter full("/dev/full", {});
     CHECK_THROWS_WITH(full.flush(), "/dev/full: cannot be written (disk full?)");
+}
+
+TEST_CASE("a recording names the build and the vector instructions that made it")
+{
+    const record::ScratchFile file("maker.rec");
+    record::RecordingWriter(file.path(), {.simd = "AVX9", .period = 0.005}).close();
+    const record::RecordingHeader header = record::RecordingReader(file.path()).header();
+    CHECK_FALSE(header.filasofia.empty());
+    CHECK_FALSE(header.revision.empty());
+    CHECK(header.revision == record::sourceRevision());
+    CHECK(header.simd == "AVX9");
+    CHECK(header.period == 0.005);
+}
+
+TEST_CASE("the last bytes that a disk refuses are told when a file is closed, and logged when it is only dropped")
+{
+    CHECK_THROWS_WITH(record::RecordingWriter("/dev/full", {}).close(), "/dev/full: cannot be written (disk full?)");
+    std::vector<std::string> errors;
+    setLogSink([&](LogLevel level, std::string_view line) {
+        if (level == LogLevel::Error) errors.emplace_back(line);
+    });
+    record::RecordingWriter("/dev/full", {});
+    setLogSink({});
+    CHECK(errors == std::vector<std::string>{"/dev/full: cannot be written (disk full?)"});
+}
+
+TEST_CASE("a file has one writer, by whatever names it is opened, and is left as it is by the second")
+{
+    const record::ScratchFile file("one.rec"), symbolic("symbolic.rec"), hard("hard.rec");
+    record::RecordingWriter first(file.path(), {});
+    first.flush();
+    const std::string before = file.bytes();
+    std::filesystem::create_symlink(file.path(), symbolic.path());
+    std::filesystem::create_hard_link(file.path(), hard.path());
+    for (const auto& path : {file.path(), std::filesystem::relative(file.path()), symbolic.path(), hard.path()})
+        CHECK_THROWS_WITH(record::RecordingWriter(path, {}),
+                          path.string() + ": is being written already, by this name or another");
+    CHECK(file.bytes() == before);
+    first.close();
+    record::RecordingWriter(hard.path(), {}).close(); // nobody writes it any more
+    CHECK(file.bytes() == before);
 }
 
 TEST_CASE("the log is told once that a recording cannot be replayed to its end")

@@ -93,3 +93,29 @@ TEST_CASE("a full log is seen by who reads it")
     CHECK_FALSE(log.replayable());
     CHECK_THROWS_WITH(record::replay(log.steps(), *engine::makeNativeEngine()), Catch::Contains("lost"));
 }
+
+TEST_CASE("a list of iterations that is not one per soft body is refused, of a step that was not cut short too")
+{
+    for (const bool cutShort : {false, true})
+        for (const int change : {-1, 1}) {
+            std::vector<physics::StepRecord> steps = logOfEventfulRun().take();
+            physics::StepReport& report = steps[18].report; // two soft bodies by now
+            if (cutShort) report.set(physics::StepFlag::OutOfTime);
+            report.solves.resize(2 + change);
+            CHECK_THROWS_WITH(record::replay(steps, *engine::makeNativeEngine()),
+                              text("step ", report.step,
+                                   ": iterations must have as many entries as soft bodies were solved, 2, got ",
+                                   2 + change));
+        }
+}
+
+TEST_CASE("a paused step has no iterations")
+{
+    std::vector<physics::StepRecord> steps = logOfEventfulRun().take();
+    const auto paused = std::ranges::find(steps, 0.0, [](const auto& step) { return step.report.dt; });
+    REQUIRE(paused != steps.end());
+    CHECK(paused->report.solves.empty());
+    paused->report.solves.resize(1);
+    CHECK_THROWS_WITH(record::replay(steps, *engine::makeNativeEngine()),
+                      Catch::Contains("as many entries as soft bodies were solved, 0, got 1"));
+}

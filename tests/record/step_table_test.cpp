@@ -13,14 +13,17 @@ TEST_CASE("the step table has a line per step")
         physics::StepRecord step;
         step.report = {.step = 7, .time = 0.5, .dt = 1e-3, .flags = 4};
         step.report.solves = {{.body = {}, .iterations = 12}, {.body = {}, .iterations = 30}};
-        step.report.times = {.commands = 1e-6, .assemble = 2e-4, .advance = 5e-4};
+        step.report.contacts = {.found = 3, .active = 2, .penetration = 1e-4};
+        step.contacts = {{.normalForce = 0.5}, {.normalForce = 0.25}, {}};
+        step.report.times = {.commands = 1e-6, .contacts = 3e-5, .assemble = 2e-4, .advance = 5e-4};
         step.hash = 0xabc;
         table.write(step);
     }
     const auto lines = file.lines();
     REQUIRE(lines.size() == 2);
-    CHECK(lines[0] == "step,time [s],dt [s],flags,iterations,hash,commands [s],assemble [s],advance [s]");
-    CHECK(lines[1] == "7,0.5,0.001,4,42,0000000000000abc,1e-06,0.0002,0.0005");
+    CHECK(lines[0] == "step,time [s],dt [s],flags,iterations,hash,contacts,contact force [N],penetration [m],"
+                      "commands [s],contacts [s],assemble [s],advance [s]");
+    CHECK(lines[1] == "7,0.5,0.001,4,42,0000000000000abc,2,0.75,0.0001,1e-06,3e-05,0.0002,0.0005");
 }
 
 TEST_CASE("a step table says when it cannot be written")
@@ -28,4 +31,5 @@ TEST_CASE("a step table says when it cannot be written")
     CHECK_THROWS_WITH(record::StepTable("/no/such/folder/log.csv"), "/no/such/folder/log.csv: cannot be written");
     record::StepTable full("/dev/full");
     CHECK_THROWS_WITH(full.flush(), "/dev/full: cannot be written (disk full?)");
+    CHECK_THROWS_WITH(record::StepTable("/dev/full").close(), "/dev/full: cannot be written (disk full?)");
 }

@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/geometry/mesh_file.h"
+#include "filasofia/geometry/shapes.h"
 #include "filasofia/geometry/surface.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/physics_server.h"
@@ -133,4 +134,37 @@ TEST_CASE("what a visual server refuses stays pending, with all that comes after
     CHECK(stage.drawn() == 1);
     CHECK_THROWS_AS(stage.bindings.addPending(stage.visual), Error); // nothing twice, nothing lost
     CHECK(stage.drawn() == 1);
+}
+
+TEST_CASE("a rigid body without a surface is drawn as its own mesh, every element of it")
+{
+    Stage stage;
+    const auto box = geometry::shapes::box({0.02, 0.04, 0.06});
+    const BodyId id = stage.physics.add(physics::RigidBodyDef{
+        .elements = {Pose{{1, 0, 0}, {}}, Pose{{2, 0, 0}, {}}, Pose{{3, 0, 0}, {}}}, .mesh = box});
+    stage.bindings.show(id, {}, stage.physics);
+    CHECK(stage.bindings.bounds() == geometry::Box{{0.99, -0.02, -0.03}, {3.01, 0.02, 0.03}});
+    stage.physics.step(0.01);
+    stage.map();
+    CHECK(stage.drawn() == 3);
+    stage.physics.remove(id);
+    stage.physics.step(0.01);
+    stage.map();
+    CHECK(stage.drawn() == 0);
+}
+
+TEST_CASE("a rigid body that has no mesh, or an element that is asked for without a surface, cannot be shown")
+{
+    Stage stage;
+    const std::vector<Pose> poses(2);
+    const BodyId bare = stage.physics.add(physics::RigidBodyDef{.name = "probe", .elements = poses});
+    CHECK_THROWS_WITH(
+        stage.bindings.show(bare, {}, stage.physics),
+        "show rigid body 'probe': surface must name a file or be a surface, as the body has no mesh of its "
+        "own");
+    const BodyId boxes = stage.physics.add(
+        physics::RigidBodyDef{.name = "boxes", .elements = poses, .mesh = geometry::shapes::box({0.02, 0.04, 0.06})});
+    CHECK_THROWS_WITH(stage.bindings.show(boxes, {.element = 1}, stage.physics),
+                      "show rigid body 'boxes': element needs a surface (without one every element is drawn), got 1");
+    CHECK_THROWS_WITH(stage.bindings.show(boxes, {.element = 2}, stage.physics), Catch::Contains("must be in [0, 2)"));
 }

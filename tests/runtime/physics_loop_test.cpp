@@ -184,3 +184,24 @@ TEST_CASE("the machine's clock wakes no earlier than asked")
         CHECK(clock.now() >= wake);
     }
 }
+
+TEST_CASE("what is called before a step is told the length that the step then has")
+{
+    FakeClock fake;
+    physics::PhysicsServer server(engine::makeNativeEngine());
+    std::vector<double> told, made;
+    std::mt19937 random(5);
+    std::uniform_int_distribution<Nanoseconds> load(kMs / 2, 5 * kMs); // some late, some clamped
+    const auto afterStep = [&](const physics::StepReport& report) {
+        made.push_back(report.dt);
+        fake.time += load(random);
+        return 0u;
+    };
+    runPhysics(server, {.period = kMs, .slack = kMs, .maximumSteps = 50}, fake.clock(), kNeverStop, afterStep,
+               [&](double dt) {
+                   CHECK(told.size() == made.size());
+                   told.push_back(dt);
+               });
+    CHECK(told.size() == 50);
+    CHECK(told == made);
+}

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/engine/native_engine.h"
+#include "filasofia/engine/solver_costs.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/recording.h"
 #include "filasofia/record/replay.h"
@@ -10,6 +11,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 
 using namespace filasofia;
 
@@ -59,6 +61,7 @@ TEST_CASE("a headless run with commands on its way is made again from its record
     });
     const RunReport report = sim.run({.headless = true, .steps = 25, .record = folder / "run.rec"});
     CHECK(record::RecordingReader(folder / "run.rec").header().period == 1.0 / 500);
+    CHECK(record::RecordingReader(folder / "run.rec").header().simd == engine::simdTargets().front());
     CHECK(madeAgain(folder / "run.rec", 25) == report.hash);
 }
 
@@ -131,12 +134,49 @@ TEST_CASE("a simulation's command line records")
 TEST_CASE("the summary counts what did not go as asked")
 {
     RunReport report;
+    CHECK_THAT(runtime::summary(report), Catch::StartsWith("0 steps, "));
+    CHECK_THAT(runtime::summary(report), Catch::Contains("put back 0, solver at its cap 0, at the deadline 0\n"));
+    report.timing.stepCount = 1;
+    CHECK_THAT(runtime::summary(report), Catch::StartsWith("1 step, "));
     report.undone = 5;
     report.notConverged = 2;
     report.damped = 3;
     report.outOfTime = 4;
     CHECK_THAT(runtime::summary(report),
-               Catch::Contains("put back 5, of these made again damped 3, solver at its cap 2, at the deadline 4\n"));
+               Catch::Contains("put back 5 (3 made again damped), solver at its cap 2, at the deadline 4\n"));
+}
+
+TEST_CASE("a simulation's command line refuses in one line what is no number, out of bounds or unknown")
+{
+    Simulation sim;
+    const auto refusal = [&](std::vector<const char*> words) {
+        words.insert(words.begin(), "program");
+        std::ostringstream said;
+        std::streambuf* const before = std::cerr.rdbuf(said.rdbuf());
+        const int code = sim.run(static_cast<int>(words.size()), words.data());
+        std::cerr.rdbuf(before);
+        CHECK(code == 2);
+        return said.str();
+    };
+    CHECK(refusal({"--steps", "abc"}) == "run: --steps must be a whole number in [0, 2147483647], got 'abc'\n");
+    CHECK(refusal({"--steps", ""}) == "run: --steps must be a whole number in [0, 2147483647], got ''\n");
+    CHECK(refusal({"--steps", "-1"}) == "run: --steps must be a whole number in [0, 2147483647], got -1\n");
+    CHECK(refusal({"--seconds", "1e9"}) == "run: --seconds must be in [0, 100000000] s, got 1e9\n");
+    CHECK(refusal({"--picture-every", "often"}) == "run: --picture-every must be >= 0 s, got 'often'\n");
+    CHECK(refusal({"--record", ""}) == "run: --record must not be empty\n");
+    CHECK(refusal({"--steps"}) == "--steps must be given once, with one value\n");
+    CHECK(refusal({"--stesp", "3"}) == "unknown word '--stesp'; --help lists those known\n");
+    const std::string endless = text("/", std::string(1000, 'x'), ".rec");
+    CHECK(refusal({"--record", endless.c_str()}).size() < 200);
+}
+
+TEST_CASE("one file by two names is refused for log and recording")
+{
+    const Folder folder;
+    std::filesystem::create_symlink(folder / "run.rec", folder / "run.csv");
+    Simulation sim;
+    CHECK_THROWS_WITH(sim.run({.headless = true, .steps = 3, .log = folder / "run.csv", .record = folder / "run.rec"}),
+                      folder / "run.rec" + ": is being written already, by this name or another");
 }
 
 TEST_CASE("a run that begins paused is made again from its recording")

@@ -256,8 +256,9 @@ TEST_CASE("what cannot be run is refused before anything starts")
     CHECK_THROWS_WITH(Simulation({.look = {.around = Box{{1, 0, 0}, {0, 1, 1}}}}), Catch::Contains("look.around"));
     CHECK_THROWS_WITH(sim.show(BodyId{77}), Catch::Contains("no such body"));
     const BodyId probe = sim.add(RigidBodyDef{.name = "probe"});
-    CHECK_THROWS_WITH(sim.show(probe),
-                      "show rigid body 'probe': surface must name a file or be a surface, got nothing");
+    CHECK_THROWS_WITH(
+        sim.show(probe),
+        "show rigid body 'probe': surface must name a file or be a surface, as the body has no mesh of its own");
     CHECK_THROWS_WITH(sim.show(probe, {.surface = asset("meshes/bunny.obj"), .element = 1}),
                       "show rigid body 'probe': element must be in [0, 1), got 1");
     CHECK_THROWS_WITH(sim.show(sim.add(bunny()), {.subdivision = 4}),

@@ -1,14 +1,20 @@
 #pragma once
 
 #include "filasofia/core/body_id.h"
+#include "filasofia/engine/attachment/attachment.h"
 #include "filasofia/engine/attachment/pins.h"
+#include "filasofia/engine/collision/inset.h"
 #include "filasofia/engine/elastic/corotational.h"
 #include "filasofia/engine/elastic/element_rotations.h"
 #include "filasofia/engine/elastic/spring.h"
+#include "filasofia/frame/attachment.h"
+#include "filasofia/frame/contact.h"
+#include "filasofia/geometry/embedding.h"
 #include "filasofia/geometry/triangle_mesh.h"
 #include "filasofia/physics/defs.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,20 +23,34 @@
 /// are. Same order of bodies in both, by rising id. Seen from outside only through native.h.
 namespace filasofia::engine {
 
+/// One way in which a body is touched: a surface, and how its vertices ride on the body.
+struct CollisionModel {
+    /// Of a soft body at rest in the world; of a rigid one in its element's coordinates.
+    std::shared_ptr<const CollisionShape> shape;
+    Inset inset;
+    std::vector<Vec3> core;   ///< [m] of a rigid body: the shape's vertices, moved inwards
+    double proximity = 0.0;   ///< [m] of the surface itself
+    int element = 0;          ///< of a rigid body
+    geometry::Embedding ties; ///< of a soft body: per vertex, its nodes and their weights
+};
+
 /// What a soft body is.
 struct SoftModel {
     BodyId id;
     std::string name;
-    std::vector<Vec3> rest;                  ///< [m] nodes at the start, in world coordinates
-    std::vector<double> masses;              ///< [kg] lumped, a quarter of each tetrahedron to each node
-    std::vector<FemElement> elements;        ///< of a FEM body, neighbours near each other in the list
-    std::vector<Spring> springs;             ///< of a mass-spring body
-    std::vector<geometry::Triangle> surface; ///< boundary, by nodes, outwards: where pressure acts
+    std::vector<Vec3> rest;                        ///< [m] nodes at the start, in world coordinates
+    std::vector<double> masses;                    ///< [kg] lumped, a quarter of each tetrahedron to each node
+    std::vector<FemElement> elements;              ///< of a FEM body, neighbours near each other in the list
+    std::vector<Spring> springs;                   ///< of a mass-spring body
+    std::vector<geometry::Tetrahedron> tetrahedra; ///< of a mass-spring body; a FEM body has elements
+    std::vector<geometry::Triangle> surface;       ///< boundary, by nodes, outwards: where pressure acts
     Pins pins;
     physics::Rayleigh rayleigh;
     physics::Integrator integrator;
     physics::Solver solver;
     bool gravity = true;
+    double friction = 0.0; ///< [-] mu
+    std::vector<CollisionModel> collision;
 };
 
 /// Where a soft body is, and what pushes it. All per node unless said.
@@ -45,20 +65,54 @@ struct SoftState {
     double pressure = 0.0;      ///< [Pa] given
 };
 
-/// A rigid body: the poses it was added with.
+/// What a rigid body is: moved by forces, or going where it is told.
 struct RigidModel {
     BodyId id;
     std::string name;
-    std::vector<Pose> rest;
+    std::vector<Pose> rest;                      ///< per element: where it was added
+    std::vector<physics::RigidInertia> inertias; ///< per element; zeros unless dynamic
+    bool dynamic = false;
+    bool gravity = true;
+    double linearDamping = 0.0;  ///< [1/s]
+    double angularDamping = 0.0; ///< [1/s]
+    double friction = 0.0;       ///< [-] mu
+    Vec3 startVelocity;          ///< [m/s] of the centres of mass
+    Vec3 startAngularVelocity;   ///< [rad/s] in world axes
+    std::vector<CollisionModel> collision;
+    std::shared_ptr<const geometry::TriangleMesh> surface; ///< in the element's coordinates; may be none
 };
 
+/// What a contact did in the last step: where its next solve starts.
+struct ContactMemory {
+    BodyId first, second;      ///< the bodies
+    std::uint64_t feature = 0; ///< which of their features
+    Vec3 point;                ///< [m] where it was
+    Vec3 force;                ///< [N] on the first
+};
+
+/// What pushes a rigid element at its centre of mass, in world axes.
+struct Wrench {
+    Vec3 force;  ///< [N]
+    Vec3 torque; ///< [N m]
+    friend constexpr bool operator==(const Wrench&, const Wrench&) = default;
+};
+
+/// Where a rigid body is, and what pushes it. All per element. The velocities of one that is not dynamic say how it
+/// moved in the last step, and nothing follows from them.
 struct RigidState {
-    std::vector<Pose> poses; ///< per element
+    std::vector<Pose> poses;
+    std::vector<Vec3> velocities;        ///< [m/s] of the centre of mass
+    std::vector<Vec3> angularVelocities; ///< [rad/s] in world axes
+    std::vector<Wrench> wrenches;        ///< given; zero unless dynamic
+    /// Where an element of a body that is not dynamic was told to be at the end of the coming step; none: it stays.
+    std::vector<std::optional<Pose>> targets;
 };
 
 struct Model {
     std::vector<SoftModel> softBodies;
     std::vector<RigidModel> rigidBodies;
+    std::vector<Attachment> attachments; ///< by rising id; those that pins do not make
+    std::vector<PendingGrasp> grasps;    ///< by rising id
 };
 
 struct State {
@@ -67,6 +121,10 @@ struct State {
     Vec3 gravity;      ///< [m/s^2]
     std::vector<SoftState> softBodies;
     std::vector<RigidState> rigidBodies;
+    std::vector<ContactMemory> contacts;    ///< ascending by bodies and feature
+    std::vector<frame::Contact> touching;   ///< the last step's contacts, as everyone outside sees them
+    std::vector<std::vector<Vec3>> holding; ///< [N] per attachment and pair, on its body: where the next solve starts
+    std::vector<frame::Attachment> held;    ///< what attachments did in the last step, as everyone outside sees it
 };
 
 /// The rotation of one element.
@@ -76,11 +134,16 @@ void setRotation(std::vector<ElementRotations>& rotations, std::size_t element, 
 /// The start: at rest, with the given forces.
 SoftState stateAtRest(const SoftModel& model);
 
+/// The start, with the start's velocities; nothing pushes.
+RigidState stateAtStart(const RigidModel& model);
+
 /// True where every number is finite and within physics::kFarthest.
 bool usable(std::span<const Vec3> values);
 
 /// Throws an Error naming the body unless every size, index and number can be stepped with.
 void check(const SoftModel& model, const SoftState& state);
 void check(const RigidModel& model, const RigidState& state);
+/// The same for attachments, naming what is wrong with them.
+void checkAttachments(const Model& model, const State& state);
 
 } // namespace filasofia::engine

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "filasofia/core/body_id.h"
+#include "filasofia/frame/attachment.h"
+#include "filasofia/frame/contact.h"
 #include "filasofia/math/pose.h"
 
 #include <cstdint>
@@ -15,10 +16,13 @@ struct SoftBodyFrame {
     std::vector<Vec3> velocities = {}; ///< [m/s], one per node
 };
 
-/// The state of one rigid body: one pose per element.
+/// The state of one rigid body, per element.
 struct RigidBodyFrame {
     BodyId id = {};
-    std::vector<Pose> poses = {}; ///< from the element's coordinates to the world
+    std::vector<Pose> poses = {};             ///< from the element's coordinates to the world
+    std::vector<Vec3> velocities = {};        ///< [m/s], of the centre of mass, or of the origin of one that goes where
+                                              ///< it is told (0 in a step in which it jumped)
+    std::vector<Vec3> angularVelocities = {}; ///< [rad/s], in world axes
 };
 
 /// The whole state after one step, as everyone outside the engine sees it. Immutable once published.
@@ -27,6 +31,8 @@ struct Frame {
     double time = 0.0;                            ///< [s], simulated
     std::vector<SoftBodyFrame> softBodies = {};   ///< in the order of their ids
     std::vector<RigidBodyFrame> rigidBodies = {}; ///< in the order of their ids
+    std::vector<Contact> contacts = {};           ///< what the bodies did to each other in the step
+    std::vector<Attachment> attachments = {};     ///< in the order of their ids
 
     [[nodiscard]] const SoftBodyFrame* softBody(BodyId id) const;   ///< nullptr where there is none
     [[nodiscard]] const RigidBodyFrame* rigidBody(BodyId id) const; ///< nullptr where there is none

@@ -40,6 +40,10 @@ MappedSurface mapBoundary(const geometry::TetMesh& rest);
 /// else barycentric.
 MappedSurface mapSurface(const geometry::TetMesh& rest, geometry::TriangleMesh surface);
 
+/// The surface with its vertices doubled along edges that turn by more than `angle` [rad], so that shading shows them:
+/// one vertex for each side of such an edge. Triangles keep their places in the list; uv follow their vertices.
+geometry::TriangleMesh withCreases(const geometry::TriangleMesh& surface, double angle);
+
 /// Where the drawn thing is.
 Pose apply(const RigidMap& map, const frame::RigidBodyFrame& body);
 

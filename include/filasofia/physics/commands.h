@@ -2,6 +2,7 @@
 
 #include "filasofia/physics/defs.h"
 
+#include "filasofia/core/attachment_id.h"
 #include "filasofia/core/body_id.h"
 
 #include <functional>
@@ -22,15 +23,24 @@ struct AddBody {
     BodyId id = {};
     std::shared_ptr<const BodyDef> def = {};
     std::unique_ptr<BuiltBody> body = {};
+    AttachmentId attachments = {}; ///< the first of those of its Def, the others follow; none: it has none
 };
+/// And every attachment to it.
 struct RemoveBody {
     BodyId id = {};
 };
-/// Where a rigid element is from the next step on.
+/// Where a rigid element is told to be: at the end of the step, or, where the body is dynamic, at once and at rest.
 struct SetPose {
     BodyId id = {};
     int element = 0;
     Pose pose = {};
+};
+/// What pushes an element of a dynamic body at its centre of mass, in place of what did.
+struct SetWrench {
+    BodyId id = {};
+    int element = 0;
+    Vec3 force = {};  ///< [N], in world axes
+    Vec3 torque = {}; ///< [N m], in world axes
 };
 struct SetGravity {
     Vec3 gravity = {}; ///< [m/s^2]
@@ -38,6 +48,9 @@ struct SetGravity {
 struct SetMaterial {
     BodyId id = {};
     SoftMaterial material = {};
+    /// The body built anew with it, of which the engine takes what depends on the material, and leaves behind what it
+    /// had. None (in a replay): the step makes that.
+    std::unique_ptr<BuiltBody> body = {};
 };
 /// Replaces all given forces of a soft body.
 struct SetForces {
@@ -48,7 +61,30 @@ struct SetPressure {
     BodyId id = {};
     double pressure = 0.0; ///< [Pa]
 };
-/// Every body back to where it was added, at rest; time and step count go on.
+/// Holds nodes of a soft body where they are at the start of the step.
+struct Attach {
+    AttachmentId id = {};
+    BodyId body = {};
+    AttachmentDef def = {};
+};
+/// The same for a rigid body.
+struct AttachRigid {
+    AttachmentId id = {};
+    BodyId body = {};
+    RigidAttachmentDef def = {};
+};
+/// Nothing happens where it has broken, or its body is gone.
+struct Release {
+    AttachmentId id = {};
+};
+/// Ties to a rigid body what it touches of the target in the step; while paused, in the first that goes on.
+struct Grasp {
+    AttachmentId id = {};
+    BodyId rigid = {};
+    BodyId target = {};
+    GraspDef def = {};
+};
+/// Every body back to where it was added, at rest; time and step count go on. Attachments stay as they are now.
 struct Reset {};
 /// While paused, steps apply commands and nothing moves.
 struct Pause {
@@ -59,11 +95,12 @@ struct Tune {
     std::function<void(PhysicsEngine&)> change;
 };
 
-// For recordings: what a command says. The built body is no part of it: it is built again from the Def.
+// For recordings: what a command says. A built body is no part of it: it is built again from the Def.
 constexpr auto fields(const AddBody*)
 {
     return describe("AddBody", field("id", &AddBody::id, "the body to be"),
-                    field("def", &AddBody::def, "what it is made from"));
+                    field("def", &AddBody::def, "what it is made from"),
+                    field("attachments", &AddBody::attachments, "the first of its Def's"));
 }
 constexpr auto fields(const RemoveBody*) { return describe("RemoveBody", field("id", &RemoveBody::id, "the body")); }
 constexpr auto fields(const SetPose*)
@@ -71,6 +108,13 @@ constexpr auto fields(const SetPose*)
     return describe("SetPose", field("id", &SetPose::id, "the rigid body"),
                     field("element", &SetPose::element, "-", nonNegative(), "of its elements"),
                     field("pose", &SetPose::pose, "where it is from now on"));
+}
+constexpr auto fields(const SetWrench*)
+{
+    return describe("SetWrench", field("id", &SetWrench::id, "the dynamic body"),
+                    field("element", &SetWrench::element, "-", nonNegative(), "of its elements"),
+                    field("force", &SetWrench::force, "N", finite(), "at its centre of mass"),
+                    field("torque", &SetWrench::torque, "N m", finite(), "in world axes"));
 }
 constexpr auto fields(const SetGravity*)
 {
@@ -91,11 +135,29 @@ constexpr auto fields(const SetPressure*)
     return describe("SetPressure", field("id", &SetPressure::id, "the soft body"),
                     field("pressure", &SetPressure::pressure, "Pa", finite(), "positive pushes inwards"));
 }
+constexpr auto fields(const Attach*)
+{
+    return describe("Attach", field("id", &Attach::id, "the attachment to be"),
+                    field("body", &Attach::body, "the soft body"), field("def", &Attach::def, "what is held, and how"));
+}
+constexpr auto fields(const AttachRigid*)
+{
+    using T = AttachRigid;
+    return describe("AttachRigid", field("id", &T::id, "the attachment to be"),
+                    field("body", &T::body, "the rigid body"), field("def", &T::def, "what is held, and how"));
+}
+constexpr auto fields(const Release*) { return describe("Release", field("id", &Release::id, "the attachment")); }
+constexpr auto fields(const Grasp*)
+{
+    return describe(
+        "Grasp", field("id", &Grasp::id, "the attachment to be"), field("rigid", &Grasp::rigid, "the body that grasps"),
+        field("target", &Grasp::target, "the body that is grasped"), field("def", &Grasp::def, "how firmly"));
+}
 constexpr auto fields(const Reset*) { return describe("Reset"); }
 constexpr auto fields(const Pause*) { return describe("Pause", field("paused", &Pause::paused, "or going on")); }
 constexpr auto fields(const Tune*) { return describe("Tune"); } // a function cannot be written down
 
-using Command =
-    std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, Reset, Pause, Tune>;
+using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench,
+                             Attach, AttachRigid, Release, Grasp, Reset, Pause, Tune>;
 
 } // namespace filasofia::physics

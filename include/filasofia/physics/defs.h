@@ -1,16 +1,8 @@
 #pragma once
 
-#include "filasofia/core/fields.h"
-#include "filasofia/geometry/box.h"
-#include "filasofia/geometry/tet_mesh.h"
-#include "filasofia/math/pose.h"
+#include "filasofia/physics/rigid_body_def.h"
 
-#include <limits>
-#include <memory>
-#include <optional>
-#include <string>
-#include <variant>
-#include <vector>
+#include "filasofia/geometry/tet_mesh.h"
 
 /// What a user asks for. Every member has a default, a unit and a legal range; the fields() lists beside them say so
 /// to programs. Building a body checks every one.
@@ -30,14 +22,6 @@ struct MassSpringMaterial {
 
 using SoftMaterial = std::variant<FemMaterial, MassSpringMaterial>;
 
-struct Density {
-    double value = 1000.0; ///< [kg/m^3], > 0
-};
-struct TotalMass {
-    double value = 1.0; ///< [kg], > 0, spread by volume
-};
-using Mass = std::variant<Density, TotalMass>;
-
 /// Rayleigh damping: the damping matrix is mass * M + stiffness * K.
 struct Rayleigh {
     double mass = 0.1;       ///< [1/s], >= 0
@@ -52,29 +36,16 @@ struct ExplicitEuler {
 struct ImplicitEuler {};
 using Integrator = std::variant<ImplicitEuler, ExplicitEuler>;
 
-/// Iterative: conjugate gradients from the last step's answer.
+/// Iterative: conjugate gradients from the last step's answer. Assembled, they go on past a step's deadline.
 struct ConjugateGradient {
     int maxIterations = 300; ///< [-], in [1, 100000]
     double tolerance = 5e-3; ///< [-], in (0, 1), error of a step relative to its answer, by energy
     int minIterations = 4; ///< [-], in [0, 100000], made before a deadline may end the solve: keeps energy from growing
     bool assembled = false; ///< the reference: the whole matrix, in double precision. Many times slower.
 };
-/// Direct: sparse Cholesky, factorised every step.
+/// Direct: sparse Cholesky, factorised every step. Goes on past a step's deadline, however long it takes.
 struct Cholesky {};
 using Solver = std::variant<ConjugateGradient, Cholesky>;
-
-/// [m], [m/s]: nothing may be placed farther out, and a state that gets there is a blow-up. A picture computes in
-/// float, and surfaces that ride on a body extrapolate: both stay far from overflow.
-inline constexpr double kFarthest = 1e4;
-
-inline constexpr double kHard = std::numeric_limits<double>::infinity();
-
-/// Holds nodes of a body where they are at the start.
-struct AttachmentDef {
-    std::vector<int> nodes = {};           ///< indices of the mesh
-    std::optional<geometry::Box> box = {}; ///< and every node that starts in this box (world coordinates)
-    double stiffness = kHard; ///< [N/m], in (0, inf], of each node's spring; infinite: the node does not move
-};
 
 /// A given force on a node.
 struct NodalForce {
@@ -97,14 +68,10 @@ struct SoftBodyDef {
     Integrator integrator = ImplicitEuler{};
     Solver solver = ConjugateGradient{};
     std::vector<AttachmentDef> attachments = {};
-    std::vector<NodalForce> forces = {}; ///< until changed by a command
-    double pressure = 0.0;               ///< [Pa], on the whole surface, positive pushes inwards
-};
-
-/// A body of one or more elements that do not deform. Kinematic: it goes where it is told.
-struct RigidBodyDef {
-    std::string name = "rigid body";
-    std::vector<Pose> elements = {Pose{}}; ///< one pose per element, at least one
+    std::vector<NodalForce> forces = {};      ///< until changed by a command
+    double pressure = 0.0;                    ///< [Pa], on the whole surface, positive pushes inwards
+    std::vector<CollisionDef> collision = {}; ///< by what it is touched; none: nothing touches it
+    double friction = 0.3; ///< [-], >= 0, mu; two bodies that touch have the root of the product of theirs
 };
 
 using BodyDef = std::variant<SoftBodyDef, RigidBodyDef>;
@@ -121,14 +88,6 @@ constexpr auto fields(const MassSpringMaterial*)
     return describe("MassSpringMaterial",
                     field("stiffness", &T::stiffness, "N/m", positive(), "stiffness of each spring"),
                     field("damping", &T::damping, "N s/m", nonNegative(), "damping of each spring"));
-}
-constexpr auto fields(const Density*)
-{
-    return describe("Density", field("value", &Density::value, "kg/m^3", positive(), "mass per volume"));
-}
-constexpr auto fields(const TotalMass*)
-{
-    return describe("TotalMass", field("value", &TotalMass::value, "kg", positive(), "mass of the whole body"));
 }
 constexpr auto fields(const Rayleigh*)
 {
@@ -151,13 +110,6 @@ constexpr auto fields(const ConjugateGradient*)
                     field("assembled", &T::assembled, "the whole matrix, in double precision: the reference"));
 }
 constexpr auto fields(const Cholesky*) { return describe("Cholesky"); }
-constexpr auto fields(const AttachmentDef*)
-{
-    using T = AttachmentDef;
-    return describe("AttachmentDef", field("nodes", &T::nodes, "-", nonNegative(), "indices of the nodes held"),
-                    field("box", &T::box, "and the nodes that start in this box"),
-                    field("stiffness", &T::stiffness, "N/m", positiveOrInfinite(), "of each node's spring"));
-}
 constexpr auto fields(const NodalForce*)
 {
     using T = NodalForce;
@@ -175,16 +127,11 @@ constexpr auto fields(const SoftBodyDef*)
         field("rayleigh", &T::rayleigh, "damping"), field("gravity", &T::gravity, "does gravity act on it"),
         field("integrator", &T::integrator, "how a step is made"),
         field("solver", &T::solver, "how the step's equations are solved"),
-        field("attachments", &T::attachments, "nodes held in space"), field("forces", &T::forces, "given forces"),
-        field("pressure", &T::pressure, "Pa", finite(), "on the whole surface, positive inwards"));
+        field("attachments", &T::attachments, "what holds its nodes"), field("forces", &T::forces, "given forces"),
+        field("pressure", &T::pressure, "Pa", finite(), "on the whole surface, positive inwards"),
+        field("collision", &T::collision, "by what it is touched"),
+        field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"));
 }
-constexpr auto fields(const RigidBodyDef*)
-{
-    using T = RigidBodyDef;
-    return describe("RigidBodyDef", field("name", &T::name, "what errors and reports call it"),
-                    field("elements", &T::elements, "one pose per element"));
-}
-
 /// The body's kind and name as errors begin: "soft body 'uterus'".
 std::string describeBody(const BodyDef& def);
 
@@ -196,5 +143,26 @@ std::shared_ptr<const geometry::TetMesh> loadMesh(const SoftBodyDef& def);
 
 /// That mesh where the body starts: nodes in world coordinates.
 geometry::TetMesh worldMesh(const SoftBodyDef& def);
+
+/// A surface, read from its file where its source names one, and checked; null where none is given. Throws an Error
+/// that begins with `object`.
+std::shared_ptr<const geometry::TriangleMesh> loadMesh(const TriangleMeshSource& source, std::string_view object);
+
+/// The same body with its meshes in place of their files' names. Throws an Error naming the body.
+SoftBodyDef loaded(SoftBodyDef def);
+RigidBodyDef loaded(RigidBodyDef def);
+
+/// Throws an Error naming the body and the field for what one number's range cannot say: elements that are none, a
+/// mesh that is missing, moments of inertia that no body has. Does not look into meshes.
+void check(const BodyDef& def);
+
+/// What one element weighs.
+struct RigidInertia {
+    double mass = 0.0; ///< [kg]; 0 of a body that is not dynamic: nothing moves it
+    Vec3 centre = {};  ///< [m] of mass, in the element's coordinates; their origin where it has no mass
+    Mat3 inertia = {}; ///< [kg m^2] about the centre, along the element's axes
+};
+/// As the Def has it or its mesh and density say. Throws an Error naming the body, also for a mesh that is not closed.
+RigidInertia inertiaOf(const RigidBodyDef& def);
 
 } // namespace filasofia::physics

@@ -11,7 +11,7 @@ namespace filasofia::physics {
 /// What a step is told.
 struct StepInput {
     double dt = 1e-3;                   ///< [s], >= 0; 0 applies the commands and moves nothing
-    std::span<Command> commands = {};   ///< applied first; the built bodies are moved out of them
+    std::span<Command> commands = {};   ///< applied first; what they bring is moved out of them
     std::uint32_t flags = 0;            ///< StepFlag bits the report starts with
     const StepBudget* budget = nullptr; ///< none: the step takes what it takes
 };

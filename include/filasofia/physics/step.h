@@ -21,6 +21,7 @@ enum class StepFlag : std::uint32_t {
     TuneRejected = 1u << 7, ///< tune() threw or left an invalid model: everything was put back
     Damped = 1u << 8,       ///< an undone body made its step again from rest, heavily damped, and it came out finite
     OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance: the body gave up some speed
+    NothingAttached = 1u << 10, ///< an attachment found no node, or a grasp no contact: the log says which
 };
 
 /// How one body's step was solved.
@@ -33,8 +34,18 @@ struct BodySolve {
 /// What the stages of a step took [s]. Zeros where the step was given no clock.
 struct StageTimes {
     double commands = 0.0; ///< applying them
+    double contacts = 0.0; ///< finding who touches whom
     double assemble = 0.0; ///< rotations, forces, stiffness
     double advance = 0.0;  ///< the solve, and moving the nodes
+};
+
+/// How the contacts of a step went.
+struct ContactReport {
+    int found = 0;            ///< places where surfaces were near each other
+    int active = 0;           ///< of these, that pushed
+    int rounds = 0;           ///< of finding out which, at most [of the groups of bodies that touch]
+    double mismatch = 0.0;    ///< [-] forces short of the law, relative to the largest
+    double penetration = 0.0; ///< [m], >= 0, the deepest at the start of the step
 };
 
 /// How long a step may take. Of all that a step computes it changes only where its solvers stop.
@@ -53,6 +64,7 @@ struct StepReport {
     double dt = 0.0;                    ///< [s]; 0 while paused
     std::uint32_t flags = 0;            ///< StepFlag bits
     std::vector<BodySolve> solves = {}; ///< per soft body, in the order of their ids
+    ContactReport contacts = {};
     StageTimes times = {};
 
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }

@@ -34,20 +34,32 @@ constexpr auto fields(const RunDef*)
                     field("freeRunning", &T::freeRunning, "does not wait between steps"));
 }
 
+/// How two bodies touched in a run.
+struct ContactPairReport {
+    std::string first, second;      ///< their names
+    std::uint64_t steps = 0;        ///< [-], in which they touched; the means are over these
+    double meanNormalForce = 0.0;   ///< [N], the sum over their contacts
+    double maxNormalForce = 0.0;    ///< [N], of a step
+    double meanFrictionForce = 0.0; ///< [N], the sum of the sizes over their contacts
+    double maxFrictionForce = 0.0;  ///< [N], of a step
+    double deepest = 0.0;           ///< [m], >= 0, that they were inside each other at a step's start
+};
+
 /// How a run went.
 struct RunReport {
     RunTiming timing;
-    visual::VisualStatistics visual;   ///< zeros where nothing was drawn
-    double time = 0.0;                 ///< [s], simulated since the simulation began
-    std::uint64_t steps = 0;           ///< [-], made since the simulation began
-    std::uint64_t hash = 0;            ///< of the last state
-    std::uint64_t undone = 0;          ///< steps in which a body was put back (StepFlag::Undone)
-    std::uint64_t damped = 0;          ///< of these, made again from rest, damped (StepFlag::Damped)
-    std::uint64_t notConverged = 0;    ///< steps in which a solver reached its cap
-    std::uint64_t outOfTime = 0;       ///< steps in which a solver stopped at the deadline (StepFlag::OutOfTime)
-    bool realTime = false;             ///< physics was scheduled before ordinary threads
-    std::string finished;              ///< why it ended
-    std::vector<std::string> pictures; ///< files written
+    visual::VisualStatistics visual;         ///< zeros where nothing was drawn
+    double time = 0.0;                       ///< [s], simulated since the simulation began
+    std::uint64_t steps = 0;                 ///< [-], made since the simulation began
+    std::uint64_t hash = 0;                  ///< of the last state
+    std::uint64_t undone = 0;                ///< steps in which a body was put back (StepFlag::Undone)
+    std::uint64_t damped = 0;                ///< of these, made again from rest, damped (StepFlag::Damped)
+    std::uint64_t notConverged = 0;          ///< steps in which a solver reached its cap
+    std::uint64_t outOfTime = 0;             ///< steps in which a solver stopped at the deadline (StepFlag::OutOfTime)
+    bool realTime = false;                   ///< physics was scheduled before ordinary threads
+    std::string finished;                    ///< why it ended
+    std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
+    std::vector<std::string> pictures;       ///< files written
 };
 
 /// The report as a person reads it, several lines.

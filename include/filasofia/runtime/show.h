@@ -16,8 +16,9 @@ using SurfaceSource = std::variant<std::string, std::shared_ptr<const geometry::
 /// How a body is drawn. The way it follows the body is chosen from the body and the surface: as one with an element of
 /// a rigid body; node by node; or riding on the tetrahedra of a soft one.
 struct ShowDef {
-    SurfaceSource surface = {};                           ///< in the body's coordinates; empty: a soft body's boundary
-    int element = 0;                                      ///< [-], >= 0, of a rigid body
+    SurfaceSource surface = {};                           ///< in the body's coordinates; empty: a soft body's
+                                                          ///< boundary, or a rigid one's mesh at every element
+    int element = 0;                                      ///< [-], >= 0, of a rigid body, for a given surface
     int subdivision = 0;                                  ///< [-], in [0, 3], each level four times the triangles
     visual::Material material = visual::TissueMaterial{}; ///< what it looks like
     bool castShadows = true;

@@ -4,6 +4,7 @@
 #include "filasofia/event/event_dispatcher.h"
 #include "filasofia/event/input_events.h"
 #include "filasofia/physics/physics_server.h"
+#include "filasofia/runtime/contact_event.h"
 #include "filasofia/runtime/run.h"
 #include "filasofia/runtime/show.h"
 #include "filasofia/visual/endoscope_look.h"
@@ -27,6 +28,7 @@ struct PhysicsDef {
     bool realTime = true;             ///< ask the system to schedule physics before ordinary threads
     std::optional<int> threads =
         {}; ///< [-], in [1, 256], at work within one step; not given: the cores but one, up to 8
+    physics::ContactMethod contact = physics::ExactContact{}; ///< how bodies that touch push each other
     std::optional<double> deadline = {}; ///< [s], > 0, after a live step's start: solvers stop there; not given: 1/rate
 };
 constexpr auto fields(const PhysicsDef*)
@@ -38,6 +40,7 @@ constexpr auto fields(const PhysicsDef*)
         field("gravity", &T::gravity, "m/s^2", finite(), "acts on every body"),
         field("realTime", &T::realTime, "schedule physics before ordinary threads"),
         field("threads", &T::threads, "-", closed(1, 256), "at work within one step"),
+        field("contact", &T::contact, "how bodies that touch push each other"),
         field("deadline", &T::deadline, "s", positiveOrInfinite(), "solvers stop so long after a step's start"));
 }
 
@@ -82,7 +85,8 @@ public:
 
     BodyId add(physics::SoftBodyDef def);
     BodyId add(physics::RigidBodyDef def);
-    /// Draws a body; several times for several surfaces.
+    /// Draws a body; several times for several surfaces. Without a surface: a soft body's boundary, or every element of
+    /// a rigid body as its own mesh (Error where it has none).
     void show(BodyId id, const ShowDef& def = {});
     /// Called on the main thread as soon as there is a visual server, in place of the look of the Def: makes lights,
     /// cameras and views.
@@ -97,6 +101,12 @@ public:
     {
         return events().on<E>(std::move(callback));
     }
+    /// Calls `callback` on the stepping thread before every step that is not paused, live and headless, with the
+    /// simulated time [s] at which that step will end. Commands that it makes belong to that step and are recorded:
+    /// what moves by a script goes where the callback says for that time, exactly. Physics waits for it. One that
+    /// throws is logged and not called again. To be set before a run (Error during one); several are called in their
+    /// order.
+    void everyStep(std::function<void(double time)> callback);
     /// Posts an event, stamped with the simulation's time and step. Any thread. Error where the queue is full.
     void post(std::unique_ptr<event::Event> event);
     template <event::EventClass E> void post(E event) { post(std::make_unique<E>(std::move(event))); }

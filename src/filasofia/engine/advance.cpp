@@ -1,4 +1,5 @@
 #include "filasofia/engine/each_body.h"
+#include "filasofia/engine/solve_limits.h"
 #include "filasofia/engine/stages.h"
 
 #include <algorithm>
@@ -13,51 +14,6 @@ using physics::StepFlag;
 // A step that blew up is made again from rest, as if the body were so many times as heavy: it creeps towards where
 // the forces pull, and cannot gather speed.
 constexpr double kCreep = 100.0;
-
-linalg::SolveLimits limitsOf(const SoftModel& model)
-{
-    const auto* cg = std::get_if<physics::ConjugateGradient>(&model.solver);
-    if (!cg) return {};
-    return {.tolerance = cg->tolerance, .maxIterations = cg->maxIterations, .minIterations = cg->minIterations};
-}
-
-/// When each body's solver must end [ns], so that the bodies that come first leave time for those that come last: by
-/// its share of all that is to be done before it and by it.
-std::vector<std::int64_t> deadlines(const Model& model, const physics::StepBudget& budget, const WorkerPool& pool)
-{
-    const std::int64_t start = budget.now();
-    const auto left = static_cast<double>(std::max<std::int64_t>(0, budget.deadline - start));
-    const std::size_t limit = sharedBeyond(model, pool);
-    double total = 0.0, done = 0.0; // side by side, small bodies take a thread each
-    const auto weight = [&](const SoftModel& body) {
-        return static_cast<double>(sizeOf(body)) / (sizeOf(body) > limit ? 1.0 : pool.threads());
-    };
-    for (const SoftModel& body : model.softBodies) total += weight(body);
-    std::vector<std::int64_t> ends(model.softBodies.size());
-    for (const bool large : {true, false}) // in the order of forEachBody
-        for (std::size_t b = 0; b < ends.size(); ++b) {
-            if ((sizeOf(model.softBodies[b]) > limit) != large) continue;
-            done += weight(model.softBodies[b]);
-            ends[b] = start + static_cast<std::int64_t>(left * (total > 0.0 ? std::min(1.0, done / total) : 1.0));
-        }
-    return ends;
-}
-
-/// The limits of every body's solver under a budget: a deadline, or the iterations made when the step was made first.
-std::vector<linalg::SolveLimits> limitsOf(const Model& model, const physics::StepBudget* budget, const WorkerPool& pool)
-{
-    std::vector<linalg::SolveLimits> limits;
-    for (const SoftModel& body : model.softBodies) limits.push_back(limitsOf(body));
-    if (!budget) return limits;
-    const bool again = budget->iterations.size() == limits.size();
-    const bool hurried = !again && budget->now && budget->deadline != physics::StepBudget{}.deadline;
-    const std::vector<std::int64_t> ends = hurried ? deadlines(model, *budget, pool) : std::vector<std::int64_t>();
-    for (std::size_t b = 0; b < limits.size(); ++b) {
-        if (again) limits[b].stopAt = budget->iterations[b];
-        if (hurried) limits[b].outOfTime = [budget, end = ends[b]] { return budget->now() >= end; };
-    }
-    return limits;
-}
 
 /// What the velocities change by.
 linalg::NodeSolveReport solveBody(const SoftModel& model, double dt, double inertia, const linalg::SolveLimits& limits,
@@ -97,17 +53,10 @@ struct BodyOutcome {
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }
 };
 
-BodyOutcome advanceBody(const SoftModel& model, Vec3 gravity, double dt, const linalg::SolveLimits& limits,
-                        SoftSystem& system, SoftState& state, WorkerPool& pool)
+/// Moves a body by what was solved; where that is no state to go on with it is put back, and creeps.
+void settleBody(const SoftModel& model, Vec3 gravity, double dt, SoftSystem& system, SoftState& state, WorkerPool& pool,
+                BodyOutcome& outcome)
 {
-    BodyOutcome outcome;
-    system.dv = state.dv;
-    std::fill(system.leftover.begin(), system.leftover.end(), Vec3{}); // only the default solver leaves something
-    const linalg::NodeSolveReport solve = solveBody(model, dt, 1.0, limits, state.v, system, pool);
-    outcome.solve = {model.id, solve.iterations, solve.residual};
-    if (solve.outOfTime) outcome.set(StepFlag::OutOfTime);
-    if (!solve.converged && !solve.outOfTime) outcome.set(StepFlag::NotConverged);
-
     bool good = moveBody(model, dt, state, system, pool);
     if (!good) { // stay where it was, forget the motion that led here, and creep
         for (auto* list : {&state.v, &state.dv, &state.leftover}) std::fill(list->begin(), list->end(), Vec3{});
@@ -125,20 +74,102 @@ BodyOutcome advanceBody(const SoftModel& model, Vec3 gravity, double dt, const l
         std::swap(system.dv, state.dv);
         std::swap(system.leftover, state.leftover);
     }
+}
+
+BodyOutcome outcomeOf(const SoftModel& model, const linalg::NodeSolveReport& solve)
+{
+    BodyOutcome outcome;
+    outcome.solve = {model.id, solve.iterations, solve.residual};
+    if (solve.outOfTime) outcome.set(StepFlag::OutOfTime);
+    if (!solve.converged && !solve.outOfTime) outcome.set(StepFlag::NotConverged);
     return outcome;
+}
+
+/// Where the body's solve starts from.
+void prepareBody(const SoftState& state, SoftSystem& system)
+{
+    system.dv = state.dv;
+    std::fill(system.leftover.begin(), system.leftover.end(), Vec3{}); // only the default solver leaves something
+}
+
+// Rigid bodies and direct solvers are exact, as far as nobody beside them is not.
+constexpr double kExact = 1e-7;
+
+/// The first to end ends them all; they share what iterations they have.
+linalg::SolveLimits sharedLimits(const Model& model, const Island& island,
+                                 const std::vector<linalg::SolveLimits>& limits)
+{
+    linalg::SolveLimits shared{.tolerance = 1.0, .maxIterations = 0};
+    for (std::size_t b : island.soft) {
+        if (std::holds_alternative<physics::ConjugateGradient>(model.softBodies[b].solver))
+            shared.tolerance = std::min(shared.tolerance, limits[b].tolerance);
+        shared.maxIterations = std::max(shared.maxIterations, limits[b].maxIterations);
+        shared.minIterations = std::max(shared.minIterations, limits[b].minIterations);
+        shared.outOfTime = limits[b].outOfTime; // of the last, which has what is left
+        shared.stopAt = limits[b].stopAt;
+    }
+    if (shared.tolerance == 1.0) shared.tolerance = kExact;
+    if (island.soft.empty()) shared.maxIterations = 1000;
+    return shared;
+}
+
+CoupledLimits limitsOf(const Model& model, const Island& island, const physics::ContactMethod& method, double dt,
+                       const std::vector<linalg::SolveLimits>& limits)
+{
+    // Rigid bodies in a tower sway as one, with more inertia than each has by itself. And for so few unknowns it costs
+    // nothing to be exact.
+    constexpr double rigidStiffening = 100.0;
+    constexpr int rigidRounds = 4;
+    constexpr double rigidTolerance = 0.01;
+    constexpr double smallAcceleration = 1.0; // [m/s^2] what nothing in particular does to a body, for a scale
+
+    CoupledLimits how{.linear = sharedLimits(model, island, limits), .smallChange = smallAcceleration * dt};
+    if (const auto* exact = std::get_if<physics::ExactContact>(&method)) {
+        how.rounds = exact->rounds;
+        how.tolerance = exact->tolerance;
+    }
+    if (island.soft.empty()) {
+        how.stiffening = rigidStiffening;
+        how.rounds *= rigidRounds;
+        how.tolerance *= rigidTolerance;
+    }
+    return how;
 }
 
 } // namespace
 
-void advance(const Model& model, double dt, const physics::StepBudget* budget, Systems& systems, State& state,
-             WorkerPool& pool, physics::StepReport& report)
+void advance(const Model& model, double dt, const physics::StepBudget* budget, const physics::ContactMethod& method,
+             Systems& systems, Coupling& coupling, State& state, WorkerPool& pool, physics::StepReport& report)
 {
     if (dt > 0.0) {
         std::vector<BodyOutcome> outcomes(model.softBodies.size());
+        std::vector<bool> coupled(model.softBodies.size());
         const std::vector<linalg::SolveLimits> limits = limitsOf(model, budget, pool);
-        forEachBody(model, pool, [&](std::size_t b) {
-            outcomes[b] =
-                advanceBody(model.softBodies[b], state.gravity, dt, limits[b], systems[b], state.softBodies[b], pool);
+        const auto settle = [&](std::size_t b) {
+            settleBody(model.softBodies[b], state.gravity, dt, systems[b], state.softBodies[b], pool, outcomes[b]);
+        };
+
+        for (const Island& island : findIslands(model, coupling.rigid, coupling.links)) {
+            for (std::size_t b : island.soft) {
+                prepareBody(state.softBodies[b], systems[b]);
+                coupled[b] = true;
+            }
+            const CoupledLimits how = limitsOf(model, island, method, dt, limits);
+            const CoupledReport solve = solveIsland(model, state, dt, island, how, systems, coupling.rigid,
+                                                    coupling.links, coupling.scratch, pool);
+            for (std::size_t b : island.soft) {
+                outcomes[b] = outcomeOf(model.softBodies[b], solve);
+                settle(b);
+            }
+            report.contacts.rounds = std::max(report.contacts.rounds, solve.rounds);
+            report.contacts.mismatch = std::max(report.contacts.mismatch, solve.mismatch);
+        }
+        forEachBody(model, pool, [&](std::size_t b) { // each of the others by itself
+            if (coupled[b]) return;
+            const SoftModel& body = model.softBodies[b];
+            prepareBody(state.softBodies[b], systems[b]);
+            outcomes[b] = outcomeOf(body, solveBody(body, dt, 1.0, limits[b], state.softBodies[b].v, systems[b], pool));
+            settle(b);
         });
         for (const BodyOutcome& outcome : outcomes) {
             report.solves.push_back(outcome.solve);
@@ -147,6 +178,7 @@ void advance(const Model& model, double dt, const physics::StepBudget* budget, S
         state.time += dt;
         ++state.step;
     }
+    moveRigid(model, dt, coupling.rigid, state, report);
     report.step = state.step;
     report.time = state.time;
 }

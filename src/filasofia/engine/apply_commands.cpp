@@ -1,6 +1,8 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
+#include "filasofia/engine/attachments.h"
+#include "filasofia/engine/build_attachment.h"
 #include "filasofia/engine/build_body.h"
 #include "filasofia/engine/native.h"
 #include "filasofia/engine/stages.h"
@@ -47,10 +49,12 @@ struct Apply {
             model.rigidBodies.push_back(std::move(rigid.model));
             state.rigidBodies.push_back(std::move(rigid.state));
         }
+        addAttachments(add);
         add.body.reset(); // the command goes on into the log: its empty shell need not
     }
     void operator()(const physics::RemoveBody& remove) const
     {
+        removeAttachmentsOf(remove.id, model, state);
         const auto is = [&](const auto& body) { return body.id == remove.id; };
         if (std::any_of(model.softBodies.begin(), model.softBodies.end(), is)) {
             const std::size_t index = indexOf(model.softBodies, remove.id);
@@ -65,14 +69,30 @@ struct Apply {
     }
     void operator()(const physics::SetPose& set) const
     {
-        state.rigidBodies[indexOf(model.rigidBodies, set.id)].poses[set.element] = set.pose;
+        const std::size_t index = indexOf(model.rigidBodies, set.id);
+        RigidState& body = state.rigidBodies[index];
+        if (!model.rigidBodies[index].dynamic) { // moveRigid takes it there
+            body.targets[set.element] = set.pose;
+            return;
+        }
+        body.poses[set.element] = set.pose;
+        body.velocities[set.element] = body.angularVelocities[set.element] = {};
+    }
+    void operator()(const physics::SetWrench& set) const
+    {
+        state.rigidBodies[indexOf(model.rigidBodies, set.id)].wrenches[set.element] = {set.force, set.torque};
     }
     void operator()(const physics::SetGravity& set) const { state.gravity = set.gravity; }
-    void operator()(const physics::SetMaterial& set) const
+    void operator()(physics::SetMaterial& set) const
     {
         const std::size_t index = indexOf(model.softBodies, set.id);
         setMaterial(set.material, model.softBodies[index]);
-        systems[index] = makeSystem(model.softBodies[index], period);
+        // A system follows from the model alone, and the model from Def and material: any order of commands will do.
+        // The old one goes back with the command: a step has no time to take it apart.
+        if (auto* built = dynamic_cast<BuiltSoftBody*>(set.body.get()); built && !systems[index].tuned)
+            std::swap(systems[index], built->system);
+        else
+            remakeSystem(index, systems[index].tuned);
     }
     void operator()(const physics::SetForces& set) const
     {
@@ -82,6 +102,29 @@ struct Apply {
     {
         state.softBodies[indexOf(model.softBodies, set.id)].pressure = set.pressure;
     }
+    void operator()(const physics::Attach& command) const
+    {
+        attach(command.id, command.body, command.def, model, state, report);
+    }
+    void operator()(const physics::AttachRigid& command) const
+    {
+        attach(command.id, command.body, command.def, model, state, report);
+    }
+    void operator()(const physics::Grasp& grasp) const
+    {
+        model.grasps.push_back({grasp.id, grasp.rigid, grasp.target, grasp.def.stiffness, grasp.def.breakForce});
+    }
+    void operator()(const physics::Release& command) const
+    {
+        release(command.id, model, state);
+        for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
+            Pins& pins = model.softBodies[b].pins;
+            const auto group = std::ranges::find(pins.groups, command.id, &PinGroup::id);
+            if (group == pins.groups.end()) continue;
+            releaseGroup(static_cast<std::size_t>(group - pins.groups.begin()), pins);
+            remakeSystem(b, true); // its Def holds more than it does
+        }
+    }
     void operator()(const physics::Reset&) const
     {
         for (std::size_t b = 0; b < model.softBodies.size(); ++b) { // positions and motion; what was given stays given
@@ -90,8 +133,15 @@ struct Apply {
             fresh.pressure = state.softBodies[b].pressure;
             state.softBodies[b] = std::move(fresh);
         }
-        for (std::size_t b = 0; b < model.rigidBodies.size(); ++b)
-            state.rigidBodies[b].poses = model.rigidBodies[b].rest;
+        for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) {
+            RigidState fresh = stateAtStart(model.rigidBodies[b]);
+            fresh.wrenches = std::move(state.rigidBodies[b].wrenches);
+            state.rigidBodies[b] = std::move(fresh);
+        }
+        state.contacts.clear();
+        state.touching.clear();
+        for (std::vector<Vec3>& forces : state.holding) std::ranges::fill(forces, Vec3{});
+        state.held.clear();
     }
     void operator()(const physics::Pause&) const {} // the server's: it steps with dt = 0
     void operator()(const physics::Tune& tune) const
@@ -99,20 +149,47 @@ struct Apply {
         report.set(physics::StepFlag::Tuned);
         const Model modelBefore = model;
         const State stateBefore = state;
+        bool changed = false;
         try {
             tune.change(self);
             checkSameBodies(modelBefore);
             recheck();
+            changed = true;
         } catch (const std::exception& problem) {
             putBack(modelBefore, stateBefore, problem.what());
         } catch (...) {
             putBack(modelBefore, stateBefore, "it threw something that is no exception");
         }
-        systems.clear();
-        for (const SoftModel& body : model.softBodies) systems.push_back(makeSystem(body, period));
+        for (std::size_t b = 0; b < systems.size(); ++b) remakeSystem(b, changed || systems[b].tuned);
     }
 
 private:
+    /// Those of a body that has just come: pins are in it already, and are told their names.
+    void addAttachments(const physics::AddBody& add) const
+    {
+        std::uint32_t next = add.attachments.value;
+        const auto takeId = [&] { return AttachmentId{next == 0 ? 0 : next++}; };
+        if (const auto* soft = std::get_if<physics::SoftBodyDef>(add.def.get())) {
+            std::vector<PinGroup>& groups = model.softBodies.back().pins.groups;
+            for (std::size_t group = 0; const physics::AttachmentDef& def : soft->attachments) {
+                const AttachmentId id = takeId();
+                if (isPins(def))
+                    groups[group++].id = id;
+                else
+                    attach(id, add.id, def, model, state, report);
+            }
+        } else {
+            for (const auto& def : std::get<physics::RigidBodyDef>(*add.def).attachments)
+                attach(takeId(), add.id, def, model, state, report);
+        }
+    }
+
+    void remakeSystem(std::size_t body, bool tuned) const
+    {
+        systems[body] = makeSystem(model.softBodies[body], period);
+        systems[body].tuned = tuned;
+    }
+
     void putBack(const Model& modelBefore, const State& stateBefore, const char* why) const
     {
         model = modelBefore;
@@ -138,6 +215,7 @@ private:
         if (!isFinite(state.gravity)) fail("tune: gravity must be finite");
         for (std::size_t b = 0; b < model.softBodies.size(); ++b) check(model.softBodies[b], state.softBodies[b]);
         for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) check(model.rigidBodies[b], state.rigidBodies[b]);
+        checkAttachments(model, state);
     }
 };
 

@@ -9,6 +9,12 @@
 
 namespace filasofia::engine {
 
+/// lambda / mu beyond which compression, rounded to float, drowns shear: a Poisson ratio of 0.49983. Measured on
+/// bunnies that spin and stretch, at 5 ms: well at 2.5e3, 5 % off at 5e3, blown up at 5e4.
+inline constexpr double kMostIncompressible = 3e3;
+/// True where an element lies beyond: neither the default solver nor conjugate gradients in double can have the body.
+bool nearlyIncompressible(const SoftModel& model);
+
 /// The equations of one step with every block of the matrix written out, in double precision.
 struct AssembledSystem {
     explicit AssembledSystem(const SoftModel& model);

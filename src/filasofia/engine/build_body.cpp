@@ -1,4 +1,6 @@
 #include "filasofia/engine/build_body.h"
+#include "filasofia/engine/build_attachment.h"
+#include "filasofia/engine/build_collision.h"
 
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/adjacency.h"
@@ -46,22 +48,23 @@ void addMasses(const TetMesh& mesh, const physics::Mass& mass, SoftModel& model)
     for (double& each : model.masses) each *= perVolume;
 }
 
-bool inside(const geometry::Box& box, Vec3 p) { return geometry::merged(box, p) == box; }
-
-void addAttachment(const physics::AttachmentDef& def, const std::string& object, SoftModel& model)
+/// What a Def holds in space are pins, exact and cheap. What another body holds, or what may break, is attached once
+/// the body is there.
+void addPins(const physics::AttachmentDef& def, const std::string& object, SoftModel& model)
 {
     const int count = static_cast<int>(model.rest.size());
-    std::vector<int> nodes = def.nodes;
-    for (int node : nodes)
-        if (node >= count) fail(object, ".nodes must be in [0, ", count, "), got ", node);
-    if (def.box) {
-        if (geometry::isEmpty(*def.box)) fail(object, ".box: high must be >= low in every axis");
-        for (int i = 0; i < count; ++i)
-            if (inside(*def.box, model.rest[i])) nodes.push_back(i);
-    }
-    if (nodes.empty()) fail(object, ": must hold at least one node, got none", def.box ? " in its box" : "");
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    for (int node : def.nodes)
+        if (node < 0 || node >= count) fail(object, ".nodes must be in [0, ", count, "), got ", node);
+    if (def.box && geometry::isEmpty(*def.box)) fail(object, ".box: high must be >= low in every axis");
+    if (def.to) return;
+    const std::vector<int> nodes = nodesOf(def, model.rest);
+    if (nodes.empty())
+        fail(object, ": must hold at least one node, got none",
+             def.box    ? " in its box"
+             : def.ball ? " in its ball"
+                        : "");
+    if (!isPins(def)) return;
+    model.pins.groups.push_back({.id = {}, .nodes = nodes, .stiffness = def.stiffness});
     for (int node : nodes) {
         if (def.stiffness == physics::kHard)
             model.pins.hard[node] = true;
@@ -85,15 +88,18 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     model.integrator = def.integrator;
     model.solver = def.solver;
     model.gravity = def.gravity;
+    model.friction = def.friction;
+    model.collision = buildCollision(def, mesh);
     addMasses(mesh, def.mass, model);
     std::holds_alternative<physics::FemMaterial>(def.material) ? addElements(mesh, model) : addSprings(mesh, model);
+    if (model.elements.empty()) model.tetrahedra = mesh.tetrahedra;
     setMaterial(def.material, model);
     const geometry::Surface surface = geometry::extractSurface(mesh);
     for (const geometry::Triangle& t : surface.mesh.triangles)
         model.surface.push_back({surface.nodes[t[0]], surface.nodes[t[1]], surface.nodes[t[2]]});
     model.pins.hard.assign(mesh.nodes.size(), false);
     for (std::size_t a = 0; a < def.attachments.size(); ++a)
-        addAttachment(def.attachments[a], text(object, ": attachments[", a, "]"), model);
+        addPins(def.attachments[a], text(object, ": attachments[", a, "]"), model);
 
     for (std::size_t i = 0; i < def.forces.size(); ++i)
         if (const int node = def.forces[i].node; node >= built->nodeCount())
@@ -103,19 +109,6 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     setForces(def.forces, built->state);
     check(model, built->state);
     built->system = makeSystem(model, period);
-    return built;
-}
-
-std::unique_ptr<physics::BuiltBody> buildRigid(const physics::RigidBodyDef& def)
-{
-    const std::string object = text("rigid body '", def.name, "'");
-    validate(def, object);
-    auto built = std::make_unique<BuiltRigidBody>();
-    built->model.name = def.name;
-    for (std::size_t e = 0; e < def.elements.size(); ++e)
-        built->model.rest.push_back(physics::unitPose(def.elements[e], text(object, ": elements[", e, "]")));
-    built->state.poses = built->model.rest;
-    check(built->model, built->state);
     return built;
 }
 
@@ -145,6 +138,7 @@ void setForces(const std::vector<physics::NodalForce>& forces, SoftState& state)
 
 std::unique_ptr<physics::BuiltBody> buildBody(const physics::BodyDef& def, double period)
 {
+    physics::check(def);
     if (const auto* soft = std::get_if<physics::SoftBodyDef>(&def)) return buildSoft(*soft, period);
     return buildRigid(std::get<physics::RigidBodyDef>(def));
 }

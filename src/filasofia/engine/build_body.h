@@ -18,6 +18,9 @@ struct BuiltRigidBody final : physics::BuiltBody {
     [[nodiscard]] int nodeCount() const override { return static_cast<int>(model.rest.size()); }
 };
 
+/// The same for a rigid body.
+std::unique_ptr<physics::BuiltBody> buildRigid(const physics::RigidBodyDef& def);
+
 /// From what was asked to what can be stepped, by steps of about `period` [s]; throws an Error that names body, field,
 /// bound and value.
 std::unique_ptr<physics::BuiltBody> buildBody(const physics::BodyDef& def, double period);

@@ -109,6 +109,7 @@ bool MatrixFreeSystem::fits(const SoftModel& model, double period)
 {
     const ImplicitWeights weights = implicitWeights(period, {model.rayleigh.mass, model.rayleigh.stiffness});
     const double scale = 1.0 / meanMass(model);
+    if (nearlyIncompressible(model)) return false;
     const auto usual = [](double value) { return value == 0.0 || (value > 1e-12 && value < 1e12); };
     for (double mass : model.masses)
         if (!usual(mass * scale)) return false;
@@ -314,6 +315,13 @@ linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limit
 {
     load(dv, {}, dv_, pool);
     const linalg::NodeSolveReport report = cg_.solve(*this, preconditioner_, residual_, size_, dv_, limits, pool);
+    finish(report, dv, leftover, pool);
+    return report;
+}
+
+void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> leftover,
+                              WorkerPool& pool)
+{
     // What a solve lacks that was cut short could do harm: it is not handed on, and the body gives up some motion for
     // it.
     const double share = report.converged ? kHandedOn : 0.0;
@@ -330,7 +338,6 @@ linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limit
             if (held > 0.0) dv[node] -= held * (vectorAt(v_, slot) + change - rigid.at(vectorAt(x_, slot)));
         }
     });
-    return report;
 }
 
 RigidMotion MatrixFreeSystem::rigidMotion() const

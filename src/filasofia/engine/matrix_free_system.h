@@ -29,6 +29,8 @@ public:
     /// The change of the velocities, `dv` holding the first guess, and the impulse [N s] that the solve left undone.
     linalg::NodeSolveReport solve(const linalg::SolveLimits& limits, std::span<Vec3> dv, std::span<Vec3> leftover,
                                   WorkerPool& pool);
+    /// What follows when dv and the residual were found elsewhere, together with other bodies'.
+    void finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> leftover, WorkerPool& pool);
     /// The same where the masses are all there is in the matrix.
     void solveExplicit(std::span<Vec3> dv) const;
 
@@ -42,6 +44,7 @@ public:
     [[nodiscard]] int coarseNodes() const { return preconditioner_.coarseNodes(); }
 
 private:
+    friend class MatrixFreeShare;
     void orderNodes(const SoftModel& model);
     void makeElements(const SoftModel& model);
     void makeSprings(const SoftModel& model);

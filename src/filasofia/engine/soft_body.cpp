@@ -50,6 +50,26 @@ void checkSprings(const SoftModel& model, const std::string& object)
     }
 }
 
+HeldParts heldParts(const SoftModel& model)
+{
+    HeldParts parts;
+    for (const PinGroup& group : model.pins.groups) {
+        if (group.stiffness != physics::kHard) continue;
+        parts.holders.resize(model.rest.size());
+        for (int node : group.nodes) ++parts.holders[node];
+    }
+    if (parts.holders.empty()) return parts;
+    const auto pulls = [&](const auto& nodes) { // what lies between held nodes is at rest, and does nothing
+        const auto held = std::ranges::count_if(nodes, [&](int node) { return parts.holders[node] > 0; });
+        return held > 0 && held < std::ssize(nodes);
+    };
+    for (std::size_t e = 0; e < model.elements.size(); ++e)
+        if (pulls(model.elements[e].nodes)) parts.elements.push_back(static_cast<int>(e));
+    for (std::size_t s = 0; s < model.springs.size(); ++s)
+        if (pulls(model.springs[s].nodes)) parts.springs.push_back(static_cast<int>(s));
+    return parts;
+}
+
 void checkPins(const SoftModel& model, const std::string& object)
 {
     checkSize(object, "pins.hard", model.pins.hard.size(), model.rest.size());
@@ -59,6 +79,7 @@ void checkPins(const SoftModel& model, const std::string& object)
             fail(object, ": a pin's stiffness must be > 0 N/m, got ", pin.stiffness);
         if (!isFinite(pin.anchor)) fail(object, ": a pin's anchor must be finite");
     }
+    for (const PinGroup& group : model.pins.groups) checkNodes(object, group.nodes, model.rest.size());
 }
 
 } // namespace
@@ -122,19 +143,6 @@ void check(const SoftModel& model, const SoftState& state)
     if (!std::isfinite(state.pressure)) fail(object, ": pressure must be finite, got ", state.pressure);
 }
 
-void check(const RigidModel& model, const RigidState& state)
-{
-    const std::string object = text("rigid body '", model.name, "'");
-    if (model.rest.empty()) fail(object, ": elements must have at least one entry");
-    checkSize(object, "poses", state.poses.size(), model.rest.size());
-    for (const std::vector<Pose>* poses : {&model.rest, &state.poses})
-        for (const Pose& pose : *poses) {
-            if (!isFinite(pose)) fail(object, ": poses must be finite");
-            if (std::abs(dot(pose.orientation, pose.orientation) - 1.0) > 1e-6)
-                fail(object, ": orientation must be a unit quaternion");
-        }
-}
-
 Quat rotationOf(const std::vector<ElementRotations>& rotations, std::size_t element)
 {
     const ElementRotations& block = rotations[element / kBlock];
@@ -166,6 +174,7 @@ SoftSystem makeSystem(const SoftModel& model, double period)
                    "it is solved in double, which takes longer");
     for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
         buffer->resize(model.rest.size());
+    system.held = heldParts(model);
     return system;
 }
 

@@ -1,15 +1,25 @@
 #pragma once
 
 #include "filasofia/engine/assembled_system.h"
-#include "filasofia/engine/matrix_free_system.h"
+#include "filasofia/engine/matrix_free_share.h"
 
 namespace filasofia::engine {
+
+/// What pulls at the nodes that pins hold hard, and how many groups of pins hold each node: reactions are found there.
+struct HeldParts {
+    std::vector<int> elements, springs;
+    std::vector<int> holders; ///< per node; empty where none is held
+};
 
 /// One soft body's equations of one step, and the memory they are made in. Nothing here outlives a step but for speed:
 /// all of it follows from the model. One of the two kinds is there.
 struct SoftSystem {
     std::unique_ptr<MatrixFreeSystem> matrixFree; ///< in float, what a body has unless it asks for something else
+    std::unique_ptr<MatrixFreeShare> share;       ///< of the first kind, once it had to be solved with other bodies
     std::unique_ptr<AssembledSystem> assembled;   ///< in double, the reference
+
+    HeldParts held;
+    bool tuned = false; ///< the model was in a tune's hands: it need not be what its Def says
 
     std::vector<Vec3> forces;             ///< [N] gravity, given, pressure, pins
     std::vector<Vec3> x, v, dv, leftover; ///< the new state, until it is known to be finite

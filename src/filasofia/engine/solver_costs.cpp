@@ -31,6 +31,7 @@ SolverCosts measureSolver(const physics::SoftBodyDef& def, Vec3 gravity, double 
     Model model;
     State state;
     Systems systems;
+    Coupling coupling; // nothing touches it
     state.gravity = gravity;
     model.softBodies.push_back(std::move(body.model));
     state.softBodies.push_back(std::move(body.state));
@@ -39,7 +40,7 @@ SolverCosts measureSolver(const physics::SoftBodyDef& def, Vec3 gravity, double 
     for (int i = 0; i < warmUp; ++i) {
         physics::StepReport report;
         assemble(model, period, state, systems, pool);
-        advance(model, period, nullptr, systems, state, pool, report);
+        advance(model, period, nullptr, physics::ExactContact{}, systems, coupling, state, pool, report);
     }
 
     const auto median = [&](const auto& part) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/engine/soft_system.h"
+#include "filasofia/engine/coupling.h"
 #include "filasofia/physics/physics_engine.h"
 
 /// The stages of World::step. Each reads what comes first and writes what comes last; World::step only calls them.
@@ -12,6 +12,21 @@ using Systems = std::vector<SoftSystem>; ///< one per soft body, in the model's 
 void applyCommands(std::span<physics::Command> commands, double period, physics::PhysicsEngine& self, Model& model,
                    State& state, Systems& systems, physics::StepReport& report);
 
+/// 2. Who touches whom, who holds whom: the links between bodies, with the impulses of the last step. Plans how rigid
+/// bodies would move by themselves.
+void findContacts(const Model& model, double dt, const physics::ContactMethod& method, const State& state,
+                  Coupling& coupling, WorkerPool& pool);
+
+/// The same for attachments, after the contacts' links; first, what waits to be grasped is. Contacts that an attachment
+/// holds already go.
+void linkAttachments(double dt, Model& model, State& state, Coupling& coupling, physics::StepReport& report);
+
+/// What attachments did in the step, and pins; those that had to bear too much go.
+void keepAttachments(double dt, const Coupling& coupling, const Systems& systems, Model& model, State& state);
+
+/// What the links did in the step: forces for everyone else, and where their next impulses start.
+void keepContacts(double dt, const Coupling& coupling, State& state, physics::StepReport& report);
+
 /// 3. Forces and stiffness at the present state. Rotations are the only part of the state that it brings up to date.
 void assemble(const Model& model, double dt, State& state, Systems& systems, WorkerPool& pool);
 
@@ -19,9 +34,10 @@ void assemble(const Model& model, double dt, State& state, Systems& systems, Wor
 void assembleBody(const SoftModel& model, Vec3 gravity, double dt, double inertia, SoftState& state, SoftSystem& system,
                   WorkerPool& pool);
 
-/// 4. New velocities, new positions. A body whose new state is not finite is put back, at rest, and its step made again
-/// with damping; where that fails too it stays where it is.
-void advance(const Model& model, double dt, const physics::StepBudget* budget, Systems& systems, State& state,
-             WorkerPool& pool, physics::StepReport& report);
+/// 4. New velocities, new positions: of bodies that touch or hold each other together, of the others each by itself. A
+/// body whose new state is not finite is put back, at rest, and its step made again with damping; where that fails too
+/// it stays where it is. The impulses stay in the links.
+void advance(const Model& model, double dt, const physics::StepBudget* budget, const physics::ContactMethod& method,
+             Systems& systems, Coupling& coupling, State& state, WorkerPool& pool, physics::StepReport& report);
 
 } // namespace filasofia::engine

@@ -46,7 +46,7 @@ private:
 } // namespace
 
 World::World(const NativeEngineDef& def)
-    : period_(def.period),
+    : period_(def.period), contact_(def.contact),
       pool_(std::make_unique<WorkerPool>(def.threads.value_or(std::clamp(usableCores() - 1, 1, 8))))
 {
 }
@@ -58,10 +58,18 @@ physics::StepReport World::step(const physics::StepInput& in)
     physics::StepReport report{.dt = in.dt, .flags = in.flags};
     StopWatch watch(in.budget);
     applyCommands(in.commands, period_, *this, model_, state_, systems_, report); // 1 what the outside asked for
+    for (const physics::Command& command : in.commands) // who was on which side of a sheet is no longer so
+        if (std::holds_alternative<physics::Reset>(command)) coupling_.proximityScratch.sides.clear();
     report.times.commands = watch.lap();
+    findContacts(model_, in.dt, contact_, state_, coupling_, *pool_); // 2 who touches whom
+    linkAttachments(in.dt, model_, state_, coupling_, report);        //   who holds whom
+    report.times.contacts = watch.lap();
     assemble(model_, in.dt, state_, systems_, *pool_); // 3 forces and stiffness
     report.times.assemble = watch.lap();
-    advance(model_, in.dt, in.budget, systems_, state_, *pool_, report); // 4 new velocities, new positions
+    advance(model_, in.dt, in.budget, contact_, systems_, coupling_, state_, *pool_,
+            report);                                // 4 new velocities, places
+    keepContacts(in.dt, coupling_, state_, report); // what they did to each other
+    keepAttachments(in.dt, coupling_, systems_, model_, state_);
     report.times.advance = watch.lap();
     return report;
 }
@@ -76,10 +84,14 @@ void World::capture(frame::Frame& out) const
         out.softBodies[b].positions = state_.softBodies[b].x;
         out.softBodies[b].velocities = state_.softBodies[b].v;
     }
+    out.contacts = state_.touching;
+    out.attachments = state_.held;
     out.rigidBodies.resize(model_.rigidBodies.size());
     for (std::size_t b = 0; b < model_.rigidBodies.size(); ++b) {
         out.rigidBodies[b].id = model_.rigidBodies[b].id;
         out.rigidBodies[b].poses = state_.rigidBodies[b].poses;
+        out.rigidBodies[b].velocities = state_.rigidBodies[b].velocities;
+        out.rigidBodies[b].angularVelocities = state_.rigidBodies[b].angularVelocities;
     }
 }
 
@@ -88,6 +100,8 @@ void World::record(physics::StepRecord& out) const
     out.rigidPoses.clear();
     for (const RigidState& body : state_.rigidBodies)
         out.rigidPoses.insert(out.rigidPoses.end(), body.poses.begin(), body.poses.end());
+    out.contacts = state_.touching;
+    out.attachments = state_.held;
 }
 
 std::uint64_t World::hash() const
@@ -104,8 +118,23 @@ std::uint64_t World::hash() const
                 for (float each : *list) hash.add(static_cast<double>(each));
         hash.add(body.pressure);
     }
-    for (const RigidState& body : state_.rigidBodies)
+    for (std::size_t b = 0; b < model_.rigidBodies.size(); ++b) {
+        const RigidState& body = state_.rigidBodies[b];
         for (const Pose& pose : body.poses) add(hash, pose);
+        if (!model_.rigidBodies[b].dynamic) continue; // between steps it is its poses, and no more
+        for (const auto* list : {&body.velocities, &body.angularVelocities})
+            for (const Vec3& v : *list) add(hash, v);
+        for (const Wrench& wrench : body.wrenches) {
+            add(hash, wrench.force);
+            add(hash, wrench.torque);
+        }
+    }
+    for (const ContactMemory& contact : state_.contacts) {
+        hash.add(contact.feature);
+        add(hash, contact.force);
+    }
+    for (const std::vector<Vec3>& attachment : state_.holding)
+        for (const Vec3& force : attachment) add(hash, force);
     return hash.value();
 }
 

@@ -21,10 +21,12 @@ public:
 
 private:
     double period_;
+    physics::ContactMethod contact_;
     std::unique_ptr<WorkerPool> pool_;
     Model model_;
     State state_;
     Systems systems_;
+    Coupling coupling_; ///< of the step being made, and memory that is kept
 };
 
 } // namespace filasofia::engine

@@ -1,117 +1,19 @@
 #include "filasofia/geometry/coarse_lattice.h"
 
 #include "filasofia/core/assert.h"
-#include "filasofia/geometry/box.h"
+#include "filasofia/geometry/lattice_graph.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 
 namespace filasofia::geometry {
 namespace {
 
-constexpr int kFewest = 16;              // nodes that are worth four coarse ones
 constexpr double kWeakest = 0.05;        // of the median coarse node's support: below it a coarse node is dropped
 constexpr double kLeastKept = 0.2;       // of a node's weight: what dropping must leave it
 constexpr double kSmallestWeight = 1e-6; // below it a corner counts as not used
 constexpr double kFarthest = 1e100;      // [m]
-
-// Numbers joined into sets. The lowest number of a set stands for it, in whatever order they were joined.
-class DisjointSets {
-public:
-    explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-    int find(int i)
-    {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(int a, int b)
-    {
-        a = find(a), b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<int> parent_;
-};
-
-// Nodes and edges, and the pieces they fall into, the one with the most nodes first.
-struct Graph {
-    std::vector<Vec3> nodes;
-    std::vector<std::array<int, 2>> edges;
-    std::vector<int> original; // per node, its number in the body
-    std::vector<int> piece;    // per node
-    std::vector<int> pieceSize;
-    std::vector<Box> box; // per piece
-};
-
-void findPieces(Graph& graph)
-{
-    const int n = static_cast<int>(graph.nodes.size());
-    DisjointSets sets(graph.nodes.size());
-    for (auto [a, b] : graph.edges) sets.join(a, b);
-    std::vector<int> size(graph.nodes.size(), 0), rank(graph.nodes.size(), 0), roots;
-    for (int i = 0; i < n; ++i) {
-        if (sets.find(i) == i) roots.push_back(i);
-        ++size[sets.find(i)];
-    }
-    std::ranges::stable_sort(roots, [&](int a, int b) { return size[a] > size[b]; });
-    for (int root : roots) {
-        rank[root] = static_cast<int>(graph.pieceSize.size());
-        graph.pieceSize.push_back(size[root]);
-    }
-    graph.box.resize(roots.size());
-    for (int i = 0; i < n; ++i) {
-        graph.piece.push_back(rank[sets.find(i)]);
-        graph.box[graph.piece[i]] = merged(graph.box[graph.piece[i]], graph.nodes[i]);
-    }
-}
-
-// The nodes for which `taken` holds and the edges between them, their pieces not yet found.
-template <class Taken>
-Graph subgraph(std::span<const Vec3> nodes, std::span<const std::array<int, 2>> edges, const Taken& taken)
-{
-    Graph graph;
-    std::vector<int> renumbered(nodes.size(), -1);
-    for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
-        if (!taken(i)) continue;
-        renumbered[i] = static_cast<int>(graph.nodes.size());
-        graph.nodes.push_back(nodes[i]);
-        graph.original.push_back(i);
-    }
-    for (auto [a, b] : edges)
-        if (renumbered[a] >= 0 && renumbered[b] >= 0) graph.edges.push_back({renumbered[a], renumbered[b]});
-    return graph;
-}
-
-// How many coarse nodes there may be and how the pieces share them: the first `laid` get a lattice, the next `single`
-// one coarse node each.
-struct Budget {
-    int target = 0;
-    int laid = 0;
-    int single = 0;
-};
-
-Budget budgetOf(const Graph& graph, int target)
-{
-    Budget budget{std::min(target, static_cast<int>(graph.nodes.size()) / 4)};
-    const int pieces = static_cast<int>(graph.pieceSize.size());
-    const auto large = std::ranges::partition_point(graph.pieceSize, [](int size) { return size >= kFewest; });
-    budget.laid = static_cast<int>(large - graph.pieceSize.begin());
-    // A lattice takes four coarse nodes at least; with the single ones a quarter is left for finer cells.
-    if (4 * budget.laid > budget.target) budget.laid = std::max(1, budget.target / 8);
-    const int forSingle = budget.laid == 0 ? budget.target : budget.target / 4;
-    budget.single = std::min(pieces - budget.laid, forSingle);
-    return budget;
-}
-
-bool coversHalf(const Graph& graph, const Budget& budget)
-{
-    const auto end = graph.pieceSize.begin() + budget.laid + budget.single;
-    const int covered = std::accumulate(graph.pieceSize.begin(), end, 0);
-    return 2 * covered >= static_cast<int>(graph.nodes.size());
-}
 
 // A lattice point's three coordinates, or a cell (its lowest corner's coordinates and the order of its steps), in one
 // number. A piece spans less than 2^18 cells, so no coordinate overflows into the next. Pieces may have equal keys.

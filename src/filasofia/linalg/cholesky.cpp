@@ -30,6 +30,14 @@ public:
         return {.iterations = 1, .residual = residual(a, b, x)};
     }
 
+    bool solveAgain(std::span<const Vec3> b, std::span<Vec3> x) override
+    {
+        if (factor_.info() != Eigen::Success || factor_.rows() != static_cast<Eigen::Index>(3 * b.size())) return false;
+        const auto size = static_cast<Eigen::Index>(3 * b.size());
+        Eigen::Map<Eigen::VectorXd>(&x[0].x, size) = factor_.solve(Eigen::Map<const Eigen::VectorXd>(&b[0].x, size));
+        return true;
+    }
+
 private:
     /// The pattern of the lower triangle, column by column: A is symmetric, so row r of A read from its diagonal on
     /// is column r of the lower triangle.

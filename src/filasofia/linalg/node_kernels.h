@@ -10,13 +10,6 @@
 /// set with fused multiply-add. Sums are made per part, lane by lane and then over the sixteen lanes in double.
 namespace filasofia::linalg {
 
-struct alignas(64) RotationBlock {
-    float m[9][kBlock]; ///< by rows
-};
-struct alignas(64) SymmetricBlock {
-    float m[6][kBlock]; ///< xx xy xz yy yz zz
-};
-
 /// a . b
 double dot(const NodeArray& a, const NodeArray& b, Blocks blocks);
 
@@ -25,22 +18,6 @@ void turn(const NodeArray& z, float beta, NodeArray& p, Blocks blocks);
 
 /// x += alpha p, r -= alpha q; returns r . r
 double descend(float alpha, const NodeArray& p, const NodeArray& q, NodeArray& x, NodeArray& r, Blocks blocks);
-
-/// s = R^T r, w = D s: a residual in the rest frame, and smoothed there.
-void warpAndSmooth(const std::vector<RotationBlock>& rotations, const std::vector<SymmetricBlock>& inverseDiagonal,
-                   const NodeArray& r, NodeArray& s, NodeArray& w, Blocks blocks);
-
-/// Four entries per node of an interpolation from coarse nodes.
-struct alignas(64) InterpolationBlock {
-    int at[kBlock][4]; ///< 3 * coarse node
-    float weights[kBlock][4];
-};
-
-/// z = R (w + what the coarse nodes say), x y z of the coarse nodes packed; returns r . z. Without coarse nodes `from`
-/// is empty.
-double prolongAndUnwarp(const std::vector<RotationBlock>& rotations, const std::vector<InterpolationBlock>& from,
-                        std::span<const float> coarse, const NodeArray& w, const NodeArray& r, NodeArray& z,
-                        Blocks blocks);
 
 /// The transpose of an interpolation, by coarse nodes.
 struct Restriction {
@@ -83,11 +60,6 @@ struct StepWork {
 };
 StepWork stepWork(std::span<const float> masses, const NodeArray& v, const NodeArray& dv, const NodeArray& r,
                   const NodeArray& push, Blocks blocks);
-
-/// Each node's rotation: the mean of the quaternions (x y z w) of the elements around it. `quaternions` holds a group
-/// of sixteen for every four groups of corners. The identity where there is none.
-void averageRotations(const Gather& gather, std::span<const float> quaternions, std::vector<RotationBlock>& rotations,
-                      Blocks blocks);
 
 /// The names of the instruction sets that this machine can run, the best first (only the one chosen by useSimdTarget,
 /// while it is), and the one in use.

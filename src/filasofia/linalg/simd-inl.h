@@ -6,6 +6,7 @@
 #define FILASOFIA_LINALG_SIMD_INL_H
 #endif
 
+#include "filasofia/linalg/node_array.h"
 #include "filasofia/linalg/simd_targets.h"
 
 #include <hwy/highway.h>
@@ -116,6 +117,18 @@ HWY_INLINE void storeNodes(V3 v, float* HWY_RESTRICT nodes, std::size_t part)
 
 /// a * b + c * d + e * f, in this order.
 HWY_INLINE V sumOfProducts(V a, V b, V c, V d, V e, V f) { return hn::MulAdd(e, f, hn::MulAdd(c, d, hn::Mul(a, b))); }
+
+// Sixteen sums side by side, four nodes to a row, for sixteen lanes on every target.
+struct LaneSums {
+    alignas(64) float lanes[kBlock];
+
+    [[nodiscard]] double total() const
+    {
+        double sum = 0.0;
+        for (float each : lanes) sum += static_cast<double>(each);
+        return sum;
+    }
+};
 
 } // namespace filasofia::linalg::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

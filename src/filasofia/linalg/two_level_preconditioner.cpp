@@ -104,9 +104,19 @@ void TwoLevelPreconditioner::makeCoarseLevel(const PreconditionerInput& in)
 
 double TwoLevelPreconditioner::apply(const NodeArray& r, NodeArray& z, WorkerPool& pool)
 {
+    smooth(r, pool);
+    return spread(r, z, pool);
+}
+
+void TwoLevelPreconditioner::smooth(const NodeArray& r, WorkerPool& pool)
+{
     const Parts nodes = nodeParts(r.blocks());
     pool.run(nodes.count(),
              [&](int part) { warpAndSmooth(rotations_, inverseDiagonal_, r, rest_, smoothed_, nodes[part]); });
+}
+
+double TwoLevelPreconditioner::spread(const NodeArray& r, NodeArray& z, WorkerPool& pool)
+{
     if (coarseNodes_ > 0) {
         const Parts coarse = coarseNodeParts(coarseNodes_), panels = panelParts(blocksFor(3 * coarseNodes_));
         pool.run(coarse.count(), [&](int part) {
@@ -116,9 +126,38 @@ double TwoLevelPreconditioner::apply(const NodeArray& r, NodeArray& z, WorkerPoo
             multiplyPanels(coarseInverse_, coarseResidual_, coarse_, panels[part].begin, panels[part].end);
         });
     }
-    return sumOfParts(pool, nodes, sums_, [&](Blocks blocks) {
+    return sumOfParts(pool, nodeParts(r.blocks()), sums_, [&](Blocks blocks) {
         return prolongAndUnwarp(rotations_, interpolation_, coarse_, smoothed_, r, z, blocks);
     });
+}
+
+Mat3 TwoLevelPreconditioner::rotation(int node) const
+{
+    const auto& m = rotations_[static_cast<std::size_t>(node / kBlock)].m;
+    const auto at = [&](int k) { return static_cast<double>(m[k][node % kBlock]); };
+    return {{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}, {at(6), at(7), at(8)}}};
+}
+
+Vec3 TwoLevelPreconditioner::smoothedAt(int node) const
+{
+    const float* w = smoothed_[node];
+    return rotation(node) * Vec3{w[0], w[1], w[2]};
+}
+
+void TwoLevelPreconditioner::addToSpread(int node, Vec3 change)
+{
+    const Vec3 rest = transposeTimes(rotation(node), change);
+    float* s = rest_[node];
+    for (int k = 0; k < 3; ++k) s[k] += static_cast<float>(rest[k]);
+}
+
+Mat3 TwoLevelPreconditioner::inverseDiagonal(int node) const
+{
+    const auto& m = inverseDiagonal_[static_cast<std::size_t>(node / kBlock)].m;
+    const auto at = [&](int k) { return static_cast<double>(m[k][node % kBlock]); };
+    const Mat3 rest{{{at(0), at(1), at(2)}, {at(1), at(3), at(4)}, {at(2), at(4), at(5)}}};
+    const Mat3 turn = rotation(node);
+    return turn * rest * transpose(turn);
 }
 
 } // namespace filasofia::linalg

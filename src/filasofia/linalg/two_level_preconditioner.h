@@ -1,7 +1,7 @@
 #pragma once
 
 #include "filasofia/linalg/block_sparse_matrix.h"
-#include "filasofia/linalg/node_kernels.h"
+#include "filasofia/linalg/rotation_kernels.h"
 
 #include <array>
 
@@ -41,7 +41,16 @@ public:
     /// z = M^-1 r; returns r . z
     double apply(const NodeArray& r, NodeArray& z, WorkerPool& pool);
 
+    // The same in two halves, for who changes something between them: R D^-1 R^T r, and z from that and the coarse
+    // level's answer to r.
+    void smooth(const NodeArray& r, WorkerPool& pool);
+    double spread(const NodeArray& r, NodeArray& z, WorkerPool& pool);
+    [[nodiscard]] Vec3 smoothedAt(int node) const;      ///< R D^-1 R^T r
+    void addToSpread(int node, Vec3 change);            ///< to the r that the coarse level answers to
+    [[nodiscard]] Mat3 inverseDiagonal(int node) const; ///< R D^-1 R^T
+
 private:
+    [[nodiscard]] Mat3 rotation(int node) const;
     void makeCoarseLevel(const PreconditionerInput& in);
 
     std::vector<RotationBlock> rotations_;

@@ -4,6 +4,7 @@
 #include "filasofia/geometry/surface.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <tuple>
@@ -48,7 +49,56 @@ void applyTo(const BarycentricMap& map, const frame::SoftBodyFrame& body, std::s
     }
 }
 
+/// The triangles around each vertex, in their order.
+std::vector<std::vector<int>> trianglesAround(const geometry::TriangleMesh& surface)
+{
+    std::vector<std::vector<int>> around(surface.vertices.size());
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+        for (int vertex : surface.triangles[t]) around[vertex].push_back(static_cast<int>(t));
+    return around;
+}
+
+/// Do two triangles that share `vertex` share an edge there.
+bool neighbours(const geometry::Triangle& a, const geometry::Triangle& b, int vertex)
+{
+    for (int i : a)
+        if (i != vertex && std::find(b.begin(), b.end(), i) != b.end()) return true;
+    return false;
+}
+
 } // namespace
+
+geometry::TriangleMesh withCreases(const geometry::TriangleMesh& surface, double angle)
+{
+    std::vector<Vec3> normals;
+    for (const auto& [a, b, c] : surface.triangles) {
+        const Vec3 n = cross(surface.vertices[b] - surface.vertices[a], surface.vertices[c] - surface.vertices[a]);
+        normals.push_back(length(n) > 0.0 ? normalized(n) : Vec3{});
+    }
+    const double smooth = std::cos(angle);
+    geometry::TriangleMesh out = surface;
+    const auto around = trianglesAround(surface);
+    for (int v = 0; v < static_cast<int>(around.size()); ++v) {
+        std::vector<int> left = around[v];
+        for (bool first = true; !left.empty(); first = false) {
+            std::vector<int> side{left.front()}; // grows by those that go on smoothly from it
+            left.erase(left.begin());
+            for (std::size_t i = 0; i < side.size(); ++i)
+                std::erase_if(left, [&](int t) {
+                    const bool goesOn = neighbours(surface.triangles[side[i]], surface.triangles[t], v) &&
+                                        dot(normals[side[i]], normals[t]) >= smooth;
+                    if (goesOn) side.push_back(t);
+                    return goesOn;
+                });
+            if (first) continue; // this side keeps the vertex
+            const int fresh = static_cast<int>(out.vertices.size());
+            out.vertices.push_back(surface.vertices[v]);
+            if (!surface.uv.empty()) out.uv.push_back(surface.uv[v]);
+            for (int t : side) std::replace(out.triangles[t].begin(), out.triangles[t].end(), v, fresh);
+        }
+    }
+    return out;
+}
 
 MappedSurface mapBoundary(const geometry::TetMesh& rest)
 {

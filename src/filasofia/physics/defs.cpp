@@ -1,9 +1,78 @@
 #include "filasofia/physics/defs.h"
 
-#include "filasofia/core/error.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/mesh_file.h"
 
+#include <algorithm>
+
 namespace filasofia::physics {
+namespace {
+
+bool isGiven(const TriangleMeshSource& source)
+{
+    const auto* file = std::get_if<std::string>(&source);
+    return !file || !file->empty();
+}
+
+void load(TriangleMeshSource& source, std::string_view object)
+{
+    if (auto mesh = loadMesh(source, object)) source = std::move(mesh);
+}
+
+void load(std::vector<CollisionDef>& collision, const std::string& object)
+{
+    for (std::size_t i = 0; i < collision.size(); ++i)
+        load(collision[i].mesh, text(object, ": collision[", i, "].mesh"));
+}
+
+void checkElement(int element, std::size_t count, const std::string& field)
+{
+    if (element < 0 || static_cast<std::size_t>(element) >= count)
+        fail(field, " must be in [0, ", count, "), got ", element);
+}
+
+void check(const GivenInertia& given, const std::string& object)
+{
+    const Vec3 m = given.moments;
+    if (!(std::min({m.x, m.y, m.z}) > 0.0)) fail(object, ".moments must be > 0 kg m^2, got ", m.x, " ", m.y, " ", m.z);
+    const double largest = std::max({m.x, m.y, m.z});
+    constexpr double rounding = 1e-9; // of a rod's or a plate's moments, where it is an equality
+    if (largest > (1.0 + rounding) * (m.x + m.y + m.z - largest))
+        fail(object, ".moments: none may be more than the sum of the other two, got ", m.x, " ", m.y, " ", m.z);
+    static_cast<void>(unitPose({{}, given.axes}, object + ".axes"));
+}
+
+void check(const SoftBodyDef& def)
+{
+    const std::string object = text("soft body '", def.name, "'");
+    for (std::size_t i = 0; i < def.collision.size(); ++i)
+        if (def.collision[i].element != 0)
+            fail(object, ": collision[", i, "].element must be 0, got ", def.collision[i].element);
+}
+
+void check(const RigidBodyDef& def)
+{
+    const std::string object = text("rigid body '", def.name, "'");
+    validate(def, object);
+    if (def.elements.empty()) fail(object, ": elements must have at least one entry");
+    if (const auto* given = std::get_if<GivenInertia>(&def.mass))
+        check(*given, object + ": mass");
+    else if (def.dynamic && !isGiven(def.mesh))
+        fail(object, ": mass of a dynamic body must come from a mesh: give it one, or give it GivenInertia");
+    for (const auto& [field, v] : {std::pair{"velocity", def.velocity}, {"angularVelocity", def.angularVelocity}})
+        if (!(length(v) < kFarthest)) fail(object, ": ", field, " must be < ", kFarthest, " in all, got ", length(v));
+    for (std::size_t i = 0; i < def.collision.size(); ++i) {
+        const std::string field = text(object, ": collision[", i, "]");
+        checkElement(def.collision[i].element, def.elements.size(), field + ".element");
+        if (!isGiven(def.collision[i].mesh) && !isGiven(def.mesh))
+            fail(field, ".mesh must name a file or be a mesh: the body has none either");
+    }
+    for (std::size_t i = 0; i < def.attachments.size(); ++i)
+        checkElement(def.attachments[i].element, def.elements.size(), text(object, ": attachments[", i, "].element"));
+}
+
+} // namespace
 
 std::string describeBody(const BodyDef& def)
 {
@@ -41,6 +110,52 @@ geometry::TetMesh worldMesh(const SoftBodyDef& def)
     const Pose pose = unitPose(def.pose, text("soft body '", def.name, "': pose"));
     for (Vec3& node : mesh.nodes) node = transform(pose, node);
     return mesh;
+}
+
+std::shared_ptr<const geometry::TriangleMesh> loadMesh(const TriangleMeshSource& source, std::string_view object)
+{
+    if (!isGiven(source)) return nullptr;
+    if (const auto* file = std::get_if<std::string>(&source))
+        return std::make_shared<const geometry::TriangleMesh>(geometry::loadTriangleMesh(*file));
+    const auto& given = std::get<std::shared_ptr<const geometry::TriangleMesh>>(source);
+    if (!given) fail(object, " must name a file or be a mesh, got a null pointer");
+    geometry::check(*given, object);
+    return given;
+}
+
+SoftBodyDef loaded(SoftBodyDef def)
+{
+    def.mesh = loadMesh(def);
+    load(def.collision, text("soft body '", def.name, "'"));
+    return def;
+}
+
+RigidBodyDef loaded(RigidBodyDef def)
+{
+    const std::string object = text("rigid body '", def.name, "'");
+    load(def.mesh, object + ": mesh");
+    load(def.collision, object);
+    return def;
+}
+
+void check(const BodyDef& def)
+{
+    std::visit([](const auto& each) { check(each); }, def);
+}
+
+RigidInertia inertiaOf(const RigidBodyDef& def)
+{
+    check(def);
+    if (!def.dynamic) return {};
+    if (const auto* given = std::get_if<GivenInertia>(&def.mass)) {
+        const Mat3 axes = toMat3(normalized(given->axes));
+        return {given->mass, given->centre, axes * Mat3::diagonal(given->moments) * transpose(axes)};
+    }
+    const std::string object = text("rigid body '", def.name, "': mesh");
+    const geometry::MassProperties body = geometry::massProperties(*loadMesh(def.mesh, object), object);
+    const auto* density = std::get_if<Density>(&def.mass);
+    const double perVolume = density ? density->value : std::get<TotalMass>(def.mass).value / body.volume;
+    return {perVolume * body.volume, body.centre, perVolume * body.inertia};
 }
 
 } // namespace filasofia::physics

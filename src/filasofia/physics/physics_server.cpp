@@ -14,6 +14,7 @@ namespace filasofia::physics {
 namespace {
 
 constexpr std::size_t kMaximumCommands = 4096; // per step
+constexpr std::size_t kMaximumSpent = 64;
 
 } // namespace
 
@@ -23,6 +24,9 @@ struct PhysicsServer::Impl {
     std::vector<Command> commands; ///< of the step being made
     frame::FramePool frames;
     SpscRing<StepRecord> log;
+    /// What materials have replaced, on its way back: a step may not be long enough to take it apart. Read under the
+    /// lock.
+    SpscRing<std::unique_ptr<BuiltBody>> spent{kMaximumSpent};
     bool hashing = false;
     bool recordLost = false; ///< since the last record that was written
     bool paused = false;
@@ -40,12 +44,38 @@ struct PhysicsServer::Impl {
 
     BodyId add(BodyDef def)
     {
+        check(def);
         auto shared = std::make_shared<const BodyDef>(std::move(def));
         auto body = engine->build(*shared);
         const std::lock_guard lock(registryMutex);
         const BodyId id{registry.lastAdded().value + 1};
-        push(AddBody{id, shared, std::move(body)}); // under the lock: bodies arrive in the order of their ids
+        const AttachmentId first = attachmentCount(*shared) > 0 ? registry.nextAttachment() : AttachmentId{};
+        push(AddBody{id, shared, std::move(body), first}); // under the lock: bodies arrive in the order of their ids
         return id;
+    }
+
+    /// A command that makes an attachment, but for its id.
+    template <class Attaching> AttachmentId attach(Attaching command)
+    {
+        const std::lock_guard lock(registryMutex);
+        const AttachmentId id = command.id = registry.nextAttachment();
+        push(std::move(command));
+        return id;
+    }
+
+    /// What takes long about a new material is done here, as in add(): the step only moves it in.
+    void setMaterial(BodyId id, const SoftMaterial& material)
+    {
+        BodyDef def;
+        std::vector<std::unique_ptr<BuiltBody>> ends; // here, and not under the lock
+        {
+            const std::lock_guard lock(registryMutex);
+            registry.check(SetMaterial{id, material});
+            def = *registry.find(id).def;
+            for (; auto* body = spent.beginRead(); spent.release()) ends.push_back(std::move(*body));
+        }
+        std::get<SoftBodyDef>(def).material = material;
+        post(SetMaterial{id, material, engine->build(def)}); // checked again: the body may have gone meanwhile
     }
 
     void post(Command command)
@@ -72,6 +102,18 @@ struct PhysicsServer::Impl {
             if (const auto* pause = std::get_if<Pause>(&*command)) paused = pause->paused;
             commands.push_back(std::move(*command));
         }
+    }
+
+    void giveBackSpent()
+    {
+        for (Command& command : commands)
+            if (auto* set = std::get_if<SetMaterial>(&command); set && set->body) {
+                std::unique_ptr<BuiltBody> body = std::move(set->body); // dies here where the ring is full
+                if (auto* place = spent.beginWrite()) {
+                    *place = std::move(body);
+                    spent.publish();
+                }
+            }
     }
 
     void writeLog(StepReport& report)
@@ -115,12 +157,13 @@ PhysicsServer::~PhysicsServer() = default;
 
 BodyId PhysicsServer::add(SoftBodyDef def)
 {
-    def.mesh = loadMesh(def); // read once: the engine and whoever shows the body use the same
+    def = loaded(std::move(def)); // read once: the engine and whoever shows the body use the same
     def.pose = unitPose(def.pose, text("soft body '", def.name, "': pose"));
     return impl_->add(std::move(def));
 }
 BodyId PhysicsServer::add(RigidBodyDef def)
 {
+    def = loaded(std::move(def));
     for (std::size_t e = 0; e < def.elements.size(); ++e)
         def.elements[e] = unitPose(def.elements[e], text("rigid body '", def.name, "': elements[", e, "]"));
     return impl_->add(std::move(def));
@@ -129,12 +172,29 @@ BodyId PhysicsServer::add(RigidBodyDef def)
 void PhysicsServer::remove(BodyId id) { impl_->post(RemoveBody{id}); }
 void PhysicsServer::setPose(BodyId id, const Pose& pose, int element) { impl_->post(SetPose{id, element, pose}); }
 void PhysicsServer::setGravity(Vec3 gravity) { impl_->post(SetGravity{gravity}); }
-void PhysicsServer::setMaterial(BodyId id, const SoftMaterial& material) { impl_->post(SetMaterial{id, material}); }
+void PhysicsServer::setMaterial(BodyId id, const SoftMaterial& material) { impl_->setMaterial(id, material); }
 void PhysicsServer::setForces(BodyId id, std::vector<NodalForce> forces)
 {
     impl_->post(SetForces{id, std::move(forces)});
 }
 void PhysicsServer::setPressure(BodyId id, double pressure) { impl_->post(SetPressure{id, pressure}); }
+void PhysicsServer::setWrench(BodyId id, Vec3 force, Vec3 torque, int element)
+{
+    impl_->post(SetWrench{id, element, force, torque});
+}
+AttachmentId PhysicsServer::attach(BodyId soft, AttachmentDef def)
+{
+    return impl_->attach(Attach{{}, soft, std::move(def)});
+}
+AttachmentId PhysicsServer::attach(BodyId rigid, RigidAttachmentDef def)
+{
+    return impl_->attach(AttachRigid{{}, rigid, std::move(def)});
+}
+AttachmentId PhysicsServer::grasp(BodyId rigid, BodyId target, const GraspDef& def)
+{
+    return impl_->attach(Grasp{{}, rigid, target, def});
+}
+void PhysicsServer::release(AttachmentId id) { impl_->post(Release{id}); }
 void PhysicsServer::pause(bool paused) { impl_->post(Pause{paused}); }
 void PhysicsServer::reset() { impl_->post(Reset{}); }
 void PhysicsServer::tune(std::function<void(PhysicsEngine&)> change) { impl_->post(Tune{std::move(change)}); }
@@ -145,12 +205,22 @@ std::shared_ptr<const BodyDef> PhysicsServer::def(BodyId id) const
     return impl_->registry.find(id).def;
 }
 
+std::vector<AttachmentId> PhysicsServer::attachments(BodyId id) const
+{
+    const std::lock_guard lock(impl_->registryMutex);
+    const Registry::Body& body = impl_->registry.find(id);
+    std::vector<AttachmentId> ids;
+    for (std::uint32_t k = 0; k < attachmentCount(*body.def); ++k) ids.push_back({body.firstAttachment.value + k});
+    return ids;
+}
+
 StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget& budget)
 {
     FILASOFIA_ASSERT(std::isfinite(dt) && dt > 0.0);
     impl_->drainInbox();
     StepReport report = impl_->engine->step(
         {.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands, .flags = flags, .budget = &budget});
+    impl_->giveBackSpent();
     impl_->writeLog(report);
     impl_->publishFrame();
     return report;

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/physics/check_attachment.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,16 +18,26 @@ struct Registry::Check {
         FILASOFIA_ASSERT(add.def != nullptr && add.body != nullptr);
         if (add.id <= registry.last_)
             fail("body ", add.id.value, ": ids rise, and one up to ", registry.last_.value, " was given already");
+        checkAttachments(registry, {{}, *add.def, add.body->nodeCount()});
+        if (attachmentCount(*add.def) > 0) checkFresh(add.attachments);
     }
     void operator()(const RemoveBody& remove) const { static_cast<void>(registry.find(remove.id)); }
     void operator()(const SetPose& set) const
     {
         const Body& body = find<RigidBodyDef>(set.id, "a pose can be set on a rigid body only");
         const std::string object = describeBody(*body.def);
-        if (set.element < 0 || set.element >= body.nodeCount)
-            fail(object, ": element must be in [0, ", body.nodeCount, "), got ", set.element);
+        checkElement(body, set.element, object);
         validate(set.pose, object);
         static_cast<void>(unitPose(set.pose, object));
+    }
+    void operator()(const SetWrench& set) const
+    {
+        const Body& body = find<RigidBodyDef>(set.id, "a wrench can be set on a rigid body only");
+        const std::string object = describeBody(*body.def);
+        if (!std::get<RigidBodyDef>(*body.def).dynamic)
+            fail(object, ": a wrench can be set on a dynamic body only; this one goes where it is told");
+        checkElement(body, set.element, object);
+        validate(set, object);
     }
     void operator()(const SetGravity& set) const
     {
@@ -57,6 +68,37 @@ struct Registry::Check {
         if (!std::isfinite(set.pressure))
             fail(describeBody(*body.def), ": pressure must be finite, got ", set.pressure);
     }
+    void operator()(const Attach& attach) const
+    {
+        const Body& body = find<SoftBodyDef>(attach.body, "a rigid body takes a RigidAttachmentDef");
+        checkAttachment(registry, {attach.body, *body.def, body.nodeCount}, attach.def,
+                        describeBody(*body.def) + ": attachment");
+        checkFresh(attach.id);
+    }
+    void operator()(const AttachRigid& attach) const
+    {
+        const Body& body = find<RigidBodyDef>(attach.body, "a soft body takes an AttachmentDef");
+        checkAttachment(registry, {attach.body, *body.def, body.nodeCount}, attach.def,
+                        describeBody(*body.def) + ": attachment");
+        checkFresh(attach.id);
+    }
+    void operator()(const Release& release) const
+    {
+        if (!release.id || release.id > registry.lastAttachment_)
+            fail("attachment ", release.id.value, ": no such attachment (it was never made)");
+    }
+    void operator()(const Grasp& grasp) const
+    {
+        const Body& body = find<RigidBodyDef>(grasp.rigid, "only a rigid body can grasp");
+        const std::string object = describeBody(*body.def) + ": grasp";
+        if (grasp.target == grasp.rigid) fail(object, ": target must be another body");
+        const Body& target = registry.find(grasp.target);
+        validate(grasp.def, object);
+        const auto* other = std::get_if<RigidBodyDef>(target.def.get());
+        if (other && !other->dynamic && !std::get<RigidBodyDef>(*body.def).dynamic)
+            fail(object, ": what goes where it is told cannot be held: one of the two must be dynamic, or soft");
+        checkFresh(grasp.id);
+    }
     void operator()(const Reset&) const {}
     void operator()(const Pause&) const {}
     void operator()(const Tune& tune) const
@@ -65,6 +107,19 @@ struct Registry::Check {
     }
 
 private:
+    void checkFresh(AttachmentId id) const
+    {
+        if (id <= registry.lastAttachment_)
+            fail("attachment ", id.value, ": ids rise, and one up to ", registry.lastAttachment_.value,
+                 " was given already");
+    }
+
+    static void checkElement(const Body& body, int element, const std::string& object)
+    {
+        if (element < 0 || element >= body.nodeCount)
+            fail(object, ": element must be in [0, ", body.nodeCount, "), got ", element);
+    }
+
     /// The body behind an id, which must be of kind Def.
     template <class Def> const Body& find(BodyId id, const char* what) const
     {
@@ -79,11 +134,24 @@ void Registry::check(const Command& command) const { std::visit(Check{*this}, co
 void Registry::note(const Command& command)
 {
     if (const auto* add = std::get_if<AddBody>(&command)) {
-        bodies_[add->id] = {add->def, add->body->nodeCount()};
+        bodies_[add->id] = {add->def, add->body->nodeCount(), add->attachments};
         last_ = add->id;
+        if (const std::uint32_t count = attachmentCount(*add->def); count > 0)
+            lastAttachment_ = {add->attachments.value + count - 1};
     } else if (const auto* remove = std::get_if<RemoveBody>(&command)) {
         bodies_.erase(remove->id);
+    } else if (const auto* attach = std::get_if<Attach>(&command)) {
+        lastAttachment_ = attach->id;
+    } else if (const auto* rigid = std::get_if<AttachRigid>(&command)) {
+        lastAttachment_ = rigid->id;
+    } else if (const auto* grasp = std::get_if<Grasp>(&command)) {
+        lastAttachment_ = grasp->id;
     }
+}
+
+std::uint32_t attachmentCount(const BodyDef& def)
+{
+    return std::visit([](const auto& each) { return static_cast<std::uint32_t>(each.attachments.size()); }, def);
 }
 
 const Registry::Body& Registry::find(BodyId id) const

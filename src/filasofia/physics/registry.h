@@ -6,12 +6,16 @@
 
 namespace filasofia::physics {
 
+/// How many attachments a body's Def makes.
+std::uint32_t attachmentCount(const BodyDef& def);
+
 /// What the outside knows of the bodies, so that a wrong command fails where it is made and never inside a step.
 class Registry {
 public:
     struct Body {
         std::shared_ptr<const BodyDef> def;
         int nodeCount = 0;
+        AttachmentId firstAttachment = {}; ///< of those of its Def; the others follow
     };
 
     /// Throws an Error naming body, field, bound and value unless the command can be applied.
@@ -24,11 +28,13 @@ public:
     [[nodiscard]] bool has(BodyId id) const { return bodies_.contains(id); }
     [[nodiscard]] BodyId lastAdded() const { return last_; }
     [[nodiscard]] std::size_t softBodyCount() const;
+    [[nodiscard]] AttachmentId nextAttachment() const { return {lastAttachment_.value + 1}; }
 
 private:
     struct Check;
     std::map<BodyId, Body> bodies_;
     BodyId last_ = {};
+    AttachmentId lastAttachment_ = {};
 };
 
 } // namespace filasofia::physics

@@ -52,12 +52,4 @@ std::string JsonReader::word(const Json& json, const Place& place)
     return json.get<std::string>();
 }
 
-physics::TetMeshSource JsonReader::mesh(const Json& json, const Place& place) const
-{
-    if (json.is_string()) return json.get<std::string>();
-    const auto number = integer<std::size_t>(json, place);
-    if (number >= meshes.size()) place.refuse("must be the number of a mesh on a line before", json);
-    return meshes[number];
-}
-
 } // namespace filasofia::record

@@ -20,7 +20,7 @@ struct Place {
 /// Turns JSON into values. Strict: a field that is missing, unknown or of the wrong kind is an Error naming its place.
 class JsonReader {
 public:
-    std::vector<TetMesh> meshes; ///< by number
+    std::vector<Mesh> meshes; ///< by number
 
     template <class T> void read(const Json& json, T& out, const Place& place) const
     {
@@ -32,10 +32,12 @@ public:
             out = integer<T>(json, place);
         else if constexpr (std::is_same_v<T, std::string>)
             out = word(json, place);
-        else if constexpr (std::is_same_v<T, BodyId>)
+        else if constexpr (std::is_same_v<T, BodyId> || std::is_same_v<T, AttachmentId>)
             out.value = integer<std::uint32_t>(json, place);
-        else if constexpr (std::is_same_v<T, physics::TetMeshSource>)
-            out = mesh(json, place);
+        else if constexpr (std::is_enum_v<T>)
+            readName(json, out, place);
+        else if constexpr (IsMeshSource<T>)
+            readMesh(json, out, place);
         else if constexpr (kIsOptional<T>)
             json.is_null() ? out.reset() : read(json, out.emplace(), place);
         else if constexpr (kIsShared<T>)
@@ -71,8 +73,26 @@ private:
     static double number(const Json& json, const Place& place);
     static bool flag(const Json& json, const Place& place);
     static std::string word(const Json& json, const Place& place);
-    [[nodiscard]] physics::TetMeshSource mesh(const Json& json, const Place& place) const;
 
+    template <class T> static void readName(const Json& json, T& out, const Place& place)
+    {
+        const auto all = names(&out);
+        const auto found = std::find(all.begin(), all.end(), word(json, place));
+        if (found == all.end()) place.refuse("must be one of its names", json);
+        out = static_cast<T>(found - all.begin());
+    }
+    template <class File, class Held>
+    void readMesh(const Json& json, std::variant<File, Held>& out, const Place& place) const
+    {
+        if (json.is_string()) {
+            out = json.get<std::string>();
+            return;
+        }
+        const auto number = integer<std::size_t>(json, place);
+        const auto* held = number < meshes.size() ? std::get_if<Held>(&meshes[number]) : nullptr;
+        if (!held) place.refuse("must be the number of a mesh of its kind on a line before", json);
+        out = *held;
+    }
     template <class T> static T integer(const Json& json, const Place& place)
     {
         if (json.is_number_unsigned() && std::in_range<T>(json.get<std::uint64_t>())) return json.get<T>();

@@ -13,15 +13,20 @@
 #include <vector>
 
 /// How values look in a recording, for the writer and the reader alike. A Def is an object with the fields of its list,
-/// a variant an object with the one name of what it holds, a vector in space or a pose an array, an infinity a word.
+/// a variant an object with the one name of what it holds, an enumeration its value's name, a vector in space or a pose
+/// an array, an infinity a word.
 namespace filasofia::record {
 
 using Json = nlohmann::ordered_json; ///< keeps the order in which members were written
 
 using TetMesh = std::shared_ptr<const geometry::TetMesh>;
+using TriangleMesh = std::shared_ptr<const geometry::TriangleMesh>;
+using Mesh = std::variant<TetMesh, TriangleMesh>; ///< on a line of its own, told by number
+template <class T>
+concept IsMeshSource = std::is_same_v<T, physics::TetMeshSource> || std::is_same_v<T, physics::TriangleMeshSource>;
 
 inline constexpr const char* kFormat = "filasofia recording";
-inline constexpr int kVersion = 1;
+inline constexpr int kVersion = 2;
 inline constexpr const char* kInfinite = "infinite";
 inline constexpr const char* kMinusInfinite = "-infinite";
 

@@ -2,6 +2,7 @@
 
 #include "filasofia/record/json_shapes.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -16,11 +17,13 @@ public:
             return number(value);
         else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>)
             return value;
-        else if constexpr (std::is_same_v<T, BodyId>)
+        else if constexpr (std::is_same_v<T, BodyId> || std::is_same_v<T, AttachmentId>)
             return value.value;
-        else if constexpr (std::is_same_v<T, TetMesh>)
+        else if constexpr (std::is_enum_v<T>)
+            return names(&value)[static_cast<std::size_t>(value)];
+        else if constexpr (std::is_same_v<T, TetMesh> || std::is_same_v<T, TriangleMesh>)
             return numberOf(value);
-        else if constexpr (std::is_same_v<T, physics::TetMeshSource>)
+        else if constexpr (IsMeshSource<T>)
             return std::visit([this](const auto& source) { return this->write(source); }, value);
         else if constexpr (kIsOptional<T>)
             return value ? write(*value) : Json();
@@ -35,9 +38,9 @@ public:
     }
 
     /// The meshes that were met and not handed out yet; their numbers go on from one call to the next.
-    std::vector<TetMesh> takeNewMeshes()
+    std::vector<Mesh> takeNewMeshes()
     {
-        std::vector<TetMesh> fresh(meshes_.begin() + static_cast<std::ptrdiff_t>(handedOut_), meshes_.end());
+        std::vector<Mesh> fresh(meshes_.begin() + static_cast<std::ptrdiff_t>(handedOut_), meshes_.end());
         handedOut_ = meshes_.size();
         return fresh;
     }
@@ -73,25 +76,32 @@ private:
         return json;
     }
 
+    template <class T> static bool sameBits(const std::vector<T>& a, const std::vector<T>& b)
+    {
+        using Bits = std::array<std::uint64_t, sizeof(T) / sizeof(std::uint64_t)>; // vectors in space, or pairs
+        return std::ranges::equal(
+            a, b, {}, [](const T& v) { return std::bit_cast<Bits>(v); },
+            [](const T& v) { return std::bit_cast<Bits>(v); });
+    }
     static bool sameBits(const geometry::TetMesh& a, const geometry::TetMesh& b)
     {
-        const auto same = [](Vec3 p, Vec3 q) {
-            const auto bits = [](Vec3 v) { return std::bit_cast<std::array<std::uint64_t, 3>>(v); };
-            return bits(p) == bits(q);
-        };
-        return a.tetrahedra == b.tetrahedra &&
-               std::equal(a.nodes.begin(), a.nodes.end(), b.nodes.begin(), b.nodes.end(), same);
+        return a.tetrahedra == b.tetrahedra && sameBits(a.nodes, b.nodes);
     }
-    std::size_t numberOf(const TetMesh& mesh)
+    static bool sameBits(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b)
+    {
+        return a.triangles == b.triangles && sameBits(a.vertices, b.vertices) && sameBits(a.uv, b.uv);
+    }
+    template <class T> std::size_t numberOf(const T& mesh)
     {
         if (!mesh) fail("a recording holds no body without a mesh");
         for (std::size_t i = 0; i < meshes_.size(); ++i)
-            if (meshes_[i] == mesh || sameBits(*meshes_[i], *mesh)) return i;
+            if (const auto* other = std::get_if<T>(&meshes_[i]); other && (*other == mesh || sameBits(**other, *mesh)))
+                return i;
         meshes_.push_back(mesh);
         return meshes_.size() - 1;
     }
 
-    std::vector<TetMesh> meshes_;
+    std::vector<Mesh> meshes_;
     std::size_t handedOut_ = 0;
 };
 

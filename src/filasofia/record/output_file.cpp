@@ -1,24 +1,65 @@
 #include "filasofia/record/output_file.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <utility>
 
 namespace filasofia::record {
+namespace {
 
-OutputFile::OutputFile(const std::filesystem::path& path) : name_(path.string()), file_(std::fopen(name_.c_str(), "w"))
+constexpr const char* kNotWritten = ": cannot be written (disk full?)";
+
+/// Opens a file that nobody else writes through this class. Two names may be one file, so the file itself is locked.
+std::FILE* openAlone(const std::string& name)
 {
-    if (!file_) fail(name_, ": cannot be written");
+    const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    if (file < 0) fail(name, ": cannot be written");
+    struct stat status = {};
+    if (::fstat(file, &status) == 0 && S_ISREG(status.st_mode)) { // of a device there may be many writers
+        // Where the file system knows no locks there is no answer to be had, and nothing to refuse.
+        const bool taken = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+        if (taken || ::ftruncate(file, 0) != 0) { // emptied only once it is ours
+            ::close(file);
+            fail(name, taken ? ": is being written already, by this name or another" : ": cannot be written");
+        }
+    }
+    std::FILE* stream = ::fdopen(file, "w");
+    if (!stream) {
+        ::close(file);
+        fail(name, ": cannot be written");
+    }
+    return stream;
 }
 
-OutputFile::~OutputFile() { std::fclose(file_); }
+} // namespace
+
+OutputFile::OutputFile(const std::filesystem::path& path) : name_(path.string()), file_(openAlone(name_)) {}
+
+OutputFile::~OutputFile()
+{
+    if (file_ && std::fclose(file_) != 0) logError(name_, kNotWritten);
+}
 
 void OutputFile::write(std::string_view text)
 {
-    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(name_, ": cannot be written (disk full?)");
+    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(name_, kNotWritten);
 }
 
 void OutputFile::flush()
 {
-    if (std::fflush(file_) != 0) fail(name_, ": cannot be written (disk full?)");
+    if (std::fflush(file_) != 0) fail(name_, kNotWritten);
+}
+
+void OutputFile::close()
+{
+    if (std::FILE* file = std::exchange(file_, nullptr); file && std::fclose(file) != 0) fail(name_, kNotWritten);
 }
 
 } // namespace filasofia::record

@@ -37,16 +37,27 @@ RecordingHeader headerOf(const Json& json, const JsonReader& reader)
     RecordingHeader header;
     reader.member(json, "filasofia", header.filasofia);
     reader.member(json, "period", header.period);
-    reader.noOthers(json, 4, oneOf("format", "version", "filasofia", "period"));
+    reader.member(json, "revision", header.revision);
+    reader.member(json, "simd", header.simd);
+    reader.member(json, "contact", header.contact);
+    reader.noOthers(json, 7, oneOf("format", "version", "filasofia", "revision", "simd", "period", "contact"));
     return header;
 }
 
-TetMesh meshOf(const Json& json, const JsonReader& reader)
+Mesh meshOf(const Json& json, const JsonReader& reader)
 {
     std::size_t number = 0;
     reader.member(json, "mesh", number);
     if (number != reader.meshes.size())
         Place{nullptr, "mesh"}.refuse(text("must be ", reader.meshes.size(), ", the next number"), json["mesh"]);
+    if (json.contains("triangles")) {
+        geometry::TriangleMesh mesh;
+        reader.member(json, "vertices", mesh.vertices);
+        reader.member(json, "triangles", mesh.triangles);
+        reader.member(json, "uv", mesh.uv);
+        reader.noOthers(json, 4, oneOf("mesh", "vertices", "triangles", "uv"));
+        return std::make_shared<const geometry::TriangleMesh>(std::move(mesh));
+    }
     geometry::TetMesh mesh;
     reader.member(json, "nodes", mesh.nodes);
     reader.member(json, "tetrahedra", mesh.tetrahedra);
@@ -72,6 +83,17 @@ StepRecord stepOf(const Json& json, const JsonReader& reader)
         record.report.solves.push_back({.body = {}, .iterations = each});
     }
     return record;
+}
+
+/// The file, looked at before it is opened: opening a pipe would wait for its writer.
+const std::filesystem::path& checkedRegular(const std::filesystem::path& file)
+{
+    std::error_code problem;
+    const std::filesystem::file_status status = std::filesystem::status(file, problem);
+    if (!std::filesystem::exists(status)) fail(file.string(), ": cannot be read");
+    if (std::filesystem::is_directory(status)) fail(file.string(), ": is a folder");
+    if (!std::filesystem::is_regular_file(status)) fail(file.string(), ": is no regular file");
+    return file;
 }
 
 } // namespace
@@ -111,10 +133,10 @@ struct RecordingReader::Impl {
     }
 };
 
-RecordingReader::RecordingReader(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file))
+RecordingReader::RecordingReader(const std::filesystem::path& file)
+    : impl_(std::make_unique<Impl>(checkedRegular(file)))
 {
-    if (!impl_->in || !std::filesystem::exists(file)) fail(impl_->name, ": cannot be read");
-    if (std::filesystem::is_directory(file)) fail(impl_->name, ": is a folder");
+    if (!impl_->in) fail(impl_->name, ": cannot be read");
     if (!impl_->nextLine([this](const Json& json) { impl_->header = headerOf(json, impl_->reader); }))
         fail(impl_->name, ": is empty, no recording");
 }

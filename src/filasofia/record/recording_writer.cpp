@@ -20,6 +20,18 @@ struct RecordingWriter::Impl {
     std::size_t meshes = 0; ///< written
     bool warned = false;
 
+    Json meshLine(const geometry::TetMesh& mesh)
+    {
+        return {{"mesh", meshes++}, {"nodes", json.write(mesh.nodes)}, {"tetrahedra", json.write(mesh.tetrahedra)}};
+    }
+    Json meshLine(const geometry::TriangleMesh& mesh)
+    {
+        return {{"mesh", meshes++},
+                {"vertices", json.write(mesh.vertices)},
+                {"triangles", json.write(mesh.triangles)},
+                {"uv", json.write(mesh.uv)}};
+    }
+
     void warnOnce(const physics::StepRecord& step)
     {
         const auto why = whyNotRepeatable(step);
@@ -34,7 +46,10 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
     impl_->file.write(lineOf({{"format", kFormat},
                               {"version", kVersion},
                               {"filasofia", FILASOFIA_VERSION},
-                              {"period", impl_->json.write(header.period)}}));
+                              {"revision", FILASOFIA_REVISION},
+                              {"simd", header.simd},
+                              {"period", impl_->json.write(header.period)},
+                              {"contact", impl_->json.write(header.contact)}}));
 }
 
 RecordingWriter::~RecordingWriter() = default;
@@ -46,14 +61,15 @@ void RecordingWriter::write(const physics::StepRecord& step)
     const Json line = {{"step", step.report.step},   {"dt", impl_->json.write(step.report.dt)},
                        {"flags", step.report.flags}, {"hash", hexadecimal(step.hash)},
                        {"iterations", iterations},   {"commands", impl_->json.write(step.commands)}};
-    for (const TetMesh& mesh : impl_->json.takeNewMeshes())
-        impl_->file.write(lineOf({{"mesh", impl_->meshes++},
-                                  {"nodes", impl_->json.write(mesh->nodes)},
-                                  {"tetrahedra", impl_->json.write(mesh->tetrahedra)}}));
+    for (const Mesh& mesh : impl_->json.takeNewMeshes())
+        impl_->file.write(lineOf(std::visit([&](const auto& held) { return impl_->meshLine(*held); }, mesh)));
     impl_->file.write(lineOf(line));
     impl_->warnOnce(step);
 }
 
 void RecordingWriter::flush() { impl_->file.flush(); }
+void RecordingWriter::close() { impl_->file.close(); }
+
+std::string_view sourceRevision() { return FILASOFIA_REVISION; }
 
 } // namespace filasofia::record

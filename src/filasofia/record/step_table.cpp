@@ -13,7 +13,8 @@ struct StepTable::Impl {
 
 StepTable::StepTable(const std::filesystem::path& file) : impl_(new Impl{OutputFile(file)})
 {
-    impl_->file.write("step,time [s],dt [s],flags,iterations,hash,commands [s],assemble [s],advance [s]\n");
+    impl_->file.write("step,time [s],dt [s],flags,iterations,hash,contacts,contact force [N],penetration [m],"
+                      "commands [s],contacts [s],assemble [s],advance [s]\n");
 }
 
 StepTable::~StepTable() = default;
@@ -23,14 +24,19 @@ void StepTable::write(const physics::StepRecord& step)
     const physics::StepReport& report = step.report;
     int iterations = 0;
     for (const physics::BodySolve& solve : report.solves) iterations += solve.iterations;
-    std::array<char, 320> line; // nine numbers of at most 25 characters
-    const int length = std::snprintf(line.data(), line.size(),
-                                     "%" PRIu64 ",%.17g,%.17g,%" PRIu32 ",%d,%016" PRIx64 ",%.9g,%.9g,%.9g\n",
-                                     report.step, report.time, report.dt, report.flags, iterations, step.hash,
-                                     report.times.commands, report.times.assemble, report.times.advance);
+    double force = 0.0; // of all contacts along their normals
+    for (const frame::Contact& contact : step.contacts) force += contact.normalForce;
+    std::array<char, 400> line; // thirteen numbers of at most 25 characters
+    const int length =
+        std::snprintf(line.data(), line.size(),
+                      "%" PRIu64 ",%.17g,%.17g,%" PRIu32 ",%d,%016" PRIx64 ",%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
+                      report.step, report.time, report.dt, report.flags, iterations, step.hash, report.contacts.active,
+                      force, report.contacts.penetration, report.times.commands, report.times.contacts,
+                      report.times.assemble, report.times.advance);
     impl_->file.write({line.data(), static_cast<std::size_t>(length)});
 }
 
 void StepTable::flush() { impl_->file.flush(); }
+void StepTable::close() { impl_->file.close(); }
 
 } // namespace filasofia::record

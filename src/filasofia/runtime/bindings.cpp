@@ -31,6 +31,18 @@ mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const TriangleM
     return mapping::mapSurface(rest, std::move(inWorld));
 }
 
+constexpr double kCrease = 0.6; ///< [rad], 34 degrees: a box has edges, a sphere of 20 sides has none
+
+/// The mesh of a rigid body that is drawn as it is.
+TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, const std::string& object)
+{
+    const auto mesh = physics::loadMesh(body.mesh, object);
+    if (!mesh) fail(object, ": surface must name a file or be a surface, as the body has no mesh of its own");
+    if (def.subdivision > 0)
+        return *mesh; // subdividing rounds edges, and would tear a surface that is split along them
+    return mapping::withCreases(*mesh, kCrease);
+}
+
 } // namespace
 
 void Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServer& physics)
@@ -40,25 +52,31 @@ void Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServer&
     validate(def, object);
     const auto surface = loadSurface(def.surface, object);
 
-    Binding binding{.id = id, .def = def};
+    std::vector<Binding> made;
     if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body)) {
         mapping::MappedSurface mapped = mapSoft(*soft, surface.get());
+        Binding& binding = made.emplace_back(Binding{.id = id, .def = def});
         binding.name = soft->name;
         binding.surface = std::move(mapped.surface);
         binding.softMap = std::move(mapped.map);
     } else {
         const auto& rigid = std::get<physics::RigidBodyDef>(*body);
-        if (!surface) fail(object, ": surface must name a file or be a surface, got nothing");
         const int count = static_cast<int>(rigid.elements.size());
         if (def.element >= count) fail(object, ": element must be in [0, ", count, "), got ", def.element);
-        binding.soft = false;
-        binding.name = rigid.name;
-        binding.surface = *surface;
-        binding.rigidMap = {def.element};
-        binding.start = rigid.elements[def.element];
+        if (!surface && def.element > 0)
+            fail(object, ": element needs a surface (without one every element is drawn), got ", def.element);
+        const TriangleMesh drawn = surface ? *surface : ownSurface(rigid, def, object);
+        for (int element = surface ? def.element : 0; element < (surface ? def.element + 1 : count); ++element)
+            made.push_back({.id = id,
+                            .soft = false,
+                            .name = rigid.name,
+                            .surface = drawn,
+                            .rigidMap = {element},
+                            .start = rigid.elements[element],
+                            .def = def});
     }
     const std::lock_guard lock(pendingMutex_);
-    pending_.push_back(std::move(binding));
+    for (Binding& binding : made) pending_.push_back(std::move(binding));
 }
 
 void Bindings::addPending(visual::VisualServer& visual)

@@ -1,55 +1,52 @@
 #include "filasofia/runtime/simulation.h"
 
+#include "filasofia/core/word.h"
+
 #include <CLI/CLI.hpp>
 
-#include <cstdio>
 #include <iostream>
 
 namespace filasofia::runtime {
 namespace {
 
-std::string line(const char* format, auto... values)
-{
-    char buffer[200];
-    std::snprintf(buffer, sizeof buffer, format, values...);
-    return std::string(buffer) + "\n";
-}
-
 constexpr int kRefused = 2; ///< exit code: the user's words or files were wrong
 
-} // namespace
-
-std::string summary(const RunReport& report)
+/// An option that sets a field of the RunDef. CLI11 hands us the words as they are: what we say of them is in our own.
+template <class Value>
+void addOption(CLI::App& app, const std::string& name, Value RunDef::*member, RunDef& def, const std::string& meaning)
 {
-    const Spread cost = report.timing.cost(), rate = report.timing.rate();
-    std::string out = line("%llu steps, %.3f s simulated in %.3f s (%.2f x real time); ended: %s",
-                           static_cast<unsigned long long>(report.timing.stepCount), report.timing.simulatedSeconds,
-                           report.timing.wallSeconds, report.timing.realTimeFactor(), report.finished.c_str());
-    out += line("one step takes [ms]    median %8.3f   p1 %8.3f   p99 %8.3f", cost.median * 1e3, cost.p1 * 1e3,
-                cost.p99 * 1e3);
-    out += line("physics rate [1/s]     median %8.1f   p1 %8.1f   p99 %8.1f", rate.median, rate.p1, rate.p99);
-    out += text("late steps ", report.timing.late, ", clamped by slack ", report.timing.clamped, ", put back ",
-                report.undone, ", of these made again damped ", report.damped, ", solver at its cap ",
-                report.notConverged, ", at the deadline ", report.outOfTime, "\n");
-    if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
-        out += line("pictures drawn %ld", report.visual.framesDrawn);
-    for (const std::string& picture : report.pictures) out += "wrote " + picture + "\n";
-    out += line("state hash %016llx", static_cast<unsigned long long>(report.hash));
-    return out;
+    Value& target = def.*member;
+    const auto take = [&target, member, name = "run: " + name](const std::string& word) {
+        if constexpr (std::is_same_v<Value, int>)
+            target = wholeNumber(name, word, boundOf(member));
+        else if constexpr (std::is_same_v<Value, double>)
+            target = realNumber(name, word, boundOf(member));
+        else if (word.empty())
+            fail(name, " must not be empty");
+        else
+            target = word;
+    };
+    CLI::Option* added = app.add_option_function<std::string>(name, take, meaning);
+    if constexpr (std::is_same_v<Value, std::string>)
+        added->type_name("FILE")->default_str("none");
+    else
+        added->type_name("N")->default_str(text(target));
 }
+
+} // namespace
 
 int Simulation::run(int argc, const char* const* argv)
 {
     RunDef def;
     CLI::App app("A Filasofia simulation");
     app.add_flag("--headless", def.headless, "a plain loop without window or clock, the same every time");
-    app.add_option("--steps", def.steps, "end after as many steps (headless: 1000 unless given)");
-    app.add_option("--seconds", def.seconds, "end after as many seconds of wall time");
-    const CLI::Validator named([](const std::string& word) { return word.empty() ? "a file name is empty" : ""; }, "");
-    app.add_option("--picture", def.picture, "write the last state to this PNG file")->check(named);
-    app.add_option("--picture-every", def.pictureEvery, "with --headless: numbered pictures, seconds apart");
-    app.add_option("--log", def.log, "write a line per step to this CSV file")->check(named);
-    app.add_option("--record", def.record, "write the run to this .rec file, for 'filasofia replay'")->check(named);
+    addOption(app, "--steps", &RunDef::steps, def, "end after as many steps; 0: no end (headless: 1000)");
+    addOption(app, "--seconds", &RunDef::seconds, def, "end after as many seconds of wall time; 0: no end");
+    addOption(app, "--picture", &RunDef::picture, def, "write the last state to this PNG file");
+    addOption(app, "--picture-every", &RunDef::pictureEvery, def,
+              "with --headless: numbered pictures, seconds apart; 0: only the last");
+    addOption(app, "--log", &RunDef::log, def, "write a line per step to this CSV file");
+    addOption(app, "--record", &RunDef::record, def, "write the run to this .rec file, for 'filasofia replay'");
     try {
         app.parse(argc, argv);
         if (def.headless && def.steps == 0) def.steps = 1000; // nobody could close it
@@ -59,6 +56,11 @@ int Simulation::run(int argc, const char* const* argv)
     } catch (const CLI::CallForHelp&) {
         std::cout << app.help();
         return 0;
+    } catch (const CLI::ArgumentMismatch& problem) {
+        const std::string said = problem.what();
+        return report(Error(text(said.substr(0, said.find(':')), " must be given once, with one value")));
+    } catch (const CLI::ExtrasError&) {
+        return report(Error(text("unknown word '", shortened(app.remaining().front()), "'; --help lists those known")));
     } catch (const CLI::ParseError& problem) {
         return report(Error(problem.what()));
     } catch (const Error& problem) {
@@ -68,7 +70,7 @@ int Simulation::run(int argc, const char* const* argv)
 
 int report(const Error& error)
 {
-    std::cerr << error.what() << '\n';
+    std::cerr << withShortWords(error.what()) << '\n';
     return kRefused;
 }
 

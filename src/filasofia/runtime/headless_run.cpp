@@ -74,15 +74,18 @@ RunReport runHeadless(Simulation::Impl& parts, const RunDef& def)
     const PhysicsLoopDef loop{
         .period = parts.period(), .freeRunning = true, .maximumSteps = static_cast<std::uint64_t>(def.steps)};
     RunReport report;
-    report.timing = runPhysics(parts.physics, loop, parts.clock, parts.stop, [&](const physics::StepReport& step) {
+    const auto afterStep = [&](const physics::StepReport& step) {
         const std::uint32_t flags = parts.afterStep(step);
         parts.events.deliverAll(); // before the next step begins: observers' commands come at the same step every time
         files.drain();
         pictures.afterStep(step.time);
         if (StopSignal::received()) parts.finish("interrupted");
         return flags;
-    });
-    parts.finish(text("made ", report.timing.stepCount, " steps"));
+    };
+    report.timing =
+        runPhysics(parts.physics, loop, parts.clock, parts.stop, afterStep, [&](double dt) { parts.beforeStep(dt); });
+    files.close();
+    parts.finish(text("made ", report.timing.stepCount, report.timing.stepCount == 1 ? " step" : " steps"));
     pictures.last();
     pictures.fill(report);
     return report;

@@ -23,8 +23,10 @@ public:
         if (!def.freeRunning) loop.deadline = parts.deadline(); // else it measures what steps cost
         thread_ = std::thread([this, loop] {
             realTime_ = parts_.def.physics.realTime && !loop.freeRunning && requestRealTime();
-            timing_ = runPhysics(parts_.physics, loop, parts_.clock, parts_.stop,
-                                 [this](const physics::StepReport& step) { return parts_.afterStep(step); });
+            timing_ = runPhysics(
+                parts_.physics, loop, parts_.clock, parts_.stop,
+                [this](const physics::StepReport& step) { return parts_.afterStep(step); },
+                [this](double dt) { parts_.beforeStep(dt); });
             parts_.finish(text("made ", timing_.stepCount, " steps"));
         });
     }
@@ -150,7 +152,7 @@ RunReport runLive(Simulation::Impl& parts, const RunDef& def)
         physics.join();
         physics.fill(report);
     }
-    files.drain();
+    files.close();
     if (!def.picture.empty()) {
         parts.takePicture(screen.visual(), def.picture);
         report.pictures.push_back(def.picture);

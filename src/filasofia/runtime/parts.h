@@ -2,6 +2,7 @@
 
 #include "filasofia/runtime/bindings.h"
 #include "filasofia/runtime/clock.h"
+#include "filasofia/runtime/contact_watch.h"
 #include "filasofia/runtime/simulation.h"
 
 #include <atomic>
@@ -18,6 +19,8 @@ struct Simulation::Impl {
     Bindings bindings;
     std::function<void(visual::VisualServer&)> dress;
     std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow;
+    std::vector<std::function<void(double)>> everyStep; ///< an empty one threw; the stepping thread's in a run
+    ContactWatch contacts;                              ///< the stepping thread's in a run
 
     std::atomic<bool> running = false; ///< run() is going on, on whatever thread
     std::atomic<bool> stop = false;
@@ -39,7 +42,12 @@ struct Simulation::Impl {
     [[nodiscard]] Nanoseconds deadline() const;
     /// Time and step of now, onto an event.
     void stamp(event::Event& event) const;
-    /// Bookkeeping after a step: time, counters, and the update event. Returns the flags for the next report.
+    /// What the user does before a step of dt [s].
+    void beforeStep(double dt);
+    /// Posts what begins, goes on and ends to touch; StepFlag bits where some of it was lost.
+    std::uint32_t tellContacts(const physics::StepReport& report);
+    /// Bookkeeping after a step: time, counters, contact events and the update event. Returns the flags for the next
+    /// report.
     std::uint32_t afterStep(const physics::StepReport& report);
     /// The look of the Def, or what the user made of the scene.
     void dressScene(visual::VisualServer& visual);

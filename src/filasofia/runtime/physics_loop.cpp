@@ -30,7 +30,7 @@ Nanoseconds later(Nanoseconds time, Nanoseconds by)
 } // namespace
 
 RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, const Clock& clock,
-                     const std::atomic<bool>& stop, const AfterStep& afterStep)
+                     const std::atomic<bool>& stop, const AfterStep& afterStep, const BeforeStep& beforeStep)
 {
     RunTiming timing;
     timing.steps.resize(kMaximumTimings); // touched now, so that no step of the loop meets a fresh page
@@ -45,6 +45,7 @@ RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, 
         const Nanoseconds now = clock.now();
         const Tick tick = def.freeRunning ? Tick{.dt = def.period} : grid.wake(now);
         if (def.deadline) budget.deadline = later(now, *def.deadline);
+        if (beforeStep) beforeStep(toSeconds(tick.dt));
         const physics::StepReport report = server.step(toSeconds(tick.dt), flags | flagsOf(tick), budget);
         const Nanoseconds cost = clock.now() - now;
         flags = afterStep(report);

@@ -25,10 +25,13 @@ struct PhysicsLoopDef {
 /// Called after every step, on the stepping thread; returns StepFlag bits for the next step's report.
 using AfterStep = std::function<std::uint32_t(const physics::StepReport&)>;
 
+/// Called before every step, on the stepping thread, with the step's length [s].
+using BeforeStep = std::function<void(double)>;
+
 /// The periodic task: wakes on the grid, steps, sleeps, until `stop` is set. Runs on the caller's thread. Every step
 /// gets the clock, so that it can tell what its stages took.
 RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, const Clock& clock,
-                     const std::atomic<bool>& stop, const AfterStep& afterStep);
+                     const std::atomic<bool>& stop, const AfterStep& afterStep, const BeforeStep& beforeStep = {});
 
 /// Asks the system to schedule the calling thread before ordinary ones (SCHED_FIFO, lowest priority); false where it
 /// may not, or where it would starve the only core.

@@ -13,6 +13,8 @@ public:
     RunFiles(Simulation::Impl& parts, const RunDef& def);
     /// Writes the steps made since the last time. Throws an Error when the disk is full.
     void drain();
+    /// After the last step: an Error where the disk refuses what is still on its way.
+    void close();
 
 private:
     physics::PhysicsServer& physics_;

@@ -23,6 +23,8 @@ const SimulationDef& checked(const SimulationDef& def)
     return def;
 }
 
+constexpr auto kEventLost = static_cast<std::uint32_t>(physics::StepFlag::EventLost);
+
 /// Fails before the run, not after it.
 void checkFile(const std::string& file, const char* field, const char* extension)
 {
@@ -53,19 +55,21 @@ void check(const RunDef& def)
 /// Whoever does not look at the report should hear it once.
 void warn(const RunReport& report)
 {
+    const auto steps = [](std::uint64_t count) { return text("in ", count, count == 1 ? " step" : " steps"); };
     if (report.undone > 0)
-        logWarning("in ", report.undone, " steps a state blew up and was put back (Undone), in ", report.damped,
-                   " of them to creep on (Damped)");
-    if (report.notConverged > 0) logWarning("in ", report.notConverged, " steps a solver stopped at its cap");
-    if (report.outOfTime > 0) logWarning("in ", report.outOfTime, " steps a solver stopped at the deadline");
+        logWarning(steps(report.undone), " a state blew up and was put back (Undone)",
+                   report.damped > 0 ? text(", in ", report.damped, " of them to creep on (Damped)") : "");
+    if (report.notConverged > 0) logWarning(steps(report.notConverged), " a solver stopped at its cap");
+    if (report.outOfTime > 0) logWarning(steps(report.outOfTime), " a solver stopped at the deadline");
 }
 
 } // namespace
 
 Simulation::Impl::Impl(const SimulationDef& asked)
-    : def(checked(asked)),
-      physics(engine::makeNativeEngine({.period = 1.0 / asked.physics.rate, .threads = asked.physics.threads}),
-              {.gravity = asked.physics.gravity})
+    : def(checked(asked)), physics(engine::makeNativeEngine({.period = 1.0 / asked.physics.rate,
+                                                             .threads = asked.physics.threads,
+                                                             .contact = asked.physics.contact}),
+                                   {.gravity = asked.physics.gravity})
 {
 }
 
@@ -106,9 +110,39 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     damped += report.has(physics::StepFlag::Damped);
     notConverged += report.has(physics::StepFlag::NotConverged);
     outOfTime += report.has(physics::StepFlag::OutOfTime);
+    const std::uint32_t flags = tellContacts(report); // first: who hears of the step has heard of its contacts
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     stamp(*update);
-    return events.tryPost(std::move(update)) ? 0u : static_cast<std::uint32_t>(physics::StepFlag::EventLost);
+    return flags | (events.tryPost(std::move(update)) ? 0u : kEventLost);
+}
+
+void Simulation::Impl::beforeStep(double dt)
+{
+    if (everyStep.empty() || physics.paused()) return;
+    const double end = time.load(std::memory_order_relaxed) + dt;
+    for (auto& callback : everyStep) {
+        if (!callback) continue;
+        try {
+            callback(end);
+        } catch (const std::exception& problem) { // as of an observer: one mistake does not end physics
+            logError("simulation: everyStep: ", problem.what(), "; it is not called again");
+            callback = nullptr;
+        }
+    }
+}
+
+std::uint32_t Simulation::Impl::tellContacts(const physics::StepReport& report)
+{
+    if (!contacts.concerns(report)) return 0;
+    const auto post = [this](std::unique_ptr<ContactEvent> event) {
+        stamp(*event);
+        return events.tryPost(std::move(event));
+    };
+    if (report.contacts.active == 0) return contacts.observe({}, post) ? 0u : kEventLost;
+    const frame::FrameRef frame = physics.latest();
+    // Readers that hold all frames keep this step's contacts from us: the next step tells.
+    if (!frame || frame->step != report.step) return kEventLost;
+    return contacts.observe(frame->contacts, post) ? 0u : kEventLost;
 }
 
 void Simulation::Impl::dressScene(visual::VisualServer& visual)
@@ -140,6 +174,7 @@ void Simulation::Impl::fill(RunReport& report)
     report.damped = damped;
     report.notConverged = notConverged;
     report.outOfTime = outOfTime;
+    report.contacts = contacts.report(physics);
     const std::lock_guard lock(reasonMutex);
     report.finished = reason;
 }
@@ -154,6 +189,13 @@ void Simulation::dress(std::function<void(visual::VisualServer&)> scene) { impl_
 void Simulation::useWindow(std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> open)
 {
     impl_->openWindow = std::move(open);
+}
+
+void Simulation::everyStep(std::function<void(double)> callback)
+{
+    if (!callback) fail("simulation: everyStep: the function to call must be one, got nothing");
+    if (impl_->running.load()) fail("simulation: everyStep is to be set before a run, and one is going on");
+    impl_->everyStep.push_back(std::move(callback));
 }
 
 void Simulation::post(std::unique_ptr<event::Event> event)
@@ -174,6 +216,7 @@ RunReport Simulation::run(const RunDef& def)
     if (impl_->running.exchange(true)) fail("simulation: a run is going on; it cannot be run again meanwhile");
     const StopSignal stopSignal;
     impl_->undone = impl_->damped = impl_->notConverged = impl_->outOfTime = 0;
+    impl_->contacts.beginRun();
     try {
         if (impl_->everMade > 0 && !def.record.empty())
             fail("run: record is for a simulation's first run, and this one has made ", impl_->everMade, " steps");

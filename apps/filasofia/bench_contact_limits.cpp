@@ -1,0 +1,79 @@
+#include "apps/filasofia/bench_contact_limits.h"
+
+#include "filasofia/core/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace filasofia::app {
+namespace {
+
+using Figure = std::function<double(const ContactCell&)>;
+using Which = std::function<bool(const ContactCell&)>;
+
+double shown(double value, double digits = 3.0) // so many digits
+{
+    const double unit = std::pow(10.0, digits - 1.0 - std::floor(std::log10(std::max(std::abs(value), 1e-300))));
+    return std::round(value * unit) / unit;
+}
+
+/// Holds the highest figure (or the lowest, where `low`) of those cells against a bound.
+Verdict judge(const std::vector<ContactCell>& cells, const Which& which, const Figure& figure, double bound,
+              const std::string& limit, const std::string& unit, bool low = false)
+{
+    const ContactCell* worst = nullptr;
+    for (const ContactCell& cell : cells) {
+        if (!which(cell)) continue;
+        if (!worst || (low ? figure(cell) < figure(*worst) : figure(cell) > figure(*worst))) worst = &cell;
+    }
+    if (!worst) return {limit, {}, "not measured"};
+    const double value = figure(*worst);
+    return {limit, low ? value >= bound : value <= bound,
+            text(low ? "lowest " : "highest ", shown(value), unit, " (", worst->label(), ")")};
+}
+
+double medianMs(const ContactCell& cell) { return 1e3 * cell.alone().step().median; }
+double p99Ms(const ContactCell& cell) { return 1e3 * cell.alone().step().p99; }
+double found(const ContactCell& cell) { return runtime::spreadOf(cell.found).median; }
+double pushing(const ContactCell& cell) { return runtime::spreadOf(cell.pushing).median; }
+
+bool scraped(const ContactCell& cell) { return cell.scene.name.starts_with("scraped"); }
+bool slow(const ContactCell& cell) { return cell.scene.name == "scraped at 0.1 m/s"; }
+bool plate(const ContactCell& cell) { return cell.scene.name.starts_with("plate"); }
+
+Verdict judgeFlags(const std::vector<ContactCell>& cells)
+{
+    Verdict verdict{.limit = "no step raises a flag", .met = true, .measured = "none did"};
+    for (const ContactCell& cell : cells)
+        for (const ContactTimes& run : cell.runs) {
+            if (run.flags == 0 || !*verdict.met) continue;
+            verdict.met = false;
+            verdict.measured = text("flags ", run.flags, ", in ", run.flagged, " of ", run.steps.size(),
+                                    " counted steps (", cell.label(), ")");
+        }
+    return verdict;
+}
+
+} // namespace
+
+std::vector<Verdict> judgeContact(const std::vector<ContactCell>& cells)
+{
+    const auto bunny = [](const std::string& tets) {
+        return [tets](const ContactCell& cell) { return scraped(cell) && cell.scene.body == "bunny " + tets; };
+    };
+    const auto thousand = [](const ContactCell& cell) { return plate(cell) && cell.scene.asked == 1000; };
+    return {judge(cells, slow, found, 60, "at least 60 contacts stand while the bunny is scraped at 0.1 m/s, by median",
+                  "", true),
+            judge(cells, bunny("3004"), medianMs, 0.2, "3004 tetrahedra, scraped: median at most 0.2 ms, one thread",
+                  " ms"),
+            judge(cells, bunny("3004"), p99Ms, 0.8, "3004 tetrahedra, scraped: p99 at most 0.8 ms", " ms"),
+            judge(cells, bunny("10000"), medianMs, 0.6, "10000 tetrahedra, scraped: median at most 0.6 ms", " ms"),
+            judge(cells, bunny("10000"), p99Ms, 2.0, "10000 tetrahedra, scraped: p99 at most 2 ms", " ms"),
+            judge(cells, thousand, pushing, 1000, "at least 1000 contacts push under the largest plate, by median", "",
+                  true),
+            judge(cells, thousand, medianMs, 2.0, "1000 contacts on 30000 tetrahedra: median at most 2 ms", " ms"),
+            judgeFlags(cells)};
+}
+
+} // namespace filasofia::app

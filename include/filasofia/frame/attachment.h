@@ -1,0 +1,19 @@
+#pragma once
+
+#include "filasofia/core/attachment_id.h"
+#include "filasofia/core/body_id.h"
+#include "filasofia/math/vec3.h"
+
+namespace filasofia::frame {
+
+/// What an attachment did during a step. One that broke at its end is there for the last time.
+struct Attachment {
+    AttachmentId id = {};
+    BodyId body = {};
+    BodyId to = {};      ///< none: space
+    Vec3 force = {};     ///< [N] on `body`, the sum over its points; on `to` the opposite
+    int points = 0;      ///< that it holds
+    bool broken = false; ///< the force was more than it stands
+};
+
+} // namespace filasofia::frame

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "filasofia/core/fields.h"
+#include "filasofia/math/quat.h"
+
+#include <variant>
+
+namespace filasofia::physics {
+
+struct Density {
+    double value = 1000.0; ///< [kg/m^3], > 0
+};
+struct TotalMass {
+    double value = 1.0; ///< [kg], > 0, spread by volume
+};
+using Mass = std::variant<Density, TotalMass>;
+
+/// A rigid element's mass as a datasheet gives it.
+struct GivenInertia {
+    double mass = 1.0;                 ///< [kg], > 0
+    Vec3 centre = {};                  ///< [m] of mass, in the element's coordinates
+    Vec3 moments = {1e-4, 1e-4, 1e-4}; ///< [kg m^2], > 0, principal; none more than the sum of the other two
+    Quat axes = {};                    ///< from the principal axes to the element's
+};
+using RigidMass = std::variant<Density, TotalMass, GivenInertia>;
+
+constexpr auto fields(const Density*)
+{
+    return describe("Density", field("value", &Density::value, "kg/m^3", positive(), "mass per volume"));
+}
+constexpr auto fields(const TotalMass*)
+{
+    return describe("TotalMass", field("value", &TotalMass::value, "kg", positive(), "mass of the whole body"));
+}
+constexpr auto fields(const GivenInertia*)
+{
+    using T = GivenInertia;
+    return describe("GivenInertia", field("mass", &T::mass, "kg", positive(), "mass of the element"),
+                    field("centre", &T::centre, "m", finite(), "of mass, in the element's coordinates"),
+                    field("moments", &T::moments, "kg m^2", positive(), "principal moments of inertia"),
+                    field("axes", &T::axes, "from the principal axes to the element's"));
+}
+
+} // namespace filasofia::physics

@@ -1,0 +1,104 @@
+#include "filasofia/engine/build_collision.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/geometry/surface.h"
+
+#include <algorithm>
+
+namespace filasofia::engine {
+namespace {
+
+using geometry::TriangleMesh;
+
+// How far in the vertices of a surface go, of its proximity.
+constexpr double kInset = 0.2;
+
+CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def)
+{
+    const double depth = kInset * def.proximity;
+    CollisionModel model;
+    model.shape = std::make_shared<const CollisionShape>(
+        makeCollisionShape(mesh, {.points = def.primitives.points,
+                                  .lines = def.primitives.lines,
+                                  .triangleFaces = def.primitives.triangles,
+                                  .proximity = def.proximity + depth, // what is left of it lies so much deeper
+                                  .group = def.group,
+                                  .self = def.self,
+                                  .cutting = def.cutting}));
+    model.inset = makeInset(*model.shape, depth);
+    model.proximity = def.proximity;
+    return model;
+}
+
+/// Every vertex is one of the nodes.
+geometry::Embedding identical(const std::vector<int>& nodes)
+{
+    geometry::Embedding ties;
+    for (int node : nodes) {
+        ties.nodes.push_back({node, node, node, node});
+        ties.weights.push_back({1.0, 0.0, 0.0, 0.0});
+    }
+    return ties;
+}
+
+/// Weights that are none but for rounding go: a vertex at a node rides on that node alone.
+void tidy(geometry::Embedding& ties)
+{
+    for (std::array<double, 4>& weights : ties.weights) {
+        double sum = 0.0;
+        for (double& weight : weights) sum += weight = std::abs(weight) < 1e-9 ? 0.0 : weight;
+        for (double& weight : weights) weight /= sum;
+    }
+}
+
+void checkPrimitives(const physics::CollisionDef& def, const std::string& field)
+{
+    const physics::Primitives& p = def.primitives;
+    if (!p.points && !p.lines && !p.triangles)
+        fail(field, ".primitives must have points, lines or triangles, got none");
+}
+
+} // namespace
+
+std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& worldMesh)
+{
+    std::vector<CollisionModel> models;
+    for (std::size_t i = 0; i < def.collision.size(); ++i) {
+        const physics::CollisionDef& each = def.collision[i];
+        const std::string field = text("soft body '", def.name, "': collision[", i, "]");
+        checkPrimitives(each, field);
+        if (const auto given = physics::loadMesh(each.mesh, field + ".mesh")) {
+            TriangleMesh mesh = *given;
+            for (Vec3& vertex : mesh.vertices) vertex = transform(def.pose, vertex);
+            models.push_back(modelOf(mesh, each));
+            models.back().ties = geometry::embed(worldMesh, mesh.vertices);
+            tidy(models.back().ties);
+        } else {
+            const geometry::Surface surface = geometry::extractSurface(worldMesh);
+            models.push_back(modelOf(surface.mesh, each));
+            models.back().ties = identical(surface.nodes);
+        }
+    }
+    return models;
+}
+
+std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
+{
+    std::vector<CollisionModel> models;
+    for (std::size_t i = 0; i < def.collision.size(); ++i) {
+        const physics::CollisionDef& each = def.collision[i];
+        const std::string field = text("rigid body '", def.name, "': collision[", i, "]");
+        checkPrimitives(each, field);
+        auto mesh = physics::loadMesh(each.mesh, field + ".mesh");
+        if (!mesh) mesh = physics::loadMesh(def.mesh, text("rigid body '", def.name, "': mesh"));
+        if (!mesh) fail(field, ".mesh must name a file or be a mesh: the body has none either");
+        CollisionModel& model = models.emplace_back(modelOf(*mesh, each));
+        model.element = each.element;
+        model.core = mesh->vertices;
+        std::vector<Vec3> normals;
+        applyInset(*model.shape, model.inset, normals, model.core);
+    }
+    return models;
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,68 @@
+#include "filasofia/engine/collision/collision_surface.h"
+
+#include "filasofia/core/assert.h"
+
+#include <cmath>
+
+namespace filasofia::engine {
+namespace {
+
+constexpr float kFarthest = 1e9f; // [m] beyond it nothing is computed: squares of squares stay finite
+
+// A vertex's box. In every direction as far as its speed allows: so whatever comes near along its normal is found,
+// though it moves sideways too. The box around its way would be smaller, and miss that.
+Bounds boundsOf(Vec3 x, Vec3 v, float depth, float reach)
+{
+    const float vx = static_cast<float>(v.x), vy = static_cast<float>(v.y), vz = static_cast<float>(v.z);
+    const float r = depth + reach * std::sqrt(vx * vx + vy * vy + vz * vz);
+    const FourFloats at{static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z), 0.0f};
+    const FourFloats size = at < FourFloats{} ? -at : at;
+    // A number not comparable is not less: what is no number falls out too.
+    const auto near = reinterpret_cast<TwoWords>((size < kFarthest) & (FourFloats{r, r, r, r} < kFarthest));
+    if ((near[0] & near[1]) != -1) return damagedBounds();
+    // A handful of roundings, each by 2^-24 of what is rounded.
+    const FourFloats grown = r * (1.0f + 0x1p-20f) + 1e-30f + size * 0x1p-22f;
+    return {at - grown, -at - grown};
+}
+
+} // namespace
+
+void boundVertices(CollisionSurface& surface, double reach)
+{
+    const std::size_t count = surface.shape->rest.size();
+    FILASOFIA_ASSERT(surface.x.size() == count && surface.v.size() == count);
+    surface.vertexBounds.resize(count);
+    surface.whole = emptyBounds();
+    const auto depth = static_cast<float>(surface.shape->depth), time = static_cast<float>(reach);
+    for (std::size_t i = 0; i < count; ++i) {
+        surface.vertexBounds[i] = boundsOf(surface.x[i], surface.v[i], depth, time);
+        surface.whole = merged(surface.whole, surface.vertexBounds[i]);
+    }
+}
+
+void boundTree(CollisionSurface& surface)
+{
+    const CollisionShape& shape = *surface.shape;
+    surface.elementBounds.resize(shape.elements.size());
+    surface.nodeBounds.resize(shape.nodes.size());
+    // Children lie behind their parent: backwards, every child is ready before it is asked for.
+    for (std::size_t n = shape.nodes.size(); n-- > 0;) {
+        const CollisionShape::Node& node = shape.nodes[n];
+        if (node.count == 0) {
+            surface.nodeBounds[n] = merged(surface.nodeBounds[n + 1], surface.nodeBounds[node.first]);
+            continue;
+        }
+        Bounds all = emptyBounds();
+        for (int i = node.first; i < node.first + node.count; ++i) {
+            const std::array<int, 3>& corners = shape.elements[i].vertices;
+            Bounds box = surface.vertexBounds[corners[0]];
+            if (corners[1] >= 0) box = merged(box, surface.vertexBounds[corners[1]]);
+            if (corners[2] >= 0) box = merged(box, surface.vertexBounds[corners[2]]);
+            surface.elementBounds[i] = damaged(box) ? damagedBounds() : box;
+            all = merged(all, surface.elementBounds[i]);
+        }
+        surface.nodeBounds[n] = all;
+    }
+}
+
+} // namespace filasofia::engine

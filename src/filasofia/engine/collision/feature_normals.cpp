@@ -1,0 +1,106 @@
+#include "filasofia/engine/collision/feature_normals.h"
+
+#include "filasofia/geometry/distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace filasofia::engine {
+namespace {
+
+// [-] of the distance: two boards that lie across each other cross where the side of one is.
+constexpr double kGraze = 2e-3;
+
+// The normal of what the weights say the nearest place lies on: face, edge or vertex.
+Vec3 normalAt(const CollisionSurface& surface, int triangle, const std::array<double, 3>& weights)
+{
+    const CollisionShape& shape = *surface.shape;
+    const geometry::Triangle& corners = shape.triangles[triangle];
+    int on = 0, lastOn = 0, lastOff = 0;
+    for (int k = 0; k < 3; ++k) (weights[k] > 0.0 ? lastOn : lastOff) = k, on += weights[k] > 0.0;
+    if (on == 3) return faceNormal(surface, triangle);
+    if (on == 1) return vertexNormal(surface, corners[lastOn]);
+    const int a = corners[(lastOff + 1) % 3], b = corners[(lastOff + 2) % 3];
+    for (const int e : shape.vertexEdges[a])
+        if (shape.edges[e][0] == b || shape.edges[e][1] == b) return edgeNormal(surface, e);
+    return {};
+}
+
+struct NearestPlace {
+    double squaredDistance = std::numeric_limits<double>::infinity();
+    int triangle = -1;
+    geometry::Nearest<3> nearest;
+};
+
+void search(const CollisionSurface& surface, Vec3 point, const Bounds& box, int at, NearestPlace& best)
+{
+    if (!meet(surface.nodeBounds[at], box)) return;
+    const CollisionShape& shape = *surface.shape;
+    const CollisionShape::Node& node = shape.nodes[at];
+    if (node.count == 0) {
+        search(surface, point, box, at + 1, best);
+        search(surface, point, box, node.first, best);
+        return;
+    }
+    for (int i = node.first; i < node.first + node.count; ++i) {
+        const int t = shape.elements[i].triangle;
+        if (t < 0 || !meet(surface.elementBounds[i], box)) continue;
+        const auto [a, b, c] = shape.triangles[t];
+        const geometry::Nearest<3> here = geometry::nearestOnTriangle(point, surface.x[a], surface.x[b], surface.x[c]);
+        if (here.squaredDistance < best.squaredDistance) best = {here.squaredDistance, t, here};
+    }
+}
+
+} // namespace
+
+Vec3 faceNormal(const CollisionSurface& surface, int triangle)
+{
+    const auto [a, b, c] = surface.shape->triangles[triangle];
+    return cross(surface.x[b] - surface.x[a], surface.x[c] - surface.x[a]);
+}
+
+Vec3 edgeNormal(const CollisionSurface& surface, int edge)
+{
+    Vec3 sum;
+    for (const int t : surface.shape->edgeTriangles[edge]) sum += normalized(faceNormal(surface, t));
+    return sum;
+}
+
+Vec3 vertexNormal(const CollisionSurface& surface, int vertex)
+{
+    Vec3 sum;
+    for (const int t : surface.shape->vertexTriangles[vertex]) {
+        const geometry::Triangle& corners = surface.shape->triangles[t];
+        const int k = corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
+        const Vec3 to = surface.x[corners[(k + 1) % 3]] - surface.x[vertex];
+        const Vec3 from = surface.x[corners[(k + 2) % 3]] - surface.x[vertex];
+        const Vec3 normal = cross(to, from);
+        sum += std::atan2(length(normal), dot(to, from)) * normalized(normal);
+    }
+    return sum;
+}
+
+bool rimEdge(const CollisionShape& shape, int edge) { return shape.edgeTriangles[edge].size() == 1; }
+
+bool rimVertex(const CollisionShape& shape, int vertex)
+{
+    return std::ranges::any_of(shape.vertexEdges[vertex], [&](int e) { return rimEdge(shape, e); });
+}
+
+bool inside(const CollisionSurface& surface, Vec3 point, double distance)
+{
+    // A little more, so that rounding cannot lose the place that is known.
+    const auto reach = static_cast<float>(distance * 1.000001 + 1e-9);
+    const float x = static_cast<float>(point.x), y = static_cast<float>(point.y), z = static_cast<float>(point.z);
+    const float slack = 1e-6f * (std::fabs(x) + std::fabs(y) + std::fabs(z));
+    const float r = reach + slack;
+    const Bounds box{FourFloats{x - r, y - r, z - r, 0.0f}, FourFloats{-x - r, -y - r, -z - r, 0.0f}};
+    NearestPlace best;
+    search(surface, point, box, 0, best);
+    if (best.triangle < 0) return false;
+    const Vec3 normal = normalAt(surface, best.triangle, best.nearest.weights);
+    return dot(point - best.nearest.point, normal) <= kGraze * distance * length(normal);
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,166 @@
+#include "filasofia/engine/collision/find_proximities.h"
+
+#include "filasofia/core/assert.h"
+#include "filasofia/engine/collision/keep_minima.h"
+#include "filasofia/engine/collision/meeting.h"
+
+#include <algorithm>
+
+namespace filasofia::engine {
+namespace {
+
+constexpr double kStepsAhead = 1.5; // a step, and half of one for what the solve adds to the velocities
+constexpr int kPartSize = 64;       // pairs of elements: some 10 µs
+constexpr std::size_t kMostSurfaces = 1 << 11;
+constexpr std::size_t kMostFeatures = 1 << 21;
+
+bool mayMeet(const CollisionSurface& a, const CollisionSurface& b)
+{
+    if (&a == &b) return a.shape->self;
+    return a.body != b.body && a.shape->group == b.shape->group && meet(a.whole, b.whole);
+}
+
+// Boxes of vertices first: most surfaces are near none, and need no more.
+void collectSurfacePairs(std::vector<CollisionSurface>& surfaces, double reach, WorkerPool& pool,
+                         ProximityScratch& scratch)
+{
+    const int count = static_cast<int>(surfaces.size());
+    pool.run(count, [&](int i) { boundVertices(surfaces[static_cast<std::size_t>(i)], reach); });
+    scratch.surfacePairs.clear();
+    scratch.wanted.assign(surfaces.size(), 0);
+    for (int i = 0; i < count; ++i)
+        for (int k = i; k < count; ++k)
+            if (mayMeet(surfaces[i], surfaces[k]) && !surfaces[i].shape->nodes.empty() &&
+                !surfaces[k].shape->nodes.empty()) {
+                scratch.surfacePairs.push_back({i, k});
+                scratch.wanted[i] = scratch.wanted[k] = 1;
+            }
+    pool.run(count, [&](int i) {
+        const auto at = static_cast<std::size_t>(i);
+        if (scratch.wanted[at] != 0) boundTree(surfaces[at]);
+    });
+}
+
+void collectLeafPairs(const CollisionSurface& a, const CollisionSurface& b, CollisionShape::Node na,
+                      CollisionShape::Node nb, std::vector<std::array<int, 2>>& pairs)
+{
+    const bool same = &a == &b && na.first == nb.first;
+    for (int i = na.first; i < na.first + na.count; ++i)
+        for (int k = same ? i + 1 : nb.first; k < nb.first + nb.count; ++k)
+            if (meet(a.elementBounds[i], b.elementBounds[k])) pairs.push_back({i, k});
+}
+
+// Down both trees at once, the wider box first.
+void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, ProximityScratch& scratch)
+{
+    const bool self = &a == &b;
+    scratch.elementPairs.clear();
+    scratch.open.clear();
+    scratch.open.push_back({0, 0});
+    while (!scratch.open.empty()) {
+        const auto [i, k] = scratch.open.back();
+        scratch.open.pop_back();
+        if (!meet(a.nodeBounds[i], b.nodeBounds[k])) continue;
+        const CollisionShape::Node &na = a.shape->nodes[i], &nb = b.shape->nodes[k];
+        if (na.count > 0 && nb.count > 0) {
+            collectLeafPairs(a, b, na, nb, scratch.elementPairs);
+        } else if (self && i == k) {
+            scratch.open.push_back({i + 1, na.first});
+            scratch.open.push_back({na.first, na.first});
+            scratch.open.push_back({i + 1, i + 1});
+        } else if (nb.count > 0 || (na.count == 0 && widthOf(a.nodeBounds[i]) >= widthOf(b.nodeBounds[k]))) {
+            scratch.open.push_back({na.first, k});
+            scratch.open.push_back({i + 1, k});
+        } else {
+            scratch.open.push_back({i, nb.first});
+            scratch.open.push_back({i, k + 1});
+        }
+    }
+}
+
+void meetPoints(const Meeting& meeting, int source, int mine, int other, std::vector<PointMinimum>& out)
+{
+    const CollisionSurface &own = *meeting.sides[source], &target = *meeting.sides[1 - source];
+    if (!own.shape->points) return;
+    for (const int point : own.shape->elements[mine].ownVertices)
+        if (point >= 0 && meet(own.vertexBounds[point], target.elementBounds[other]))
+            meetPoint(meeting, source, point, other, out);
+}
+
+// Whether a triangle's plane has all of the other triangle farther off than both reach.
+bool planeParts(const CollisionSurface& a, const std::array<int, 3>& triangle, const CollisionSurface& b,
+                const std::array<int, 3>& other, double far)
+{
+    const Vec3 at = a.x[triangle[0]];
+    const Vec3 normal = cross(a.x[triangle[1]] - at, a.x[triangle[2]] - at);
+    const double h0 = dot(normal, b.x[other[0]] - at), h1 = dot(normal, b.x[other[1]] - at),
+                 h2 = dot(normal, b.x[other[2]] - at);
+    const double low = std::min(h0, std::min(h1, h2)), high = std::max(h0, std::max(h1, h2));
+    const double gap = std::max(low, -high);
+    return gap > 0.0 && gap * gap > far * far * lengthSquared(normal);
+}
+
+bool farApart(const Meeting& meeting, std::array<int, 2> pair)
+{
+    const CollisionSurface &one = *meeting.sides[0], &two = *meeting.sides[1];
+    const std::array<int, 3>&a = one.shape->elements[pair[0]].vertices, &b = two.shape->elements[pair[1]].vertices;
+    if (a[2] < 0 || b[2] < 0) return false;
+    const double far = reachOf(one.elementBounds[pair[0]]) + reachOf(two.elementBounds[pair[1]]);
+    return planeParts(one, a, two, b, far) || planeParts(two, b, one, a, far);
+}
+
+// Every feature is looked at where its owner is. With itself, a surface's points always stand on the first side.
+void meetElements(const Meeting& meeting, std::array<int, 2> pair, ProximityScratch::Part& out)
+{
+    if (farApart(meeting, pair)) return;
+    meetPoints(meeting, 0, pair[0], pair[1], out.points);
+    meetPoints(meeting, meeting.self() ? 0 : 1, pair[1], pair[0], out.points);
+    const CollisionShape &one = *meeting.sides[0]->shape, &two = *meeting.sides[1]->shape;
+    if (!one.lines || !two.lines) return;
+    for (const int a : one.elements[pair[0]].ownEdges)
+        for (const int b : two.elements[pair[1]].ownEdges)
+            if (a >= 0 && b >= 0) meetEdges(meeting, a, b, out.edges);
+}
+
+void meetAll(const Meeting& meeting, WorkerPool& pool, ProximityScratch& scratch)
+{
+    const int pairs = static_cast<int>(scratch.elementPairs.size());
+    const int parts = (pairs + kPartSize - 1) / kPartSize;
+    if (scratch.parts.size() < static_cast<std::size_t>(parts)) scratch.parts.resize(static_cast<std::size_t>(parts));
+    for (ProximityScratch::Part& part : scratch.parts) part.points.clear(), part.edges.clear();
+    pool.run(parts, [&](int i) {
+        const int end = std::min(pairs, (i + 1) * kPartSize);
+        for (int k = i * kPartSize; k < end; ++k) meetElements(meeting, scratch.elementPairs[k], scratch.parts[i]);
+    });
+}
+
+void checkSizes(const std::vector<CollisionSurface>& surfaces)
+{
+    FILASOFIA_ASSERT(surfaces.size() <= kMostSurfaces);
+    for (const CollisionSurface& surface : surfaces) {
+        FILASOFIA_ASSERT(surface.shape != nullptr);
+        const CollisionShape& shape = *surface.shape;
+        FILASOFIA_ASSERT(shape.rest.size() + shape.edges.size() + shape.triangles.size() <= kMostFeatures);
+    }
+}
+
+} // namespace
+
+void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool, ProximityScratch& scratch,
+                     std::vector<Proximity>& found)
+{
+    checkSizes(surfaces);
+    found.clear();
+    const double reach = kStepsAhead * dt;
+    collectSurfacePairs(surfaces, reach, pool, scratch);
+    beginSides(surfaces, scratch);
+    for (const auto& [i, k] : scratch.surfacePairs) {
+        const Meeting meeting{{&surfaces[i], &surfaces[k]}, {i, k}, reach};
+        collectElementPairs(surfaces[i], surfaces[k], scratch);
+        meetAll(meeting, pool, scratch);
+        keepMinima(meeting, scratch, found);
+    }
+    endSides(scratch);
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,135 @@
+#include "filasofia/engine/collision/keep_minima.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace filasofia::engine {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+template <class Visit> void forEachMinimum(ProximityScratch& scratch, const Visit& visit)
+{
+    for (ProximityScratch::Part& part : scratch.parts)
+        for (PointMinimum& minimum : part.points) visit(minimum);
+}
+
+std::uint64_t sideKey(const Meeting& meeting, const PointMinimum& minimum)
+{
+    // Source, target and point; the two surfaces of the key are the other way round for points of the second.
+    const int from = meeting.places[minimum.source], to = meeting.places[1 - minimum.source];
+    return std::uint64_t(from) << 42 | std::uint64_t(to) << 31 | std::uint64_t(minimum.point);
+}
+
+// The side on which the point was of this place or of one that shares a vertex with it; 0: it was not near.
+int sideBefore(const ProximityScratch& scratch, std::uint64_t key, const std::array<int, 3>& feature)
+{
+    const auto begin = std::ranges::lower_bound(scratch.sides, key, {}, &SideKept::key);
+    for (auto it = begin; it != scratch.sides.end() && it->key == key; ++it)
+        for (const int vertex : it->feature)
+            if (vertex >= 0 && std::ranges::find(feature, vertex) != feature.end()) return it->side;
+    return 0;
+}
+
+// What is nearest to each point, told by its signed distance: below 0 where the point is inside. Written for all points
+// with a minimum, before it is compared.
+void findNearest(ProximityScratch& scratch)
+{
+    forEachMinimum(scratch, [&](const PointMinimum& m) {
+        std::vector<double>& nearest = scratch.nearest[m.source];
+        if (nearest.size() <= static_cast<std::size_t>(m.point)) nearest.resize(static_cast<std::size_t>(m.point) + 1);
+        nearest[m.point] = kNone;
+    });
+    forEachMinimum(scratch, [&](const PointMinimum& m) {
+        double& nearest = scratch.nearest[m.source][m.point];
+        if (m.distance < std::fabs(nearest)) nearest = m.proximity.gap;
+    });
+}
+
+// Of a closed surface: outside, everything near counts; inside, the nearest way out.
+bool keepOfSolid(PointMinimum& m, double nearest)
+{
+    if (nearest < 0.0) return m.proximity.gap == nearest && m.distance <= m.limit;
+    return m.proximity.gap >= 0.0 && m.proximity.gap < m.range && m.facing;
+}
+
+// Of a sheet, or of the point's own surface.
+bool keepOfSheet(const Meeting& meeting, ProximityScratch& scratch, PointMinimum& m)
+{
+    const std::uint64_t key = sideKey(meeting, m);
+    const std::array<int, 3>& feature = m.proximity.vertices[1 - m.source];
+    int side = sideBefore(scratch, key, feature);
+    if (side == 0) {
+        if (!m.twoSided && m.proximity.gap < 0.0) return false; // the other wall of a thin place, not a fold
+        side = m.proximity.gap < 0.0 ? -1 : 1;
+    }
+    if (side < 0) {
+        m.proximity.gap = -m.proximity.gap;
+        m.proximity.normal = -m.proximity.normal;
+    }
+    const double gap = m.proximity.gap;
+    if (gap < 0.0 ? -gap > m.limit : !(gap < (side < 0 ? m.back : m.range) && m.facing)) return false;
+    scratch.nextSides.push_back({key, feature, side});
+    return true;
+}
+
+// The same two vertices are found from both sides: what the second tells counts where the first has not found them. The
+// surface that has triangles knows better which way is out.
+bool secondary(const Meeting& meeting, const PointMinimum& m)
+{
+    if (!m.vertexPair) return false;
+    if (meeting.self()) return m.point > m.proximity.vertices[1 - m.source][0];
+    const bool own = meeting.sides[m.source]->shape->triangleFaces;
+    const bool target = meeting.sides[1 - m.source]->shape->triangleFaces;
+    return own == target ? m.source == 1 : own;
+}
+
+} // namespace
+
+void beginSides(const std::vector<CollisionSurface>& surfaces, ProximityScratch& scratch)
+{
+    scratch.nextSides.clear();
+    const auto same = [&](std::uint64_t place) {
+        return place < surfaces.size() && place < scratch.shapes.size() &&
+               scratch.shapes[place] == surfaces[place].shape;
+    };
+    std::erase_if(scratch.sides,
+                  [&](const SideKept& kept) { return !same(kept.key >> 42) || !same(kept.key >> 31 & 0x7ff); });
+    scratch.shapes.resize(surfaces.size());
+    for (std::size_t i = 0; i < surfaces.size(); ++i)
+        if (scratch.shapes[i] != surfaces[i].shape) scratch.shapes[i] = surfaces[i].shape;
+}
+
+void endSides(ProximityScratch& scratch)
+{
+    const auto before = [](const SideKept& a, const SideKept& b) {
+        return a.key != b.key ? a.key < b.key : a.feature != b.feature ? a.feature < b.feature : a.side < b.side;
+    };
+    std::ranges::sort(scratch.nextSides, before);
+    std::swap(scratch.sides, scratch.nextSides);
+}
+
+void keepMinima(const Meeting& meeting, ProximityScratch& scratch, std::vector<Proximity>& found)
+{
+    findNearest(scratch);
+    scratch.vertexPairs.clear();
+    forEachMinimum(scratch, [&](PointMinimum& m) {
+        const CollisionShape& target = *meeting.sides[1 - m.source]->shape;
+        const bool solid = target.closed && target.triangleFaces && !meeting.self();
+        const bool sided = m.twoSided || (meeting.self() && target.closed && target.triangleFaces);
+        m.kept = solid   ? keepOfSolid(m, scratch.nearest[m.source][m.point])
+                 : sided ? keepOfSheet(meeting, scratch, m)
+                         : m.proximity.gap < m.range && m.facing;
+        if (m.kept && m.vertexPair && !secondary(meeting, m)) scratch.vertexPairs.push_back(m.proximity.feature);
+    });
+    std::ranges::sort(scratch.vertexPairs);
+    for (const ProximityScratch::Part& part : scratch.parts) {
+        for (const PointMinimum& m : part.points)
+            if (m.kept &&
+                !(secondary(meeting, m) && std::ranges::binary_search(scratch.vertexPairs, m.proximity.feature)))
+                found.push_back(m.proximity);
+        found.insert(found.end(), part.edges.begin(), part.edges.end());
+    }
+}
+
+} // namespace filasofia::engine

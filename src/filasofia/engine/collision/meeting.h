@@ -1,0 +1,52 @@
+#pragma once
+
+#include "filasofia/engine/collision/find_proximities.h"
+
+#include <cstdint>
+
+namespace filasofia::engine {
+
+/// Two surfaces whose boxes meet, or one that may meet itself.
+struct Meeting {
+    std::array<const CollisionSurface*, 2> sides{};
+    std::array<int, 2> places{}; ///< in the list of surfaces
+    double reach = 0.0;          ///< [s] one and a half steps
+
+    [[nodiscard]] bool self() const { return places[0] == places[1]; }
+    [[nodiscard]] double proximities() const { return sides[0]->shape->proximity + sides[1]->shape->proximity; }
+    [[nodiscard]] double depths() const { return sides[0]->shape->depth + sides[1]->shape->depth; }
+};
+
+/// The number of a pair of features: 11 bits for each surface, 21 for each feature.
+inline std::uint64_t featureNumber(const Meeting& meeting, int first, int second)
+{
+    return std::uint64_t(meeting.places[0]) << 53 | std::uint64_t(meeting.places[1]) << 42 |
+           std::uint64_t(first) << 21 | std::uint64_t(second);
+}
+
+/// Up to three vertices that make a place: a vertex, a place on an edge or in a face.
+struct Feature {
+    std::array<int, 3> vertices{-1, -1, -1};
+    std::array<double, 3> weights{};
+    int number = 0;
+};
+
+/// [m/s] of the place.
+inline Vec3 velocityAt(const CollisionSurface& surface, const Feature& feature)
+{
+    Vec3 v;
+    for (int k = 0; k < 3; ++k)
+        if (feature.vertices[k] >= 0) v += feature.weights[k] * surface.v[feature.vertices[k]];
+    return v;
+}
+
+/// Whether the features [of one surface] are near each other at rest already.
+bool nearAtRest(const Meeting& meeting, const std::array<int, 3>& a, const std::array<int, 3>& b);
+
+/// Local minima of the distance from one point to what an element owns (and to its face), as far as both may reach.
+void meetPoint(const Meeting& meeting, int source, int point, int element, std::vector<PointMinimum>& found);
+
+/// Where two edges are nearest to each other, if that is a local minimum of the distance and near enough.
+void meetEdges(const Meeting& meeting, int first, int second, std::vector<Proximity>& found);
+
+} // namespace filasofia::engine

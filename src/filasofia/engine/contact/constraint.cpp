@@ -1,0 +1,23 @@
+#include "filasofia/engine/contact/constraint.h"
+
+#include <cmath>
+
+namespace filasofia::engine {
+
+std::array<Vec3, 3> frameOf(Vec3 normal)
+{
+    const Vec3 other = std::abs(normal.x) < 0.6 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0};
+    const Vec3 tangent = normalized(cross(normal, other));
+    return {normal, tangent, cross(normal, tangent)};
+}
+
+Projected project(const Constraint& constraint, Vec3 y)
+{
+    if (constraint.friction < 0.0) return {y, 1.0, true};
+    if (!(y.x > 0.0)) return {};
+    const double tangential = std::sqrt(y.y * y.y + y.z * y.z), most = constraint.friction * y.x;
+    const double slip = tangential > most ? most / tangential : 1.0;
+    return {{y.x, slip * y.y, slip * y.z}, slip, true};
+}
+
+} // namespace filasofia::engine

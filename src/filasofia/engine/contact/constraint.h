@@ -1,0 +1,57 @@
+#pragma once
+
+#include "filasofia/math/vec3.h"
+
+#include <array>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// A grip that a constraint takes hold of, and how much of it counts.
+struct WeightedGrip {
+    int grip = 0; ///< of all bodies' grips, one list
+    double weight = 0.0;
+};
+
+/// What three velocities of a few grips must obey: a contact, or a point that is held.
+///
+///     u = F (sum of weight * velocity - obstacle),   F the frame's three rows
+///
+/// A contact wants bias + u >= 0 along the normal, with an impulse there that pushes only, and a tangential impulse
+/// within Coulomb's cone. What is held wants bias + u = 0 in all three.
+struct Constraint {
+    int first = 0, count = 0;  ///< its grips in the list of WeightedGrip
+    std::array<Vec3, 3> frame; ///< unit and orthogonal; the normal first
+    Vec3 start;                ///< [m/s] u before the step changes any velocity
+    Vec3 bias;                 ///< [m/s]
+    double friction = -1.0;    ///< [-] mu; negative: held
+    double slack = 0.0;        ///< [m/s] of a rigid contact: how much less than 0 bias + u may be at the end
+    double give = 0.0;         ///< [kg] of a spring: impulse per velocity; 0: rigid
+    Vec3 impulse;              ///< [N s] in the frame. In: of the last step; out: what acted in this one
+    Vec3 next;                 ///< [N s] out: where the next step starts
+};
+
+/// Some constraints, and the grips that they take hold of.
+struct Constraints {
+    std::vector<Constraint> list;
+    std::vector<WeightedGrip> grips;
+    void clear()
+    {
+        list.clear();
+        grips.clear();
+    }
+};
+
+/// Two tangents for a unit normal. Continuous but for two places on the ball.
+std::array<Vec3, 3> frameOf(Vec3 normal);
+
+/// The impulse that the law allows nearest to y: none where it would pull, in the cone of friction otherwise; y itself
+/// of what is held. `slip` in [0, 1]: how much of the tangential part is left.
+struct Projected {
+    Vec3 impulse;
+    double slip = 0.0;
+    bool active = false;
+};
+Projected project(const Constraint& constraint, Vec3 y);
+
+} // namespace filasofia::engine

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "filasofia/math/mat3.h"
+
+#include <array>
+#include <span>
+
+namespace filasofia::engine {
+
+/// Where a constraint takes hold of a body: a node of a soft one, an element of a rigid one with the way from its
+/// centre of mass [m, world axes].
+struct Grip {
+    int node = 0;
+    Vec3 arm = {};
+};
+
+/// One body's share of a solve that spans several. Whatever its integrator and its solver are, it has a symmetric
+/// positive definite matrix A over the change of its velocities, an approximate inverse D^-1 + B of it, D made of small
+/// blocks on the diagonal, B any other (or nothing), and the vectors of the conjugate gradients:
+///
+///     x answer, r residual, p direction, q = A p, w = D^-1 r, z the preconditioned residual.
+///
+/// Sums over a body come in joules and impulses at its grips in newton seconds, whatever scale it computes in.
+class CoupledBody {
+public:
+    virtual ~CoupledBody() = default;
+
+    /// x = 0, r = the right-hand side, p = a first guess. From now on the body is held at these grips.
+    virtual void begin(std::span<const Grip> grips) = 0;
+    /// D^-1 as seen from a grip [1/kg], world axes.
+    [[nodiscard]] virtual Mat3 compliance(int grip) const = 0;
+    [[nodiscard]] virtual double mass() const = 0; ///< [kg] of what moves
+
+    virtual double multiply() = 0;            ///< q = A p; returns p . q
+    virtual double slope() = 0;               ///< p . r
+    virtual void descend(double alpha) = 0;   ///< x += alpha p, r -= alpha q
+    virtual void turn(double beta) = 0;       ///< p = z + beta p
+    virtual void smooth() = 0;                ///< w = D^-1 r
+    virtual double spread() = 0;              ///< z = w + B (r + what was added); returns r . z
+    virtual void save() = 0;                  ///< remembers x and r
+    virtual std::array<double, 2> rise() = 0; ///< d . (r saved) and d . r, d the way of x since
+    virtual void goBack(double t) = 0;        ///< x and r to what was saved and t of the way since
+
+    // At the grips.
+    virtual void readDirection(std::span<Vec3> p) const = 0;
+    virtual void readSmoothed(std::span<Vec3> w) const = 0;
+    virtual void readSpread(std::span<Vec3> z) const = 0;
+    virtual void addToProduct(std::span<const Vec3> impulses) = 0;     ///< to q
+    virtual void addToResidual(std::span<const Vec3> impulses) = 0;    ///< to r
+    virtual void addToSpread(std::span<const Vec3> impulses) = 0;      ///< to what B will be applied to, r left alone
+    virtual void subtractSmoothed(std::span<const Vec3> impulses) = 0; ///< z -= D^-1 impulses
+};
+
+} // namespace filasofia::engine

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "filasofia/engine/coupling.h"
+
+namespace filasofia::engine {
+
+/// Hands the last step's forces on to this step's contacts: to the same pair of features and, where a contact has moved
+/// over to other features, to the nearest new contact of the two bodies. Each force goes to one contact at most.
+void inheritForces(double dt, const std::vector<ContactMemory>& memories, Coupling& coupling);
+
+/// Puts memories into the order in which they are searched.
+void sortMemories(std::vector<ContactMemory>& memories);
+
+} // namespace filasofia::engine

@@ -1,0 +1,234 @@
+#include "filasofia/core/log.h"
+#include "filasofia/engine/contact_memory.h"
+#include "filasofia/engine/stages.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::engine {
+namespace {
+
+// Surfaces that are inside each other part at this share of their depth per step, and not faster than that: pushed out
+// at once they would fly apart. Within the skin they take their time: impulses that are carried from step to step
+// and grow with a gap are an oscillator, stable only where the penalty is more than this share of what it moves.
+constexpr double kRecovery = 0.2, kShallowRecovery = 0.05;
+constexpr double kRecoverySpeed = 0.1; ///< [m/s]
+
+Vec3 inFrame(const std::array<Vec3, 3>& f, Vec3 v) { return {dot(f[0], v), dot(f[1], v), dot(f[2], v)}; }
+Vec3 inWorld(const std::array<Vec3, 3>& f, Vec3 v) { return v.x * f[0] + v.y * f[1] + v.z * f[2]; }
+
+/// What a surface belongs to.
+struct Owner {
+    bool soft = true;
+    std::size_t body = 0; ///< among its kind
+    std::size_t plan = 0; ///< of a rigid one: its element's place in the plan
+    const CollisionModel* collision = nullptr;
+};
+
+std::vector<Owner> ownersOf(const Model& model)
+{
+    std::vector<Owner> owners;
+    for (std::size_t b = 0; b < model.softBodies.size(); ++b)
+        for (const CollisionModel& each : model.softBodies[b].collision) owners.push_back({true, b, 0, &each});
+    std::size_t firstElement = 0;
+    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) {
+        for (const CollisionModel& each : model.rigidBodies[b].collision)
+            owners.push_back({false, b, firstElement + static_cast<std::size_t>(each.element), &each});
+        firstElement += model.rigidBodies[b].rest.size();
+    }
+    return owners;
+}
+
+Vec3 mean(const std::vector<Vec3>& values, const geometry::Tetrahedron& nodes, const std::array<double, 4>& weights)
+{
+    Vec3 sum;
+    for (std::size_t k = 0; k < 4; ++k)
+        if (weights[k] != 0.0) sum += weights[k] * values[static_cast<std::size_t>(nodes[k])];
+    return sum;
+}
+
+void placeSurface(const Owner& owner, const State& state, const RigidPlan& plan, std::vector<Vec3>& normals,
+                  CollisionSurface& out)
+{
+    const CollisionModel& collision = *owner.collision;
+    const std::size_t count = collision.shape->rest.size();
+    out.shape = collision.shape;
+    out.x.resize(count);
+    out.v.resize(count);
+    if (owner.soft) {
+        const SoftState& body = state.softBodies[owner.body];
+        for (std::size_t i = 0; i < count; ++i) {
+            out.x[i] = mean(body.x, collision.ties.nodes[i], collision.ties.weights[i]);
+            out.v[i] = mean(body.v, collision.ties.nodes[i], collision.ties.weights[i]);
+        }
+        applyInset(*collision.shape, collision.inset, normals, out.x);
+        return;
+    }
+    const RigidPlanElement& element = plan[owner.plan];
+    const Pose& pose = state.rigidBodies[owner.body].poses[element.element];
+    const Mat3 turn = toMat3(pose.orientation);
+    const Vec3 velocity = element.velocity + element.change.linear,
+               spin = element.angularVelocity + element.change.angular;
+    for (std::size_t i = 0; i < count; ++i) {
+        out.x[i] = pose.position + turn * collision.core[i];
+        out.v[i] = velocity + cross(spin, out.x[i] - element.centre);
+    }
+}
+
+/// [m] what was taken off a surface where something is near it.
+double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side)
+{
+    double depth = 0.0;
+    for (std::size_t k = 0; k < 3; ++k)
+        if (const int vertex = found.vertices[side][k]; vertex >= 0)
+            depth += found.weights[side][k] * collision.inset.depth[static_cast<std::size_t>(vertex)];
+    return depth;
+}
+
+BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, const CollisionSurface& surface,
+                  const State& state, const RigidPlan& plan)
+{
+    BodyPoint point;
+    point.of = owner.soft ? BodyPoint::Of::Soft : BodyPoint::Of::Rigid;
+    point.body = owner.soft ? owner.body : owner.plan;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double weight = found.weights[side][k];
+        if (found.vertices[side][k] < 0 || weight == 0.0) continue;
+        const auto vertex = static_cast<std::size_t>(found.vertices[side][k]);
+        point.position += weight * surface.x[vertex];
+        if (!owner.soft) continue;
+        const geometry::Embedding& ties = owner.collision->ties;
+        for (std::size_t n = 0; n < 4; ++n) point.add(ties.nodes[vertex][n], weight * ties.weights[vertex][n]);
+    }
+    if (owner.soft) {
+        const std::vector<Vec3>& v = state.softBodies[owner.body].v;
+        for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k)
+            point.velocity += point.weights[k] * v[static_cast<std::size_t>(point.nodes[k])];
+    } else {
+        const RigidPlanElement& element = plan[owner.plan];
+        point.velocity = element.velocity + cross(element.angularVelocity, point.position - element.centre);
+    }
+    return point;
+}
+
+// The gap that contacts hold, of both proximities. Surfaces that rest on each other stay apart by so little, where it
+// is plain which side is out: were it 0, half of them would be inside.
+constexpr double kSkin = 0.01;
+
+/// The law of a contact with a gap.
+void setLaw(const physics::ContactMethod& method, double dt, const FoundContact& contact, Link& link)
+{
+    const double gap = contact.gap - contact.skin;
+    if (const auto* penalty = std::get_if<physics::PenaltyContact>(&method)) {
+        link.give = dt * (dt * penalty->stiffness + penalty->damping);
+        link.bias = {dt * penalty->stiffness * gap / link.give, 0.0, 0.0};
+        return;
+    }
+    link.impulse = dt * inFrame(link.frame, contact.memory.force);
+    link.impulse.x = std::max(0.0, link.impulse.x);
+    // What pushed last time may rest within the skin; all else may come as near as that.
+    const double resting = link.impulse.x > 0.0 ? contact.skin : 0.0;
+    const double shallow = std::clamp(gap, -contact.skin, resting), deep = std::min(0.0, gap + contact.skin);
+    const double back = std::max(kShallowRecovery * shallow + kRecovery * deep, -kRecoverySpeed * dt);
+    link.bias.x = (back + std::max(0.0, gap - resting)) / dt;
+    link.slack = std::max(kShallowRecovery * contact.skin, contact.gap - dt * link.bias.x) / dt;
+}
+
+/// Its id, and its mu.
+std::pair<BodyId, double> idOf(const Model& model, const Owner& owner)
+{
+    if (owner.soft) return {model.softBodies[owner.body].id, model.softBodies[owner.body].friction};
+    return {model.rigidBodies[owner.body].id, model.rigidBodies[owner.body].friction};
+}
+
+const std::string& nameOf(const Model& model, const Owner& owner)
+{
+    return owner.soft ? model.softBodies[owner.body].name : model.rigidBodies[owner.body].name;
+}
+
+/// A group that is one body's alone is hardly meant: a word, once, when the surfaces have changed.
+void warnOfLoneGroups(const Model& model, const std::vector<Owner>& owners)
+{
+    for (const Owner& owner : owners) {
+        const CollisionShape& shape = *owner.collision->shape;
+        const auto isOther = [&](const Owner& each) { return each.soft != owner.soft || each.body != owner.body; };
+        const auto meets = [&](const Owner& each) {
+            return isOther(each) && each.collision->shape->group == shape.group;
+        };
+        if (shape.self || std::ranges::none_of(owners, isOther) || std::ranges::any_of(owners, meets)) continue;
+        logWarning(owner.soft ? "soft" : "rigid", " body '", nameOf(model, owner),
+                   "': no other body has collision group ", shape.group, ": it touches nothing");
+    }
+}
+
+} // namespace
+
+void findContacts(const Model& model, double dt, const physics::ContactMethod& method, const State& state,
+                  Coupling& coupling, WorkerPool& pool)
+{
+    planRigid(model, dt, state.gravity, state, coupling.rigid);
+    coupling.links.clear();
+    coupling.contacts.clear();
+    if (dt == 0.0) return;
+
+    const std::vector<Owner> owners = ownersOf(model);
+    if (owners.size() != coupling.surfaces.size()) warnOfLoneGroups(model, owners);
+    coupling.surfaces.resize(owners.size());
+    for (std::size_t s = 0; s < owners.size(); ++s) {
+        const Owner& owner = owners[s];
+        coupling.surfaces[s].body = static_cast<int>(owner.soft ? owner.body : model.softBodies.size() + owner.body);
+        placeSurface(owner, state, coupling.rigid, coupling.normals, coupling.surfaces[s]);
+    }
+    findProximities(coupling.surfaces, dt, pool, coupling.proximityScratch, coupling.proximities);
+
+    for (const Proximity& found : coupling.proximities) {
+        const std::array<const Owner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
+                                                &owners[static_cast<std::size_t>(found.surfaces[1])]};
+        const auto [first, firstFriction] = idOf(model, *sides[0]);
+        const auto [second, secondFriction] = idOf(model, *sides[1]);
+        Link& link = coupling.links.emplace_back();
+        for (std::size_t side = 0; side < 2; ++side)
+            link.sides[side] =
+                pointOf(*sides[side], found, side, coupling.surfaces[static_cast<std::size_t>(found.surfaces[side])],
+                        state, coupling.rigid);
+        link.frame = frameOf(found.normal);
+        link.friction = std::sqrt(firstFriction * secondFriction);
+        const Vec3 point = 0.5 * (link.sides[0].position + link.sides[1].position);
+        const double taken = insetAt(*sides[0]->collision, found, 0) + insetAt(*sides[1]->collision, found, 1);
+        coupling.contacts.push_back(
+            {.memory = {first, second, found.feature, point, {}},
+             .gap = found.gap - taken,
+             .skin = kSkin * (sides[0]->collision->proximity + sides[1]->collision->proximity)});
+    }
+    inheritForces(dt, state.contacts, coupling);
+    for (std::size_t c = 0; c < coupling.contacts.size(); ++c)
+        setLaw(method, dt, coupling.contacts[c], coupling.links[c]);
+}
+
+void keepContacts(double dt, const Coupling& coupling, State& state, physics::StepReport& report)
+{
+    if (dt == 0.0) return;
+    state.contacts.clear();
+    state.touching.clear();
+    report.contacts.found = static_cast<int>(coupling.contacts.size());
+    for (std::size_t c = 0; c < coupling.contacts.size(); ++c) {
+        const FoundContact& contact = coupling.contacts[c];
+        const Link& link = coupling.links[c];
+        const Vec3 force = 1.0 / dt * link.impulse;
+        state.touching.push_back({.first = contact.memory.first,
+                                  .second = contact.memory.second,
+                                  .point = contact.memory.point,
+                                  .normal = link.frame[0],
+                                  .gap = contact.gap,
+                                  .normalForce = force.x,
+                                  .friction = force.y * link.frame[1] + force.z * link.frame[2]});
+        report.contacts.active += force.x != 0.0 ? 1 : 0;
+        report.contacts.penetration = std::max(report.contacts.penetration, -contact.gap);
+        if (!(link.next.x > 0.0)) continue;
+        ContactMemory& memory = state.contacts.emplace_back(contact.memory);
+        memory.force = 1.0 / dt * inWorld(link.frame, link.next);
+    }
+    sortMemories(state.contacts);
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "filasofia/engine/collision/find_proximities.h"
+#include "filasofia/engine/solve_island.h"
+
+namespace filasofia::engine {
+
+/// A contact as it was found, beside its link.
+struct FoundContact {
+    ContactMemory memory; ///< its name, its place, and the force that it starts from
+    double gap = 0.0;     ///< [m]
+    double skin = 0.0;    ///< [m] the gap that it is to hold
+};
+
+/// What ties the bodies of a step together.
+struct Coupling {
+    RigidPlan rigid; ///< how rigid elements move through the step
+
+    std::vector<CollisionSurface> surfaces; ///< every body's, in the order of softBodies and rigidBodies
+    ProximityScratch proximityScratch;
+    std::vector<Proximity> proximities;
+    std::vector<FoundContact> contacts;
+    std::vector<Vec3> normals; ///< of a surface's triangles
+    std::vector<Link> links;   ///< one per contact, then those of attachments
+
+    IslandScratch scratch;
+};
+
+} // namespace filasofia::engine

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "filasofia/engine/link.h"
+#include "filasofia/engine/model.h"
+#include "filasofia/engine/rigid_step.h"
+
+namespace filasofia::engine {
+
+/// Bodies that links tie to each other, and so must be solved together.
+struct Island {
+    std::vector<std::size_t> soft;  ///< places among the soft bodies, ascending
+    std::vector<std::size_t> rigid; ///< places in the rigid plan, dynamic elements only, ascending
+    std::vector<std::size_t> links; ///< places in the list of links, ascending
+};
+
+/// The islands, in the order of their first bodies; bodies that no link takes hold of are in none. What cannot be moved
+/// (space, elements that go where they are told) ties nothing together, and a link between two such is in no island.
+std::vector<Island> findIslands(const Model& model, const RigidPlan& plan, const std::vector<Link>& links);
+
+} // namespace filasofia::engine

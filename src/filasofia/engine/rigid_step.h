@@ -1,0 +1,35 @@
+#pragma once
+
+#include "filasofia/engine/integrate/rigid.h"
+#include "filasofia/engine/model.h"
+#include "filasofia/physics/step.h"
+
+/// A step of the rigid bodies, in two halves between which contacts may change what the first has planned.
+namespace filasofia::engine {
+
+/// One element's step. Where it is not dynamic, mass and inertias are zero, and so is the change.
+struct RigidPlanElement {
+    std::size_t body = 0; ///< place in the model
+    std::size_t element = 0;
+    bool dynamic = false;
+    double mass = 0.0;    ///< [kg]
+    Mat3 inertia;         ///< [kg m^2] in world axes, at the start of the step
+    Mat3 inverseInertia;  ///< [1/(kg m^2)]
+    Vec3 centre;          ///< [m] in the world, at the start: of mass; the element's origin where it has none
+    Vec3 velocity;        ///< [m/s] of the centre: at the start; of one that is not dynamic, throughout the step
+    Vec3 angularVelocity; ///< [rad/s] the same
+    RigidChange change;   ///< the element moves through the step with velocity + change: contacts add theirs here
+};
+using RigidPlan = std::vector<RigidPlanElement>; ///< in the order of bodies and elements
+
+/// What a step of dt [s] >= 0 would be without contacts. A jump of an element that goes where it is told has no
+/// velocity when it would be faster than kTeleport.
+void planRigid(const Model& model, double dt, Vec3 gravity, const State& state, RigidPlan& plan);
+inline constexpr double kTeleport = 20.0; ///< [m/s]
+
+/// Moves every element as planned, and those that go where they are told to exactly there. A dynamic element whose new
+/// state is not finite, or beyond physics::kFarthest, stays where it is, at rest, and the report has
+/// StepFlag::Undone. With dt = 0 only what was told happens.
+void moveRigid(const Model& model, double dt, const RigidPlan& plan, State& state, physics::StepReport& report);
+
+} // namespace filasofia::engine

@@ -1,0 +1,25 @@
+#include "filasofia/frame/contact.h"
+
+#include <map>
+#include <utility>
+
+namespace filasofia::frame {
+
+std::vector<ContactPair> contactPairs(const std::vector<Contact>& contacts)
+{
+    std::map<std::pair<BodyId, BodyId>, ContactPair> sums;
+    for (const Contact& contact : contacts) {
+        ContactPair& pair = sums[{contact.first, contact.second}];
+        pair.first = contact.first;
+        pair.second = contact.second;
+        pair.contacts += contact.normalForce != 0.0 ? 1 : 0;
+        pair.force += contact.normalForce * contact.normal + contact.friction;
+        pair.normalForce += contact.normalForce;
+        pair.frictionForce += length(contact.friction);
+    }
+    std::vector<ContactPair> pairs;
+    for (const auto& [bodies, pair] : sums) pairs.push_back(pair);
+    return pairs;
+}
+
+} // namespace filasofia::frame

@@ -1,0 +1,47 @@
+#include "filasofia/geometry/lattice_graph.h"
+
+namespace filasofia::geometry {
+
+void findPieces(Graph& graph)
+{
+    const int n = static_cast<int>(graph.nodes.size());
+    DisjointSets sets(graph.nodes.size());
+    for (auto [a, b] : graph.edges) sets.join(a, b);
+    std::vector<int> size(graph.nodes.size(), 0), rank(graph.nodes.size(), 0), roots;
+    for (int i = 0; i < n; ++i) {
+        if (sets.find(i) == i) roots.push_back(i);
+        ++size[sets.find(i)];
+    }
+    std::ranges::stable_sort(roots, [&](int a, int b) { return size[a] > size[b]; });
+    for (int root : roots) {
+        rank[root] = static_cast<int>(graph.pieceSize.size());
+        graph.pieceSize.push_back(size[root]);
+    }
+    graph.box.resize(roots.size());
+    for (int i = 0; i < n; ++i) {
+        graph.piece.push_back(rank[sets.find(i)]);
+        graph.box[graph.piece[i]] = merged(graph.box[graph.piece[i]], graph.nodes[i]);
+    }
+}
+
+Budget budgetOf(const Graph& graph, int target)
+{
+    Budget budget{std::min(target, static_cast<int>(graph.nodes.size()) / 4)};
+    const int pieces = static_cast<int>(graph.pieceSize.size());
+    const auto large = std::ranges::partition_point(graph.pieceSize, [](int size) { return size >= kFewest; });
+    budget.laid = static_cast<int>(large - graph.pieceSize.begin());
+    // A lattice takes four coarse nodes at least; with the single ones a quarter is left for finer cells.
+    if (4 * budget.laid > budget.target) budget.laid = std::max(1, budget.target / 8);
+    const int forSingle = budget.laid == 0 ? budget.target : budget.target / 4;
+    budget.single = std::min(pieces - budget.laid, forSingle);
+    return budget;
+}
+
+bool coversHalf(const Graph& graph, const Budget& budget)
+{
+    const auto end = graph.pieceSize.begin() + budget.laid + budget.single;
+    const int covered = std::accumulate(graph.pieceSize.begin(), end, 0);
+    return 2 * covered >= static_cast<int>(graph.nodes.size());
+}
+
+} // namespace filasofia::geometry

@@ -1,0 +1,96 @@
+#include "filasofia/geometry/mass_properties.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/geometry/box.h"
+
+#include <algorithm>
+
+namespace filasofia::geometry {
+namespace {
+
+/// Of the cube of the surface's size: what rounding makes of the volume of a flat one is less.
+constexpr double kFlat = 1e-12;
+
+/// Integrals of 1, p and p p^T over the inside, p from `origin`. The divergence theorem makes them integrals over the
+/// triangles (Mirtich 1996), which for polynomials are those over the signed tetrahedra between origin and triangle.
+struct Integrals {
+    double volume = 0.0;
+    Vec3 first;
+    Mat3 second;
+};
+
+Integrals integrate(const TriangleMesh& mesh, Vec3 origin)
+{
+    Integrals sum;
+    for (const auto& [i, j, k] : mesh.triangles) {
+        const Vec3 a = mesh.vertices[i] - origin, b = mesh.vertices[j] - origin, c = mesh.vertices[k] - origin;
+        const double sixfold = dot(a, cross(b, c));
+        const Vec3 s = a + b + c;
+        sum.volume += sixfold / 6.0;
+        sum.first += sixfold / 24.0 * s;
+        sum.second += sixfold / 120.0 * (outer(a, a) + outer(b, b) + outer(c, c) + outer(s, s));
+    }
+    return sum;
+}
+
+bool positiveDefinite(const Mat3& m) // Sylvester's criterion
+{
+    return m[0].x > 0.0 && m[0].x * m[1].y - m[0].y * m[1].x > 0.0 && determinant(m) > 0.0;
+}
+
+} // namespace
+
+void checkClosed(const TriangleMesh& mesh, std::string_view name)
+{
+    struct Edge {
+        int low, high;
+        bool rising;
+    };
+    std::vector<Edge> edges;
+    edges.reserve(3 * mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t side = 0; side < 3; ++side) {
+            const int from = t[side], to = t[(side + 1) % 3];
+            edges.push_back({std::min(from, to), std::max(from, to), from < to});
+        }
+    std::ranges::sort(edges,
+                      [](const Edge& a, const Edge& b) { return a.low != b.low ? a.low < b.low : a.high < b.high; });
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+        int there = 0, back = 0;
+        for (; end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high; ++end)
+            ++(edges[end].rising ? there : back);
+        const auto [low, high, rising] = edges[begin];
+        if (there + back == 1)
+            fail(name, ": must be closed; the edge between vertices ", low, " and ", high, " has one triangle only");
+        if (there != back)
+            fail(name, ": must be closed; the triangles at the edge between vertices ", low, " and ", high,
+                 " do not agree on what is outside");
+    }
+}
+
+MassProperties massProperties(const TriangleMesh& mesh, std::string_view name)
+{
+    checkClosed(mesh, name);
+    Box box;
+    for (const Triangle& t : mesh.triangles)
+        for (int vertex : t) box = merged(box, mesh.vertices[vertex]);
+    const double size = length(box.high - box.low);
+
+    // From a point of the surface: far from the world's origin everything would cancel.
+    const Vec3 origin = mesh.vertices[mesh.triangles.front().front()];
+    const Integrals about = integrate(mesh, origin);
+    if (about.volume < -kFlat * size * size * size)
+        fail(name, ": is turned inside out: its volume is ", about.volume,
+             " m^3; triangles must be counter-clockwise seen from outside");
+    if (!(about.volume > kFlat * size * size * size))
+        fail(name, ": is flat: its volume must be > 0 m^3, got ", about.volume);
+    const Vec3 centre = origin + about.first / about.volume;
+
+    // Once more from there, in place of the parallel axis theorem's difference of large numbers.
+    const Mat3 second = integrate(mesh, centre).second;
+    if (!positiveDefinite(second))
+        fail(name, ": cannot be the surface of one body: a part of it is turned inside out and lies outside the rest");
+    return {about.volume, centre, trace(second) * Mat3::identity() - second};
+}
+
+} // namespace filasofia::geometry

@@ -1,0 +1,197 @@
+#include "filasofia/geometry/shapes.h"
+
+#include "filasofia/core/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace filasofia::geometry::shapes {
+namespace {
+
+constexpr int kFinestSurface = 500; ///< [-], edges along a side: 6 million triangles at most
+constexpr int kFinestBlock = 200;   ///< [-], cells along a side: 48 million tetrahedra at most
+
+void checkLength(const char* shape, const char* argument, double value)
+{
+    if (!(value > 0.0 && std::isfinite(value))) fail(shape, ": ", argument, " must be > 0 m, got ", value);
+}
+
+void checkCount(const char* shape, const char* argument, int value, int most)
+{
+    if (value < 1 || value > most) fail(shape, ": ", argument, " must be in [1, ", most, "], got ", value);
+}
+
+void checkGrid(const char* shape, Vec3 size, const std::array<int, 3>& cells, int most)
+{
+    checkLength(shape, "size.x", size.x);
+    checkLength(shape, "size.y", size.y);
+    checkLength(shape, "size.z", size.z);
+    constexpr const char* names[] = {"cells[0]", "cells[1]", "cells[2]"};
+    for (std::size_t axis = 0; axis < 3; ++axis) checkCount(shape, names[axis], cells[axis], most);
+}
+
+/// A point of a grid that fills a box around the origin.
+using GridPoint = std::array<int, 3>;
+Vec3 placeOf(const GridPoint& p, Vec3 size, const std::array<int, 3>& cells)
+{
+    const auto along = [](int i, int count, double length) { return (static_cast<double>(i) / count - 0.5) * length; };
+    return {along(p[0], cells[0], size.x), along(p[1], cells[1], size.y), along(p[2], cells[2], size.z)};
+}
+
+/// Points on a circle about the y axis; one point where it has no radius.
+struct Ring {
+    double y = 0.0;      ///< [m]
+    double radius = 0.0; ///< [m]
+    int count = 1;       ///< of points
+};
+
+/// The surface that rings span, from the lowest to the highest; the first and the last are points. From one ring to
+/// the next the count stays, changes by one in every quarter, or goes from or to one point.
+class Turned {
+public:
+    TriangleMesh mesh;
+
+    void add(const Ring& ring)
+    {
+        const int start = static_cast<int>(mesh.vertices.size());
+        for (int i = 0; i < ring.count; ++i) {
+            const double angle = 2.0 * std::numbers::pi * i / ring.count;
+            mesh.vertices.push_back({ring.radius * std::cos(angle), ring.y, ring.radius * std::sin(angle)});
+        }
+        if (start > 0) span({start_, last_}, {start, ring.count});
+        start_ = start;
+        last_ = ring.count;
+    }
+
+private:
+    struct Row {
+        int start, count;
+        [[nodiscard]] int at(int i) const { return start + i % count; }
+    };
+
+    /// Goes around both rings at once; the one that is behind makes the next edge.
+    void span(Row low, Row high)
+    {
+        const long lows = low.count > 1 ? low.count : 0, highs = high.count > 1 ? high.count : 0;
+        for (long i = 0, j = 0; i < lows || j < highs;) {
+            // Cross-multiplied, so that equal angles are found equal: (2 i + 1) / lows against (2 j + 1) / highs.
+            const bool stepLow = j == highs || (i < lows && (2 * i + 1) * highs <= (2 * j + 1) * lows);
+            const int a = low.at(static_cast<int>(i)), b = high.at(static_cast<int>(j));
+            mesh.triangles.push_back({a, b, stepLow ? low.at(static_cast<int>(++i)) : high.at(static_cast<int>(++j))});
+        }
+    }
+
+    int start_ = 0, last_ = 0;
+};
+
+/// The rings of a sphere's lower half, pole first, equator last.
+std::vector<Ring> halfSphere(double radius, int quarter)
+{
+    std::vector<Ring> rings;
+    for (int i = 0; i <= quarter; ++i) {
+        const double angle = 0.5 * std::numbers::pi * i / quarter;
+        rings.push_back({-radius * std::cos(angle), radius * std::sin(angle), std::max(1, 4 * i)});
+    }
+    return rings;
+}
+
+/// The surface of the rings and their mirror images; with `apart` > 0 [m] a band of that length lies between them.
+std::shared_ptr<const TriangleMesh> mirrored(std::vector<Ring> lower, double apart)
+{
+    Turned turned;
+    for (Ring ring : lower) turned.add({ring.y - 0.5 * apart, ring.radius, ring.count});
+    if (apart == 0.0) lower.pop_back(); // both halves have one equator
+    for (std::size_t i = lower.size(); i-- > 0;)
+        turned.add({-lower[i].y + 0.5 * apart, lower[i].radius, lower[i].count});
+    return std::make_shared<const TriangleMesh>(std::move(turned.mesh));
+}
+
+} // namespace
+
+std::shared_ptr<const TriangleMesh> box(Vec3 size, std::array<int, 3> cells)
+{
+    checkGrid("box", size, cells, kFinestSurface);
+    TriangleMesh mesh;
+    std::map<GridPoint, int> numbers;
+    const auto vertex = [&](const GridPoint& p) {
+        const auto [at, fresh] = numbers.try_emplace(p, static_cast<int>(mesh.vertices.size()));
+        if (fresh) mesh.vertices.push_back(placeOf(p, size, cells));
+        return at->second;
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t right = (axis + 1) % 3, up = (axis + 2) % 3;
+        for (const bool high : {false, true})
+            for (int i = 0; i < cells[right]; ++i)
+                for (int j = 0; j < cells[up]; ++j) {
+                    GridPoint p{};
+                    p[axis] = high ? cells[axis] : 0;
+                    const auto corner = [&](int di, int dj) {
+                        p[right] = i + di;
+                        p[up] = j + dj;
+                        return vertex(p);
+                    };
+                    const int a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
+                    mesh.triangles.push_back(high ? Triangle{a, b, c} : Triangle{a, c, b});
+                    mesh.triangles.push_back(high ? Triangle{a, c, d} : Triangle{a, d, c});
+                }
+    }
+    return std::make_shared<const TriangleMesh>(std::move(mesh));
+}
+
+std::shared_ptr<const TriangleMesh> sphere(double radius, int quarter)
+{
+    checkLength("sphere", "radius", radius);
+    checkCount("sphere", "quarter", quarter, kFinestSurface);
+    return mirrored(halfSphere(radius, quarter), 0.0);
+}
+
+std::shared_ptr<const TriangleMesh> capsule(double radius, double length, int quarter)
+{
+    checkLength("capsule", "radius", radius);
+    checkLength("capsule", "length", length);
+    checkCount("capsule", "quarter", quarter, kFinestSurface);
+    return mirrored(halfSphere(radius, quarter), length);
+}
+
+std::shared_ptr<const TriangleMesh> cylinder(double radius, double length, int quarter)
+{
+    checkLength("cylinder", "radius", radius);
+    checkLength("cylinder", "length", length);
+    checkCount("cylinder", "quarter", quarter, kFinestSurface);
+    return mirrored({{0.0, 0.0, 1}, {0.0, radius, 4 * quarter}}, length);
+}
+
+std::shared_ptr<const TetMesh> block(Vec3 size, std::array<int, 3> cells)
+{
+    checkGrid("block", size, cells, kFinestBlock);
+    TetMesh mesh;
+    const auto node = [&](const GridPoint& p) { return (p[0] * (cells[1] + 1) + p[1]) * (cells[2] + 1) + p[2]; };
+    for (int i = 0; i <= cells[0]; ++i)
+        for (int j = 0; j <= cells[1]; ++j)
+            for (int k = 0; k <= cells[2]; ++k) mesh.nodes.push_back(placeOf({i, j, k}, size, cells));
+    // Kuhn's six: each walks from one corner of the cell to the opposite one, along the axes in another order. In a
+    // cell of odd place along an axis the walk goes backwards along it, so that neighbours are mirror images.
+    const auto cell = [&](const GridPoint& low) {
+        std::array<std::size_t, 3> axes{0, 1, 2};
+        do {
+            GridPoint at{};
+            for (std::size_t axis = 0; axis < 3; ++axis) at[axis] = low[axis] + low[axis] % 2;
+            Tetrahedron t{node(at)};
+            for (std::size_t step = 0; step < 3; ++step) {
+                at[axes[step]] += low[axes[step]] % 2 == 0 ? 1 : -1;
+                t[step + 1] = node(at);
+            }
+            mesh.tetrahedra.push_back(t);
+            if (signedVolume(mesh, static_cast<int>(mesh.tetrahedra.size()) - 1) < 0.0)
+                std::swap(mesh.tetrahedra.back()[2], mesh.tetrahedra.back()[3]);
+        } while (std::next_permutation(axes.begin(), axes.end()));
+    };
+    for (int i = 0; i < cells[0]; ++i)
+        for (int j = 0; j < cells[1]; ++j)
+            for (int k = 0; k < cells[2]; ++k) cell({i, j, k});
+    return std::make_shared<const TetMesh>(std::move(mesh));
+}
+
+} // namespace filasofia::geometry::shapes

@@ -1,0 +1,73 @@
+#include "filasofia/runtime/run.h"
+
+#include "filasofia/core/text.h"
+#include "filasofia/core/word.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace filasofia::runtime {
+namespace {
+
+std::string line(const char* format, auto... values)
+{
+    char buffer[200];
+    std::snprintf(buffer, sizeof buffer, format, values...);
+    return std::string(buffer) + "\n";
+}
+
+constexpr std::size_t kMostPairs = 12; ///< lines of the table
+
+/// Who touched whom, and how hard; nothing where nothing touched.
+std::string contactTable(std::vector<ContactPairReport> pairs)
+{
+    if (pairs.empty()) return {};
+    const std::size_t left = pairs.size() - std::min(pairs.size(), kMostPairs);
+    std::ranges::stable_sort(pairs, std::greater{}, &ContactPairReport::maxNormalForce);
+    pairs.resize(pairs.size() - left);
+    const std::string title = "contacts of";
+    std::size_t width = title.size();
+    std::vector<std::string> names;
+    for (const ContactPairReport& pair : pairs) {
+        names.push_back(oneLine(shortened(pair.first) + ", " + shortened(pair.second)));
+        width = std::max(width, names.back().size());
+    }
+    const auto padded = [width](const std::string& name) {
+        return name + std::string(width - std::min(width, name.size()), ' ');
+    };
+    std::string out = padded("") + "             normal force [N]        friction [N]    deepest\n";
+    out += padded(title) + "    steps      mean       max      mean       max       [mm]\n";
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+        out += padded(names[i]) + line("%9llu %9.4f %9.4f %9.4f %9.4f  %9.4f",
+                                       static_cast<unsigned long long>(pairs[i].steps), pairs[i].meanNormalForce,
+                                       pairs[i].maxNormalForce, pairs[i].meanFrictionForce, pairs[i].maxFrictionForce,
+                                       pairs[i].deepest * 1e3);
+    if (left > 0) out += text("and ", left, left == 1 ? " pair" : " pairs", " that pressed less\n");
+    return out;
+}
+
+} // namespace
+
+std::string summary(const RunReport& report)
+{
+    const Spread cost = report.timing.cost(), rate = report.timing.rate();
+    std::string out = line("%llu %s, %.3f s simulated in %.3f s (%.2f x real time); ended: %s",
+                           static_cast<unsigned long long>(report.timing.stepCount),
+                           report.timing.stepCount == 1 ? "step" : "steps", report.timing.simulatedSeconds,
+                           report.timing.wallSeconds, report.timing.realTimeFactor(), report.finished.c_str());
+    out += line("one step takes [ms]    median %8.3f   p1 %8.3f   p99 %8.3f", cost.median * 1e3, cost.p1 * 1e3,
+                cost.p99 * 1e3);
+    out += line("physics rate [1/s]     median %8.1f   p1 %8.1f   p99 %8.1f", rate.median, rate.p1, rate.p99);
+    const std::string again = report.damped > 0 ? text(" (", report.damped, " made again damped)") : "";
+    out += text("late steps ", report.timing.late, ", clamped by slack ", report.timing.clamped, ", put back ",
+                report.undone, again, ", solver at its cap ", report.notConverged, ", at the deadline ",
+                report.outOfTime, "\n");
+    out += contactTable(report.contacts);
+    if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
+        out += line("pictures drawn %ld", report.visual.framesDrawn);
+    for (const std::string& picture : report.pictures) out += "wrote " + picture + "\n";
+    out += line("state hash %016llx", static_cast<unsigned long long>(report.hash));
+    return out;
+}
+
+} // namespace filasofia::runtime

@@ -1,0 +1,255 @@
+#include "engine/collision/scene.h"
+
+#include "filasofia/core/units.h"
+
+#include <map>
+#include <set>
+
+namespace filasofia::engine {
+namespace {
+
+constexpr CollisionOptions kPlain{.proximity = 0.5e-3};
+
+int onSide(const Proximity& p, int side)
+{
+    return static_cast<int>(std::ranges::count_if(p.vertices[side], [](int v) { return v >= 0; }));
+}
+
+} // namespace
+
+TEST_CASE("a box on a plane has its corners and the vertices under it as contacts, all upright, and nothing else")
+{
+    struct Place {
+        double x, y, turn;
+        const char* what;
+    };
+    const Place places[] = {{0.003, -0.002, 0.0, "beside the grid's lines"},
+                            {0.0, 0.0, 0.0, "corners over vertices of the grid"},
+                            {0.0, 0.005, 0.0, "corners over lines of the grid"},
+                            {0.001, 0.002, 0.7, "turned"}};
+    for (const bool sheet : {true, false})
+        for (const Place& at : places) {
+            CAPTURE(sheet, at.what);
+            Scene scene;
+            const double half = 0.02;
+            const geometry::TriangleMesh ground = sheet ? sheetMesh(0.1, 10) : boxMesh({0.1, 0.1, 0.03}, 10);
+            scene.add(ground, kPlain, {{0, 0, sheet ? 0.0 : -0.03}, {}});
+            const Pose pose{{at.x, at.y, half + 1e-4}, axisAngle({0, 0, 1}, at.turn)};
+            scene.add(boxMesh({half, half, half}), kPlain, pose);
+            int under = 0;
+            for (const Vec3 p : scene.surfaces[0].x) {
+                const Vec3 local = transform(inverse(pose), p);
+                under += std::fabs(local.x) < half - 1e-9 && std::fabs(local.y) < half - 1e-9 && p.z > -1e-9;
+            }
+            REQUIRE(under >= 1);
+            scene.find();
+            // A corner over a vertex of the grid is one contact, found once.
+            std::set<std::array<long, 2>> where;
+            for (const Proximity& p : scene.found) {
+                CHECK(p.gap == Approx(1e-4).epsilon(1e-9));
+                CHECK(distance(p.normal, {0, 0, -1}) < 1e-9);
+                const Vec3 x = scene.place(p, 1);
+                where.insert({std::lround(x.x * 1e8), std::lround(x.y * 1e8)});
+            }
+            // Where the box's edges lie along vertices of the grid, these are near a face, an edge or both: once.
+            CHECK(where.size() == scene.found.size());
+            const auto corners = std::ranges::count_if(scene.found, [](const Proximity& p) {
+                return p.vertices[1][1] < 0; // the box's side is a vertex
+            });
+            CHECK(corners == 4);
+            const auto inside = std::ranges::count_if(scene.found, [&](const Proximity& p) {
+                const Vec3 local = transform(inverse(pose), scene.place(p, 1));
+                return std::fabs(local.x) < half - 1e-9 && std::fabs(local.y) < half - 1e-9;
+            });
+            CHECK(inside == under);
+        }
+}
+
+TEST_CASE("a box that slides level over a plane does not bump into the vertices before it")
+{
+    Scene scene;
+    scene.add(sheetMesh(0.1, 10), kPlain);
+    // Its front, at 19.9 mm, is a tenth of a millimetre before a row of the grid, and moves over it in this step.
+    scene.add(boxMesh({0.01, 0.03, 0.01}), kPlain, {{0.0099, 0, 0.01 + 1e-5}, {}}, {1, 0, 0});
+    scene.find();
+    REQUIRE(scene.found.size() >= 4);
+    for (const Proximity& p : scene.found) CHECK(distance(p.normal, {0, 0, -1}) < 1e-9);
+}
+
+TEST_CASE("edges that cross are one contact, before and after they have passed each other")
+{
+    // Two roofs, one upside down over the other and turned by a right angle: their ridges cross.
+    const geometry::TriangleMesh box = boxMesh({0.05, 0.01, 0.01});
+    const Quat onEdge = axisAngle({1, 0, 0}, std::numbers::pi / 4);
+    const double ridge = 0.01 * std::sqrt(2.0);
+    for (const double gap : {3e-4, 1e-9, 0.0, -1e-9, -3e-4, -0.9e-3}) {
+        CAPTURE(gap);
+        Scene scene;
+        scene.add(box, kPlain, {{0, 0, -ridge}, onEdge});
+        scene.add(box, kPlain, {{0.001, 0.002, ridge + gap}, axisAngle({0, 0, 1}, std::numbers::pi / 2) * onEdge});
+        scene.find();
+        REQUIRE(scene.found.size() == 1);
+        const Proximity& p = scene.found[0];
+        CHECK(onSide(p, 0) == 2);
+        CHECK(onSide(p, 1) == 2);
+        CHECK(p.gap == Approx(gap).margin(1e-12));
+        CHECK(distance(p.normal, {0, 0, -1}) < 1e-9);
+        CHECK(distance(scene.place(p, 0), {0.001, 0, 0}) < 1e-9);
+    }
+}
+
+TEST_CASE("edges on the far sides of two thin plates are no contact")
+{
+    Scene scene;
+    scene.add(boxMesh({0.05, 0.02, 0.0001}), kPlain, {{0, 0, 0}, axisAngle({0, 0, 1}, 0.3)});
+    scene.add(boxMesh({0.05, 0.02, 0.0001}), kPlain, {{0, 0, 0.0005}, axisAngle({0, 0, 1}, 1.4)});
+    // They cross: each of two edges meets each of two, and no corner is over a face.
+    REQUIRE(scene.find().size() == 4);
+    for (const Proximity& p : scene.found) {
+        CHECK(p.gap == Approx(3e-4));
+        CHECK(distance(p.normal, {0, 0, -1}) < 1e-9);
+    }
+}
+
+TEST_CASE("a point that is inside near a convex edge leaves through the nearer face, and by that way only")
+{
+    for (const double depth : {1e-5, 3e-4, 8e-4}) {
+        CAPTURE(depth);
+        Scene scene;
+        scene.add(boxMesh({0.02, 0.02, 0.02}, 3), kPlain);
+        geometry::TriangleMesh point;
+        point.vertices = {{0.02 - 0.9e-3, 0.0011, 0.02 - depth}};
+        scene.add(point, kPlain);
+        scene.find();
+        REQUIRE(scene.found.size() == 1);
+        CHECK(scene.found[0].gap == Approx(-depth));
+        CHECK(distance(scene.found[0].normal, {0, 0, -1}) < 1e-12);
+    }
+}
+
+TEST_CASE("outside at a sharp edge the distance is positive wherever the point is")
+{
+    // A wedge of 10 degrees: behind the plane of one face, before the other one, and outside.
+    geometry::TriangleMesh wedge;
+    const double t = std::tan(5_deg);
+    wedge.vertices = {{0, -0.02, 0},
+                      {0, 0.02, 0},
+                      {-0.02, -0.02, 0.02 * t},
+                      {-0.02, 0.02, 0.02 * t},
+                      {-0.02, -0.02, -0.02 * t},
+                      {-0.02, 0.02, -0.02 * t}};
+    wedge.triangles = {{0, 1, 3}, {0, 3, 2}, {0, 5, 1}, {0, 4, 5}, {2, 3, 5}, {2, 5, 4}, {0, 2, 4}, {1, 5, 3}};
+    REQUIRE(makeCollisionShape(wedge, kPlain).closed);
+    for (int i = 0; i < 16; ++i) {
+        const double angle = (i / 7.5 - 1.0) * 170_deg;
+        CAPTURE(angle);
+        Scene scene;
+        scene.add(wedge, kPlain);
+        geometry::TriangleMesh point;
+        point.vertices = {{4e-4 * std::cos(angle), 0.003, 4e-4 * std::sin(angle)}};
+        scene.add(point, kPlain);
+        scene.find();
+        REQUIRE(scene.found.size() == 1);
+        // From 85 degrees on a face is nearer than the edge.
+        const double share = std::fabs(angle) < 85_deg ? 1.0 : std::sin(175_deg - std::fabs(angle));
+        CHECK(scene.found[0].gap == Approx(4e-4 * share));
+    }
+}
+
+TEST_CASE("near a thin plate only its near wall is met")
+{
+    // Half a millimetre thick, and followed to two millimetres inside.
+    for (const double height : {4.5e-4, 3e-4, 2e-4, -2e-4, -3e-4, -4.5e-4}) {
+        CAPTURE(height);
+        Scene scene;
+        scene.add(boxMesh({0.02, 0.02, 0.25e-3}, 4), kPlain);
+        geometry::TriangleMesh point;
+        point.vertices = {{0.0011, 0.0023, height}};
+        scene.add(point, kPlain);
+        scene.find();
+        REQUIRE(scene.found.size() == 1);
+        CHECK(scene.found[0].gap == Approx(std::fabs(height) - 0.25e-3).margin(1e-12));
+        CHECK(scene.found[0].normal.z == (height > 0 ? -1.0 : 1.0));
+    }
+}
+
+TEST_CASE("what comes at 1 m/s is found before it is there, and what flies past is not")
+{
+    Scene scene;
+    scene.add(boxMesh({0.02, 0.02, 0.02}), kPlain);
+    const int ball = scene.add(boxMesh({0.005, 0.005, 0.005}), kPlain, {{0.001, 0.002, 0.0274}, {}});
+    const auto withVelocity = [&](Vec3 v) {
+        scene.surfaces[static_cast<std::size_t>(ball)].v.assign(8, v);
+        return scene.find().size();
+    };
+    // 2.4 mm apart: both proximities are 1 mm, and a step and a half at 1 m/s 1.5 mm.
+    CHECK(withVelocity({0, 0, -1.0}) == 4);
+    CHECK(withVelocity({0.3, 0, -1.0}) == 4);
+    CHECK(withVelocity({0, 0, -0.9}) == 0);
+    CHECK(withVelocity({1, 1, 0}) == 0);
+    CHECK(withVelocity({0, 0, 1}) == 0);
+    CHECK(withVelocity({0, 0, 0}) == 0);
+}
+
+TEST_CASE("a contact keeps its number while what touches stays the same")
+{
+    Scene scene;
+    std::mt19937 random(3);
+    scene.add(lumpMesh(0.03, 12, 0.05, random), {.proximity = 1e-3, .depth = 2e-3});
+    scene.add(lumpMesh(0.03, 12, 0.05, random), {.proximity = 1e-3, .depth = 2e-3}, {{0.055, 0, 0.004}, {}});
+    std::map<std::uint64_t, Proximity> before;
+    for (const Proximity& p : scene.find()) before[p.feature] = p;
+    REQUIRE(before.size() > 8);
+    scene.move(1, {1e-7, -1e-7, 1e-7});
+    std::size_t again = 0;
+    for (const Proximity& p : scene.find()) {
+        const auto it = before.find(p.feature);
+        if (it == before.end()) continue;
+        ++again;
+        CHECK(it->second.vertices == p.vertices);
+        CHECK(distance(it->second.normal, p.normal) < 1e-2);
+        CHECK(std::fabs(it->second.gap - p.gap) < 1e-6);
+    }
+    CHECK(again + 1 >= before.size());
+}
+
+TEST_CASE("a needle of lines lies on a mesh: its points on faces, its lines across edges, and pushes out when inside")
+{
+    geometry::TriangleMesh needle;
+    for (int i = 0; i <= 8; ++i) needle.vertices.push_back({-0.04 + 0.01 * i, 0.001, 0.0});
+    CollisionOptions options{.proximity = 0.5e-3};
+    for (int i = 0; i < 8; ++i) options.segments.push_back({i, i + 1});
+    for (const double gap : {2e-4, -2e-4}) {
+        CAPTURE(gap);
+        Scene scene;
+        scene.add(boxMesh({0.023, 0.02, 0.02}, 3), kPlain);
+        scene.add(needle, options, {{0, 0, 0.02 + gap}, {}});
+        scene.find();
+        int points = 0, crossings = 0;
+        for (const Proximity& p : scene.found) {
+            CHECK(p.gap == Approx(gap));
+            CHECK(distance(p.normal, {0, 0, -1}) < 1e-9);
+            (onSide(p, 1) == 1 ? points : crossings) += 1;
+        }
+        CHECK(points == 5);    // the others are beyond the box
+        CHECK(crossings == 2); // over the two edges of the box's top
+    }
+}
+
+TEST_CASE("surfaces of other groups and of the same body do not meet")
+{
+    const auto contacts = [](int group, int body) {
+        Scene scene;
+        scene.add(boxMesh({0.01, 0.01, 0.01}), kPlain);
+        CollisionOptions options = kPlain;
+        options.group = group;
+        scene.add(boxMesh({0.01, 0.01, 0.01}), options, {{0.001, 0.002, 0.0202}, {}});
+        scene.surfaces[1].body = body;
+        return scene.find().size();
+    };
+    CHECK(contacts(0, 1) > 0);
+    CHECK(contacts(1, 1) == 0);
+    CHECK(contacts(0, 0) == 0);
+}
+
+} // namespace filasofia::engine

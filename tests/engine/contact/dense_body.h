@@ -1,0 +1,104 @@
+#pragma once
+
+#include "filasofia/engine/contact/coupled_body.h"
+
+#include <Eigen/Dense>
+
+#include <vector>
+
+namespace filasofia::engine {
+
+/// A body given by any symmetric positive definite matrix over its nodes: nodes are grips. D is its diagonal in blocks
+/// of three, B nothing or a part of the true inverse.
+class DenseBody final : public CoupledBody {
+public:
+    DenseBody(Eigen::MatrixXd matrix, Eigen::VectorXd right, bool coarse)
+        : a(std::move(matrix)), b(std::move(right)), inverse_(a.inverse()), coarse_(coarse)
+    {
+        guess = Eigen::VectorXd::Zero(b.size());
+    }
+
+    void begin(std::span<const Grip> grips) override
+    {
+        grips_.assign(grips.begin(), grips.end());
+        x = Eigen::VectorXd::Zero(b.size());
+        r_ = b;
+        p_ = guess;
+    }
+    [[nodiscard]] Mat3 compliance(int grip) const override
+    {
+        const Eigen::Matrix3d m = block(grips_[static_cast<std::size_t>(grip)].node).inverse();
+        return {{{m(0, 0), m(0, 1), m(0, 2)}, {m(1, 0), m(1, 1), m(1, 2)}, {m(2, 0), m(2, 1), m(2, 2)}}};
+    }
+    [[nodiscard]] double mass() const override { return a.trace() / 3.0; }
+    double multiply() override { return p_.dot(q_ = a * p_); }
+    double slope() override { return p_.dot(r_); }
+    void descend(double alpha) override
+    {
+        x += alpha * p_;
+        r_ -= alpha * q_;
+    }
+    void turn(double beta) override { p_ = z_ + beta * p_; }
+    void smooth() override
+    {
+        w_ = smoothed(r_);
+        s_ = r_;
+    }
+    double spread() override
+    {
+        z_ = w_;
+        if (coarse_) z_ += 0.5 * (inverse_ * s_);
+        return r_.dot(z_);
+    }
+    void save() override
+    {
+        xSaved_ = x;
+        rSaved_ = r_;
+    }
+    std::array<double, 2> rise() override { return {(x - xSaved_).dot(rSaved_), (x - xSaved_).dot(r_)}; }
+    void goBack(double t) override
+    {
+        x = xSaved_ + t * (x - xSaved_);
+        r_ = rSaved_ + t * (r_ - rSaved_);
+    }
+    void readDirection(std::span<Vec3> p) const override { read(p_, p); }
+    void readSmoothed(std::span<Vec3> w) const override { read(w_, w); }
+    void readSpread(std::span<Vec3> z) const override { read(z_, z); }
+    void addToProduct(std::span<const Vec3> impulses) override { q_ += scattered(impulses); }
+    void addToResidual(std::span<const Vec3> impulses) override { r_ += scattered(impulses); }
+    void addToSpread(std::span<const Vec3> impulses) override { s_ += scattered(impulses); }
+    void subtractSmoothed(std::span<const Vec3> impulses) override { z_ -= smoothed(scattered(impulses)); }
+
+    Eigen::MatrixXd a;
+    Eigen::VectorXd b, x, guess;
+
+private:
+    [[nodiscard]] Eigen::Matrix3d block(int node) const { return a.block<3, 3>(3 * node, 3 * node); }
+    [[nodiscard]] Eigen::VectorXd smoothed(const Eigen::VectorXd& r) const
+    {
+        Eigen::VectorXd w(r.size());
+        for (int i = 0; 3 * i < r.size(); ++i) w.segment<3>(3 * i) = block(i).inverse() * r.segment<3>(3 * i);
+        return w;
+    }
+    void read(const Eigen::VectorXd& from, std::span<Vec3> out) const
+    {
+        for (std::size_t g = 0; g < grips_.size(); ++g) {
+            const Eigen::Vector3d v = from.segment<3>(3 * grips_[g].node);
+            out[g] = {v.x(), v.y(), v.z()};
+        }
+    }
+    [[nodiscard]] Eigen::VectorXd scattered(std::span<const Vec3> impulses) const
+    {
+        Eigen::VectorXd sum = Eigen::VectorXd::Zero(b.size());
+        for (std::size_t g = 0; g < grips_.size(); ++g)
+            sum.segment<3>(3 * grips_[g].node) += Eigen::Vector3d(impulses[g].x, impulses[g].y, impulses[g].z);
+        return sum;
+    }
+
+    std::vector<Grip> grips_;
+    Eigen::MatrixXd inverse_;
+    Eigen::VectorXd r_, p_, q_, w_, s_, z_, xSaved_, rSaved_;
+    bool coarse_;
+};
+
+} // namespace filasofia::engine

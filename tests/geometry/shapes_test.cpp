@@ -1,0 +1,124 @@
+#include "filasofia/geometry/shapes.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/geometry/mass_properties.h"
+#include "filasofia/geometry/surface.h"
+
+#include <numbers>
+
+using namespace filasofia;
+using namespace filasofia::geometry;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// The volume inside; an Error unless the surface is one that check() takes, closed and not inside out.
+double volumeOf(const std::shared_ptr<const TriangleMesh>& mesh)
+{
+    check(*mesh, "shape");
+    return massProperties(*mesh, "shape").volume;
+}
+
+/// Every triangle looks away from the middle: true of all shapes here, since they are convex.
+bool facesOutwards(const TriangleMesh& mesh)
+{
+    return std::ranges::all_of(mesh.triangles, [&](const Triangle& t) {
+        const Vec3 a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
+        return dot(cross(b - a, c - a), a + b + c) > 0.0;
+    });
+}
+
+} // namespace
+
+TEST_CASE("a box has the volume of its edges, whatever its cells")
+{
+    for (const std::array<int, 3> cells : {std::array{1, 1, 1}, {3, 2, 5}}) {
+        const auto box = shapes::box({0.02, 0.03, 0.05}, cells);
+        CHECK(volumeOf(box) == Approx(0.02 * 0.03 * 0.05));
+        CHECK(facesOutwards(*box));
+        const int faces = cells[0] * cells[1] + cells[1] * cells[2] + cells[2] * cells[0];
+        CHECK(static_cast<int>(box->triangles.size()) == 4 * faces);
+        CHECK(static_cast<int>(box->vertices.size()) == 2 * faces + 2); // Euler's count of a closed surface
+    }
+}
+
+TEST_CASE("round shapes are closed, face outwards, and come as near to their volume as they are fine")
+{
+    const double r = 0.01, l = 0.04;
+    double lacks[3] = {1, 1, 1};
+    for (const int quarter : {1, 2, 3, 6, 12, 24}) {
+        const std::shared_ptr<const TriangleMesh> each[] = {shapes::sphere(r, quarter), shapes::capsule(r, l, quarter),
+                                                            shapes::cylinder(r, l, quarter)};
+        const double volumes[] = {4.0 / 3.0 * kPi * r * r * r, 4.0 / 3.0 * kPi * r * r * r + kPi * r * r * l,
+                                  kPi * r * r * l};
+        for (int i = 0; i < 3; ++i) {
+            const double lack = 1.0 - volumeOf(each[i]) / volumes[i];
+            INFO("shape " << i << ", quarter " << quarter << ", lack " << lack);
+            CHECK(facesOutwards(*each[i]));
+            CHECK(lack > 0.0); // vertices on the round: flat triangles lie inside
+            CHECK(lack < lacks[i]);
+            CHECK(lack * quarter * quarter < 1.6); // second order
+            lacks[i] = lack;
+        }
+        CHECK(static_cast<int>(each[0]->triangles.size()) == 8 * quarter * quarter);
+    }
+    for (const double lack : lacks) CHECK(lack < 3e-3);
+}
+
+TEST_CASE("the vertices of round shapes lie where the round is, and both ends are alike")
+{
+    const auto sphere = shapes::sphere(0.01), capsule = shapes::capsule(0.01, 0.04),
+               cylinder = shapes::cylinder(0.01, 0.04);
+    for (const Vec3& v : sphere->vertices) CHECK(length(v) == Approx(0.01));
+    for (const Vec3& v : capsule->vertices) CHECK(length(v - Vec3{0, v.y > 0 ? 0.02 : -0.02, 0}) == Approx(0.01));
+    double low = 0.0, high = 0.0;
+    for (const Vec3& v : cylinder->vertices) {
+        CHECK((std::hypot(v.x, v.z) < 1e-9 || std::hypot(v.x, v.z) == Approx(0.01)));
+        low = std::min(low, v.y);
+        high = std::max(high, v.y);
+    }
+    CHECK(low == Approx(-0.02));
+    CHECK(high == Approx(0.02));
+}
+
+TEST_CASE("no triangle of a sphere is a splinter")
+{
+    const auto sphere = shapes::sphere(1.0, 12);
+    for (const Triangle& t : sphere->triangles) {
+        const Vec3 a = sphere->vertices[t[0]], b = sphere->vertices[t[1]], c = sphere->vertices[t[2]];
+        const double longest = std::max({length(b - a), length(c - b), length(a - c)});
+        CHECK(length(cross(b - a, c - a)) > 0.4 * longest * longest); // twice the area; 0.87 of an equilateral one
+    }
+}
+
+TEST_CASE("a block fills its box with tetrahedra that meet face to face")
+{
+    for (const std::array<int, 3> cells : {std::array{1, 1, 1}, {2, 2, 2}, {3, 4, 5}}) {
+        const auto block = shapes::block({0.03, 0.02, 0.05}, cells);
+        check(*block, "block");
+        double volume = 0.0;
+        for (std::size_t t = 0; t < block->tetrahedra.size(); ++t) volume += signedVolume(*block, static_cast<int>(t));
+        CHECK(volume == Approx(0.03 * 0.02 * 0.05));
+        CHECK(static_cast<int>(block->tetrahedra.size()) == 6 * cells[0] * cells[1] * cells[2]);
+        // A face inside that did not meet its neighbour's would count as boundary.
+        const TriangleMesh surface = extractSurface(*block).mesh;
+        const int faces = cells[0] * cells[1] + cells[1] * cells[2] + cells[2] * cells[0];
+        CHECK(static_cast<int>(surface.triangles.size()) == 4 * faces);
+        CHECK(facesOutwards(surface));
+    }
+}
+
+TEST_CASE("a shape that cannot be names its argument, the bound and the value")
+{
+    CHECK_THROWS_WITH(shapes::box({0.01, 0, 0.01}), "box: size.y must be > 0 m, got 0");
+    CHECK_THROWS_WITH(shapes::box({0.01, 0.01, 0.01}, {1, 1, 0}), "box: cells[2] must be in [1, 500], got 0");
+    CHECK_THROWS_WITH(shapes::sphere(-1), "sphere: radius must be > 0 m, got -1");
+    CHECK_THROWS_WITH(shapes::sphere(1, 501), "sphere: quarter must be in [1, 500], got 501");
+    CHECK_THROWS_WITH(shapes::capsule(1, std::nan("")), "capsule: length must be > 0 m, got nan");
+    CHECK_THROWS_WITH(shapes::capsule(0, 1), "capsule: radius must be > 0 m, got 0");
+    CHECK_THROWS_WITH(shapes::cylinder(1, 0), "cylinder: length must be > 0 m, got 0");
+    CHECK_THROWS_WITH(shapes::cylinder(1, 1, 0), "cylinder: quarter must be in [1, 500], got 0");
+    CHECK_THROWS_WITH(shapes::block({1, 1, -1}), "block: size.z must be > 0 m, got -1");
+    CHECK_THROWS_WITH(shapes::block({1, 1, 1}, {201, 1, 1}), "block: cells[0] must be in [1, 200], got 201");
+}

@@ -1,0 +1,121 @@
+#include "filasofia/filasofia.h"
+
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/physics/physics_engine.h"
+#include "filasofia/record/recording.h"
+#include "filasofia/record/replay.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+
+using namespace filasofia;
+
+namespace {
+
+Pose poseAt(double time) { return {{0.1 * std::sin(3.0 * time), 0.02 * time, 0}, axisAngle({0, 1, 0}, time)}; }
+
+} // namespace
+
+TEST_CASE("a script is called once before every step of a headless run, with the time at its end")
+{
+    Simulation sim({.physics = {.rate = 500}});
+    std::vector<double> asked, made;
+    std::vector<int> order;
+    sim.everyStep([&](double time) {
+        asked.push_back(time);
+        order.push_back(1);
+    });
+    sim.everyStep([&](double) { order.push_back(2); });
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) { made.push_back(update.time); });
+    sim.run({.headless = true, .steps = 30});
+    sim.run({.headless = true, .steps = 5});
+    CHECK(asked.size() == 35);
+    CHECK(asked == made);
+    REQUIRE(order.size() == 70);
+    for (std::size_t i = 0; i < order.size(); ++i) CHECK(order[i] == 1 + static_cast<int>(i % 2));
+}
+
+TEST_CASE("a body that a script moves is exactly where the script says, headless and live")
+{
+    for (const bool headless : {true, false}) {
+        Simulation sim;
+        const BodyId probe = sim.add(RigidBodyDef{.name = "probe"});
+        sim.everyStep([&](double time) { sim.physics().setPose(probe, poseAt(time)); });
+        sim.run({.headless = headless, .backend = Backend::Null, .steps = 100});
+        const auto frame = sim.physics().latest();
+        CHECK(frame->time > 0.05);
+        const Pose pose = frame->rigidBody(probe)->poses[0], wanted = poseAt(frame->time);
+        CHECK(distance(pose.position, wanted.position) == 0.0);
+        CHECK(std::abs(dot(pose.orientation, wanted.orientation)) == Approx(1.0));
+    }
+}
+
+TEST_CASE("what a script commands is in the recording: it is made again without the script")
+{
+    const std::string file =
+        (std::filesystem::temp_directory_path() / text("filasofia_every_step_test_", getpid(), ".rec")).string();
+    Simulation sim;
+    sim.add(SoftBodyDef{.mesh = shapes::block({20_mm, 20_mm, 20_mm}, {2, 2, 2}),
+                        .attachments = {{.box = Box{{-1, -1, -1}, {1, -9.9_mm, 1}}}},
+                        .collision = {{}}});
+    const BodyId ball =
+        sim.add(RigidBodyDef{.elements = {{{0, 16_mm, 0}, {}}}, .mesh = shapes::sphere(5_mm), .collision = {{}}});
+    sim.everyStep([&](double time) { sim.physics().setPose(ball, {{0, 16_mm - 0.05 * time, 0}, {}}); });
+    const RunReport report = sim.run({.headless = true, .steps = 60, .record = file});
+    CHECK(report.contacts.size() == 1);
+    const record::Recording recording = record::readRecording(file);
+    REQUIRE(recording.steps.size() == 60);
+    const auto engine =
+        engine::makeNativeEngine({.period = recording.header.period, .contact = recording.header.contact});
+    CHECK_FALSE(record::replay(recording.steps, *engine));
+    CHECK(engine->hash() == report.hash);
+    std::filesystem::remove(file);
+}
+
+TEST_CASE("a script rests while physics is paused")
+{
+    Simulation sim;
+    int calls = 0;
+    sim.everyStep([&](double) { ++calls; });
+    sim.run({.headless = true, .steps = 5});
+    sim.physics().pause(true);
+    sim.run({.headless = true, .steps = 5});
+    CHECK(calls == 6); // the step that a pause comes with is known to be paused only when it is made
+    sim.physics().pause(false);
+    sim.run({.headless = true, .steps = 5});
+    CHECK(calls == 10);
+}
+
+TEST_CASE("a script that throws is not called again, and the others go on")
+{
+    for (const bool headless : {true, false}) {
+        Simulation sim;
+        int thrown = 0, calls = 0;
+        sim.everyStep([&](double) {
+            ++thrown;
+            sim.physics().setPose(BodyId{77}, {});
+        });
+        sim.everyStep([&](double) { ++calls; });
+        const RunReport report = sim.run({.headless = headless, .backend = Backend::Null, .steps = 20});
+        CHECK(report.steps == 20);
+        CHECK(thrown == 1);
+        CHECK(calls == 20);
+    }
+}
+
+TEST_CASE("nothing is no script, and a run takes no new one")
+{
+    Simulation sim;
+    CHECK_THROWS_WITH(sim.everyStep({}), "simulation: everyStep: the function to call must be one, got nothing");
+    std::string refused;
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent&) {
+        try {
+            sim.everyStep([](double) {});
+        } catch (const Error& error) {
+            refused = error.what();
+        }
+    });
+    sim.run({.headless = true, .steps = 2});
+    CHECK(refused == "simulation: everyStep is to be set before a run, and one is going on");
+}

@@ -1,0 +1,426 @@
+#include "verification/verification.h"
+
+#include "engine/shapes.h"
+
+using namespace filasofia;
+using namespace filasofia::engine;
+
+namespace {
+
+constexpr double kG = 9.81;
+constexpr geometry::Box kLeft{{-1, -1, -1}, {1e-6, 1, 1}};
+
+/// A beam from the origin along x.
+physics::SoftBodyDef beam(std::array<int, 3> cells, Vec3 size, double x = 0.0)
+{
+    physics::SoftBodyDef def{.name = "beam", .mesh = shared(boxMesh(cells, size))};
+    def.pose.position.x = x;
+    def.material = physics::FemMaterial{.youngModulus = 5e4, .poissonRatio = 0.3};
+    return def;
+}
+
+physics::RigidBodyDef rigidBox(const std::string& name, Vec3 half, Vec3 at, bool dynamic = true)
+{
+    physics::RigidBodyDef def{.name = name, .elements = {Pose{at, {}}}, .mesh = shared(boxSurface(half))};
+    def.dynamic = dynamic;
+    return def;
+}
+
+double weightOf(const Stage& stage, std::size_t body)
+{
+    double mass = 0.0;
+    for (double each : const_cast<Stage&>(stage).model(body).masses) mass += each;
+    return mass * kG;
+}
+
+const frame::Attachment& held(Stage& stage, AttachmentId id)
+{
+    const auto found = std::ranges::find(stage.world.state().held, id, &frame::Attachment::id);
+    REQUIRE(found != stage.world.state().held.end());
+    return *found;
+}
+
+Vec3 placeOf(Stage& stage, const AttachedPoint& point, BodyId id)
+{
+    const Model& model = stage.world.model();
+    for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
+        if (model.softBodies[b].id != id) continue;
+        Vec3 sum;
+        for (const NodeWeight& each : point.nodes)
+            sum += each.weight * stage.soft(b).x[static_cast<std::size_t>(each.node)];
+        return sum;
+    }
+    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b)
+        if (model.rigidBodies[b].id == id)
+            return transform(stage.world.state().rigidBodies[b].poses[static_cast<std::size_t>(point.element)],
+                             point.place);
+    return point.place;
+}
+
+/// [m] the farthest that any two points that are to be one are apart.
+double worstGap(Stage& stage)
+{
+    double worst = 0.0;
+    for (const Attachment& each : stage.world.model().attachments)
+        for (const auto& pair : each.pairs)
+            worst = std::max(worst, distance(placeOf(stage, pair[0], each.body), placeOf(stage, pair[1], each.to)));
+    return worst;
+}
+
+/// [N], [N m] about the origin: what an attachment does to its body.
+Wrench wrenchOf(Stage& stage, AttachmentId id)
+{
+    const Model& model = stage.world.model();
+    Wrench sum;
+    for (std::size_t a = 0; a < model.attachments.size(); ++a) {
+        if (model.attachments[a].id != id) continue;
+        for (std::size_t p = 0; p < model.attachments[a].pairs.size(); ++p) {
+            const Vec3 force = stage.world.state().holding[a][p];
+            sum.force += force;
+            sum.torque += cross(placeOf(stage, model.attachments[a].pairs[p][0], model.attachments[a].body), force);
+        }
+    }
+    return sum;
+}
+
+Stage withGravity()
+{
+    Stage stage;
+    stage.post(physics::SetGravity{{0, -kG, 0}});
+    return stage;
+}
+
+} // namespace
+
+TEST_CASE("a hanging body's pins bear its weight and do not move, whatever solves it")
+{
+    struct Kind {
+        const char* name;
+        physics::SoftMaterial material;
+        physics::Integrator integrator;
+        physics::Solver solver;
+    };
+    const physics::FemMaterial fem{.youngModulus = 5e4, .poissonRatio = 0.3};
+    const physics::MassSpringMaterial springs{.stiffness = 200.0, .damping = 0.1};
+    const physics::ImplicitEuler implicit;
+    const physics::ConjugateGradient cg;
+    const Kind kinds[] = {{"matrix-free", fem, implicit, cg},
+                          {"Cholesky", fem, implicit, physics::Cholesky{}},
+                          {"mass-spring", springs, implicit, cg},
+                          {"explicit", fem, physics::ExplicitEuler{.symplectic = true}, cg}};
+    for (const Kind& kind : kinds) {
+        const double dt = std::holds_alternative<physics::ExplicitEuler>(kind.integrator) ? 1e-4 : 2e-3;
+        Stage stage = withGravity();
+        physics::SoftBodyDef def = beam({6, 2, 2}, {0.06, 0.02, 0.02});
+        def.material = kind.material;
+        def.integrator = kind.integrator;
+        def.solver = kind.solver;
+        def.rayleigh = {.mass = 4.0, .stiffness = 2e-3};
+        if (dt < 1e-3) def.rayleigh = {.mass = 20.0, .stiffness = 0.0};
+        def.attachments = {{.box = kLeft}};
+        stage.add(def);
+        stage.run(static_cast<int>(std::lround(2.0 / dt)), dt);
+        const double weight = weightOf(stage, 0);
+        const frame::Attachment& pins = held(stage, {1});
+        CHECK(pins.points == 9);
+        verify(text("hanging beam, ", kind.name, ": reaction of its pins over its weight, less one"),
+               length(pins.force - Vec3{0, weight, 0}) / weight, 0.01);
+        for (int node : nodesWhere(*std::get<1>(def.mesh), [](Vec3 p) { return p.x < 1e-6; }))
+            CHECK(distance(stage.soft().x[static_cast<std::size_t>(node)],
+                           stage.model().rest[static_cast<std::size_t>(node)]) <= 1e-9);
+    }
+}
+
+TEST_CASE("nodes held at run time stay where they were, and bear the weight")
+{
+    Stage stage = withGravity();
+    stage.add(beam({6, 2, 2}, {0.06, 0.02, 0.02}));
+    stage.post(physics::Attach{{1}, {1}, {.box = kLeft}});
+    double worst = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+        stage.step(1e-3);
+        worst = std::max(worst, worstGap(stage));
+    }
+    const double weight = weightOf(stage, 0);
+    verify("beam let fall, held at run time: farthest that a node strays on the way [m]", worst, 1e-5);
+    verify("beam held at run time, at rest: farthest that a node is from where it is held [m]", worstGap(stage), 1e-6);
+    verify("beam held at run time: reaction over its weight, less one",
+           length(held(stage, {1}).force - Vec3{0, weight, 0}) / weight, 0.01);
+}
+
+TEST_CASE("a spring gives as far as its stiffness says")
+{
+    const double k = 50.0;
+    Stage stage = withGravity();
+    physics::RigidBodyDef box = rigidBox("box", {0.02, 0.02, 0.02}, {});
+    box.attachments = {{.points = {{0, 0.02, 0}}, .stiffness = k}};
+    stage.add(box);
+    stage.run(2000, 5e-3);
+    const double weight = 0.064 * kG;
+    const double fell = -stage.world.state().rigidBodies[0].poses[0].position.y;
+    verify("box on a spring: k x over its weight, less one", std::abs(k * fell / weight - 1.0), 0.01);
+    verify("box on a spring: reported force over k x, less one", std::abs(held(stage, {1}).force.y / (k * fell) - 1.0),
+           0.01);
+
+    Stage soft = withGravity();
+    physics::SoftBodyDef def = beam({3, 2, 2}, {0.03, 0.02, 0.02});
+    def.attachments = {{.box = kLeft, .stiffness = 20.0}};
+    soft.add(def);
+    soft.run(4000, 1e-3);
+    verify("beam on pin springs: reported force over its weight, less one",
+           std::abs(held(soft, {1}).force.y / weightOf(soft, 0) - 1.0), 0.01);
+}
+
+TEST_CASE("two blocks whose meshes do not match hand on what pulls and twists them")
+{
+    for (const bool twist : {false, true}) {
+        Stage stage;
+        physics::SoftBodyDef left = beam({4, 3, 3}, {0.04, 0.03, 0.03}),
+                             right = beam({5, 2, 4}, {0.04, 0.03, 0.03}, 0.038);
+        left.attachments = {{.box = kLeft}};
+        right.attachments = {{.to = {1}}}; // what lies inside the other
+        const Vec3 axis{0.0, 0.015, 0.015};
+        Wrench applied;
+        for (int node : nodesWhere(*std::get<1>(right.mesh), [](Vec3 p) { return p.x > 0.0399; })) {
+            const Vec3 arm = std::get<1>(right.mesh)->nodes[static_cast<std::size_t>(node)] - axis;
+            const Vec3 force = twist ? 4.0 * Vec3{0.0, -arm.z, arm.y} : Vec3{0.02, 0.0, 0.0};
+            right.forces.push_back({node, force});
+        }
+        stage.add(left);
+        stage.add(right);
+        int most = 0;
+        for (int i = 0; i < 2500; ++i) most = std::max(most, stage.step(2e-3).solves[0].iterations);
+        for (const physics::NodalForce& each : right.forces) {
+            applied.force += each.force;
+            applied.torque += cross(stage.soft(1).x[static_cast<std::size_t>(each.node)], each.force);
+        }
+        const Wrench handed = wrenchOf(stage, {2});
+        CHECK(held(stage, {2}).points >= 15);
+        if (twist) {
+            tell("two blocks twisted by [N m]", applied.torque.x);
+            verify("two blocks twisted: torque handed on over that applied, less one",
+                   std::abs(-handed.torque.x / applied.torque.x - 1.0), 0.01);
+        } else {
+            verify("two blocks pulled: force handed on over that applied, less one",
+                   length(handed.force + applied.force) / length(applied.force), 0.01);
+            verify("two blocks pulled: reaction of the pins over the force applied, less one",
+                   length(held(stage, {1}).force + applied.force) / length(applied.force), 0.01);
+        }
+        tell(text("two blocks ", twist ? "twisted" : "pulled", ": iterations per step at most"), most);
+        verify(text("two blocks ", twist ? "twisted" : "pulled", ": farthest that they are apart [m]"), worstGap(stage),
+               1e-6);
+    }
+}
+
+TEST_CASE("a rigid box hangs from a soft beam with its weight")
+{
+    Stage stage = withGravity();
+    physics::SoftBodyDef def = beam({4, 2, 2}, {0.04, 0.02, 0.02});
+    def.attachments = {{.box = kLeft}};
+    def.rayleigh = {.mass = 4.0, .stiffness = 0.01};
+    stage.add(def);
+    physics::RigidBodyDef box = rigidBox("box", {0.01, 0.01, 0.01}, {0.05, 0.01, 0.01});
+    stage.add(box);
+    stage.post(physics::Attach{{2}, {1}, {.within = 1e-4, .to = {2}}});
+    stage.run(2000, 2e-3);
+    const double weight = 8e-6 * 1000 * kG;
+    CHECK(held(stage, {2}).points == 9);
+    verify("rigid box on a soft beam: force that holds it over its weight, less one",
+           length(held(stage, {2}).force + Vec3{0, weight, 0}) / weight, 0.01);
+    verify("rigid box on a soft beam: reaction of the beam's pins over the weight of both, less one",
+           length(held(stage, {1}).force - Vec3{0, weight + weightOf(stage, 0), 0}) / (weight + weightOf(stage, 0)),
+           0.01);
+    verify("rigid box on a soft beam: farthest that they are apart [m]", worstGap(stage), 1e-6);
+}
+
+TEST_CASE("a rod that hangs from a point swings as theory says")
+{
+    const Vec3 half{0.005, 0.1, 0.005};
+    Stage stage = withGravity();
+    physics::RigidBodyDef rod = rigidBox("rod", half, {});
+    const double tilt = 0.02;
+    const Vec3 hinge{0, 0.1, 0};
+    rod.elements = {Pose{rotate(turnAbout({0, 0, 1}, tilt), -hinge), turnAbout({0, 0, 1}, tilt)}};
+    rod.attachments = {{.points = {hinge}}};
+    stage.add(rod);
+    const double d = 0.1, about = (4.0 * half.x * half.x + 4.0 * half.y * half.y) / 12.0 + d * d;
+    const double period = 2.0 * std::numbers::pi * std::sqrt(about / (kG * d));
+    double worst = 0.0, first = 0.0, last = 0.0, before = 0.0;
+    int crossings = 0;
+    const double dt = 2.5e-4;
+    for (int i = 0; i < static_cast<int>(5.2 * period / dt); ++i) {
+        stage.step(dt);
+        worst = std::max(worst, worstGap(stage));
+        const double x = stage.world.state().rigidBodies[0].poses[0].position.x;
+        if (i > 0 && before > 0.0 && x <= 0.0) {
+            last = dt * (i - x / (x - before));
+            if (crossings++ == 0) first = last;
+        }
+        before = x;
+    }
+    REQUIRE(crossings >= 5);
+    verify("rod on a point: period over theory, less one", std::abs((last - first) / (crossings - 1) / period - 1.0),
+           0.005);
+    verify("rod on a point: farthest that the point strays [m]", worst, 1e-6);
+}
+
+TEST_CASE("boxes welded to each other and to space stand out like a cantilever")
+{
+    Stage stage = withGravity();
+    const Vec3 half{0.02, 0.01, 0.01};
+    for (int k = 0; k < 4; ++k) {
+        physics::RigidBodyDef box = rigidBox(text("box ", k), half, {0.04 * k, 0, 0});
+        box.attachments = {{.to = BodyId{static_cast<std::uint32_t>(k)}}}; // the first: to space
+        stage.add(box);
+    }
+    double worst = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+        stage.step(1e-3);
+        worst = std::max(worst, worstGap(stage));
+    }
+    const double weight = 8 * half.x * half.y * half.z * 1000 * kG;
+    for (std::uint32_t k = 0; k < 4; ++k)
+        CHECK(length(held(stage, {k + 1}).force - Vec3{0, (4 - k) * weight, 0}) < 0.01 * weight);
+    const Wrench atRoot = wrenchOf(stage, {1});
+    verify("four welded boxes: moment at the root over theory, less one",
+           std::abs(atRoot.torque.z / (4 * weight * 0.06) - 1.0), 0.01);
+    verify("four welded boxes: farthest that a point strays after the start [m]", worst, 1e-5);
+    verify("four welded boxes: farthest that a point strays at rest [m]", worstGap(stage), 1e-6);
+}
+
+TEST_CASE("a ring of hard attachments holds, and its forces do not grow")
+{
+    Stage stage = withGravity();
+    const Vec3 half{0.01, 0.01, 0.01};
+    for (int k = 0; k < 3; ++k) {
+        physics::RigidBodyDef box = rigidBox(text("box ", k), half, {0.02 * k, k == 1 ? 0.01 : 0.0, 0});
+        box.attachments = {{.to = BodyId{static_cast<std::uint32_t>(k)}}};
+        stage.add(box);
+    }
+    stage.post(physics::AttachRigid{{4}, {1}, {.to = {3}}}); // closes the ring
+    stage.run(2000, 1e-3);
+    const double after2 = length(held(stage, {4}).force);
+    stage.run(8000, 1e-3);
+    const double weight = 8e-6 * 1000 * kG;
+    CHECK(length(held(stage, {1}).force - Vec3{0, 3 * weight, 0}) < 0.01 * weight);
+    verify("three boxes in a ring of hard attachments: force that closes it after 10 s over that after 2 s, less one",
+           std::abs(length(held(stage, {4}).force) / after2 - 1.0), 0.01);
+    verify("three boxes in a ring of hard attachments: farthest that a point strays [m]", worstGap(stage), 1e-6);
+}
+
+TEST_CASE("what is grasped is lifted, and lost when it pulls more than the grasp stands")
+{
+    const double dt = 1e-3;
+    for (const bool anchored : {false, true}) {
+        Stage stage = withGravity();
+        physics::SoftBodyDef block{.name = "block", .mesh = shared(boxMesh({4, 4, 4}, {0.04, 0.04, 0.04}))};
+        block.collision = {{}};
+        if (anchored) block.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1e-6, 1}}}};
+        stage.add(block);
+        physics::RigidBodyDef floor = rigidBox("floor", {0.2, 0.01, 0.2}, {0, -0.0105, 0}, false);
+        floor.collision = {{}};
+        stage.add(floor);
+        physics::RigidBodyDef tool = rigidBox("tool", {0.008, 0.004, 0.011}, {0.0203, 0.0443, 0.0197}, false);
+        tool.collision = {{}};
+        const BodyId id = stage.add(tool);
+        const AttachmentId grasp{++stage.lastAttachment};
+        stage.step(dt);
+        const double breakForce = 0.8;
+        physics::GraspDef def;
+        if (anchored) def.breakForce = breakForce;
+        stage.post(physics::Grasp{grasp, id, {1}, def});
+        double y = 0.0443, force = 0.0;
+        bool broken = false;
+        for (int i = 0; i < 3000 && !broken; ++i) {
+            y += dt * (anchored ? 0.01 : i < 1000 ? 0.03 : 0.0);
+            stage.post(physics::SetPose{id, 0, Pose{{0.0203, y, 0.0197}, {}}});
+            CHECK_FALSE(stage.step(dt).has(physics::StepFlag::NothingAttached));
+            const frame::Attachment& now = held(stage, grasp);
+            broken = now.broken;
+            force = length(now.force);
+        }
+        if (anchored) {
+            CHECK(broken);
+            verify("anchored block pulled by a tool: force at which the grasp broke over its break force, less one",
+                   std::abs(force / breakForce - 1.0), 0.05);
+            stage.step(dt);
+            for (const frame::Attachment& each : stage.world.state().held) CHECK(each.id != grasp);
+        } else {
+            CHECK(held(stage, grasp).points > 3);
+            CHECK(held(stage, grasp).body == BodyId{1});
+            const double weight = weightOf(stage, 0);
+            verify("block lifted by a tool: force of the grasp over its weight, less one",
+                   length(held(stage, grasp).force - Vec3{0, weight, 0}) / weight, 0.02);
+            double low = 1.0;
+            for (Vec3 p : stage.soft().x) low = std::min(low, p.y);
+            CHECK(low > 0.02);
+        }
+    }
+}
+
+TEST_CASE("a block squeezed by two jaws that both grasp it is held for long without forces that grow")
+{
+    Stage stage; // without gravity, until it is held
+    physics::SoftBodyDef block{.name = "block", .mesh = shared(boxMesh({3, 3, 3}, {0.03, 0.03, 0.03}))};
+    block.collision = {{}};
+    stage.add(block);
+    std::vector<AttachmentId> grasps;
+    const auto jawAt = [](int side, double squeeze) {
+        return Vec3{side ? 0.0409 - squeeze : -0.0109 + squeeze, 0.0151, 0.0149};
+    };
+    for (int side : {0, 1}) {
+        physics::RigidBodyDef jaw = rigidBox(text("jaw ", side), {0.01, 0.008, 0.008}, jawAt(side, 0.0), false);
+        jaw.collision = {{}};
+        stage.add(jaw);
+    }
+    for (int i = 1; i <= 200; ++i) { // a millimetre and a half from each side
+        for (int side : {0, 1}) stage.post(physics::SetPose{{side + 2u}, 0, {jawAt(side, 2e-3 * i / 200), {}}});
+        stage.step(1e-3);
+    }
+    for (std::uint32_t side : {0u, 1u}) {
+        grasps.push_back({++stage.lastAttachment});
+        stage.post(physics::Grasp{grasps.back(), {side + 2}, {1}, {}});
+    }
+    stage.post(physics::SetGravity{{0, -kG, 0}});
+    std::vector<double> largest;
+    for (int i = 0; i < 10000; ++i) {
+        stage.step(1e-3);
+        if (i % 1000 != 999) continue;
+        double most = 0.0;
+        for (const auto& pairs : stage.world.state().holding)
+            for (Vec3 force : pairs) most = std::max(most, length(force));
+        for (const frame::Contact& each : stage.world.state().touching) most = std::max(most, each.normalForce);
+        largest.push_back(most);
+    }
+    const Vec3 sum = held(stage, grasps[0]).force + held(stage, grasps[1]).force + [&] {
+        Vec3 contacts;
+        for (const frame::Contact& c : stage.world.state().touching)
+            contacts += (c.first == BodyId{1} ? 1.0 : -1.0) * (c.normalForce * c.normal + c.friction);
+        return contacts;
+    }();
+    verify("block held by two jaws: largest force at a point after 10 s over that after 1 s, less one",
+           std::abs(largest.back() / largest.front() - 1.0), 0.05);
+    verify("block held by two jaws: sum of the forces over its weight, less one",
+           length(sum - Vec3{0, weightOf(stage, 0), 0}) / weightOf(stage, 0), 0.02);
+}
+
+TEST_CASE("attachments come out the same for any number of threads")
+{
+    std::vector<std::uint64_t> hashes;
+    for (int threads : {1, 2, 8}) {
+        Stage stage({.threads = threads});
+        stage.post(physics::SetGravity{{0, -kG, 0}});
+        physics::SoftBodyDef left = beam({8, 5, 5}, {0.04, 0.03, 0.03}),
+                             right = beam({6, 4, 7}, {0.04, 0.03, 0.03}, 0.038);
+        left.attachments = {{.box = kLeft}};
+        right.attachments = {{.to = {1}}};
+        stage.add(left);
+        stage.add(right);
+        physics::RigidBodyDef box = rigidBox("box", {0.01, 0.01, 0.01}, {0.09, 0.01, 0.01});
+        box.attachments = {{.stiffness = 100.0, .to = {2}}};
+        stage.add(box);
+        stage.run(100, 1e-3);
+        hashes.push_back(stage.world.hash());
+    }
+    for (std::uint64_t hash : hashes) CHECK(hash == hashes.front());
+}

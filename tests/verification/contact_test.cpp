@@ -1,0 +1,249 @@
+#include "verification/verification.h"
+
+#include "engine/shapes.h"
+
+using namespace filasofia;
+using namespace filasofia::engine;
+
+namespace {
+
+constexpr double kG = 9.81;
+
+physics::RigidBodyDef rigidBox(const std::string& name, Vec3 half, Pose pose, double friction = 0.5)
+{
+    physics::RigidBodyDef def{.name = name, .elements = {pose}, .mesh = shared(boxSurface(half))};
+    def.dynamic = true;
+    def.friction = friction;
+    def.collision = {{}};
+    return def;
+}
+
+physics::RigidBodyDef floorDef(double friction = 0.5, Quat tilt = {})
+{
+    physics::RigidBodyDef def = rigidBox("floor", {0.5, 0.05, 0.5}, {rotate(tilt, {0, -0.05, 0}), tilt}, friction);
+    def.dynamic = false;
+    return def;
+}
+
+physics::SoftBodyDef softBlock(std::array<int, 3> cells, Vec3 size, Vec3 corner)
+{
+    physics::SoftBodyDef def{.mesh = shared(boxMesh(cells, size))};
+    def.pose.position = corner;
+    def.collision = {{}};
+    def.friction = 0.5;
+    return def;
+}
+
+Vec3 forceOn(const Stage& stage, BodyId body)
+{
+    Vec3 sum;
+    for (const frame::Contact& c : const_cast<Stage&>(stage).world.state().touching) {
+        const Vec3 force = c.normalForce * c.normal + c.friction;
+        if (c.first == body) sum += force;
+        if (c.second == body) sum -= force;
+    }
+    return sum;
+}
+
+struct Means {
+    Vec3 mean;
+    double spread = 0.0; ///< largest distance of a mean over 5 ms from the mean of all
+};
+
+/// The force on a body over a time, and how far its means over 5 ms stray.
+Means measureForce(Stage& stage, BodyId body, double seconds, double dt)
+{
+    std::vector<Vec3> forces;
+    for (int i = 0; i < static_cast<int>(std::lround(seconds / dt)); ++i) {
+        stage.step(dt);
+        forces.push_back(forceOn(stage, body));
+    }
+    Means all;
+    for (Vec3 f : forces) all.mean += 1.0 / static_cast<double>(forces.size()) * f;
+    const auto window = static_cast<std::size_t>(std::lround(5e-3 / dt));
+    for (std::size_t i = 0; i + window <= forces.size(); i += window) {
+        Vec3 mean;
+        for (std::size_t k = 0; k < window; ++k) mean += 1.0 / static_cast<double>(window) * forces[i + k];
+        all.spread = std::max(all.spread, length(mean - all.mean));
+    }
+    return all;
+}
+
+Stage onFloor(const physics::BodyDef& def, const physics::ContactMethod& method = physics::ExactContact{})
+{
+    Stage stage({.threads = 1, .contact = method});
+    stage.post(physics::SetGravity{{0, -kG, 0}});
+    stage.add(floorDef());
+    stage.add(def);
+    return stage;
+}
+
+} // namespace
+
+TEST_CASE("a block at rest presses with its weight, whatever the step and the rounds")
+{
+    const double weight = 8 * 0.02 * 0.02 * 0.02 * 1000 * kG;
+    for (const bool soft : {false, true})
+        for (const auto& [dt, rounds] : {std::pair{1e-3, 8}, {5e-4, 8}, {1e-3, 16}}) {
+            const physics::BodyDef def =
+                soft ? physics::BodyDef(softBlock({4, 4, 4}, {0.04, 0.04, 0.04}, {-0.017, 0.0004, -0.021}))
+                     : physics::BodyDef(rigidBox("box", {0.02, 0.02, 0.02}, {{0.003, 0.0204, -0.001}, {}}));
+            Stage stage = onFloor(def, physics::ExactContact{.rounds = rounds});
+            stage.run(static_cast<int>(1.0 / dt), dt);
+            const Means force = measureForce(stage, BodyId{2}, 0.2, dt);
+            const std::string name =
+                text(soft ? "soft" : "rigid", " block at rest, dt ", dt * 1e3, " ms, ", rounds, " rounds, ");
+            verify(name + "mean contact force over its weight, less one",
+                   length(force.mean - Vec3{0, weight, 0}) / weight, 0.01);
+            verify(name + "means over 5 ms stray by, over the weight", force.spread / weight, 0.02);
+        }
+}
+
+TEST_CASE("a block on a slope slides where the slope is steeper than the friction, and only there")
+{
+    for (const double tangent : {0.49, 0.51}) { // mu = 0.5
+        const double angle = std::atan(tangent);
+        const Quat tilt = turnAbout({0, 0, 1}, -angle);
+        Stage stage;
+        stage.post(physics::SetGravity{{0, -kG, 0}});
+        stage.add(floorDef(0.5, tilt));
+        stage.add(rigidBox("box", {0.02, 0.01, 0.02}, {rotate(tilt, {0.003, 0.0101, -0.002}), tilt}));
+        stage.run(300, 1e-3);
+        const Vec3 before = stage.world.state().rigidBodies[1].poses[0].position;
+        const Vec3 speed = stage.world.state().rigidBodies[1].velocities[0];
+        stage.run(500, 1e-3);
+        const Vec3 after = stage.world.state().rigidBodies[1].poses[0].position;
+        const double gained = (length(stage.world.state().rigidBodies[1].velocities[0]) - length(speed)) / 0.5;
+        const double expected = std::max(0.0, kG * (std::sin(angle) - 0.5 * std::cos(angle)));
+        if (tangent < 0.5)
+            verify("block on a slope of tangent 0.49, mu 0.5: moved in 0.5 s [m]", length(after - before), 1e-6);
+        else
+            verify("block on a slope of tangent 0.51, mu 0.5: acceleration over theory, less one",
+                   std::abs(gained / expected - 1.0), 0.02);
+    }
+}
+
+TEST_CASE("a tower of five boxes stands")
+{
+    Stage stage;
+    stage.post(physics::SetGravity{{0, -kG, 0}});
+    stage.add(floorDef());
+    for (int k = 0; k < 5; ++k)
+        stage.add(rigidBox(text("box ", k), {0.02, 0.02, 0.02}, {{0, 0.02001 + 0.04001 * k, 0}, {}}));
+    stage.run(3000, 1e-3);
+    double lean = 0.0;
+    for (int k = 0; k < 5; ++k) {
+        const Vec3 p = stage.world.state().rigidBodies[static_cast<std::size_t>(k) + 1].poses[0].position;
+        lean = std::max(lean, length(p - Vec3{0, 0.02 + 0.04 * k, 0}));
+    }
+    verify("tower of five boxes after 3 s: the most that one has moved [m]", lean, 1e-4);
+    const double weight = 8 * 0.02 * 0.02 * 0.02 * 1000 * kG;
+    for (int k = 0; k < 5; ++k) // each bears those above
+        CHECK(length(forceOn(stage, BodyId{static_cast<std::uint32_t>(k) + 2}) - Vec3{0, weight, 0}) < 0.01 * weight);
+}
+
+TEST_CASE("bodies that touch keep their momentum, whatever their integrators and solvers")
+{
+    using physics::ConjugateGradient;
+    const std::pair<physics::Integrator, physics::Solver> kinds[] = {
+        {physics::ImplicitEuler{}, ConjugateGradient{}},
+        {physics::ImplicitEuler{}, ConjugateGradient{.assembled = true}},
+        {physics::ImplicitEuler{}, physics::Cholesky{}},
+        {physics::ExplicitEuler{.symplectic = true}, ConjugateGradient{}}};
+    for (const auto& [integrator, solver] : kinds) {
+        Stage stage;
+        physics::SoftBodyDef a = softBlock({2, 2, 2}, {0.02, 0.02, 0.02}, {0.001, 0.0, 0.0012});
+        a.rayleigh = {0.0, 1e-4};
+        a.gravity = false;
+        a.integrator = integrator;
+        a.solver = solver;
+        stage.add(a);
+        physics::RigidBodyDef b = rigidBox("b", {0.01, 0.01, 0.01}, {{0.0105, 0.034, 0.0095}, {}});
+        b.gravity = false;
+        b.velocity = {0.0, -0.5, 0.0};
+        stage.add(b);
+        const double mass = 0.02 * 0.02 * 0.02 * 1000;
+        double hit = 0.0;
+        for (int i = 0; i < 400; ++i) {
+            stage.step(2.5e-4);
+            hit = std::max(hit, length(forceOn(stage, BodyId{1})));
+        }
+        Vec3 momentum = mass * stage.world.state().rigidBodies[0].velocities[0];
+        for (std::size_t i = 0; i < stage.soft().v.size(); ++i) momentum += stage.model().masses[i] * stage.soft().v[i];
+        CHECK(hit > 0.05);
+        verify("momentum lost in a collision, over all", length(momentum - Vec3{0.0, -0.5 * mass, 0.0}) / (0.5 * mass),
+               std::holds_alternative<ConjugateGradient>(solver) ? 2e-3 : 1e-6);
+    }
+}
+
+namespace {
+
+/// The force on a rigid ball pressed into a block much larger than the contact, held at its floor, finer under the
+/// ball; over that of Hertz for a half-space, F = 4/3 E / (1 - nu^2) sqrt(R) d^(3/2), and for a layer of the block's
+/// thickness h that is bonded to a floor (Dimitriadis et al. 2002, equation 13: its first terms in sqrt(R d) / h).
+double forceOverHertz(int cells)
+{
+    const double radius = 0.02, depth = 0.001, young = 1e4, nu = 0.3, thick = 0.1; // nu: so that volume does not lock
+    geometry::TetMesh mesh = boxMesh({cells, cells * 22 / 30, cells}, {2, 1, 2});
+    for (Vec3& p : mesh.nodes) { // crowd the nodes around the middle of the top
+        const auto crowd = [&](double t) { return thick * t * (0.05 + 0.95 * t * t); };
+        p = {crowd(p.x - 1), crowd(p.y - 1), crowd(p.z - 1)};
+    }
+    physics::SoftBodyDef block{.mesh = shared(mesh)};
+    block.material = physics::FemMaterial{.youngModulus = young, .poissonRatio = nu};
+    block.gravity = false;
+    block.friction = 0.0;
+    block.collision = {{.proximity = 1e-4}};
+    block.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, -0.999 * thick, 1}}}};
+    Stage stage;
+    stage.add(block);
+    physics::RigidBodyDef ball{.name = "ball", .elements = {Pose{{0, radius, 0}, {}}}};
+    ball.mesh = shared(ballSurface(radius, 5));
+    ball.collision = block.collision;
+    ball.friction = 0.0;
+    const BodyId id = stage.add(ball);
+    for (int i = 1; i <= 200; ++i) {
+        stage.post(physics::SetPose{id, 0, Pose{{0, radius - depth * std::min(1.0, i / 100.0), 0}, {}}});
+        stage.step(5e-3);
+    }
+    const double chi = std::sqrt(radius * depth) / thick;
+    const double layer = 2 / std::numbers::pi * (1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu) * chi;
+    const double hertz = 4.0 / 3.0 * young / (1 - nu * nu) * std::sqrt(radius) * std::pow(depth, 1.5);
+    return forceOn(stage, id).y / (hertz * (1 + layer + layer * layer));
+}
+
+} // namespace
+
+TEST_CASE("a ball pressed into a soft block meets the force of Hertz")
+{
+    const double coarse = forceOverHertz(18), fine = forceOverHertz(24);
+    tell("ball pressed into a block of 18 cells: force over Hertz on a layer", coarse);
+    tell("ball pressed into a block of 24 cells: force over Hertz on a layer", fine);
+    const double limit = fine - (coarse - fine) / (24.0 * 24.0 / (18.0 * 18.0) - 1.0); // elements of the second order
+    verifyWithin("ball pressed into a block, extrapolated to small cells: force over Hertz on a layer", limit, 0.95,
+                 1.05);
+}
+
+TEST_CASE("a soft ball on a floor does not sink in")
+{
+    Stage stage = onFloor(softBlock({3, 3, 3}, {0.04, 0.04, 0.04}, {-0.02, 0.03, -0.02}));
+    double worst = 0.0;
+    for (int i = 0; i < 1500; ++i) worst = std::max(worst, stage.step(1e-3).contacts.penetration);
+    verify("soft block dropped 3 cm onto a floor: deepest penetration over the sum of proximities", worst / 1e-3, 0.05);
+}
+
+TEST_CASE("contacts and friction come out the same for any number of threads")
+{
+    std::vector<std::uint64_t> hashes;
+    for (int threads : {1, 2, 3, 8}) {
+        Stage stage({.threads = threads});
+        stage.post(physics::SetGravity{{0, -kG, 0}});
+        stage.add(floorDef());
+        stage.add(softBlock({6, 6, 6}, {0.04, 0.04, 0.04}, {-0.02, 0.0005, -0.02}));
+        stage.add(softBlock({3, 3, 3}, {0.02, 0.02, 0.02}, {-0.012, 0.0415, -0.011}));
+        stage.add(rigidBox("box", {0.01, 0.01, 0.01}, {{0.001, 0.074, 0.002}, turnAbout({1, 0.3, 0.2}, 0.3)}));
+        stage.run(200, 1e-3);
+        hashes.push_back(stage.world.hash());
+    }
+    for (std::uint64_t hash : hashes) CHECK(hash == hashes.front());
+}
