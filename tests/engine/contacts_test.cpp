@@ -174,6 +174,55 @@ TEST_CASE("a body that folds onto itself stops at itself")
     }
 }
 
+TEST_CASE("tissue crushed between two tools that do not give comes right when they let go")
+{
+    Stage stage;
+    stage.post(physics::SetGravity{{0, -9.81, 0}});
+    stage.add(softBlock({4, 4, 4}, {0.02, 0.02, 0.02}, {-0.0103, -0.01, -0.0098}));
+    std::array<BodyId, 2> jaws;
+    const auto place = [](int jaw, double gap) {
+        return Pose{{0, jaw == 0 ? 0.01 + 0.5 * gap : -0.01 - 0.5 * gap, 0}, {}};
+    };
+    for (int jaw : {0, 1}) {
+        physics::RigidBodyDef def = rigidBox({0.008, 0.01, 0.03}, place(jaw, 0.021), false);
+        def.name = text("jaw ", jaw);
+        jaws[static_cast<std::size_t>(jaw)] = stage.add(def);
+    }
+    int inverted = 0;
+    std::size_t most = 0;
+    for (int i = 0; i < 1500; ++i) { // to nothing in 0.3 s, and open again
+        const double gap = i < 400 ? std::max(0.0, 0.021 - 0.00007 * i) : std::min(0.06, 0.0001 * (i - 400));
+        for (int jaw : {0, 1}) stage.post(physics::SetPose{jaws[static_cast<std::size_t>(jaw)], 0, place(jaw, gap)});
+        CHECK_FALSE(stage.step(1e-3).has(physics::StepFlag::Undone));
+        inverted = std::max(inverted, invertedElements(stage.model(), stage.soft()));
+        most = std::max(most, stage.world.state().touching.size());
+    }
+    CHECK(inverted > 0); // it was crushed
+    CHECK(most < 400);
+    CHECK(invertedElements(stage.model(), stage.soft()) == 0);
+    for (Vec3 x : stage.soft().x) CHECK(isFinite(x));
+}
+
+TEST_CASE("a chain of ten boxes that are welded together stands out stiffly")
+{
+    for (const double dt : {1e-3, 5e-3}) {
+        Stage stage;
+        stage.post(physics::SetGravity{{0, -9.81, 0}});
+        BodyId last;
+        for (int k = 0; k < 10; ++k) {
+            physics::RigidBodyDef box = rigidBox({0.02, 0.01, 0.01}, {{0.04 * k, 0, 0}, {}});
+            box.collision.clear();
+            box.attachments = {{.to = last}}; // the first in space
+            last = stage.add(box);
+        }
+        stage.run(static_cast<int>(2.0 / dt), dt);
+        const RigidState& tip = stage.world.state().rigidBodies.back();
+        CHECK(distance(tip.poses[0].position, {0.36, 0, 0}) < 1e-6);
+        CHECK(length(tip.velocities[0]) < 1e-6);
+        CHECK(stage.world.state().held[0].force.y == Approx(10 * 1.6e-5 * 1000 * 9.81).epsilon(1e-4));
+    }
+}
+
 TEST_CASE("contacts end with their bodies, and reset and pause leave none behind")
 {
     Stage stage = onFloor();

@@ -31,6 +31,7 @@ struct CollisionModel {
     std::vector<Vec3> core;   ///< [m] of a rigid body: the shape's vertices, moved inwards
     double proximity = 0.0;   ///< [m] of the surface itself
     int element = 0;          ///< of a rigid body
+    std::vector<int> behind;  ///< of a soft body's own surface: per triangle, the fourth node of its tetrahedron
     geometry::Embedding ties; ///< of a soft body: per vertex, its nodes and their weights
 };
 

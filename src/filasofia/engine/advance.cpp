@@ -118,8 +118,8 @@ CoupledLimits limitsOf(const Model& model, const Island& island, const physics::
 {
     // Rigid bodies in a tower sway as one, with more inertia than each has by itself. And for so few unknowns it costs
     // nothing to be exact.
-    constexpr double rigidStiffening = 100.0;
-    constexpr int rigidRounds = 4;
+    constexpr double rigidStiffening = 100.0, rigidHolding = 1000.0; // friction does not bear more
+    constexpr int rigidRounds = 4, rigidRaises = 10;
     constexpr double rigidTolerance = 0.01;
     constexpr double smallAcceleration = 1.0; // [m/s^2] what nothing in particular does to a body, for a scale
 
@@ -130,7 +130,9 @@ CoupledLimits limitsOf(const Model& model, const Island& island, const physics::
     }
     if (island.soft.empty()) {
         how.stiffening = rigidStiffening;
+        how.holding = rigidHolding;
         how.rounds *= rigidRounds;
+        how.raises = rigidRaises;
         how.tolerance *= rigidTolerance;
     }
     return how;

@@ -14,8 +14,9 @@ namespace {
 
 // Points that have drifted apart come together at this share of the way per step, and not faster than that. Beyond,
 // they are pulled at, but the pull is not carried on: where they cannot come together it would grow without end.
-constexpr double kRecovery = 0.5;
+constexpr double kRecovery = 0.1;
 constexpr double kRecoverySpeed = 1.0; ///< [m/s]
+constexpr double kSlack = 1e-5;        ///< [m] that a hard pair may move apart in a step before its impulse is raised
 constexpr double kInVain = 0.05;       ///< a recovery is, that comes to less than this share of what was asked for
 
 constexpr std::array<Vec3, 3> kWorldAxes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
@@ -100,6 +101,7 @@ Link linkOf(const Attachment& attachment, double dt, Vec3 carried, const std::ar
     if (isHard(attachment)) {
         link.bias = recovery(gap, dt);
         link.impulse = dt * carried;
+        link.slack = kSlack / dt;
     } else {
         link.give = dt * dt * attachment.stiffness;
         link.bias = 1.0 / dt * gap;

@@ -4,6 +4,7 @@
 #include "filasofia/geometry/surface.h"
 
 #include <algorithm>
+#include <map>
 
 namespace filasofia::engine {
 namespace {
@@ -39,6 +40,27 @@ geometry::Embedding identical(const std::vector<int>& nodes)
         ties.weights.push_back({1.0, 0.0, 0.0, 0.0});
     }
     return ties;
+}
+
+/// Per triangle of the surface, the node of its tetrahedron that is not in it.
+std::vector<int> nodesBehind(const geometry::TetMesh& mesh, const geometry::Surface& surface)
+{
+    std::map<std::array<int, 3>, int> behind; // by nodes, ascending
+    for (const geometry::Tetrahedron& t : mesh.tetrahedra)
+        for (std::size_t opposite = 0; opposite < 4; ++opposite) {
+            std::array<int, 3> face{};
+            for (std::size_t k = 0; k < 3; ++k)
+                face[k] = t[static_cast<std::size_t>(geometry::kTetrahedronFaces[opposite][k])];
+            std::sort(face.begin(), face.end());
+            behind[face] = t[opposite];
+        }
+    std::vector<int> nodes;
+    for (geometry::Triangle t : surface.mesh.triangles) {
+        for (int& vertex : t) vertex = surface.nodes[static_cast<std::size_t>(vertex)];
+        std::sort(t.begin(), t.end());
+        nodes.push_back(behind.at(t));
+    }
+    return nodes;
 }
 
 /// Weights that are none but for rounding go: a vertex at a node rides on that node alone.
@@ -77,6 +99,7 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
             const geometry::Surface surface = geometry::extractSurface(worldMesh);
             models.push_back(modelOf(surface.mesh, each));
             models.back().ties = identical(surface.nodes);
+            models.back().behind = nodesBehind(worldMesh, surface);
         }
     }
     return models;

@@ -85,6 +85,26 @@ double insetAt(const CollisionModel& collision, const Proximity& found, std::siz
     return depth;
 }
 
+/// Whether a place lies on an element of a soft body that is turned inside out: there its surface looks the wrong way,
+/// and would hold it there.
+bool insideOut(const Owner& owner, const Proximity& found, std::size_t side, const State& state)
+{
+    const CollisionModel& collision = *owner.collision;
+    if (!owner.soft || collision.behind.empty()) return false;
+    const std::vector<Vec3>& x = state.softBodies[owner.body].x;
+    const auto node = [&](int vertex) { return collision.ties.nodes[static_cast<std::size_t>(vertex)][0]; };
+    for (int vertex : found.vertices[side]) {
+        if (vertex < 0) continue;
+        for (int triangle : collision.shape->vertexTriangles[vertex]) {
+            const auto [a, b, c] = collision.shape->triangles[static_cast<std::size_t>(triangle)];
+            const int d = collision.behind[static_cast<std::size_t>(triangle)];
+            if (geometry::signedVolume(x[node(a)], x[node(b)], x[node(c)], x[d]) >= 0.0)
+                return true; // it looks inwards
+        }
+    }
+    return false;
+}
+
 BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, const CollisionSurface& surface,
                   const State& state, const RigidPlan& plan)
 {
@@ -184,6 +204,7 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
     for (const Proximity& found : coupling.proximities) {
         const std::array<const Owner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
                                                 &owners[static_cast<std::size_t>(found.surfaces[1])]};
+        if (insideOut(*sides[0], found, 0, state) || insideOut(*sides[1], found, 1, state)) continue;
         const auto [first, firstFriction] = idOf(model, *sides[0]);
         const auto [second, secondFriction] = idOf(model, *sides[1]);
         Link& link = coupling.links.emplace_back();

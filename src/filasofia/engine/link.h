@@ -29,7 +29,7 @@ struct Link {
     std::array<Vec3, 3> frame; ///< unit and orthogonal; the first from the second side towards the first
     Vec3 bias;              ///< [m/s] in the frame: u + bias is to be >= 0 along the first (touching), or 0 (holding)
     double friction = -1.0; ///< [-] negative: holding
-    double slack = 0.0;     ///< [m/s] how much less than that u + bias may be, touching
+    double slack = 0.0;     ///< [m/s] how far from that u + bias may be
     double give = 0.0;      ///< [kg] of a spring; 0: rigid
     Vec3 impulse;           ///< [N s] in the frame, on the first. In: of the last step; out: of this one
     Vec3 next;              ///< [N s] out: where the next step starts

@@ -25,7 +25,7 @@ struct Constraint {
     Vec3 start;                ///< [m/s] u before the step changes any velocity
     Vec3 bias;                 ///< [m/s]
     double friction = -1.0;    ///< [-] mu; negative: held
-    double slack = 0.0;        ///< [m/s] of a rigid contact: how much less than 0 bias + u may be at the end
+    double slack = 0.0;        ///< [m/s] of a rigid one: how far from what it wants bias + u may be at the end
     double give = 0.0;         ///< [kg] of a spring: impulse per velocity; 0: rigid
     Vec3 impulse;              ///< [N s] in the frame. In: of the last step; out: what acted in this one
     Vec3 next;                 ///< [N s] out: where the next step starts

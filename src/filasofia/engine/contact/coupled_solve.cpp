@@ -88,8 +88,9 @@ void CoupledSolve::chooseStiffness()
             const Vec3 n = constraint.frame[0];
             compliance += grip.weight * grip.weight * dot(n, compliance_[static_cast<std::size_t>(grip.grip)] * n);
         }
-        const double rigid = compliance > 0.0 ? limits_->stiffening / compliance : 0.0;
         const bool spring = constraint.give > 0.0, held = constraint.friction < 0.0;
+        const double kappa = held ? limits_->holding : limits_->stiffening;
+        const double rigid = compliance > 0.0 ? kappa / compliance : 0.0;
         const double normal = spring ? constraint.give : rigid, tangential = spring && held ? constraint.give : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};
         rows_[c].u = constraint.start;
@@ -284,8 +285,10 @@ bool CoupledSolve::raiseImpulses()
     bool needed = false;
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const Constraint& constraint = constraints_->list[c];
-        if (!isRigid(constraint) || constraint.friction < 0.0) continue;
-        needed = needed || constraint.bias.x + rows_[c].u.x < -constraint.slack;
+        if (!isRigid(constraint)) continue;
+        const Vec3 missed = constraint.bias + rows_[c].u;
+        needed =
+            needed || (constraint.friction < 0.0 ? length(missed) > constraint.slack : missed.x < -constraint.slack);
     }
     for (std::size_t c = 0; needed && c < rows_.size(); ++c)
         if (isRigid(constraints_->list[c])) constraints_->list[c].impulse = law(c, rows_[c].u).impulse;

@@ -12,9 +12,10 @@ namespace filasofia::engine {
 struct CoupledLimits {
     linalg::SolveLimits linear; ///< of all rounds' iterations together
     int rounds = 8;             ///< of finding out what touches and what slides
-    int raises = 3;             ///< of impulses that would let surfaces pass by more than a constraint's slack
+    int raises = 3;             ///< of impulses that would miss what constraints want by more than their slack
     double tolerance = 5e-3;    ///< [-] of impulses, relative to the largest
     double stiffening = 10.0;   ///< [-] kappa: penalty over what the grips give by themselves
+    double holding = 10.0;      ///< [-] the same of what is held
     double smallChange = 1e-3;  ///< [m/s] a change of velocity whose energy errors are measured by, when nothing moves
 };
 
