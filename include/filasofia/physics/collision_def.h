@@ -29,7 +29,7 @@ struct CollisionDef {
     double proximity = 0.5e-3; ///< [m], >= 0; contacts are found where surfaces are nearer than the sum of both bodies'
     int group = 0;             ///< only models of the same group touch each other
     bool self = false;         ///< does it touch itself where the body folds
-    bool cutting = false; ///< on a tool: a blade, which pushes nothing that it may cut; on tissue: what it must cross
+    bool cutting = false;      ///< for cutting, which is not there yet: without effect
 };
 
 /// Nothing goes through anything, friction after Coulomb, forces as they follow from that: contact forces are found

@@ -84,7 +84,8 @@ struct Grasp {
     BodyId target = {};
     GraspDef def = {};
 };
-/// Every body back to where it was added, at rest; time and step count go on. Attachments stay as they are now.
+/// Every body back to where it was added, with the velocities it was added with; time and step count go on. Attachments
+/// stay as they are now.
 struct Reset {};
 /// While paused, steps apply commands and nothing moves.
 struct Pause {

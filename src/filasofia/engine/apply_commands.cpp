@@ -55,6 +55,11 @@ struct Apply {
     void operator()(const physics::RemoveBody& remove) const
     {
         removeAttachmentsOf(remove.id, model, state);
+        const auto touches = [&](const auto& contact) {
+            return contact.first == remove.id || contact.second == remove.id;
+        };
+        std::erase_if(state.touching, touches);
+        std::erase_if(state.contacts, touches);
         const auto is = [&](const auto& body) { return body.id == remove.id; };
         if (std::any_of(model.softBodies.begin(), model.softBodies.end(), is)) {
             const std::size_t index = indexOf(model.softBodies, remove.id);

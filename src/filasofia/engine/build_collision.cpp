@@ -14,8 +14,12 @@ using geometry::TriangleMesh;
 // How far in the vertices of a surface go, of its proximity.
 constexpr double kInset = 0.2;
 
-CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def)
+constexpr std::size_t kLargest = std::size_t{1} << 21; // features are numbered in as many bits
+
+CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field)
 {
+    if (const std::size_t features = mesh.vertices.size() + 4 * mesh.triangles.size(); features >= kLargest)
+        fail(field, ".mesh must have < ", kLargest, " vertices, edges and triangles, got up to ", features);
     const double depth = kInset * def.proximity;
     CollisionModel model;
     model.shape = std::make_shared<const CollisionShape>(
@@ -92,12 +96,12 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
         if (const auto given = physics::loadMesh(each.mesh, field + ".mesh")) {
             TriangleMesh mesh = *given;
             for (Vec3& vertex : mesh.vertices) vertex = transform(def.pose, vertex);
-            models.push_back(modelOf(mesh, each));
+            models.push_back(modelOf(mesh, each, field));
             models.back().ties = geometry::embed(worldMesh, mesh.vertices);
             tidy(models.back().ties);
         } else {
             const geometry::Surface surface = geometry::extractSurface(worldMesh);
-            models.push_back(modelOf(surface.mesh, each));
+            models.push_back(modelOf(surface.mesh, each, field));
             models.back().ties = identical(surface.nodes);
             models.back().behind = nodesBehind(worldMesh, surface);
         }
@@ -115,7 +119,7 @@ std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
         auto mesh = physics::loadMesh(each.mesh, field + ".mesh");
         if (!mesh) mesh = physics::loadMesh(def.mesh, text("rigid body '", def.name, "': mesh"));
         if (!mesh) fail(field, ".mesh must name a file or be a mesh: the body has none either");
-        CollisionModel& model = models.emplace_back(modelOf(*mesh, each));
+        CollisionModel& model = models.emplace_back(modelOf(*mesh, each, field));
         model.element = each.element;
         model.core = mesh->vertices;
         std::vector<Vec3> normals;

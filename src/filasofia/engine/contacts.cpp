@@ -135,6 +135,8 @@ BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, 
 // is plain which side is out: were it 0, half of them would be inside.
 constexpr double kSkin = 0.01;
 
+constexpr double kSlack = 1e-6; ///< [m] that a surface may go too far in a step, whatever its proximity
+
 /// The law of a contact with a gap.
 void setLaw(const physics::ContactMethod& method, double dt, const FoundContact& contact, Link& link)
 {
@@ -151,7 +153,7 @@ void setLaw(const physics::ContactMethod& method, double dt, const FoundContact&
     const double shallow = std::clamp(gap, -contact.skin, resting), deep = std::min(0.0, gap + contact.skin);
     const double back = std::max(kShallowRecovery * shallow + kRecovery * deep, -kRecoverySpeed * dt);
     link.bias.x = (back + std::max(0.0, gap - resting)) / dt;
-    link.slack = std::max(kShallowRecovery * contact.skin, contact.gap - dt * link.bias.x) / dt;
+    link.slack = std::max({kShallowRecovery * contact.skin, contact.gap - dt * link.bias.x, kSlack}) / dt;
 }
 
 /// Its id, and its mu.
@@ -216,10 +218,11 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
         link.friction = std::sqrt(firstFriction * secondFriction);
         const Vec3 point = 0.5 * (link.sides[0].position + link.sides[1].position);
         const double taken = insetAt(*sides[0]->collision, found, 0) + insetAt(*sides[1]->collision, found, 1);
-        coupling.contacts.push_back(
-            {.memory = {first, second, found.feature, point, {}},
-             .gap = found.gap - taken,
-             .skin = kSkin * (sides[0]->collision->proximity + sides[1]->collision->proximity)});
+        const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
+        coupling.contacts.push_back({.memory = {first, second, found.feature, point, {}},
+                                     .gap = found.gap - taken,
+                                     .proximity = proximity,
+                                     .skin = kSkin * proximity});
     }
     inheritForces(dt, state.contacts, coupling);
     for (std::size_t c = 0; c < coupling.contacts.size(); ++c)

@@ -7,9 +7,10 @@ namespace filasofia::engine {
 
 /// A contact as it was found, beside its link.
 struct FoundContact {
-    ContactMemory memory; ///< its name, its place, and the force that it starts from
-    double gap = 0.0;     ///< [m]
-    double skin = 0.0;    ///< [m] the gap that it is to hold
+    ContactMemory memory;   ///< its name, its place, and the force that it starts from
+    double gap = 0.0;       ///< [m]
+    double proximity = 0.0; ///< [m] of both surfaces together
+    double skin = 0.0;      ///< [m] the gap that it is to hold
 };
 
 /// What ties the bodies of a step together.

@@ -24,12 +24,14 @@ AttachedPoint attachedPoint(const BodyPoint& side, Vec3 position, const State& s
     return point;
 }
 
-double proximityOf(const Coupling& coupling, std::size_t contact)
+/// A point of a body where it really is: contacts look at surfaces a little inside themselves.
+Vec3 placeOf(const BodyPoint& point, const State& state)
 {
-    double sum = 0.0;
-    for (int surface : coupling.proximities[contact].surfaces)
-        sum += coupling.surfaces[static_cast<std::size_t>(surface)].shape->proximity;
-    return sum;
+    if (point.of != BodyPoint::Of::Soft) return point.position;
+    Vec3 place;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k)
+        place += point.weights[k] * state.softBodies[point.body].x[static_cast<std::size_t>(point.nodes[k])];
+    return place;
 }
 
 void grasp(const PendingGrasp& wanted, Model& model, State& state, const Coupling& coupling,
@@ -41,12 +43,13 @@ void grasp(const PendingGrasp& wanted, Model& model, State& state, const Couplin
         const ContactMemory& contact = coupling.contacts[c].memory;
         const bool targetFirst = contact.first == wanted.target && contact.second == wanted.rigid;
         if (!targetFirst && !(contact.first == wanted.rigid && contact.second == wanted.target)) continue;
-        if (!(coupling.contacts[c].gap < proximityOf(coupling, c))) continue;
+        if (!(coupling.contacts[c].gap < coupling.contacts[c].proximity)) continue;
         // Both are held where the target is: glued as they are, and not drawn together.
         const BodyPoint& target = coupling.links[c].sides[targetFirst ? 0 : 1];
         const BodyPoint& rigid = coupling.links[c].sides[targetFirst ? 1 : 0];
-        attachment.pairs.push_back({attachedPoint(target, target.position, state, coupling.rigid),
-                                    attachedPoint(rigid, target.position, state, coupling.rigid)});
+        const Vec3 place = placeOf(target, state);
+        attachment.pairs.push_back(
+            {attachedPoint(target, place, state, coupling.rigid), attachedPoint(rigid, place, state, coupling.rigid)});
         forces.push_back(targetFirst ? contact.force : -contact.force);
     }
     if (!attachment.pairs.empty()) return addAttachment(std::move(attachment), std::move(forces), model, state);

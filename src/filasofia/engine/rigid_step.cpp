@@ -30,7 +30,7 @@ void planTold(double dt, const RigidState& state, RigidPlanElement& out)
     out.centre = state.poses[e].position;
     if (!state.targets[e] || dt == 0.0) return;
     const auto [linear, angular] = velocitiesBetween(state.poses[e], *state.targets[e], dt);
-    if (!(length(linear) <= kTeleport) || !isFinite(angular)) return;
+    if (!(length(linear) <= kTeleport) || !(length(angular) * dt <= kTeleportTurn)) return;
     out.velocity = linear;
     out.angularVelocity = angular;
 }

@@ -23,9 +23,10 @@ struct RigidPlanElement {
 using RigidPlan = std::vector<RigidPlanElement>; ///< in the order of bodies and elements
 
 /// What a step of dt [s] >= 0 would be without contacts. A jump of an element that goes where it is told has no
-/// velocity when it would be faster than kTeleport.
+/// velocity when it would be faster than kTeleport, or turn by more than kTeleportTurn.
 void planRigid(const Model& model, double dt, Vec3 gravity, const State& state, RigidPlan& plan);
-inline constexpr double kTeleport = 20.0; ///< [m/s]
+inline constexpr double kTeleport = 20.0;    ///< [m/s]
+inline constexpr double kTeleportTurn = 1.0; ///< [rad] in one step
 
 /// Moves every element as planned, and those that go where they are told to exactly there. A dynamic element whose new
 /// state is not finite, or beyond physics::kFarthest, stays where it is, at rest, and the report has

@@ -21,6 +21,14 @@ struct Unit {
 
 bool isImplicit(const SoftModel& model) { return std::holds_alternative<physics::ImplicitEuler>(model.integrator); }
 
+/// [kg] of what moves.
+double massOf(const SoftModel& model)
+{
+    double sum = 0.0;
+    for (std::size_t i = 0; i < model.masses.size(); ++i) sum += model.pins.hard[i] ? 0.0 : model.masses[i];
+    return sum;
+}
+
 /// A body whose matrix is its masses: what it would do alone is known, and tells the right-hand side.
 void makeExplicit(const SoftModel& model, double dt, const SoftState& state, SoftSystem& system, Unit& unit)
 {
@@ -32,8 +40,8 @@ void makeExplicit(const SoftModel& model, double dt, const SoftState& state, Sof
         unit.diagonal.push_back(model.masses[i] * Mat3::identity());
         unit.rightHandSide.push_back(model.pins.hard[i] ? Vec3{} : model.masses[i] * system.dv[i]);
     }
-    unit.plain = std::make_unique<PlainShare>(
-        PlainShareInput{.diagonal = unit.diagonal, .rightHandSide = unit.rightHandSide, .guess = system.dv});
+    unit.plain = std::make_unique<PlainShare>(PlainShareInput{
+        .diagonal = unit.diagonal, .rightHandSide = unit.rightHandSide, .guess = system.dv, .mass = massOf(model)});
 }
 
 /// A body with a matrix written out: a direct solver is its preconditioner, factorised once.
@@ -48,7 +56,8 @@ void makeAssembled(const SoftModel& model, double dt, const SoftState& state, So
                                                               .matrix = &assembled.matrix,
                                                               .solver = factor ? assembled.solver.get() : nullptr,
                                                               .rightHandSide = assembled.rightHandSide,
-                                                              .guess = system.dv});
+                                                              .guess = system.dv,
+                                                              .mass = massOf(model)});
 }
 
 void makeSoft(const SoftModel& model, double dt, const SoftState& state, SoftSystem& system, WorkerPool& pool,
@@ -74,7 +83,7 @@ void makeRigid(const RigidModel& model, double dt, const RigidPlanElement& eleme
     unit.diagonal = {mass * Mat3::identity(), (1.0 + dt * model.angularDamping) * element.inertia};
     unit.rightHandSide = {unit.diagonal[0] * element.change.linear, unit.diagonal[1] * element.change.angular};
     unit.plain = std::make_unique<PlainShare>(
-        PlainShareInput{.diagonal = unit.diagonal, .rightHandSide = unit.rightHandSide, .turning = true});
+        PlainShareInput{.diagonal = unit.diagonal, .rightHandSide = unit.rightHandSide, .mass = mass, .turning = true});
     unit.share = unit.plain.get();
 }
 
@@ -199,8 +208,9 @@ CoupledReport solveIsland(const Model& model, const State& state, double dt, con
         plan[island.rigid[i]].change = {change[0], change[1]};
     }
     for (std::size_t c = 0; c < island.links.size(); ++c) {
-        links[island.links[c]].impulse = scratch.constraints.list[c].impulse;
-        links[island.links[c]].next = scratch.constraints.list[c].next;
+        const auto finite = [](Vec3 impulse) { return isFinite(impulse) ? impulse : Vec3{}; };
+        links[island.links[c]].impulse = finite(scratch.constraints.list[c].impulse);
+        links[island.links[c]].next = finite(scratch.constraints.list[c].next);
     }
     return report;
 }

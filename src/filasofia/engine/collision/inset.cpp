@@ -13,6 +13,7 @@ namespace {
 constexpr double kMostOfThickness = 0.25; // a quarter from each side
 constexpr double kMostOfEdge = 0.25;
 constexpr double kLongestWay = 2.0; // in depths, where triangles meet in a point
+constexpr double kSliver = 1e-18;   // [-] as in meet_point.cpp: has no face
 constexpr double kRidge = 1e-3;     // how nearly alike two normals may be, to be told apart
 
 void normalsOf(const CollisionShape& shape, std::span<const Vec3> x, std::vector<Vec3>& normals)
@@ -20,7 +21,9 @@ void normalsOf(const CollisionShape& shape, std::span<const Vec3> x, std::vector
     normals.resize(shape.triangles.size());
     for (std::size_t t = 0; t < normals.size(); ++t) {
         const auto [a, b, c] = shape.triangles[t];
-        normals[t] = normalized(cross(x[b] - x[a], x[c] - x[a]));
+        const Vec3 ab = x[b] - x[a], ac = x[c] - x[a], normal = cross(ab, ac);
+        const double longest = std::max(lengthSquared(ab), lengthSquared(ac));
+        normals[t] = lengthSquared(normal) > kSliver * longest * longest ? normalized(normal) : Vec3{};
     }
 }
 
@@ -33,6 +36,7 @@ void shareOut(std::span<const int> around, const std::vector<Vec3>& normals, std
     for (int sweep = 0; sweep < 200; ++sweep)
         for (std::size_t f = 0; f < around.size(); ++f) {
             const Vec3 n = normals[static_cast<std::size_t>(around[f])];
+            if (n == Vec3{}) continue; // without area, without a say
             const double change = (1.0 - dot(way, n) - kRidge * shares[f]) / (lengthSquared(n) + kRidge);
             shares[f] += change;
             way += change * n;

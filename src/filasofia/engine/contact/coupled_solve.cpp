@@ -94,6 +94,7 @@ void CoupledSolve::chooseStiffness()
         const double normal = spring ? constraint.give : rigid, tangential = spring && held ? constraint.give : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};
         rows_[c].u = constraint.start;
+        if (compliance == 0.0) constraints_->list[c].impulse = {}; // nothing that could give way: it has no say
     }
 }
 
@@ -285,7 +286,7 @@ bool CoupledSolve::raiseImpulses()
     bool needed = false;
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const Constraint& constraint = constraints_->list[c];
-        if (!isRigid(constraint)) continue;
+        if (!isRigid(constraint) || rows_[c].stiffness.x == 0.0) continue;
         const Vec3 missed = constraint.bias + rows_[c].u;
         needed =
             needed || (constraint.friction < 0.0 ? length(missed) > constraint.slack : missed.x < -constraint.slack);

@@ -38,13 +38,6 @@ Mat3 PlainShare::compliance(int grip) const
     return inverse_[i] + arm * inverse_[i + 1] * transpose(arm);
 }
 
-double PlainShare::mass() const
-{
-    double sum = 0.0;
-    for (std::size_t i = 0; i < in_.diagonal.size(); i += in_.turning ? 2 : 1) sum += trace(in_.diagonal[i]) / 3.0;
-    return sum;
-}
-
 double PlainShare::multiply()
 {
     if (in_.matrix)

@@ -15,6 +15,7 @@ struct PlainShareInput {
     linalg::LinearSolver* solver = nullptr;            ///< B = A^-1 by it; nothing: no B
     std::span<const Vec3> rightHandSide = {};          ///< [N s]
     std::span<const Vec3> guess = {};                  ///< [m/s] empty: none
+    double mass = 0.0;                                 ///< [kg] of what moves
     bool turning = false; ///< unknowns are pairs: an element's velocity and angular velocity
 };
 
@@ -28,7 +29,7 @@ public:
 
     void begin(std::span<const Grip> grips) override;
     [[nodiscard]] Mat3 compliance(int grip) const override;
-    [[nodiscard]] double mass() const override;
+    [[nodiscard]] double mass() const override { return in_.mass; }
     double multiply() override;
     double slope() override;
     void descend(double alpha) override;
