@@ -3,16 +3,7 @@
 import json
 import sys
 
-
-def table(head, rows):
-    print("| " + " | ".join(head) + " |\n|" + "---|" * len(head))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
-    print()
-
-
-def ratio(spread):
-    return f'{spread["median"]:.2f} ({spread["p1"]:.2f}-{spread["p99"]:.2f})'
+from tables import ratio, table
 
 
 def find(cell, threads, contacts=True):

@@ -4,6 +4,7 @@
 #include "filasofia/engine/attachments.h"
 #include "filasofia/engine/build_attachment.h"
 #include "filasofia/engine/build_body.h"
+#include "filasofia/engine/find_body.h"
 #include "filasofia/engine/native.h"
 #include "filasofia/engine/stages.h"
 
@@ -15,10 +16,9 @@ namespace {
 /// The index of a body by its id. The server has checked that it is there.
 template <class Bodies> std::size_t indexOf(const Bodies& bodies, BodyId id)
 {
-    const auto found = std::lower_bound(bodies.begin(), bodies.end(), id,
-                                        [](const auto& body, BodyId wanted) { return body.id < wanted; });
-    FILASOFIA_ASSERT(found != bodies.end() && found->id == id);
-    return static_cast<std::size_t>(found - bodies.begin());
+    const auto index = findIn(bodies, id);
+    FILASOFIA_ASSERT(index.has_value());
+    return *index;
 }
 
 template <class List> bool eraseAt(List& list, std::size_t index)

@@ -14,9 +14,6 @@ namespace {
 constexpr double kRecovery = 0.2, kShallowRecovery = 0.05;
 constexpr double kRecoverySpeed = 0.1; ///< [m/s]
 
-Vec3 inFrame(const std::array<Vec3, 3>& f, Vec3 v) { return {dot(f[0], v), dot(f[1], v), dot(f[2], v)}; }
-Vec3 inWorld(const std::array<Vec3, 3>& f, Vec3 v) { return v.x * f[0] + v.y * f[1] + v.z * f[2]; }
-
 /// What a surface belongs to.
 struct Owner {
     bool soft = true;

@@ -42,8 +42,7 @@ void addLinkForces(std::size_t body, double dt, const Coupling& coupling, std::v
         for (std::size_t side = 0; side < 2; ++side) {
             const BodyPoint& point = link.sides[side];
             if (point.of != BodyPoint::Of::Soft || point.body != body) continue;
-            const Vec3 impulse =
-                link.impulse.x * link.frame[0] + link.impulse.y * link.frame[1] + link.impulse.z * link.frame[2];
+            const Vec3 impulse = inWorld(link.frame, link.impulse);
             for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k)
                 forces[point.nodes[k]] += (side == 0 ? 1.0 : -1.0) / dt * point.weights[k] * impulse;
         }

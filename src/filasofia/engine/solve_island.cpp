@@ -9,8 +9,6 @@
 namespace filasofia::engine {
 namespace {
 
-Vec3 inFrame(const std::array<Vec3, 3>& f, Vec3 v) { return {dot(f[0], v), dot(f[1], v), dot(f[2], v)}; }
-
 /// What one body brings into the solve, and what that is made from.
 struct Unit {
     CoupledBody* share = nullptr;

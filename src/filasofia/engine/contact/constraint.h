@@ -44,6 +44,9 @@ struct Constraints {
 
 /// Two tangents for a unit normal. Continuous but for two places on the ball.
 std::array<Vec3, 3> frameOf(Vec3 normal);
+/// A vector's parts along a frame's rows, and back.
+inline Vec3 inFrame(const std::array<Vec3, 3>& f, Vec3 v) { return {dot(f[0], v), dot(f[1], v), dot(f[2], v)}; }
+inline Vec3 inWorld(const std::array<Vec3, 3>& f, Vec3 v) { return v.x * f[0] + v.y * f[1] + v.z * f[2]; }
 
 /// The impulse that the law allows nearest to y: none where it would pull, in the cone of friction otherwise; y itself
 /// of what is held. `slip` in [0, 1]: how much of the tangential part is left.
