@@ -104,7 +104,7 @@ TEST_CASE("a list of iterations that is not one per soft body is refused, of a s
             report.solves.resize(2 + change);
             CHECK_THROWS_WITH(record::replay(steps, *engine::makeNativeEngine()),
                               text("step ", report.step,
-                                   ": iterations must have as many entries as soft bodies were solved, 2, got ",
+                                   ": iterations must have as many entries as bodies were solved, in [2, 2], got ",
                                    2 + change));
         }
 }
@@ -117,5 +117,5 @@ TEST_CASE("a paused step has no iterations")
     CHECK(paused->report.solves.empty());
     paused->report.solves.resize(1);
     CHECK_THROWS_WITH(record::replay(steps, *engine::makeNativeEngine()),
-                      Catch::Contains("as many entries as soft bodies were solved, 0, got 1"));
+                      Catch::Contains("as many entries as bodies were solved, in [0, 0], got 1"));
 }

@@ -24,10 +24,12 @@ enum class StepFlag : std::uint32_t {
     NothingAttached = 1u << 10, ///< an attachment found no node, or a grasp no contact: the log says which
 };
 
-/// How one body's step was solved.
+/// How one body's step was solved. Bodies that touch or hold each other are solved as one: they have the same numbers,
+/// end at the same tolerance (the smallest of theirs) and at the same deadline. Of the step's time every solve may take
+/// its share, by its size, rigid bodies among themselves too: whoever comes first leaves time for who comes last.
 struct BodySolve {
-    BodyId body;
-    int iterations = 0;    ///< [-], 0 for explicit bodies
+    BodyId body;           ///< of rigid bodies that were solved among themselves: the first of them
+    int iterations = 0;    ///< [-], 0 for explicit bodies that touch nothing
     double residual = 0.0; ///< [-], the error that the solver's tolerance is about
 };
 
@@ -52,18 +54,20 @@ struct ContactReport {
 struct StepBudget {
     std::function<std::int64_t()> now = {}; ///< [ns], a steady clock for any thread; empty: neither deadline nor times
     std::int64_t deadline = std::numeric_limits<std::int64_t>::max(); ///< [ns], on that clock
-    /// In place of a deadline, when a step is made again: the iterations that each soft body's solver made then, in the
-    /// order of StepReport::solves; empty: solvers end by themselves. As a deadline it is for the default solver only.
+    /// In place of a deadline, when a step is made again: the iterations that each solver made then, in the order of
+    /// StepReport::solves; empty: solvers end by themselves. As a deadline it is for the default solver, and for bodies
+    /// that touch or hold each other.
     std::vector<int> iterations = {};
 };
 
 /// How a step went.
 struct StepReport {
-    std::uint64_t step = 0;             ///< number of steps made, this one included
-    double time = 0.0;                  ///< [s], simulated, at the end of the step
-    double dt = 0.0;                    ///< [s]; 0 while paused
-    std::uint32_t flags = 0;            ///< StepFlag bits
-    std::vector<BodySolve> solves = {}; ///< per soft body, in the order of their ids
+    std::uint64_t step = 0;  ///< number of steps made, this one included
+    double time = 0.0;       ///< [s], simulated, at the end of the step
+    double dt = 0.0;         ///< [s]; 0 while paused
+    std::uint32_t flags = 0; ///< StepFlag bits
+    /// Per soft body, in the order of their ids; then per group of rigid bodies solved among themselves.
+    std::vector<BodySolve> solves = {};
     ContactReport contacts = {};
     StageTimes times = {};
 

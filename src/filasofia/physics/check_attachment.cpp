@@ -1,14 +1,10 @@
 #include "filasofia/physics/check_attachment.h"
 
 #include "filasofia/core/validate.h"
+#include "filasofia/physics/check_field.h"
 
 namespace filasofia::physics {
 namespace {
-
-void checkElement(int element, int count, const std::string& field)
-{
-    if (element < 0 || element >= count) fail(field, " must be in [0, ", count, "), got ", element);
-}
 
 /// The body that holds, which must be another one.
 const Registry::Body& holderOf(const Registry& registry, const Attaching& body, BodyId to, const std::string& object)
@@ -18,18 +14,13 @@ const Registry::Body& holderOf(const Registry& registry, const Attaching& body, 
     return registry.find(to);
 }
 
-bool hasMesh(const RigidBodyDef& def)
-{
-    const auto* file = std::get_if<std::string>(&def.mesh);
-    return !file || !file->empty();
-}
-
 bool hasRegion(const AttachmentDef& def) { return def.box || def.ball || def.within || !def.nodes.empty(); }
 
 /// An element of the holder: of a soft one it must be 0.
 void checkHolderElement(const Registry::Body& holder, int element, const std::string& field)
 {
-    if (std::holds_alternative<RigidBodyDef>(*holder.def)) return checkElement(element, holder.nodeCount, field);
+    if (std::holds_alternative<RigidBodyDef>(*holder.def))
+        return checkElement(element, static_cast<std::size_t>(holder.nodeCount), field);
     if (element != 0) fail(field, " must be 0: the body that holds is soft; got ", element);
 }
 
@@ -57,7 +48,7 @@ void checkAttachment(const Registry& registry, const Attaching& body, const Atta
     const Registry::Body& holder = holderOf(registry, body, def.to, object);
     checkHolderElement(holder, def.element, object + ".element");
     const auto* rigid = std::get_if<RigidBodyDef>(holder.def.get());
-    if (rigid && !hasMesh(*rigid) && (def.within || !hasRegion(def)))
+    if (rigid && !isGiven(rigid->mesh) && (def.within || !hasRegion(def)))
         fail(object, def.within ? ".within" : "", ": nodes near rigid body '", rigid->name,
              "' can be found only where that has a mesh");
 }
@@ -66,7 +57,7 @@ void checkAttachment(const Registry& registry, const Attaching& body, const Rigi
                      const std::string& object)
 {
     validate(def, object);
-    checkElement(def.element, body.nodeCount, object + ".element");
+    checkElement(def.element, static_cast<std::size_t>(body.nodeCount), object + ".element");
     for (std::size_t i = 0; i < def.points.size(); ++i)
         if (!(length(def.points[i]) < kFarthest))
             fail(object, ".points[", i, "] must lie within ", kFarthest, " m of the element's origin");

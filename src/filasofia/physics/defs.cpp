@@ -3,17 +3,14 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/mesh_file.h"
+#include "filasofia/physics/check_field.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace filasofia::physics {
 namespace {
-
-bool isGiven(const TriangleMeshSource& source)
-{
-    const auto* file = std::get_if<std::string>(&source);
-    return !file || !file->empty();
-}
 
 void load(TriangleMeshSource& source, std::string_view object)
 {
@@ -24,12 +21,6 @@ void load(std::vector<CollisionDef>& collision, const std::string& object)
 {
     for (std::size_t i = 0; i < collision.size(); ++i)
         load(collision[i].mesh, text(object, ": collision[", i, "].mesh"));
-}
-
-void checkElement(int element, std::size_t count, const std::string& field)
-{
-    if (element < 0 || static_cast<std::size_t>(element) >= count)
-        fail(field, " must be in [0, ", count, "), got ", element);
 }
 
 void check(const GivenInertia& given, const std::string& object)

@@ -7,8 +7,10 @@
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/registry.h"
 
+#include <atomic>
 #include <cmath>
 #include <mutex>
+#include <utility>
 
 namespace filasofia::physics {
 namespace {

@@ -3,9 +3,11 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/physics/check_attachment.h"
+#include "filasofia/physics/check_field.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace filasofia::physics {
 
@@ -19,14 +21,14 @@ struct Registry::Check {
         if (add.id <= registry.last_)
             fail("body ", add.id.value, ": ids rise, and one up to ", registry.last_.value, " was given already");
         checkAttachments(registry, {{}, *add.def, add.body->nodeCount()});
-        if (attachmentCount(*add.def) > 0) checkFresh(add.attachments);
+        if (const std::uint32_t count = attachmentCount(*add.def); count > 0) checkFresh(add.attachments, count);
     }
     void operator()(const RemoveBody& remove) const { static_cast<void>(registry.find(remove.id)); }
     void operator()(const SetPose& set) const
     {
         const Body& body = find<RigidBodyDef>(set.id, "a pose can be set on a rigid body only");
         const std::string object = describeBody(*body.def);
-        checkElement(body, set.element, object);
+        checkElement(set.element, static_cast<std::size_t>(body.nodeCount), object + ": element");
         validate(set.pose, object);
         static_cast<void>(unitPose(set.pose, object));
     }
@@ -36,7 +38,7 @@ struct Registry::Check {
         const std::string object = describeBody(*body.def);
         if (!std::get<RigidBodyDef>(*body.def).dynamic)
             fail(object, ": a wrench can be set on a dynamic body only; this one goes where it is told");
-        checkElement(body, set.element, object);
+        checkElement(set.element, static_cast<std::size_t>(body.nodeCount), object + ": element");
         validate(set, object);
     }
     void operator()(const SetGravity& set) const
@@ -107,17 +109,15 @@ struct Registry::Check {
     }
 
 private:
-    void checkFresh(AttachmentId id) const
+    /// The first of `count` > 0 new ones. A damaged recording may name any number.
+    void checkFresh(AttachmentId first, std::uint32_t count = 1) const
     {
-        if (id <= registry.lastAttachment_)
-            fail("attachment ", id.value, ": ids rise, and one up to ", registry.lastAttachment_.value,
+        if (first <= registry.lastAttachment_)
+            fail("attachment ", first.value, ": ids rise, and one up to ", registry.lastAttachment_.value,
                  " was given already");
-    }
-
-    static void checkElement(const Body& body, int element, const std::string& object)
-    {
-        if (element < 0 || element >= body.nodeCount)
-            fail(object, ": element must be in [0, ", body.nodeCount, "), got ", element);
+        constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
+        if (first.value > most - (count - 1))
+            fail("attachment ", first.value, ": must be <= ", most - (count - 1), ": ", count, " ids follow from it");
     }
 
     /// The body behind an id, which must be of kind Def.
@@ -166,6 +166,15 @@ std::size_t Registry::softBodyCount() const
     return static_cast<std::size_t>(std::count_if(bodies_.begin(), bodies_.end(), [](const auto& each) {
         return std::holds_alternative<SoftBodyDef>(*each.second.def);
     }));
+}
+
+std::size_t Registry::dynamicElementCount() const
+{
+    std::size_t count = 0;
+    for (const auto& [id, body] : bodies_)
+        if (const auto* rigid = std::get_if<RigidBodyDef>(body.def.get()); rigid && rigid->dynamic)
+            count += static_cast<std::size_t>(body.nodeCount);
+    return count;
 }
 
 } // namespace filasofia::physics

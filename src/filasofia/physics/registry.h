@@ -28,6 +28,7 @@ public:
     [[nodiscard]] bool has(BodyId id) const { return bodies_.contains(id); }
     [[nodiscard]] BodyId lastAdded() const { return last_; }
     [[nodiscard]] std::size_t softBodyCount() const;
+    [[nodiscard]] std::size_t dynamicElementCount() const; ///< of rigid bodies
     [[nodiscard]] AttachmentId nextAttachment() const { return {lastAttachment_.value + 1}; }
 
 private:

@@ -3,6 +3,7 @@
 #include "filasofia/record/json_shapes.h"
 
 #include <limits>
+#include <utility>
 
 namespace filasofia::record {
 

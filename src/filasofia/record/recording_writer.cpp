@@ -6,6 +6,8 @@
 #include "filasofia/record/output_file.h"
 #include "filasofia/record/repeatable.h"
 
+#include <utility>
+
 namespace filasofia::record {
 namespace {
 

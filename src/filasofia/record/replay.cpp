@@ -63,10 +63,12 @@ struct Replayer::Impl {
     /// Of a step that was not cut short the iterations are not needed; a list of another length is damage all the same.
     physics::StepBudget budgetOf(const StepRecord& recorded) const
     {
-        const std::size_t solved = recorded.report.dt > 0.0 ? bodies.softBodyCount() : 0; // while paused none is
-        if (recorded.report.solves.size() != solved)
-            fail("step ", recorded.report.step, ": iterations must have as many entries as soft bodies were solved, ",
-                 solved, ", got ", recorded.report.solves.size());
+        const bool paused = recorded.report.dt == 0.0; // none is solved
+        const std::size_t least = paused ? 0 : bodies.softBodyCount();
+        const std::size_t most = paused ? 0 : least + bodies.dynamicElementCount(); // rigid ones as they touch
+        if (const std::size_t count = recorded.report.solves.size(); count < least || count > most)
+            fail("step ", recorded.report.step, ": iterations must have as many entries as bodies were solved, in [",
+                 least, ", ", most, "], got ", count);
         physics::StepBudget budget;
         if (!recorded.report.has(physics::StepFlag::OutOfTime)) return budget;
         for (const physics::BodySolve& solve : recorded.report.solves) budget.iterations.push_back(solve.iterations);

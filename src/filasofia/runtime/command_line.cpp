@@ -15,8 +15,8 @@ constexpr int kRefused = 2; ///< exit code: the user's words or files were wrong
 template <class Value>
 void addOption(CLI::App& app, const std::string& name, Value RunDef::*member, RunDef& def, const std::string& meaning)
 {
-    Value& target = def.*member;
-    const auto take = [&target, member, name = "run: " + name](const std::string& word) {
+    const auto take = [&def, member, name = "run: " + name](const std::string& word) {
+        Value& target = def.*member;
         if constexpr (std::is_same_v<Value, int>)
             target = wholeNumber(name, word, boundOf(member));
         else if constexpr (std::is_same_v<Value, double>)
@@ -30,7 +30,7 @@ void addOption(CLI::App& app, const std::string& name, Value RunDef::*member, Ru
     if constexpr (std::is_same_v<Value, std::string>)
         added->type_name("FILE")->default_str("none");
     else
-        added->type_name("N")->default_str(text(target));
+        added->type_name("N")->default_str(text(def.*member));
 }
 
 } // namespace

@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 namespace filasofia::runtime {
 namespace {
