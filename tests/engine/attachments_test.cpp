@@ -54,9 +54,9 @@ struct Scene {
     /// The nodes that the only attachment holds.
     std::vector<int> nodes()
     {
-        REQUIRE(model().attachments.size() == 1);
+        REQUIRE(state().attachments.size() == 1);
         std::vector<int> found;
-        for (const auto& pair : model().attachments[0].pairs) found.push_back(pair[0].nodes.at(0).node);
+        for (const auto& pair : state().attachments[0].pairs) found.push_back(pair[0].nodes.at(0).node);
         return found;
     }
     const frame::Attachment* held(AttachmentId id)
@@ -112,7 +112,7 @@ TEST_CASE("within a distance of another body, soft or rigid, or inside it")
                 CHECK(scene.nodes() == nodesOfCube([](Vec3 p) { return p.x > 0.0199; }));
                 continue;
             }
-            CHECK(scene.model().attachments.empty());
+            CHECK(scene.state().attachments.empty());
             REQUIRE(scene.warnings.size() == 1);
             CHECK_THAT(scene.warnings[0], Catch::StartsWith("soft body 'cube': attachment.within"));
         }
@@ -130,7 +130,7 @@ TEST_CASE("a region without a node is told, and nothing is held")
     Scene scene;
     const AttachmentId id = scene.attach({.box = geometry::Box{{1, 1, 1}, {2, 2, 2}}});
     CHECK(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
-    CHECK(scene.model().attachments.empty());
+    CHECK(scene.state().attachments.empty());
     REQUIRE(scene.warnings.size() == 1);
     CHECK_THAT(scene.warnings[0], Catch::StartsWith("soft body 'cube': attachment.box: no node is there"));
     scene.stage.post(physics::Release{id});
@@ -271,7 +271,7 @@ TEST_CASE("an attachment breaks where it has to bear more than it stands, and sa
         }
     }
     CHECK(told == 1);
-    CHECK(scene.model().attachments.empty());
+    CHECK(scene.state().attachments.empty());
     CHECK(scene.state().holding.empty());
 }
 
@@ -299,7 +299,7 @@ TEST_CASE("with either body goes what ties it to the other")
         scene.stage.post(physics::RemoveBody{{gone}});
         scene.stage.run(3, 1e-3);
         CHECK(scene.state().held.size() == (gone == 2 ? 0u : 1u));
-        CHECK(scene.model().attachments.size() == scene.state().held.size());
+        CHECK(scene.state().attachments.size() == scene.state().held.size());
         for (const frame::Attachment& each : scene.state().held)
             CHECK((each.body != BodyId{gone} && each.to != BodyId{gone}));
     }
@@ -333,8 +333,8 @@ TEST_CASE("a grasp where nothing is touched is told, and waits for no later cont
     scene.stage.post(physics::Grasp{{1}, {2}, {1}, {}});
     CHECK_FALSE(scene.stage.step(0.0).has(physics::StepFlag::NothingAttached)); // paused: not yet
     CHECK(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
-    CHECK(scene.model().grasps.empty());
-    CHECK(scene.model().attachments.empty());
+    CHECK(scene.state().grasps.empty());
+    CHECK(scene.state().attachments.empty());
     REQUIRE(scene.warnings.size() == 1);
     CHECK_THAT(scene.warnings[0], Catch::StartsWith("rigid body 'box': grasp.target"));
     scene.stage.post(physics::Grasp{{2}, {2}, {1}, {}});
@@ -418,10 +418,10 @@ TEST_CASE("a tune that leaves attachments that cannot be stepped with is undone"
         }});
         return !scene.stage.step(1e-3).has(physics::StepFlag::TuneRejected);
     };
-    CHECK(tuned([](Model& model, State&) { model.attachments[0].stiffness = 10.0; }));
-    CHECK_FALSE(tuned([](Model& model, State&) { model.attachments[0].pairs[0][0].nodes[0].node = 27; }));
-    CHECK_FALSE(tuned([](Model& model, State&) { model.attachments[0].to = {7}; }));
-    CHECK_FALSE(tuned([](Model& model, State&) { model.attachments[0].breakForce = 0.0; }));
+    CHECK(tuned([](Model&, State& state) { state.attachments[0].stiffness = 10.0; }));
+    CHECK_FALSE(tuned([](Model&, State& state) { state.attachments[0].pairs[0][0].nodes[0].node = 27; }));
+    CHECK_FALSE(tuned([](Model&, State& state) { state.attachments[0].to = {7}; }));
+    CHECK_FALSE(tuned([](Model&, State& state) { state.attachments[0].breakForce = 0.0; }));
     CHECK_FALSE(tuned([](Model&, State& state) { state.holding.clear(); }));
-    CHECK(scene.model().attachments[0].stiffness == 10.0);
+    CHECK(scene.state().attachments[0].stiffness == 10.0);
 }

@@ -273,11 +273,9 @@ TEST_CASE("what changes the plan between its two halves changes the motion")
     CHECK(plan[0].dynamic);
     CHECK(plan[0].mass == Approx(1.0));
     CHECK(distance(plan[0].centre, kBoxCentre) < 1e-15);
-    CHECK(frobeniusNorm(plan[0].inertia * plan[0].inverseInertia - Mat3::identity()) < 1e-14);
     CHECK(plan[0].velocity == Vec3{1, 0, 0});
     CHECK((plan[1].body == 1 && !plan[1].dynamic && plan[1].mass == 0.0));
     CHECK(plan[1].centre == Vec3{0, 5, 0});
-    CHECK(plan[1].inverseInertia == Mat3{});
 
     plan[0].change = {-1.0 * plan[0].velocity, -1.0 * plan[0].angularVelocity}; // a wall that takes all
     StepReport report;

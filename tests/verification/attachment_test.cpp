@@ -61,7 +61,7 @@ Vec3 placeOf(Stage& stage, const AttachedPoint& point, BodyId id)
 double worstGap(Stage& stage)
 {
     double worst = 0.0;
-    for (const Attachment& each : stage.world.model().attachments)
+    for (const Attachment& each : stage.world.state().attachments)
         for (const auto& pair : each.pairs)
             worst = std::max(worst, distance(placeOf(stage, pair[0], each.body), placeOf(stage, pair[1], each.to)));
     return worst;
@@ -70,14 +70,14 @@ double worstGap(Stage& stage)
 /// [N], [N m] about the origin: what an attachment does to its body.
 Wrench wrenchOf(Stage& stage, AttachmentId id)
 {
-    const Model& model = stage.world.model();
+    const State& state = stage.world.state();
     Wrench sum;
-    for (std::size_t a = 0; a < model.attachments.size(); ++a) {
-        if (model.attachments[a].id != id) continue;
-        for (std::size_t p = 0; p < model.attachments[a].pairs.size(); ++p) {
-            const Vec3 force = stage.world.state().holding[a][p];
+    for (std::size_t a = 0; a < state.attachments.size(); ++a) {
+        if (state.attachments[a].id != id) continue;
+        for (std::size_t p = 0; p < state.attachments[a].pairs.size(); ++p) {
+            const Vec3 force = state.holding[a][p];
             sum.force += force;
-            sum.torque += cross(placeOf(stage, model.attachments[a].pairs[p][0], model.attachments[a].body), force);
+            sum.torque += cross(placeOf(stage, state.attachments[a].pairs[p][0], state.attachments[a].body), force);
         }
     }
     return sum;

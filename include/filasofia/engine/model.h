@@ -4,6 +4,7 @@
 #include "filasofia/engine/attachment/attachment.h"
 #include "filasofia/engine/attachment/pins.h"
 #include "filasofia/engine/collision/inset.h"
+#include "filasofia/engine/collision/side_kept.h"
 #include "filasofia/engine/elastic/corotational.h"
 #include "filasofia/engine/elastic/element_rotations.h"
 #include "filasofia/engine/elastic/spring.h"
@@ -86,7 +87,7 @@ struct RigidModel {
 /// What a contact did in the last step: where its next solve starts.
 struct ContactMemory {
     BodyId first, second;      ///< the bodies
-    std::uint64_t feature = 0; ///< which of their features
+    std::uint64_t feature = 0; ///< which of their features: the same from step to step (collision/proximity.h)
     Vec3 point;                ///< [m] where it was
     Vec3 force;                ///< [N] on the first
 };
@@ -112,8 +113,6 @@ struct RigidState {
 struct Model {
     std::vector<SoftModel> softBodies;
     std::vector<RigidModel> rigidBodies;
-    std::vector<Attachment> attachments; ///< by rising id; those that pins do not make
-    std::vector<PendingGrasp> grasps;    ///< by rising id
 };
 
 struct State {
@@ -123,8 +122,11 @@ struct State {
     std::vector<SoftState> softBodies;
     std::vector<RigidState> rigidBodies;
     std::vector<ContactMemory> contacts;    ///< ascending by bodies and feature
+    std::vector<SideKept> sides;            ///< of sheets, ascending
     std::vector<frame::Contact> touching;   ///< the last step's contacts, as everyone outside sees them
+    std::vector<Attachment> attachments;    ///< by rising id; those that pins do not make
     std::vector<std::vector<Vec3>> holding; ///< [N] per attachment and pair, on its body: where the next solve starts
+    std::vector<PendingGrasp> grasps;       ///< by rising id
     std::vector<frame::Attachment> held;    ///< what attachments did in the last step, as everyone outside sees it
 };
 
@@ -144,7 +146,9 @@ bool usable(std::span<const Vec3> values);
 /// Throws an Error naming the body unless every size, index and number can be stepped with.
 void check(const SoftModel& model, const SoftState& state);
 void check(const RigidModel& model, const RigidState& state);
-/// The same for attachments, naming what is wrong with them.
+/// The same for attachments and grasps, naming what is wrong with them.
 void checkAttachments(const Model& model, const State& state);
+/// The same for what is kept of contacts from step to step.
+void checkMemories(const Model& model, const State& state);
 
 } // namespace filasofia::engine

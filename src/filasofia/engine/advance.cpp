@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <span>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -76,10 +77,10 @@ void settleBody(const SoftModel& model, Vec3 gravity, double dt, SoftSystem& sys
     }
 }
 
-BodyOutcome outcomeOf(const SoftModel& model, const linalg::NodeSolveReport& solve)
+BodyOutcome outcomeOf(BodyId id, const linalg::NodeSolveReport& solve)
 {
     BodyOutcome outcome;
-    outcome.solve = {model.id, solve.iterations, solve.residual};
+    outcome.solve = {id, solve.iterations, solve.residual};
     if (solve.outOfTime) outcome.set(StepFlag::OutOfTime);
     if (!solve.converged && !solve.outOfTime) outcome.set(StepFlag::NotConverged);
     return outcome;
@@ -92,29 +93,8 @@ void prepareBody(const SoftState& state, SoftSystem& system)
     std::fill(system.leftover.begin(), system.leftover.end(), Vec3{}); // only the default solver leaves something
 }
 
-// Rigid bodies and direct solvers are exact, as far as nobody beside them is not.
-constexpr double kExact = 1e-7;
-
-/// The first to end ends them all; they share what iterations they have.
-linalg::SolveLimits sharedLimits(const Model& model, const Island& island,
-                                 const std::vector<linalg::SolveLimits>& limits)
-{
-    linalg::SolveLimits shared{.tolerance = 1.0, .maxIterations = 0};
-    for (std::size_t b : island.soft) {
-        if (std::holds_alternative<physics::ConjugateGradient>(model.softBodies[b].solver))
-            shared.tolerance = std::min(shared.tolerance, limits[b].tolerance);
-        shared.maxIterations = std::max(shared.maxIterations, limits[b].maxIterations);
-        shared.minIterations = std::max(shared.minIterations, limits[b].minIterations);
-        shared.outOfTime = limits[b].outOfTime; // of the last, which has what is left
-        shared.stopAt = limits[b].stopAt;
-    }
-    if (shared.tolerance == 1.0) shared.tolerance = kExact;
-    if (island.soft.empty()) shared.maxIterations = 1000;
-    return shared;
-}
-
-CoupledLimits limitsOf(const Model& model, const Island& island, const physics::ContactMethod& method, double dt,
-                       const std::vector<linalg::SolveLimits>& limits)
+CoupledLimits limitsOf(const Island& island, const physics::ContactMethod& method, double dt,
+                       const linalg::SolveLimits& limits)
 {
     // Rigid bodies in a tower sway as one, with more inertia than each has by itself. And for so few unknowns it costs
     // nothing to be exact.
@@ -123,7 +103,7 @@ CoupledLimits limitsOf(const Model& model, const Island& island, const physics::
     constexpr double rigidTolerance = 0.01;
     constexpr double smallAcceleration = 1.0; // [m/s^2] what nothing in particular does to a body, for a scale
 
-    CoupledLimits how{.linear = sharedLimits(model, island, limits), .smallChange = smallAcceleration * dt};
+    CoupledLimits how{.linear = limits, .smallChange = smallAcceleration * dt};
     if (const auto* exact = std::get_if<physics::ExactContact>(&method)) {
         how.rounds = exact->rounds;
         how.tolerance = exact->tolerance;
@@ -146,23 +126,28 @@ void advance(const Model& model, double dt, const physics::StepBudget* budget, c
     if (dt > 0.0) {
         std::vector<BodyOutcome> outcomes(model.softBodies.size());
         std::vector<bool> coupled(model.softBodies.size());
-        const std::vector<linalg::SolveLimits> limits = limitsOf(model, budget, pool);
+        std::vector<BodyOutcome> rigidOutcomes; // of islands without a soft body
+        const std::vector<Island> islands = findIslands(model, coupling.rigid, coupling.links);
+        const StepLimits limits = limitsOf(model, islands, budget, pool);
         const auto settle = [&](std::size_t b) {
             settleBody(model.softBodies[b], state.gravity, dt, systems[b], state.softBodies[b], pool, outcomes[b]);
         };
 
-        for (const Island& island : findIslands(model, coupling.rigid, coupling.links)) {
+        for (std::size_t i = 0; i < islands.size(); ++i) {
+            const Island& island = islands[i];
             for (std::size_t b : island.soft) {
                 prepareBody(state.softBodies[b], systems[b]);
                 coupled[b] = true;
             }
-            const CoupledLimits how = limitsOf(model, island, method, dt, limits);
+            const CoupledLimits how = limitsOf(island, method, dt, limits.islands[i]);
             const CoupledReport solve = solveIsland(model, state, dt, island, how, systems, coupling.rigid,
                                                     coupling.links, coupling.scratch, pool);
             for (std::size_t b : island.soft) {
-                outcomes[b] = outcomeOf(model.softBodies[b], solve);
+                outcomes[b] = outcomeOf(model.softBodies[b].id, solve);
                 settle(b);
             }
+            if (island.soft.empty())
+                rigidOutcomes.push_back(outcomeOf(model.rigidBodies[coupling.rigid[island.rigid[0]].body].id, solve));
             report.contacts.rounds = std::max(report.contacts.rounds, solve.rounds);
             report.contacts.mismatch = std::max(report.contacts.mismatch, solve.mismatch);
         }
@@ -170,9 +155,12 @@ void advance(const Model& model, double dt, const physics::StepBudget* budget, c
             if (coupled[b]) return;
             const SoftModel& body = model.softBodies[b];
             prepareBody(state.softBodies[b], systems[b]);
-            outcomes[b] = outcomeOf(body, solveBody(body, dt, 1.0, limits[b], state.softBodies[b].v, systems[b], pool));
+            const linalg::NodeSolveReport solve =
+                solveBody(body, dt, 1.0, limits.bodies[b], state.softBodies[b].v, systems[b], pool);
+            outcomes[b] = outcomeOf(body.id, solve);
             settle(b);
         });
+        outcomes.insert(outcomes.end(), rigidOutcomes.begin(), rigidOutcomes.end());
         for (const BodyOutcome& outcome : outcomes) {
             report.solves.push_back(outcome.solve);
             report.flags |= outcome.flags;

@@ -4,11 +4,13 @@
 #include "filasofia/engine/attachments.h"
 #include "filasofia/engine/build_attachment.h"
 #include "filasofia/engine/build_body.h"
+#include "filasofia/engine/contact_memory.h"
 #include "filasofia/engine/find_body.h"
 #include "filasofia/engine/native.h"
 #include "filasofia/engine/stages.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -54,12 +56,15 @@ struct Apply {
     }
     void operator()(const physics::RemoveBody& remove) const
     {
-        removeAttachmentsOf(remove.id, model, state);
+        removeAttachmentsOf(remove.id, state);
         const auto touches = [&](const auto& contact) {
             return contact.first == remove.id || contact.second == remove.id;
         };
         std::erase_if(state.touching, touches);
         std::erase_if(state.contacts, touches);
+        std::erase_if(state.sides, [&](const SideKept& kept) {
+            return kept.source.body == remove.id || kept.target.body == remove.id;
+        });
         const auto is = [&](const auto& body) { return body.id == remove.id; };
         if (std::any_of(model.softBodies.begin(), model.softBodies.end(), is)) {
             const std::size_t index = indexOf(model.softBodies, remove.id);
@@ -117,11 +122,11 @@ struct Apply {
     }
     void operator()(const physics::Grasp& grasp) const
     {
-        model.grasps.push_back({grasp.id, grasp.rigid, grasp.target, grasp.def.stiffness, grasp.def.breakForce});
+        state.grasps.push_back({grasp.id, grasp.rigid, grasp.target, grasp.def.stiffness, grasp.def.breakForce});
     }
     void operator()(const physics::Release& command) const
     {
-        release(command.id, model, state);
+        release(command.id, state);
         for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
             Pins& pins = model.softBodies[b].pins;
             const auto group = std::ranges::find(pins.groups, command.id, &PinGroup::id);
@@ -145,6 +150,7 @@ struct Apply {
         }
         state.contacts.clear();
         state.touching.clear();
+        state.sides.clear(); // who was on which side of a sheet is no longer so
         for (std::vector<Vec3>& forces : state.holding) std::ranges::fill(forces, Vec3{});
         state.held.clear();
     }
@@ -159,6 +165,7 @@ struct Apply {
             tune.change(self);
             checkSameBodies(modelBefore);
             recheck();
+            forgetReplacedSurfaces(modelBefore);
             changed = true;
         } catch (const std::exception& problem) {
             putBack(modelBefore, stateBefore, problem.what());
@@ -221,6 +228,21 @@ private:
         for (std::size_t b = 0; b < model.softBodies.size(); ++b) check(model.softBodies[b], state.softBodies[b]);
         for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) check(model.rigidBodies[b], state.rigidBodies[b]);
         checkAttachments(model, state);
+        checkMemories(model, state);
+    }
+
+    /// The numbers of a surface's features mean nothing of another one.
+    void forgetReplacedSurfaces(const Model& before) const
+    {
+        const auto forget = [&](const auto& old, const auto& now) { // the same bodies, in the same order
+            for (std::size_t b = 0; b < now.size(); ++b)
+                for (std::size_t m = 0; m < std::max(old[b].collision.size(), now[b].collision.size()); ++m)
+                    if (m >= old[b].collision.size() || m >= now[b].collision.size() ||
+                        old[b].collision[m].shape != now[b].collision[m].shape)
+                        forgetSurface({now[b].id, static_cast<int>(m)}, state);
+        };
+        forget(before.softBodies, model.softBodies);
+        forget(before.rigidBodies, model.rigidBodies);
     }
 };
 

@@ -7,7 +7,7 @@
 #include "filasofia/engine/stages.h"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -44,13 +44,9 @@ std::string regionsOf(const physics::AttachmentDef& def)
 /// Where attached points are now, and how they move.
 class Places {
 public:
-    Places(const Model& model, const State& state, const RigidPlan& plan) : state_(state), plan_(plan)
+    Places(const Model& model, const State& state, const RigidPlan& plan)
+        : state_(state), plan_(plan), firstElement_(firstElements(model))
     {
-        std::size_t elements = 0;
-        for (const RigidModel& body : model.rigidBodies) {
-            firstElement_.push_back(elements);
-            elements += body.rest.size();
-        }
     }
 
     [[nodiscard]] BodyPoint of(const AttachedPoint& point, const std::optional<BodyPlace>& body) const
@@ -123,10 +119,10 @@ Vec3 carriedOn(const Link& link, double dt, Vec3 carried, Vec3 gapAfter)
     return link.next + (1.0 - obeyed) * stiffness * link.bias;
 }
 
-void keep(std::size_t attachment, double dt, std::span<const Link> links, const Places& places, Model& model,
+void keep(std::size_t attachment, double dt, std::span<const Link> links, const Places& places, const Model& model,
           State& state)
 {
-    const Attachment& made = model.attachments[attachment];
+    const Attachment& made = state.attachments[attachment];
     const auto body = findBody(model, made.body), to = findBody(model, made.to);
     frame::Attachment report{.id = made.id, .body = made.body, .to = made.to};
     report.points = static_cast<int>(made.pairs.size());
@@ -142,17 +138,17 @@ void keep(std::size_t attachment, double dt, std::span<const Link> links, const 
     state.held.push_back(report);
 }
 
-template <class Gone> void eraseAttachments(Model& model, State& state, const Gone& gone)
+template <class Gone> void eraseAttachments(State& state, const Gone& gone)
 {
-    for (std::size_t a = model.attachments.size(); a-- > 0;) {
-        if (!gone(model.attachments[a])) continue;
-        model.attachments.erase(model.attachments.begin() + static_cast<std::ptrdiff_t>(a));
+    for (std::size_t a = state.attachments.size(); a-- > 0;) {
+        if (!gone(state.attachments[a])) continue;
+        state.attachments.erase(state.attachments.begin() + static_cast<std::ptrdiff_t>(a));
         state.holding.erase(state.holding.begin() + static_cast<std::ptrdiff_t>(a));
     }
 }
 
 template <class Def> void attachAny(AttachmentId id, BodyId body, const Def& def, const std::string& nothing,
-                                    Model& model, State& state, physics::StepReport& report)
+                                    const Model& model, State& state, physics::StepReport& report)
 {
     AttachedPairs pairs = pairsOf(def, findBody(model, body)->index, model, state);
     if (pairs.empty()) {
@@ -161,54 +157,54 @@ template <class Def> void attachAny(AttachmentId id, BodyId body, const Def& def
         return;
     }
     std::vector<Vec3> forces(pairs.size());
-    addAttachment({id, body, def.to, std::move(pairs), def.stiffness, def.breakForce}, std::move(forces), model, state);
+    addAttachment({id, body, def.to, std::move(pairs), def.stiffness, def.breakForce}, std::move(forces), state);
 }
 
 } // namespace
 
-void attach(AttachmentId id, BodyId body, const physics::AttachmentDef& def, Model& model, State& state,
+void attach(AttachmentId id, BodyId body, const physics::AttachmentDef& def, const Model& model, State& state,
             physics::StepReport& report)
 {
     attachAny(id, body, def, regionsOf(def), model, state, report);
 }
 
-void attach(AttachmentId id, BodyId body, const physics::RigidAttachmentDef& def, Model& model, State& state,
+void attach(AttachmentId id, BodyId body, const physics::RigidAttachmentDef& def, const Model& model, State& state,
             physics::StepReport& report)
 {
     attachAny(id, body, def, {}, model, state, report);
 }
 
-void addAttachment(Attachment attachment, std::vector<Vec3> forces, Model& model, State& state)
+void addAttachment(Attachment attachment, std::vector<Vec3> forces, State& state)
 {
-    const auto place = std::upper_bound(model.attachments.begin(), model.attachments.end(), attachment.id,
+    const auto place = std::upper_bound(state.attachments.begin(), state.attachments.end(), attachment.id,
                                         [](AttachmentId id, const Attachment& other) { return id < other.id; });
-    state.holding.insert(state.holding.begin() + (place - model.attachments.begin()), std::move(forces));
-    model.attachments.insert(place, std::move(attachment));
+    state.holding.insert(state.holding.begin() + (place - state.attachments.begin()), std::move(forces));
+    state.attachments.insert(place, std::move(attachment));
 }
 
-void release(AttachmentId id, Model& model, State& state)
+void release(AttachmentId id, State& state)
 {
-    eraseAttachments(model, state, [&](const Attachment& each) { return each.id == id; });
-    std::erase_if(model.grasps, [&](const PendingGrasp& each) { return each.id == id; });
+    eraseAttachments(state, [&](const Attachment& each) { return each.id == id; });
+    std::erase_if(state.grasps, [&](const PendingGrasp& each) { return each.id == id; });
     std::erase_if(state.held, [&](const frame::Attachment& each) { return each.id == id; });
 }
 
-void removeAttachmentsOf(BodyId id, Model& model, State& state)
+void removeAttachmentsOf(BodyId id, State& state)
 {
-    eraseAttachments(model, state, [&](const Attachment& each) { return each.body == id || each.to == id; });
-    std::erase_if(model.grasps, [&](const PendingGrasp& each) { return each.rigid == id || each.target == id; });
+    eraseAttachments(state, [&](const Attachment& each) { return each.body == id || each.to == id; });
+    std::erase_if(state.grasps, [&](const PendingGrasp& each) { return each.rigid == id || each.target == id; });
     std::erase_if(state.held, [&](const frame::Attachment& each) { return each.body == id || each.to == id; });
 }
 
-void linkAttachments(double dt, Model& model, State& state, Coupling& coupling, physics::StepReport& report)
+void linkAttachments(double dt, const Model& model, State& state, Coupling& coupling, physics::StepReport& report)
 {
     if (dt == 0.0) return;
     graspContacts(model, state, coupling, report);
-    if (model.attachments.empty()) return;
-    leaveToAttachments(model, coupling);
+    if (state.attachments.empty()) return;
+    leaveToAttachments(state, coupling);
     const Places places(model, state, coupling.rigid);
-    for (std::size_t a = 0; a < model.attachments.size(); ++a) {
-        const Attachment& attachment = model.attachments[a];
+    for (std::size_t a = 0; a < state.attachments.size(); ++a) {
+        const Attachment& attachment = state.attachments[a];
         const auto body = findBody(model, attachment.body), to = findBody(model, attachment.to);
         for (std::size_t p = 0; p < attachment.pairs.size(); ++p) {
             const auto& pair = attachment.pairs[p];
@@ -218,7 +214,7 @@ void linkAttachments(double dt, Model& model, State& state, Coupling& coupling, 
     }
 }
 
-void keepAttachments(double dt, const Coupling& coupling, const Systems& systems, Model& model, State& state)
+void keepAttachments(double dt, const Coupling& coupling, const Systems& systems, const Model& model, State& state)
 {
     if (dt == 0.0) { // what broke is told once
         std::erase_if(state.held, [](const frame::Attachment& each) { return each.broken; });
@@ -228,48 +224,15 @@ void keepAttachments(double dt, const Coupling& coupling, const Systems& systems
     std::span<const Link> links = std::span(coupling.links).subspan(coupling.contacts.size());
     std::vector<AttachmentId> broken;
     const Places places(model, state, coupling.rigid);
-    for (std::size_t a = 0; a < model.attachments.size(); ++a) {
-        const std::size_t count = model.attachments[a].pairs.size();
+    for (std::size_t a = 0; a < state.attachments.size(); ++a) {
+        const std::size_t count = state.attachments[a].pairs.size();
         keep(a, dt, links.first(count), places, model, state);
         links = links.subspan(count);
         if (state.held.back().broken) broken.push_back(state.held.back().id);
     }
     addPinReports(model, dt, coupling, state, systems, state.held);
     std::ranges::stable_sort(state.held, {}, &frame::Attachment::id);
-    eraseAttachments(model, state, [&](const Attachment& each) { return std::ranges::count(broken, each.id) > 0; });
-}
-
-void checkAttachments(const Model& model, const State& state)
-{
-    if (state.holding.size() != model.attachments.size()) fail("attachments: holding must have as many entries");
-    const auto checkPoint = [&](const AttachedPoint& point, BodyId id, const std::string& object) {
-        const auto body = findBody(model, id);
-        if (id && !body) fail(object, ": body ", id.value, ": no such body");
-        if (!isFinite(point.place)) fail(object, ": place must be finite");
-        const std::size_t nodes = body && body->soft ? model.softBodies[body->index].rest.size() : 0;
-        if ((nodes > 0) != !point.nodes.empty() || point.nodes.size() > std::tuple_size_v<decltype(BodyPoint::nodes)>)
-            fail(object, ": a point of a soft body must have one to twelve nodes, another none");
-        for (const NodeWeight& each : point.nodes)
-            if (each.node < 0 || static_cast<std::size_t>(each.node) >= nodes || !std::isfinite(each.weight))
-                fail(object, ": node must be in [0, ", nodes, "), got ", each.node);
-        if (const std::size_t elements = body && !body->soft ? model.rigidBodies[body->index].rest.size() : 1;
-            point.element < 0 || static_cast<std::size_t>(point.element) >= elements)
-            fail(object, ": element must be in [0, ", elements, "), got ", point.element);
-    };
-    for (std::size_t a = 0; a < model.attachments.size(); ++a) {
-        const Attachment& each = model.attachments[a];
-        const std::string object = text("attachment ", each.id.value);
-        if (!each.body) fail(object, ": must hold a body");
-        if (!positiveOrInfinite().contains(each.stiffness)) fail(object, ": stiffness must be > 0 N/m");
-        if (!positiveOrInfinite().contains(each.breakForce)) fail(object, ": breakForce must be > 0 N");
-        if (state.holding[a].size() != each.pairs.size()) fail(object, ": holding must have one entry per pair");
-        for (const Vec3& force : state.holding[a])
-            if (!isFinite(force)) fail(object, ": holding must be finite");
-        for (const auto& pair : each.pairs) {
-            checkPoint(pair[0], each.body, object);
-            checkPoint(pair[1], each.to, object);
-        }
-    }
+    eraseAttachments(state, [&](const Attachment& each) { return std::ranges::count(broken, each.id) > 0; });
 }
 
 } // namespace filasofia::engine

@@ -4,7 +4,9 @@
 #include "filasofia/geometry/surface.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -14,23 +16,26 @@ using geometry::TriangleMesh;
 // How far in the vertices of a surface go, of its proximity.
 constexpr double kInset = 0.2;
 
-constexpr std::size_t kLargest = std::size_t{1} << 21; // features are numbered in as many bits
-
 CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field)
 {
-    if (const std::size_t features = mesh.vertices.size() + 4 * mesh.triangles.size(); features >= kLargest)
-        fail(field, ".mesh must have < ", kLargest, " vertices, edges and triangles, got up to ", features);
+    if (const std::size_t features = mesh.vertices.size() + 4 * mesh.triangles.size(); features >= kMostFeatures)
+        fail(field, ".mesh must have < ", kMostFeatures, " vertices, edges and triangles, got up to ", features);
     const double depth = kInset * def.proximity;
     CollisionModel model;
-    model.shape = std::make_shared<const CollisionShape>(
-        makeCollisionShape(mesh, {.points = def.primitives.points,
-                                  .lines = def.primitives.lines,
-                                  .triangleFaces = def.primitives.triangles,
-                                  .proximity = def.proximity + depth, // what is left of it lies so much deeper
-                                  .group = def.group,
-                                  .self = def.self,
-                                  .cutting = def.cutting}));
-    model.inset = makeInset(*model.shape, depth);
+    CollisionShape shape = makeCollisionShape(mesh, {.points = def.primitives.points,
+                                                     .lines = def.primitives.lines,
+                                                     .triangleFaces = def.primitives.triangles,
+                                                     .proximity = def.proximity,
+                                                     .depth = def.proximity + depth,
+                                                     .group = def.group,
+                                                     .self = def.self,
+                                                     .cutting = def.cutting});
+    model.inset = makeInset(shape, depth);
+    // What is left of it lies so much deeper; where nothing was taken off, as of a sheet, none.
+    double deepest = 0.0;
+    for (const double each : model.inset.depth) deepest = std::max(deepest, each);
+    shape.proximity += deepest;
+    model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     model.proximity = def.proximity;
     return model;
 }
@@ -77,6 +82,12 @@ void tidy(geometry::Embedding& ties)
     }
 }
 
+void checkCount(const std::vector<physics::CollisionDef>& collision, const std::string& object)
+{
+    if (collision.size() > kMostModels)
+        fail(object, ": collision must have <= ", kMostModels, " entries, got ", collision.size());
+}
+
 void checkPrimitives(const physics::CollisionDef& def, const std::string& field)
 {
     const physics::Primitives& p = def.primitives;
@@ -88,6 +99,7 @@ void checkPrimitives(const physics::CollisionDef& def, const std::string& field)
 
 std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& worldMesh)
 {
+    checkCount(def.collision, text("soft body '", def.name, "'"));
     std::vector<CollisionModel> models;
     for (std::size_t i = 0; i < def.collision.size(); ++i) {
         const physics::CollisionDef& each = def.collision[i];
@@ -111,6 +123,7 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
 
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
 {
+    checkCount(def.collision, text("rigid body '", def.name, "'"));
     std::vector<CollisionModel> models;
     for (std::size_t i = 0; i < def.collision.size(); ++i) {
         const physics::CollisionDef& each = def.collision[i];

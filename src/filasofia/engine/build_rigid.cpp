@@ -1,18 +1,16 @@
-#include "filasofia/core/error.h"
 #include "filasofia/engine/build_body.h"
 #include "filasofia/engine/build_collision.h"
+#include "filasofia/engine/check_collision.h"
+#include "filasofia/engine/check_size.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
 
 using physics::RigidInertia;
-
-void checkSize(const std::string& object, const char* list, std::size_t size, std::size_t expected)
-{
-    if (size != expected) fail(object, ": ", list, " must have ", expected, " entries, got ", size);
-}
 
 void checkPose(const std::string& object, const Pose& pose)
 {
@@ -97,6 +95,8 @@ void check(const RigidModel& model, const RigidState& state)
                                        {"angularDamping", model.angularDamping},
                                        {"friction", model.friction}})
         if (!nonNegative().contains(value)) fail(object, ": ", field, " must be >= 0, got ", value);
+    checkCollision(object, model);
+    if (model.surface) geometry::check(*model.surface, object + ": surface");
     const Vec3 start[] = {model.startVelocity, model.startAngularVelocity};
     if (model.dynamic && !(usable(start) && usable(state.velocities) && usable(state.angularVelocities)))
         fail(object, ": velocities must be < ", physics::kFarthest, " m/s and rad/s");

@@ -1,12 +1,17 @@
 #include "filasofia/engine/contact_memory.h"
 
+#include "filasofia/geometry/bvh.h"
+
 #include <algorithm>
+#include <limits>
 #include <tuple>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
 
 auto key(const ContactMemory& memory) { return std::tuple(memory.first, memory.second, memory.feature); }
+auto bodiesOf(const ContactMemory& memory) { return std::tuple(memory.first, memory.second); }
 
 class Inheritance {
 public:
@@ -16,32 +21,58 @@ public:
     {
         const auto found = std::lower_bound(memories_.begin(), memories_.end(), contact,
                                             [](const auto& a, const auto& b) { return key(a) < key(b); });
-        if (found != memories_.end() && key(*found) == key(contact)) take(found, contact);
+        if (found != memories_.end() && key(*found) == key(contact))
+            take(static_cast<std::size_t>(found - memories_.begin()), contact);
     }
+
+    /// To be called before byPlace(): a tree for every pair of bodies, over what nobody has taken.
+    void plantTrees()
+    {
+        std::vector<geometry::Box> boxes;
+        for (std::size_t i = 0; i < memories_.size();) {
+            Tree tree{i, {}, {}};
+            boxes.clear();
+            for (; i < memories_.size() && bodiesOf(memories_[i]) == bodiesOf(memories_[tree.first]); ++i) {
+                if (taken_[i]) continue;
+                tree.left.push_back(i);
+                boxes.push_back({memories_[i].point, memories_[i].point});
+            }
+            if (tree.left.empty()) continue;
+            tree.places = geometry::Bvh(boxes);
+            trees_.push_back(std::move(tree));
+        }
+    }
+
     void byPlace(double within, ContactMemory& contact)
     {
-        const auto bodies = [](const ContactMemory& m) { return std::tuple(m.first, m.second); };
-        auto at = std::lower_bound(memories_.begin(), memories_.end(), contact,
-                                   [&](const auto& a, const auto& b) { return bodies(a) < bodies(b); });
-        auto nearest = memories_.end();
-        for (double least = within * within; at != memories_.end() && bodies(*at) == bodies(contact); ++at) {
-            const double distance = lengthSquared(at->point - contact.point);
-            if (!(distance < least) || taken_[static_cast<std::size_t>(at - memories_.begin())]) continue;
-            least = distance;
-            nearest = at;
-        }
-        if (nearest != memories_.end()) take(nearest, contact);
+        const auto bodies = [&](const Tree& tree) { return bodiesOf(memories_[tree.first]); };
+        const auto tree = std::ranges::lower_bound(trees_, bodiesOf(contact), {}, bodies);
+        if (tree == trees_.end() || bodies(*tree) != bodiesOf(contact)) return;
+        const auto squaredDistance = [&](int i) {
+            const std::size_t memory = tree->left[static_cast<std::size_t>(i)];
+            return taken_[memory] ? std::numeric_limits<double>::infinity()
+                                  : lengthSquared(memories_[memory].point - contact.point);
+        };
+        const int nearest = tree->places.nearest(contact.point, squaredDistance, within * within).primitive;
+        if (nearest >= 0) take(tree->left[static_cast<std::size_t>(nearest)], contact);
     }
 
 private:
-    void take(std::vector<ContactMemory>::const_iterator from, ContactMemory& contact)
+    struct Tree {
+        std::size_t first;             ///< memory of the two bodies
+        std::vector<std::size_t> left; ///< memories, ascending
+        geometry::Bvh places;
+    };
+
+    void take(std::size_t memory, ContactMemory& contact)
     {
-        taken_[static_cast<std::size_t>(from - memories_.begin())] = true;
-        contact.force = from->force;
+        taken_[memory] = true;
+        contact.force = memories_[memory].force;
     }
 
     const std::vector<ContactMemory>& memories_;
     std::vector<bool> taken_;
+    std::vector<Tree> trees_; ///< ascending by bodies
 };
 
 constexpr double kSamePlace = 1e-3; ///< [m] besides the way that the two may have gone since
@@ -53,6 +84,7 @@ void inheritForces(double dt, const std::vector<ContactMemory>& memories, Coupli
     if (memories.empty()) return;
     Inheritance inheritance(memories);
     for (FoundContact& contact : coupling.contacts) inheritance.bySameFeatures(contact.memory);
+    inheritance.plantTrees();
     for (std::size_t c = 0; c < coupling.contacts.size(); ++c) {
         const Link& link = coupling.links[c];
         const double way = dt * (length(link.sides[0].velocity) + length(link.sides[1].velocity));
@@ -64,6 +96,15 @@ void inheritForces(double dt, const std::vector<ContactMemory>& memories, Coupli
 void sortMemories(std::vector<ContactMemory>& memories)
 {
     std::sort(memories.begin(), memories.end(), [](const auto& a, const auto& b) { return key(a) < key(b); });
+}
+
+void forgetSurface(SurfaceName name, State& state)
+{
+    std::erase_if(state.sides, [&](const SideKept& kept) { return kept.source == name || kept.target == name; });
+    std::erase_if(state.contacts, [&](const ContactMemory& memory) {
+        const FeaturePair pair = featurePair(memory.feature);
+        return SurfaceName{memory.first, pair.models[0]} == name || SurfaceName{memory.second, pair.models[1]} == name;
+    });
 }
 
 } // namespace filasofia::engine

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -19,20 +21,20 @@ struct Owner {
     bool soft = true;
     std::size_t body = 0; ///< among its kind
     std::size_t plan = 0; ///< of a rigid one: its element's place in the plan
+    SurfaceName name;
     const CollisionModel* collision = nullptr;
 };
 
 std::vector<Owner> ownersOf(const Model& model)
 {
     std::vector<Owner> owners;
-    for (std::size_t b = 0; b < model.softBodies.size(); ++b)
-        for (const CollisionModel& each : model.softBodies[b].collision) owners.push_back({true, b, 0, &each});
-    std::size_t firstElement = 0;
-    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) {
-        for (const CollisionModel& each : model.rigidBodies[b].collision)
-            owners.push_back({false, b, firstElement + static_cast<std::size_t>(each.element), &each});
-        firstElement += model.rigidBodies[b].rest.size();
-    }
+    const auto add = [&](bool soft, std::size_t b, const auto& body, std::size_t firstElement) {
+        for (int m = 0; const CollisionModel& each : body.collision)
+            owners.push_back({soft, b, firstElement + static_cast<std::size_t>(each.element), {body.id, m++}, &each});
+    };
+    for (std::size_t b = 0; b < model.softBodies.size(); ++b) add(true, b, model.softBodies[b], 0);
+    const std::vector<std::size_t> first = firstElements(model);
+    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) add(false, b, model.rigidBodies[b], first[b]);
     return owners;
 }
 
@@ -80,6 +82,19 @@ double insetAt(const CollisionModel& collision, const Proximity& found, std::siz
         if (const int vertex = found.vertices[side][k]; vertex >= 0)
             depth += found.weights[side][k] * collision.inset.depth[static_cast<std::size_t>(vertex)];
     return depth;
+}
+
+/// [m] by how much the two come nearer to each other in the time that is looked ahead.
+double comingNearer(const std::vector<CollisionSurface>& surfaces, const Proximity& found, double dt)
+{
+    Vec3 velocity;
+    for (std::size_t side = 0; side < 2; ++side)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (const int vertex = found.vertices[side][k]; vertex >= 0)
+                velocity +=
+                    (side == 0 ? 1.0 : -1.0) * found.weights[side][k] *
+                    surfaces[static_cast<std::size_t>(found.surfaces[side])].v[static_cast<std::size_t>(vertex)];
+    return kStepsAhead * dt * std::max(0.0, -dot(velocity, found.normal));
 }
 
 /// Whether a place lies on an element of a soft body that is turned inside out: there its surface looks the wrong way,
@@ -153,11 +168,9 @@ void setLaw(const physics::ContactMethod& method, double dt, const FoundContact&
     link.slack = std::max({kShallowRecovery * contact.skin, contact.gap - dt * link.bias.x, kSlack}) / dt;
 }
 
-/// Its id, and its mu.
-std::pair<BodyId, double> idOf(const Model& model, const Owner& owner)
+double frictionOf(const Model& model, const Owner& owner)
 {
-    if (owner.soft) return {model.softBodies[owner.body].id, model.softBodies[owner.body].friction};
-    return {model.rigidBodies[owner.body].id, model.rigidBodies[owner.body].friction};
+    return owner.soft ? model.softBodies[owner.body].friction : model.rigidBodies[owner.body].friction;
 }
 
 const std::string& nameOf(const Model& model, const Owner& owner)
@@ -165,8 +178,8 @@ const std::string& nameOf(const Model& model, const Owner& owner)
     return owner.soft ? model.softBodies[owner.body].name : model.rigidBodies[owner.body].name;
 }
 
-/// A group that is one body's alone is hardly meant: a word, once, when the surfaces have changed.
-void warnOfLoneGroups(const Model& model, const std::vector<Owner>& owners)
+/// A group that is one body's alone is hardly meant: a word, once for each group.
+void warnOfLoneGroups(const Model& model, const std::vector<Owner>& owners, std::set<int>& warned)
 {
     for (const Owner& owner : owners) {
         const CollisionShape& shape = *owner.collision->shape;
@@ -175,6 +188,7 @@ void warnOfLoneGroups(const Model& model, const std::vector<Owner>& owners)
             return isOther(each) && each.collision->shape->group == shape.group;
         };
         if (shape.self || std::ranges::none_of(owners, isOther) || std::ranges::any_of(owners, meets)) continue;
+        if (!warned.insert(shape.group).second) continue;
         logWarning(owner.soft ? "soft" : "rigid", " body '", nameOf(model, owner),
                    "': no other body has collision group ", shape.group, ": it touches nothing");
     }
@@ -191,33 +205,34 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
     if (dt == 0.0) return;
 
     const std::vector<Owner> owners = ownersOf(model);
-    if (owners.size() != coupling.surfaces.size()) warnOfLoneGroups(model, owners);
+    if (owners.size() != coupling.surfaces.size()) warnOfLoneGroups(model, owners, coupling.warnedGroups);
     coupling.surfaces.resize(owners.size());
     for (std::size_t s = 0; s < owners.size(); ++s) {
         const Owner& owner = owners[s];
-        coupling.surfaces[s].body = static_cast<int>(owner.soft ? owner.body : model.softBodies.size() + owner.body);
+        coupling.surfaces[s].name = owner.name;
         placeSurface(owner, state, coupling.rigid, coupling.normals, coupling.surfaces[s]);
     }
-    findProximities(coupling.surfaces, dt, pool, coupling.proximityScratch, coupling.proximities);
+    coupling.sides = state.sides;
+    findProximities(coupling.surfaces, dt, pool, coupling.sides, coupling.proximityScratch, coupling.proximities);
 
     for (const Proximity& found : coupling.proximities) {
         const std::array<const Owner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
                                                 &owners[static_cast<std::size_t>(found.surfaces[1])]};
         if (insideOut(*sides[0], found, 0, state) || insideOut(*sides[1], found, 1, state)) continue;
-        const auto [first, firstFriction] = idOf(model, *sides[0]);
-        const auto [second, secondFriction] = idOf(model, *sides[1]);
+        const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
+        const double gap =
+            found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
+        if (!(gap < proximity + comingNearer(coupling.surfaces, found, dt))) continue;
         Link& link = coupling.links.emplace_back();
         for (std::size_t side = 0; side < 2; ++side)
             link.sides[side] =
                 pointOf(*sides[side], found, side, coupling.surfaces[static_cast<std::size_t>(found.surfaces[side])],
                         state, coupling.rigid);
         link.frame = frameOf(found.normal);
-        link.friction = std::sqrt(firstFriction * secondFriction);
+        link.friction = std::sqrt(frictionOf(model, *sides[0]) * frictionOf(model, *sides[1]));
         const Vec3 point = 0.5 * (link.sides[0].position + link.sides[1].position);
-        const double taken = insetAt(*sides[0]->collision, found, 0) + insetAt(*sides[1]->collision, found, 1);
-        const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
-        coupling.contacts.push_back({.memory = {first, second, found.feature, point, {}},
-                                     .gap = found.gap - taken,
+        coupling.contacts.push_back({.memory = {sides[0]->name.body, sides[1]->name.body, found.feature, point, {}},
+                                     .gap = gap,
                                      .proximity = proximity,
                                      .skin = kSkin * proximity});
     }
@@ -250,6 +265,7 @@ void keepContacts(double dt, const Coupling& coupling, State& state, physics::St
         memory.force = 1.0 / dt * inWorld(link.frame, link.next);
     }
     sortMemories(state.contacts);
+    state.sides = coupling.sides;
 }
 
 } // namespace filasofia::engine

@@ -3,6 +3,8 @@
 #include "filasofia/engine/collision/find_proximities.h"
 #include "filasofia/engine/solve_island.h"
 
+#include <set>
+
 namespace filasofia::engine {
 
 /// A contact as it was found, beside its link.
@@ -18,8 +20,10 @@ struct Coupling {
     RigidPlan rigid; ///< how rigid elements move through the step
 
     std::vector<CollisionSurface> surfaces; ///< every body's, in the order of softBodies and rigidBodies
+    std::set<int> warnedGroups;             ///< of collision: the log has told that they are one body's alone
     ProximityScratch proximityScratch;
     std::vector<Proximity> proximities;
+    std::vector<SideKept> sides; ///< those of the next step
     std::vector<FoundContact> contacts;
     std::vector<Vec3> normals; ///< of a surface's triangles
     std::vector<Link> links;   ///< one per contact, then those of attachments

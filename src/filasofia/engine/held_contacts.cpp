@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 /// Where contacts and attachments meet.
 namespace filasofia::engine {
@@ -34,7 +35,7 @@ Vec3 placeOf(const BodyPoint& point, const State& state)
     return place;
 }
 
-void grasp(const PendingGrasp& wanted, Model& model, State& state, const Coupling& coupling,
+void grasp(const PendingGrasp& wanted, const Model& model, State& state, const Coupling& coupling,
            physics::StepReport& report)
 {
     Attachment attachment{wanted.id, wanted.target, wanted.rigid, {}, wanted.stiffness, wanted.breakForce};
@@ -52,7 +53,7 @@ void grasp(const PendingGrasp& wanted, Model& model, State& state, const Couplin
             {attachedPoint(target, place, state, coupling.rigid), attachedPoint(rigid, place, state, coupling.rigid)});
         forces.push_back(targetFirst ? contact.force : -contact.force);
     }
-    if (!attachment.pairs.empty()) return addAttachment(std::move(attachment), std::move(forces), model, state);
+    if (!attachment.pairs.empty()) return addAttachment(std::move(attachment), std::move(forces), state);
     report.set(physics::StepFlag::NothingAttached);
     logWarning("rigid body '", model.rigidBodies[findBody(model, wanted.rigid)->index].name,
                "': grasp.target: it does not touch body ", wanted.target.value, "; nothing is held");
@@ -98,17 +99,17 @@ bool holds(const HeldPair& grip, bool turned, const Link& link, const RigidPlan&
 
 } // namespace
 
-void graspContacts(Model& model, State& state, const Coupling& coupling, physics::StepReport& report)
+void graspContacts(const Model& model, State& state, const Coupling& coupling, physics::StepReport& report)
 {
-    for (const PendingGrasp& wanted : model.grasps) grasp(wanted, model, state, coupling, report);
-    model.grasps.clear();
+    for (const PendingGrasp& wanted : state.grasps) grasp(wanted, model, state, coupling, report);
+    state.grasps.clear();
 }
 
-void leaveToAttachments(const Model& model, Coupling& coupling)
+void leaveToAttachments(const State& state, Coupling& coupling)
 {
     if (coupling.contacts.empty()) return;
     std::vector<HeldPair> grips;
-    for (const Attachment& attachment : model.attachments)
+    for (const Attachment& attachment : state.attachments)
         if (attachment.to && attachment.stiffness == physics::kHard) grips.push_back(heldPairOf(attachment));
     std::size_t kept = 0;
     for (std::size_t c = 0; c < coupling.contacts.size(); ++c) {

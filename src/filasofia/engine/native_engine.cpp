@@ -6,6 +6,8 @@
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/physics_server.h"
 
+#include <utility>
+
 namespace filasofia::engine {
 
 std::unique_ptr<physics::PhysicsEngine> makeNativeEngine(const NativeEngineDef& def)

@@ -10,7 +10,6 @@ void planDynamic(const RigidModel& model, double dt, Vec3 gravity, const RigidSt
     const Pose& pose = state.poses[e];
     out.mass = body.mass;
     out.inertia = worldInertia(body.inertia, pose.orientation);
-    out.inverseInertia = worldInertia(inverse(body.inertia), pose.orientation);
     out.centre = transform(pose, body.centre);
     out.velocity = state.velocities[e];
     out.angularVelocity = state.angularVelocities[e];
@@ -51,6 +50,17 @@ bool moveDynamic(const physics::RigidInertia& body, double dt, const RigidPlanEl
 }
 
 } // namespace
+
+std::vector<std::size_t> firstElements(const Model& model)
+{
+    std::vector<std::size_t> first;
+    std::size_t count = 0;
+    for (const RigidModel& body : model.rigidBodies) {
+        first.push_back(count);
+        count += body.rest.size();
+    }
+    return first;
+}
 
 void planRigid(const Model& model, double dt, Vec3 gravity, const State& state, RigidPlan& plan)
 {

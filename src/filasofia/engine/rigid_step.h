@@ -7,20 +7,22 @@
 /// A step of the rigid bodies, in two halves between which contacts may change what the first has planned.
 namespace filasofia::engine {
 
-/// One element's step. Where it is not dynamic, mass and inertias are zero, and so is the change.
+/// One element's step. Where it is not dynamic, mass and inertia are zero, and so is the change.
 struct RigidPlanElement {
     std::size_t body = 0; ///< place in the model
     std::size_t element = 0;
     bool dynamic = false;
     double mass = 0.0;    ///< [kg]
     Mat3 inertia;         ///< [kg m^2] in world axes, at the start of the step
-    Mat3 inverseInertia;  ///< [1/(kg m^2)]
     Vec3 centre;          ///< [m] in the world, at the start: of mass; the element's origin where it has none
     Vec3 velocity;        ///< [m/s] of the centre: at the start; of one that is not dynamic, throughout the step
     Vec3 angularVelocity; ///< [rad/s] the same
     RigidChange change;   ///< the element moves through the step with velocity + change: contacts add theirs here
 };
 using RigidPlan = std::vector<RigidPlanElement>; ///< in the order of bodies and elements
+
+/// The place in the plan of each body's first element.
+std::vector<std::size_t> firstElements(const Model& model);
 
 /// What a step of dt [s] >= 0 would be without contacts. A jump of an element that goes where it is told has no
 /// velocity when it would be faster than kTeleport, or turn by more than kTeleportTurn.

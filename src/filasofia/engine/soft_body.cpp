@@ -1,16 +1,16 @@
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/engine/check_collision.h"
+#include "filasofia/engine/check_size.h"
 #include "filasofia/engine/soft_system.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
-
-void checkSize(const std::string& object, const char* list, std::size_t size, std::size_t expected)
-{
-    if (size != expected) fail(object, ": ", list, " must have ", expected, " entries, got ", size);
-}
 
 void checkFinite(const std::string& object, const char* list, const std::vector<Vec3>& values)
 {
@@ -79,7 +79,15 @@ void checkPins(const SoftModel& model, const std::string& object)
             fail(object, ": a pin's stiffness must be > 0 N/m, got ", pin.stiffness);
         if (!isFinite(pin.anchor)) fail(object, ": a pin's anchor must be finite");
     }
-    for (const PinGroup& group : model.pins.groups) checkNodes(object, group.nodes, model.rest.size());
+    for (std::size_t g = 0; g < model.pins.groups.size(); ++g) {
+        const PinGroup& group = model.pins.groups[g];
+        const std::string name = text(object, ": pins.groups[", g, "]");
+        checkNodes(name, group.nodes, model.rest.size());
+        if (std::ranges::adjacent_find(group.nodes, std::ranges::greater_equal{}) != group.nodes.end())
+            fail(name, ".nodes must ascend, each once");
+        if (!positiveOrInfinite().contains(group.stiffness))
+            fail(name, ".stiffness must be > 0 N/m, got ", group.stiffness);
+    }
 }
 
 } // namespace
@@ -116,6 +124,9 @@ void check(const SoftModel& model, const SoftState& state)
     checkSprings(model, object);
     checkPins(model, object);
     for (const geometry::Triangle& triangle : model.surface) checkNodes(object, triangle, n);
+    for (const geometry::Tetrahedron& each : model.tetrahedra) checkNodes(text(object, ": tetrahedra"), each, n);
+    if (!nonNegative().contains(model.friction)) fail(object, ": friction must be >= 0, got ", model.friction);
+    checkCollision(object, model);
     validate(model.rayleigh, object + ": rayleigh");
     std::visit([&](const auto& each) { validate(each, object + ": integrator"); }, model.integrator);
     std::visit([&](const auto& each) { validate(each, object + ": solver"); }, model.solver);

@@ -7,6 +7,7 @@
 #include "filasofia/engine/stages.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {

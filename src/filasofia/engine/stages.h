@@ -19,10 +19,10 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
 
 /// The same for attachments, after the contacts' links; first, what waits to be grasped is. Contacts that an attachment
 /// holds already go.
-void linkAttachments(double dt, Model& model, State& state, Coupling& coupling, physics::StepReport& report);
+void linkAttachments(double dt, const Model& model, State& state, Coupling& coupling, physics::StepReport& report);
 
 /// What attachments did in the step, and pins; those that had to bear too much go.
-void keepAttachments(double dt, const Coupling& coupling, const Systems& systems, Model& model, State& state);
+void keepAttachments(double dt, const Coupling& coupling, const Systems& systems, const Model& model, State& state);
 
 /// What the links did in the step: forces for everyone else, and where their next impulses start.
 void keepContacts(double dt, const Coupling& coupling, State& state, physics::StepReport& report);

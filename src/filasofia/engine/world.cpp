@@ -23,6 +23,66 @@ void add(Hasher& hash, const Pose& pose)
     add(hash, Vec3{pose.orientation.x, pose.orientation.y, pose.orientation.z});
 }
 
+// What a state does not have leaves its hash as it was.
+void addCount(Hasher& hash, std::size_t count)
+{
+    if (count > 0) hash.add(static_cast<std::uint64_t>(count));
+}
+
+void add(Hasher& hash, const SurfaceName& name)
+{
+    hash.add(std::uint64_t{name.body.value});
+    hash.add(static_cast<std::uint64_t>(name.model));
+}
+
+void addContacts(Hasher& hash, const State& state)
+{
+    addCount(hash, state.contacts.size());
+    for (const ContactMemory& contact : state.contacts) {
+        for (BodyId body : {contact.first, contact.second}) hash.add(std::uint64_t{body.value});
+        hash.add(contact.feature);
+        add(hash, contact.point);
+        add(hash, contact.force);
+    }
+    addCount(hash, state.sides.size());
+    for (const SideKept& kept : state.sides) {
+        add(hash, kept.source);
+        add(hash, kept.target);
+        for (int each : {kept.point, kept.feature[0], kept.feature[1], kept.feature[2], kept.side})
+            hash.add(static_cast<std::uint64_t>(each));
+    }
+}
+
+void add(Hasher& hash, const AttachedPoint& point)
+{
+    for (const NodeWeight& each : point.nodes) {
+        hash.add(static_cast<std::uint64_t>(each.node));
+        hash.add(each.weight);
+    }
+    hash.add(static_cast<std::uint64_t>(point.element));
+    add(hash, point.place);
+}
+
+void addAttachments(Hasher& hash, const State& state)
+{
+    addCount(hash, state.attachments.size());
+    for (const Attachment& each : state.attachments) {
+        for (std::uint32_t id : {each.id.value, each.body.value, each.to.value}) hash.add(std::uint64_t{id});
+        hash.add(each.stiffness);
+        hash.add(each.breakForce);
+        for (const auto& pair : each.pairs)
+            for (const AttachedPoint& point : pair) add(hash, point);
+    }
+    for (const std::vector<Vec3>& attachment : state.holding)
+        for (const Vec3& force : attachment) add(hash, force);
+    addCount(hash, state.grasps.size());
+    for (const PendingGrasp& each : state.grasps) {
+        for (std::uint32_t id : {each.id.value, each.rigid.value, each.target.value}) hash.add(std::uint64_t{id});
+        hash.add(each.stiffness);
+        hash.add(each.breakForce);
+    }
+}
+
 /// Times the stages of a step with the clock that the step was given.
 class StopWatch {
 public:
@@ -58,8 +118,6 @@ physics::StepReport World::step(const physics::StepInput& in)
     physics::StepReport report{.dt = in.dt, .flags = in.flags};
     StopWatch watch(in.budget);
     applyCommands(in.commands, period_, *this, model_, state_, systems_, report); // 1 what the outside asked for
-    for (const physics::Command& command : in.commands) // who was on which side of a sheet is no longer so
-        if (std::holds_alternative<physics::Reset>(command)) coupling_.proximityScratch.sides.clear();
     report.times.commands = watch.lap();
     findContacts(model_, in.dt, contact_, state_, coupling_, *pool_); // 2 who touches whom
     linkAttachments(in.dt, model_, state_, coupling_, report);        //   who holds whom
@@ -129,12 +187,8 @@ std::uint64_t World::hash() const
             add(hash, wrench.torque);
         }
     }
-    for (const ContactMemory& contact : state_.contacts) {
-        hash.add(contact.feature);
-        add(hash, contact.force);
-    }
-    for (const std::vector<Vec3>& attachment : state_.holding)
-        for (const Vec3& force : attachment) add(hash, force);
+    addContacts(hash, state_);
+    addAttachments(hash, state_);
     return hash.value();
 }
 

@@ -241,7 +241,7 @@ inline Answers answers(const Scene& scene, std::vector<Key>& closeCalls)
     const std::vector<CollisionSurface>& s = scene.surfaces;
     for (int i = 0; i < static_cast<int>(s.size()); ++i)
         for (int k = i + 1; k < static_cast<int>(s.size()); ++k) {
-            if (s[i].body == s[k].body || s[i].shape->group != s[k].shape->group) continue;
+            if (s[i].name.body == s[k].name.body || s[i].shape->group != s[k].shape->group) continue;
             meetPoints(s, {i, k}, 0, 1.5 * scene.dt, out);
             meetPoints(s, {i, k}, 1, 1.5 * scene.dt, out);
             meetEdges(s, {i, k}, 1.5 * scene.dt, out, closeCalls);

@@ -50,7 +50,7 @@ Scene randomScene(std::mt19937& random)
         const Pose pose{randomVector(random, 0.8), axisAngle(randomVector(random, 1.0), 3.0 * (coin(random) + 0.5))};
         const int at = scene.add(mesh, options, pose);
         for (Vec3& v : scene.surfaces[static_cast<std::size_t>(at)].v) v = randomVector(random, 2.0);
-        if (coin(random) == 0) scene.surfaces.back().body = 0; // the first one's
+        if (coin(random) == 0) scene.surfaces.back().name = {scene.surfaces.front().name.body, at};
     }
     return scene;
 }
@@ -99,7 +99,7 @@ TEST_CASE("what is found is what a search over all features finds, with the same
     CHECK(negativeEdges > 20);
 }
 
-TEST_CASE("the numbers of features are unique in a list, and the list is the same for 1, 2 and 8 threads")
+TEST_CASE("the numbers of features are unique among two surfaces' own, and the list is the same for 1, 2 and 8 threads")
 {
     std::mt19937 random(11);
     Scene scene;
@@ -109,8 +109,8 @@ TEST_CASE("the numbers of features are unique in a list, and the list is the sam
     }
     const std::vector<Proximity> one = scene.find(1);
     REQUIRE(one.size() > 500);
-    std::set<std::uint64_t> features;
-    for (const Proximity& p : one) REQUIRE(features.insert(p.feature).second);
+    std::set<std::pair<std::array<int, 2>, std::uint64_t>> features;
+    for (const Proximity& p : one) REQUIRE(features.insert({p.surfaces, p.feature}).second);
     for (const int threads : {2, 8}) {
         Scene again = scene;
         again.scratch = {};

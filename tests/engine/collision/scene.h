@@ -91,6 +91,7 @@ inline Vec3 randomVector(std::mt19937& random, double size)
 /// Surfaces, and what it takes to ask about them step by step.
 struct Scene {
     std::vector<CollisionSurface> surfaces;
+    std::vector<SideKept> sides;
     ProximityScratch scratch;
     std::vector<Proximity> found;
     double dt = 1e-3;
@@ -99,12 +100,12 @@ struct Scene {
             Vec3 velocity = {})
     {
         CollisionSurface surface;
-        surface.body = static_cast<int>(surfaces.size());
+        surface.name.body = {static_cast<std::uint32_t>(surfaces.size() + 1)};
         surface.shape = std::make_shared<const CollisionShape>(makeCollisionShape(mesh, options));
         for (const Vec3 p : mesh.vertices) surface.x.push_back(transform(pose, p));
         surface.v.assign(surface.x.size(), velocity);
         surfaces.push_back(std::move(surface));
-        return surfaces.back().body;
+        return static_cast<int>(surfaces.size()) - 1;
     }
     void move(int surface, Vec3 by)
     {
@@ -113,7 +114,7 @@ struct Scene {
     const std::vector<Proximity>& find(int threads = 1)
     {
         WorkerPool pool(threads);
-        findProximities(surfaces, dt, pool, scratch, found);
+        findProximities(surfaces, dt, pool, sides, scratch, found);
         return found;
     }
     /// Where a side of a proximity is.

@@ -97,18 +97,40 @@ TEST_CASE("a point goes around the rim of a sheet from one side to the other")
     CHECK(distance(scene.found[0].normal, {0, 0, 1}) < 1e-12);
 }
 
-TEST_CASE("a new shape of a sheet has no history, and a copied scratch has all of it")
+TEST_CASE("the sides are all of a sheet's history, and the buffers none")
 {
     Scene scene = pointOver(1e-4);
     scene.find();
     scene.move(1, {0, 0, -2e-4});
     Scene copy = scene;
-    copy.surfaces[0].shape = std::make_shared<const CollisionShape>(*scene.surfaces[0].shape);
+    copy.sides.clear();
     REQUIRE(copy.find().size() == 1);
     CHECK(copy.found[0].gap == Approx(1e-4));
     copy = scene;
+    copy.scratch = {};
     REQUIRE(copy.find().size() == 1);
     CHECK(copy.found[0].gap == Approx(-1e-4));
+}
+
+TEST_CASE("surfaces that come and go before a sheet and a point change neither their sides nor their numbers")
+{
+    Scene scene;
+    scene.add(boxMesh({1e-3, 1e-3, 1e-3}), kPlain, {{1, 0, 0}, {}});
+    const Scene over = pointOver(1e-4);
+    for (const CollisionSurface& each : over.surfaces) {
+        scene.surfaces.push_back(each);
+        scene.surfaces.back().name = {{each.name.body.value + 1}, 3};
+    }
+    REQUIRE(scene.find().size() == 1);
+    const std::uint64_t feature = scene.found[0].feature;
+    const std::vector<SideKept> sides = scene.sides;
+    REQUIRE(sides.size() == 1);
+    scene.surfaces.erase(scene.surfaces.begin());
+    scene.move(1, {0, 0, -2e-4});
+    REQUIRE(scene.find().size() == 1);
+    CHECK(scene.found[0].gap == Approx(-1e-4));
+    CHECK(scene.found[0].feature == feature);
+    CHECK(scene.sides == sides);
 }
 
 TEST_CASE("the arms of a folded sheet meet, and nothing of it meets its neighbours")

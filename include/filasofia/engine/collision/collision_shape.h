@@ -11,6 +11,9 @@
 /// Geometry only: forces are made of it elsewhere.
 namespace filasofia::engine {
 
+inline constexpr std::size_t kMostModels = std::size_t{1} << 11;   ///< of one body: pairs of features have numbers
+inline constexpr std::size_t kMostFeatures = std::size_t{1} << 21; ///< of one shape: the same
+
 /// How a surface is to be touched.
 struct CollisionOptions {
     bool points = true;                            ///< do its points take part

@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/collision/bounds.h"
 #include "filasofia/engine/collision/collision_shape.h"
+#include "filasofia/engine/collision/side_kept.h"
 
 #include <memory>
 #include <vector>
@@ -10,7 +11,7 @@ namespace filasofia::engine {
 
 /// A shape where it is now.
 struct CollisionSurface {
-    int body = 0; ///< surfaces of one body do not meet, but for one whose shape has `self` set: that one with itself
+    SurfaceName name; ///< surfaces of one body do not meet, but for one whose shape has `self` set: with itself
     std::shared_ptr<const CollisionShape> shape;
     std::vector<Vec3> x; ///< [m] vertices now; what has a vertex that is not finite or beyond 1e9 m is not found
     std::vector<Vec3> v; ///< [m/s] with which they will move in the coming step

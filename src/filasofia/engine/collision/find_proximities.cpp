@@ -5,19 +5,17 @@
 #include "filasofia/engine/collision/meeting.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
 
-constexpr double kStepsAhead = 1.5; // a step, and half of one for what the solve adds to the velocities
-constexpr int kPartSize = 64;       // pairs of elements: some 10 µs
-constexpr std::size_t kMostSurfaces = 1 << 11;
-constexpr std::size_t kMostFeatures = 1 << 21;
+constexpr int kPartSize = 64; // pairs of elements: some 10 µs
 
 bool mayMeet(const CollisionSurface& a, const CollisionSurface& b)
 {
     if (&a == &b) return a.shape->self;
-    return a.body != b.body && a.shape->group == b.shape->group && meet(a.whole, b.whole);
+    return a.name.body != b.name.body && a.shape->group == b.shape->group && meet(a.whole, b.whole);
 }
 
 // Boxes of vertices first: most surfaces are near none, and need no more.
@@ -136,31 +134,32 @@ void meetAll(const Meeting& meeting, WorkerPool& pool, ProximityScratch& scratch
 
 void checkSizes(const std::vector<CollisionSurface>& surfaces)
 {
-    FILASOFIA_ASSERT(surfaces.size() <= kMostSurfaces);
     for (const CollisionSurface& surface : surfaces) {
         FILASOFIA_ASSERT(surface.shape != nullptr);
         const CollisionShape& shape = *surface.shape;
+        FILASOFIA_ASSERT(surface.name.model >= 0 && static_cast<std::size_t>(surface.name.model) < kMostModels);
         FILASOFIA_ASSERT(shape.rest.size() + shape.edges.size() + shape.triangles.size() <= kMostFeatures);
     }
 }
 
 } // namespace
 
-void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool, ProximityScratch& scratch,
-                     std::vector<Proximity>& found)
+void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool, std::vector<SideKept>& sides,
+                     ProximityScratch& scratch, std::vector<Proximity>& found)
 {
     checkSizes(surfaces);
     found.clear();
     const double reach = kStepsAhead * dt;
     collectSurfacePairs(surfaces, reach, pool, scratch);
-    beginSides(surfaces, scratch);
+    scratch.nextSides.clear();
     for (const auto& [i, k] : scratch.surfacePairs) {
         const Meeting meeting{{&surfaces[i], &surfaces[k]}, {i, k}, reach};
         collectElementPairs(surfaces[i], surfaces[k], scratch);
         meetAll(meeting, pool, scratch);
-        keepMinima(meeting, scratch, found);
+        keepMinima(meeting, sides, scratch, found);
     }
-    endSides(scratch);
+    std::ranges::sort(scratch.nextSides);
+    std::swap(sides, scratch.nextSides);
 }
 
 } // namespace filasofia::engine

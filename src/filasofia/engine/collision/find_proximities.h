@@ -3,6 +3,7 @@
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/collision/collision_surface.h"
 #include "filasofia/engine/collision/proximity.h"
+#include "filasofia/engine/collision/side_kept.h"
 
 #include <array>
 #include <cstdint>
@@ -26,24 +27,12 @@ struct PointMinimum {
     bool kept = false;
 };
 
-/// On which side of a sheet a point was; of its own surface, whether it was outside.
-struct SideKept {
-    std::uint64_t key = 0;      ///< surfaces and point
-    std::array<int, 3> feature; ///< vertices of what was nearest; -1: unused
-    int side = 1;
-};
-
-/// What findProximities keeps from step to step: buffers, and the sides of sheets. A copy taken between two steps
-/// continues as the original does.
+/// Buffers of findProximities: nothing in them matters to the next step.
 struct ProximityScratch {
-    std::vector<SideKept> sides; ///< ascending
-
-    // Buffers.
     struct Part {
         std::vector<PointMinimum> points;
         std::vector<Proximity> edges;
     };
-    std::vector<std::shared_ptr<const CollisionShape>> shapes; ///< of the last step: numbers of an old one mean nothing
     std::vector<SideKept> nextSides;
     std::vector<std::array<int, 2>> surfacePairs;
     std::vector<char> wanted;
@@ -69,9 +58,12 @@ struct ProximityScratch {
 /// its own surface a point is inside only where it has been seen outside before. Without triangles in use no gap is
 /// negative.
 ///
-/// dt > 0 [s]. The same surfaces and scratch give the same list in the same order for any number of threads. At most
-/// 2048 surfaces of at most 2^21 vertices, edges and triangles each. Allocates nothing once its buffers have grown.
-void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool, ProximityScratch& scratch,
-                     std::vector<Proximity>& found);
+/// dt > 0 [s]. `sides`, ascending: what is known from the last step on; left behind: for the next one. Who gives a
+/// surface another shape takes out what is known of the old one. The same surfaces and sides give the same list in the
+/// same order for any number of threads. Allocates nothing once its buffers have grown.
+void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool, std::vector<SideKept>& sides,
+                     ProximityScratch& scratch, std::vector<Proximity>& found);
+
+inline constexpr double kStepsAhead = 1.5; ///< a step, and half of one for what the solve adds to the velocities
 
 } // namespace filasofia::engine

@@ -1,7 +1,9 @@
 #include "filasofia/engine/collision/keep_minima.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace filasofia::engine {
 namespace {
@@ -14,20 +16,14 @@ template <class Visit> void forEachMinimum(ProximityScratch& scratch, const Visi
         for (PointMinimum& minimum : part.points) visit(minimum);
 }
 
-std::uint64_t sideKey(const Meeting& meeting, const PointMinimum& minimum)
-{
-    // Source, target and point; the two surfaces of the key are the other way round for points of the second.
-    const int from = meeting.places[minimum.source], to = meeting.places[1 - minimum.source];
-    return std::uint64_t(from) << 42 | std::uint64_t(to) << 31 | std::uint64_t(minimum.point);
-}
-
 // The side on which the point was of this place or of one that shares a vertex with it; 0: it was not near.
-int sideBefore(const ProximityScratch& scratch, std::uint64_t key, const std::array<int, 3>& feature)
+int sideBefore(const std::vector<SideKept>& sides, const SideKept& now)
 {
-    const auto begin = std::ranges::lower_bound(scratch.sides, key, {}, &SideKept::key);
-    for (auto it = begin; it != scratch.sides.end() && it->key == key; ++it)
+    const auto key = [](const SideKept& kept) { return std::tie(kept.source, kept.target, kept.point); };
+    const auto before = [&](const SideKept& a, const SideKept& b) { return key(a) < key(b); };
+    for (auto it = std::ranges::lower_bound(sides, now, before); it != sides.end() && key(*it) == key(now); ++it)
         for (const int vertex : it->feature)
-            if (vertex >= 0 && std::ranges::find(feature, vertex) != feature.end()) return it->side;
+            if (vertex >= 0 && std::ranges::find(now.feature, vertex) != now.feature.end()) return it->side;
     return 0;
 }
 
@@ -54,11 +50,11 @@ bool keepOfSolid(PointMinimum& m, double nearest)
 }
 
 // Of a sheet, or of the point's own surface.
-bool keepOfSheet(const Meeting& meeting, ProximityScratch& scratch, PointMinimum& m)
+bool keepOfSheet(const Meeting& meeting, const std::vector<SideKept>& sides, ProximityScratch& scratch, PointMinimum& m)
 {
-    const std::uint64_t key = sideKey(meeting, m);
-    const std::array<int, 3>& feature = m.proximity.vertices[1 - m.source];
-    int side = sideBefore(scratch, key, feature);
+    SideKept now{meeting.sides[m.source]->name, meeting.sides[1 - m.source]->name, m.point,
+                 m.proximity.vertices[1 - m.source]};
+    int side = sideBefore(sides, now);
     if (side == 0) {
         if (!m.twoSided && m.proximity.gap < 0.0) return false; // the other wall of a thin place, not a fold
         side = m.proximity.gap < 0.0 ? -1 : 1;
@@ -69,7 +65,8 @@ bool keepOfSheet(const Meeting& meeting, ProximityScratch& scratch, PointMinimum
     }
     const double gap = m.proximity.gap;
     if (gap < 0.0 ? -gap > m.limit : !(gap < (side < 0 ? m.back : m.range) && m.facing)) return false;
-    scratch.nextSides.push_back({key, feature, side});
+    now.side = side;
+    scratch.nextSides.push_back(now);
     return true;
 }
 
@@ -86,30 +83,8 @@ bool secondary(const Meeting& meeting, const PointMinimum& m)
 
 } // namespace
 
-void beginSides(const std::vector<CollisionSurface>& surfaces, ProximityScratch& scratch)
-{
-    scratch.nextSides.clear();
-    const auto same = [&](std::uint64_t place) {
-        return place < surfaces.size() && place < scratch.shapes.size() &&
-               scratch.shapes[place] == surfaces[place].shape;
-    };
-    std::erase_if(scratch.sides,
-                  [&](const SideKept& kept) { return !same(kept.key >> 42) || !same(kept.key >> 31 & 0x7ff); });
-    scratch.shapes.resize(surfaces.size());
-    for (std::size_t i = 0; i < surfaces.size(); ++i)
-        if (scratch.shapes[i] != surfaces[i].shape) scratch.shapes[i] = surfaces[i].shape;
-}
-
-void endSides(ProximityScratch& scratch)
-{
-    const auto before = [](const SideKept& a, const SideKept& b) {
-        return a.key != b.key ? a.key < b.key : a.feature != b.feature ? a.feature < b.feature : a.side < b.side;
-    };
-    std::ranges::sort(scratch.nextSides, before);
-    std::swap(scratch.sides, scratch.nextSides);
-}
-
-void keepMinima(const Meeting& meeting, ProximityScratch& scratch, std::vector<Proximity>& found)
+void keepMinima(const Meeting& meeting, const std::vector<SideKept>& sides, ProximityScratch& scratch,
+                std::vector<Proximity>& found)
 {
     findNearest(scratch);
     scratch.vertexPairs.clear();
@@ -118,7 +93,7 @@ void keepMinima(const Meeting& meeting, ProximityScratch& scratch, std::vector<P
         const bool solid = target.closed && target.triangleFaces && !meeting.self();
         const bool sided = m.twoSided || (meeting.self() && target.closed && target.triangleFaces);
         m.kept = solid   ? keepOfSolid(m, scratch.nearest[m.source][m.point])
-                 : sided ? keepOfSheet(meeting, scratch, m)
+                 : sided ? keepOfSheet(meeting, sides, scratch, m)
                          : m.proximity.gap < m.range && m.facing;
         if (m.kept && m.vertexPair && !secondary(meeting, m)) scratch.vertexPairs.push_back(m.proximity.feature);
     });

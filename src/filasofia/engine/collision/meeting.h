@@ -17,11 +17,9 @@ struct Meeting {
     [[nodiscard]] double depths() const { return sides[0]->shape->depth + sides[1]->shape->depth; }
 };
 
-/// The number of a pair of features: 11 bits for each surface, 21 for each feature.
 inline std::uint64_t featureNumber(const Meeting& meeting, int first, int second)
 {
-    return std::uint64_t(meeting.places[0]) << 53 | std::uint64_t(meeting.places[1]) << 42 |
-           std::uint64_t(first) << 21 | std::uint64_t(second);
+    return featureNumber(FeaturePair{{meeting.sides[0]->name.model, meeting.sides[1]->name.model}, {first, second}});
 }
 
 /// Up to three vertices that make a place: a vertex, a place on an edge or in a face.
