@@ -1,0 +1,258 @@
+#include "filasofia/engine/rupture/blade.h"
+
+#include "filasofia/engine/rupture/tet_shape.h"
+#include "filasofia/geometry/box.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::engine {
+namespace {
+
+using geometry::Box;
+
+constexpr double kNoLength = 1e-9;   ///< [-] of the body's diagonal
+constexpr double kAlongBlade = 1e-9; ///< [-] beyond a segment's ends: neighbours overlap by that
+constexpr double kAlongEdge = 0.02;  ///< [-] beyond an edge's ends: nodes that are grazed are not missed
+constexpr double kClearWay = 0.02;   ///< [-] of the mean edge: from here on a single step tells the direction
+constexpr double kMemory = 0.1;      ///< [-] of the mean edge: the way over which the direction is averaged
+constexpr double kWithin = 0.02;     ///< [-] sine of the angle below which an edge lies within the surface
+constexpr int kHalvings = 40;        ///< of the time of a crossing
+constexpr int kRefreshSteps = 10;    ///< that the list of edges is good for, at the present speed
+
+double spanned(Vec3 a, Vec3 b, Vec3 q, Vec3 r) { return dot(cross(b - a, q - a), r - a); }
+Vec3 mix(Vec3 a, Vec3 b, double t) { return (1.0 - t) * a + t * b; }
+
+double travel(std::span<const BladeSegment> blade)
+{
+    double most = 0.0;
+    for (const BladeSegment& s : blade)
+        most = std::max({most, distance(s.from, s.fromBefore), distance(s.to, s.toBefore)});
+    return most;
+}
+
+/// The nearest points of two lines, as shares of p + s d and q + t e; false where they are parallel.
+bool closest(Vec3 p, Vec3 d, Vec3 q, Vec3 e, double& s, double& t)
+{
+    const Vec3 r = p - q;
+    const double a = dot(d, d), b = dot(d, e), c = dot(e, e), f = dot(d, r), g = dot(e, r), den = a * c - b * b;
+    if (!(den > 1e-12 * a * c)) return false;
+    s = (b * g - c * f) / den;
+    t = (a * g - b * f) / den;
+    return true;
+}
+
+double squaredSegmentDistance(Vec3 p, Vec3 d, Vec3 q, Vec3 e)
+{
+    const double a = dot(d, d), c = dot(e, e);
+    double s = 0.0, t = 0.0;
+    if (!closest(p, d, q, e, s, t)) s = 0.0;
+    s = std::clamp(s, 0.0, 1.0);
+    const auto nearestOn = [](double along, double squared) {
+        return squared > 0.0 ? std::clamp(along / squared, 0.0, 1.0) : 0.0;
+    };
+    t = nearestOn(dot(e, p + s * d - q), c);
+    s = nearestOn(dot(d, q + t * e - p), a);
+    t = nearestOn(dot(e, p + s * d - q), c);
+    return lengthSquared(p + s * d - q - t * e);
+}
+
+/// n_rest ~ F^T n over the edge's elements: how a surface looks in the tissue at rest.
+Vec3 normalAtRest(const MeshTopology& mesh, const std::vector<int>& star, Vec3 n)
+{
+    Vec3 sum;
+    for (int t : star) {
+        const std::array<Vec3, 4> p = cornersOf(mesh.tetrahedra[t], mesh.rest),
+                                  x = cornersOf(mesh.tetrahedra[t], mesh.current);
+        const Vec3 e1 = p[1] - p[0], e2 = p[2] - p[0], e3 = p[3] - p[0];
+        const double det = dot(e1, cross(e2, e3));
+        sum += (1.0 / det) * (dot(x[1] - x[0], n) * cross(e2, e3) + dot(x[2] - x[0], n) * cross(e3, e1) +
+                              dot(x[3] - x[0], n) * cross(e1, e2));
+    }
+    return normalized(sum);
+}
+
+/// One edge against one segment during one step.
+struct Meeting {
+    double t = 0.0; ///< [-] when
+    double s = 0.0; ///< [-] where on the edge
+    double u = 0.0; ///< [-] where on the segment
+};
+
+struct Sweep {
+    Vec3 a0, a1, b0, b1; ///< the edge before and after
+    Vec3 q0, q1, r0, r1; ///< the segment before and after
+
+    [[nodiscard]] double at(double t) const
+    {
+        return spanned(mix(a0, a1, t), mix(b0, b1, t), mix(q0, q1, t), mix(r0, r1, t));
+    }
+
+    std::optional<Meeting> meet(int parts) const
+    {
+        double low = 0.0, before = at(0.0);
+        for (int part = 1; part <= parts; ++part) {
+            const double high = part == parts ? 1.0 : static_cast<double>(part) / parts, now = at(high);
+            if ((before >= 0.0) != (now >= 0.0))
+                if (const auto found = meetWithin(low, high, before >= 0.0)) return found;
+            low = high;
+            before = now;
+        }
+        return std::nullopt;
+    }
+
+private:
+    [[nodiscard]] std::optional<Meeting> meetWithin(double low, double high, bool positive) const
+    {
+        for (int i = 0; i < kHalvings; ++i) {
+            const double middle = 0.5 * (low + high);
+            ((at(middle) >= 0.0) == positive ? low : high) = middle;
+        }
+        const double t = 0.5 * (low + high);
+        const Vec3 a = mix(a0, a1, t), q = mix(q0, q1, t);
+        Meeting m{t, 0.0, 0.0};
+        if (!closest(a, mix(b0, b1, t) - a, q, mix(r0, r1, t) - q, m.s, m.u)) return std::nullopt;
+        if (m.s < -kAlongEdge || m.s > 1.0 + kAlongEdge || m.u < -kAlongBlade || m.u > 1.0 + kAlongBlade)
+            return std::nullopt;
+        m.s = std::clamp(m.s, 0.0, 1.0);
+        return m;
+    }
+};
+
+} // namespace
+
+std::optional<RuptureRefusal> refusalOf(std::span<const BladeSegment> blade, double diagonal)
+{
+    double longest = 0.0;
+    for (const BladeSegment& s : blade) {
+        if (!isFinite(s.from) || !isFinite(s.to) || !isFinite(s.fromBefore) || !isFinite(s.toBefore))
+            return RuptureRefusal::BladeNotFinite;
+        longest = std::max(longest, std::min(distance(s.from, s.to), distance(s.fromBefore, s.toBefore)));
+    }
+    if (!(longest > kNoLength * diagonal)) return RuptureRefusal::BladeNoLength;
+    if (travel(blade) > diagonal) return RuptureRefusal::BladeJump;
+    return std::nullopt;
+}
+
+void CrossingFinder::refresh(const EditableMesh& mesh, std::span<const BladeSegment> blade, double motion)
+{
+    const MeshTopology& data = mesh.data();
+    const double h = mesh.meanEdge();
+    margin_ = std::clamp(kRefreshSteps * motion, 0.05 * h, std::max(0.5 * h, 1.05 * motion));
+    left_ = margin_;
+    nodes_ = mesh.nodes();
+    tetrahedra_ = mesh.tetrahedra();
+    Box around;
+    for (const BladeSegment& s : blade) around = merged(merged(around, s.from), s.to);
+
+    // Nodes that a near edge may end in, then their edges: an edge within the margin has an end within margin plus its
+    // length. Lengths are known at rest only: tissue stretched to more than twice its length may be missed.
+    edges_.clear();
+    for (int node = 0; node < mesh.nodes(); ++node) {
+        const Vec3 x = data.current[node];
+        const double radius = margin_ + mesh.reach(node);
+        if (squaredDistance(around, x) > radius * radius) continue;
+        const bool near = std::ranges::any_of(blade, [&](const BladeSegment& s) {
+            return squaredSegmentDistance(s.from, s.to - s.from, x, {}) <= radius * radius;
+        });
+        if (!near) continue;
+        for (int t : data.around[node])
+            for (int other : data.tetrahedra[t])
+                if (other != node) edges_.push_back({std::min(node, other), std::max(node, other)});
+    }
+    std::ranges::sort(edges_);
+    edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+    std::erase_if(edges_, [&](const Edge& e) {
+        const Vec3 a = data.current[e[0]], d = data.current[e[1]] - a;
+        return std::ranges::none_of(blade, [&](const BladeSegment& s) {
+            return squaredSegmentDistance(a, d, s.from, s.to - s.from) <= margin_ * margin_;
+        });
+    });
+}
+
+void CrossingFinder::addEdgesOfNewNodes(const EditableMesh& mesh)
+{
+    const MeshTopology& data = mesh.data();
+    const std::size_t old = edges_.size();
+    for (int node = nodes_; node < mesh.nodes(); ++node)
+        for (int t : data.around[node]) {
+            const geometry::Tetrahedron& n = data.tetrahedra[t];
+            for (auto [i, j] : geometry::kTetrahedronEdges)
+                edges_.push_back({std::min(n[i], n[j]), std::max(n[i], n[j])});
+        }
+    if (edges_.size() == old) return;
+    std::ranges::sort(edges_.begin() + static_cast<std::ptrdiff_t>(old), edges_.end());
+    std::inplace_merge(edges_.begin(), edges_.begin() + static_cast<std::ptrdiff_t>(old), edges_.end());
+    edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+    nodes_ = mesh.nodes();
+    tetrahedra_ = mesh.tetrahedra();
+}
+
+void CrossingFinder::learnDirections(const EditableMesh& mesh, std::span<const BladeSegment> blade)
+{
+    Vec3 tissue;
+    for (auto [a, b] : edges_)
+        tissue += 0.5 * (mesh.data().current[a] - mesh.data().previous[a] + mesh.data().current[b] -
+                         mesh.data().previous[b]);
+    if (!edges_.empty()) tissue = tissue / static_cast<double>(edges_.size());
+    if (directions_.size() != blade.size()) directions_.assign(blade.size(), {});
+    for (std::size_t i = 0; i < blade.size(); ++i) {
+        const BladeSegment& s = blade[i];
+        const Vec3 way = 0.5 * (s.from - s.fromBefore + s.to - s.toBefore) - tissue, along = normalized(s.to - s.from);
+        Vec3 across = way - dot(way, along) * along;
+        // A blade that saws goes both ways in one surface.
+        if (dot(across, directions_[i]) < 0.0) across = -across;
+        directions_[i] = std::exp(-length(across) / (kMemory * mesh.meanEdge())) * directions_[i] + across;
+    }
+}
+
+void CrossingFinder::find(const EditableMesh& mesh, std::span<const BladeSegment> blade,
+                          std::vector<Crossing>& crossings)
+{
+    const MeshTopology& data = mesh.data();
+    const double h = mesh.meanEdge(), motion = travel(blade) + mesh.lastMotion();
+    left_ -= motion;
+    if (!(left_ >= 0.0) || nodes_ != mesh.nodes() || tetrahedra_ != mesh.tetrahedra()) refresh(mesh, blade, motion);
+    learnDirections(mesh, blade);
+    const int parts = std::max(1, static_cast<int>(std::ceil(2.0 * motion / h)));
+    std::vector<Box> swept;
+    for (const BladeSegment& s : blade)
+        swept.push_back(grown(merged(merged(merged(merged(Box{}, s.from), s.to), s.fromBefore), s.toBefore), 1e-9 * h));
+    std::vector<int> star;
+    for (const Edge& edge : edges_) {
+        const Vec3 a0 = data.previous[edge[0]], a1 = data.current[edge[0]], b0 = data.previous[edge[1]],
+                   b1 = data.current[edge[1]];
+        const Box box = grown(merged(merged(merged(merged(Box{}, a0), a1), b0), b1), kAlongEdge * distance(a1, b1));
+        for (std::size_t i = 0; i < blade.size(); ++i) {
+            const BladeSegment& s = blade[i];
+            if (!overlap(box, swept[i])) continue;
+            const auto found = Sweep{a0, a1, b0, b1, s.fromBefore, s.from, s.toBefore, s.to}.meet(parts);
+            if (!found) continue;
+            edgeStar(data, edge[0], edge[1], star);
+            if (star.empty()) break; // an edge that is no more
+            const Vec3 along = mix(s.to, s.toBefore, 1.0 - found->t) - mix(s.from, s.fromBefore, 1.0 - found->t);
+            const Vec3 way = mix(s.from - s.fromBefore, s.to - s.toBefore, found->u) - mix(a1 - a0, b1 - b0, found->s);
+            Vec3 normal = cross(along, way);
+            if (length(normal) < kClearWay * h * length(along)) {
+                const Vec3 averaged = cross(along, directions_[i]);
+                if (length(averaged) > length(normal)) normal = averaged;
+            }
+            normal = normalized(normal);
+            const Vec3 e = mix(b0, b1, found->t) - mix(a0, a1, found->t);
+            if (std::abs(dot(normal, e)) < kWithin * length(e)) continue; // its ends are met by other edges
+            Crossing c{edge[0], edge[1], found->s, {}, normalAtRest(data, star, normal), 0.0};
+            const Vec3 pa = data.rest[c.a], pb = data.rest[c.b];
+            c.point = mix(pa, pb, c.s);
+            c.length = distance(pa, pb);
+            if (c.normal == Vec3{}) continue;
+            if (dot(c.normal, pb - pa) < 0.0) {
+                std::swap(c.a, c.b);
+                c.s = 1.0 - c.s;
+            }
+            crossings.push_back(c);
+            break;
+        }
+    }
+}
+
+} // namespace filasofia::engine

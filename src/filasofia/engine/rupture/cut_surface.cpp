@@ -1,0 +1,302 @@
+#include "filasofia/engine/rupture/cut_surface.h"
+
+#include "filasofia/engine/rupture/tet_shape.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+using geometry::Tetrahedron;
+
+/// How near in place and direction things are of one sheet. Shares are of an edge's length.
+constexpr double kSamePlace = 0.3, kSameDirection = 0.5; ///< a crossing at a node that is on the sheet already
+constexpr double kAlignPlace = 0.4;                      ///< a new label and its neighbour's plane
+constexpr double kMemberDirection = 0.3, kMemberPlace = 0.5, kMemberMargin = 0.1; ///< a node in an element's sheet
+
+class SheetCut {
+public:
+    SheetCut(EditableMesh& mesh, int sheet, const CutParameters& parameters, RuptureReport& report)
+        : mesh_(mesh), data_(mesh.data()), sheet_(sheet), parameters_(parameters), report_(report)
+    {
+    }
+
+    void cut(std::vector<Crossing>& crossings)
+    {
+        // Long edges first: bisecting them leaves the best elements. Ties by node: one order on every machine.
+        std::ranges::sort(crossings, [](const Crossing& x, const Crossing& y) {
+            if (x.length != y.length) return x.length > y.length;
+            return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+        });
+        snap(crossings);
+        bisect(crossings);
+        std::vector<int> candidates = flagFaces();
+        keepFlakes(candidates);
+        openFaces(mesh_, openingLimits(parameters_, mesh_.meanEdge()), std::move(candidates), report_);
+    }
+
+private:
+    [[nodiscard]] bool zero(int node) const { return data_.labels[node].sheet == sheet_; }
+
+    [[nodiscard]] bool onSheet(int node, const Crossing& c) const
+    {
+        const CutLabel& label = data_.labels[node];
+        return zero(node) && std::abs(dot(label.normal, c.point - label.point)) <= kSamePlace * c.length &&
+               std::abs(dot(label.normal, c.normal)) > kSameDirection;
+    }
+
+    [[nodiscard]] bool alive(const Crossing& c)
+    {
+        edgeStar(data_, c.a, c.b, star_);
+        return !star_.empty();
+    }
+
+    void label(int node, Vec3 point, Vec3 normal)
+    {
+        // Which way is up is told by the newest neighbour on the same sheet.
+        int guide = -1;
+        for (int t : data_.around[node])
+            for (int n : data_.tetrahedra[t]) {
+                const CutLabel& l = data_.labels[n];
+                if (n == node || !zero(n) || std::abs(dot(l.normal, normal)) <= kSameDirection ||
+                    (guide >= 0 && l.sequence <= data_.labels[guide].sequence) ||
+                    std::abs(dot(normal, l.point - point)) > kAlignPlace * distance(data_.rest[n], data_.rest[node]))
+                    continue;
+                guide = n;
+            }
+        if (guide >= 0 && dot(data_.labels[guide].normal, normal) < 0.0) normal = -normal;
+        mesh_.setLabel(node, {sheet_, mesh_.nextSequence(), point, normal});
+        fresh_.push_back(node);
+    }
+
+    void snap(std::vector<Crossing>& crossings)
+    {
+        std::vector<std::pair<double, int>> order;
+        for (int i = 0; i < static_cast<int>(crossings.size()); ++i)
+            if (const double e = std::min(crossings[i].s, 1.0 - crossings[i].s); e < parameters_.snap)
+                order.emplace_back(e, i);
+        std::ranges::sort(order); // the closest first
+        for (auto [e, i] : order) {
+            const Crossing& c = crossings[i];
+            if (onSheet(c.a, c) || onSheet(c.b, c)) continue;
+            if (!alive(c)) {
+                ++report_.refused[static_cast<int>(RuptureRefusal::EdgeGone)];
+                continue;
+            }
+            const bool first = c.s < 0.5;
+            const int node = first ? c.a : c.b, toward = first ? c.b : c.a;
+            label(node, c.point, c.normal);
+            ++report_.snapped;
+            if (parameters_.moveNodes && e > 1e-9 && slide(node, toward, e)) relabel(node);
+        }
+        std::erase_if(crossings,
+                      [&](const Crossing& c) { return std::min(c.s, 1.0 - c.s) < parameters_.snap; });
+    }
+
+    void relabel(int node)
+    {
+        CutLabel l = data_.labels[node];
+        l.point = data_.rest[node];
+        mesh_.setLabel(node, l);
+    }
+
+    /// Slides the node as far as its elements allow; whether it arrived.
+    bool slide(int node, int toward, double s)
+    {
+        const bool boundary = onBoundary(data_, node);
+        if (boundary && !onBoundary(data_, node, toward)) return false;
+        double before = 1.0, volume = 0.0;
+        for (int t : data_.around[node]) {
+            before = std::min(before, restQuality(data_, t));
+            volume += restVolume(data_, t);
+        }
+        const double least = std::min(before, std::max(parameters_.minQuality, 0.5 * before));
+        for (double share : {1.0, 0.5, 0.25}) {
+            const double way = share * s;
+            const double after = volumeAfter(node, toward, way, least);
+            if (std::isnan(after)) continue;
+            const double change = std::abs(after - volume), whole = mesh_.startVolume();
+            if (boundary && (change > parameters_.slideVolume * whole ||
+                             change + mesh_.volumeMoved() > parameters_.slideVolumes * whole))
+                continue;
+            if (boundary) mesh_.addVolumeMoved(change);
+            mesh_.slide(node, toward, way);
+            ++report_.moves;
+            return share == 1.0;
+        }
+        return false;
+    }
+
+    /// [m^3] of the elements around the node, had it slid; NaN where one of them would suffer.
+    [[nodiscard]] double volumeAfter(int node, int toward, double s, double least) const
+    {
+        const Vec3 rest = (1.0 - s) * data_.rest[node] + s * data_.rest[toward];
+        const Vec3 current = (1.0 - s) * data_.current[node] + s * data_.current[toward];
+        double sum = 0.0;
+        for (int t : data_.around[node]) {
+            const Tetrahedron& n = data_.tetrahedra[t];
+            const int at = placeOf(n, node);
+            std::array<Vec3, 4> p = cornersOf(n, data_.rest), x = cornersOf(n, data_.current);
+            p[at] = rest;
+            x[at] = current;
+            const double volume = volumeOf(p);
+            if (tetQuality(p) < least || volumeOf(x) < parameters_.leastVolume * volume) return std::nan("");
+            sum += volume;
+        }
+        return sum;
+    }
+
+    void bisect(std::vector<Crossing>& crossings)
+    {
+        const int most = mesh_.tetrahedra() + parameters_.maxNewTetrahedra;
+        const double shortest = parameters_.shortestEdge * mesh_.meanEdge();
+        std::size_t done = 0;
+        for (; done < crossings.size() && mesh_.tetrahedra() < most; ++done) {
+            const Crossing& c = crossings[done];
+            if (onSheet(c.a, c) || onSheet(c.b, c)) continue;
+            if (!alive(c)) {
+                ++report_.refused[static_cast<int>(RuptureRefusal::EdgeGone)];
+                continue;
+            }
+            const bool longEnough = distance(data_.rest[c.a], data_.rest[c.b]) >= shortest;
+            const auto good = [&](double s) {
+                return mesh_.qualityAfterBisecting(c.a, c.b, s, star_) >= parameters_.minQuality;
+            };
+            const double inwards = 0.5 * (c.s + 0.5);
+            if (longEnough && (good(c.s) || good(inwards))) {
+                const int node = mesh_.bisect(c.a, c.b, good(c.s) ? c.s : inwards);
+                label(node, data_.rest[node], c.normal);
+                ++report_.bisections;
+            } else {
+                label(c.s < 0.5 ? c.a : c.b, c.point, c.normal);
+                ++report_.snappedGuard;
+            }
+        }
+        crossings.erase(crossings.begin(), crossings.begin() + static_cast<std::ptrdiff_t>(done));
+    }
+
+    /// Which corners lie on the sheet as the newest of them sees it: other parts of a curled sheet may be near.
+    [[nodiscard]] unsigned members(int t) const
+    {
+        const Tetrahedron& n = data_.tetrahedra[t];
+        int newest = -1;
+        for (int k : n)
+            if (zero(k) && (newest < 0 || data_.labels[k].sequence > data_.labels[newest].sequence)) newest = k;
+        if (newest < 0) return 0;
+        const CutLabel& guide = data_.labels[newest];
+        unsigned mask = 0;
+        for (int i = 0; i < 4; ++i) {
+            const CutLabel& l = data_.labels[n[i]];
+            if (!zero(n[i])) continue;
+            if (n[i] == newest ||
+                (dot(l.normal, guide.normal) > kMemberDirection &&
+                 std::abs(dot(guide.normal, l.point - guide.point)) <=
+                     kMemberPlace * distance(data_.rest[n[i]], data_.rest[newest]) + kMemberMargin * mesh_.meanEdge()))
+                mask |= 1u << static_cast<unsigned>(i);
+        }
+        return mask;
+    }
+
+    /// +1 above the sheet, -1 below, 0 where the element does not lie along it. Decided once, then kept.
+    int sideOf(int t, unsigned mask)
+    {
+        const int count = std::popcount(mask);
+        if (count < 3) return 0;
+        if (data_.sides[t] / 2 == sheet_) return (data_.sides[t] & 1) != 0 ? 1 : -1;
+        const Tetrahedron& n = data_.tetrahedra[t];
+        const auto height = [&](Vec3 p) {
+            double sum = 0.0;
+            for (int i = 0; i < 4; ++i)
+                if ((mask >> i & 1u) != 0) sum += dot(data_.labels[n[i]].normal, p - data_.labels[n[i]].point);
+            return sum / count;
+        };
+        double h = 0.0;
+        for (int i = 0; i < 4; ++i)
+            if ((mask >> i & 1u) == 0) h = height(data_.rest[n[i]]);
+        if (std::abs(h) < 1e-7 * std::cbrt(6.0 * restVolume(data_, t))) {
+            const std::array<Vec3, 4> p = cornersOf(n, data_.rest);
+            h = height(0.25 * (p[0] + p[1] + p[2] + p[3]));
+        }
+        mesh_.setSide(t, 2 * sheet_ + (h >= 0.0 ? 1 : 0));
+        return h >= 0.0 ? 1 : -1;
+    }
+
+    /// The candidates for opening: all nodes of flagged faces at labels of this step.
+    std::vector<int> flagFaces()
+    {
+        std::vector<int> candidates, near;
+        for (int node : fresh_) near.insert(near.end(), data_.around[node].begin(), data_.around[node].end());
+        std::ranges::sort(near);
+        near.erase(std::unique(near.begin(), near.end()), near.end());
+        for (int t : near) {
+            const unsigned mask = members(t);
+            const int side = sideOf(t, mask);
+            for (int f = 0; f < 4 && side != 0; ++f) {
+                const int other = data_.neighbours[t][f];
+                const unsigned face = 0xfu & ~(1u << static_cast<unsigned>(f));
+                if (other < 0 || (data_.flagged[t] >> f & 1) != 0 || (mask & face) != face) continue;
+                const unsigned otherMask = members(other);
+                const int otherSide = sideOf(other, otherMask);
+                if (otherSide == 0 || otherSide == side) continue;
+                const std::array<int, 3> n = faceNodes(data_.tetrahedra[t], f);
+                if (!std::ranges::all_of(
+                        n, [&](int k) { return (otherMask >> placeOf(data_.tetrahedra[other], k) & 1u) != 0; }))
+                    continue;
+                mesh_.setFlagged(t, f, true);
+                ++report_.flagged;
+                candidates.insert(candidates.end(), n.begin(), n.end());
+            }
+        }
+        for (int node : fresh_)
+            for (int t : data_.around[node])
+                if ((data_.flagged[t] & ~(1 << placeOf(data_.tetrahedra[t], node))) != 0) {
+                    candidates.push_back(node);
+                    break;
+                }
+        return candidates;
+    }
+
+    /// An element that would come loose by itself goes to the other side instead.
+    void keepFlakes(const std::vector<int>& candidates)
+    {
+        if (candidates.empty()) return;
+        for (int node : fresh_)
+            for (int t : data_.around[node]) {
+                if (data_.flagged[t] == 0) continue;
+                unsigned inside = 0;
+                for (int f = 0; f < 4; ++f)
+                    if (data_.neighbours[t][f] >= 0) inside |= 1u << static_cast<unsigned>(f);
+                if (data_.flagged[t] != inside) continue;
+                for (int f = 0; f < 4; ++f) mesh_.setFlagged(t, f, false);
+                mesh_.setSide(t, data_.sides[t] ^ 1);
+                ++report_.flakes;
+            }
+    }
+
+    EditableMesh& mesh_;
+    const MeshTopology& data_;
+    int sheet_;
+    const CutParameters& parameters_;
+    RuptureReport& report_;
+    std::vector<int> fresh_; ///< nodes labelled in this step, in their order
+    std::vector<int> star_;
+};
+
+} // namespace
+
+OpeningLimits openingLimits(const CutParameters& parameters, double meanEdge)
+{
+    return {.minQuality = parameters.minQuality, .shortestEdge = parameters.shortestEdge * meanEdge};
+}
+
+void cutCrossings(EditableMesh& mesh, int sheet, const CutParameters& parameters, std::vector<Crossing>& crossings,
+                  RuptureReport& report)
+{
+    if (crossings.empty()) return;
+    SheetCut(mesh, sheet, parameters, report).cut(crossings);
+}
+
+} // namespace filasofia::engine

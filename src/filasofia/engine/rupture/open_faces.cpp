@@ -1,0 +1,366 @@
+#include "filasofia/engine/rupture/open_faces.h"
+
+#include "filasofia/engine/rupture/tet_shape.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+using Edge = std::array<int, 2>;
+
+/// Rounds of repair after which the gentler ways are given up, one after another.
+constexpr int kBisectRounds = 20, kFlipRounds = 25, kLoopRounds = 30;
+
+template <class T> void makeUnique(std::vector<T>& list)
+{
+    std::ranges::sort(list);
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+bool has(std::uint8_t mask, int face) { return (mask >> face & 1) != 0; }
+
+/// What is wrong after the splits, in the nodes of before.
+struct BadVertex {
+    int node;
+    std::vector<int> loop; ///< the other nodes of the loop that the cut closes around; empty: there is none
+    std::vector<int> cone; ///< what is inside it, where that is few elements at a node of their own
+};
+
+class Opening {
+public:
+    Opening(EditableMesh& mesh, const OpeningLimits& limits, RuptureReport& report)
+        : mesh_(mesh), data_(mesh.data()), limits_(limits), report_(report)
+    {
+    }
+
+    void open(std::vector<int> candidates)
+    {
+        ++report_.edits;
+        candidates_ = std::move(candidates);
+        makeUnique(candidates_);
+        retryDeferred();
+        for (int round = 0;; ++round) {
+            for (int node : candidates_) mesh_.split(node);
+            findFaults();
+            if (badEdges_.empty() && badVertices_.empty()) break;
+            if (round == 0) ++report_.repairedEdits;
+            ++report_.repairRounds;
+            mesh_.rollBack();
+            if (round >= limits_.rounds) {
+                giveUp();
+                return;
+            }
+            for (const Edge& edge : badEdges_) repair(edge, round);
+            if (round < kFlipRounds) flipCones();
+            for (const BadVertex& bad : badVertices_)
+                if (bad.cone.empty() || round >= kFlipRounds) retract(bad, round);
+            makeUnique(candidates_);
+        }
+        tell();
+        mesh_.commit();
+    }
+
+private:
+    void addNodesOf(int t, int face)
+    {
+        for (int k = 0; k < 4; ++k)
+            if (k != face) candidates_.push_back(data_.tetrahedra[t][k]);
+    }
+
+    void defer(int t, int face)
+    {
+        mesh_.setFlagged(t, face, false);
+        mesh_.setDeferred(t, face, true);
+        ++report_.repairDeferred;
+    }
+
+    void retryDeferred()
+    {
+        const std::size_t count = candidates_.size();
+        for (std::size_t i = 0; i < count; ++i)
+            for (int t : data_.around[candidates_[i]])
+                for (int f = 0; f < 4 && data_.deferred[t] != 0; ++f) {
+                    if (!has(data_.deferred[t], f)) continue;
+                    mesh_.setDeferred(t, f, false);
+                    mesh_.setFlagged(t, f, true);
+                    addNodesOf(t, f);
+                }
+        makeUnique(candidates_);
+    }
+
+    void findFaults()
+    {
+        badEdges_.clear();
+        badVertices_.clear();
+        edges_.clear();
+        vertices_.clear();
+        openedSides_.clear();
+        for (const EditableMesh::OpenedFace& face : mesh_.openedFaces())
+            for (auto [t, f] : {std::pair(face.tetrahedron, face.face), std::pair(face.other, face.otherFace)}) {
+                openedSides_.push_back({t, f});
+                const std::array<int, 3> n = faceNodes(data_.tetrahedra[t], f);
+                for (int k = 0; k < 3; ++k) {
+                    vertices_.push_back(n[k]);
+                    const int a = n[k], b = n[(k + 1) % 3];
+                    edges_.push_back({std::min(a, b), std::max(a, b)});
+                }
+            }
+        makeUnique(openedSides_);
+        makeUnique(edges_);
+        makeUnique(vertices_);
+        for (const Edge& e : edges_)
+            if (!isOneFan(data_, e[0], e[1])) {
+                const int a = mesh_.originOf(e[0]), b = mesh_.originOf(e[1]);
+                badEdges_.push_back({std::min(a, b), std::max(a, b)});
+            }
+        makeUnique(badEdges_);
+        // Loops mean something once every edge is in order.
+        if (!badEdges_.empty()) return;
+        for (int v : vertices_) {
+            const std::vector<FaceLoop> loops = boundaryLoops(data_, v);
+            if (loops.size() > 1) badVertices_.push_back(describe(v, loops));
+        }
+    }
+
+    /// The smallest loop that this transaction alone made, and what lies inside it.
+    [[nodiscard]] BadVertex describe(int v, const std::vector<FaceLoop>& loops) const
+    {
+        BadVertex bad{mesh_.originOf(v), {}, {}};
+        const FaceLoop* best = nullptr;
+        for (const FaceLoop& loop : loops) {
+            const bool pure = std::ranges::all_of(
+                loop, [&](const auto& side) { return std::ranges::binary_search(openedSides_, side); });
+            if (pure && (!best || loop.size() < best->size())) best = &loop;
+        }
+        if (!best) return bad;
+        for (auto [t, f] : *best)
+            for (int n : faceNodes(data_.tetrahedra[t], f))
+                if (n != v) bad.loop.push_back(mesh_.originOf(n));
+        makeUnique(bad.loop);
+        // The node across all faces of the loop: where it is one, its elements are the cone.
+        int tip = -1;
+        for (auto [t, f] : *best) {
+            const int other = acrossOpened(t, f);
+            int there = -1;
+            for (int n : data_.tetrahedra[other])
+                if (mesh_.originOf(n) == bad.node) there = n;
+            if (tip >= 0 && there != tip) return bad;
+            tip = there;
+        }
+        if (tip >= 0 && tip != v && static_cast<int>(data_.around[tip].size()) <= limits_.cone &&
+            boundaryLoops(data_, tip).size() == 1)
+            bad.cone = data_.around[tip];
+        return bad;
+    }
+
+    [[nodiscard]] int acrossOpened(int t, int f) const
+    {
+        for (const EditableMesh::OpenedFace& face : mesh_.openedFaces()) {
+            if (face.tetrahedron == t && face.face == f) return face.other;
+            if (face.other == t && face.otherFace == f) return face.tetrahedron;
+        }
+        return -1;
+    }
+
+    /// A slit that ends in one edge pinches it: a node in its middle lets it open there, otherwise it stays closed.
+    void repair(const Edge& edge, int round)
+    {
+        const auto [a, b] = edge;
+        edgeStar(data_, a, b, star_);
+        const double l = distance(data_.rest[a], data_.rest[b]);
+        if (limits_.bisect && round < kBisectRounds && l > limits_.shortestEdge &&
+            mesh_.qualityAfterBisecting(a, b, 0.5, star_) >= limits_.minQuality) {
+            const CutLabel &la = data_.labels[a], &lb = data_.labels[b];
+            CutLabel label;
+            if (la.sheet != 0 && lb.sheet != 0)
+                label = {std::min(la.sheet, lb.sheet), std::max(la.sequence, lb.sequence),
+                         0.5 * (la.point + lb.point), normalized(la.normal + lb.normal)};
+            const int middle = mesh_.bisect(a, b, 0.5);
+            mesh_.setLabel(middle, label);
+            candidates_.push_back(middle);
+            ++report_.repairBisections;
+            return;
+        }
+        for (int t : star_)
+            for (int f = 0; f < 4; ++f)
+                if (has(data_.flagged[t], f) && data_.tetrahedra[t][f] != a && data_.tetrahedra[t][f] != b) defer(t, f);
+    }
+
+    void flipCones()
+    {
+        flipping_.clear();
+        for (const BadVertex& bad : badVertices_) {
+            const bool apart = std::ranges::none_of(
+                bad.cone, [&](int t) { return std::ranges::find(flipping_, t) != flipping_.end(); });
+            if (bad.cone.empty() || !apart) continue;
+            ++report_.repairFlips;
+            flipping_.insert(flipping_.end(), bad.cone.begin(), bad.cone.end());
+        }
+        std::ranges::sort(flipping_);
+        for (int t : flipping_) {
+            if (data_.sides[t] != 0) mesh_.setSide(t, data_.sides[t] ^ 1);
+            for (int f = 0; f < 4; ++f) {
+                const int other = data_.neighbours[t][f];
+                if (other < 0 || std::ranges::binary_search(flipping_, other)) continue;
+                mesh_.setFlagged(t, f, !has(data_.flagged[t], f));
+                addNodesOf(t, f);
+            }
+        }
+    }
+
+    /// Two loops touch in a node: one of them stays closed there, or all.
+    void retract(const BadVertex& bad, int round)
+    {
+        const auto deferAt = [&](bool loopOnly) {
+            bool any = false;
+            for (int t : data_.around[bad.node])
+                for (int f = 0; f < 4; ++f) {
+                    if (!has(data_.flagged[t], f) || data_.tetrahedra[t][f] == bad.node) continue;
+                    const auto n = faceNodes(data_.tetrahedra[t], f);
+                    const auto inLoop = std::ranges::count_if(
+                        n, [&](int k) { return k != bad.node && std::ranges::binary_search(bad.loop, k); });
+                    if (loopOnly && inLoop < 2) continue;
+                    defer(t, f);
+                    any = true;
+                }
+            return any;
+        };
+        if (bad.loop.empty() || round >= kLoopRounds || !deferAt(true)) deferAt(false);
+    }
+
+    void giveUp()
+    {
+        ++report_.givenUp;
+        for (int node : candidates_)
+            for (int t : data_.around[node])
+                for (int f = 0; f < 4; ++f)
+                    if (data_.tetrahedra[t][f] != node) mesh_.setFlagged(t, f, false);
+    }
+
+    void tell()
+    {
+        report_.openedFaces += static_cast<long>(mesh_.openedFaces().size());
+        report_.copies += static_cast<long>(mesh_.copies().size());
+        for (const EditableMesh::OpenedFace& face : mesh_.openedFaces()) {
+            const auto [a, b, c] = faceNodes(data_.tetrahedra[face.tetrahedron], face.face);
+            const auto& x = data_.rest;
+            const double area = 0.5 * length(cross(x[b] - x[a], x[c] - x[a]));
+            report_.openedArea += area;
+            report_.openedMoment += (area / 3.0) * (data_.current[a] + data_.current[b] + data_.current[c]);
+        }
+    }
+
+    EditableMesh& mesh_;
+    const MeshTopology& data_;
+    const OpeningLimits& limits_;
+    RuptureReport& report_;
+    std::vector<int> candidates_, vertices_, star_, flipping_;
+    std::vector<Edge> edges_, badEdges_;
+    std::vector<std::array<int, 2>> openedSides_;
+    std::vector<BadVertex> badVertices_;
+};
+
+} // namespace
+
+RuptureReport& RuptureReport::operator+=(const RuptureReport& b)
+{
+    for (int i = 0; i < kRuptureRefusals; ++i) refused[i] += b.refused[i];
+    for (long RuptureReport::*sum :
+         {&RuptureReport::crossings, &RuptureReport::snapped, &RuptureReport::snappedGuard, &RuptureReport::moves,
+          &RuptureReport::bisections, &RuptureReport::pending, &RuptureReport::flagged, &RuptureReport::edits,
+          &RuptureReport::repairedEdits, &RuptureReport::repairRounds, &RuptureReport::repairBisections,
+          &RuptureReport::repairFlips, &RuptureReport::repairDeferred, &RuptureReport::flakes, &RuptureReport::givenUp,
+          &RuptureReport::openedFaces, &RuptureReport::copies})
+        this->*sum += b.*sum;
+    openedArea += b.openedArea;
+    openedMoment += b.openedMoment;
+    return *this;
+}
+
+std::vector<FaceLoop> boundaryLoops(const MeshTopology& mesh, int node)
+{
+    struct Face {
+        std::array<int, 2> side;
+        Edge link; ///< its two other nodes
+        int loop;
+    };
+    std::vector<Face> faces;
+    for (int t : mesh.around[node])
+        for (int f = 0; f < 4; ++f) {
+            if (mesh.neighbours[t][f] >= 0 || mesh.tetrahedra[t][f] == node) continue;
+            Edge link{};
+            int count = 0;
+            for (int n : faceNodes(mesh.tetrahedra[t], f))
+                if (n != node) link[count++] = n;
+            faces.push_back({{t, f}, link, -1});
+        }
+    std::vector<FaceLoop> loops;
+    std::vector<int> stack;
+    for (int first = 0; first < static_cast<int>(faces.size()); ++first) {
+        if (faces[first].loop >= 0) continue;
+        const int loop = static_cast<int>(loops.size());
+        loops.emplace_back();
+        faces[first].loop = loop;
+        stack = {first};
+        while (!stack.empty()) {
+            const Face at = faces[stack.back()];
+            stack.pop_back();
+            loops[loop].push_back(at.side);
+            for (int i = 0; i < static_cast<int>(faces.size()); ++i) {
+                const Edge& l = faces[i].link;
+                if (faces[i].loop >= 0 || (l[0] != at.link[0] && l[0] != at.link[1] && l[1] != at.link[0] &&
+                                           l[1] != at.link[1]))
+                    continue;
+                faces[i].loop = loop;
+                stack.push_back(i);
+            }
+        }
+    }
+    return loops;
+}
+
+bool isOneFan(const MeshTopology& mesh, int a, int b)
+{
+    std::vector<int> star;
+    edgeStar(mesh, a, b, star);
+    if (star.size() <= 1) return true;
+    std::vector<char> seen(star.size(), 0);
+    std::vector<int> stack{0};
+    seen[0] = 1;
+    std::size_t count = 1;
+    while (!stack.empty()) {
+        const int t = star[stack.back()];
+        stack.pop_back();
+        for (int f = 0; f < 4; ++f) {
+            const int corner = mesh.tetrahedra[t][f], other = mesh.neighbours[t][f];
+            if (corner == a || corner == b || other < 0) continue;
+            const auto at = std::ranges::find(star, other);
+            if (at == star.end() || seen[at - star.begin()]) continue;
+            seen[at - star.begin()] = 1;
+            ++count;
+            stack.push_back(static_cast<int>(at - star.begin()));
+        }
+    }
+    return count == star.size();
+}
+
+void openFaces(EditableMesh& mesh, const OpeningLimits& limits, std::vector<int> candidates, RuptureReport& report)
+{
+    if (candidates.empty()) return;
+    Opening(mesh, limits, report).open(std::move(candidates));
+}
+
+void openAll(EditableMesh& mesh, const OpeningLimits& limits, RuptureReport& report)
+{
+    const MeshTopology& data = mesh.data();
+    std::vector<int> candidates;
+    for (int t = 0; t < mesh.tetrahedra(); ++t)
+        for (int f = 0; f < 4; ++f)
+            if (has(static_cast<std::uint8_t>(data.flagged[t] | data.deferred[t]), f))
+                for (int n : faceNodes(data.tetrahedra[t], f)) candidates.push_back(n);
+    openFaces(mesh, limits, std::move(candidates), report);
+}
+
+} // namespace filasofia::engine

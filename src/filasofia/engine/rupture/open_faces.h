@@ -1,0 +1,34 @@
+#pragma once
+
+#include "filasofia/engine/rupture/editable_mesh.h"
+#include "filasofia/engine/rupture/rupture_report.h"
+
+#include <vector>
+
+namespace filasofia::engine {
+
+/// How far a repair may go.
+struct OpeningLimits {
+    bool bisect = true;        ///< may a repair bisect edges
+    double minQuality = 0.15;  ///< [-] of what bisecting leaves
+    double shortestEdge = 0.0; ///< [m] that is bisected
+    int cone = 24;             ///< [-] elements at most that change side together
+    int rounds = 40;           ///< [-] of repair; what is then still wrong stays closed
+};
+
+/// Opens the flagged faces at the candidates (and the deferred ones, which get another try), as one transaction: nodes
+/// are split, then every edge of an opened face must have its elements in one fan and every node its boundary in one
+/// loop. Where not, all is rolled back and repaired: an edge is bisected, a cone of elements that the cut closes around
+/// changes its side, or flags are put off; and it is tried again. The mesh is valid before and after, whatever comes.
+void openFaces(EditableMesh& mesh, const OpeningLimits& limits, std::vector<int> candidates, RuptureReport& report);
+
+/// All faces that are flagged or deferred get a last try.
+void openAll(EditableMesh& mesh, const OpeningLimits& limits, RuptureReport& report);
+
+/// The boundary faces at a node as loops of faces that hang together by edges: a manifold has one or none.
+using FaceLoop = std::vector<std::array<int, 2>>; ///< tetrahedron and face
+std::vector<FaceLoop> boundaryLoops(const MeshTopology& mesh, int node);
+/// Are the edge's elements one fan, each next to another by a face at the edge?
+bool isOneFan(const MeshTopology& mesh, int a, int b);
+
+} // namespace filasofia::engine

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "filasofia/geometry/tet_mesh.h"
+
+#include <cmath>
+
+namespace filasofia::engine {
+
+/// q = sqrt(2) 6 V / l_rms^3, as geometry::quality, of four points.
+inline double tetQuality(const std::array<Vec3, 4>& p)
+{
+    double squares = 0.0;
+    for (auto [i, j] : geometry::kTetrahedronEdges) squares += lengthSquared(p[j] - p[i]);
+    const double mean = squares / 6.0;
+    if (!(mean > 0.0)) return 0.0;
+    return std::sqrt(2.0) * 6.0 * geometry::signedVolume(p[0], p[1], p[2], p[3]) / (mean * std::sqrt(mean));
+}
+
+/// The values of an element's corners.
+inline std::array<Vec3, 4> cornersOf(const geometry::Tetrahedron& t, const std::vector<Vec3>& values)
+{
+    return {values[t[0]], values[t[1]], values[t[2]], values[t[3]]};
+}
+
+inline double volumeOf(const std::array<Vec3, 4>& p) { return geometry::signedVolume(p[0], p[1], p[2], p[3]); }
+
+/// Which of the corners the node is; -1: none.
+constexpr int placeOf(const geometry::Tetrahedron& t, int node)
+{
+    for (int i = 0; i < 4; ++i)
+        if (t[i] == node) return i;
+    return -1;
+}
+
+/// The face's three nodes, outwards.
+constexpr std::array<int, 3> faceNodes(const geometry::Tetrahedron& t, int face)
+{
+    const auto& at = geometry::kTetrahedronFaces[face];
+    return {t[at[0]], t[at[1]], t[at[2]]};
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,198 @@
+#include "engine/rupture/meshes.h"
+
+#include "filasofia/engine/rupture/pieces.h"
+
+#include <random>
+
+using namespace filasofia;
+using namespace filasofia::engine;
+
+namespace {
+
+/// Straight down through the bar at this x.
+RuptureReport cutAcross(EditableMesh& mesh, double x, int steps, const CutParameters& parameters = {})
+{
+    BladeStroke stroke(mesh.newSheet());
+    RuptureReport report = sweep(mesh, stroke, {x, 0.02, -0.03}, {x, 0.02, 0.03}, {0, -0.04, 0}, steps, parameters);
+    finish(mesh, stroke, report, parameters);
+    return report;
+}
+
+} // namespace
+
+TEST_CASE("a blade that passes through a bar, in many steps or few, leaves two whole pieces")
+{
+    for (int steps : {1, 2, 7, 50, 400})
+        for (double x : {0.0, 1e-14, -1e-12, 1e-9, 0.0013, 0.0025, 0.005, 0.0071}) { // 0 and 0.005 are planes of nodes
+            CAPTURE(steps, x);
+            EditableMesh mesh = bar();
+            Pieces pieces(mesh.data());
+            const RuptureReport report = cutAcross(mesh, x, steps);
+            CHECK(faultsOf(mesh) == "");
+            const auto detached = pieces.update(mesh.data());
+            REQUIRE(pieces.count() == 2);
+            REQUIRE(detached.size() == 1);
+            CHECK(detached[0].id == 1);
+            CHECK(detached[0].from == 0);
+            double volume = 0.0;
+            for (int t : detached[0].tetrahedra) volume += restVolume(mesh.data(), t);
+            CHECK(volume == Approx((0.02 - std::abs(x)) * 0.02 * 0.02).epsilon(0.03));
+            CHECK(report.openedArea == Approx(0.02 * 0.02).epsilon(0.15));
+            CHECK(std::abs(report.openedMoment.x / report.openedArea - x) < 1e-3);
+            CHECK(report.pending == 0);
+            CHECK(report.givenUp == 0);
+        }
+}
+
+TEST_CASE("a cut that stops inside stays, and goes on later as the same surface")
+{
+    EditableMesh mesh = bar();
+    BladeStroke first(mesh.newSheet());
+    RuptureReport report = sweep(mesh, first, {0.002, 0.02, -0.03}, {0.002, 0.02, 0.03}, {0, -0.0213, 0}, 40);
+    finish(mesh, first, report);
+    CHECK(report.openedArea > 0.4 * 0.02 * 0.02);
+    CHECK(faultsOf(mesh) == "");
+    Pieces pieces(mesh.data());
+    CHECK(pieces.count() == 1);
+    BladeStroke second(first.sheet());
+    report = sweep(mesh, second, {0.002, -0.001, -0.03}, {0.002, -0.001, 0.03}, {0, -0.02, 0}, 40);
+    finish(mesh, second, report);
+    CHECK(faultsOf(mesh) == "");
+    CHECK(pieces.update(mesh.data()).size() == 1);
+}
+
+TEST_CASE("scissors whose jaws close from both sides cut the bar through")
+{
+    EditableMesh mesh = bar();
+    BladeStroke stroke(mesh.newSheet());
+    RuptureReport report;
+    const int steps = 60;
+    for (int i = 0; i < steps; ++i) {
+        const auto jaws = [&](int step) {
+            const double y = 0.015 * (1.0 - static_cast<double>(step) / steps);
+            return std::array{std::array{Vec3{0.001, y + 0.004, -0.012}, Vec3{0.001, y - 0.001, 0.012}},
+                              std::array{Vec3{0.001, -y - 0.004, -0.012}, Vec3{0.001, -y + 0.001, 0.012}}};
+        };
+        const auto before = jaws(i), now = jaws(i + 1);
+        const std::array<BladeSegment, 2> blade{BladeSegment{now[0][0], now[0][1], before[0][0], before[0][1]},
+                                                BladeSegment{now[1][0], now[1][1], before[1][0], before[1][1]}};
+        report += stroke.step(mesh, blade, {});
+    }
+    // closed: they pass each other a little
+    const std::array<BladeSegment, 1> last{
+        BladeSegment{{0.001, -0.002, -0.012}, {0.001, -0.006, 0.012}, {0.001, 0.004, -0.012}, {0.001, -0.001, 0.012}}};
+    report += stroke.step(mesh, last, {});
+    finish(mesh, stroke, report);
+    CHECK(faultsOf(mesh) == "");
+    CHECK(Pieces(mesh.data()).count() == 2);
+}
+
+TEST_CASE("tissue that moves over a blade at rest is cut as by a blade that moves")
+{
+    EditableMesh mesh = bar();
+    BladeStroke stroke(mesh.newSheet());
+    const std::vector<Vec3> rest = mesh.data().rest;
+    mesh.placeAt(rest);
+    RuptureReport report;
+    const Vec3 from{0.0022, 0.015, -0.03}, to{0.0022, 0.015, 0.03};
+    for (int i = 1; i <= 200; ++i) {
+        std::vector<Vec3> x = mesh.data().rest;
+        for (Vec3& p : x) p.y += 0.03 * i / 200;
+        mesh.moveTo(x);
+        const BladeSegment segment{from, to, from, to};
+        report += stroke.step(mesh, {&segment, 1}, {});
+    }
+    finish(mesh, stroke, report);
+    CHECK(faultsOf(mesh) == "");
+    CHECK(Pieces(mesh.data()).count() == 2);
+}
+
+TEST_CASE("a blade that cannot be is refused and counted, and the mesh keeps its bits")
+{
+    EditableMesh mesh = bar();
+    cutAcross(mesh, 0.003, 20);
+    const std::uint64_t before = hashOf(mesh.data());
+    BladeStroke stroke(mesh.newSheet());
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const auto refuses = [&](BladeSegment segment, RuptureRefusal reason) {
+        const RuptureReport report = stroke.step(mesh, {&segment, 1}, {});
+        CHECK(report.refused[static_cast<int>(reason)] == 1);
+        CHECK(hashOf(mesh.data()) == before);
+    };
+    const Vec3 a{0, 0.02, -0.03}, b{0, 0.02, 0.03}, down{0, -0.04, 0}, far{0, -0.05, 0};
+    refuses({a, a, a, a}, RuptureRefusal::BladeNoLength);
+    refuses({a + down, a + down, a, b}, RuptureRefusal::BladeNoLength);
+    refuses({a + down, {0, nan, 0}, a, b}, RuptureRefusal::BladeNotFinite);
+    refuses({a + down, b + down, {nan, 0, 0}, b}, RuptureRefusal::BladeNotFinite);
+    refuses({a + far, b + far, a, b}, RuptureRefusal::BladeJump);
+    CHECK(stroke.step(mesh, {}, {}).refused[static_cast<int>(RuptureRefusal::BladeNoLength)] == 1);
+    BladeSegment fine{a + down, b + down, a, b};
+    CHECK(stroke.step(mesh, {&fine, 1}, {}).openedFaces > 0);
+}
+
+TEST_CASE("what is more than a step may add waits for the next, and nothing is half done")
+{
+    const CutParameters few{.maxNewTetrahedra = 30};
+    EditableMesh mesh = bar();
+    BladeStroke stroke(mesh.newSheet());
+    RuptureReport report = sweep(mesh, stroke, {0.0013, 0.02, -0.03}, {0.0013, 0.02, 0.03}, {0, -0.04, 0}, 1, few);
+    CHECK(report.pending > 0);
+    CHECK(faultsOf(mesh) == "");
+    int more = 0;
+    for (bool done = false; !done; ++more) {
+        const int before = mesh.tetrahedra();
+        RuptureReport rest;
+        done = stroke.finish(mesh, few, rest);
+        CHECK(mesh.tetrahedra() - before < 200); // the limit, the last edge's elements and what repairs need
+        CHECK(faultsOf(mesh) == "");
+        report += rest;
+    }
+    CHECK(more > 3);
+    CHECK(Pieces(mesh.data()).count() == 2);
+}
+
+TEST_CASE("whoever sees only the edits knows elements, boundary, positions and embedded points")
+{
+    std::mt19937 random(5);
+    const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+    const CutParameters still{.moveNodes = false}; // so that embedded points stay put
+    EditableMesh mesh = bar();
+    frame::TopologyMirror mirror(mesh.data().tetrahedra);
+    std::vector<Vec3> positions = mesh.data().rest;
+    std::vector<frame::EmbeddedPoint> points;
+    for (int t = 0; t < mesh.tetrahedra(); ++t) points.push_back({t, {0.1, 0.2, 0.3, 0.4}});
+    const auto at = [&](const frame::EmbeddedPoint& p) {
+        Vec3 sum;
+        for (int k = 0; k < 4; ++k) sum += p.weights[k] * positions[mirror.tetrahedra()[p.tetrahedron][k]];
+        return sum;
+    };
+    std::vector<Vec3> places;
+    for (const auto& p : points) places.push_back(at(p));
+    int edits = 0;
+    for (int cut = 0; cut < 60; ++cut) {
+        BladeStroke stroke(mesh.newSheet());
+        const Vec3 start{uniform(-0.02, 0.02), uniform(-0.01, 0.01), uniform(-0.01, 0.01)};
+        const Vec3 d = normalized({uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)});
+        const Vec3 along = normalized(cross(d, {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}));
+        RuptureReport report;
+        for (int i = 0; i < 60; ++i) {
+            const Vec3 before = start + 0.0004 * (i - 30) * d, now = before + 0.0004 * d;
+            const BladeSegment s{now, now + 0.02 * along, before, before + 0.02 * along};
+            report += stroke.step(mesh, {&s, 1}, still);
+            if (i == 59) finish(mesh, stroke, report, still);
+            const frame::TopologyEdit edit = mesh.takeEdit({1});
+            edits += edit.empty() ? 0 : 1;
+            frame::followNodes(edit, positions);
+            frame::followPoints(edit, points);
+            mirror.apply(edit);
+            CHECK(mirror.tetrahedra() == mesh.data().tetrahedra);
+        }
+        CHECK(checkMirror(mesh.data(), mirror, positions).empty());
+        CHECK(faultsOf(mesh) == "");
+    }
+    CHECK(edits > 1000);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CHECK(distance(at(points[i]), places[i]) < 1e-14 * mesh.diagonal());
+        CHECK(std::ranges::min(points[i].weights) >= 0.0);
+    }
+}
