@@ -54,13 +54,11 @@ inline Sum product(const NodeArray& a, const NodeArray& b, Blocks range)
 /// Corners of elements around nodes: `most` or fewer for each, also none, in random places.
 inline Gather randomGather(std::mt19937& random, int blocks, int elementBlocks, int most)
 {
-    Gather gather{.starts = {0}, .places = {}};
-    for (int node = 0; node < kBlock * blocks; ++node) {
+    std::vector<std::vector<int>> places(static_cast<std::size_t>(kBlock * blocks));
+    for (std::vector<int>& list : places)
         for (int left = static_cast<int>(random() % (most + 1)); left > 0; --left)
-            gather.places.push_back(4 * static_cast<int>(random() % (64u * elementBlocks)));
-        gather.starts.push_back(static_cast<int>(gather.places.size()));
-    }
-    return gather;
+            list.push_back(4 * static_cast<int>(random() % (64u * elementBlocks)));
+    return Gather(places);
 }
 
 /// Vectors that elements or quaternions lie in, aligned as the kernels need them.

@@ -25,15 +25,11 @@ double laneSum(bool fused, const NodeArray& a, const NodeArray& b, Blocks range)
 
 Restriction randomRestriction(std::mt19937& random, int nodes, int coarseNodes)
 {
-    Restriction restriction{.starts = {0}, .nodes = {}, .weights = {}};
-    for (int c = 0; c < coarseNodes; ++c) {
-        for (int left = static_cast<int>(random() % 30); left > 0; --left) {
-            restriction.nodes.push_back(static_cast<int>(random() % static_cast<unsigned>(nodes)));
-            restriction.weights.push_back(randomFloat(random));
-        }
-        restriction.starts.push_back(static_cast<int>(restriction.nodes.size()));
-    }
-    return restriction;
+    std::vector<std::vector<RestrictionEntry>> entries(static_cast<std::size_t>(coarseNodes));
+    for (std::vector<RestrictionEntry>& list : entries)
+        for (int left = static_cast<int>(random() % 30); left > 0; --left)
+            list.push_back({static_cast<int>(random() % static_cast<unsigned>(nodes)), randomFloat(random)});
+    return Restriction(entries);
 }
 
 std::vector<PanelRow> randomPanels(std::mt19937& random, int panels, int rows)
@@ -124,8 +120,8 @@ TEST_CASE("coarse nodes sum up their nodes, many, one or none, in any range")
             for (int c = 0; c < coarseNodes; ++c)
                 for (int i = 0; i < 3; ++i) {
                     Sum sum;
-                    for (int k = restriction.starts[c]; k < restriction.starts[c + 1]; ++k)
-                        sum.add(static_cast<double>(restriction.weights[k]) * s[restriction.nodes[k]][i]);
+                    for (const auto* from = restriction.begin(c); from != restriction.end(c); ++from)
+                        sum.add(static_cast<double>(from->weight) * s[from->node][i]);
                     const bool written = c >= range.begin && c < range.end;
                     worst.compare(coarse[3 * c + i], written ? sum.value : before[3 * c + i], written ? sum.size : 0.0);
                 }
@@ -188,8 +184,8 @@ TEST_CASE("nodes gather their corners, many, one or none, with their own masses 
                     std::abs(static_cast<double>(1.7f) * masses[node]) + std::abs(extra[node]);
                 const Vec3 v = vectorOf(p[node]), old = vectorOf(before[node]);
                 Vec3 sum, size = absoluteDiagonal * absolute(v);
-                for (int k = gather.starts[node]; k < gather.starts[node + 1]; ++k) {
-                    const Vec3 corner = vectorOf(corners.data() + gather.places[k]);
+                for (int k = gather.ranges[node].begin; k < gather.ranges[node].end; ++k) {
+                    const Vec3 corner = vectorOf(corners.data() + gather.values[k]);
                     sum += corner;
                     size += absolute(corner);
                 }

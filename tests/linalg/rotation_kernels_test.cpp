@@ -125,22 +125,23 @@ TEST_CASE(
                 for (int i = 0; i < 4; ++i) quaternions[at][i] = static_cast<float>(entries[i]);
             }
             // A node sees one sign only, or as many of one as of the other: two corners, then, for one of two.
-            const auto elementAt = [&](int k) { return gather.places[k] / 256 * 16 + gather.places[k] % 64 / 4; };
+            const auto elementAt = [&](int k) { return gather.values[k] / 256 * 16 + gather.values[k] % 64 / 4; };
             for (int node = 0; node < kBlock * blocks; ++node)
-                for (int k = gather.starts[node]; k < gather.starts[node + 1]; ++k)
-                    if (elementAt(k) % 2 != (node % 2 == 0 ? 0 : (k - gather.starts[node]) % 2)) gather.places[k] ^= 4;
+                for (int k = gather.ranges[node].begin; k < gather.ranges[node].end; ++k)
+                    if (elementAt(k) % 2 != (node % 2 == 0 ? 0 : (k - gather.ranges[node].begin) % 2))
+                        gather.values[k] ^= 4;
 
             std::vector<RotationBlock> rotations = randomRotations(random, blocks);
             const std::vector<RotationBlock> before = rotations;
             averageRotations(gather, floats(quaternions), rotations, range);
             for (int node = 0; node < kBlock * blocks; ++node) {
                 Quat sum{0, 0, 0, 0};
-                for (int k = gather.starts[node]; k < gather.starts[node + 1]; ++k) {
+                for (int k = gather.ranges[node].begin; k < gather.ranges[node].end; ++k) {
                     const float* q = quaternions[elementAt(k)];
                     const double side = dot({q[3], q[0], q[1], q[2]}, common) < 0.0 ? -1.0 : 1.0;
                     sum = {sum.w + side * q[3], sum.x + side * q[0], sum.y + side * q[1], sum.z + side * q[2]};
                 }
-                const bool written = inside(node, range), none = gather.starts[node] == gather.starts[node + 1];
+                const bool written = inside(node, range), none = gather.ranges[node].begin == gather.ranges[node].end;
                 const Mat3 exact = written ? toMat3(normalized(sum)) : rotationOf(before, node);
                 const Mat3 found = rotationOf(rotations, node);
                 for (int k = 0; k < 9; ++k)

@@ -15,6 +15,7 @@
 #include "filasofia/physics/defs.h"
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -53,7 +54,13 @@ struct SoftModel {
     bool gravity = true;
     double friction = 0.0; ///< [-] mu
     std::vector<CollisionModel> collision;
+    bool dynamicTopology = false; ///< it may be cut and tear
+    double density = 0.0;         ///< [kg/m^3] what its elements weigh, where they change
+    double tearingThreshold = std::numeric_limits<double>::infinity(); ///< [Pa]
 };
+
+/// Whether blades of a collision group may cut a body.
+bool mayBeCut(const SoftModel& model, int group);
 
 /// Where a soft body is, and what pushes it. All per node unless said.
 struct SoftState {

@@ -29,7 +29,10 @@ struct CollisionDef {
     double proximity = 0.5e-3; ///< [m], >= 0; contacts are found where surfaces are nearer than the sum of both bodies'
     int group = 0;             ///< only models of the same group touch each other
     bool self = false;         ///< does it touch itself where the body folds
-    bool cutting = false;      ///< for cutting, which is not there yet: without effect
+    /// On a rigid body: a blade. Its lines (the mesh's edges, or those of its segments) cut soft bodies with
+    /// dynamicTopology of its group and pass through them; all else of the group it pushes. On a soft body: the groups
+    /// whose blades may cut it, where that is not all that its other models are in; nothing touches such a model.
+    bool cutting = false;
 };
 
 /// Nothing goes through anything, friction after Coulomb, forces as they follow from that: contact forces are found

@@ -4,6 +4,8 @@
 
 #include "filasofia/geometry/tet_mesh.h"
 
+#include <limits>
+
 /// What a user asks for. Every member has a default, a unit and a legal range; the fields() lists beside them say so
 /// to programs. Building a body checks every one.
 namespace filasofia::physics {
@@ -12,12 +14,19 @@ namespace filasofia::physics {
 struct FemMaterial {
     double youngModulus = 10e3; ///< [Pa], > 0
     double poissonRatio = 0.45; ///< [-], in [0, 0.5)
+    /// [Pa], > 0 or infinite: where the largest principal Cauchy stress is more, elements separate. Needs
+    /// dynamicTopology.
+    double tearingThreshold = std::numeric_limits<double>::infinity();
 };
 
 /// Springs with dashpots on the mesh's edges, all alike.
 struct MassSpringMaterial {
     double stiffness = 100.0; ///< [N/m], > 0, of each spring
     double damping = 0.0;     ///< [N s/m], >= 0, of each dashpot, along the spring
+    /// [Pa], > 0 or infinite: as of FemMaterial. The stress of a tetrahedron follows from the forces of its springs by
+    /// the virial formula, (1/V) sum f (x) r over its six edges, each spring's force shared by the tetrahedra around
+    /// it.
+    double tearingThreshold = std::numeric_limits<double>::infinity();
 };
 
 using SoftMaterial = std::variant<FemMaterial, MassSpringMaterial>;
@@ -72,6 +81,9 @@ struct SoftBodyDef {
     double pressure = 0.0;                    ///< [Pa], on the whole surface, positive pushes inwards
     std::vector<CollisionDef> collision = {}; ///< by what it is touched; none: nothing touches it
     double friction = 0.3; ///< [-], >= 0, mu; two bodies that touch have the root of the product of theirs
+    /// May it be cut, and tear: its elements then change during the run. Blades are rigid bodies with a collision model
+    /// that has `cutting` set.
+    bool dynamicTopology = false;
 };
 
 using BodyDef = std::variant<SoftBodyDef, RigidBodyDef>;
@@ -80,14 +92,16 @@ constexpr auto fields(const FemMaterial*)
 {
     using T = FemMaterial;
     return describe("FemMaterial", field("youngModulus", &T::youngModulus, "Pa", positive(), "stiffness of the tissue"),
-                    field("poissonRatio", &T::poissonRatio, "-", closedOpen(0, 0.5), "0.5 would be incompressible"));
+                    field("poissonRatio", &T::poissonRatio, "-", closedOpen(0, 0.5), "0.5 would be incompressible"),
+                    field("tearingThreshold", &T::tearingThreshold, "Pa", positiveOrInfinite(), "it tears beyond"));
 }
 constexpr auto fields(const MassSpringMaterial*)
 {
     using T = MassSpringMaterial;
     return describe("MassSpringMaterial",
                     field("stiffness", &T::stiffness, "N/m", positive(), "stiffness of each spring"),
-                    field("damping", &T::damping, "N s/m", nonNegative(), "damping of each spring"));
+                    field("damping", &T::damping, "N s/m", nonNegative(), "damping of each spring"),
+                    field("tearingThreshold", &T::tearingThreshold, "Pa", positiveOrInfinite(), "it tears beyond"));
 }
 constexpr auto fields(const Rayleigh*)
 {
@@ -130,7 +144,8 @@ constexpr auto fields(const SoftBodyDef*)
         field("attachments", &T::attachments, "what holds its nodes"), field("forces", &T::forces, "given forces"),
         field("pressure", &T::pressure, "Pa", finite(), "on the whole surface, positive inwards"),
         field("collision", &T::collision, "by what it is touched"),
-        field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"));
+        field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
+        field("dynamicTopology", &T::dynamicTopology, "may it be cut, and tear"));
 }
 /// The body's kind and name as errors begin: "soft body 'uterus'".
 std::string describeBody(const BodyDef& def);

@@ -28,12 +28,6 @@ void addElements(const TetMesh& mesh, SoftModel& model)
     }
 }
 
-void addSprings(const TetMesh& mesh, SoftModel& model)
-{
-    for (const auto& [a, b] : geometry::edges(mesh))
-        model.springs.push_back({.nodes = {a, b}, .restLength = distance(mesh.nodes[a], mesh.nodes[b])});
-}
-
 void addMasses(const TetMesh& mesh, const physics::Mass& mass, SoftModel& model)
 {
     double total = 0.0;
@@ -46,6 +40,7 @@ void addMasses(const TetMesh& mesh, const physics::Mass& mass, SoftModel& model)
     const auto* density = std::get_if<physics::Density>(&mass);
     const double perVolume = density ? density->value : std::get<physics::TotalMass>(mass).value / total;
     for (double& each : model.masses) each *= perVolume;
+    model.density = perVolume;
 }
 
 /// What a Def holds in space are pins, exact and cheap. What another body holds, or what may break, is attached once
@@ -89,10 +84,15 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     model.solver = def.solver;
     model.gravity = def.gravity;
     model.friction = def.friction;
+    model.dynamicTopology = def.dynamicTopology;
     model.collision = buildCollision(def, mesh);
     addMasses(mesh, def.mass, model);
-    std::holds_alternative<physics::FemMaterial>(def.material) ? addElements(mesh, model) : addSprings(mesh, model);
-    if (model.elements.empty()) model.tetrahedra = mesh.tetrahedra;
+    if (std::holds_alternative<physics::FemMaterial>(def.material)) {
+        addElements(mesh, model);
+    } else {
+        model.tetrahedra = mesh.tetrahedra;
+        makeSprings(model);
+    }
     setMaterial(def.material, model);
     const geometry::Surface surface = geometry::extractSurface(mesh);
     for (const geometry::Triangle& t : surface.mesh.triangles)
@@ -114,8 +114,21 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
 
 } // namespace
 
+void makeSprings(SoftModel& model)
+{
+    const Spring like = model.springs.empty() ? Spring{} : model.springs.front();
+    model.springs.clear();
+    for (const auto& [a, b] : geometry::edges({model.rest, model.tetrahedra}))
+        model.springs.push_back(
+            {.nodes = {a, b},
+             .restLength = distance(model.rest[static_cast<std::size_t>(a)], model.rest[static_cast<std::size_t>(b)]),
+             .stiffness = like.stiffness,
+             .damping = like.damping});
+}
+
 void setMaterial(const physics::SoftMaterial& material, SoftModel& model)
 {
+    model.tearingThreshold = std::visit([](const auto& each) { return each.tearingThreshold; }, material);
     if (const auto* fem = std::get_if<physics::FemMaterial>(&material)) {
         for (FemElement& element : model.elements) {
             element.youngModulus = fem->youngModulus;

@@ -29,8 +29,11 @@ std::vector<Owner> ownersOf(const Model& model)
 {
     std::vector<Owner> owners;
     const auto add = [&](bool soft, std::size_t b, const auto& body, std::size_t firstElement) {
-        for (int m = 0; const CollisionModel& each : body.collision)
-            owners.push_back({soft, b, firstElement + static_cast<std::size_t>(each.element), {body.id, m++}, &each});
+        for (int m = 0; const CollisionModel& each : body.collision) {
+            const SurfaceName name{body.id, m++};
+            if (soft && each.shape->cutting) continue; // that one is for blades
+            owners.push_back({soft, b, firstElement + static_cast<std::size_t>(each.element), name, &each});
+        }
     };
     for (std::size_t b = 0; b < model.softBodies.size(); ++b) add(true, b, model.softBodies[b], 0);
     const std::vector<std::size_t> first = firstElements(model);
@@ -210,6 +213,8 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
     for (std::size_t s = 0; s < owners.size(); ++s) {
         const Owner& owner = owners[s];
         coupling.surfaces[s].name = owner.name;
+        coupling.surfaces[s].cuttable =
+            owner.soft && mayBeCut(model.softBodies[owner.body], owner.collision->shape->group);
         placeSurface(owner, state, coupling.rigid, coupling.normals, coupling.surfaces[s]);
     }
     coupling.sides = state.sides;

@@ -29,19 +29,7 @@ double meanMass(const SoftModel& model)
 // 3/4 instead of 1/2 halves the error, and takes up to half as many iterations again.
 constexpr double kHandedOn = 0.5;
 
-constexpr std::size_t kRotationsPerNode = 4;
 constexpr int kNodesPerPart = 512;
-
-linalg::Gather gatherOf(const std::vector<std::vector<int>>& places)
-{
-    linalg::Gather gather;
-    gather.starts = {0};
-    for (const std::vector<int>& list : places) {
-        gather.places.insert(gather.places.end(), list.begin(), list.end());
-        gather.starts.push_back(static_cast<int>(gather.places.size()));
-    }
-    return gather;
-}
 
 /// At most `most` of each list, evenly spaced.
 std::vector<std::vector<int>> thinned(std::vector<std::vector<int>> lists, std::size_t most)
@@ -96,13 +84,14 @@ int coarseTarget(int freeNodes)
 } // namespace
 
 MatrixFreeSystem::MatrixFreeSystem(const SoftModel& model, double period)
-    : scale_(1.0 / meanMass(model)), slotOf_(model.rest.size())
+    : scale_(1.0 / meanMass(model)), period_(period),
+      preconditioned_(std::holds_alternative<physics::ImplicitEuler>(model.integrator)), slotOf_(model.rest.size())
 {
     orderNodes(model);
     makeElements(model);
     makeSprings(model);
     makeGather(model);
-    if (std::holds_alternative<physics::ImplicitEuler>(model.integrator)) makePreconditioner(model, period);
+    if (preconditioned_) makePreconditioner(model);
 }
 
 bool MatrixFreeSystem::fits(const SoftModel& model, double period)
@@ -136,7 +125,8 @@ void MatrixFreeSystem::orderNodes(const SoftModel& model)
     for (int node : order) (model.pins.hard[node] ? held : nodeOf_).push_back(node);
     free_ = held.empty() && model.pins.springs.empty();
     freeNodes_ = static_cast<int>(nodeOf_.size());
-    freeBlocks_ = linalg::blocksFor(freeNodes_);
+    heldNodes_ = static_cast<int>(held.size());
+    freeBlocks_ = linalg::blocksFor(freeNodes_ + (model.dynamicTopology ? freeNodes_ / 4 : 0));
     nodeOf_.resize(static_cast<std::size_t>(freeBlocks_) * kBlock, -1);
     nodeOf_.insert(nodeOf_.end(), held.begin(), held.end());
     for (std::size_t slot = 0; slot < nodeOf_.size(); ++slot)
@@ -150,7 +140,11 @@ void MatrixFreeSystem::orderNodes(const SoftModel& model)
     for (const PinSpring& pin : model.pins.springs)
         if (!model.pins.hard[pin.node]) pins_[slotOf_[pin.node]] += asFloat(scale_ * pin.stiffness);
 
-    const int heldBlocks = linalg::blocksFor(static_cast<int>(held.size()));
+    makeVectors(linalg::blocksFor(heldNodes_));
+}
+
+void MatrixFreeSystem::makeVectors(int heldBlocks)
+{
     for (NodeArray* array : {&x_, &v_, &dv_, &scratch_}) *array = NodeArray(freeBlocks_, heldBlocks);
     for (NodeArray* array : {&residual_, &product_, &handedOn_, &zeros_}) *array = NodeArray(freeBlocks_);
     sums_.resize(static_cast<std::size_t>(linalg::nodeParts(freeBlocks_).count()));
@@ -159,22 +153,26 @@ void MatrixFreeSystem::orderNodes(const SoftModel& model)
 
 void MatrixFreeSystem::makeElements(const SoftModel& model)
 {
-    const int count = static_cast<int>(model.elements.size()), blocks = linalg::blocksFor(count);
+    elementCount_ = static_cast<int>(model.elements.size());
+    const int blocks = linalg::blocksFor(elementCount_);
     elements_.resize(static_cast<std::size_t>(blocks));
     warped_.resize(static_cast<std::size_t>(blocks));
     quaternions_.resize(static_cast<std::size_t>(blocks));
-    for (int lane = 0; lane < blocks * kBlock; ++lane) {
-        const FemElement& e = model.elements[std::min(lane, count - 1)];
-        ElementBlock& block = elements_[lane / kBlock];
-        WarpedBlock& warped = warped_[lane / kBlock];
-        const int l = lane % kBlock;
-        for (int i = 0; i < 4; ++i) block.nodes[i][l] = warped.nodes[i][l] = 4 * slotOf_[e.nodes[i]];
-        for (int k = 0; k < 9; ++k) block.gradients[k][l] = asFloat(e.gradients[1 + k / 3][k % 3]);
-        const auto [mu, lambda] = lame(e.youngModulus, e.poissonRatio);
-        const double weight = lane < count ? scale_ * e.volume : 0.0;
-        block.mu[l] = asFloat(weight * mu);
-        block.ratio[l] = asFloat(lambda / mu);
-    }
+    for (int lane = 0; lane < blocks * kBlock; ++lane)
+        writeElement(model.elements[std::min(lane, elementCount_ - 1)], lane, lane < elementCount_);
+}
+
+void MatrixFreeSystem::writeElement(const FemElement& e, int element, bool real)
+{
+    ElementBlock& block = elements_[element / kBlock];
+    WarpedBlock& warped = warped_[element / kBlock];
+    const int l = element % kBlock;
+    for (int i = 0; i < 4; ++i) block.nodes[i][l] = warped.nodes[i][l] = 4 * slotOf_[e.nodes[i]];
+    for (int k = 0; k < 9; ++k) block.gradients[k][l] = asFloat(e.gradients[1 + k / 3][k % 3]);
+    const auto [mu, lambda] = lame(e.youngModulus, e.poissonRatio);
+    const double weight = real ? scale_ * e.volume : 0.0;
+    block.mu[l] = asFloat(weight * mu);
+    block.ratio[l] = asFloat(lambda / mu);
 }
 
 void MatrixFreeSystem::makeSprings(const SoftModel& model)
@@ -207,18 +205,18 @@ void MatrixFreeSystem::makeGather(const SoftModel& model)
         for (std::size_t i = 0; i < 4; ++i)
             add(model.elements[e].nodes[i], 4 * (e / kBlock) + i, static_cast<int>(e % kBlock));
     // A few of the elements around a node say how it turns, nearly as well as all of them.
-    if (!elements_.empty()) turns_ = gatherOf(thinned(places, kRotationsPerNode));
+    if (!elements_.empty()) turns_ = linalg::Gather(thinned(places, kRotationsPerNode));
     for (std::size_t s = 0; s < model.springs.size(); ++s)
         for (std::size_t i = 0; i < 2; ++i)
             add(model.springs[s].nodes[i], 4 * elements_.size() + 2 * (s / kBlock) + i, static_cast<int>(s % kBlock));
-    gather_ = gatherOf(places);
+    gather_ = linalg::Gather(places);
 }
 
-void MatrixFreeSystem::makePreconditioner(const SoftModel& model, double period)
+void MatrixFreeSystem::makePreconditioner(const SoftModel& model)
 {
     AssembledSystem rest(model);
     SoftState state = stateAtRest(model);
-    assembleMatrix(model, std::vector<Vec3>(model.rest.size()), period, 1.0, state, rest);
+    assembleMatrix(model, std::vector<Vec3>(model.rest.size()), period_, 1.0, state, rest);
 
     std::vector<bool> active(model.rest.size());
     for (std::size_t i = 0; i < active.size(); ++i) active[i] = !model.pins.hard[i];
@@ -230,7 +228,8 @@ void MatrixFreeSystem::makePreconditioner(const SoftModel& model, double period)
                                         .scale = scale_,
                                         .coarseNodes = lattice.nodeCount,
                                         .corners = lattice.corners,
-                                        .weights = lattice.weights});
+                                        .weights = lattice.weights,
+                                        .blocks = freeBlocks_});
 }
 
 void MatrixFreeSystem::load(std::span<const Vec3> from, Vec3 origin, NodeArray& to, WorkerPool& pool) const

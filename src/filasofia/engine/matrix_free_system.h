@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/elastic/element_blocks.h"
 #include "filasofia/engine/integrate/euler.h"
+#include "filasofia/engine/mesh_edit.h"
 #include "filasofia/engine/model.h"
 #include "filasofia/engine/rigid_motion.h"
 #include "filasofia/linalg/matrix_free_cg.h"
@@ -34,6 +35,10 @@ public:
     /// The same where the masses are all there is in the matrix.
     void solveExplicit(std::span<Vec3> dv) const;
 
+    /// Follows an edit of the mesh that the model has already; of bodies with elements only. True where vectors of
+    /// unknowns have another size from now on.
+    bool edit(const SoftModel& model, const MeshEdit& edit);
+
     double multiply(const linalg::NodeArray& p, linalg::NodeArray& q, WorkerPool& pool) override;
 
     /// z = M^-1 r, M close to the matrix; returns r . z
@@ -45,11 +50,21 @@ public:
 
 private:
     friend class MatrixFreeShare;
+    static constexpr std::size_t kRotationsPerNode = 4; ///< elements that say how a node turns
     void orderNodes(const SoftModel& model);
+    void makeVectors(int heldBlocks);
+    /// Element `element` of the model, or without stiffness, to keep a lane busy.
+    void writeElement(const FemElement& e, int element, bool real);
     void makeElements(const SoftModel& model);
     void makeSprings(const SoftModel& model);
     void makeGather(const SoftModel& model);
-    void makePreconditioner(const SoftModel& model, double period);
+    void makePreconditioner(const SoftModel& model);
+
+    bool reserve(const SoftModel& model, const MeshEdit& edit);
+    void addNode(const SoftModel& model, int node, const MeshEdit::Node& made);
+    void moveElement(const SoftModel& model, int element, std::vector<int>& reached);
+    void refreshNode(const SoftModel& model, int slot);
+
     void load(std::span<const Vec3> from, Vec3 origin, linalg::NodeArray& to, WorkerPool& pool) const;
 
     void loadImpulses(std::span<const Vec3> forces, std::span<const Vec3> leftover, double dt, WorkerPool& pool);
@@ -72,8 +87,12 @@ private:
 
     bool free_ = false;           ///< nothing holds the body
     double scale_ = 1.0;          ///< [1/kg]
+    double period_ = 0.0;         ///< [s] the preconditioner's
+    bool preconditioned_ = false; ///< there is one
     int freeNodes_ = 0;           ///< they are in slots [0, freeNodes_)
-    int freeBlocks_ = 0;          ///< blocks of sixteen slots that vectors of unknowns have
+    int heldNodes_ = 0;
+    int elementCount_ = 0;
+    int freeBlocks_ = 0;          ///< blocks of sixteen slots that vectors of unknowns have; edits need room
     std::vector<int> nodeOf_;     ///< per slot: the model's node, or -1
     std::vector<int> slotOf_;     ///< per node of the model
     std::vector<float> masses_;   ///< per free slot, scaled

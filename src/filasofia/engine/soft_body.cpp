@@ -50,6 +50,13 @@ void checkSprings(const SoftModel& model, const std::string& object)
     }
 }
 
+/// Whether an element or spring pulls at held nodes: what lies between such nodes is at rest, and does nothing.
+template <class Nodes> bool pulls(const HeldParts& parts, const Nodes& nodes)
+{
+    const auto held = std::ranges::count_if(nodes, [&](int node) { return parts.holders[node] > 0; });
+    return held > 0 && held < std::ssize(nodes);
+}
+
 HeldParts heldParts(const SoftModel& model)
 {
     HeldParts parts;
@@ -59,14 +66,10 @@ HeldParts heldParts(const SoftModel& model)
         for (int node : group.nodes) ++parts.holders[node];
     }
     if (parts.holders.empty()) return parts;
-    const auto pulls = [&](const auto& nodes) { // what lies between held nodes is at rest, and does nothing
-        const auto held = std::ranges::count_if(nodes, [&](int node) { return parts.holders[node] > 0; });
-        return held > 0 && held < std::ssize(nodes);
-    };
     for (std::size_t e = 0; e < model.elements.size(); ++e)
-        if (pulls(model.elements[e].nodes)) parts.elements.push_back(static_cast<int>(e));
+        if (pulls(parts, model.elements[e].nodes)) parts.elements.push_back(static_cast<int>(e));
     for (std::size_t s = 0; s < model.springs.size(); ++s)
-        if (pulls(model.springs[s].nodes)) parts.springs.push_back(static_cast<int>(s));
+        if (pulls(parts, model.springs[s].nodes)) parts.springs.push_back(static_cast<int>(s));
     return parts;
 }
 
@@ -102,6 +105,16 @@ SoftState stateAtRest(const SoftModel& model)
     state.forces.resize(model.rest.size());
     state.rotations.resize(static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size()))));
     return state;
+}
+
+bool mayBeCut(const SoftModel& model, int group)
+{
+    if (!model.dynamicTopology) return false;
+    const auto ofGroup = [&](const CollisionModel& each) { return each.shape->group == group; };
+    const auto forBlades = [](const CollisionModel& each) { return each.shape->cutting; };
+    if (std::ranges::any_of(model.collision, forBlades))
+        return std::ranges::any_of(model.collision, [&](const auto& each) { return forBlades(each) && ofGroup(each); });
+    return model.collision.empty() ? group == 0 : std::ranges::any_of(model.collision, ofGroup);
 }
 
 bool usable(std::span<const Vec3> values)
@@ -169,6 +182,26 @@ void setRotation(std::vector<ElementRotations>& rotations, std::size_t element, 
     block.x[lane] = static_cast<float>(q.x);
     block.y[lane] = static_cast<float>(q.y);
     block.z[lane] = static_cast<float>(q.z);
+}
+
+void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts)
+{
+    if (parts.holders.empty()) return;
+    const std::size_t known = parts.holders.size();
+    parts.holders.resize(model.rest.size());
+    for (const PinGroup& group : model.pins.groups)
+        if (group.stiffness == physics::kHard)
+            for (auto node = group.nodes.rbegin(); node != group.nodes.rend(); ++node) { // ascending: new ones last
+                if (static_cast<std::size_t>(*node) < known) break;
+                ++parts.holders[static_cast<std::size_t>(*node)];
+            }
+    for (int element : edit.elements) {
+        const auto place = std::ranges::lower_bound(parts.elements, element);
+        const bool listed = place != parts.elements.end() && *place == element;
+        const bool now = pulls(parts, model.elements[static_cast<std::size_t>(element)].nodes);
+        if (now && !listed) parts.elements.insert(place, element);
+        if (!now && listed) parts.elements.erase(place);
+    }
 }
 
 SoftSystem makeSystem(const SoftModel& model, double period)

@@ -25,6 +25,12 @@ struct SoftSystem {
     std::vector<Vec3> x, v, dv, leftover; ///< the new state, until it is known to be finite
 };
 
+/// A spring on every edge of the model's tetrahedra, all like the first that there was.
+void makeSprings(SoftModel& model);
+
+/// Brings what pulls at held nodes in line with an edit of a body of elements.
+void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts);
+
 /// `period` [s]: the step that the solver prepares for.
 SoftSystem makeSystem(const SoftModel& model, double period);
 

@@ -51,20 +51,19 @@ HWY_ATTR double descendBlocks(float alpha, const float* HWY_RESTRICT p, const fl
     return sums.total();
 }
 
-HWY_ATTR void restrictNodes(const int* HWY_RESTRICT starts, const int* HWY_RESTRICT nodes,
-                            const float* HWY_RESTRICT weights, const float* HWY_RESTRICT s, float* HWY_RESTRICT coarse,
-                            int begin, int end)
+HWY_ATTR void restrictNodes(const ListRange* HWY_RESTRICT ranges, const RestrictionEntry* HWY_RESTRICT entries,
+                            const float* HWY_RESTRICT s, float* HWY_RESTRICT coarse, int begin, int end)
 {
     const Four d;
     alignas(16) float sum[4];
     for (int c = begin; c < end; ++c) {
         V4 even = hn::Zero(d), odd = hn::Zero(d);
-        int k = starts[c];
-        for (; k + 1 < starts[c + 1]; k += 2) {
-            even = hn::MulAdd(hn::Set(d, weights[k]), hn::Load(d, s + 4ul * nodes[k]), even);
-            odd = hn::MulAdd(hn::Set(d, weights[k + 1]), hn::Load(d, s + 4ul * nodes[k + 1]), odd);
+        const RestrictionEntry *from = entries + ranges[c].begin, *last = entries + ranges[c].end;
+        for (; from + 1 < last; from += 2) {
+            even = hn::MulAdd(hn::Set(d, from[0].weight), hn::Load(d, s + 4ul * from[0].node), even);
+            odd = hn::MulAdd(hn::Set(d, from[1].weight), hn::Load(d, s + 4ul * from[1].node), odd);
         }
-        if (k < starts[c + 1]) even = hn::MulAdd(hn::Set(d, weights[k]), hn::Load(d, s + 4ul * nodes[k]), even);
+        if (from < last) even = hn::MulAdd(hn::Set(d, from->weight), hn::Load(d, s + 4ul * from->node), even);
         hn::Store(hn::Add(even, odd), d, sum);
         for (int i = 0; i < 3; ++i) coarse[3 * c + i] = sum[i];
     }
@@ -102,10 +101,11 @@ HWY_INLINE V4 gathered(const int* HWY_RESTRICT place, const int* HWY_RESTRICT en
     return hn::Add(even, odd);
 }
 
-template <bool forces> HWY_INLINE double gatherBlocks(const int* HWY_RESTRICT starts, const int* HWY_RESTRICT places,
-                                                      const float* HWY_RESTRICT corners, float scale,
-                                                      const float* HWY_RESTRICT masses, const float* HWY_RESTRICT extra,
-                                                      const float* HWY_RESTRICT p, float* HWY_RESTRICT y, Blocks blocks)
+template <bool forces> HWY_INLINE double gatherBlocks(const ListRange* HWY_RESTRICT ranges,
+                                                      const int* HWY_RESTRICT places, const float* HWY_RESTRICT corners,
+                                                      float scale, const float* HWY_RESTRICT masses,
+                                                      const float* HWY_RESTRICT extra, const float* HWY_RESTRICT p,
+                                                      float* HWY_RESTRICT y, Blocks blocks)
 {
     const Four d;
     LaneSums sums;
@@ -114,7 +114,7 @@ template <bool forces> HWY_INLINE double gatherBlocks(const int* HWY_RESTRICT st
     for (std::size_t node = 16ul * blocks.begin; node < 16ul * blocks.end; node += 4)
         for (std::size_t k = 0; k < 4; ++k) {
             const std::size_t i = node + k;
-            const V4 corner = gathered(places + starts[i], places + starts[i + 1], corners);
+            const V4 corner = gathered(places + ranges[i].begin, places + ranges[i].end, corners);
             const V4 diagonal = hn::MulAdd(s, hn::Set(d, masses[i]), hn::Set(d, extra[i]));
             const V4 direction = hn::Load(d, p + 4 * i);
             if constexpr (forces) {
@@ -131,15 +131,15 @@ template <bool forces> HWY_INLINE double gatherBlocks(const int* HWY_RESTRICT st
     return sums.total();
 }
 
-HWY_ATTR double gatherProduct(const int* starts, const int* places, const float* corners, float scale,
+HWY_ATTR double gatherProduct(const ListRange* ranges, const int* places, const float* corners, float scale,
                               const float* masses, const float* extra, const float* p, float* y, Blocks blocks)
 {
-    return gatherBlocks<false>(starts, places, corners, scale, masses, extra, p, y, blocks);
+    return gatherBlocks<false>(ranges, places, corners, scale, masses, extra, p, y, blocks);
 }
-HWY_ATTR double gatherForce(const int* starts, const int* places, const float* corners, float scale,
+HWY_ATTR double gatherForce(const ListRange* ranges, const int* places, const float* corners, float scale,
                             const float* masses, const float* extra, const float* p, float* y, Blocks blocks)
 {
-    return gatherBlocks<true>(starts, places, corners, scale, masses, extra, p, y, blocks);
+    return gatherBlocks<true>(ranges, places, corners, scale, masses, extra, p, y, blocks);
 }
 
 HWY_ATTR StepWork stepWorkBlocks(const float* HWY_RESTRICT masses, const float* HWY_RESTRICT v,
@@ -203,8 +203,7 @@ double descend(float alpha, const NodeArray& p, const NodeArray& q, NodeArray& x
 void restrictTo(const Restriction& restriction, const NodeArray& s, std::span<float> coarse, int begin, int end)
 {
     HWY_DYNAMIC_DISPATCH(restrictNodes)
-    (restriction.starts.data(), restriction.nodes.data(), restriction.weights.data(), s.data(), coarse.data(), begin,
-     end);
+    (restriction.ranges.data(), restriction.values.data(), s.data(), coarse.data(), begin, end);
 }
 
 void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> x, std::span<float> y, int begin,
@@ -217,14 +216,14 @@ void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> 
 double gatherAndAdd(const Gather& gather, std::span<const float> corners, float scale, std::span<const float> masses,
                     std::span<const float> extra, const NodeArray& p, NodeArray& y, Blocks blocks)
 {
-    return HWY_DYNAMIC_DISPATCH(gatherProduct)(gather.starts.data(), gather.places.data(), corners.data(), scale,
+    return HWY_DYNAMIC_DISPATCH(gatherProduct)(gather.ranges.data(), gather.values.data(), corners.data(), scale,
                                                masses.data(), extra.data(), p.data(), y.data(), blocks);
 }
 
 double gatherForces(const Gather& gather, std::span<const float> corners, float scale, std::span<const float> masses,
                     std::span<const float> extra, const NodeArray& p, NodeArray& y, Blocks blocks)
 {
-    return HWY_DYNAMIC_DISPATCH(gatherForce)(gather.starts.data(), gather.places.data(), corners.data(), scale,
+    return HWY_DYNAMIC_DISPATCH(gatherForce)(gather.ranges.data(), gather.values.data(), corners.data(), scale,
                                              masses.data(), extra.data(), p.data(), y.data(), blocks);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/linalg/lists.h"
 #include "filasofia/linalg/node_array.h"
 
 #include <span>
@@ -19,12 +20,13 @@ void turn(const NodeArray& z, float beta, NodeArray& p, Blocks blocks);
 /// x += alpha p, r -= alpha q; returns r . r
 double descend(float alpha, const NodeArray& p, const NodeArray& q, NodeArray& x, NodeArray& r, Blocks blocks);
 
-/// The transpose of an interpolation, by coarse nodes.
-struct Restriction {
-    std::vector<int> starts; ///< coarse nodes + 1
-    std::vector<int> nodes;
-    std::vector<float> weights;
+/// What a node gives to a coarse one.
+struct RestrictionEntry {
+    int node = 0;
+    float weight = 0.0f;
 };
+/// The transpose of an interpolation, by coarse nodes.
+using Restriction = Lists<RestrictionEntry>;
 
 /// Sums s into coarse nodes [begin, end), packed.
 void restrictTo(const Restriction& restriction, const NodeArray& s, std::span<float> coarse, int begin, int end);
@@ -37,11 +39,8 @@ struct alignas(64) PanelRow {
 void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> x, std::span<float> y, int begin,
                     int end);
 
-/// What a node gathers: the places of its corners' vectors.
-struct Gather {
-    std::vector<int> starts; ///< nodes + 1
-    std::vector<int> places; ///< in floats
-};
+/// What a node gathers: the places of its corners' vectors, in floats.
+using Gather = Lists<int>;
 
 /// y = sum of the node's corners + (scale * masses + extra) p; returns p . y. `masses` and `extra` per node.
 double gatherAndAdd(const Gather& gather, std::span<const float> corners, float scale, std::span<const float> masses,

@@ -83,7 +83,7 @@ HWY_INLINE void sumOfOneSide(const int* place, const int* end, const float* quat
     }
 }
 
-HWY_ATTR void averageRotationBlocks(const int* HWY_RESTRICT starts, const int* HWY_RESTRICT places,
+HWY_ATTR void averageRotationBlocks(const ListRange* HWY_RESTRICT ranges, const int* HWY_RESTRICT places,
                                     const float* HWY_RESTRICT quaternions, RotationBlock* HWY_RESTRICT rotations,
                                     Blocks blocks)
 {
@@ -92,7 +92,8 @@ HWY_ATTR void averageRotationBlocks(const int* HWY_RESTRICT starts, const int* H
     alignas(64) float sums[64];
     for (int b = blocks.begin; b < blocks.end; ++b) {
         for (int node = 0; node < kBlock; ++node) {
-            const int *place = places + starts[16 * b + node], *end = places + starts[16 * b + node + 1];
+            const ListRange range = ranges[16 * b + node];
+            const int *place = places + range.begin, *end = places + range.end;
             V4 even = hn::Zero(four), odd = hn::Zero(four);
             const int* at = place;
             for (; at + 1 < end; at += 2) {
@@ -156,7 +157,7 @@ void averageRotations(const Gather& gather, std::span<const float> quaternions, 
                       Blocks blocks)
 {
     HWY_DYNAMIC_DISPATCH(averageRotationBlocks)
-    (gather.starts.data(), gather.places.data(), quaternions.data(), rotations.data(), blocks);
+    (gather.ranges.data(), gather.values.data(), quaternions.data(), rotations.data(), blocks);
 }
 
 } // namespace filasofia::linalg

@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
+
 namespace filasofia::linalg {
 namespace {
 
@@ -48,18 +50,51 @@ Eigen::MatrixXd galerkin(const PreconditionerInput& in)
 
 TwoLevelPreconditioner::TwoLevelPreconditioner(const PreconditionerInput& in)
 {
-    const int blocks = blocksFor(static_cast<int>(in.rows.size()));
+    grow(std::max(in.blocks, blocksFor(static_cast<int>(in.rows.size()))));
+    for (std::size_t i = 0; i < in.rows.size(); ++i)
+        setDiagonal(static_cast<int>(i), in.scale * in.matrix.block(in.matrix.find(in.rows[i], in.rows[i])));
+    if (in.coarseNodes > 0) makeCoarseLevel(in);
+}
+
+void TwoLevelPreconditioner::grow(int blocks)
+{
     RotationBlock identity{};
     for (int k : {0, 4, 8}) std::fill(std::begin(identity.m[k]), std::end(identity.m[k]), 1.0f);
-    rotations_.assign(static_cast<std::size_t>(blocks), identity);
-    inverseDiagonal_.assign(static_cast<std::size_t>(blocks), {});
-    for (std::size_t i = 0; i < in.rows.size(); ++i)
-        setBlock(inverseDiagonal_, static_cast<int>(i),
-                 inverse(in.scale * in.matrix.block(in.matrix.find(in.rows[i], in.rows[i]))));
+    const auto count = static_cast<std::size_t>(blocks);
+    rotations_.resize(count, identity);
+    inverseDiagonal_.resize(count);
+    if (coarseNodes_ > 0) interpolation_.resize(count);
     rest_ = NodeArray(blocks);
     smoothed_ = NodeArray(blocks);
     sums_.resize(static_cast<std::size_t>(nodeParts(blocks).count()));
-    if (in.coarseNodes > 0) makeCoarseLevel(in);
+}
+
+void TwoLevelPreconditioner::setDiagonal(int node, const Mat3& block)
+{
+    setBlock(inverseDiagonal_, node, inverse(block));
+}
+
+Interpolation TwoLevelPreconditioner::interpolation(int node) const
+{
+    Interpolation how;
+    if (coarseNodes_ == 0) return how;
+    const InterpolationBlock& block = interpolation_[static_cast<std::size_t>(node / kBlock)];
+    for (std::size_t k = 0; k < 4; ++k) {
+        how.corners[k] = block.at[node % kBlock][k] / 3;
+        how.weights[k] = block.weights[node % kBlock][k];
+    }
+    return how;
+}
+
+void TwoLevelPreconditioner::interpolate(int node, const Interpolation& how)
+{
+    if (coarseNodes_ == 0) return;
+    InterpolationBlock& block = interpolation_[static_cast<std::size_t>(node / kBlock)];
+    for (std::size_t k = 0; k < 4; ++k) {
+        block.at[node % kBlock][k] = 3 * how.corners[k];
+        block.weights[node % kBlock][k] = how.weights[k];
+        if (how.weights[k] != 0.0f) restriction_.add(static_cast<std::size_t>(how.corners[k]), {node, how.weights[k]});
+    }
 }
 
 void TwoLevelPreconditioner::makeCoarseLevel(const PreconditionerInput& in)
@@ -83,23 +118,16 @@ void TwoLevelPreconditioner::makeCoarseLevel(const PreconditionerInput& in)
                 static_cast<float>(0.5 * (inverse(i, j) + inverse(j, i)));
 
     interpolation_.assign(rotations_.size(), {});
-    std::vector<std::vector<std::pair<int, float>>> entries(static_cast<std::size_t>(coarseNodes_));
+    std::vector<std::vector<RestrictionEntry>> entries(static_cast<std::size_t>(coarseNodes_));
     for (std::size_t i = 0; i < in.rows.size(); ++i)
         for (std::size_t k = 0; k < 4; ++k) {
             const int corner = in.corners[in.rows[i]][k];
             const float weight = in.weights[in.rows[i]][k];
             interpolation_[i / kBlock].at[i % kBlock][k] = 3 * corner;
             interpolation_[i / kBlock].weights[i % kBlock][k] = weight;
-            if (weight != 0.0f) entries[corner].emplace_back(static_cast<int>(i), weight);
+            if (weight != 0.0f) entries[corner].push_back({static_cast<int>(i), weight});
         }
-    restriction_.starts = {0};
-    for (const auto& list : entries) {
-        for (const auto& [node, weight] : list) {
-            restriction_.nodes.push_back(node);
-            restriction_.weights.push_back(weight);
-        }
-        restriction_.starts.push_back(static_cast<int>(restriction_.nodes.size()));
-    }
+    restriction_ = Restriction(entries);
 }
 
 double TwoLevelPreconditioner::apply(const NodeArray& r, NodeArray& z, WorkerPool& pool)

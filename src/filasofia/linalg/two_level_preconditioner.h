@@ -20,6 +20,13 @@ struct PreconditionerInput {
     int coarseNodes = 0;                           ///< 0: the smoother alone
     std::span<const std::array<int, 4>> corners;   ///< per matrix row: its coarse nodes
     std::span<const std::array<float, 4>> weights; ///< per matrix row
+    int blocks = 0;                                ///< of nodes, where more are wanted than the rows need
+};
+
+/// How a node follows the coarse ones: four of them at most, one may stand there twice with weight 0.
+struct Interpolation {
+    std::array<int, 4> corners = {};
+    std::array<float, 4> weights = {};
 };
 
 /// An approximate inverse of a matrix of elasticity that was known at rest and has since been turned, node by node:
@@ -40,6 +47,14 @@ public:
 
     /// z = M^-1 r; returns r . z
     double apply(const NodeArray& r, NodeArray& z, WorkerPool& pool);
+
+    /// After an edit of the mesh: more blocks of nodes, none of which interpolates anything yet; another block on a
+    /// node's diagonal [as the matrix, scaled]; how a node without any interpolation follows the coarse ones. A_c stays
+    /// what it was: M^-1 is symmetric and positive definite all the same, and as good as the new body is like the old.
+    void grow(int blocks);
+    void setDiagonal(int node, const Mat3& block);
+    [[nodiscard]] Interpolation interpolation(int node) const;
+    void interpolate(int node, const Interpolation& how);
 
     // The same in two halves, for who changes something between them: R D^-1 R^T r, and z from that and the coarse
     // level's answer to r.

@@ -40,6 +40,9 @@ void check(const SoftBodyDef& def)
     for (std::size_t i = 0; i < def.collision.size(); ++i)
         if (def.collision[i].element != 0)
             fail(object, ": collision[", i, "].element must be 0, got ", def.collision[i].element);
+    const double threshold = std::visit([](const auto& each) { return each.tearingThreshold; }, def.material);
+    if (threshold < std::numeric_limits<double>::infinity() && !def.dynamicTopology)
+        fail(object, ": material.tearingThreshold needs dynamicTopology, got ", threshold, " Pa without it");
 }
 
 void check(const RigidBodyDef& def)

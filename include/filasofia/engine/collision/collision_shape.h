@@ -25,7 +25,7 @@ struct CollisionOptions {
                                ///< each other as deep as the sum of theirs
     int group = 0;             ///< only surfaces of the same group meet
     bool self = false;         ///< does the surface meet itself
-    bool cutting = false;      ///< nothing here looks at it
+    bool cutting = false;      ///< goes through what it may cut
 };
 
 /// What of a body can be touched: a triangle mesh's topology, and a tree over it. Made anew after a topology edit.

@@ -13,8 +13,9 @@ namespace filasofia::engine {
 struct CollisionSurface {
     SurfaceName name; ///< surfaces of one body do not meet, but for one whose shape has `self` set: with itself
     std::shared_ptr<const CollisionShape> shape;
-    std::vector<Vec3> x; ///< [m] vertices now; what has a vertex that is not finite or beyond 1e9 m is not found
-    std::vector<Vec3> v; ///< [m/s] with which they will move in the coming step
+    bool cuttable = false; ///< surfaces that cut do not touch it
+    std::vector<Vec3> x;   ///< [m] vertices now; what has a vertex that is not finite or beyond 1e9 m is not found
+    std::vector<Vec3> v;   ///< [m/s] with which they will move in the coming step
 
     // Boxes for this step: written by findProximities.
     std::vector<Bounds> vertexBounds;

@@ -15,6 +15,7 @@ constexpr int kPartSize = 64; // pairs of elements: some 10 µs
 bool mayMeet(const CollisionSurface& a, const CollisionSurface& b)
 {
     if (&a == &b) return a.shape->self;
+    if ((a.shape->cutting && b.cuttable) || (b.shape->cutting && a.cuttable)) return false; // a blade goes through
     return a.name.body != b.name.body && a.shape->group == b.shape->group && meet(a.whole, b.whole);
 }
 

@@ -1,0 +1,279 @@
+#include "filasofia/engine/topology.h"
+
+#include "filasofia/engine/rupture/tet_shape.h"
+
+#include <algorithm>
+#include <map>
+
+namespace filasofia::engine {
+namespace {
+
+using frame::TopologyEdit;
+
+std::size_t elementCount(const SoftModel& model) { return model.elements.size() + model.tetrahedra.size(); }
+geometry::Tetrahedron& nodesOf(SoftModel& model, std::size_t e)
+{
+    return model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
+}
+const geometry::Tetrahedron& nodesOf(const SoftModel& model, std::size_t e)
+{
+    return model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
+}
+
+/// [kg m/s] of nodes that were there already
+Vec3 momentumOf(const SoftModel& model, const SoftState& state, const std::vector<int>& nodes)
+{
+    Vec3 sum;
+    for (int node : nodes)
+        if (const auto i = static_cast<std::size_t>(node); i < state.v.size()) sum += model.masses[i] * state.v[i];
+    return sum;
+}
+
+/// Where a node slid, mass went from one to another: what that took or gave is spread over all that may move.
+void keepMomentum(Vec3 before, const std::vector<int>& nodes, const SoftModel& model, SoftState& state)
+{
+    double mass = 0.0;
+    for (int node : nodes)
+        if (!model.pins.hard[static_cast<std::size_t>(node)]) mass += model.masses[static_cast<std::size_t>(node)];
+    if (!(mass > 0.0)) return;
+    const Vec3 change = 1.0 / mass * (before - momentumOf(model, state, nodes));
+    for (int node : nodes)
+        if (!model.pins.hard[static_cast<std::size_t>(node)]) state.v[static_cast<std::size_t>(node)] += change;
+}
+
+void sortUnique(std::vector<int>& list)
+{
+    std::ranges::sort(list);
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+/// Elements that are new, have other nodes or another shape, ascending: besides those that the edit names, those around
+/// nodes that slid and their copies.
+std::vector<int> reachedElements(const TopologyEdit& edit, const MeshTopology& mesh)
+{
+    std::vector<int> elements, slid;
+    for (const frame::TetNodes& changed : edit.changed) elements.push_back(changed.tetrahedron);
+    for (const frame::TopologyOp& op : edit.ops) {
+        if (const auto* moved = std::get_if<frame::NodeMove>(&op)) slid.push_back(moved->node);
+        const auto* copy = std::get_if<frame::NodeCopy>(&op);
+        if (copy && std::ranges::find(slid, copy->from) != slid.end()) slid.push_back(copy->copy);
+    }
+    for (int node : slid) {
+        const std::vector<int>& around = mesh.around[static_cast<std::size_t>(node)];
+        elements.insert(elements.end(), around.begin(), around.end());
+    }
+    sortUnique(elements);
+    return elements;
+}
+
+/// The nodes of these elements before the edit and after it, ascending.
+std::vector<int> reachedNodes(const std::vector<int>& elements, const MeshTopology& mesh, const SoftModel& model)
+{
+    std::vector<int> nodes;
+    for (int element : elements) {
+        const auto e = static_cast<std::size_t>(element);
+        nodes.insert(nodes.end(), mesh.tetrahedra[e].begin(), mesh.tetrahedra[e].end());
+        if (e < elementCount(model)) nodes.insert(nodes.end(), nodesOf(model, e).begin(), nodesOf(model, e).end());
+    }
+    sortUnique(nodes);
+    return nodes;
+}
+
+void followPins(const TopologyEdit& edit, SoftModel& model)
+{
+    Pins& pins = model.pins;
+    const auto holds = [](const PinGroup& group, int node) { return std::ranges::binary_search(group.nodes, node); };
+    for (const frame::TopologyOp& op : edit.ops) {
+        int node = -1, a = -1, b = -1;
+        if (const auto* made = std::get_if<frame::NewNode>(&op))
+            node = made->node, a = made->a, b = made->b;
+        else if (const auto* copy = std::get_if<frame::NodeCopy>(&op))
+            node = copy->copy, a = b = copy->from;
+        else
+            continue;
+        // What lies between two held nodes is held; a copy of a held one too. Springs stay with the original's node.
+        pins.hard.push_back(pins.hard[static_cast<std::size_t>(a)] && pins.hard[static_cast<std::size_t>(b)]);
+        for (PinGroup& group : pins.groups)
+            if (group.stiffness == physics::kHard && holds(group, a) && holds(group, b)) group.nodes.push_back(node);
+    }
+}
+
+void followState(const TopologyEdit& edit, const MeshTopology& mesh, SoftModel& model, SoftState& state)
+{
+    frame::followNodes(edit, state.v);
+    frame::followNodes(edit, state.dv);
+    for (const frame::TopologyOp& op : edit.ops)
+        if (const auto* moved = std::get_if<frame::NodeMove>(&op)) {
+            const auto node = static_cast<std::size_t>(moved->node);
+            model.rest[node] = mesh.rest[node];
+            state.x[node] = mesh.current[node];
+        }
+    const auto count = static_cast<std::size_t>(edit.nodes), known = model.rest.size();
+    model.rest.insert(model.rest.end(), mesh.rest.begin() + static_cast<std::ptrdiff_t>(known), mesh.rest.end());
+    state.x.insert(state.x.end(), mesh.current.begin() + static_cast<std::ptrdiff_t>(known), mesh.current.end());
+    state.leftover.resize(count); // impulses and forces stay with the nodes that have them
+    state.forces.resize(count);
+    model.masses.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+        if (model.pins.hard[i]) state.v[i] = state.dv[i] = {};
+}
+
+void weigh(const SoftModel& model, std::size_t element, double sign, std::vector<double>& masses)
+{
+    const geometry::Tetrahedron& nodes = nodesOf(model, element);
+    Corners rest;
+    for (std::size_t k = 0; k < 4; ++k) rest[k] = model.rest[static_cast<std::size_t>(nodes[k])];
+    const double share = 0.25 * model.density * geometry::signedVolume(rest[0], rest[1], rest[2], rest[3]);
+    for (int node : nodes) masses[static_cast<std::size_t>(node)] += sign * share;
+}
+
+/// Children come, with what their parents have.
+void addElements(const TopologyEdit& edit, SoftModel& model, SoftState& state)
+{
+    const bool fem = !model.elements.empty();
+    for (const frame::TopologyOp& op : edit.ops) {
+        const auto* split = std::get_if<frame::TetSplit>(&op);
+        if (!split) continue;
+        if (!fem) {
+            model.tetrahedra.emplace_back();
+            continue;
+        }
+        model.elements.push_back(FemElement(model.elements[static_cast<std::size_t>(split->parent)]));
+        state.rotations.resize(static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size()))));
+        setRotation(state.rotations, static_cast<std::size_t>(split->child),
+                    rotationOf(state.rotations, static_cast<std::size_t>(split->parent)));
+    }
+}
+
+void followElements(const TopologyEdit& edit, const std::vector<int>& reached, const MeshTopology& mesh,
+                    SoftModel& model, SoftState& state)
+{
+    addElements(edit, model, state);
+    for (int element : reached) {
+        const auto e = static_cast<std::size_t>(element);
+        nodesOf(model, e) = mesh.tetrahedra[e];
+        weigh(model, e, 1.0, model.masses);
+        if (model.elements.empty()) continue;
+        FemElement& now = model.elements[e];
+        Corners rest;
+        for (std::size_t k = 0; k < 4; ++k) rest[k] = model.rest[static_cast<std::size_t>(now.nodes[k])];
+        now.gradients = shapeGradients(rest);
+        now.volume = geometry::signedVolume(rest[0], rest[1], rest[2], rest[3]);
+    }
+    if (model.elements.empty()) makeSprings(model);
+}
+
+void followSurface(const TopologyEdit& edit, BodyTopology& topology, SoftModel& model)
+{
+    topology.boundaryPlaces.resize(static_cast<std::size_t>(edit.tetrahedra), {-1, -1, -1, -1});
+    auto boundary = std::make_shared<frame::Boundary>(*topology.boundary);
+    const auto at = [&](int element, int face) -> int& {
+        return topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)];
+    };
+    for (const frame::BoundaryChange& change : edit.boundary) {
+        int& place = at(change.tetrahedron, change.face);
+        if (change.kind == frame::BoundaryChange::Kind::Removed) { // the last takes its place
+            const auto hole = static_cast<std::size_t>(place);
+            const std::array<int, 2> last = topology.boundaryFaces.back();
+            at(last[0], last[1]) = place;
+            place = -1;
+            model.surface[hole] = model.surface.back();
+            boundary->opened[hole] = boundary->opened.back();
+            topology.boundaryFaces[hole] = last;
+            model.surface.pop_back();
+            boundary->opened.pop_back();
+            topology.boundaryFaces.pop_back();
+            continue;
+        }
+        if (change.kind == frame::BoundaryChange::Kind::Added) {
+            place = static_cast<int>(model.surface.size());
+            model.surface.emplace_back();
+            boundary->opened.push_back(0);
+            topology.boundaryFaces.push_back({change.tetrahedron, change.face});
+        }
+        model.surface[static_cast<std::size_t>(place)] = change.nodes;
+        boundary->opened[static_cast<std::size_t>(place)] = change.opened ? 1 : 0;
+    }
+    boundary->revision = edit.revision;
+    boundary->triangles = model.surface;
+    boundary->rest = model.rest;
+    topology.boundary = std::move(boundary);
+}
+
+MeshEdit meshEdit(const TopologyEdit& edit, std::vector<int> elements)
+{
+    MeshEdit out{.nodes = {}, .elements = std::move(elements)};
+    for (const frame::TopologyOp& op : edit.ops)
+        if (const auto* made = std::get_if<frame::NewNode>(&op))
+            out.nodes.push_back({made->a, made->b, made->s});
+        else if (const auto* copy = std::get_if<frame::NodeCopy>(&op))
+            out.nodes.push_back({copy->from, copy->from, 0.0});
+    return out;
+}
+
+void followSystem(const MeshEdit& edit, double period, const SoftModel& model, SoftSystem& system)
+{
+    if (!system.matrixFree || model.elements.empty()) { // a matrix is written anew
+        system = makeSystem(model, period);
+        system.tuned = true;
+        return;
+    }
+    if (system.matrixFree->edit(model, edit)) system.share.reset();
+    for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
+        buffer->resize(model.rest.size());
+    followHeld(model, edit, system.held);
+    system.tuned = true; // it is no longer what its Def says
+}
+
+} // namespace
+
+BodyTopology makeTopology(const SoftModel& model)
+{
+    BodyTopology topology;
+    if (!model.dynamicTopology) return topology;
+    geometry::TetMesh mesh{model.rest, model.tetrahedra};
+    for (const FemElement& element : model.elements) mesh.tetrahedra.push_back(element.nodes);
+    topology.mesh = std::make_unique<EditableMesh>(mesh);
+    topology.start = std::make_shared<const SoftModel>(model);
+
+    std::map<geometry::Triangle, std::array<int, 2>> faces; // by nodes, ascending
+    const auto key = [](geometry::Triangle nodes) {
+        std::ranges::sort(nodes);
+        return nodes;
+    };
+    const MeshTopology& data = topology.mesh->data();
+    for (int e = 0; e < topology.mesh->tetrahedra(); ++e)
+        for (int f = 0; f < 4; ++f)
+            if (data.neighbours[static_cast<std::size_t>(e)][static_cast<std::size_t>(f)] < 0)
+                faces[key(faceNodes(data.tetrahedra[static_cast<std::size_t>(e)], f))] = {e, f};
+    topology.boundaryPlaces.assign(mesh.tetrahedra.size(), {-1, -1, -1, -1});
+    for (const geometry::Triangle& triangle : model.surface) {
+        const auto [element, face] = faces.at(key(triangle));
+        topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)] =
+            static_cast<int>(topology.boundaryFaces.size());
+        topology.boundaryFaces.push_back({element, face});
+    }
+    topology.boundary = std::make_shared<const frame::Boundary>(frame::Boundary{
+        .triangles = model.surface, .opened = std::vector<std::uint8_t>(model.surface.size()), .rest = model.rest});
+    return topology;
+}
+
+void applyEdit(const TopologyEdit& edit, double period, BodyTopology& topology, SoftModel& model, SoftState& state,
+               SoftSystem& system)
+{
+    const MeshTopology& mesh = topology.mesh->data();
+    const std::vector<int> elements = reachedElements(edit, mesh), nodes = reachedNodes(elements, mesh, model);
+    const Vec3 momentum = momentumOf(model, state, nodes);
+    for (int element : elements)
+        if (const auto e = static_cast<std::size_t>(element); e < elementCount(model))
+            weigh(model, e, -1.0, model.masses);
+
+    followPins(edit, model);
+    followState(edit, mesh, model, state);
+    followElements(edit, elements, mesh, model, state);
+    followSurface(edit, topology, model);
+    followSystem(meshEdit(edit, elements), period, model, system);
+    keepMomentum(momentum, nodes, model, state);
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "filasofia/engine/topology.h"
+
+namespace filasofia::engine {
+
+/// Points that ride on the body's nodes (attachments, collision meshes other than its surface) stay where they are in
+/// the tissue, on whichever side of a cut that is. Called before applyEdit: they are found by what the model was.
+void followRiders(const frame::TopologyEdit& edit, const EditableMesh& mesh, SoftModel& soft,
+                  std::vector<Attachment>& attachments);
+
+/// The body's own surface as it is touched, after applyEdit.
+void followCollision(const BodyTopology& topology, SoftModel& model);
+
+} // namespace filasofia::engine
