@@ -1,7 +1,7 @@
-#include "engine/shapes.h"
 #include "engine/stage.h"
 
 #include "filasofia/core/log.h"
+#include "filasofia/geometry/shapes.h"
 #include "filasofia/geometry/surface.h"
 
 using namespace filasofia;
@@ -11,7 +11,7 @@ namespace {
 
 physics::RigidBodyDef rigidBox(Vec3 half, Pose pose, bool dynamic = true)
 {
-    physics::RigidBodyDef def{.elements = {pose}, .mesh = shared(boxSurface(half))};
+    physics::RigidBodyDef def{.elements = {pose}, .mesh = geometry::shapes::box(2.0 * half)};
     def.dynamic = dynamic;
     def.collision = {{}};
     return def;
@@ -72,7 +72,7 @@ TEST_CASE("a body may be touched by a surface of its own that rides on it")
     physics::SoftBodyDef coarse = softBlock({2, 2, 2}, {0.04, 0.04, 0.04}, {-0.02, 0.003, -0.02});
     geometry::TriangleMesh fine = geometry::extractSurface(boxMesh({7, 7, 7}, {0.04, 0.04, 0.04})).mesh;
     for (Vec3& p : fine.vertices) p.y = 0.04 + 1.05 * (p.y - 0.04); // sticks out below by 2 mm
-    coarse.collision = {{.mesh = shared(fine)}};
+    coarse.collision = {{.mesh = std::make_shared<const geometry::TriangleMesh>(fine)}};
     stage.add(coarse);
     stage.run(1500, 1e-3);
     CHECK(lowest(stage.soft()) == Approx(0.002).margin(3e-4)); // on its own surface, not on its nodes
@@ -103,8 +103,8 @@ TEST_CASE("a body has several models, and none of them meets another of its own"
 {
     Stage stage = onFloor();
     physics::RigidBodyDef two = rigidBox({0.01, 0.01, 0.01}, {{0, 0.012, 0}, {}});
-    two.collision = {{.mesh = shared(boxSurface({0.01, 0.01, 0.01}))},
-                     {.mesh = shared(boxSurface({0.004, 0.012, 0.004}))}};
+    two.collision = {{.mesh = geometry::shapes::box(2.0 * Vec3{0.01, 0.01, 0.01})},
+                     {.mesh = geometry::shapes::box(2.0 * Vec3{0.004, 0.012, 0.004})}};
     stage.add(two);
     stage.run(500, 1e-3);
     CHECK(stage.world.state().rigidBodies[1].poses[0].position.y == Approx(0.012).margin(1e-4));
@@ -121,7 +121,7 @@ TEST_CASE("a tool at 1 m/s does not go through a membrane of 2 mm")
                                 {.box = geometry::Box{{0.029, -1, -1}, {1, 1, 1}}}};
         stage.add(membrane);
         physics::RigidBodyDef tool{.name = "tool", .elements = {Pose{{0.001, 0.012, 0.0005}, {}}}};
-        tool.mesh = shared(ballSurface(0.005, 3));
+        tool.mesh = geometry::shapes::sphere(0.005, 8);
         tool.collision = {{}};
         const BodyId id = stage.add(tool);
         double penetration = 0.0;

@@ -157,6 +157,19 @@ TEST_CASE("a file that is cut off inside a line says after which step")
     CHECK(refusal(whole.substr(0, whole.size() - 1)).empty()); // only the line break is gone
 }
 
+TEST_CASE("ids of attachments that run over are refused")
+{
+    auto lines = smallRecording();
+    const std::string was = "\"attachments\":1";
+    const auto place = lines[2].find(was);
+    REQUIRE(place != std::string::npos);
+    lines[2].replace(place, was.size(), "\"attachments\":4294967295"); // the body has two
+    const record::ScratchFile file("ids.rec");
+    file.write(joined(lines));
+    CHECK_THROWS_WITH(record::replay(record::readRecording(file.path()).steps, *engine::makeNativeEngine()),
+                      "step 1: attachment 4294967295: must be <= 4294967294: 2 ids follow from it");
+}
+
 TEST_CASE("the steps before a damaged line can be made again")
 {
     auto lines = smallRecording();

@@ -1,6 +1,6 @@
 #include "engine/meshes.h"
-#include "engine/shapes.h"
 #include "filasofia/engine/native_engine.h"
+#include "filasofia/geometry/shapes.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/recording.h"
 #include "filasofia/record/replay.h"
@@ -20,7 +20,7 @@ SoftBodyDef block(double x)
 
 RigidBodyDef box(Vec3 half, Vec3 at, bool dynamic)
 {
-    RigidBodyDef def{.elements = {Pose{at, {}}}, .mesh = shared(boxSurface(half)), .collision = {{}}};
+    RigidBodyDef def{.elements = {Pose{at, {}}}, .mesh = geometry::shapes::box(2.0 * half), .collision = {{}}};
     def.dynamic = dynamic;
     return def;
 }

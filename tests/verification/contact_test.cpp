@@ -1,6 +1,6 @@
-#include "verification/verification.h"
+#include "filasofia/geometry/shapes.h"
 
-#include "engine/shapes.h"
+#include "verification/verification.h"
 
 using namespace filasofia;
 using namespace filasofia::engine;
@@ -11,7 +11,7 @@ constexpr double kG = 9.81;
 
 physics::RigidBodyDef rigidBox(const std::string& name, Vec3 half, Pose pose, double friction = 0.5)
 {
-    physics::RigidBodyDef def{.name = name, .elements = {pose}, .mesh = shared(boxSurface(half))};
+    physics::RigidBodyDef def{.name = name, .elements = {pose}, .mesh = geometry::shapes::box(2.0 * half)};
     def.dynamic = true;
     def.friction = friction;
     def.collision = {{}};
@@ -103,7 +103,7 @@ TEST_CASE("a block on a slope slides where the slope is steeper than the frictio
 {
     for (const double tangent : {0.49, 0.51}) { // mu = 0.5
         const double angle = std::atan(tangent);
-        const Quat tilt = turnAbout({0, 0, 1}, -angle);
+        const Quat tilt = axisAngle({0, 0, 1}, -angle);
         Stage stage;
         stage.post(physics::SetGravity{{0, -kG, 0}});
         stage.add(floorDef(0.5, tilt));
@@ -198,7 +198,7 @@ double forceOverHertz(int cells)
     Stage stage;
     stage.add(block);
     physics::RigidBodyDef ball{.name = "ball", .elements = {Pose{{0, radius, 0}, {}}}};
-    ball.mesh = shared(ballSurface(radius, 5));
+    ball.mesh = geometry::shapes::sphere(radius, 32);
     ball.collision = block.collision;
     ball.friction = 0.0;
     const BodyId id = stage.add(ball);
@@ -241,7 +241,7 @@ TEST_CASE("contacts and friction come out the same for any number of threads")
         stage.add(floorDef());
         stage.add(softBlock({6, 6, 6}, {0.04, 0.04, 0.04}, {-0.02, 0.0005, -0.02}));
         stage.add(softBlock({3, 3, 3}, {0.02, 0.02, 0.02}, {-0.012, 0.0415, -0.011}));
-        stage.add(rigidBox("box", {0.01, 0.01, 0.01}, {{0.001, 0.074, 0.002}, turnAbout({1, 0.3, 0.2}, 0.3)}));
+        stage.add(rigidBox("box", {0.01, 0.01, 0.01}, {{0.001, 0.074, 0.002}, axisAngle({1, 0.3, 0.2}, 0.3)}));
         stage.run(200, 1e-3);
         hashes.push_back(stage.world.hash());
     }

@@ -1,10 +1,12 @@
 #pragma once
 
 #include "filasofia/frame/attachment.h"
+#include "filasofia/frame/boundary.h"
 #include "filasofia/frame/contact.h"
 #include "filasofia/math/pose.h"
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace filasofia::frame {
@@ -14,6 +16,7 @@ struct SoftBodyFrame {
     BodyId id = {};
     std::vector<Vec3> positions = {};  ///< [m], one per node
     std::vector<Vec3> velocities = {}; ///< [m/s], one per node
+    std::shared_ptr<const Boundary> boundary = {}; ///< of a body with dynamicTopology; none: it is as it was made
 };
 
 /// The state of one rigid body, per element.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/core/body_id.h"
+#include "filasofia/math/vec3.h"
 
 #include <cstdint>
 #include <functional>
@@ -39,6 +40,7 @@ struct StageTimes {
     double contacts = 0.0; ///< finding who touches whom
     double assemble = 0.0; ///< rotations, forces, stiffness
     double advance = 0.0;  ///< the solve, and moving the nodes
+    double topology = 0.0; ///< cuts and tears, and all that follows them
 };
 
 /// How the contacts of a step went.
@@ -48,6 +50,38 @@ struct ContactReport {
     int rounds = 0;           ///< of finding out which, at most [of the groups of bodies that touch]
     double mismatch = 0.0;    ///< [-] forces short of the law, relative to the largest
     double penetration = 0.0; ///< [m], >= 0, the deepest at the start of the step
+};
+
+/// A part of a body that came loose.
+struct LoosePiece {
+    int piece = 0;                  ///< its number from now on: 1, 2, ... within the body; what it came from keeps its own
+    std::vector<int> elements = {}; ///< tetrahedra, ascending
+};
+
+/// What blades or stress opened of a body during a step.
+struct Rupture {
+    enum class Kind { Cut, Tear };
+    Kind kind = Kind::Cut;
+    BodyId body = {};
+    Vec3 place = {};                      ///< [m] the middle of what was opened, as it is now
+    double area = 0.0;                    ///< [m^2] opened, at rest, of one of the two sides
+    int nodes = 0;                        ///< [-] that came
+    int elements = 0;                     ///< [-] that came
+    std::vector<LoosePiece> detached = {}; ///< what came loose by it
+};
+
+/// How edits of meshes went in a step: all bodies, cuts and tears. Nothing is ever half done: what is refused leaves its
+/// body as it was.
+struct TopologyReport {
+    std::vector<Rupture> ruptures = {}; ///< by rising body, cuts before tears
+    int bladeNotFinite = 0;             ///< refused: a blade's place is no number
+    int bladeNoLength = 0;              ///< refused: a blade without any length
+    int bladeJump = 0;                  ///< refused: in one step further than the body is long
+    int edgeGone = 0;                   ///< refused: what was to be cut had been cut meanwhile
+    int tearClosed = 0;                 ///< refused: a tear that would have opened nothing, or left no proper surface
+    int putOff = 0;                     ///< faces that could not be opened yet and are tried again
+    int pending = 0;                    ///< crossings and tears that wait for the next step
+    [[nodiscard]] int refused() const { return bladeNotFinite + bladeNoLength + bladeJump + edgeGone + tearClosed; }
 };
 
 /// How long a step may take. Of all that a step computes it changes only where its solvers stop.
@@ -69,6 +103,7 @@ struct StepReport {
     /// Per soft body, in the order of their ids; then per group of rigid bodies solved among themselves.
     std::vector<BodySolve> solves = {};
     ContactReport contacts = {};
+    TopologyReport topology = {};
     StageTimes times = {};
 
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }

@@ -1,7 +1,7 @@
 #include "filasofia/engine/collision/inset.h"
+#include "filasofia/geometry/shapes.h"
 
 #include "engine/meshes.h"
-#include "engine/shapes.h"
 
 #include "filasofia/geometry/surface.h"
 
@@ -29,7 +29,7 @@ Made inset(const geometry::TriangleMesh& mesh, double depth)
 
 TEST_CASE("every face of a box goes in by the depth, its corners with them")
 {
-    const Made made = inset(boxSurface({0.02, 0.03, 0.01}), 1e-3);
+    const Made made = inset(*geometry::shapes::box(2.0 * Vec3{0.02, 0.03, 0.01}), 1e-3);
     for (std::size_t i = 0; i < made.x.size(); ++i) {
         CHECK(std::abs(made.x[i].x) == Approx(0.019).margin(3e-6)); // a thousandth goes into telling normals apart
         CHECK(std::abs(made.x[i].y) == Approx(0.029).margin(3e-6));
@@ -48,13 +48,13 @@ TEST_CASE("a flat surface of many triangles goes in evenly, and a ball to a smal
             const double expected = was == 0.0 ? 5e-4 : was == 0.04 ? -5e-4 : 0.0;
             CHECK(now - was == Approx(expected).margin(2e-6));
         }
-    const Made ball = inset(ballSurface(0.02, 4), 2e-4);
+    const Made ball = inset(*geometry::shapes::sphere(0.02, 16), 2e-4);
     for (Vec3 p : ball.x) CHECK(length(p) == Approx(0.0198).margin(2e-6));
 }
 
 TEST_CASE("where a body is thin less is taken off, and nothing of a sheet")
 {
-    const Made plate = inset(boxSurface({0.02, 0.0005, 0.02}), 1e-3);
+    const Made plate = inset(*geometry::shapes::box(2.0 * Vec3{0.02, 0.0005, 0.02}), 1e-3);
     for (Vec3 p : plate.x) CHECK(std::abs(p.y) >= 0.5 * 0.0005);
     geometry::TriangleMesh sheet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}};
     const Made open = inset(sheet, 0.1);
@@ -65,7 +65,7 @@ TEST_CASE("where a body is thin less is taken off, and nothing of a sheet")
 TEST_CASE("what goes in turns with the body")
 {
     std::mt19937 random(4);
-    const geometry::TriangleMesh box = boxSurface({0.02, 0.03, 0.01});
+    const geometry::TriangleMesh box = *geometry::shapes::box(2.0 * Vec3{0.02, 0.03, 0.01});
     const Made made = inset(box, 1e-3);
     const Quat turn = randomRotation(random);
     std::vector<Vec3> x, normals;
@@ -76,12 +76,12 @@ TEST_CASE("what goes in turns with the body")
 
 TEST_CASE("needles and triangles without area come out finite")
 {
-    geometry::TriangleMesh needle = ballSurface(1.0, 2);
+    geometry::TriangleMesh needle = *geometry::shapes::sphere(1.0, 4);
     for (Vec3& p : needle.vertices) p = {0.05 * p.x, 1e-4 * p.y, 1e-4 * p.z};
     const Made made = inset(needle, 1e-3);
     for (Vec3 p : made.x) CHECK(isFinite(p));
     for (std::size_t i = 0; i < made.x.size(); ++i) CHECK(distance(made.x[i], needle.vertices[i]) <= 2e-3);
-    geometry::TriangleMesh flat = boxSurface({0.01, 0.01, 0.01});
+    geometry::TriangleMesh flat = *geometry::shapes::box(2.0 * Vec3{0.01, 0.01, 0.01});
     for (Vec3& p : flat.vertices) p.y = 0.0;
     for (Vec3 p : inset(flat, 1e-3).x) CHECK(isFinite(p));
 }

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "filasofia/engine/rigid_step.h"
+#include "filasofia/engine/topology.h"
+
+namespace filasofia::engine {
+
+/// A collision model that cuts, and where its vertices were at the end of the last step.
+struct Blade {
+    SurfaceName name;
+    std::shared_ptr<const CollisionShape> shape;
+    std::vector<std::array<int, 2>> lines; ///< its edges, by vertices
+    std::vector<Vec3> before, now;         ///< [m]
+};
+
+/// What is kept of ruptures from step to step: state, like all that the next step depends on.
+struct Ruptures {
+    std::vector<Blade> blades; ///< ascending
+    Topologies topologies;
+};
+
+/// 5. What blades cut in the step just made, and what tore. Registers it in the topologies' meshes and applies it there:
+/// models and states follow in applyEdits.
+void findRuptures(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
+                  WorkerPool& pool, physics::StepReport& report);
+
+/// 6. The only writer of topology: everything that is kept of a body follows the edits of its mesh.
+void applyEdits(double period, Model& model, State& state, Systems& systems, Ruptures& ruptures,
+                physics::StepReport& report);
+
+} // namespace filasofia::engine

@@ -1,0 +1,93 @@
+#pragma once
+
+#include "filasofia/geometry/shapes.h"
+
+#include "verification/verification.h"
+
+/// Bodies to attach to each other, and what to ask of attachments.
+namespace filasofia::engine {
+
+inline constexpr double kG = 9.81;
+inline constexpr geometry::Box kLeft{{-1, -1, -1}, {1e-6, 1, 1}};
+
+/// A beam from the origin along x.
+inline physics::SoftBodyDef beam(std::array<int, 3> cells, Vec3 size, double x = 0.0)
+{
+    physics::SoftBodyDef def{.name = "beam", .mesh = shared(boxMesh(cells, size))};
+    def.pose.position.x = x;
+    def.material = physics::FemMaterial{.youngModulus = 5e4, .poissonRatio = 0.3};
+    return def;
+}
+
+inline physics::RigidBodyDef rigidBox(const std::string& name, Vec3 half, Vec3 at, bool dynamic = true)
+{
+    physics::RigidBodyDef def{.name = name, .elements = {Pose{at, {}}}, .mesh = geometry::shapes::box(2.0 * half)};
+    def.dynamic = dynamic;
+    return def;
+}
+
+inline double weightOf(const Stage& stage, std::size_t body)
+{
+    double mass = 0.0;
+    for (double each : const_cast<Stage&>(stage).model(body).masses) mass += each;
+    return mass * kG;
+}
+
+inline const frame::Attachment& held(Stage& stage, AttachmentId id)
+{
+    const auto found = std::ranges::find(stage.world.state().held, id, &frame::Attachment::id);
+    REQUIRE(found != stage.world.state().held.end());
+    return *found;
+}
+
+inline Vec3 placeOf(Stage& stage, const AttachedPoint& point, BodyId id)
+{
+    const Model& model = stage.world.model();
+    for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
+        if (model.softBodies[b].id != id) continue;
+        Vec3 sum;
+        for (const NodeWeight& each : point.nodes)
+            sum += each.weight * stage.soft(b).x[static_cast<std::size_t>(each.node)];
+        return sum;
+    }
+    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b)
+        if (model.rigidBodies[b].id == id)
+            return transform(stage.world.state().rigidBodies[b].poses[static_cast<std::size_t>(point.element)],
+                             point.place);
+    return point.place;
+}
+
+/// [m] the farthest that any two points that are to be one are apart.
+inline double worstGap(Stage& stage)
+{
+    double worst = 0.0;
+    for (const Attachment& each : stage.world.state().attachments)
+        for (const auto& pair : each.pairs)
+            worst = std::max(worst, distance(placeOf(stage, pair[0], each.body), placeOf(stage, pair[1], each.to)));
+    return worst;
+}
+
+/// [N], [N m] about the origin: what an attachment does to its body.
+inline Wrench wrenchOf(Stage& stage, AttachmentId id)
+{
+    const State& state = stage.world.state();
+    Wrench sum;
+    for (std::size_t a = 0; a < state.attachments.size(); ++a) {
+        if (state.attachments[a].id != id) continue;
+        for (std::size_t p = 0; p < state.attachments[a].pairs.size(); ++p) {
+            const Vec3 force = state.holding[a][p];
+            sum.force += force;
+            sum.torque += cross(placeOf(stage, state.attachments[a].pairs[p][0], state.attachments[a].body), force);
+        }
+    }
+    return sum;
+}
+
+inline Stage withGravity()
+{
+    Stage stage;
+    stage.post(physics::SetGravity{{0, -kG, 0}});
+    return stage;
+}
+
+} // namespace filasofia::engine
