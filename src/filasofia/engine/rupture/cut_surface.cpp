@@ -92,8 +92,7 @@ private:
             ++report_.snapped;
             if (parameters_.moveNodes && e > 1e-9 && slide(node, toward, e)) relabel(node);
         }
-        std::erase_if(crossings,
-                      [&](const Crossing& c) { return std::min(c.s, 1.0 - c.s) < parameters_.snap; });
+        std::erase_if(crossings, [&](const Crossing& c) { return std::min(c.s, 1.0 - c.s) < parameters_.snap; });
     }
 
     void relabel(int node)

@@ -55,9 +55,9 @@ public:
     [[nodiscard]] const MeshTopology& data() const { return data_; }
     [[nodiscard]] int nodes() const { return static_cast<int>(data_.rest.size()); }
     [[nodiscard]] int tetrahedra() const { return static_cast<int>(data_.tetrahedra.size()); }
-    [[nodiscard]] double meanEdge() const { return meanEdge_; }       ///< [m] h, of the mesh as it was given
-    [[nodiscard]] double diagonal() const { return diagonal_; }       ///< [m] of the box around it, as it was given
-    [[nodiscard]] double startVolume() const { return startVolume_; } ///< [m^3]
+    [[nodiscard]] double meanEdge() const { return meanEdge_; }         ///< [m] h, of the mesh as it was given
+    [[nodiscard]] double diagonal() const { return diagonal_; }         ///< [m] of the box around it, as it was given
+    [[nodiscard]] double startVolume() const { return startVolume_; }   ///< [m^3]
     [[nodiscard]] double reach(int node) const { return reach_[node]; } ///< [m] at rest no edge of it is longer
 
     /// A step was made: what was current is previous.
@@ -127,9 +127,9 @@ private:
 
     std::uint64_t revision_ = 0;
     std::vector<frame::TopologyOp> ops_;
-    std::vector<int> dirty_;                          ///< tetrahedra that changed
-    std::vector<geometry::Tetrahedron> told_;         ///< as the last edit said
-    std::vector<std::uint8_t> toldBoundary_;          ///< faces that were boundary in the last edit
+    std::vector<int> dirty_;                  ///< tetrahedra that changed
+    std::vector<geometry::Tetrahedron> told_; ///< as the last edit said
+    std::vector<std::uint8_t> toldBoundary_;  ///< faces that were boundary in the last edit
 };
 
 } // namespace filasofia::engine
