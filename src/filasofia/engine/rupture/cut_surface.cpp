@@ -67,7 +67,10 @@ private:
                     continue;
                 guide = n;
             }
-        if (guide >= 0 && dot(data_.labels[guide].normal, normal) < 0.0) normal = -normal;
+        // Where there is none yet, by the sheet's newest label anywhere: the two jaws of scissors come from two sides.
+        const Vec3 up = guide >= 0 ? data_.labels[guide].normal : mesh_.sheetNormal(sheet_);
+        if (dot(up, normal) < 0.0) normal = -normal;
+        mesh_.setSheetNormal(sheet_, normal);
         mesh_.setLabel(node, {sheet_, mesh_.nextSequence(), point, normal});
         fresh_.push_back(node);
     }

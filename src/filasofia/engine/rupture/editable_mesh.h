@@ -98,7 +98,10 @@ public:
     void setSide(int tetrahedron, int side) { data_.sides[tetrahedron] = side; }
     void setLabel(int node, const CutLabel& label) { data_.labels[node] = label; }
     int nextSequence() { return ++sequence_; }
-    int newSheet() { return ++sheets_; } ///< an id for a new cut surface
+    /// An id for a new cut surface: 1, 2, ...
+    int newSheet() { return sheetNormals_.emplace_back(), static_cast<int>(sheetNormals_.size()); }
+    [[nodiscard]] Vec3 sheetNormal(int sheet) const { return sheetNormals_[sheet - 1]; } ///< of its newest label
+    void setSheetNormal(int sheet, Vec3 normal) { sheetNormals_[sheet - 1] = normal; }
 
     [[nodiscard]] bool edited() const { return !ops_.empty() || !dirty_.empty(); }
     /// All that happened since the last call.
@@ -118,7 +121,8 @@ private:
     MeshTopology data_;
     double meanEdge_ = 0.0, diagonal_ = 0.0, startVolume_ = 0.0, lastMotion_ = 0.0, volumeMoved_ = 0.0;
     std::vector<double> reach_;
-    int sequence_ = 0, sheets_ = 0;
+    int sequence_ = 0;
+    std::vector<Vec3> sheetNormals_;
 
     std::vector<SplitUndo> splits_;
     std::vector<Copy> copies_;
