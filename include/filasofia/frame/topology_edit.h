@@ -36,8 +36,8 @@ struct TetSplit {
     friend bool operator==(const TetSplit&, const TetSplit&) = default;
 };
 
-/// A node slid along an edge of the mesh, at rest and as it is now: whatever is linear along the edge becomes (1 - s) of
-/// the node's plus s of toward's. Points embedded in the elements around it move along, by less than the node does.
+/// A node slid along an edge of the mesh, at rest and as it is now: whatever is linear along the edge becomes (1 - s)
+/// of the node's plus s of toward's. Points embedded in the elements around it move along, by less than the node does.
 struct NodeMove {
     int node = 0;
     int toward = 0;

@@ -54,7 +54,12 @@ TEST_CASE("the checker finds every corruption that is planted, and calls it by i
     plant("bad index", [&](MeshTopology& m) { m.labels.pop_back(); });
     plant("not finite", [&](MeshTopology& m) { m.current[3].y = std::numeric_limits<double>::quiet_NaN(); });
     plant("not positive", [&](MeshTopology& m) { std::swap(m.tetrahedra[inside][0], m.tetrahedra[inside][1]); });
-    plant("overlap", [&](MeshTopology& m) { std::swap(m.tetrahedra[inside][0], m.tetrahedra[inside][1]); });
+    plant("overlap", [&](MeshTopology& m) { // a corner on the wrong side of the face opposite
+        const auto& n = m.tetrahedra[inside];
+        const Vec3 middle =
+            (1.0 / 3.0) * (m.rest[n[(face + 1) % 4]] + m.rest[n[(face + 2) % 4]] + m.rest[n[(face + 3) % 4]]);
+        m.rest[n[face]] = middle + 0.5 * (middle - m.rest[n[face]]);
+    });
     plant("bad quality", [&](MeshTopology& m) {
         const auto& n = m.tetrahedra[inside];
         m.rest[n[0]] = (1.0 / 3.0) * (m.rest[n[1]] + m.rest[n[2]] + m.rest[n[3]]);

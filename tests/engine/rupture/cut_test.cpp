@@ -78,9 +78,9 @@ TEST_CASE("scissors whose jaws close from both sides cut the bar through")
                                                 BladeSegment{now[1][0], now[1][1], before[1][0], before[1][1]}};
         report += stroke.step(mesh, blade, {});
     }
-    // closed: they pass each other a little
+    // closed: one passes the other
     const std::array<BladeSegment, 1> last{
-        BladeSegment{{0.001, -0.002, -0.012}, {0.001, -0.006, 0.012}, {0.001, 0.004, -0.012}, {0.001, -0.001, 0.012}}};
+        BladeSegment{{0.001, -0.005, -0.012}, {0.001, -0.006, 0.012}, {0.001, 0.004, -0.012}, {0.001, -0.001, 0.012}}};
     report += stroke.step(mesh, last, {});
     finish(mesh, stroke, report);
     CHECK(faultsOf(mesh) == "");
@@ -135,7 +135,7 @@ TEST_CASE("what is more than a step may add waits for the next, and nothing is h
     const CutParameters few{.maxNewTetrahedra = 30};
     EditableMesh mesh = bar();
     BladeStroke stroke(mesh.newSheet());
-    RuptureReport report = sweep(mesh, stroke, {0.0013, 0.02, -0.03}, {0.0013, 0.02, 0.03}, {0, -0.04, 0}, 1, few);
+    RuptureReport report = sweep(mesh, stroke, {0.0023, 0.02, -0.03}, {0.0023, 0.02, 0.03}, {0, -0.04, 0}, 1, few);
     CHECK(report.pending > 0);
     CHECK(faultsOf(mesh) == "");
     int more = 0;
@@ -169,7 +169,7 @@ TEST_CASE("whoever sees only the edits knows elements, boundary, positions and e
     std::vector<Vec3> places;
     for (const auto& p : points) places.push_back(at(p));
     int edits = 0;
-    for (int cut = 0; cut < 60; ++cut) {
+    for (int cut = 0; cut < 150; ++cut) {
         BladeStroke stroke(mesh.newSheet());
         const Vec3 start{uniform(-0.02, 0.02), uniform(-0.01, 0.01), uniform(-0.01, 0.01)};
         const Vec3 d = normalized({uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)});
@@ -190,7 +190,7 @@ TEST_CASE("whoever sees only the edits knows elements, boundary, positions and e
         CHECK(checkMirror(mesh.data(), mirror, positions).empty());
         CHECK(faultsOf(mesh) == "");
     }
-    CHECK(edits > 1000);
+    CHECK(edits > 2000);
     for (std::size_t i = 0; i < points.size(); ++i) {
         CHECK(distance(at(points[i]), places[i]) < 1e-14 * mesh.diagonal());
         CHECK(std::ranges::min(points[i].weights) >= 0.0);

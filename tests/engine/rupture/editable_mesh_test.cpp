@@ -157,7 +157,8 @@ TEST_CASE("a transaction that is rolled back leaves the same bits")
     for (int round = 0; round < 50; ++round) {
         std::vector<int> nodes;
         for (int i = 0; i < 200; ++i) {
-            const int t = static_cast<int>(random() % mesh.data().tetrahedra.size()), f = static_cast<int>(random() % 4);
+            const int t = static_cast<int>(random() % mesh.data().tetrahedra.size()),
+                      f = static_cast<int>(random() % 4);
             mesh.setFlagged(t, f, random() % 2 == 0);
             nodes.push_back(mesh.data().tetrahedra[t][(f + 1) % 4]);
         }

@@ -26,8 +26,7 @@ inline double worstQuality(const MeshTopology& mesh)
 inline std::string faultsOf(const EditableMesh& mesh, double quality = 0.15)
 {
     std::string all;
-    for (const TopologyViolation& v :
-         checkTopology(mesh.data(), {.quality = quality, .volume = mesh.startVolume()}))
+    for (const TopologyViolation& v : checkTopology(mesh.data(), {.quality = quality, .volume = mesh.startVolume()}))
         all += std::string(name(v.fault)) + ": " + v.where + "; ";
     return all;
 }

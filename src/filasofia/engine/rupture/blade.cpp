@@ -192,8 +192,8 @@ void CrossingFinder::learnDirections(const EditableMesh& mesh, std::span<const B
 {
     Vec3 tissue;
     for (auto [a, b] : edges_)
-        tissue += 0.5 * (mesh.data().current[a] - mesh.data().previous[a] + mesh.data().current[b] -
-                         mesh.data().previous[b]);
+        tissue +=
+            0.5 * (mesh.data().current[a] - mesh.data().previous[a] + mesh.data().current[b] - mesh.data().previous[b]);
     if (!edges_.empty()) tissue = tissue / static_cast<double>(edges_.size());
     if (directions_.size() != blade.size()) directions_.assign(blade.size(), {});
     for (std::size_t i = 0; i < blade.size(); ++i) {

@@ -8,8 +8,8 @@
 
 namespace filasofia::engine {
 
-/// A straight piece of a blade, where it is and where it was a step ago. A blade is any number of them: a line, a strip,
-/// the two jaws of scissors.
+/// A straight piece of a blade, where it is and where it was a step ago. A blade is any number of them: a line, a
+/// strip, the two jaws of scissors.
 struct BladeSegment {
     Vec3 from = {};       ///< [m]
     Vec3 to = {};         ///< [m]
@@ -21,13 +21,13 @@ struct BladeSegment {
 /// passed over where others have some.
 std::optional<RuptureRefusal> refusalOf(std::span<const BladeSegment> blade, double diagonal);
 
-/// Finds the edges that a blade goes through. Keeps a list of those near it, renewed when blade and tissue have moved by
-/// as much as the list reaches, so that a step looks at a few hundred edges.
+/// Finds the edges that a blade goes through. Keeps a list of those near it, renewed when blade and tissue have moved
+/// by as much as the list reaches, so that a step looks at a few hundred edges.
 class CrossingFinder {
 public:
     /// Crossings of this step, at most one per edge. A crossing is where the volume spanned by edge and segment changes
-    /// its sign between the step's start and its end (zero counts as positive), so that adjacent segments and steps leave no
-    /// gap; large steps are looked at in parts.
+    /// its sign between the step's start and its end (zero counts as positive), so that adjacent segments and steps
+    /// leave no gap; large steps are looked at in parts.
     void find(const EditableMesh& mesh, std::span<const BladeSegment> blade, std::vector<Crossing>& crossings);
     /// The mesh was edited along these crossings: the edges of its new nodes come in.
     void addEdgesOfNewNodes(const EditableMesh& mesh);
@@ -37,11 +37,11 @@ private:
     void refresh(const EditableMesh& mesh, std::span<const BladeSegment> blade, double motion);
     void learnDirections(const EditableMesh& mesh, std::span<const BladeSegment> blade);
 
-    std::vector<Edge> edges_;          ///< ascending
-    double margin_ = 0.0;              ///< [m] what the list reaches
-    double left_ = -1.0;               ///< [m] of it; negative: to be renewed
-    int nodes_ = 0, tetrahedra_ = 0;   ///< of the mesh, when the list was right
-    std::vector<Vec3> directions_;     ///< [m] per segment: the way it went of late, as a line without sign
+    std::vector<Edge> edges_;        ///< ascending
+    double margin_ = 0.0;            ///< [m] what the list reaches
+    double left_ = -1.0;             ///< [m] of it; negative: to be renewed
+    int nodes_ = 0, tetrahedra_ = 0; ///< of the mesh, when the list was right
+    std::vector<Vec3> directions_;   ///< [m] per segment: the way it went of late, as a line without sign
 };
 
 } // namespace filasofia::engine

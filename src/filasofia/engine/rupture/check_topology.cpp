@@ -232,11 +232,10 @@ private:
 
 const char* name(TopologyFault fault)
 {
-    constexpr const char* kNames[] = {"bad index",     "not finite",      "not positive",  "bad quality",
-                                      "volume",        "shared face",     "overlap",       "adjacency",
-                                      "masks",         "boundary edge",   "orphan",        "node list",
-                                      "node fan",      "boundary vertex", "mirror elements", "mirror boundary",
-                                      "mirror positions"};
+    constexpr const char* kNames[] = {
+        "bad index", "not finite",      "not positive",    "bad quality",     "volume",          "shared face",
+        "overlap",   "adjacency",       "masks",           "boundary edge",   "orphan",          "node list",
+        "node fan",  "boundary vertex", "mirror elements", "mirror boundary", "mirror positions"};
     static_assert(std::size(kNames) == static_cast<std::size_t>(TopologyFault::count_));
     return kNames[static_cast<int>(fault)];
 }

@@ -67,7 +67,10 @@ private:
                     continue;
                 guide = n;
             }
-        if (guide >= 0 && dot(data_.labels[guide].normal, normal) < 0.0) normal = -normal;
+        // Where there is none yet, by the sheet's newest label anywhere: the two jaws of scissors come from two sides.
+        const Vec3 up = guide >= 0 ? data_.labels[guide].normal : mesh_.sheetNormal(sheet_);
+        if (dot(up, normal) < 0.0) normal = -normal;
+        mesh_.setSheetNormal(sheet_, normal);
         mesh_.setLabel(node, {sheet_, mesh_.nextSequence(), point, normal});
         fresh_.push_back(node);
     }
@@ -92,8 +95,7 @@ private:
             ++report_.snapped;
             if (parameters_.moveNodes && e > 1e-9 && slide(node, toward, e)) relabel(node);
         }
-        std::erase_if(crossings,
-                      [&](const Crossing& c) { return std::min(c.s, 1.0 - c.s) < parameters_.snap; });
+        std::erase_if(crossings, [&](const Crossing& c) { return std::min(c.s, 1.0 - c.s) < parameters_.snap; });
     }
 
     void relabel(int node)

@@ -216,8 +216,8 @@ int EditableMesh::bisect(int a, int b, double s)
         ops_.emplace_back(frame::TetSplit{parent, child, ia, ib, middle, s});
     }
     // The others' reach stands: their new edges are no longer than the longer of two that they had.
-    reach_[middle] = std::max({reach_[middle], distance(data_.rest[middle], data_.rest[a]),
-                               distance(data_.rest[middle], data_.rest[b])});
+    reach_[middle] = std::max(
+        {reach_[middle], distance(data_.rest[middle], data_.rest[a]), distance(data_.rest[middle], data_.rest[b])});
     return middle;
 }
 

@@ -55,9 +55,9 @@ public:
     [[nodiscard]] const MeshTopology& data() const { return data_; }
     [[nodiscard]] int nodes() const { return static_cast<int>(data_.rest.size()); }
     [[nodiscard]] int tetrahedra() const { return static_cast<int>(data_.tetrahedra.size()); }
-    [[nodiscard]] double meanEdge() const { return meanEdge_; }       ///< [m] h, of the mesh as it was given
-    [[nodiscard]] double diagonal() const { return diagonal_; }       ///< [m] of the box around it, as it was given
-    [[nodiscard]] double startVolume() const { return startVolume_; } ///< [m^3]
+    [[nodiscard]] double meanEdge() const { return meanEdge_; }         ///< [m] h, of the mesh as it was given
+    [[nodiscard]] double diagonal() const { return diagonal_; }         ///< [m] of the box around it, as it was given
+    [[nodiscard]] double startVolume() const { return startVolume_; }   ///< [m^3]
     [[nodiscard]] double reach(int node) const { return reach_[node]; } ///< [m] at rest no edge of it is longer
 
     /// A step was made: what was current is previous.
@@ -98,7 +98,10 @@ public:
     void setSide(int tetrahedron, int side) { data_.sides[tetrahedron] = side; }
     void setLabel(int node, const CutLabel& label) { data_.labels[node] = label; }
     int nextSequence() { return ++sequence_; }
-    int newSheet() { return ++sheets_; } ///< an id for a new cut surface
+    /// An id for a new cut surface: 1, 2, ...
+    int newSheet() { return sheetNormals_.emplace_back(), static_cast<int>(sheetNormals_.size()); }
+    [[nodiscard]] Vec3 sheetNormal(int sheet) const { return sheetNormals_[sheet - 1]; } ///< of its newest label
+    void setSheetNormal(int sheet, Vec3 normal) { sheetNormals_[sheet - 1] = normal; }
 
     [[nodiscard]] bool edited() const { return !ops_.empty() || !dirty_.empty(); }
     /// All that happened since the last call.
@@ -118,7 +121,8 @@ private:
     MeshTopology data_;
     double meanEdge_ = 0.0, diagonal_ = 0.0, startVolume_ = 0.0, lastMotion_ = 0.0, volumeMoved_ = 0.0;
     std::vector<double> reach_;
-    int sequence_ = 0, sheets_ = 0;
+    int sequence_ = 0;
+    std::vector<Vec3> sheetNormals_;
 
     std::vector<SplitUndo> splits_;
     std::vector<Copy> copies_;
@@ -127,9 +131,9 @@ private:
 
     std::uint64_t revision_ = 0;
     std::vector<frame::TopologyOp> ops_;
-    std::vector<int> dirty_;                          ///< tetrahedra that changed
-    std::vector<geometry::Tetrahedron> told_;         ///< as the last edit said
-    std::vector<std::uint8_t> toldBoundary_;          ///< faces that were boundary in the last edit
+    std::vector<int> dirty_;                  ///< tetrahedra that changed
+    std::vector<geometry::Tetrahedron> told_; ///< as the last edit said
+    std::vector<std::uint8_t> toldBoundary_;  ///< faces that were boundary in the last edit
 };
 
 } // namespace filasofia::engine

@@ -175,8 +175,8 @@ private:
             const CutLabel &la = data_.labels[a], &lb = data_.labels[b];
             CutLabel label;
             if (la.sheet != 0 && lb.sheet != 0)
-                label = {std::min(la.sheet, lb.sheet), std::max(la.sequence, lb.sequence),
-                         0.5 * (la.point + lb.point), normalized(la.normal + lb.normal)};
+                label = {std::min(la.sheet, lb.sheet), std::max(la.sequence, lb.sequence), 0.5 * (la.point + lb.point),
+                         normalized(la.normal + lb.normal)};
             const int middle = mesh_.bisect(a, b, 0.5);
             mesh_.setLabel(middle, label);
             candidates_.push_back(middle);
@@ -310,8 +310,8 @@ std::vector<FaceLoop> boundaryLoops(const MeshTopology& mesh, int node)
             loops[loop].push_back(at.side);
             for (int i = 0; i < static_cast<int>(faces.size()); ++i) {
                 const Edge& l = faces[i].link;
-                if (faces[i].loop >= 0 || (l[0] != at.link[0] && l[0] != at.link[1] && l[1] != at.link[0] &&
-                                           l[1] != at.link[1]))
+                if (faces[i].loop >= 0 ||
+                    (l[0] != at.link[0] && l[0] != at.link[1] && l[1] != at.link[0] && l[1] != at.link[1]))
                     continue;
                 faces[i].loop = loop;
                 stack.push_back(i);

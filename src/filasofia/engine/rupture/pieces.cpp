@@ -26,7 +26,11 @@ std::vector<int> connectedParts(const MeshTopology& mesh, int& count)
     return part;
 }
 
-Pieces::Pieces(const MeshTopology& mesh) : ids_(connectedParts(mesh, count_)) { next_ = count_; }
+Pieces::Pieces(const MeshTopology& mesh)
+{
+    ids_ = connectedParts(mesh, count_);
+    next_ = count_;
+}
 
 std::vector<DetachedPiece> Pieces::update(const MeshTopology& mesh)
 {

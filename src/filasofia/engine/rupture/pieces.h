@@ -14,8 +14,8 @@ struct DetachedPiece {
 };
 
 /// The pieces that a body has fallen into. Each keeps its id: where one falls apart, the largest part by volume at rest
-/// keeps the id (of equals the one with the lowest element), and the others get new ones. The whole begins as 0, and what is in several pieces from
-/// the start counts from there by its lowest elements.
+/// keeps the id (of equals the one with the lowest element), and the others get new ones. The whole begins as 0, and
+/// what is in several pieces from the start counts from there by its lowest elements.
 class Pieces {
 public:
     explicit Pieces(const MeshTopology& mesh);

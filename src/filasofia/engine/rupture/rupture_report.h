@@ -25,24 +25,24 @@ constexpr const char* name(RuptureRefusal refusal)
 struct RuptureReport {
     long refused[kRuptureRefusals] = {}; ///< per reason
     // cutting
-    long crossings = 0;     ///< of an edge and a blade
-    long snapped = 0;       ///< crossings taken to a node nearby
-    long snappedGuard = 0;  ///< crossings taken to a node because bisecting would have left bad elements
-    long moves = 0;         ///< nodes slid onto the surface
-    long bisections = 0;    ///< of edges, on the surface
-    long pending = 0;       ///< crossings that wait for the next step, at the end of this one
+    long crossings = 0;    ///< of an edge and a blade
+    long snapped = 0;      ///< crossings taken to a node nearby
+    long snappedGuard = 0; ///< crossings taken to a node because bisecting would have left bad elements
+    long moves = 0;        ///< nodes slid onto the surface
+    long bisections = 0;   ///< of edges, on the surface
+    long pending = 0;      ///< crossings that wait for the next step, at the end of this one
     // opening
     long flagged = 0;       ///< faces
     long edits = 0;         ///< transactions
     long repairedEdits = 0; ///< transactions that needed repair
     long repairRounds = 0;
     long repairBisections = 0;
-    long repairFlips = 0;   ///< cones that changed their side
+    long repairFlips = 0;    ///< cones that changed their side
     long repairDeferred = 0; ///< faces put off
-    long flakes = 0;        ///< elements that would have come loose alone, and changed their side
-    long givenUp = 0;       ///< transactions that could not be repaired: their faces stay closed
+    long flakes = 0;         ///< elements that would have come loose alone, and changed their side
+    long givenUp = 0;        ///< transactions that could not be repaired: their faces stay closed
     long openedFaces = 0;
-    long copies = 0;        ///< of nodes
+    long copies = 0;         ///< of nodes
     double openedArea = 0.0; ///< [m^2] at rest, of one of the two sides
     Vec3 openedMoment;       ///< [m^3] the sum of area times place, as it is now: over openedArea, where it happened
 
