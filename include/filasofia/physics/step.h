@@ -54,7 +54,7 @@ struct ContactReport {
 
 /// A part of a body that came loose.
 struct LoosePiece {
-    int piece = 0;                  ///< its number from now on: 1, 2, ... within the body; what it came from keeps its own
+    int piece = 0; ///< its number from now on: 1, 2, ... within the body; what it came from keeps its own
     std::vector<int> elements = {}; ///< tetrahedra, ascending
 };
 
@@ -63,15 +63,15 @@ struct Rupture {
     enum class Kind { Cut, Tear };
     Kind kind = Kind::Cut;
     BodyId body = {};
-    Vec3 place = {};                      ///< [m] the middle of what was opened, as it is now
-    double area = 0.0;                    ///< [m^2] opened, at rest, of one of the two sides
-    int nodes = 0;                        ///< [-] that came
-    int elements = 0;                     ///< [-] that came
+    Vec3 place = {};                       ///< [m] the middle of what was opened, as it is now
+    double area = 0.0;                     ///< [m^2] opened, at rest, of one of the two sides
+    int nodes = 0;                         ///< [-] that came
+    int elements = 0;                      ///< [-] that came
     std::vector<LoosePiece> detached = {}; ///< what came loose by it
 };
 
-/// How edits of meshes went in a step: all bodies, cuts and tears. Nothing is ever half done: what is refused leaves its
-/// body as it was.
+/// How edits of meshes went in a step: all bodies, cuts and tears. Nothing is ever half done: what is refused leaves
+/// its body as it was.
 struct TopologyReport {
     std::vector<Rupture> ruptures = {}; ///< by rising body, cuts before tears
     int bladeNotFinite = 0;             ///< refused: a blade's place is no number

@@ -36,6 +36,7 @@ struct Apply {
     Model& model;
     State& state;
     Systems& systems;
+    Topologies& topologies;
     physics::StepReport& report;
 
     void operator()(physics::AddBody& add) const
@@ -45,6 +46,7 @@ struct Apply {
             model.softBodies.push_back(std::move(soft->model));
             state.softBodies.push_back(std::move(soft->state));
             systems.push_back(std::move(soft->system));
+            topologies.push_back(std::move(soft->topology));
         } else {
             auto& rigid = dynamic_cast<BuiltRigidBody&>(*add.body);
             rigid.model.id = add.id;
@@ -71,6 +73,7 @@ struct Apply {
             eraseAt(model.softBodies, index);
             eraseAt(state.softBodies, index);
             eraseAt(systems, index);
+            eraseAt(topologies, index);
         } else {
             const std::size_t index = indexOf(model.rigidBodies, remove.id);
             eraseAt(model.rigidBodies, index);
@@ -137,6 +140,7 @@ struct Apply {
     }
     void operator()(const physics::Reset&) const
     {
+        for (std::size_t b = 0; b < model.softBodies.size(); ++b) makeWhole(b);
         for (std::size_t b = 0; b < model.softBodies.size(); ++b) { // positions and motion; what was given stays given
             SoftState fresh = stateAtRest(model.softBodies[b]);
             fresh.forces = std::move(state.softBodies[b].forces);
@@ -176,6 +180,43 @@ struct Apply {
     }
 
 private:
+    /// A body that was cut or torn is what it was before; attachments made meanwhile are gone with the nodes they held.
+    void makeWhole(std::size_t b) const
+    {
+        BodyTopology& topology = topologies[b];
+        topology.strokes.clear();
+        if (!topology.boundary || topology.boundary->revision == 0) return;
+        SoftModel whole = *topology.start;
+        whole.id = model.softBodies[b].id;
+        const std::size_t nodes = whole.rest.size();
+        for (std::size_t m = 0; m < whole.collision.size(); ++m) forgetSurface({whole.id, static_cast<int>(m)}, state);
+        for (std::size_t side : {0, 1}) putBackAttachments(topology, whole, side);
+        model.softBodies[b] = std::move(whole);
+        state.softBodies[b].forces.resize(nodes);
+        topology = makeTopology(model.softBodies[b]);
+        remakeSystem(b, true);
+    }
+
+    /// Points at which a body that is whole again is held (side 0) or holds (side 1): those of before the first edit
+    /// are where they were; attachments made since that held nodes which are no more are gone.
+    void putBackAttachments(const BodyTopology& topology, const SoftModel& whole, std::size_t side) const
+    {
+        const auto lost = [&](const NodeWeight& each) {
+            return static_cast<std::size_t>(each.node) >= whole.rest.size();
+        };
+        for (std::size_t a = state.attachments.size(); a-- > 0;) {
+            Attachment& each = state.attachments[a];
+            if ((side == 0 ? each.body : each.to) != whole.id) continue;
+            const auto before = std::ranges::find(topology.startAttachments, each.id, &Attachment::id);
+            bool gone = false;
+            for (std::size_t p = 0; p < each.pairs.size(); ++p) {
+                if (before != topology.startAttachments.end()) each.pairs[p][side] = before->pairs[p][side];
+                gone = gone || std::ranges::any_of(each.pairs[p][side].nodes, lost);
+            }
+            if (gone) release(each.id, state);
+        }
+    }
+
     /// Those of a body that has just come: pins are in it already, and are told their names.
     void addAttachments(const physics::AddBody& add) const
     {
@@ -249,9 +290,9 @@ private:
 } // namespace
 
 void applyCommands(std::span<physics::Command> commands, double period, physics::PhysicsEngine& self, Model& model,
-                   State& state, Systems& systems, physics::StepReport& report)
+                   State& state, Systems& systems, Topologies& topologies, physics::StepReport& report)
 {
-    const Apply apply{period, self, model, state, systems, report};
+    const Apply apply{period, self, model, state, systems, topologies, report};
     for (physics::Command& command : commands) std::visit(apply, command);
 }
 

@@ -234,6 +234,7 @@ BodyTopology makeTopology(const SoftModel& model)
     geometry::TetMesh mesh{model.rest, model.tetrahedra};
     for (const FemElement& element : model.elements) mesh.tetrahedra.push_back(element.nodes);
     topology.mesh = std::make_unique<EditableMesh>(mesh);
+    topology.pieces.emplace(topology.mesh->data());
     topology.start = std::make_shared<const SoftModel>(model);
 
     std::map<geometry::Triangle, std::array<int, 2>> faces; // by nodes, ascending

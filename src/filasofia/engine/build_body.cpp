@@ -109,6 +109,7 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     setForces(def.forces, built->state);
     check(model, built->state);
     built->system = makeSystem(model, period);
+    built->topology = makeTopology(model);
     return built;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/engine/soft_system.h"
+#include "filasofia/engine/topology.h"
 #include "filasofia/physics/commands.h"
 
 namespace filasofia::engine {
@@ -9,6 +9,7 @@ struct BuiltSoftBody final : physics::BuiltBody {
     SoftModel model;
     SoftState state;
     SoftSystem system;
+    BodyTopology topology;
     [[nodiscard]] int nodeCount() const override { return static_cast<int>(model.rest.size()); }
 };
 

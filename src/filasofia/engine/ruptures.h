@@ -19,8 +19,8 @@ struct Ruptures {
     Topologies topologies;
 };
 
-/// 5. What blades cut in the step just made, and what tore. Registers it in the topologies' meshes and applies it there:
-/// models and states follow in applyEdits.
+/// 5. What blades cut in the step just made, and what tore. Registers it in the topologies' meshes and applies it
+/// there: models and states follow in applyEdits.
 void findRuptures(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
                   WorkerPool& pool, physics::StepReport& report);
 

@@ -25,6 +25,8 @@ struct SoftSystem {
     std::vector<Vec3> x, v, dv, leftover; ///< the new state, until it is known to be finite
 };
 
+using Systems = std::vector<SoftSystem>; ///< one per soft body, in the model's order
+
 /// A spring on every edge of the model's tetrahedra, all like the first that there was.
 void makeSprings(SoftModel& model);
 

@@ -1,16 +1,15 @@
 #pragma once
 
 #include "filasofia/engine/coupling.h"
+#include "filasofia/engine/topology.h"
 #include "filasofia/physics/physics_engine.h"
 
 /// The stages of World::step. Each reads what comes first and writes what comes last; World::step only calls them.
 namespace filasofia::engine {
 
-using Systems = std::vector<SoftSystem>; ///< one per soft body, in the model's order
-
 /// 1. What the outside asked for. `period` [s]: the step that solvers of changed bodies prepare for.
 void applyCommands(std::span<physics::Command> commands, double period, physics::PhysicsEngine& self, Model& model,
-                   State& state, Systems& systems, physics::StepReport& report);
+                   State& state, Systems& systems, Topologies& topologies, physics::StepReport& report);
 
 /// 2. Who touches whom, who holds whom: the links between bodies, with the impulses of the last step. Plans how rigid
 /// bodies would move by themselves.

@@ -1,10 +1,21 @@
 #pragma once
 
-#include "filasofia/engine/rupture/editable_mesh.h"
+#include "filasofia/engine/rupture/cut.h"
+#include "filasofia/engine/rupture/pieces.h"
 #include "filasofia/engine/soft_system.h"
 #include "filasofia/frame/boundary.h"
 
 namespace filasofia::engine {
+
+/// A blade on its way through a body.
+struct Stroke {
+    SurfaceName blade;
+    BladeStroke stroke;
+    bool hasCut = false;
+    double sinceCrossing = 0.0; ///< [m] that the blade went since it met an edge
+    bool leaving = false;       ///< what waits is done, then it is over
+    bool over = false;
+};
 
 /// What a body that may be cut is besides its model: the mesh as edits know it, and what follows it triangle by
 /// triangle. Elements have the same numbers there and in the model.
@@ -13,7 +24,12 @@ struct BodyTopology {
     std::vector<std::array<int, 4>> boundaryPlaces;  ///< per element and face, in the boundary; -1: inside
     std::vector<std::array<int, 2>> boundaryFaces;   ///< per triangle of the boundary: its element and face
     std::shared_ptr<const frame::Boundary> boundary; ///< as everyone outside sees it
-    std::shared_ptr<const SoftModel> start;          ///< what it was before the first edit
+    std::optional<Pieces> pieces;
+    std::vector<Stroke> strokes;
+    bool followed = false;                    ///< the mesh moved with the body in the last step
+    RuptureReport cut, torn;                  ///< of the step: what it opened
+    std::vector<Attachment> startAttachments; ///< what held it then
+    std::shared_ptr<const SoftModel> start;   ///< what it was before the first edit
 };
 using Topologies = std::vector<BodyTopology>; ///< one per soft body, in the model's order
 

@@ -83,6 +83,22 @@ void addAttachments(Hasher& hash, const State& state)
     }
 }
 
+/// A mesh that was edited; one that was not leaves the hash as it was.
+void add(Hasher& hash, const BodyTopology& topology, const SoftModel& model)
+{
+    if (!topology.boundary || topology.boundary->revision == 0) return;
+    hash.add(topology.boundary->revision);
+    for (const Vec3& v : model.rest) add(hash, v);
+    for (const geometry::Tetrahedron& nodes : topology.mesh->data().tetrahedra)
+        for (int node : nodes) hash.add(static_cast<std::uint64_t>(node));
+    for (const CutLabel& label : topology.mesh->data().labels) {
+        if (label.sheet == 0) continue;
+        hash.add(static_cast<std::uint64_t>(label.sheet));
+        add(hash, label.point);
+        add(hash, label.normal);
+    }
+}
+
 /// Times the stages of a step with the clock that the step was given.
 class StopWatch {
 public:
@@ -117,7 +133,8 @@ physics::StepReport World::step(const physics::StepInput& in)
 {
     physics::StepReport report{.dt = in.dt, .flags = in.flags};
     StopWatch watch(in.budget);
-    applyCommands(in.commands, period_, *this, model_, state_, systems_, report); // 1 what the outside asked for
+    applyCommands(in.commands, period_, *this, model_, state_, systems_, ruptures_.topologies,
+                  report); // 1 what the outside asked for
     report.times.commands = watch.lap();
     findContacts(model_, in.dt, contact_, state_, coupling_, *pool_); // 2 who touches whom
     linkAttachments(in.dt, model_, state_, coupling_, report);        //   who holds whom
@@ -129,6 +146,9 @@ physics::StepReport World::step(const physics::StepInput& in)
     keepContacts(in.dt, coupling_, state_, report); // what they did to each other
     keepAttachments(in.dt, coupling_, systems_, model_, state_);
     report.times.advance = watch.lap();
+    findRuptures(model_, in.dt, coupling_.rigid, state_, ruptures_, *pool_, report); // 5 what was cut, what tore
+    applyEdits(period_, model_, state_, systems_, ruptures_, report);                // 6 the only writer of topology
+    report.times.topology = watch.lap();
     return report;
 }
 
@@ -141,6 +161,7 @@ void World::capture(frame::Frame& out) const
         out.softBodies[b].id = model_.softBodies[b].id;
         out.softBodies[b].positions = state_.softBodies[b].x;
         out.softBodies[b].velocities = state_.softBodies[b].v;
+        out.softBodies[b].boundary = ruptures_.topologies[b].boundary;
     }
     out.contacts = state_.touching;
     out.attachments = state_.held;
@@ -176,6 +197,7 @@ std::uint64_t World::hash() const
                 for (float each : *list) hash.add(static_cast<double>(each));
         hash.add(body.pressure);
     }
+    for (std::size_t b = 0; b < model_.softBodies.size(); ++b) add(hash, ruptures_.topologies[b], model_.softBodies[b]);
     for (std::size_t b = 0; b < model_.rigidBodies.size(); ++b) {
         const RigidState& body = state_.rigidBodies[b];
         for (const Pose& pose : body.poses) add(hash, pose);

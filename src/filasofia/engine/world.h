@@ -2,6 +2,7 @@
 
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/native_engine.h"
+#include "filasofia/engine/ruptures.h"
 #include "filasofia/engine/stages.h"
 
 namespace filasofia::engine {
@@ -26,6 +27,7 @@ private:
     Model model_;
     State state_;
     Systems systems_;
+    Ruptures ruptures_;
     Coupling coupling_; ///< of the step being made, and memory that is kept
 };
 

@@ -1,0 +1,215 @@
+#include "filasofia/engine/ruptures.h"
+
+#include "filasofia/engine/contact_memory.h"
+#include "filasofia/engine/follow_edit.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+using physics::Rupture;
+
+/// The edges of a blade that cut: those of one triangle or none, and where a mesh has no such (it is closed) those
+/// where it is sharper than a right angle, or, where it is blunt all over, all.
+std::vector<std::array<int, 2>> linesOf(const CollisionShape& shape)
+{
+    const auto normalOf = [&](int triangle) {
+        const auto [a, b, c] = shape.triangles[static_cast<std::size_t>(triangle)];
+        const auto at = [&](int vertex) { return shape.rest[static_cast<std::size_t>(vertex)]; };
+        return normalized(cross(at(b) - at(a), at(c) - at(a)));
+    };
+    std::vector<std::array<int, 2>> open, sharp;
+    for (std::size_t e = 0; e < shape.edges.size(); ++e) {
+        const auto beside = shape.edgeTriangles[e];
+        if (beside.size() < 2)
+            open.push_back(shape.edges[e]);
+        else if (dot(normalOf(beside[0]), normalOf(beside[1])) < 1e-9)
+            sharp.push_back(shape.edges[e]);
+    }
+    return !open.empty() ? open : !sharp.empty() ? sharp : shape.edges;
+}
+
+/// Where every blade is now and was a step ago. One that jumped cuts nothing on its way.
+void moveBlades(const Model& model, const RigidPlan& rigid, const State& state, std::vector<Blade>& blades)
+{
+    std::vector<Blade> next;
+    const std::vector<std::size_t> first = firstElements(model);
+    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b)
+        for (int m = 0; const CollisionModel& each : model.rigidBodies[b].collision) {
+            const SurfaceName name{model.rigidBodies[b].id, m++};
+            if (!each.shape->cutting) continue;
+            const auto known = std::ranges::find(blades, name, &Blade::name);
+            const bool same = known != blades.end() && known->shape == each.shape;
+            Blade& blade =
+                next.emplace_back(same ? std::move(*known) : Blade{name, each.shape, linesOf(*each.shape), {}, {}});
+            const auto element = static_cast<std::size_t>(each.element);
+            const Pose& pose = state.rigidBodies[b].poses[element];
+            blade.before = std::move(blade.now);
+            blade.now.clear();
+            for (const Vec3& vertex : each.shape->rest) blade.now.push_back(transform(pose, vertex));
+            const RigidPlanElement& plan = rigid[first[b] + element];
+            const Vec3 motion = plan.velocity + plan.change.linear,
+                       turning = plan.angularVelocity + plan.change.angular;
+            if (!same || (motion == Vec3{} && turning == Vec3{})) blade.before = blade.now;
+        }
+    blades = std::move(next);
+}
+
+std::vector<BladeSegment> segmentsOf(const Blade& blade)
+{
+    std::vector<BladeSegment> segments;
+    for (const auto [a, b] : blade.lines) {
+        const auto from = static_cast<std::size_t>(a), to = static_cast<std::size_t>(b);
+        segments.push_back({blade.now[from], blade.now[to], blade.before[from], blade.before[to]});
+    }
+    return segments;
+}
+
+geometry::Box around(std::span<const Vec3> points, double margin)
+{
+    geometry::Box box;
+    for (const Vec3& point : points) box = geometry::merged(box, point);
+    const Vec3 more{margin, margin, margin};
+    return {box.low - more, box.high + more};
+}
+
+bool meet(const geometry::Box& a, const geometry::Box& b)
+{
+    for (int k = 0; k < 3; ++k)
+        if (a.low[k] > b.high[k] || b.low[k] > a.high[k]) return false;
+    return true;
+}
+
+/// [m] the longest way of a vertex in the step.
+double wayOf(const Blade& blade)
+{
+    double most = 0.0;
+    for (std::size_t i = 0; i < blade.now.size(); ++i) most = std::max(most, distance(blade.now[i], blade.before[i]));
+    return most;
+}
+
+void add(const RuptureReport& from, physics::TopologyReport& to)
+{
+    const auto refused = [&](RuptureRefusal why) { return static_cast<int>(from.refused[static_cast<int>(why)]); };
+    to.bladeNotFinite += refused(RuptureRefusal::BladeNotFinite);
+    to.bladeNoLength += refused(RuptureRefusal::BladeNoLength);
+    to.bladeJump += refused(RuptureRefusal::BladeJump);
+    to.edgeGone += refused(RuptureRefusal::EdgeGone);
+    to.tearClosed += refused(RuptureRefusal::TearClosed);
+    to.putOff += static_cast<int>(from.repairDeferred);
+    to.pending += static_cast<int>(from.pending);
+}
+
+void addOpened(const RuptureReport& from, RuptureReport& to)
+{
+    to.openedArea += from.openedArea;
+    to.openedMoment += from.openedMoment;
+}
+
+constexpr CutParameters kCut{};
+
+/// Lets every blade that is near a body cut it. A stroke goes on until its blade has moved two edges' length without
+/// meeting anything, or is away from the body: what comes then is another cut.
+void cutBody(const SoftModel& model, const SoftState& state, const std::vector<Blade>& blades, BodyTopology& topology,
+             physics::TopologyReport& report)
+{
+    EditableMesh& mesh = *topology.mesh;
+    const auto cuts = [&](const Blade& blade) { return mayBeCut(model, blade.shape->group); };
+    if (topology.strokes.empty() && std::ranges::none_of(blades, cuts)) return;
+    const geometry::Box box = around(state.x, mesh.meanEdge());
+    const auto near = [&](const Blade& blade) {
+        return cuts(blade) && (meet(around(blade.now, 0.0), box) || meet(around(blade.before, 0.0), box));
+    };
+    for (const Blade& blade : blades)
+        if (near(blade) && std::ranges::none_of(topology.strokes, [&](const Stroke& each) {
+                return each.blade == blade.name && !each.leaving;
+            }))
+            topology.strokes.push_back({blade.name, BladeStroke(mesh.newSheet())});
+    if (topology.strokes.empty()) {
+        topology.followed = false;
+        return;
+    }
+    if (std::exchange(topology.followed, true))
+        mesh.moveTo(state.x);
+    else
+        mesh.placeAt(state.x);
+
+    for (Stroke& stroke : topology.strokes) {
+        const auto blade = std::ranges::find(blades, stroke.blade, &Blade::name);
+        const bool gone = blade == blades.end() || !near(*blade);
+        RuptureReport done;
+        if (!stroke.leaving && !gone) {
+            done = stroke.stroke.step(mesh, segmentsOf(*blade), kCut);
+            stroke.sinceCrossing = done.crossings > 0 ? 0.0 : stroke.sinceCrossing + wayOf(*blade);
+            stroke.hasCut = stroke.hasCut || done.crossings > 0;
+        }
+        stroke.leaving = stroke.leaving || gone || (stroke.hasCut && stroke.sinceCrossing > 2.0 * mesh.meanEdge());
+        if (stroke.leaving) stroke.over = stroke.stroke.finish(mesh, kCut, done);
+        addOpened(done, topology.cut);
+        add(done, report);
+    }
+    std::erase_if(topology.strokes, [](const Stroke& stroke) { return stroke.over; });
+}
+
+std::vector<physics::LoosePiece> loosePieces(BodyTopology& topology)
+{
+    std::vector<physics::LoosePiece> loose;
+    for (DetachedPiece& piece : topology.pieces->update(topology.mesh->data()))
+        loose.push_back({piece.id, std::move(piece.tetrahedra)});
+    return loose;
+}
+
+void tell(Rupture::Kind kind, BodyId body, RuptureReport& opened, std::vector<Rupture>& ruptures)
+{
+    if (opened.openedArea > 0.0)
+        ruptures.push_back({.kind = kind,
+                            .body = body,
+                            .place = 1.0 / opened.openedArea * opened.openedMoment,
+                            .area = opened.openedArea});
+    opened = {};
+}
+
+} // namespace
+
+void findRuptures(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
+                  WorkerPool& pool, physics::StepReport& report)
+{
+    static_cast<void>(pool);
+    if (dt == 0.0) return;
+    moveBlades(model, rigid, state, ruptures.blades);
+    for (std::size_t b = 0; b < model.softBodies.size(); ++b)
+        if (model.softBodies[b].dynamicTopology)
+            cutBody(model.softBodies[b], state.softBodies[b], ruptures.blades, ruptures.topologies[b], report.topology);
+}
+
+void applyEdits(double period, Model& model, State& state, Systems& systems, Ruptures& ruptures,
+                physics::StepReport& report)
+{
+    for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
+        BodyTopology& topology = ruptures.topologies[b];
+        if (!topology.mesh || !topology.mesh->edited()) continue;
+        SoftModel& body = model.softBodies[b];
+        const frame::TopologyEdit edit = topology.mesh->takeEdit(body.id);
+        const auto nodes = static_cast<int>(body.rest.size());
+        const auto elements = static_cast<int>(body.elements.size() + body.tetrahedra.size());
+        if (topology.boundary->revision == 0) topology.startAttachments = state.attachments;
+        followRiders(edit, *topology.mesh, body, state.attachments);
+        applyEdit(edit, period, topology, body, state.softBodies[b], systems[b]);
+        if (edit.boundary.empty()) continue;
+        followCollision(topology, body);
+        for (int m = 0; m < static_cast<int>(body.collision.size()); ++m) forgetSurface({body.id, m}, state);
+
+        std::vector<Rupture>& told = report.topology.ruptures;
+        const std::size_t before = told.size();
+        tell(Rupture::Kind::Cut, body.id, topology.cut, told);
+        tell(Rupture::Kind::Tear, body.id, topology.torn, told);
+        if (told.size() == before) continue;
+        told[before].nodes = edit.nodes - nodes;
+        told[before].elements = edit.tetrahedra - elements;
+        told.back().detached = loosePieces(topology);
+    }
+}
+
+} // namespace filasofia::engine

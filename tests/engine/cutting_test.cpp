@@ -1,0 +1,188 @@
+#include "filasofia/engine/rupture/check_topology.h"
+
+#include "engine/stage.h"
+
+#include <iostream>
+#include <numeric>
+
+using namespace filasofia;
+using namespace filasofia::engine;
+using namespace filasofia::physics;
+
+namespace {
+
+/// A rectangle in the plane x = 0, from z = 0 up, `width` along y.
+TriangleMeshSource bladeMesh(double width, double height)
+{
+    const double y = 0.5 * width;
+    return std::make_shared<const geometry::TriangleMesh>(geometry::TriangleMesh{
+        .vertices = {{0, -y, 0}, {0, y, 0}, {0, y, height}, {0, -y, height}}, .triangles = {{0, 1, 2}, {0, 2, 3}}, .uv = {}});
+}
+
+/// A block of tissue with its low corner at the origin, and a blade above it that comes down in the plane x = `at`.
+struct CutScene {
+    Stage stage;
+    BodyId tissue, blade;
+    double at;
+
+    explicit CutScene(SoftBodyDef def, double x, double width = 0.1, NativeEngineDef engine = {.threads = 1})
+        : stage(engine), at(x)
+    {
+        tissue = stage.add(def);
+        blade =
+            stage.add(RigidBodyDef{.name = "blade",
+                                   .elements = {poseAt(1.0)},
+                                   .collision = {{.mesh = bladeMesh(width, 0.05), .proximity = 0, .cutting = true}}});
+        stage.step(0.0);
+    }
+    [[nodiscard]] Pose poseAt(double z) const { return {.position = {at, 0.02, z}}; }
+
+    /// From z to z at `speed` [m/s].
+    StepReport move(double from, double to, double speed = 0.05, double dt = 1e-3)
+    {
+        StepReport all;
+        stage.post(SetPose{blade, 0, poseAt(from)});
+        stage.step(dt);
+        const int steps = static_cast<int>(std::abs(to - from) / (speed * dt));
+        for (int i = 1; i <= steps; ++i) {
+            stage.post(SetPose{blade, 0, poseAt(from + (to - from) * i / steps)});
+            const StepReport report = stage.step(dt);
+            for (const Rupture& rupture : report.topology.ruptures) all.topology.ruptures.push_back(rupture);
+            all.topology.bladeJump += report.topology.bladeJump;
+            all.flags |= report.flags;
+        }
+        return all;
+    }
+};
+
+SoftBodyDef tissueBlock()
+{
+    return {.mesh = shared(boxMesh({10, 8, 6}, {0.05, 0.04, 0.03}, 0.2)),
+            .material = FemMaterial{.youngModulus = 5e3},
+            .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, 1e-6}}}},
+            .dynamicTopology = true};
+}
+
+double massOf(const SoftModel& model) { return std::accumulate(model.masses.begin(), model.masses.end(), 0.0); }
+
+int detachedOf(const StepReport& report)
+{
+    int count = 0;
+    for (const Rupture& rupture : report.topology.ruptures) count += static_cast<int>(rupture.detached.size());
+    return count;
+}
+
+} // namespace
+
+TEST_CASE("a blade that goes through a body leaves it in two pieces, and nothing of it is lost")
+{
+    SoftBodyDef def = tissueBlock();
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}};
+    CutScene scene(def, 0.0262);
+    const double mass = massOf(scene.stage.model());
+    const StepReport report = scene.move(0.04, -0.01);
+    CHECK(report.flags == 0);
+    CHECK(detachedOf(report) == 1);
+    double area = 0.0;
+    for (const Rupture& rupture : report.topology.ruptures) {
+        area += rupture.area;
+        CHECK(rupture.kind == Rupture::Kind::Cut);
+        CHECK(rupture.body == scene.tissue);
+        CHECK(std::abs(rupture.place.x - 0.0262) < 0.005);
+    }
+    CHECK(area == Approx(0.04 * 0.03).epsilon(0.05));
+    CHECK(massOf(scene.stage.model()) == Approx(mass).epsilon(1e-3));
+    check(scene.stage.model(), scene.stage.soft());
+}
+
+TEST_CASE("after a cut the body goes on, with about as many iterations")
+{
+    CutScene scene(tissueBlock(), 0.0262);
+    scene.stage.post(SetGravity{{0, 0, -9.81}});
+    const auto iterations = [&](int steps) {
+        int sum = 0;
+        for (int i = 0; i < steps; ++i) {
+            const StepReport report = scene.stage.step(1e-3);
+            CHECK(report.flags == 0);
+            sum += report.solves[0].iterations;
+        }
+        return static_cast<double>(sum) / steps;
+    };
+    scene.stage.run(300, 1e-3);
+    const double before = iterations(50);
+    scene.move(0.04, 0.012); // not through
+    const double after = iterations(50);
+    scene.stage.run(450, 1e-3);
+    std::cout << "iterations per step before a cut " << before << ", after it " << after << ", later " << iterations(50)
+              << '\n';
+    CHECK(after < 3.0 * before);
+}
+
+TEST_CASE("a cut gives the same bits for any number of threads")
+{
+    std::vector<std::uint64_t> hashes;
+    for (int threads : {1, 2, 5}) {
+        CutScene scene(tissueBlock(), 0.0262, 0.02, {.threads = threads});
+        scene.move(0.04, 0.005);
+        hashes.push_back(scene.stage.world.hash());
+    }
+    CHECK(hashes[0] == hashes[1]);
+    CHECK(hashes[0] == hashes[2]);
+}
+
+TEST_CASE("a body without dynamicTopology is not cut, nor is one of another group")
+{
+    SoftBodyDef whole = tissueBlock();
+    whole.dynamicTopology = false;
+    SoftBodyDef other = tissueBlock();
+    other.collision = {{.group = 3}};
+    for (const SoftBodyDef& def : {whole, other}) {
+        CutScene scene(def, 0.0262);
+        const std::size_t elements = scene.stage.model().elements.size();
+        scene.move(0.04, 0.0);
+        CHECK(scene.stage.model().elements.size() == elements);
+    }
+}
+
+TEST_CASE("a blade that jumps over the body cuts nothing, and is counted where it went too far in a step")
+{
+    CutScene scene(tissueBlock(), 0.0262);
+    const std::size_t elements = scene.stage.model().elements.size();
+    scene.stage.post(SetPose{scene.blade, 0, scene.poseAt(0.04)});
+    scene.stage.step(1e-3);
+    scene.stage.post(SetPose{scene.blade, 0, scene.poseAt(-0.05)}); // 90 m/s: no way to speak of
+    CHECK(scene.stage.step(1e-3).topology.refused() == 0);
+    CHECK(scene.stage.model().elements.size() == elements);
+}
+
+TEST_CASE("a reset makes a cut body whole")
+{
+    CutScene scene(tissueBlock(), 0.0262);
+    const std::size_t nodes = scene.stage.model().rest.size();
+    const std::uint64_t revision = 0;
+    scene.move(0.04, 0.01);
+    CHECK(scene.stage.model().rest.size() > nodes);
+    scene.stage.post(Reset{});
+    scene.stage.step(1e-3);
+    CHECK(scene.stage.model().rest.size() == nodes);
+    frame::Frame frame;
+    scene.stage.world.capture(frame);
+    CHECK(frame.softBodies[0].boundary->revision == revision);
+    check(scene.stage.model(), scene.stage.soft());
+}
+
+TEST_CASE("what an attachment and a collision mesh ride on follows a cut")
+{
+    SoftBodyDef def = tissueBlock();
+    def.collision = {{.proximity = 0.5e-3}};
+    CutScene scene(def, 0.0262);
+    AttachmentDef hold{.nodes = {}, .box = geometry::Box{{0.02, -1, 0.029}, {0.031, 1, 1}}, .stiffness = 10.0};
+    scene.stage.post(Attach{AttachmentId{50}, scene.tissue, hold});
+    const StepReport report = scene.move(0.04, 0.005);
+    CHECK(report.flags == 0);
+    CHECK(scene.stage.soft().x.size() == scene.stage.model().rest.size());
+    const CollisionModel& surface = scene.stage.model().collision[0];
+    CHECK(surface.shape->triangles.size() == scene.stage.model().surface.size());
+    CHECK(surface.shape->closed);
+    checkAttachments(scene.stage.world.model(), scene.stage.world.state());
+}
