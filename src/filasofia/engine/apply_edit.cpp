@@ -227,6 +227,18 @@ void followSystem(const MeshEdit& edit, double period, const SoftModel& model, S
 
 } // namespace
 
+void add(const RuptureReport& from, physics::TopologyReport& to)
+{
+    const auto refused = [&](RuptureRefusal why) { return static_cast<int>(from.refused[static_cast<int>(why)]); };
+    to.bladeNotFinite += refused(RuptureRefusal::BladeNotFinite);
+    to.bladeNoLength += refused(RuptureRefusal::BladeNoLength);
+    to.bladeJump += refused(RuptureRefusal::BladeJump);
+    to.edgeGone += refused(RuptureRefusal::EdgeGone);
+    to.tearClosed += refused(RuptureRefusal::TearClosed);
+    to.putOff += static_cast<int>(from.repairDeferred);
+    to.pending += static_cast<int>(from.pending);
+}
+
 BodyTopology makeTopology(const SoftModel& model)
 {
     BodyTopology topology;
@@ -235,6 +247,7 @@ BodyTopology makeTopology(const SoftModel& model)
     for (const FemElement& element : model.elements) mesh.tetrahedra.push_back(element.nodes);
     topology.mesh = std::make_unique<EditableMesh>(mesh);
     topology.pieces.emplace(topology.mesh->data());
+    if (model.elements.empty()) topology.springs = springsOfElements(model);
     topology.start = std::make_shared<const SoftModel>(model);
 
     std::map<geometry::Triangle, std::array<int, 2>> faces; // by nodes, ascending
@@ -272,6 +285,7 @@ void applyEdit(const TopologyEdit& edit, double period, BodyTopology& topology, 
     followPins(edit, model);
     followState(edit, mesh, model, state);
     followElements(edit, elements, mesh, model, state);
+    if (model.elements.empty()) topology.springs = springsOfElements(model);
     followSurface(edit, topology, model);
     followSystem(meshEdit(edit, elements), period, model, system);
     keepMomentum(momentum, nodes, model, state);

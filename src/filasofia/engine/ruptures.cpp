@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/contact_memory.h"
 #include "filasofia/engine/follow_edit.h"
+#include "filasofia/engine/tear_body.h"
 
 #include <algorithm>
 #include <utility>
@@ -90,24 +91,6 @@ double wayOf(const Blade& blade)
     return most;
 }
 
-void add(const RuptureReport& from, physics::TopologyReport& to)
-{
-    const auto refused = [&](RuptureRefusal why) { return static_cast<int>(from.refused[static_cast<int>(why)]); };
-    to.bladeNotFinite += refused(RuptureRefusal::BladeNotFinite);
-    to.bladeNoLength += refused(RuptureRefusal::BladeNoLength);
-    to.bladeJump += refused(RuptureRefusal::BladeJump);
-    to.edgeGone += refused(RuptureRefusal::EdgeGone);
-    to.tearClosed += refused(RuptureRefusal::TearClosed);
-    to.putOff += static_cast<int>(from.repairDeferred);
-    to.pending += static_cast<int>(from.pending);
-}
-
-void addOpened(const RuptureReport& from, RuptureReport& to)
-{
-    to.openedArea += from.openedArea;
-    to.openedMoment += from.openedMoment;
-}
-
 constexpr CutParameters kCut{};
 
 /// Lets every blade that is near a body cut it. A stroke goes on until its blade has moved two edges' length without
@@ -147,7 +130,7 @@ void cutBody(const SoftModel& model, const SoftState& state, const std::vector<B
         }
         stroke.leaving = stroke.leaving || gone || (stroke.hasCut && stroke.sinceCrossing > 2.0 * mesh.meanEdge());
         if (stroke.leaving) stroke.over = stroke.stroke.finish(mesh, kCut, done);
-        addOpened(done, topology.cut);
+        topology.cut += done;
         add(done, report);
     }
     std::erase_if(topology.strokes, [](const Stroke& stroke) { return stroke.over; });
@@ -173,15 +156,23 @@ void tell(Rupture::Kind kind, BodyId body, RuptureReport& opened, std::vector<Ru
 
 } // namespace
 
-void findRuptures(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
-                  WorkerPool& pool, physics::StepReport& report)
+void cutBodies(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
+               physics::StepReport& report)
 {
-    static_cast<void>(pool);
     if (dt == 0.0) return;
     moveBlades(model, rigid, state, ruptures.blades);
     for (std::size_t b = 0; b < model.softBodies.size(); ++b)
         if (model.softBodies[b].dynamicTopology)
             cutBody(model.softBodies[b], state.softBodies[b], ruptures.blades, ruptures.topologies[b], report.topology);
+}
+
+void tearBodies(const Model& model, double dt, const State& state, Ruptures& ruptures, WorkerPool& pool,
+                physics::StepReport& report)
+{
+    if (dt == 0.0) return;
+    for (std::size_t b = 0; b < model.softBodies.size(); ++b)
+        if (model.softBodies[b].dynamicTopology)
+            tearBody(model.softBodies[b], state.softBodies[b], pool, ruptures.topologies[b], report.topology);
 }
 
 void applyEdits(double period, Model& model, State& state, Systems& systems, Ruptures& ruptures,

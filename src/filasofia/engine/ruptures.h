@@ -19,10 +19,12 @@ struct Ruptures {
     Topologies topologies;
 };
 
-/// 5. What blades cut in the step just made, and what tore. Registers it in the topologies' meshes and applies it
-/// there: models and states follow in applyEdits.
-void findRuptures(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
-                  WorkerPool& pool, physics::StepReport& report);
+/// 5. What blades cut in the step just made. Done in the topologies' meshes: models and states follow in applyEdits.
+void cutBodies(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
+               physics::StepReport& report);
+/// The same for what stress tears. Bodies must have followed the cuts.
+void tearBodies(const Model& model, double dt, const State& state, Ruptures& ruptures, WorkerPool& pool,
+                physics::StepReport& report);
 
 /// 6. The only writer of topology: everything that is kept of a body follows the edits of its mesh.
 void applyEdits(double period, Model& model, State& state, Systems& systems, Ruptures& ruptures,

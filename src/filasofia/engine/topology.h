@@ -2,8 +2,10 @@
 
 #include "filasofia/engine/rupture/cut.h"
 #include "filasofia/engine/rupture/pieces.h"
+#include "filasofia/engine/rupture/tear.h"
 #include "filasofia/engine/soft_system.h"
 #include "filasofia/frame/boundary.h"
+#include "filasofia/physics/step.h"
 
 namespace filasofia::engine {
 
@@ -17,6 +19,12 @@ struct Stroke {
     bool over = false;
 };
 
+/// Of a mass-spring body that may tear.
+struct SpringsOfElements {
+    std::vector<std::array<int, 6>> ofElement; ///< in the order of geometry::kTetrahedronEdges
+    std::vector<int> sharedBy;                 ///< per spring: by how many elements
+};
+
 /// What a body that may be cut is besides its model: the mesh as edits know it, and what follows it triangle by
 /// triangle. Elements have the same numbers there and in the model.
 struct BodyTopology {
@@ -26,7 +34,11 @@ struct BodyTopology {
     std::shared_ptr<const frame::Boundary> boundary; ///< as everyone outside sees it
     std::optional<Pieces> pieces;
     std::vector<Stroke> strokes;
-    bool followed = false;                    ///< the mesh moved with the body in the last step
+    bool followed = false; ///< the mesh moved with the body in the last step
+    Tearing tearing;
+    SpringsOfElements springs;
+    std::vector<Mat3> stresses;               ///< [Pa] of the last step that looked, per element
+    std::vector<std::uint8_t> held;           ///< per node
     RuptureReport cut, torn;                  ///< of the step: what it opened
     std::vector<Attachment> startAttachments; ///< what held it then
     std::shared_ptr<const SoftModel> start;   ///< what it was before the first edit
@@ -35,6 +47,12 @@ using Topologies = std::vector<BodyTopology>; ///< one per soft body, in the mod
 
 /// Nothing but for a body with dynamicTopology.
 BodyTopology makeTopology(const SoftModel& model);
+
+/// Which springs the elements of a mass-spring body have, and how many elements each spring.
+SpringsOfElements springsOfElements(const SoftModel& model);
+
+/// Adds what was refused, put off and left for later.
+void add(const RuptureReport& from, physics::TopologyReport& to);
 
 /// Brings all that is kept of a body in line with an edit of its mesh, once: nodes, elements, masses, pins, surface,
 /// state and solver. Momentum is kept. Attachments and contacts are followed elsewhere.

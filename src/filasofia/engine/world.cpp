@@ -146,8 +146,10 @@ physics::StepReport World::step(const physics::StepInput& in)
     keepContacts(in.dt, coupling_, state_, report); // what they did to each other
     keepAttachments(in.dt, coupling_, systems_, model_, state_);
     report.times.advance = watch.lap();
-    findRuptures(model_, in.dt, coupling_.rigid, state_, ruptures_, *pool_, report); // 5 what was cut, what tore
-    applyEdits(period_, model_, state_, systems_, ruptures_, report);                // 6 the only writer of topology
+    cutBodies(model_, in.dt, coupling_.rigid, state_, ruptures_, report); // 5 what was cut
+    applyEdits(period_, model_, state_, systems_, ruptures_, report);     // 6 the only writer of topology
+    tearBodies(model_, in.dt, state_, ruptures_, *pool_, report);         //   what tore
+    applyEdits(period_, model_, state_, systems_, ruptures_, report);
     report.times.topology = watch.lap();
     return report;
 }
