@@ -168,6 +168,13 @@ std::optional<bool> saw(FuzzBody& body, FuzzRandom& random, bool fresh)
     const double d = body.mesh.diagonal(), stroke = random.uniform(0.2, 0.6) * body.mesh.meanEdge();
     CutPlane plane = anyPlane(body.mesh, random);
     plane.origin = body.waves.centre + 0.1 * d * random.direction();
+    double below = 0.0; // what the plane would cut off, were the tissue to stay as it is
+    for (int t = 0; t < body.mesh.tetrahedra(); ++t) {
+        const auto x = cornersOf(body.mesh.data().tetrahedra[t], body.mesh.data().current);
+        if (dot(plane.normal, 0.25 * (x[0] + x[1] + x[2] + x[3]) - plane.origin) < 0.0)
+            below += restVolume(body.mesh.data(), t) / body.mesh.startVolume();
+    }
+    const double less = std::min(below, 1.0 - below);
     Blade blade = bladeBefore(plane, 0.95 * d, 2.0 * d);
     BladeStroke cut(body.mesh.newSheet());
     const bool backAndForth = random.chance(0.5);
@@ -177,7 +184,7 @@ std::optional<bool> saw(FuzzBody& body, FuzzRandom& random, bool fresh)
         way += (forth - back) * stroke;
     }
     body.finish(cut);
-    return fresh ? std::optional(body.secondPart() < 0.02) : std::nullopt;
+    return fresh && less > 0.1 ? std::optional(body.secondPart() < 0.02) : std::nullopt;
 }
 
 /// Two jaws that turn around one point and close on what is between them.

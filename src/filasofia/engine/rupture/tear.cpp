@@ -67,16 +67,23 @@ bool tearAt(EditableMesh& mesh, int node, Vec3 direction, RuptureReport& report)
     const MeshTopology& data = mesh.data();
     const Parting parting(data, node, direction);
     std::vector<int> candidates;
+    std::vector<std::array<int, 2>> faces;
     for (int i = 0; i < static_cast<int>(data.around[node].size()); ++i)
         for (int f = 0; f < 4; ++f) {
             const int t = data.around[node][i];
             if ((data.flagged[t] >> f & 1) != 0 || !parting.parts(i, f)) continue;
             mesh.setFlagged(t, f, true);
             ++report.flagged;
+            faces.push_back({t, f});
             for (int n : faceNodes(data.tetrahedra[t], f)) candidates.push_back(n);
         }
     const long before = report.copies;
     openFaces(mesh, {.bisect = false}, std::move(candidates), report);
+    // A tear is whole or not at all: faces left flagged would get in the way of a later cut.
+    for (auto [t, f] : faces) {
+        mesh.setFlagged(t, f, false);
+        mesh.setDeferred(t, f, false);
+    }
     if (report.copies > before) return true;
     ++report.refused[static_cast<int>(RuptureRefusal::TearClosed)];
     return false;
