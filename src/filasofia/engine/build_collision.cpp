@@ -20,7 +20,7 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
 {
     if (const std::size_t features = mesh.vertices.size() + 4 * mesh.triangles.size(); features >= kMostFeatures)
         fail(field, ".mesh must have < ", kMostFeatures, " vertices, edges and triangles, got up to ", features);
-    const double depth = kInset * def.proximity;
+    const double depth = insetDepth(def.proximity);
     CollisionModel model;
     CollisionShape shape = makeCollisionShape(mesh, {.points = def.primitives.points,
                                                      .lines = def.primitives.lines,
@@ -31,10 +31,7 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
                                                      .self = def.self,
                                                      .cutting = def.cutting});
     model.inset = makeInset(shape, depth);
-    // What is left of it lies so much deeper; where nothing was taken off, as of a sheet, none.
-    double deepest = 0.0;
-    for (const double each : model.inset.depth) deepest = std::max(deepest, each);
-    shape.proximity += deepest;
+    setProximity(def.proximity, model.inset, shape);
     model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     model.proximity = def.proximity;
     return model;
@@ -44,10 +41,7 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
 geometry::Embedding identical(const std::vector<int>& nodes)
 {
     geometry::Embedding ties;
-    for (int node : nodes) {
-        ties.nodes.push_back({node, node, node, node});
-        ties.weights.push_back({1.0, 0.0, 0.0, 0.0});
-    }
+    addTies(nodes, ties);
     return ties;
 }
 
@@ -96,6 +90,23 @@ void checkPrimitives(const physics::CollisionDef& def, const std::string& field)
 }
 
 } // namespace
+
+double insetDepth(double proximity) { return kInset * proximity; }
+
+void setProximity(double proximity, const Inset& inset, CollisionShape& shape)
+{
+    double deepest = 0.0;
+    for (const double each : inset.depth) deepest = std::max(deepest, each);
+    shape.proximity = proximity + deepest;
+}
+
+void addTies(std::span<const int> nodes, geometry::Embedding& ties)
+{
+    for (int node : nodes) {
+        ties.nodes.push_back({node, node, node, node});
+        ties.weights.push_back({1.0, 0.0, 0.0, 0.0});
+    }
+}
 
 std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& worldMesh)
 {
