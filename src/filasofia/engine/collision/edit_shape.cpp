@@ -86,19 +86,31 @@ std::vector<EdgeUse> editUses(const CollisionShape& before, const SurfaceEdit& e
     for (const int t : change.fresh)
         for (int k = 0; k < 3; ++k) fresh.push_back({ordered(now.triangles[t][k], now.triangles[t][(k + 1) % 3]), t});
     std::ranges::sort(fresh);
-    std::vector<EdgeUse> uses(old.size() + fresh.size());
-    std::ranges::merge(old, fresh, uses.begin());
+    std::vector<EdgeUse> uses;
+    uses.reserve(old.size() + fresh.size());
+    auto from = old.begin();
+    for (const EdgeUse& use : fresh) { // few: whole stretches of old ones between them
+        const auto to = std::lower_bound(from, old.end(), use);
+        uses.insert(uses.end(), from, to);
+        uses.push_back(use);
+        from = to;
+    }
+    uses.insert(uses.end(), from, old.end());
     return uses;
 }
 
 /// Both lists ascend.
 std::vector<int> edgesNow(const CollisionShape& before, const CollisionShape& now)
 {
+    const auto key = [](std::array<int, 2> edge) { // one comparison for two
+        return std::int64_t{edge[0]} << 32 | std::int64_t{edge[1]};
+    };
     std::vector<int> edges(before.edges.size(), -1);
     std::size_t at = 0;
     for (std::size_t e = 0; e < before.edges.size(); ++e) {
-        while (at < now.edges.size() && now.edges[at] < before.edges[e]) ++at;
-        if (at < now.edges.size() && now.edges[at] == before.edges[e]) edges[e] = static_cast<int>(at);
+        const std::int64_t wanted = key(before.edges[e]);
+        while (at < now.edges.size() && key(now.edges[at]) < wanted) ++at;
+        if (at < now.edges.size() && key(now.edges[at]) == wanted) edges[e] = static_cast<int>(at);
     }
     return edges;
 }
