@@ -1,9 +1,11 @@
 #include "filasofia/engine/topology.h"
 
 #include "filasofia/engine/rupture/tet_shape.h"
+#include "filasofia/geometry/surface.h"
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -163,41 +165,88 @@ void followElements(const TopologyEdit& edit, const std::vector<int>& reached, c
     if (model.elements.empty()) makeSprings(model);
 }
 
-void followSurface(const TopologyEdit& edit, BodyTopology& topology, SoftModel& model)
+/// Takes out what stands at these places, ascending; the rest keeps its order.
+template <class Value> void eraseAt(const std::vector<int>& places, std::vector<Value>& list)
 {
+    std::size_t kept = 0;
+    for (std::size_t i = 0, next = 0; i < list.size(); ++i) {
+        if (next < places.size() && static_cast<std::size_t>(places[next]) == i)
+            ++next;
+        else
+            list[kept++] = list[i];
+    }
+    list.resize(kept);
+}
+
+/// The number of a node among the surface's vertices; a new one where it has none yet.
+int vertexOf(int node, const SoftModel& model, BodyTopology& topology, OwnSurfaceEdit& out)
+{
+    int& vertex = topology.vertices[static_cast<std::size_t>(node)];
+    if (vertex < 0) {
+        vertex = topology.vertexCount++;
+        out.nodes.push_back(node);
+        out.surface.vertices.push_back(model.rest[static_cast<std::size_t>(node)]);
+    }
+    return vertex;
+}
+
+/// What is told of the surface, by nodes and by vertices: triangles that are gone, others that have other nodes, new
+/// ones behind.
+OwnSurfaceEdit followSurface(const TopologyEdit& edit, BodyTopology& topology, SoftModel& model)
+{
+    using Kind = frame::BoundaryChange::Kind;
+    topology.vertices.resize(model.rest.size(), -1);
     topology.boundaryPlaces.resize(static_cast<std::size_t>(edit.tetrahedra), {-1, -1, -1, -1});
-    auto boundary = std::make_shared<frame::Boundary>(*topology.boundary);
-    const auto at = [&](int element, int face) -> int& {
-        return topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)];
+    auto boundary = std::make_shared<frame::Boundary>();
+    boundary->opened = topology.boundary->opened;
+    const auto placeOf = [&](const frame::BoundaryChange& change) -> int& {
+        return topology
+            .boundaryPlaces[static_cast<std::size_t>(change.tetrahedron)][static_cast<std::size_t>(change.face)];
     };
+    OwnSurfaceEdit out;
+    std::vector<std::pair<int, const frame::BoundaryChange*>> changed;
     for (const frame::BoundaryChange& change : edit.boundary) {
-        int& place = at(change.tetrahedron, change.face);
-        if (change.kind == frame::BoundaryChange::Kind::Removed) { // the last takes its place
-            const auto hole = static_cast<std::size_t>(place);
-            const std::array<int, 2> last = topology.boundaryFaces.back();
-            at(last[0], last[1]) = place;
-            place = -1;
-            model.surface[hole] = model.surface.back();
-            boundary->opened[hole] = boundary->opened.back();
-            topology.boundaryFaces[hole] = last;
-            model.surface.pop_back();
-            boundary->opened.pop_back();
-            topology.boundaryFaces.pop_back();
-            continue;
-        }
-        if (change.kind == frame::BoundaryChange::Kind::Added) {
-            place = static_cast<int>(model.surface.size());
-            model.surface.emplace_back();
-            boundary->opened.push_back(0);
-            topology.boundaryFaces.push_back({change.tetrahedron, change.face});
-        }
-        model.surface[static_cast<std::size_t>(place)] = change.nodes;
-        boundary->opened[static_cast<std::size_t>(place)] = change.opened ? 1 : 0;
+        if (change.kind == Kind::Removed) out.surface.removed.push_back(std::exchange(placeOf(change), -1));
+        if (change.kind == Kind::Changed) changed.emplace_back(placeOf(change), &change);
+    }
+    std::ranges::sort(out.surface.removed);
+    std::ranges::sort(changed, {}, &std::pair<int, const frame::BoundaryChange*>::first);
+
+    const auto inVertices = [&](geometry::Triangle triangle) {
+        for (int& node : triangle) node = vertexOf(node, model, topology, out);
+        return triangle;
+    };
+    const auto behind = [&](const frame::BoundaryChange& change) { // face f lies opposite corner f
+        return topology.mesh->data()
+            .tetrahedra[static_cast<std::size_t>(change.tetrahedron)][static_cast<std::size_t>(change.face)];
+    };
+    for (const auto& [place, change] : changed) {
+        model.surface[static_cast<std::size_t>(place)] = change->nodes;
+        boundary->opened[static_cast<std::size_t>(place)] = change->opened ? 1 : 0;
+        out.surface.changed.emplace_back(place, inVertices(change->nodes));
+        out.behind.push_back(behind(*change));
+    }
+    eraseAt(out.surface.removed, model.surface);
+    eraseAt(out.surface.removed, boundary->opened);
+    eraseAt(out.surface.removed, topology.boundaryFaces);
+    for (const frame::BoundaryChange& change : edit.boundary) {
+        if (change.kind != Kind::Added) continue;
+        model.surface.push_back(change.nodes);
+        boundary->opened.push_back(change.opened ? 1 : 0);
+        topology.boundaryFaces.push_back({change.tetrahedron, change.face});
+        out.surface.added.push_back(inVertices(change.nodes));
+        out.behind.push_back(behind(change));
+    }
+    for (std::size_t t = 0; t < topology.boundaryFaces.size(); ++t) {
+        const auto [element, face] = topology.boundaryFaces[t];
+        topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)] =
+            static_cast<int>(t);
     }
     boundary->revision = edit.revision;
     boundary->triangles = model.surface;
     boundary->rest = model.rest;
     topology.boundary = std::move(boundary);
+    return out;
 }
 
 MeshEdit meshEdit(const TopologyEdit& edit, std::vector<int> elements)
@@ -261,6 +310,9 @@ BodyTopology makeTopology(const SoftModel& model)
             if (data.neighbours[static_cast<std::size_t>(e)][static_cast<std::size_t>(f)] < 0)
                 faces[key(faceNodes(data.tetrahedra[static_cast<std::size_t>(e)], f))] = {e, f};
     topology.boundaryPlaces.assign(mesh.tetrahedra.size(), {-1, -1, -1, -1});
+    topology.vertices.assign(model.rest.size(), -1);
+    for (int node : geometry::extractSurface(mesh).nodes)
+        topology.vertices[static_cast<std::size_t>(node)] = topology.vertexCount++;
     for (const geometry::Triangle& triangle : model.surface) {
         const auto [element, face] = faces.at(key(triangle));
         topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)] =
@@ -272,8 +324,8 @@ BodyTopology makeTopology(const SoftModel& model)
     return topology;
 }
 
-void applyEdit(const TopologyEdit& edit, double period, BodyTopology& topology, SoftModel& model, SoftState& state,
-               SoftSystem& system)
+OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, BodyTopology& topology, SoftModel& model,
+                         SoftState& state, SoftSystem& system)
 {
     const MeshTopology& mesh = topology.mesh->data();
     const std::vector<int> elements = reachedElements(edit, mesh), nodes = reachedNodes(elements, mesh, model);
@@ -286,9 +338,10 @@ void applyEdit(const TopologyEdit& edit, double period, BodyTopology& topology, 
     followState(edit, mesh, model, state);
     followElements(edit, elements, mesh, model, state);
     if (model.elements.empty()) topology.springs = springsOfElements(model);
-    followSurface(edit, topology, model);
+    OwnSurfaceEdit surface = followSurface(edit, topology, model);
     followSystem(meshEdit(edit, elements), period, model, system);
     keepMomentum(momentum, nodes, model, state);
+    return surface;
 }
 
 } // namespace filasofia::engine

@@ -16,44 +16,32 @@ using geometry::TriangleMesh;
 // How far in the vertices of a surface go, of its proximity.
 constexpr double kInset = 0.2;
 
-/// `how.proximity` [m] is the surface's own.
-CollisionModel modelOf(const TriangleMesh& mesh, CollisionOptions how)
-{
-    const double depth = kInset * how.proximity;
-    how.depth = how.proximity + depth;
-    CollisionModel model;
-    CollisionShape shape = makeCollisionShape(mesh, how);
-    model.inset = makeInset(shape, depth);
-    // What is left of it lies so much deeper; where nothing was taken off, as of a sheet, none.
-    double deepest = 0.0;
-    for (const double each : model.inset.depth) deepest = std::max(deepest, each);
-    shape.proximity += deepest;
-    model.shape = std::make_shared<const CollisionShape>(std::move(shape));
-    model.proximity = how.proximity;
-    return model;
-}
-
 CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field)
 {
     if (const std::size_t features = mesh.vertices.size() + 4 * mesh.triangles.size(); features >= kMostFeatures)
         fail(field, ".mesh must have < ", kMostFeatures, " vertices, edges and triangles, got up to ", features);
-    return modelOf(mesh, {.points = def.primitives.points,
-                          .lines = def.primitives.lines,
-                          .triangleFaces = def.primitives.triangles,
-                          .proximity = def.proximity,
-                          .group = def.group,
-                          .self = def.self,
-                          .cutting = def.cutting});
+    const double depth = insetDepth(def.proximity);
+    CollisionModel model;
+    CollisionShape shape = makeCollisionShape(mesh, {.points = def.primitives.points,
+                                                     .lines = def.primitives.lines,
+                                                     .triangleFaces = def.primitives.triangles,
+                                                     .proximity = def.proximity,
+                                                     .depth = def.proximity + depth,
+                                                     .group = def.group,
+                                                     .self = def.self,
+                                                     .cutting = def.cutting});
+    model.inset = makeInset(shape, depth);
+    setProximity(def.proximity, model.inset, shape);
+    model.shape = std::make_shared<const CollisionShape>(std::move(shape));
+    model.proximity = def.proximity;
+    return model;
 }
 
 /// Every vertex is one of the nodes.
 geometry::Embedding identical(const std::vector<int>& nodes)
 {
     geometry::Embedding ties;
-    for (int node : nodes) {
-        ties.nodes.push_back({node, node, node, node});
-        ties.weights.push_back({1.0, 0.0, 0.0, 0.0});
-    }
+    addTies(nodes, ties);
     return ties;
 }
 
@@ -103,6 +91,23 @@ void checkPrimitives(const physics::CollisionDef& def, const std::string& field)
 
 } // namespace
 
+double insetDepth(double proximity) { return kInset * proximity; }
+
+void setProximity(double proximity, const Inset& inset, CollisionShape& shape)
+{
+    double deepest = 0.0;
+    for (const double each : inset.depth) deepest = std::max(deepest, each);
+    shape.proximity = proximity + deepest;
+}
+
+void addTies(std::span<const int> nodes, geometry::Embedding& ties)
+{
+    for (int node : nodes) {
+        ties.nodes.push_back({node, node, node, node});
+        ties.weights.push_back({1.0, 0.0, 0.0, 0.0});
+    }
+}
+
 std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& worldMesh)
 {
     checkCount(def.collision, text("soft body '", def.name, "'"));
@@ -125,21 +130,6 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
         }
     }
     return models;
-}
-
-void remakeOwnSurface(const TriangleMesh& mesh, const std::vector<int>& nodes, std::vector<int> behind,
-                      CollisionModel& model)
-{
-    const CollisionShape& before = *model.shape;
-    model = modelOf(mesh, {.points = before.points,
-                           .lines = before.lines,
-                           .triangleFaces = before.triangleFaces,
-                           .proximity = model.proximity,
-                           .group = before.group,
-                           .self = before.self,
-                           .cutting = before.cutting});
-    model.ties = identical(nodes);
-    model.behind = std::move(behind);
 }
 
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)

@@ -8,9 +8,14 @@ namespace filasofia::engine {
 std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& worldMesh);
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def);
 
-/// The model of a soft body's own surface that an edit has changed: `mesh` at rest, the node of every vertex, and per
-/// triangle the fourth node of its tetrahedron.
-void remakeOwnSurface(const geometry::TriangleMesh& mesh, const std::vector<int>& nodes, std::vector<int> behind,
-                      CollisionModel& model);
+/// [m] How far in the vertices of a surface go at most.
+double insetDepth(double proximity);
+
+/// What is left of a surface lies deeper by what was taken off, and contacts are looked for from as much farther on;
+/// where nothing was taken off, as of a sheet, from where the proximity says.
+void setProximity(double proximity, const Inset& inset, CollisionShape& shape);
+
+/// Vertices that are nodes.
+void addTies(std::span<const int> nodes, geometry::Embedding& ties);
 
 } // namespace filasofia::engine

@@ -1,6 +1,5 @@
 #include "filasofia/engine/follow_edit.h"
 
-#include "filasofia/engine/build_collision.h"
 #include "filasofia/engine/rupture/tet_shape.h"
 
 #include <algorithm>
@@ -122,33 +121,6 @@ void followRiders(const TopologyEdit& edit, const EditableMesh& mesh, SoftModel&
         }
     for (CollisionModel& collision : soft.collision)
         if (collision.behind.empty()) follow(edit, before, mesh, collision.ties);
-}
-
-void followCollision(const BodyTopology& topology, SoftModel& model)
-{
-    for (CollisionModel& collision : model.collision) {
-        if (collision.behind.empty()) continue; // another mesh, riding on the elements
-        std::vector<int> nodes;
-        for (const geometry::Triangle& triangle : model.surface)
-            nodes.insert(nodes.end(), triangle.begin(), triangle.end());
-        std::ranges::sort(nodes);
-        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-        std::vector<int> vertexOf(model.rest.size(), -1);
-        geometry::TriangleMesh mesh;
-        for (int node : nodes) {
-            vertexOf[static_cast<std::size_t>(node)] = static_cast<int>(mesh.vertices.size());
-            mesh.vertices.push_back(model.rest[static_cast<std::size_t>(node)]);
-        }
-        for (geometry::Triangle triangle : model.surface) {
-            for (int& node : triangle) node = vertexOf[static_cast<std::size_t>(node)];
-            mesh.triangles.push_back(triangle);
-        }
-        std::vector<int> behind;
-        for (const auto& [element, face] : topology.boundaryFaces)
-            behind.push_back(
-                topology.mesh->data().tetrahedra[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)]);
-        remakeOwnSurface(mesh, nodes, std::move(behind), collision);
-    }
 }
 
 } // namespace filasofia::engine

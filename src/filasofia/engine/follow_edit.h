@@ -9,7 +9,4 @@ namespace filasofia::engine {
 void followRiders(const frame::TopologyEdit& edit, const EditableMesh& mesh, SoftModel& soft,
                   std::vector<Attachment>& attachments);
 
-/// The body's own surface as it is touched, after applyEdit.
-void followCollision(const BodyTopology& topology, SoftModel& model);
-
 } // namespace filasofia::engine

@@ -1,6 +1,5 @@
 #include "filasofia/engine/ruptures.h"
 
-#include "filasofia/engine/contact_memory.h"
 #include "filasofia/engine/follow_edit.h"
 #include "filasofia/engine/tear_body.h"
 
@@ -187,10 +186,10 @@ void applyEdits(double period, Model& model, State& state, Systems& systems, Rup
         const auto elements = static_cast<int>(body.elements.size() + body.tetrahedra.size());
         if (topology.boundary->revision == 0) topology.startAttachments = state.attachments;
         followRiders(edit, *topology.mesh, body, state.attachments);
-        applyEdit(edit, period, topology, body, state.softBodies[b], systems[b]);
+        const OwnSurfaceEdit surface = applyEdit(edit, period, topology, body, state.softBodies[b], systems[b]);
         if (edit.boundary.empty()) continue;
-        followCollision(topology, body);
-        for (int m = 0; m < static_cast<int>(body.collision.size()); ++m) forgetSurface({body.id, m}, state);
+        for (int m = 0; m < static_cast<int>(body.collision.size()); ++m)
+            if (!body.collision[static_cast<std::size_t>(m)].behind.empty()) editCollision(surface, m, body, state);
 
         std::vector<Rupture>& told = report.topology.ruptures;
         const std::size_t before = told.size();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/engine/edit_collision.h"
 #include "filasofia/engine/rupture/cut.h"
 #include "filasofia/engine/rupture/pieces.h"
 #include "filasofia/engine/rupture/tear.h"
@@ -28,9 +29,11 @@ struct SpringsOfElements {
 /// What a body that may be cut is besides its model: the mesh as edits know it, and what follows it triangle by
 /// triangle. Elements have the same numbers there and in the model.
 struct BodyTopology {
-    std::unique_ptr<EditableMesh> mesh;              ///< none: it is never edited
-    std::vector<std::array<int, 4>> boundaryPlaces;  ///< per element and face, in the boundary; -1: inside
-    std::vector<std::array<int, 2>> boundaryFaces;   ///< per triangle of the boundary: its element and face
+    std::unique_ptr<EditableMesh> mesh;             ///< none: it is never edited
+    std::vector<std::array<int, 4>> boundaryPlaces; ///< per element and face, in the boundary; -1: inside
+    std::vector<std::array<int, 2>> boundaryFaces;  ///< per triangle of the boundary: its element and face
+    std::vector<int> vertices;                      ///< per node: its number among the vertices of the surface; -1
+    int vertexCount = 0;
     std::shared_ptr<const frame::Boundary> boundary; ///< as everyone outside sees it
     std::optional<Pieces> pieces;
     std::vector<Stroke> strokes;
@@ -55,8 +58,9 @@ SpringsOfElements springsOfElements(const SoftModel& model);
 void add(const RuptureReport& from, physics::TopologyReport& to);
 
 /// Brings all that is kept of a body in line with an edit of its mesh, once: nodes, elements, masses, pins, surface,
-/// state and solver. Momentum is kept. Attachments and contacts are followed elsewhere.
-void applyEdit(const frame::TopologyEdit& edit, double period, BodyTopology& topology, SoftModel& model,
-               SoftState& state, SoftSystem& system);
+/// state and solver. Momentum is kept. Attachments and contacts are followed elsewhere; for these,
+/// what became of the surface.
+OwnSurfaceEdit applyEdit(const frame::TopologyEdit& edit, double period, BodyTopology& topology, SoftModel& model,
+                         SoftState& state, SoftSystem& system);
 
 } // namespace filasofia::engine

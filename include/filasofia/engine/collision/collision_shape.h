@@ -64,6 +64,7 @@ struct CollisionShape {
 
     std::vector<Element> elements; ///< leaf by leaf
     std::vector<Node> nodes;       ///< empty where there is no element
+    int grafted = 0;               ///< elements that edits have put into the tree since it was planted
 
     /// Vertices, edges and triangles in one row of numbers.
     [[nodiscard]] int edgeFeature(int edge) const { return static_cast<int>(rest.size()) + edge; }

@@ -1,6 +1,7 @@
 #include "filasofia/engine/collision/collision_shape.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/engine/collision/shape_parts.h"
 #include "filasofia/geometry/box.h"
 
 #include <algorithm>
@@ -13,62 +14,38 @@ namespace {
 
 constexpr int kLeafSize = 4;
 
-std::array<int, 2> ordered(int a, int b) { return a < b ? std::array{a, b} : std::array{b, a}; }
-
-int edgeNumber(const CollisionShape& shape, std::array<int, 2> edge)
+/// All uses of edges, ascending: counted out by their lower vertex, and only sorted among those of one.
+std::vector<EdgeUse> edgeUses(const CollisionShape& shape, const std::vector<std::array<int, 2>>& segments)
 {
-    return static_cast<int>(std::ranges::lower_bound(shape.edges, edge) - shape.edges.begin());
+    const int count = static_cast<int>(shape.rest.size());
+    for (const auto& [a, b] : segments) FILASOFIA_ASSERT(a >= 0 && b >= 0 && a < count && b < count && a != b);
+    const auto forEach = [&](const auto& visit) {
+        for (const auto& [a, b] : segments) visit(EdgeUse{ordered(a, b)});
+        for (int t = 0; t < static_cast<int>(shape.triangles.size()); ++t)
+            for (int k = 0; k < 3; ++k)
+                visit(EdgeUse{ordered(shape.triangles[t][k], shape.triangles[t][(k + 1) % 3]), t});
+    };
+    std::vector<int> start(shape.rest.size() + 1, 0);
+    forEach([&](const EdgeUse& use) { ++start[use.edge[0] + 1]; });
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    std::vector<EdgeUse> uses(static_cast<std::size_t>(start.back()));
+    std::vector<int> next(start.begin(), start.end() - 1);
+    forEach([&](const EdgeUse& use) { uses[static_cast<std::size_t>(next[use.edge[0]]++)] = use; });
+    for (int v = 0; v < count; ++v) std::sort(uses.begin() + start[v], uses.begin() + start[v + 1]);
+    return uses;
 }
 
-void collectEdges(const std::vector<std::array<int, 2>>& segments, CollisionShape& shape)
+/// Rows of items from something that visits (row, item), item by item ascending, twice the same.
+template <class ForEach> geometry::CompressedRows rowsOf(std::size_t rows, const ForEach& forEach)
 {
-    for (const geometry::Triangle& t : shape.triangles)
-        for (int k = 0; k < 3; ++k) shape.edges.push_back(ordered(t[k], t[(k + 1) % 3]));
-    for (const auto& [a, b] : segments) {
-        const int count = static_cast<int>(shape.rest.size());
-        FILASOFIA_ASSERT(a >= 0 && b >= 0 && a < count && b < count && a != b);
-        shape.edges.push_back(ordered(a, b));
-    }
-    std::ranges::sort(shape.edges);
-    shape.edges.erase(std::unique(shape.edges.begin(), shape.edges.end()), shape.edges.end());
-}
-
-// The rows of a relation given as (row, item) pairs.
-geometry::CompressedRows rowsOf(std::vector<std::array<int, 2>>& pairs, std::size_t rows)
-{
-    std::ranges::sort(pairs);
     geometry::CompressedRows out;
     out.start.assign(rows + 1, 0);
-    for (const auto& pair : pairs) {
-        ++out.start[static_cast<std::size_t>(pair[0]) + 1];
-        out.items.push_back(pair[1]);
-    }
+    forEach([&](int row, int) { ++out.start[row + 1]; });
     std::partial_sum(out.start.begin(), out.start.end(), out.start.begin());
+    out.items.resize(static_cast<std::size_t>(out.start.back()));
+    std::vector<int> next(out.start.begin(), out.start.end() - 1);
+    forEach([&](int row, int item) { out.items[static_cast<std::size_t>(next[row]++)] = item; });
     return out;
-}
-
-void connect(CollisionShape& shape)
-{
-    std::vector<std::array<int, 2>> ofEdge, ofVertex, edgesOfVertex;
-    std::vector<int> walked(shape.edges.size(), 0);
-    for (int t = 0; t < static_cast<int>(shape.triangles.size()); ++t)
-        for (int k = 0; k < 3; ++k) {
-            const int a = shape.triangles[t][k], b = shape.triangles[t][(k + 1) % 3];
-            const int edge = edgeNumber(shape, ordered(a, b));
-            ofEdge.push_back({edge, t});
-            ofVertex.push_back({a, t});
-            walked[edge] += a < b ? 1 : -1;
-        }
-    for (int e = 0; e < static_cast<int>(shape.edges.size()); ++e)
-        for (const int vertex : shape.edges[e]) edgesOfVertex.push_back({vertex, e});
-    shape.edgeTriangles = rowsOf(ofEdge, shape.edges.size());
-    shape.vertexTriangles = rowsOf(ofVertex, shape.rest.size());
-    shape.vertexEdges = rowsOf(edgesOfVertex, shape.rest.size());
-    shape.closed = !shape.triangles.empty() && std::ranges::all_of(walked, [](int count) { return count == 0; });
-    for (const auto& [edge, triangle] : ofEdge) {
-        const auto [a, b, c] = shape.triangles[triangle];
-        shape.edgeOpposites.push_back(a + b + c - shape.edges[edge][0] - shape.edges[edge][1]);
-    }
 }
 
 void collectElements(CollisionShape& shape)
@@ -82,7 +59,55 @@ void collectElements(CollisionShape& shape)
     for (int v = 0; v < static_cast<int>(shape.rest.size()); ++v) shape.elements.push_back({.vertices = {v, -1, -1}});
 }
 
-// Halves the elements at the median of their middles, as geometry::Bvh does, but into whole leaves: fewer nodes.
+/// Per triangle, the numbers of its three sides' edges.
+std::vector<std::array<int, 3>> sidesOf(const CollisionShape& shape)
+{
+    std::vector<std::array<int, 3>> sides(shape.triangles.size());
+    for (int e = 0; e < static_cast<int>(shape.edges.size()); ++e)
+        for (int i = shape.edgeTriangles.start[e]; i < shape.edgeTriangles.start[e + 1]; ++i) {
+            const int t = shape.edgeTriangles.items[i];
+            for (int k = 0; k < 3; ++k) // the side that the opposite vertex is not on
+                if (shape.triangles[t][(k + 2) % 3] == shape.edgeOpposites[i]) sides[t][k] = e;
+        }
+    return sides;
+}
+
+} // namespace
+
+void connect(std::span<const EdgeUse> uses, CollisionShape& shape)
+{
+    shape.edges.clear();
+    shape.edgeTriangles = {.start = {0}, .items = {}};
+    shape.edgeOpposites.clear();
+    shape.edges.reserve(uses.size() / 2 + 1);
+    shape.edgeTriangles.start.reserve(uses.size() / 2 + 2);
+    shape.edgeTriangles.items.reserve(uses.size());
+    shape.edgeOpposites.reserve(uses.size());
+    shape.closed = !shape.triangles.empty();
+    for (std::size_t u = 0; u < uses.size();) {
+        const auto [low, high] = shape.edges.emplace_back(uses[u].edge);
+        int walked = 0;
+        for (; u < uses.size() && uses[u].edge == shape.edges.back(); ++u) {
+            if (uses[u].triangle < 0) continue;
+            const auto [a, b, c] = shape.triangles[uses[u].triangle];
+            shape.edgeTriangles.items.push_back(uses[u].triangle);
+            shape.edgeOpposites.push_back(a + b + c - low - high);
+            walked += (a == low && b == high) || (b == low && c == high) || (c == low && a == high) ? 1 : -1;
+        }
+        shape.edgeTriangles.start.push_back(static_cast<int>(shape.edgeTriangles.items.size()));
+        shape.closed = shape.closed && walked == 0;
+    }
+    shape.vertexEdges = rowsOf(shape.rest.size(), [&](const auto& visit) {
+        for (int e = 0; e < static_cast<int>(shape.edges.size()); ++e)
+            for (const int vertex : shape.edges[e]) visit(vertex, e);
+    });
+    shape.vertexTriangles = rowsOf(shape.rest.size(), [&](const auto& visit) {
+        for (int t = 0; t < static_cast<int>(shape.triangles.size()); ++t)
+            for (const int vertex : shape.triangles[t]) visit(vertex, t);
+    });
+}
+
+// As geometry::Bvh does, but into whole leaves: fewer nodes.
 int plant(const std::vector<Vec3>& middles, std::span<int> order, int first, std::vector<CollisionShape::Node>& nodes)
 {
     const int self = static_cast<int>(nodes.size()), count = static_cast<int>(order.size());
@@ -103,16 +128,23 @@ int plant(const std::vector<Vec3>& middles, std::span<int> order, int first, std
     return self;
 }
 
+Vec3 middleOf(const CollisionShape& shape, const CollisionShape::Element& element)
+{
+    geometry::Box box;
+    for (const int v : element.vertices)
+        if (v >= 0) box = merged(box, shape.rest[v]);
+    return 0.5 * (box.low + box.high);
+}
+
 void plantTree(CollisionShape& shape)
 {
+    shape.elements.clear();
+    shape.nodes.clear();
+    shape.grafted = 0;
+    collectElements(shape);
     if (shape.elements.empty()) return;
     std::vector<Vec3> middles;
-    for (const CollisionShape::Element& element : shape.elements) {
-        geometry::Box box;
-        for (const int v : element.vertices)
-            if (v >= 0) box = merged(box, shape.rest[v]);
-        middles.push_back(0.5 * (box.low + box.high));
-    }
+    for (const CollisionShape::Element& element : shape.elements) middles.push_back(middleOf(shape, element));
     std::vector<int> order(shape.elements.size());
     std::iota(order.begin(), order.end(), 0);
     plant(middles, order, 0, shape.nodes);
@@ -123,19 +155,22 @@ void plantTree(CollisionShape& shape)
 
 void shareOut(CollisionShape& shape)
 {
-    std::vector<bool> vertexTaken(shape.rest.size()), edgeTaken(shape.edges.size());
-    for (CollisionShape::Element& element : shape.elements)
+    const std::vector<std::array<int, 3>> sides = sidesOf(shape);
+    std::vector<char> vertexTaken(shape.rest.size()), edgeTaken(shape.edges.size());
+    for (CollisionShape::Element& element : shape.elements) {
+        element.ownVertices = element.ownEdges = {-1, -1, -1};
         for (int k = 0; k < 3; ++k) {
-            const int a = element.vertices[k], b = element.vertices[(k + 1) % 3];
-            if (a >= 0 && !vertexTaken[a]) vertexTaken[a] = true, element.ownVertices[k] = a;
-            if (a < 0 || b < 0) continue;
-            const int edge = edgeNumber(shape, ordered(a, b));
-            if (edge < static_cast<int>(shape.edges.size()) && !edgeTaken[edge])
-                edgeTaken[edge] = true, element.ownEdges[k] = edge;
+            const int a = element.vertices[k];
+            if (a >= 0 && !vertexTaken[a]) vertexTaken[a] = 1, element.ownVertices[k] = a;
+            if (element.triangle < 0) continue;
+            const int edge = sides[element.triangle][k];
+            if (!edgeTaken[edge]) edgeTaken[edge] = 1, element.ownEdges[k] = edge;
         }
+        if (element.triangle >= 0 || element.vertices[1] < 0) continue; // a line is no triangle's side: its own
+        const auto line = std::array{element.vertices[0], element.vertices[1]};
+        element.ownEdges[0] = static_cast<int>(std::ranges::lower_bound(shape.edges, line) - shape.edges.begin());
+    }
 }
-
-} // namespace
 
 CollisionShape makeCollisionShape(const geometry::TriangleMesh& mesh, const CollisionOptions& options)
 {
@@ -151,9 +186,7 @@ CollisionShape makeCollisionShape(const geometry::TriangleMesh& mesh, const Coll
     shape.group = options.group;
     shape.self = options.self;
     shape.cutting = options.cutting;
-    collectEdges(options.segments, shape);
-    connect(shape);
-    collectElements(shape);
+    connect(edgeUses(shape, options.segments), shape);
     plantTree(shape);
     shareOut(shape);
     shape.lines = shape.lines && !shape.edges.empty();

@@ -1,11 +1,13 @@
-#include "filasofia/engine/collision/inset.h"
+#include "filasofia/engine/collision/edit_shape.h"
 
 #include "filasofia/geometry/bvh.h"
 #include "filasofia/geometry/distance.h"
+#include "filasofia/math/mat3.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -14,86 +16,176 @@ constexpr double kMostOfThickness = 0.25; // a quarter from each side
 constexpr double kMostOfEdge = 0.25;
 constexpr double kLongestWay = 2.0; // in depths, where triangles meet in a point
 constexpr double kSliver = 1e-18;   // [-] as in meet_point.cpp: has no face
+constexpr double kTouching = 1e-3;  // of the depth
 constexpr double kRidge = 1e-3;     // how nearly alike two normals may be, to be told apart
 
-void normalsOf(const CollisionShape& shape, std::span<const Vec3> x, std::vector<Vec3>& normals)
+Vec3 normalOf(const geometry::Triangle& triangle, std::span<const Vec3> x)
 {
-    normals.resize(shape.triangles.size());
-    for (std::size_t t = 0; t < normals.size(); ++t) {
-        const auto [a, b, c] = shape.triangles[t];
-        const Vec3 ab = x[b] - x[a], ac = x[c] - x[a], normal = cross(ab, ac);
-        const double longest = std::max(lengthSquared(ab), lengthSquared(ac));
-        normals[t] = lengthSquared(normal) > kSliver * longest * longest ? normalized(normal) : Vec3{};
-    }
+    const auto [a, b, c] = triangle;
+    const Vec3 ab = x[b] - x[a], ac = x[c] - x[a], normal = cross(ab, ac);
+    const double longest = std::max(lengthSquared(ab), lengthSquared(ac));
+    return lengthSquared(normal) > kSliver * longest * longest ? normalized(normal) : Vec3{};
 }
 
 /// Shares c with (sum of c_f n_f) . n_g = 1 for every triangle g around a vertex, as nearly as there are, the smallest:
-/// (G + e) c = 1, G the normals' products, by Gauss-Seidel.
-void shareOut(std::span<const int> around, const std::vector<Vec3>& normals, std::span<double> shares)
+/// (N N^T + e) c = 1, the rows of N the normals. With w = (N^T N + e)^-1 N^T 1 that is c = (1 - N w) / e, and the way
+/// N^T c is w. Returns the way.
+Vec3 shareOut(std::span<const Vec3> normals, std::span<double> shares)
 {
-    std::fill(shares.begin(), shares.end(), 0.0);
-    Vec3 way;
-    for (int sweep = 0; sweep < 200; ++sweep)
-        for (std::size_t f = 0; f < around.size(); ++f) {
-            const Vec3 n = normals[static_cast<std::size_t>(around[f])];
-            if (n == Vec3{}) continue; // without area, without a say
-            const double change = (1.0 - dot(way, n) - kRidge * shares[f]) / (lengthSquared(n) + kRidge);
-            shares[f] += change;
-            way += change * n;
-        }
-    if (const double size = length(way); size > kLongestWay)
-        for (double& share : shares) share *= kLongestWay / size;
+    Mat3 products = kRidge * Mat3::identity();
+    Vec3 sum;
+    for (const Vec3 n : normals) {
+        products += outer(n, n);
+        sum += n;
+    }
+    const Vec3 way = inverse(products) * sum;
+    const double size = length(way), scale = size > kLongestWay ? kLongestWay / size : 1.0;
+    for (std::size_t f = 0; f < normals.size(); ++f)
+        shares[f] = normals[f] == Vec3{} ? 0.0 : scale * (1.0 - dot(normals[f], way)) / kRidge; // no area, no say
+    return scale * way;
 }
 
-/// [m] inwards from a vertex to the opposite wall; infinite where the ray slips through between two triangles.
-double thicknessAt(const CollisionShape& shape, const geometry::Bvh& tree, int vertex, Vec3 inwards)
-{
-    const Vec3 from = shape.rest[static_cast<std::size_t>(vertex)];
-    const auto hit = [&](int triangle) {
+/// A segment inwards from a vertex, and what it meets.
+struct Probe {
+    const CollisionShape& shape;
+    int vertex;
+    Vec3 from, inwards;
+    double nearest; ///< [m] nearer is no thickness: it is the other wall of a cut
+
+    /// [m] to a triangle of which the vertex is none; infinite: it slips by.
+    [[nodiscard]] double hit(int triangle) const
+    {
+        constexpr double none = std::numeric_limits<double>::infinity();
         const auto [a, b, c] = shape.triangles[static_cast<std::size_t>(triangle)];
-        if (a == vertex || b == vertex || c == vertex) return std::numeric_limits<double>::infinity();
-        return geometry::rayTriangle(from, inwards, shape.rest[a], shape.rest[b], shape.rest[c]);
-    };
-    return tree.firstHit(from, inwards, hit).value;
+        if (a == vertex || b == vertex || c == vertex) return none;
+        const double way = geometry::rayTriangle(from, inwards, shape.rest[a], shape.rest[b], shape.rest[c]);
+        return way > nearest ? way : none;
+    }
+};
+
+geometry::Box boxOf(const CollisionShape& shape, int triangle)
+{
+    geometry::Box box;
+    for (const int vertex : shape.triangles[static_cast<std::size_t>(triangle)]) box = merged(box, shape.rest[vertex]);
+    return box;
+}
+
+/// [m] from how far on a wall leaves the inset as it is.
+double reachOf(double depth) { return depth / kMostOfThickness; }
+
+/// Writes one vertex's inset; thickness(probe): [m] to what it meets first within reachOf(depth), or more.
+template <class Thickness> void insetVertex(const CollisionShape& shape, int vertex, double depth,
+                                            const Thickness& thickness, std::vector<Vec3>& normals, Inset& inset)
+{
+    const std::span<const int> around = shape.vertexTriangles[vertex];
+    inset.depth[vertex] = 0.0;
+    if (around.empty()) return;
+    normals.clear();
+    for (const int t : around) normals.push_back(normalOf(shape.triangles[static_cast<std::size_t>(t)], shape.rest));
+    const Vec3 way = shareOut(
+        normals,
+        std::span(inset.share).subspan(static_cast<std::size_t>(shape.vertexTriangles.start[vertex]), around.size()));
+    double most = kMostOfThickness * thickness(Probe{shape, vertex, shape.rest[static_cast<std::size_t>(vertex)],
+                                                     normalized(-way), kTouching * depth});
+    for (int edge : shape.vertexEdges[vertex]) {
+        const auto [a, b] = shape.edges[edge];
+        most = std::min(most, kMostOfEdge * distance(shape.rest[a], shape.rest[b]));
+    }
+    inset.depth[vertex] = std::min(depth, most);
+}
+
+Inset noInset(const CollisionShape& shape)
+{
+    return {.depth = std::vector<double>(shape.rest.size()),
+            .share = std::vector<double>(shape.vertexTriangles.items.size())};
+}
+
+bool hasInset(const CollisionShape& shape, double depth) { return shape.closed && shape.triangleFaces && depth > 0.0; }
+
+/// Vertices whose inset may be another after an edit: those of what has changed, and those in whose reach it is.
+std::vector<int> affectedVertices(const CollisionShape& now, const ShapeChange& change, double depth)
+{
+    std::vector<int> affected;
+    const geometry::Box box = grown(change.box, reachOf(depth));
+    auto touched = change.touched.begin();
+    for (int vertex = 0; vertex < static_cast<int>(now.rest.size()); ++vertex) {
+        const bool is = touched != change.touched.end() && *touched == vertex;
+        if (is) ++touched;
+        if (is || squaredDistance(box, now.rest[vertex]) == 0.0) affected.push_back(vertex);
+    }
+    return affected;
+}
+
+/// The triangles that a probe from any of the vertices may meet, with their boxes.
+std::vector<std::pair<int, geometry::Box>> trianglesNear(const CollisionShape& shape, std::span<const int> vertices,
+                                                         double reach)
+{
+    geometry::Box region;
+    for (const int vertex : vertices) region = merged(region, shape.rest[vertex]);
+    region = grown(region, reach);
+    std::vector<std::pair<int, geometry::Box>> near;
+    for (int t = 0; t < static_cast<int>(shape.triangles.size()); ++t)
+        if (const geometry::Box box = boxOf(shape, t); overlap(box, region)) near.push_back({t, box});
+    return near;
 }
 
 } // namespace
 
 Inset makeInset(const CollisionShape& shape, double depth)
 {
-    Inset inset{.depth = std::vector<double>(shape.rest.size()),
-                .share = std::vector<double>(shape.vertexTriangles.items.size())};
-    if (!shape.closed || !shape.triangleFaces || depth == 0.0) return inset;
+    Inset inset = noInset(shape);
+    if (!hasInset(shape, depth)) return inset;
     std::vector<geometry::Box> boxes;
-    for (const geometry::Triangle& t : shape.triangles) {
-        geometry::Box box;
-        for (int vertex : t) box = geometry::merged(box, shape.rest[vertex]);
-        boxes.push_back(box);
-    }
+    for (int t = 0; t < static_cast<int>(shape.triangles.size()); ++t) boxes.push_back(boxOf(shape, t));
     const geometry::Bvh tree(boxes);
+    const auto thickness = [&](const Probe& probe) {
+        return tree
+            .firstHit(
+                probe.from, probe.inwards, [&](int t) { return probe.hit(t); }, reachOf(depth))
+            .value;
+    };
     std::vector<Vec3> normals;
-    normalsOf(shape, shape.rest, normals);
-    for (int vertex = 0; vertex < static_cast<int>(shape.rest.size()); ++vertex) {
-        const std::span<const int> around = shape.vertexTriangles[vertex];
-        if (around.empty()) continue;
-        const std::span<double> shares =
-            std::span(inset.share).subspan(shape.vertexTriangles.start[vertex], around.size());
-        shareOut(around, normals, shares);
-        Vec3 way;
-        for (std::size_t f = 0; f < around.size(); ++f) way -= shares[f] * normals[around[f]];
-        double most = kMostOfThickness * thicknessAt(shape, tree, vertex, normalized(way));
-        for (int edge : shape.vertexEdges[vertex]) {
-            const auto [a, b] = shape.edges[edge];
-            most = std::min(most, kMostOfEdge * distance(shape.rest[a], shape.rest[b]));
-        }
-        inset.depth[vertex] = std::min(depth, most);
-    }
+    for (int vertex = 0; vertex < static_cast<int>(shape.rest.size()); ++vertex)
+        insetVertex(shape, vertex, depth, thickness, normals, inset);
     return inset;
+}
+
+Inset editInset(const Inset& inset, const CollisionShape& before, const CollisionShape& now, const ShapeChange& change,
+                double depth)
+{
+    if (!hasInset(now, depth)) return noInset(now);
+    if (!hasInset(before, depth)) return makeInset(now, depth);
+    Inset out = noInset(now);
+    const std::vector<int> affected = affectedVertices(now, change, depth);
+    const auto near = trianglesNear(now, affected, reachOf(depth));
+    const auto thickness = [&](const Probe& probe) {
+        const geometry::Box way =
+            merged(geometry::Box{probe.from, probe.from}, probe.from + 1.001 * reachOf(depth) * probe.inwards);
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const auto& [t, box] : near)
+            if (overlap(box, way)) nearest = std::min(nearest, probe.hit(t));
+        return nearest;
+    };
+    std::vector<Vec3> normals;
+    auto next = affected.begin();
+    for (int vertex = 0; vertex < static_cast<int>(now.rest.size()); ++vertex) {
+        if (next != affected.end() && *next == vertex) {
+            ++next;
+            insetVertex(now, vertex, depth, thickness, normals, out);
+            continue;
+        }
+        out.depth[vertex] = inset.depth[vertex];
+        const std::span<const int> old = before.vertexTriangles[vertex];
+        std::copy_n(inset.share.begin() + before.vertexTriangles.start[vertex], old.size(),
+                    out.share.begin() + now.vertexTriangles.start[vertex]);
+    }
+    return out;
 }
 
 void applyInset(const CollisionShape& shape, const Inset& inset, std::vector<Vec3>& normals, std::span<Vec3> x)
 {
-    normalsOf(shape, x, normals);
+    normals.resize(shape.triangles.size());
+    for (std::size_t t = 0; t < normals.size(); ++t) normals[t] = normalOf(shape.triangles[t], x);
     for (int vertex = 0; vertex < static_cast<int>(x.size()); ++vertex) {
         const double depth = inset.depth[vertex];
         if (depth == 0.0) continue;
