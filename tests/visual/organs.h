@@ -40,13 +40,14 @@ template <class Shape> geometry::TriangleMesh gridSurface(int columns, int rows,
     return mesh;
 }
 
-/// A closed bulged organ, about `radius` [m]: an octahedron split `level` times, blown up, with lobes. No uv.
+/// A closed organ with lobes and a notch, about `radius` [m]: an octahedron split `level` times and blown up. No uv.
 inline geometry::TriangleMesh organ(double radius, int level)
 {
     geometry::TriangleMesh mesh = sphere(1.0, level);
     for (Vec3& v : mesh.vertices) {
-        const double lobes = 1.0 + 0.16 * bumps(v, 1.6) + 0.05 * bumps(v + Vec3{3, 1, 2}, 3.7);
-        v = radius * lobes * Vec3{1.25 * v.x, 0.85 * v.y, 0.95 * v.z};
+        const double lobes = 1.0 + 0.22 * bumps(v, 1.9) + 0.07 * bumps(v + Vec3{3, 1, 2}, 4.1);
+        const double notch = 1.0 - 0.34 * std::exp(-std::pow((v.x - 0.25 * v.z) / 0.24, 2.0)) * std::max(v.y + 0.3, 0.0);
+        v = radius * lobes * notch * Vec3{1.30 * v.x, 0.92 * v.y, 1.0 * v.z};
     }
     return mesh;
 }
@@ -94,18 +95,20 @@ inline geometry::TriangleMesh probe(double length = 0.12, double radius = 0.0035
     return turned(profile);
 }
 
-/// The head of a long bone, shaft along +X [m].
-inline geometry::TriangleMesh boneEnd(double length = 0.12, double radius = 0.011)
+/// The end of a long bone with its two condyles, shaft along +X [m].
+inline geometry::TriangleMesh boneEnd(double length = 0.13, double radius = 0.011)
 {
-    return gridSurface(72, 40, [&](double u, double v) {
-        const double angle = 2.0 * kPi * v;
-        const double cap = std::min(u / 0.22, 1.0);                                 // the rounded end
-        const double flare = 1.0 + 1.15 * std::exp(-std::pow((u - 0.14) / 0.16, 2.0)); // the head is wider
-        const double knobs = 1.0 + 0.30 * std::cos(2.0 * angle) * std::exp(-std::pow((u - 0.12) / 0.16, 2.0));
-        const Vec3 place{6.0 * u, std::cos(angle), std::sin(angle)};
-        const double r = std::max(radius * flare * knobs * std::sqrt(1.0 - std::pow(1.0 - cap, 2.0)), 1e-6) *
-                         (1.0 + 0.05 * bumps(place, 1.9));
-        return Vec3{length * (u - 0.06 * (1.0 - cap)), r * std::cos(angle), r * std::sin(angle)};
+    return gridSurface(64, 48, [&](double u, double v) {
+        const double angle = 2.0 * kPi * v, side = std::cos(angle);
+        // Radius along the shaft: a blunt end, a wide head, a waist.
+        const double cap = std::min(u / 0.16, 1.0);
+        const double blunt = std::sqrt(1.0 - std::pow(1.0 - cap, 2.0));
+        const double head = std::exp(-std::pow((u - 0.10) / 0.17, 2.0));
+        const double condyles = 1.0 + 1.05 * head * (0.55 + 0.45 * side * side) - 0.28 * head * (1.0 - side * side) * (angle < kPi);
+        const Vec3 place{6.0 * u, side, std::sin(angle)};
+        const double r = std::max(radius * condyles * blunt * (1.0 + 0.05 * bumps(place, 1.9)), 1e-6);
+        return Vec3{length * u + 0.35 * length * 0.16 * (1.0 - cap) * cap - 0.01 * (1.0 - cap), r * side,
+                    r * std::sin(angle)};
     });
 }
 

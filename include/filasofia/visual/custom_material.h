@@ -14,7 +14,7 @@ namespace filasofia::visual {
 using ParameterValue = std::variant<double, int, bool, Color, Vec3, std::array<double, 4>, Texture>;
 
 struct MaterialParameter {
-    std::string name;
+    std::string name = {};
     ParameterValue value = 0.0; ///< finite
 
     friend bool operator==(const MaterialParameter&, const MaterialParameter&) = default;
@@ -29,8 +29,8 @@ constexpr auto fields(const MaterialParameter*)
 /// A material of the user's own, compiled by Filament's matc 1.9 for desktop OpenGL. It may require the attributes
 /// position, tangents, color (blood, burn, wetness), uv0 and custom0 (position at rest). What is not set is 0, or white.
 struct CustomMaterial {
-    std::string file; ///< a .filamat; read once for a server, when it is first named
-    std::vector<MaterialParameter> parameters;
+    std::string file = {}; ///< a .filamat; read once for a server, when it is first named
+    std::vector<MaterialParameter> parameters = {};
 
     friend bool operator==(const CustomMaterial&, const CustomMaterial&) = default;
 };

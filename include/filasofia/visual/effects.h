@@ -114,12 +114,12 @@ enum class Antialiasing {
 struct Effects {
     bool shadows = true; ///< of the lights that cast some
     Antialiasing antialiasing = Antialiasing::Fxaa;
-    std::optional<AmbientOcclusion> ambientOcclusion;
-    std::optional<Bloom> bloom;
-    std::optional<DepthOfField> depthOfField;
-    std::optional<Vignette> vignette;
-    std::optional<Fog> fog;
-    std::optional<EndoscopeOptics> endoscope;
+    std::optional<AmbientOcclusion> ambientOcclusion = {};
+    std::optional<Bloom> bloom = {};
+    std::optional<DepthOfField> depthOfField = {};
+    std::optional<Vignette> vignette = {};
+    std::optional<Fog> fog = {};
+    std::optional<EndoscopeOptics> endoscope = {};
 
     friend constexpr bool operator==(const Effects&, const Effects&) = default;
 };

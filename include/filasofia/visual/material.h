@@ -45,9 +45,9 @@ constexpr auto fields(const TissueMaterial*)
 /// The lining of hollow organs: paler and wetter than tissue, with the pits of its glands and a fine net of vessels
 /// under a film of mucus.
 struct MucosaMaterial {
-    Color baseColor = {0.74, 0.30, 0.235};        ///< colour of the lit surface
-    Color subsurfaceColor = {0.75, 0.16, 0.10};   ///< colour of the light that has travelled inside
-    Color vesselColor = {0.42, 0.035, 0.035};     ///< colour of the small vessels
+    Color baseColor = {0.64, 0.215, 0.145};        ///< colour of the lit surface
+    Color subsurfaceColor = {0.62, 0.10, 0.055};   ///< colour of the light that has travelled inside
+    Color vesselColor = {0.30, 0.012, 0.016};     ///< colour of the small vessels
     double roughness = 0.40;                      ///< [-], in [0.05, 1], of the lining below the film
     double wetness = 0.95;                        ///< [-], in [0, 1], how much of the surface the film covers
     double thickness = 0.45;                      ///< [-], in [0, 1]: a thin lining lets more light through
@@ -155,7 +155,7 @@ constexpr auto fields(const UnlitMaterial*)
 
 /// The material of this name in the server's pool (VisualServer::addMaterial), and what it becomes there.
 struct NamedMaterial {
-    std::string name;
+    std::string name = {};
 
     friend bool operator==(const NamedMaterial&, const NamedMaterial&) = default;
 };

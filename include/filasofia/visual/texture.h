@@ -14,7 +14,7 @@ struct NoTexture {
 
 /// A PNG or JPEG of at most 8192 pixels a side, sRGB encoded. Read once for a server, when it is first named.
 struct TextureFile {
-    std::string file;
+    std::string file = {};
 
     friend bool operator==(const TextureFile&, const TextureFile&) = default;
 };
@@ -26,7 +26,7 @@ constexpr auto fields(const TextureFile*)
 
 /// What an off-screen view shows, as it was last drawn; black from when that view is removed.
 struct ViewPicture {
-    std::string view; ///< name of an off-screen view of the same server
+    std::string view = {}; ///< name of an off-screen view of the same server
 
     friend bool operator==(const ViewPicture&, const ViewPicture&) = default;
 };

@@ -239,6 +239,7 @@ void FilamentBackend::resize(int width, int height)
 
 bool FilamentBackend::beginFrame(int tries)
 {
+    prepareOptics();
     for (int i = 0; i < tries; ++i) {
         if (renderer_->beginFrame(swapChain_)) return true;
         if (i + 1 < tries) engine_->flushAndWait(); // the queue of frames is full: let it run empty
@@ -246,11 +247,25 @@ bool FilamentBackend::beginFrame(int tries)
     return false;
 }
 
+filament::Viewport FilamentBackend::pixelsOfView(const PlacedView& view) const
+{
+    return view.picture ? pixelsOf({}, view.picture->width(), view.picture->height())
+                        : pixelsOf(view.def.viewport, width_, height_);
+}
+
+void FilamentBackend::prepareOptics()
+{
+    // Material parameters reach the card at beginFrame: what is set later comes a frame late.
+    for (auto& [slot, each] : views_) {
+        if (!each.optics) continue;
+        const filament::Viewport pixels = pixelsOfView(each);
+        each.optics->prepare(int(pixels.width), int(pixels.height), *each.def.effects->endoscope);
+    }
+}
+
 template <class Render> void FilamentBackend::drawView(PlacedView& each, Render&& render)
 {
-    const filament::Viewport pixels = each.picture
-                                          ? pixelsOf({}, each.picture->width(), each.picture->height())
-                                          : pixelsOf(each.def.viewport, width_, height_);
+    const filament::Viewport pixels = pixelsOfView(each);
     filament::RenderTarget* const target = each.picture ? each.picture->target() : nullptr;
     const PlacedCamera& placed = cameras_.at(each.camera);
     constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -264,11 +279,10 @@ template <class Render> void FilamentBackend::drawView(PlacedView& each, Render&
         render(each.view);
         return;
     }
-    const DrawnPicture& picture = each.optics->picture(int(pixels.width), int(pixels.height));
     each.view->setViewport({0, 0, pixels.width, pixels.height});
-    each.view->setRenderTarget(picture.target());
+    each.view->setRenderTarget(each.optics->picture().target());
     render(each.view);
-    filament::View& lens = each.optics->view(*each.def.effects->endoscope);
+    filament::View& lens = each.optics->view();
     lens.setViewport(pixels);
     lens.setRenderTarget(target);
     render(&lens);
@@ -300,6 +314,7 @@ Image FilamentBackend::capture()
 
 Image FilamentBackend::capture(Slot asked)
 {
+    prepareOptics();
     for (auto& [slot, each] : views_)
         if (each.picture && slot <= asked && (each.visible || slot == asked))
             drawView(each, [&](filament::View* view) { renderer_->renderStandaloneView(view); });

@@ -67,6 +67,8 @@ private:
     void drawViews();
     /// Draws one view by `render(filament::View*)`.
     template <class Render> void drawView(PlacedView& view, Render&& render);
+    void prepareOptics();
+    [[nodiscard]] filament::Viewport pixelsOfView(const PlacedView& view) const;
     void applyView(PlacedView& view);
     void destroyView(PlacedView& view);
     Image read(filament::RenderTarget* target, int width, int height, bool endsFrame);

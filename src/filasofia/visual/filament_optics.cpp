@@ -89,7 +89,7 @@ OpticsPass::~OpticsPass()
     engine_.destroy(instance_);
 }
 
-DrawnPicture& OpticsPass::picture(int width, int height)
+void OpticsPass::prepare(int width, int height, const EndoscopeOptics& optics)
 {
     if (!picture_ || picture_->width() != width || picture_->height() != height) {
         picture_ = std::make_unique<DrawnPicture>(engine_, width, height);
@@ -99,17 +99,11 @@ DrawnPicture& OpticsPass::picture(int width, int height)
         setParameter(*instance_, "extent",
                      filament::math::float2{static_cast<float>(width) / smaller, static_cast<float>(height) / smaller});
     }
-    return *picture_;
-}
-
-filament::View& OpticsPass::view(const EndoscopeOptics& optics)
-{
     setParameter(*instance_, "maskRadius", float(optics.maskRadius));
     setParameter(*instance_, "maskSoftness", float(optics.maskSoftness));
     setParameter(*instance_, "distortion", float(optics.distortion));
     setParameter(*instance_, "vignette", float(optics.vignette));
     setParameter(*instance_, "rimBlur", float(optics.rimBlur));
-    return *view_;
 }
 
 } // namespace filasofia::visual

@@ -42,10 +42,12 @@ public:
     OpticsPass& operator=(const OpticsPass&) = delete;
     ~OpticsPass();
 
-    /// The picture to draw the scene into, in this size.
-    DrawnPicture& picture(int width, int height);
+    /// Before the frame begins: size and optics.
+    void prepare(int width, int height, const EndoscopeOptics& optics);
+    /// The picture to draw the scene into.
+    [[nodiscard]] const DrawnPicture& picture() const { return *picture_; }
     /// What shows that picture. Its target and viewport are the caller's to set.
-    filament::View& view(const EndoscopeOptics& optics);
+    [[nodiscard]] filament::View& view() const { return *view_; }
 
 private:
     filament::Engine& engine_;
