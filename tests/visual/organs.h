@@ -53,16 +53,16 @@ inline geometry::TriangleMesh organ(double radius, int level)
 }
 
 /// The inside of a hollow organ along -Z, of `radius` and `length` [m], narrowed by folds and bent: for a camera at 0.
-inline geometry::TriangleMesh tubeInside(double radius, double length, int around = 48, int along = 60)
+inline geometry::TriangleMesh tubeInside(double radius, double length, int around = 72, int along = 150)
 {
     return gridSurface(around, along, [&](double u, double v) {
         const double angle = 2.0 * kPi * u, z = (0.15 - v) * length;
         // Folds are crescents: deep on one side, gone on the other, each ring turned against the last.
         const double ring = 7.0 * v;
-        const double fold = std::exp(-std::pow((ring - std::round(ring)) / 0.13, 2.0)) *
+        const double fold = std::exp(-std::pow((ring - std::round(ring)) / 0.075, 2.0)) *
                             (0.55 + 0.45 * std::cos(angle - 2.1 * std::round(ring)));
         const Vec3 wall{std::cos(angle), std::sin(angle), 4.0 * v};
-        const double r = radius * (1.0 - 0.30 * fold + 0.05 * bumps(wall, 2.2));
+        const double r = radius * (1.0 - 0.33 * fold + 0.05 * bumps(wall, 2.2));
         const double bend = 0.5 * radius * v * v;
         return Vec3{r * std::cos(angle) + bend, r * std::sin(angle) + 2.0 * bend * v, z};
     });

@@ -10,11 +10,14 @@ using namespace filasofia::visual;
 
 namespace {
 
+/// Around what is looked at, the picture is calm.
+const TissueMaterial kGround{.wetness = 0.55, .noiseScale = 85.0, .mottling = 0.5, .vessels = 0.5, .bump = 0.15};
+
 /// An operating field: folded tissue, an organ on it, a probe that touches it, and an endoscope's camera and light.
 struct Scenery {
     explicit Scenery(const Material& material = TissueMaterial{}, geometry::TriangleMesh mesh = organ(0.032, 3))
     {
-        server.add(VisualBodyDef{.name = "bed", .mesh = bed(0.34), .material = TissueMaterial{.noiseScale = 130.0}})
+        server.add(VisualBodyDef{.name = "bed", .mesh = bed(0.34), .material = kGround})
             .setPose({{0, -0.032, -0.03}, {}});
         body = &server.add(VisualBodyDef{.name = "organ", .mesh = std::move(mesh), .subdivision = 1, .material = material});
         tool = &server.add(VisualBodyDef{.name = "probe", .mesh = probe(), .subdivision = 1, .material = MetalMaterial{}});
@@ -58,11 +61,11 @@ struct Scenery {
 
 /// The view from inside a hollow organ.
 struct Lumen {
-    explicit Lumen(const Material& material = MucosaMaterial{}, const Effects& effects = effectsOf(Quality::High, 0.006))
+    explicit Lumen(const Material& material = MucosaMaterial{.noiseScale = 110.0}, const Effects& effects = effectsOf(Quality::High, 0.006))
     {
-        body = &server.add(VisualBodyDef{.name = "colon", .mesh = tubeInside(0.024, 0.30), .subdivision = 1, .material = material});
+        body = &server.add(VisualBodyDef{.name = "colon", .mesh = tubeInside(0.024, 0.30), .material = material});
         camera = &server.add(CameraDef{.verticalFieldOfView = 80.0 * kPi / 180.0, .near = 0.004});
-        lamp = &server.add(LightDef{.kind = SpotLight{.intensity = 22.0, .innerAngle = 0.6, .outerAngle = 1.4}});
+        lamp = &server.add(LightDef{.kind = SpotLight{.intensity = 15.0, .innerAngle = 0.6, .outerAngle = 1.4}});
         lamp->attachTo(*camera);
         lamp->setPose({{-0.004, 0.004, 0.0}, {}});
         camera->setPose(lookAt({0.004, -0.003, 0.0}, {0.012, 0.006, -0.10}));
@@ -160,24 +163,43 @@ TEST_CASE("picture: unlit colour and a texture from a file")
     checkPicture(scene.server.capture(), "unlit");
 }
 
-TEST_CASE("picture: textures on tissue, bone and metal")
+/// A picture of `ground` with ink where `inked` says so for (u, v) in [0, 1], as a file; (0, 0) is its lower left corner.
+template <class Inked>
+TextureFile inkFile(const char* name, std::array<int, 3> ground, std::array<int, 3> ink, Inked&& inked)
 {
-    Image stripes{256, 256, {}};
-    for (int y = 0; y < 256; ++y)
-        for (int x = 0; x < 256; ++x) {
-            const bool stripe = (x + y / 2) % 64 < 24;
-            stripes.rgba.insert(stripes.rgba.end(), {std::uint8_t(stripe ? 225 : 150), std::uint8_t(stripe ? 190 : 82),
-                                                     std::uint8_t(stripe ? 150 : 70), 255});
+    constexpr int kSize = 512;
+    Image image{kSize, kSize, {}};
+    for (int y = 0; y < kSize; ++y)
+        for (int x = 0; x < kSize; ++x) {
+            const std::array<int, 3>& c = inked((x + 0.5) / kSize, 1.0 - (y + 0.5) / kSize) ? ink : ground;
+            image.rgba.insert(image.rgba.end(), {std::uint8_t(c[0]), std::uint8_t(c[1]), std::uint8_t(c[2]), 255});
         }
-    const std::string png = FILASOFIA_BINARY_DIR "/test_stripes.png";
-    savePng(stripes, png);
-    const Texture texture = TextureFile{png};
-    Scenery scene(BoneMaterial{.baseColorTexture = texture}, boneEnd());
-    scene.body->setPose({{-0.030, 0.004, 0.000}, axisAngle({0, 1, 0}, 0.25)});
+    const std::string png = std::string(FILASOFIA_BINARY_DIR "/") + name + ".png";
+    savePng(image, png);
+    return {png};
+}
+
+TEST_CASE("picture: textures on bone, tissue and metal: marker ink and depth rings")
+{
+    const auto dashes = [](double along) { return std::fmod(along, 1.0) < 0.62; };
+    const TextureFile boneInk = inkFile("bone_ink", {226, 206, 172}, {52, 40, 120}, [&](double u, double v) {
+        return (std::abs(u - 0.34) < 0.006 || std::abs(u - 0.46) < 0.006) && dashes(30.0 * v);
+    });
+    const TextureFile tissueInk = inkFile("tissue_ink", {190, 98, 88}, {44, 36, 110}, [&](double u, double v) {
+        const double radius = std::hypot(u - 0.5, v - 0.5);
+        return (std::abs(radius - 0.30) < 0.014 && dashes(18.0 * (std::atan2(v - 0.5, u - 0.5) / kPi + 1.0))) ||
+               (radius < 0.07 && std::min(std::abs(u - v), std::abs(u + v - 1.0)) < 0.014);
+    });
+    const TextureFile rings = inkFile("rings", {226, 228, 232}, {26, 26, 30},
+                                      [](double u, double) { return u > 0.66 && std::fmod(u, 0.08) < 0.04; });
+
+    Scenery scene(BoneMaterial{.baseColorTexture = boneInk}, boneEnd());
+    scene.body->setPose({{-0.036, 0.004, 0.000}, axisAngle({0, 1, 0}, 0.25)});
     scene.server
-        .add(VisualBodyDef{.name = "flap", .mesh = bed(0.05, 24), .material = TissueMaterial{.baseColorTexture = texture}})
-        .setPose({{-0.004, -0.012, 0.046}, axisAngle({1, 0, 0}, 0.5)});
-    scene.tool->setMaterial(MetalMaterial{.baseColorTexture = texture});
+        .add(VisualBodyDef{.name = "flap", .mesh = bed(0.06, 24), .material = TissueMaterial{.baseColorTexture = tissueInk}})
+        .setPose({{0.0, -0.016, 0.050}, axisAngle({1, 0, 0}, 0.45)});
+    scene.tool->setMaterial(MetalMaterial{.baseColorTexture = rings});
+    scene.tool->setPose(Scenery::lookAlong({0.010, 0.012, 0.048}, {0.75, 0.42, -0.1}));
     checkPicture(scene.server.capture(), "textures");
 }
 
@@ -240,6 +262,11 @@ TEST_CASE("picture: each effect is seen, and off it leaves the picture as it was
         return effects;
     };
     Scenery scene;
+    CameraDef camera = scene.camera->def();
+    camera.exposure = 11.6;
+    camera.aperture = 4.0;
+    camera.focusDistance = 0.105;
+    scene.camera->set(camera);
     scene.set(plain);
     const Image off = scene.server.capture();
     checkPicture(off, "effects_off");
@@ -247,18 +274,14 @@ TEST_CASE("picture: each effect is seen, and off it leaves the picture as it was
              Case{"effect_shadows", 0.02, with([](Effects& e) { e.shadows = true; })},
              Case{"effect_ambient_occlusion", 0.10,
                   with([](Effects& e) { e.ambientOcclusion = AmbientOcclusion{.radius = 0.012, .strength = 1.5}; })},
-             Case{"effect_bloom", 0.03, with([](Effects& e) { e.bloom = Bloom{.strength = 0.35}; })},
+             Case{"effect_bloom", 0.01, with([](Effects& e) { e.bloom = Bloom{.strength = 1.0}; })},
              Case{"effect_depth_of_field", 0.10, with([](Effects& e) { e.depthOfField = DepthOfField{}; })},
              Case{"effect_vignette", 0.20, with([](Effects& e) { e.vignette = Vignette{}; })},
-             Case{"effect_fog", 0.50, with([](Effects& e) { e.fog = Fog{.density = 9.0, .start = 0.06}; })},
+             Case{"effect_fog", 0.50, with([](Effects& e) { e.fog = Fog{.density = 7.0, .start = 0.06, .brightness = 0.5}; })},
              Case{"effect_fxaa", 0.005, with([](Effects& e) { e.antialiasing = Antialiasing::Fxaa; })},
              Case{"effect_msaa", 0.005, with([](Effects& e) { e.antialiasing = Antialiasing::Msaa; })},
          }) {
         INFO(each.name);
-        CameraDef camera = scene.camera->def();
-        camera.aperture = 1.2;
-        camera.focusDistance = 0.085;
-        scene.camera->set(camera);
         scene.set(each.effects);
         const Image on = scene.server.capture();
         CHECK(differingShare(on, off) > each.least);
@@ -286,7 +309,7 @@ TEST_CASE("picture: endoscope optics, and nothing from outside the picture insid
 {
     Effects effects = effectsOf(Quality::High, 0.006);
     effects.vignette.reset();
-    Lumen scene(MucosaMaterial{}, effects);
+    Lumen scene(MucosaMaterial{.noiseScale = 110.0}, effects);
     const Image plain = scene.server.capture();
     effects.endoscope = EndoscopeOptics{};
     ViewDef def = scene.view->def();
@@ -304,7 +327,7 @@ TEST_CASE("picture: two viewports, the second with endoscope optics of its own")
     left.viewport = {.width = 0.55};
     scene.view->set(left);
     Camera& close = scene.server.add(CameraDef{.name = "close", .near = 0.005});
-    close.setPose(lookAt({0.050, 0.045, 0.055}, {0.012, 0.012, 0.010}));
+    close.setPose(lookAt({0.064, 0.052, 0.070}, {0.012, 0.012, 0.010}));
     Effects effects = effectsOf(Quality::Medium);
     effects.endoscope = EndoscopeOptics{};
     scene.server.add({.name = "right", .viewport = {.left = 0.55, .width = 0.45}, .effects = effects}, close);
@@ -316,12 +339,19 @@ TEST_CASE("picture: picture-in-picture, in the window and on a screen in the sce
     Scenery scene;
     Camera& above = scene.server.add(CameraDef{.name = "above", .near = 0.005});
     above.setPose(lookAt({0.0, 0.11, 0.02}, {0.0, 0.0, 0.0}, {0, 0, -1}));
-    scene.server.add({.name = "monitor", .quality = Quality::Medium, .target = OffScreen{160, 120}}, above);
+    Effects noVignette = effectsOf(Quality::Medium);
+    noVignette.vignette.reset();
+    scene.server.add({.name = "monitor", .effects = noVignette, .target = OffScreen{160, 120}}, above);
     VisualBody& monitor = scene.server.add(VisualBodyDef{.name = "monitor",
-                                                         .mesh = screen(0.060, 0.045),
+                                                         .mesh = screen(0.052, 0.039),
                                                          .material = UnlitMaterial{.texture = ViewPicture{"monitor"}}});
-    monitor.setPose({{-0.042, 0.040, -0.030}, axisAngle({0, 1, 0}, 0.35)});
-    scene.server.add({.name = "corner", .viewport = {0.68, 0.62, 0.30, 0.34}, .quality = Quality::Medium}, above);
+    scene.body->setPose({{0.012, 0.0, 0.0}, {}});
+    VisualBody& bezel = scene.server.add(VisualBodyDef{
+        .name = "bezel", .mesh = screen(0.055, 0.042), .material = UnlitMaterial{.color = {0.015, 0.016, 0.018}}});
+    bezel.attachTo(monitor);
+    bezel.setPose({{0, 0, -0.0006}, {}});
+    monitor.setPose(Pose{{-0.036, 0.012, 0.026}, axisAngle({0, 1, 0}, 0.30) * axisAngle({1, 0, 0}, -0.35)});
+    scene.server.add({.name = "corner", .viewport = {0.68, 0.62, 0.30, 0.34}, .effects = noVignette}, above);
     checkPicture(scene.server.capture(), "picture_in_picture");
 }
 

@@ -39,6 +39,7 @@ void applyEffects(filament::View& view, const Effects& effects, double blurScale
 
     FView::DepthOfFieldOptions focus;
     focus.enabled = effects.depthOfField.has_value();
+    focus.nativeResolution = true; // at half of it, small pictures show blocks
     focus.cocScale = static_cast<float>(blurScale * effects.depthOfField.value_or(DepthOfField{}).strength);
     view.setDepthOfFieldOptions(focus);
 
