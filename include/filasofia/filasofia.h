@@ -63,8 +63,15 @@ using runtime::ShowDef;
 using runtime::Simulation;
 using runtime::SimulationDef;
 using visual::Backend;
+using visual::BoneMaterial;
 using visual::Color;
+using visual::CustomMaterial;
+using visual::GlassMaterial;
 using visual::MetalMaterial;
+using visual::MucosaMaterial;
+using visual::NamedMaterial;
+using visual::TextureFile;
 using visual::TissueMaterial;
+using visual::UnlitMaterial;
 
 } // namespace filasofia

@@ -131,6 +131,7 @@ TEST_CASE("material, visibility, light and camera can be changed")
     LittleScene scene(Backend::Null);
     scene.body.setMaterial(MetalMaterial{.roughness = 0.1});
     scene.body.setVisible(false);
+    scene.server.render();
     CHECK_FALSE(scene.body.visible());
     CHECK_FALSE(bodyOf(scene.body).visible);
     CHECK(std::get<MetalMaterial>(bodyOf(scene.body).material).roughness == 0.1);

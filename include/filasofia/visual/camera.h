@@ -15,6 +15,8 @@ struct CameraDef {
     double near = 0.005;                                          ///< [m], > 0
     double far = 2.0;                                             ///< [m], > near
     double exposure = 11.0;                                       ///< [EV at ISO 100], in [-10, 25]: more is darker
+    double focusDistance = 0.1;                                   ///< [m], > 0: what is sharp (DepthOfField)
+    double aperture = 8.0; ///< [-], in [0.5, 64]: f-number of a lens before a picture 24 mm high; less blurs more
 };
 
 constexpr auto fields(const CameraDef*)
@@ -24,7 +26,9 @@ constexpr auto fields(const CameraDef*)
                     field("verticalFieldOfView", &D::verticalFieldOfView, "rad", closed(0.01, 3), "full angle"),
                     field("near", &D::near, "m", positive(), "nothing nearer is drawn"),
                     field("far", &D::far, "m", positive(), "nothing farther is drawn"),
-                    field("exposure", &D::exposure, "EV at ISO 100", closed(-10, 25), "more is darker"));
+                    field("exposure", &D::exposure, "EV at ISO 100", closed(-10, 25), "more is darker"),
+                    field("focusDistance", &D::focusDistance, "m", positive(), "what is sharp"),
+                    field("aperture", &D::aperture, "-", closed(0.5, 64), "f-number: less blurs more"));
 }
 
 /// An eye; made by VisualServer::add, drawn where a View shows it. Main thread only.

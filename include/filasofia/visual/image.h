@@ -26,4 +26,8 @@ struct Image {
 /// has no pixels or not four bytes for each.
 void savePng(const Image& image, const std::filesystem::path& file);
 
+/// Reads a PNG or JPEG. Throws an Error naming the file when it is not there, damaged, or has more than 8192 pixels a
+/// side (which is known from its first bytes, before anything is decoded).
+Image loadImage(const std::filesystem::path& file);
+
 } // namespace filasofia::visual

@@ -1,26 +1,12 @@
 #pragma once
 
 #include "filasofia/core/fields.h"
+#include "filasofia/visual/custom_material.h"
+#include "filasofia/visual/texture.h"
 
 #include <variant>
 
 namespace filasofia::visual {
-
-/// Linear RGB (not sRGB).
-struct Color {
-    double red = 0.0;   ///< [-], in [0, 1]
-    double green = 0.0; ///< [-], in [0, 1]
-    double blue = 0.0;  ///< [-], in [0, 1]
-
-    friend constexpr bool operator==(const Color&, const Color&) = default;
-};
-
-constexpr auto fields(const Color*)
-{
-    return describe("Color", field("red", &Color::red, "-", closed(0, 1), "linear red"),
-                    field("green", &Color::green, "-", closed(0, 1), "linear green"),
-                    field("blue", &Color::blue, "-", closed(0, 1), "linear blue"));
-}
 
 /// Living tissue: light enters, reddens and leaves elsewhere; a film of liquid glistens on top. The pattern (mottling,
 /// vessels, fine relief) is bound to the rest position, so that it moves with the tissue.
@@ -35,8 +21,9 @@ struct TissueMaterial {
     double mottling = 0.6;                        ///< [-], in [0, 1]
     double vessels = 0.6;                         ///< [-], in [0, 1]
     double bump = 0.5;                            ///< [-], in [0, 2], height of the fine relief
+    Texture baseColorTexture = {};                ///< in place of baseColor
 
-    friend constexpr bool operator==(const TissueMaterial&, const TissueMaterial&) = default;
+    friend bool operator==(const TissueMaterial&, const TissueMaterial&) = default;
 };
 
 constexpr auto fields(const TissueMaterial*)
@@ -51,24 +38,134 @@ constexpr auto fields(const TissueMaterial*)
                     field("noiseScale", &M::noiseScale, "1/m", positive(), "mottles per metre"),
                     field("mottling", &M::mottling, "-", closed(0, 1), "strength of the blotches"),
                     field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
-                    field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"));
+                    field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
+                    field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
+}
+
+/// The lining of hollow organs: paler and wetter than tissue, with the pits of its glands and a fine net of vessels
+/// under a film of mucus.
+struct MucosaMaterial {
+    Color baseColor = {0.64, 0.215, 0.145};        ///< colour of the lit surface
+    Color subsurfaceColor = {0.62, 0.10, 0.055};   ///< colour of the light that has travelled inside
+    Color vesselColor = {0.30, 0.012, 0.016};     ///< colour of the small vessels
+    double roughness = 0.40;                      ///< [-], in [0.05, 1], of the lining below the film
+    double wetness = 0.95;                        ///< [-], in [0, 1], how much of the surface the film covers
+    double thickness = 0.45;                      ///< [-], in [0, 1]: a thin lining lets more light through
+    double noiseScale = 165.0;                    ///< [1/m], > 0: mottles per metre; pits and vessels follow it
+    double pits = 0.6;                            ///< [-], in [0, 1], strength of the pattern of pits
+    double vessels = 0.6;                         ///< [-], in [0, 1]
+    double bump = 0.5;                            ///< [-], in [0, 2], height of the fine relief
+    Texture baseColorTexture = {};                ///< in place of baseColor
+
+    friend bool operator==(const MucosaMaterial&, const MucosaMaterial&) = default;
+};
+
+constexpr auto fields(const MucosaMaterial*)
+{
+    using M = MucosaMaterial;
+    return describe("MucosaMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
+                    field("subsurfaceColor", &M::subsurfaceColor, "colour of light that has travelled inside"),
+                    field("vesselColor", &M::vesselColor, "colour of the small vessels"),
+                    field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness below the film"),
+                    field("wetness", &M::wetness, "-", closed(0, 1), "how much of the surface the film covers"),
+                    field("thickness", &M::thickness, "-", closed(0, 1), "a thin lining lets more light through"),
+                    field("noiseScale", &M::noiseScale, "1/m", positive(), "mottles per metre"),
+                    field("pits", &M::pits, "-", closed(0, 1), "strength of the pattern of pits"),
+                    field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
+                    field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
+                    field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
+}
+
+/// Living bone, ivory and a little moist: fine grain along one direction, pores, and stains where vessels enter.
+struct BoneMaterial {
+    Color baseColor = {0.76, 0.63, 0.44}; ///< colour of the lit surface
+    Color stainColor = {0.48, 0.20, 0.11}; ///< colour in pores and stains
+    double roughness = 0.5;               ///< [-], in [0.05, 1]
+    double wetness = 0.35;                ///< [-], in [0, 1], how much of the surface is moist
+    double noiseScale = 165.0;            ///< [1/m], > 0: mottles per metre; grain and pores follow it
+    double pores = 0.5;                   ///< [-], in [0, 1]
+    double bump = 0.5;                    ///< [-], in [0, 2], height of the fine relief
+    Texture baseColorTexture = {};        ///< in place of baseColor
+
+    friend bool operator==(const BoneMaterial&, const BoneMaterial&) = default;
+};
+
+constexpr auto fields(const BoneMaterial*)
+{
+    using M = BoneMaterial;
+    return describe("BoneMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
+                    field("stainColor", &M::stainColor, "colour in pores and stains"),
+                    field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness where it is dry"),
+                    field("wetness", &M::wetness, "-", closed(0, 1), "how much of the surface is moist"),
+                    field("noiseScale", &M::noiseScale, "1/m", positive(), "mottles per metre"),
+                    field("pores", &M::pores, "-", closed(0, 1), "strength of pores and stains"),
+                    field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
+                    field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
 }
 
 /// Bare metal of instruments.
 struct MetalMaterial {
     Color baseColor = {0.78, 0.79, 0.81}; ///< colour of the reflection
     double roughness = 0.3;               ///< [-], in [0.05, 1]
+    Texture baseColorTexture = {};        ///< in place of baseColor
 
-    friend constexpr bool operator==(const MetalMaterial&, const MetalMaterial&) = default;
+    friend bool operator==(const MetalMaterial&, const MetalMaterial&) = default;
 };
 
 constexpr auto fields(const MetalMaterial*)
 {
     using M = MetalMaterial;
     return describe("MetalMaterial", field("baseColor", &M::baseColor, "colour of the reflection"),
-                    field("roughness", &M::roughness, "-", closed(0.05, 1), "blur of the reflection"));
+                    field("roughness", &M::roughness, "-", closed(0.05, 1), "blur of the reflection"),
+                    field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
 }
 
-using Material = std::variant<TissueMaterial, MetalMaterial>;
+/// Clear glass or plastic. It bends the light of what lies behind, except of other glass, and mirrors at its edges.
+struct GlassMaterial {
+    Color tint = {0.93, 0.97, 0.96}; ///< share of light that comes through `thickness` of it; each > 0
+    double roughness = 0.05;         ///< [-], in [0, 1]: blur of what lies behind
+    double refractiveIndex = 1.5;    ///< [-], in [1, 2.5]
+    double thickness = 0.004;        ///< [m], in [0, 1]: how far light travels inside
+
+    friend constexpr bool operator==(const GlassMaterial&, const GlassMaterial&) = default;
+};
+
+constexpr auto fields(const GlassMaterial*)
+{
+    using M = GlassMaterial;
+    return describe("GlassMaterial", field("tint", &M::tint, "share of light that comes through"),
+                    field("roughness", &M::roughness, "-", closed(0, 1), "blur of what lies behind"),
+                    field("refractiveIndex", &M::refractiveIndex, "-", closed(1, 2.5), "how much it bends light"),
+                    field("thickness", &M::thickness, "m", closed(0, 1), "how far light travels inside"));
+}
+
+/// Its own colour, whatever the light: markers, screens, labels. The picture shows just this colour.
+struct UnlitMaterial {
+    Color color = {1.0, 1.0, 1.0}; ///< colour, or what the texture is multiplied with
+    Texture texture = {};
+
+    friend bool operator==(const UnlitMaterial&, const UnlitMaterial&) = default;
+};
+
+constexpr auto fields(const UnlitMaterial*)
+{
+    return describe("UnlitMaterial", field("color", &UnlitMaterial::color, "colour, or the texture's factor"),
+                    field("texture", &UnlitMaterial::texture, "what is seen"));
+}
+
+/// The material of this name in the server's pool (VisualServer::addMaterial), and what it becomes there.
+struct NamedMaterial {
+    std::string name = {};
+
+    friend bool operator==(const NamedMaterial&, const NamedMaterial&) = default;
+};
+
+constexpr auto fields(const NamedMaterial*)
+{
+    return describe("NamedMaterial", field("name", &NamedMaterial::name, "of a material in the server's pool"));
+}
+
+using Material = std::variant<TissueMaterial, MetalMaterial, MucosaMaterial, BoneMaterial, GlassMaterial, UnlitMaterial,
+                              CustomMaterial, NamedMaterial>;
 
 } // namespace filasofia::visual

@@ -26,12 +26,25 @@ public:
 
     [[nodiscard]] Pose worldPose() const;
 
+    /// A body is drawn this many times as large, and so is all that hangs on this: its sizes and its distances.
+    [[nodiscard]] double scale() const { return scale_; }
+    /// Throws an Error naming the entity unless it is in (0, 1e6].
+    void setScale(double scale);
+    /// With the scales of all it hangs on.
+    [[nodiscard]] double worldScale() const;
+
+    [[nodiscard]] bool visible() const { return visible_; }
+    /// What is hidden hides all that hangs on it. A hidden light does not shine; a hidden camera still sees.
+    void setVisible(bool visible) { visible_ = visible; }
+    /// It and all it hangs on are visible.
+    [[nodiscard]] bool worldVisible() const;
+
     [[nodiscard]] Transform* parent() const { return parent_; }
     [[nodiscard]] const std::vector<Transform*>& children() const { return children_; }
     /// From now on pose() is relative to `parent`: the number stays, the place in the world changes. A former parent is
     /// left. Throws an Error when this is an ancestor of `parent`, or `parent` itself.
     void attachTo(Transform& parent);
-    /// Leaves the parent, if any, and stays where it is in the world.
+    /// Leaves the parent, if any, and stays where and as large as it is in the world.
     void detach();
 
 private:
@@ -39,6 +52,8 @@ private:
 
     std::string name_;
     Pose pose_;
+    double scale_ = 1.0;
+    bool visible_ = true;
     Transform* parent_ = nullptr;
     std::vector<Transform*> children_;
 };

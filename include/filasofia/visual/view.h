@@ -1,15 +1,12 @@
 #pragma once
 
 #include "filasofia/visual/camera.h"
+#include "filasofia/visual/effects.h"
+#include "filasofia/visual/image.h"
+
+#include <variant>
 
 namespace filasofia::visual {
-
-/// What a view spends on its picture.
-enum class Quality {
-    Low,    ///< no effects, no shadows: fast tests
-    Medium, ///< shadows, tone mapping, vignette, smoothed edges
-    High,   ///< and ambient occlusion, bloom
-};
 
 /// A rectangle of the window in fractions of it, from its upper left corner.
 struct Viewport {
@@ -29,11 +26,32 @@ constexpr auto fields(const Viewport*)
                     field("height", &Viewport::height, "-", openClosed(0, 1), "of the window's height"));
 }
 
+/// The view is seen in the window.
+struct InWindow {
+    friend constexpr bool operator==(const InWindow&, const InWindow&) = default;
+};
+
+/// The view has a picture of its own: to be read (View::capture), or to be seen on a body (ViewPicture).
+struct OffScreen {
+    int width = 640;  ///< [px], in [1, 8192]
+    int height = 480; ///< [px], in [1, 8192]
+
+    friend constexpr bool operator==(const OffScreen&, const OffScreen&) = default;
+};
+
+constexpr auto fields(const OffScreen*)
+{
+    return describe("OffScreen", field("width", &OffScreen::width, "px", closed(1, 8192), "of the picture"),
+                    field("height", &OffScreen::height, "px", closed(1, 8192), "of the picture"));
+}
+
 struct ViewDef {
-    std::string name = "view";
-    Viewport viewport = {};
+    std::string name = "view"; ///< no two off-screen views of a server may share one
+    Viewport viewport = {};    ///< of a view in the window
     Quality quality = Quality::High;
-    double occlusionRadius = 0.012; ///< [m], > 0: how far corners darken their surroundings (Quality::High)
+    double occlusionRadius = 0.012;               ///< [m], > 0: how far corners darken (Quality::High)
+    std::optional<Effects> effects = {};          ///< none: those of `quality`
+    std::variant<InWindow, OffScreen> target = {}; ///< where its picture goes
 };
 
 constexpr auto fields(const ViewDef*)
@@ -41,10 +59,14 @@ constexpr auto fields(const ViewDef*)
     return describe("ViewDef", field("name", &ViewDef::name, "name in errors"),
                     field("viewport", &ViewDef::viewport, "where in the window"),
                     field("quality", &ViewDef::quality, "what it spends on the picture"),
-                    field("occlusionRadius", &ViewDef::occlusionRadius, "m", positive(), "reach of dark corners"));
+                    field("occlusionRadius", &ViewDef::occlusionRadius, "m", positive(), "reach of dark corners"),
+                    field("effects", &ViewDef::effects, "in place of those of quality"),
+                    field("target", &ViewDef::target, "where its picture goes"));
 }
 
-/// Shows what a camera sees in a rectangle of the window; made by VisualServer::add. Later views lie on top.
+/// Shows what a camera sees, in a rectangle of the window or in a picture of its own; made by VisualServer::add. Every
+/// frame draws the off-screen views first, then the window's; each in the order they were made, so that later ones of
+/// the window lie on top. Main thread only.
 class View {
 public:
     struct Impl;
@@ -59,6 +81,15 @@ public:
     [[nodiscard]] Camera& camera() const;
     /// Throws an Error when the camera belongs to another server.
     void setCamera(Camera& camera);
+
+    [[nodiscard]] bool visible() const;
+    /// A hidden view is not drawn; the picture of an off-screen one stays what it was.
+    void setVisible(bool visible);
+
+    /// Draws this view as the scene is now and reads its picture back; off-screen views made before it are drawn too,
+    /// since it may show them. Throws an Error when it is a view of the window (VisualServer::capture reads that), or
+    /// when the graphics library gives no picture.
+    Image capture();
 
     [[nodiscard]] Impl& impl() { return *impl_; }
 

@@ -63,11 +63,9 @@ public:
     void setSurfaceState(std::span<const SurfaceState> states);
 
     [[nodiscard]] const Material& material() const;
-    /// Throws an Error naming the body and the field that is out of range.
+    /// Throws an Error naming the body, and the field that is out of range, the file that cannot be read, or what the
+    /// server has not.
     void setMaterial(const Material& material);
-
-    [[nodiscard]] bool visible() const;
-    void setVisible(bool visible);
 
     [[nodiscard]] Impl& impl() { return *impl_; }
 

@@ -69,6 +69,17 @@ public:
     void remove(Transform& entity);
     void remove(View& view);
 
+    /// A material that bodies can share: NamedMaterial{name}. Throws an Error when there is one of this name already, it
+    /// is itself a NamedMaterial, or anything about it is wrong.
+    void addMaterial(const std::string& name, const Material& material);
+    /// Changes it, and every body that uses it. Throws an Error as addMaterial() and VisualBody::setMaterial() do; then
+    /// nothing has changed.
+    void changeMaterial(const std::string& name, const Material& material);
+    /// Throws an Error when there is none of this name, or a body uses it.
+    void removeMaterial(const std::string& name);
+    /// Throws an Error when there is none of this name.
+    [[nodiscard]] const Material& material(const std::string& name) const;
+
     /// Replaces the surroundings (a default is there from the start). Throws an Error as add() does.
     void setEnvironment(const EnvironmentDef& def);
 

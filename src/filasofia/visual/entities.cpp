@@ -12,9 +12,25 @@ namespace {
 constexpr int kShadowSpots = 2;
 
 bool isShadowSpot(const LightDef& def) { return def.castShadows && std::holds_alternative<SpotLight>(def.kind); }
+bool isOffScreen(const ViewDef& def) { return std::holds_alternative<OffScreen>(def.target); }
 bool isDirectional(const LightDef& def) { return std::holds_alternative<DirectionalLight>(def.kind); }
 
 } // namespace
+
+void sendPlaces(Scene& scene)
+{
+    RenderBackend& backend = *scene.backend;
+    for (VisualBody* body : scene.bodies) {
+        backend.setScale(body->impl().slot, body->worldScale());
+        backend.setPose(body->impl().slot, body->worldPose());
+        backend.setVisible(body->impl().slot, body->worldVisible());
+    }
+    for (Light* light : scene.lights) {
+        backend.setPose(light->impl().slot, light->worldPose());
+        backend.setVisible(light->impl().slot, light->worldVisible());
+    }
+    for (Camera* camera : scene.cameras) backend.setPose(camera->impl().slot, camera->worldPose());
+}
 
 void check(const LightDef& def, const Scene& scene, const LightDef* replaced)
 {
@@ -24,7 +40,7 @@ void check(const LightDef& def, const Scene& scene, const LightDef* replaced)
         fail(name, ": kind.innerAngle must be <= outerAngle ", spot->outerAngle, " rad, got ", spot->innerAngle);
     const auto others = [&](auto&& is) {
         return std::count_if(scene.lights.begin(), scene.lights.end(),
-                             [&](const LightDef* other) { return other != replaced && is(*other); });
+                             [&](const Light* other) { return &other->def() != replaced && is(other->def()); });
     };
     if (isShadowSpot(def) && others(isShadowSpot) >= kShadowSpots)
         fail(name, ": castShadows: a scene has at most ", kShadowSpots, " spot lights with shadows");
@@ -38,7 +54,7 @@ void check(const CameraDef& def)
     if (!(def.far > def.near)) fail(name, ": far must be > near ", def.near, " m, got ", def.far);
 }
 
-void check(const ViewDef& def)
+void check(const ViewDef& def, const Scene& scene, const ViewDef* replaced)
 {
     const std::string name = text("view '", def.name, "'");
     validate(def, name);
@@ -48,6 +64,11 @@ void check(const ViewDef& def)
         fail(name, ": viewport.left + width must be <= 1, got ", port.left + port.width);
     if (port.top + port.height > 1.0 + kRounding)
         fail(name, ": viewport.top + height must be <= 1, got ", port.top + port.height);
+    if (!isOffScreen(def)) return;
+    if (port != Viewport{}) fail(name, ": viewport must be the whole of an off-screen picture");
+    for (const View* other : scene.views)
+        if (&other->def() != replaced && isOffScreen(other->def()) && other->def().name == def.name)
+            fail(name, ": there is an off-screen view of this name already");
 }
 
 void check(const EnvironmentDef& def)
@@ -58,9 +79,9 @@ void check(const EnvironmentDef& def)
 
 Light::Light(std::string name, std::unique_ptr<Impl> impl) : Transform(std::move(name)), impl_(std::move(impl))
 {
-    impl_->scene.lights.push_back(&impl_->def);
+    impl_->scene.lights.push_back(this);
 }
-Light::~Light() { std::erase(impl_->scene.lights, &impl_->def); }
+Light::~Light() { std::erase(impl_->scene.lights, this); }
 const LightDef& Light::def() const { return impl_->def; }
 
 void Light::set(const LightDef& def)
@@ -71,8 +92,11 @@ void Light::set(const LightDef& def)
     impl_->def = def;
 }
 
-Camera::Camera(std::string name, std::unique_ptr<Impl> impl) : Transform(std::move(name)), impl_(std::move(impl)) {}
-Camera::~Camera() = default;
+Camera::Camera(std::string name, std::unique_ptr<Impl> impl) : Transform(std::move(name)), impl_(std::move(impl))
+{
+    impl_->scene.cameras.push_back(this);
+}
+Camera::~Camera() { std::erase(impl_->scene.cameras, this); }
 const CameraDef& Camera::def() const { return impl_->def; }
 
 void Camera::set(const CameraDef& def)
@@ -83,17 +107,36 @@ void Camera::set(const CameraDef& def)
     impl_->def = def;
 }
 
-View::View(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-View::~View() = default;
+View::View(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) { impl_->scene.views.push_back(this); }
+View::~View() { std::erase(impl_->scene.views, this); }
 const ViewDef& View::def() const { return impl_->def; }
 Camera& View::camera() const { return *impl_->camera; }
 
 void View::set(const ViewDef& def)
 {
     impl_->scene.assertThread();
-    check(def);
+    check(def, impl_->scene, &impl_->def);
     impl_->scene.backend->putView(impl_->slot, def, impl_->camera->impl().slot);
     impl_->def = def;
+    refreshViewPictures(impl_->scene);
+}
+
+bool View::visible() const { return impl_->visible; }
+
+void View::setVisible(bool visible)
+{
+    impl_->scene.assertThread();
+    impl_->visible = visible;
+    impl_->scene.backend->setVisible(impl_->slot, visible);
+}
+
+Image View::capture()
+{
+    impl_->scene.assertThread();
+    if (!isOffScreen(impl_->def))
+        fail("view '", impl_->def.name, "': is in the window and has no picture of its own; capture the server");
+    sendPlaces(impl_->scene);
+    return impl_->scene.backend->capture(impl_->slot);
 }
 
 void View::setCamera(Camera& camera)

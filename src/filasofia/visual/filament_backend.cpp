@@ -16,9 +16,9 @@
 namespace filasofia::visual {
 namespace {
 
-filament::math::mat4f matrixOf(const Pose& pose)
+filament::math::mat4f matrixOf(const Pose& pose, double scale)
 {
-    const Mat3 r = toMat3(pose.orientation);
+    const Mat3 r = scale * toMat3(pose.orientation);
     filament::math::mat4f m;
     for (int column = 0; column < 3; ++column) {
         const Vec3 axis = r.column(column);
@@ -74,7 +74,7 @@ void FilamentBackend::start(const VisualServerDef& def)
 
 void FilamentBackend::stop()
 {
-    for (auto& [slot, each] : views_) engine_->destroy(each.view);
+    for (auto& [slot, each] : views_) destroyView(each);
     for (auto& [slot, each] : cameras_) destroyPlace(each.entity);
     for (auto& [slot, entity] : lights_) destroyPlace(entity);
     bodies_.clear();
@@ -102,7 +102,7 @@ void FilamentBackend::destroyPlace(utils::Entity entity)
     utils::EntityManager::get().destroy(entity);
 }
 
-void FilamentBackend::addBody(Slot slot, const Material& material, bool castShadows, BodyGeometry geometry)
+void FilamentBackend::addBody(Slot slot, const ReadyMaterial& material, bool castShadows, BodyGeometry geometry)
 {
     bodies_[slot] =
         std::make_unique<FilamentBody>(*engine_, *scene_, *pool_, material, castShadows, std::move(geometry));
@@ -120,8 +120,10 @@ void FilamentBackend::setSurfaceState(Slot body, std::vector<PackedState> states
 {
     bodies_.at(body)->setSurfaceState(std::move(states));
 }
-void FilamentBackend::setMaterial(Slot body, const Material& material) { bodies_.at(body)->setMaterial(material); }
-void FilamentBackend::setVisible(Slot body, bool visible) { bodies_.at(body)->setVisible(visible); }
+void FilamentBackend::setMaterial(Slot body, const ReadyMaterial& material)
+{
+    bodies_.at(body)->setMaterial(material);
+}
 
 void FilamentBackend::putCamera(Slot slot, const CameraDef& def)
 {
@@ -131,9 +133,9 @@ void FilamentBackend::putCamera(Slot slot, const CameraDef& def)
         placed.camera = engine_->createCamera(placed.entity); // makes the transform too
     }
     placed.def = def;
-    // Aperture f/1 and ISO 100: the shutter alone is the exposure value. (In 1.9.25 setExposure(float) inverts its
-    // number.)
-    placed.camera->setExposure(1.0F, static_cast<float>(std::exp2(-def.exposure)), 100.0F);
+    placed.blurScale = exposeCamera(*placed.camera, def);
+    for (auto& [view, each] : views_)
+        if (each.camera == slot) applyView(each);
 }
 
 void FilamentBackend::putView(Slot slot, const ViewDef& def, Slot camera)
@@ -144,24 +146,66 @@ void FilamentBackend::putView(Slot slot, const ViewDef& def, Slot camera)
         placed.view->setScene(scene_);
         placed.view->setColorGrading(grading_);
     }
+    if (placed.picture) pool_->textures().setView(placed.def.name, nullptr);
     placed.def = def;
     placed.camera = camera;
     placed.view->setCamera(cameras_.at(camera).camera);
-    applyQuality(*placed.view, def.quality, def.occlusionRadius);
+    applyView(placed);
+    const auto* size = std::get_if<OffScreen>(&def.target);
+    if (!size) {
+        placed.picture.reset();
+        return;
+    }
+    if (!placed.picture || placed.picture->width() != size->width || placed.picture->height() != size->height)
+        placed.picture = std::make_unique<DrawnPicture>(*engine_, size->width, size->height);
+    pool_->textures().setView(def.name, placed.picture->texture());
+}
+
+void FilamentBackend::applyView(PlacedView& placed)
+{
+    const Effects effects = placed.def.effects.value_or(effectsOf(placed.def.quality, placed.def.occlusionRadius));
+    applyEffects(*placed.view, effects, cameras_.at(placed.camera).blurScale);
+    if (!effects.endoscope)
+        placed.optics.reset();
+    else if (!placed.optics)
+        placed.optics = std::make_unique<OpticsPass>(*engine_, *pool_);
+}
+
+void FilamentBackend::destroyView(PlacedView& placed)
+{
+    if (placed.picture) pool_->textures().setView(placed.def.name, nullptr);
+    engine_->destroy(placed.view);
+    placed.optics.reset();
+    placed.picture.reset();
 }
 
 void FilamentBackend::setPose(Slot entity, const Pose& world)
 {
     utils::Entity placed;
+    double scale = 1.0; // lights and cameras have no size
     if (const auto body = bodies_.find(entity); body != bodies_.end()) {
         placed = body->second->entity();
+        scale = body->second->scale();
     } else if (const auto light = lights_.find(entity); light != lights_.end()) {
         placed = light->second;
     } else {
         placed = cameras_.at(entity).entity;
     }
     auto& transforms = engine_->getTransformManager();
-    transforms.setTransform(transforms.getInstance(placed), matrixOf(world));
+    transforms.setTransform(transforms.getInstance(placed), matrixOf(world, scale));
+}
+
+void FilamentBackend::setScale(Slot body, double scale) { bodies_.at(body)->setScale(scale); }
+
+void FilamentBackend::setVisible(Slot entity, bool visible)
+{
+    if (const auto body = bodies_.find(entity); body != bodies_.end()) {
+        body->second->setVisible(visible);
+    } else if (const auto view = views_.find(entity); view != views_.end()) {
+        view->second.visible = visible;
+    } else if (const utils::Entity light = lights_.at(entity); visible != scene_->hasEntity(light)) {
+        visible ? scene_->addEntity(light) : scene_->remove(light);
+    }
 }
 
 void FilamentBackend::remove(Slot entity)
@@ -171,7 +215,7 @@ void FilamentBackend::remove(Slot entity)
         destroyPlace(light->second);
         lights_.erase(light);
     } else if (const auto view = views_.find(entity); view != views_.end()) {
-        engine_->destroy(view->second.view);
+        destroyView(view->second);
         views_.erase(view);
     } else {
         destroyPlace(cameras_.at(entity).entity);
@@ -195,6 +239,7 @@ void FilamentBackend::resize(int width, int height)
 
 bool FilamentBackend::beginFrame(int tries)
 {
+    prepareOptics();
     for (int i = 0; i < tries; ++i) {
         if (renderer_->beginFrame(swapChain_)) return true;
         if (i + 1 < tries) engine_->flushAndWait(); // the queue of frames is full: let it run empty
@@ -202,20 +247,53 @@ bool FilamentBackend::beginFrame(int tries)
     return false;
 }
 
+filament::Viewport FilamentBackend::pixelsOfView(const PlacedView& view) const
+{
+    return view.picture ? pixelsOf({}, view.picture->width(), view.picture->height())
+                        : pixelsOf(view.def.viewport, width_, height_);
+}
+
+void FilamentBackend::prepareOptics()
+{
+    // Material parameters reach the card at beginFrame: what is set later comes a frame late.
+    for (auto& [slot, each] : views_) {
+        if (!each.optics) continue;
+        const filament::Viewport pixels = pixelsOfView(each);
+        each.optics->prepare(int(pixels.width), int(pixels.height), *each.def.effects->endoscope);
+    }
+}
+
+template <class Render> void FilamentBackend::drawView(PlacedView& each, Render&& render)
+{
+    const filament::Viewport pixels = pixelsOfView(each);
+    filament::RenderTarget* const target = each.picture ? each.picture->target() : nullptr;
+    const PlacedCamera& placed = cameras_.at(each.camera);
+    constexpr double kDegree = 3.14159265358979323846 / 180.0;
+    // Two views of different shape may share a camera: the projection is the view's.
+    placed.camera->setProjection(placed.def.verticalFieldOfView / kDegree, double(pixels.width) / double(pixels.height),
+                                 placed.def.near, placed.def.far, filament::Camera::Fov::VERTICAL);
+    each.view->setDynamicLightingOptions(float(4.0 * placed.def.near), float(placed.def.far));
+    each.view->setViewport(pixels);
+    each.view->setRenderTarget(target);
+    if (!each.optics) {
+        render(each.view);
+        return;
+    }
+    each.view->setViewport({0, 0, pixels.width, pixels.height});
+    each.view->setRenderTarget(each.optics->picture().target());
+    render(each.view);
+    filament::View& lens = each.optics->view();
+    lens.setViewport(pixels);
+    lens.setRenderTarget(target);
+    render(&lens);
+}
+
 void FilamentBackend::drawViews()
 {
-    for (auto& [slot, each] : views_) {
-        const filament::Viewport pixels = pixelsOf(each.def.viewport, width_, height_);
-        const PlacedCamera& placed = cameras_.at(each.camera);
-        constexpr double kDegree = 3.14159265358979323846 / 180.0;
-        // Two views of different shape may share a camera: the projection is the view's.
-        placed.camera->setProjection(placed.def.verticalFieldOfView / kDegree,
-                                     double(pixels.width) / double(pixels.height), placed.def.near, placed.def.far,
-                                     filament::Camera::Fov::VERTICAL);
-        each.view->setViewport(pixels);
-        each.view->setDynamicLightingOptions(float(4.0 * placed.def.near), float(placed.def.far));
-        renderer_->render(each.view);
-    }
+    for (const bool offScreen : {true, false})
+        for (auto& [slot, each] : views_)
+            if (each.visible && bool(each.picture) == offScreen)
+                drawView(each, [&](filament::View* view) { renderer_->render(view); });
 }
 
 bool FilamentBackend::draw()
@@ -231,15 +309,33 @@ Image FilamentBackend::capture()
 {
     if (!beginFrame(100)) fail("visual server: Filament begins no frame to capture");
     drawViews();
-    Image image{width_, height_, std::vector<std::uint8_t>(4 * std::size_t(width_) * std::size_t(height_))};
+    return read(nullptr, width_, height_, true);
+}
+
+Image FilamentBackend::capture(Slot asked)
+{
+    prepareOptics();
+    for (auto& [slot, each] : views_)
+        if (each.picture && slot <= asked && (each.visible || slot == asked))
+            drawView(each, [&](filament::View* view) { renderer_->renderStandaloneView(view); });
+    const DrawnPicture& picture = *views_.at(asked).picture;
+    return read(picture.target(), picture.width(), picture.height(), false);
+}
+
+Image FilamentBackend::read(filament::RenderTarget* target, int width, int height, bool endsFrame)
+{
+    Image image{width, height, std::vector<std::uint8_t>(4 * std::size_t(width) * std::size_t(height))};
     bool done = false;
     using filament::backend::PixelBufferDescriptor;
-    renderer_->readPixels(0, 0, std::uint32_t(width_), std::uint32_t(height_),
-                          PixelBufferDescriptor(
-                              image.rgba.data(), image.rgba.size(), filament::backend::PixelDataFormat::RGBA,
-                              filament::backend::PixelDataType::UBYTE,
-                              [](void*, std::size_t, void* user) { *static_cast<bool*>(user) = true; }, &done));
-    renderer_->endFrame();
+    PixelBufferDescriptor pixels(
+        image.rgba.data(), image.rgba.size(), filament::backend::PixelDataFormat::RGBA,
+        filament::backend::PixelDataType::UBYTE,
+        [](void*, std::size_t, void* user) { *static_cast<bool*>(user) = true; }, &done);
+    if (target)
+        renderer_->readPixels(target, 0, 0, std::uint32_t(width), std::uint32_t(height), std::move(pixels));
+    else
+        renderer_->readPixels(0, 0, std::uint32_t(width), std::uint32_t(height), std::move(pixels));
+    if (endsFrame) renderer_->endFrame();
     // The callback comes when Filament next looks at what has finished. It must come before `image` goes.
     for (int i = 0; i < 1000 && !done; ++i) engine_->flushAndWait();
     FILASOFIA_ASSERT(done);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/visual/filament_body.h"
+#include "filasofia/visual/filament_optics.h"
 
 #include <filament/Camera.h>
 #include <filament/ColorGrading.h>
@@ -22,21 +23,23 @@ public:
     explicit FilamentBackend(const VisualServerDef& def);
     ~FilamentBackend() override;
 
-    void addBody(Slot slot, const Material& material, bool castShadows, BodyGeometry geometry) override;
+    void addBody(Slot slot, const ReadyMaterial& material, bool castShadows, BodyGeometry geometry) override;
     void setGeometry(Slot body, BodyGeometry geometry) override;
     void setVertices(Slot body, VertexData vertices) override;
     void setSurfaceState(Slot body, std::vector<PackedState> states) override;
-    void setMaterial(Slot body, const Material& material) override;
-    void setVisible(Slot body, bool visible) override;
+    void setMaterial(Slot body, const ReadyMaterial& material) override;
     void putLight(Slot slot, const LightDef& def) override;
     void putCamera(Slot slot, const CameraDef& def) override;
     void putView(Slot slot, const ViewDef& def, Slot camera) override;
     void setEnvironment(const EnvironmentDef& def) override;
     void setPose(Slot entity, const Pose& world) override;
+    void setScale(Slot body, double scale) override;
+    void setVisible(Slot entity, bool visible) override;
     void remove(Slot entity) override;
     void resize(int width, int height) override;
     bool draw() override;
     Image capture() override;
+    Image capture(Slot view) override;
     NativeObjects native() override { return {engine_, renderer_, scene_}; }
     filament::View* nativeView(Slot view) override { return views_.at(view).view; }
 
@@ -45,11 +48,15 @@ private:
         utils::Entity entity;
         filament::Camera* camera = nullptr;
         CameraDef def;
+        double blurScale = 1.0; ///< [-], see exposeCamera
     };
     struct PlacedView {
         filament::View* view = nullptr;
         ViewDef def;
         Slot camera = 0;
+        bool visible = true;
+        std::unique_ptr<DrawnPicture> picture; ///< of an off-screen view
+        std::unique_ptr<OpticsPass> optics;    ///< where it has endoscope optics
     };
 
     void start(const VisualServerDef& def);
@@ -58,6 +65,13 @@ private:
     void destroyPlace(utils::Entity entity);
     void destroyEnvironment();
     void drawViews();
+    /// Draws one view by `render(filament::View*)`.
+    template <class Render> void drawView(PlacedView& view, Render&& render);
+    void prepareOptics();
+    [[nodiscard]] filament::Viewport pixelsOfView(const PlacedView& view) const;
+    void applyView(PlacedView& view);
+    void destroyView(PlacedView& view);
+    Image read(filament::RenderTarget* target, int width, int height, bool endsFrame);
     /// Begins a frame; false when Filament wants none even after a while.
     bool beginFrame(int tries);
 

@@ -12,7 +12,7 @@ namespace {
 using Attribute = filament::VertexAttribute;
 using Type = filament::VertexBuffer::AttributeType;
 
-enum Stream : std::uint8_t { kPositions, kFrames, kRest, kStates, kStreamCount };
+enum Stream : std::uint8_t { kPositions, kFrames, kRest, kStates, kUv, kStreamCount };
 
 /// The upload happens later, on Filament's thread: the data travels with it and dies after it.
 template <class T> filament::backend::BufferDescriptor owned(std::vector<T> data)
@@ -34,9 +34,9 @@ filament::Box boxOf(const VertexData& data)
 } // namespace
 
 FilamentBody::FilamentBody(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool,
-                           const Material& material, bool castShadows, BodyGeometry geometry)
+                           const ReadyMaterial& material, bool castShadows, BodyGeometry geometry)
     : engine_(engine), scene_(scene), pool_(pool), entity_(utils::EntityManager::get().create()),
-      instance_(pool.instance(material)), materialName_(MaterialPool::nameOf(material))
+      instance_(pool.instance(material)), materialName_(MaterialPool::nameOf(material.material))
 {
     buildBuffers(geometry);
     using Renderable = filament::RenderableManager;
@@ -73,9 +73,13 @@ void FilamentBody::buildBuffers(const BodyGeometry& geometry)
                     .attribute(Attribute::CUSTOM0, kRest, Type::FLOAT3)
                     .attribute(Attribute::COLOR, kStates, Type::UBYTE4)
                     .normalized(Attribute::COLOR)
+                    .attribute(Attribute::UV0, kUv, Type::FLOAT2)
                     .build(engine_);
     vertices_->setBufferAt(engine_, kRest, owned(geometry.rest));
     vertices_->setBufferAt(engine_, kStates, owned(std::vector<PackedState>(count)));
+    std::vector<std::array<float, 2>> uv = geometry.uv;
+    uv.resize(count); // without any, the materials read none
+    vertices_->setBufferAt(engine_, kUv, owned(std::move(uv)));
     indices_ = filament::IndexBuffer::Builder()
                    .indexCount(static_cast<std::uint32_t>(geometry.indices.size()))
                    .bufferType(filament::IndexBuffer::IndexType::UINT)
@@ -116,15 +120,15 @@ void FilamentBody::setSurfaceState(std::vector<PackedState> states)
     vertices_->setBufferAt(engine_, kStates, owned(std::move(states)));
 }
 
-void FilamentBody::setMaterial(const Material& material)
+void FilamentBody::setMaterial(const ReadyMaterial& material)
 {
-    if (MaterialPool::nameOf(material) == materialName_) {
-        MaterialPool::apply(material, *instance_);
+    if (MaterialPool::nameOf(material.material) == materialName_) {
+        pool_.apply(material, *instance_);
         return;
     }
     filament::MaterialInstance* old = instance_;
     instance_ = pool_.instance(material);
-    materialName_ = MaterialPool::nameOf(material);
+    materialName_ = MaterialPool::nameOf(material.material);
     auto& renderables = engine_.getRenderableManager();
     renderables.setMaterialInstanceAt(renderables.getInstance(entity_), 0, instance_);
     engine_.destroy(old);
@@ -132,6 +136,8 @@ void FilamentBody::setMaterial(const Material& material)
 
 void FilamentBody::setVisible(bool visible)
 {
+    if (visible == visible_) return;
+    visible_ = visible;
     if (visible)
         scene_.addEntity(entity_);
     else

@@ -13,7 +13,7 @@ namespace filasofia::visual {
 /// One body's buffers, material instance and place in the scene.
 class FilamentBody {
 public:
-    FilamentBody(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool, const Material& material,
+    FilamentBody(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool, const ReadyMaterial& material,
                  bool castShadows, BodyGeometry geometry);
     FilamentBody(const FilamentBody&) = delete;
     FilamentBody& operator=(const FilamentBody&) = delete;
@@ -22,7 +22,9 @@ public:
     void setGeometry(BodyGeometry geometry);
     void setVertices(VertexData vertices);
     void setSurfaceState(std::vector<PackedState> states);
-    void setMaterial(const Material& material);
+    void setMaterial(const ReadyMaterial& material);
+    void setScale(double scale) { scale_ = scale; }
+    [[nodiscard]] double scale() const { return scale_; }
     void setVisible(bool visible);
     [[nodiscard]] utils::Entity entity() const { return entity_; }
 
@@ -38,6 +40,8 @@ private:
     filament::IndexBuffer* indices_ = nullptr;
     filament::MaterialInstance* instance_ = nullptr;
     std::string materialName_;
+    double scale_ = 1.0;
+    bool visible_ = true;
 };
 
 } // namespace filasofia::visual

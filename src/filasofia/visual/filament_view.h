@@ -7,8 +7,12 @@
 
 namespace filasofia::visual {
 
-/// Switches the effects of `quality` on and all others off. `occlusionRadius` in [m].
-void applyQuality(filament::View& view, Quality quality, double occlusionRadius);
+/// Switches these effects on and all others off; endoscope optics are a pass of their own. `blurScale` corrects for the
+/// f-number that the library's camera has in place of the one asked for (exposeCamera).
+void applyEffects(filament::View& view, const Effects& effects, double blurScale);
+
+/// Sets exposure and focus. Returns the f-number set, over the one asked for.
+double exposeCamera(filament::Camera& camera, const CameraDef& def);
 
 /// The pixels of `port` in a window of this size, at least one; Filament counts rows from below.
 filament::Viewport pixelsOf(const Viewport& port, int windowWidth, int windowHeight);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/visual/material.h"
+#include "filasofia/visual/filament_textures.h"
 
 #include <filament/Engine.h>
 #include <filament/Material.h>
@@ -11,27 +11,32 @@
 
 namespace filasofia::visual {
 
-/// The compiled materials of this library, each loaded when it is first wanted. Filament ends the process on a wrong
+/// The compiled materials of this library and the user's own, each loaded when it is first wanted. Filament ends the process on a wrong
 /// material or parameter; here each is an Error.
 class MaterialPool {
 public:
-    explicit MaterialPool(filament::Engine& engine) : engine_(engine) {}
+    explicit MaterialPool(filament::Engine& engine) : engine_(engine), textures_(engine) {}
     MaterialPool(const MaterialPool&) = delete;
     MaterialPool& operator=(const MaterialPool&) = delete;
     /// All instances must have been destroyed before.
     ~MaterialPool();
 
-    /// "tissue" or "metal".
+    /// One of the library's own: "tissue", "metal", ...
     filament::Material& get(const std::string& name);
     /// An instance that looks as asked; the caller destroys it.
-    filament::MaterialInstance* instance(const Material& material);
-    /// Changes an instance of the same kind of material.
-    static void apply(const Material& material, filament::MaterialInstance& instance);
-    /// The material's name in the pool.
+    filament::MaterialInstance* instance(const ReadyMaterial& material);
+    /// Changes an instance of the same name in the pool.
+    void apply(const ReadyMaterial& material, filament::MaterialInstance& instance);
+    /// The material's name in the pool; two that an instance cannot be changed between have different ones.
     static std::string nameOf(const Material& material);
+    [[nodiscard]] TexturePool& textures() { return textures_; }
 
 private:
+    filament::Material& get(const CustomMaterial& material, const MaterialPackage& package);
+    filament::Material& load(const std::string& name, const std::uint8_t* bytes, std::size_t size);
+
     filament::Engine& engine_;
+    TexturePool textures_;
     std::map<std::string, filament::Material*> loaded_;
 };
 

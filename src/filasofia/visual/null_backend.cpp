@@ -5,14 +5,24 @@
 #include <utility>
 
 namespace filasofia::visual {
+namespace {
 
-void NullBackend::addBody(Slot slot, const Material& material, bool castShadows, BodyGeometry geometry)
+Image blackImage(int width, int height)
+{
+    Image image{width, height, std::vector<std::uint8_t>(4 * std::size_t(width) * std::size_t(height), 0)};
+    for (std::size_t alpha = 3; alpha < image.rgba.size(); alpha += 4) image.rgba[alpha] = 255;
+    return image;
+}
+
+} // namespace
+
+void NullBackend::addBody(Slot slot, const ReadyMaterial& material, bool castShadows, BodyGeometry geometry)
 {
     FILASOFIA_ASSERT(!bodies.contains(slot) && !placed.contains(slot));
     Body body;
     body.geometry = std::move(geometry);
     body.states.resize(body.geometry.rest.size());
-    body.material = material;
+    body.material = material.material;
     body.castShadows = castShadows;
     bodies.emplace(slot, std::move(body));
 }
@@ -40,14 +50,20 @@ void NullBackend::setSurfaceState(Slot body, std::vector<PackedState> states)
     changed.states = std::move(states);
 }
 
-void NullBackend::setMaterial(Slot body, const Material& material) { bodies.at(body).material = material; }
-void NullBackend::setVisible(Slot body, bool visible) { bodies.at(body).visible = visible; }
+void NullBackend::setMaterial(Slot body, const ReadyMaterial& material)
+{
+    bodies.at(body).material = material.material;
+    ++bodies.at(body).materialCalls;
+}
 void NullBackend::putLight(Slot slot, const LightDef&) { ++placed[slot].putCalls; }
 void NullBackend::putCamera(Slot slot, const CameraDef&) { ++placed[slot].putCalls; }
-void NullBackend::putView(Slot slot, const ViewDef&, Slot camera)
+void NullBackend::putView(Slot slot, const ViewDef& def, Slot camera)
 {
     FILASOFIA_ASSERT(placed.contains(camera));
     ++placed[slot].putCalls;
+    const auto* picture = std::get_if<OffScreen>(&def.target);
+    placed[slot].width = picture ? picture->width : 0;
+    placed[slot].height = picture ? picture->height : 0;
 }
 void NullBackend::setEnvironment(const EnvironmentDef&) { ++environmentCalls; }
 
@@ -55,6 +71,14 @@ void NullBackend::setPose(Slot entity, const Pose& world)
 {
     const auto body = bodies.find(entity);
     (body != bodies.end() ? body->second.pose : placed.at(entity).pose) = world;
+}
+
+void NullBackend::setScale(Slot body, double scale) { bodies.at(body).scale = scale; }
+
+void NullBackend::setVisible(Slot entity, bool visible)
+{
+    const auto body = bodies.find(entity);
+    (body != bodies.end() ? body->second.visible : placed.at(entity).visible) = visible;
 }
 
 void NullBackend::remove(Slot entity) { FILASOFIA_ASSERT(bodies.erase(entity) + placed.erase(entity) == 1); }
@@ -74,9 +98,14 @@ bool NullBackend::draw()
 Image NullBackend::capture()
 {
     draw();
-    Image image{width_, height_, std::vector<std::uint8_t>(4 * std::size_t(width_) * std::size_t(height_), 0)};
-    for (std::size_t alpha = 3; alpha < image.rgba.size(); alpha += 4) image.rgba[alpha] = 255;
-    return image;
+    return blackImage(width_, height_);
+}
+
+Image NullBackend::capture(Slot view)
+{
+    const Placed& shown = placed.at(view);
+    FILASOFIA_ASSERT(shown.width > 0);
+    return blackImage(shown.width, shown.height);
 }
 
 } // namespace filasofia::visual

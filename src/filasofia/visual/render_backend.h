@@ -2,6 +2,7 @@
 
 #include "filasofia/visual/image.h"
 #include "filasofia/visual/light.h"
+#include "filasofia/visual/material_store.h"
 #include "filasofia/visual/mesh_frames.h"
 #include "filasofia/visual/view.h"
 #include "filasofia/visual/visual_server.h"
@@ -25,6 +26,7 @@ using Slot = std::uint32_t;
 struct BodyGeometry {
     std::vector<Float3> rest;           ///< [m], one for each vertex: what the pattern sticks to
     std::vector<std::uint32_t> indices; ///< three vertices for each triangle
+    std::vector<std::array<float, 2>> uv; ///< one for each vertex, or none
     VertexData vertices;
 };
 
@@ -45,12 +47,11 @@ public:
     RenderBackend& operator=(const RenderBackend&) = delete;
     virtual ~RenderBackend() = default;
 
-    virtual void addBody(Slot slot, const Material& material, bool castShadows, BodyGeometry geometry) = 0;
+    virtual void addBody(Slot slot, const ReadyMaterial& material, bool castShadows, BodyGeometry geometry) = 0;
     virtual void setGeometry(Slot body, BodyGeometry geometry) = 0;
     virtual void setVertices(Slot body, VertexData vertices) = 0; ///< as many as the geometry has
     virtual void setSurfaceState(Slot body, std::vector<PackedState> states) = 0;
-    virtual void setMaterial(Slot body, const Material& material) = 0;
-    virtual void setVisible(Slot body, bool visible) = 0;
+    virtual void setMaterial(Slot body, const ReadyMaterial& material) = 0;
 
     /// These make the entity or replace what it was.
     virtual void putLight(Slot slot, const LightDef& def) = 0;
@@ -58,12 +59,15 @@ public:
     virtual void putView(Slot slot, const ViewDef& def, Slot camera) = 0;
     virtual void setEnvironment(const EnvironmentDef& def) = 0;
 
-    virtual void setPose(Slot entity, const Pose& world) = 0; ///< body, light or camera
+    virtual void setPose(Slot entity, const Pose& world) = 0;    ///< body, light or camera
+    virtual void setScale(Slot body, double scale) = 0;          ///< followed by setPose before the next frame
+    virtual void setVisible(Slot entity, bool visible) = 0;      ///< body, light or view
     virtual void remove(Slot entity) = 0;
 
     virtual void resize(int width, int height) = 0;
     virtual bool draw() = 0;     ///< one frame; false: skipped
     virtual Image capture() = 0; ///< draws, and reads what was drawn; throws an Error when nothing comes
+    virtual Image capture(Slot view) = 0; ///< the same of an off-screen view, and of those made before it
 
     virtual NativeObjects native() { return {}; }
     virtual filament::View* nativeView(Slot) { return nullptr; }

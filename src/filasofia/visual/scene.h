@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/core/assert.h"
+#include "filasofia/visual/material_store.h"
 #include "filasofia/visual/render_backend.h"
 #include "filasofia/visual/subdivision.h"
 
@@ -12,7 +13,11 @@ namespace filasofia::visual {
 struct Scene {
     std::unique_ptr<RenderBackend> backend;
     std::thread::id thread = std::this_thread::get_id();
-    std::vector<const LightDef*> lights; ///< of all lights, to hold new ones against the library's limits
+    MaterialStore materials;
+    std::vector<VisualBody*> bodies; ///< all of them in the order they were made; so are the next three
+    std::vector<Light*> lights;
+    std::vector<Camera*> cameras;
+    std::vector<View*> views;
     long vertexUpdates = 0;
 
     /// The graphics library's objects belong to the thread that made them.
@@ -24,7 +29,6 @@ struct VisualBody::Impl {
     Slot slot;
     VisualBodyDef def; ///< its mesh is the current one: positions as last given
     Subdivision subdivision;
-    bool visible = true;
 };
 
 struct Light::Impl {
@@ -44,18 +48,33 @@ struct View::Impl {
     Slot slot;
     ViewDef def;
     Camera* camera;
+    bool visible = true;
 };
+
+/// Tells the backend where everything is, how large and whether it is seen.
+void sendPlaces(Scene& scene);
 
 /// Throw an Error naming the object when the Def is wrong, alone or beside what the scene holds.
 void check(const LightDef& def, const Scene& scene, const LightDef* replaced);
 void check(const CameraDef& def);
-void check(const ViewDef& def);
+void check(const ViewDef& def, const Scene& scene, const ViewDef* replaced);
 void check(const EnvironmentDef& def);
-/// Material and positions; the mesh's triangles are checked by Subdivision.
+/// Numbers and positions; the mesh's triangles are checked by Subdivision, the material by readyMaterial.
 void check(const VisualBodyDef& def);
+/// Reads what the material names. Throws an Error naming the body when anything is wrong, there is no off-screen view of
+/// a name, or the mesh has no uv for its textures.
+ReadyMaterial readyMaterial(Scene& scene, const Material& material, const geometry::TriangleMesh& mesh,
+                            std::string_view body);
+/// Gives the bodies that show off-screen views their materials again, after such a view has come, changed or gone.
+void refreshViewPictures(Scene& scene);
 void checkPositions(std::span<const Vec3> positions, std::size_t count, std::string_view body);
 
+/// The pool of materials; see VisualServer.
+void addMaterial(Scene& scene, const std::string& name, const Material& material);
+void changeMaterial(Scene& scene, const std::string& name, const Material& material);
+void removeMaterial(Scene& scene, const std::string& name);
+
 /// The surface that `rest` and `now` (both before subdivision) give.
-BodyGeometry bodyGeometry(const Subdivision& subdivision, std::span<const Vec3> rest, std::span<const Vec3> now);
+BodyGeometry bodyGeometry(const Subdivision& subdivision, std::span<const Vec3> rest, const geometry::TriangleMesh& now);
 
 } // namespace filasofia::visual

@@ -26,10 +26,24 @@ void Transform::setPose(const Pose& pose)
 Pose Transform::worldPose() const
 {
     Pose world = pose_;
-    for (const Transform* above = parent_; above; above = above->parent_) world = above->pose_ * world;
+    for (const Transform* above = parent_; above; above = above->parent_) {
+        world.position *= above->scale_;
+        world = above->pose_ * world;
+    }
     world.orientation = normalized(world.orientation);
     return world;
 }
+
+void Transform::setScale(double scale)
+{
+    constexpr double kLargest = 1e6;
+    if (!(scale > 0.0 && scale <= kLargest)) fail("'", name_, "': scale must be in (0, ", kLargest, "], got ", scale);
+    scale_ = scale;
+}
+
+double Transform::worldScale() const { return parent_ ? scale_ * parent_->worldScale() : scale_; }
+
+bool Transform::worldVisible() const { return visible_ && (!parent_ || parent_->worldVisible()); }
 
 void Transform::attachTo(Transform& parent)
 {
@@ -42,7 +56,9 @@ void Transform::attachTo(Transform& parent)
 
 void Transform::detach()
 {
+    const double scale = worldScale();
     pose_ = worldPose();
+    scale_ = scale;
     leaveParent();
 }
 

@@ -39,26 +39,52 @@ void check(const VisualBodyDef& def)
     checkPositions(def.mesh.vertices, def.mesh.vertices.size(), def.name);
 }
 
-BodyGeometry bodyGeometry(const Subdivision& subdivision, std::span<const Vec3> rest, std::span<const Vec3> now)
+ReadyMaterial readyMaterial(Scene& scene, const Material& material, const geometry::TriangleMesh& mesh,
+                            std::string_view body)
+{
+    const std::string object = text(bodyName(body), ": material");
+    ReadyMaterial ready = scene.materials.ready(material, object);
+    for (const std::string& view : ready.views)
+        if (std::none_of(scene.views.begin(), scene.views.end(), [&](View* each) {
+                return each->def().name == view && std::holds_alternative<OffScreen>(each->def().target);
+            }))
+            fail(object, ": there is no off-screen view '", view, "'");
+    if (ready.needsUv && mesh.uv.empty()) fail(object, " has a texture, but the mesh has no uv");
+    return ready;
+}
+
+void refreshViewPictures(Scene& scene)
+{
+    for (VisualBody* body : scene.bodies) {
+        const ReadyMaterial ready = scene.materials.ready(body->material(), bodyName(body->name()));
+        if (!ready.views.empty()) scene.backend->setMaterial(body->impl().slot, ready);
+    }
+}
+
+BodyGeometry bodyGeometry(const Subdivision& subdivision, std::span<const Vec3> rest, const geometry::TriangleMesh& now)
 {
     BodyGeometry geometry;
     geometry.rest = subdivision.refine(toFloats(rest));
     geometry.indices.assign(subdivision.indices().begin(), subdivision.indices().end());
-    geometry.vertices = vertexData(subdivision.refine(toFloats(now)), geometry.indices);
+    geometry.vertices = vertexData(subdivision.refine(toFloats(now.vertices)), geometry.indices);
+    std::vector<Float3> uv(now.uv.size());
+    for (std::size_t i = 0; i < uv.size(); ++i) uv[i] = toFloat3({now.uv[i][0], now.uv[i][1], 0.0});
+    if (!uv.empty())
+        for (const Float3& refined : subdivision.refine(uv)) geometry.uv.push_back({refined.x, refined.y});
     return geometry;
 }
 
 VisualBody::VisualBody(std::string name, std::unique_ptr<Impl> impl)
     : Transform(std::move(name)), impl_(std::move(impl))
 {
+    impl_->scene.bodies.push_back(this);
 }
-VisualBody::~VisualBody() = default;
+VisualBody::~VisualBody() { std::erase(impl_->scene.bodies, this); }
 
 int VisualBody::vertexCount() const { return static_cast<int>(impl_->def.mesh.vertices.size()); }
 std::span<const Vec3> VisualBody::vertices() const { return impl_->def.mesh.vertices; }
 std::span<const geometry::Triangle> VisualBody::triangles() const { return impl_->def.mesh.triangles; }
 const Material& VisualBody::material() const { return impl_->def.material; }
-bool VisualBody::visible() const { return impl_->visible; }
 
 void VisualBody::setVertices(std::span<const Vec3> positions)
 {
@@ -78,7 +104,8 @@ void VisualBody::setMesh(const geometry::TriangleMesh& mesh, std::span<const Vec
     checkPositions(mesh.vertices, mesh.vertices.size(), name());
     checkPositions(rest, mesh.vertices.size(), name());
     Subdivision subdivision(mesh, impl_->def.subdivision, bodyName(name()));
-    impl_->scene.backend->setGeometry(impl_->slot, bodyGeometry(subdivision, rest, mesh.vertices));
+    if (mesh.uv.empty()) readyMaterial(impl_->scene, impl_->def.material, mesh, name());
+    impl_->scene.backend->setGeometry(impl_->slot, bodyGeometry(subdivision, rest, mesh));
     impl_->def.mesh = mesh;
     impl_->subdivision = std::move(subdivision);
     ++impl_->scene.vertexUpdates;
@@ -109,16 +136,9 @@ void VisualBody::setSurfaceState(std::span<const SurfaceState> states)
 void VisualBody::setMaterial(const Material& material)
 {
     impl_->scene.assertThread();
-    std::visit([&](const auto& held) { validate(held, text(bodyName(name()), ": material")); }, material);
+    const ReadyMaterial ready = readyMaterial(impl_->scene, material, impl_->def.mesh, name());
+    impl_->scene.backend->setMaterial(impl_->slot, ready);
     impl_->def.material = material;
-    impl_->scene.backend->setMaterial(impl_->slot, material);
-}
-
-void VisualBody::setVisible(bool visible)
-{
-    impl_->scene.assertThread();
-    impl_->visible = visible;
-    impl_->scene.backend->setVisible(impl_->slot, visible);
 }
 
 } // namespace filasofia::visual

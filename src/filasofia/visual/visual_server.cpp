@@ -38,17 +38,6 @@ struct VisualServer::Impl {
         return true;
     }
 
-    template <class Entity> void sendPoses(const std::vector<std::unique_ptr<Entity>>& list)
-    {
-        for (const auto& each : list) scene.backend->setPose(each->impl().slot, each->worldPose());
-    }
-
-    void sendAllPoses()
-    {
-        sendPoses(bodies);
-        sendPoses(lights);
-        sendPoses(cameras);
-    }
 };
 
 namespace {
@@ -87,9 +76,10 @@ VisualBody& VisualServer::add(const VisualBodyDef& def)
     impl_->scene.assertThread();
     check(def);
     Subdivision subdivision(def.mesh, def.subdivision, text("body '", def.name, "'"));
-    BodyGeometry geometry = bodyGeometry(subdivision, def.mesh.vertices, def.mesh.vertices);
+    const ReadyMaterial material = readyMaterial(impl_->scene, def.material, def.mesh, def.name);
+    BodyGeometry geometry = bodyGeometry(subdivision, def.mesh.vertices, def.mesh);
     const Slot slot = ++impl_->lastSlot;
-    impl_->scene.backend->addBody(slot, def.material, def.castShadows, std::move(geometry));
+    impl_->scene.backend->addBody(slot, material, def.castShadows, std::move(geometry));
     ++impl_->scene.vertexUpdates;
     impl_->bodies.push_back(std::make_unique<VisualBody>(
         def.name,
@@ -122,13 +112,14 @@ Camera& VisualServer::add(const CameraDef& def)
 View& VisualServer::add(const ViewDef& def, Camera& camera)
 {
     impl_->scene.assertThread();
-    check(def);
+    check(def, impl_->scene, nullptr);
     if (&camera.impl().scene != &impl_->scene)
         fail("view '", def.name, "': camera '", camera.name(), "' belongs to another server");
     const Slot slot = ++impl_->lastSlot;
     impl_->scene.backend->putView(slot, def, camera.impl().slot);
     impl_->views.push_back(
         std::make_unique<View>(std::unique_ptr<View::Impl>(new View::Impl{impl_->scene, slot, def, &camera})));
+    refreshViewPictures(impl_->scene);
     return *impl_->views.back();
 }
 
@@ -158,6 +149,30 @@ void VisualServer::remove(View& view)
         fail("view '", view.def().name, "' cannot be removed: it does not belong to this server");
     impl_->scene.backend->remove(view.impl().slot);
     impl_->views.erase(found);
+    refreshViewPictures(impl_->scene);
+}
+
+void VisualServer::addMaterial(const std::string& name, const Material& material)
+{
+    impl_->scene.assertThread();
+    visual::addMaterial(impl_->scene, name, material);
+}
+
+void VisualServer::changeMaterial(const std::string& name, const Material& material)
+{
+    impl_->scene.assertThread();
+    visual::changeMaterial(impl_->scene, name, material);
+}
+
+void VisualServer::removeMaterial(const std::string& name)
+{
+    impl_->scene.assertThread();
+    visual::removeMaterial(impl_->scene, name);
+}
+
+const Material& VisualServer::material(const std::string& name) const
+{
+    return impl_->scene.materials.get(name, "visual server");
 }
 
 void VisualServer::setEnvironment(const EnvironmentDef& def)
@@ -172,7 +187,7 @@ bool VisualServer::render()
     impl_->scene.assertThread();
     bool drawn = false;
     const double seconds = secondsOf([&] {
-        impl_->sendAllPoses();
+        sendPlaces(impl_->scene);
         drawn = impl_->scene.backend->draw();
     });
     if (drawn) impl_->statistics.lastFrameSeconds = seconds;
@@ -198,7 +213,7 @@ Image VisualServer::capture()
     impl_->scene.assertThread();
     Image image;
     impl_->statistics.lastFrameSeconds = secondsOf([&] {
-        impl_->sendAllPoses();
+        sendPlaces(impl_->scene);
         image = impl_->scene.backend->capture();
     });
     ++impl_->statistics.framesDrawn;

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "filasofia/core/fields.h"
+
+#include <string>
+#include <variant>
+
+namespace filasofia::visual {
+
+/// No picture: the material's own colour.
+struct NoTexture {
+    friend constexpr bool operator==(const NoTexture&, const NoTexture&) = default;
+};
+
+/// A PNG or JPEG of at most 8192 pixels a side, sRGB encoded. Read once for a server, when it is first named.
+struct TextureFile {
+    std::string file = {};
+
+    friend bool operator==(const TextureFile&, const TextureFile&) = default;
+};
+
+constexpr auto fields(const TextureFile*)
+{
+    return describe("TextureFile", field("file", &TextureFile::file, "a PNG or JPEG file"));
+}
+
+/// What an off-screen view shows, as it was last drawn; black from when that view is removed.
+struct ViewPicture {
+    std::string view = {}; ///< name of an off-screen view of the same server
+
+    friend bool operator==(const ViewPicture&, const ViewPicture&) = default;
+};
+
+constexpr auto fields(const ViewPicture*)
+{
+    return describe("ViewPicture", field("view", &ViewPicture::view, "name of an off-screen view"));
+}
+
+/// A picture laid on a surface by the uv of its mesh, which must have some.
+using Texture = std::variant<NoTexture, TextureFile, ViewPicture>;
+
+} // namespace filasofia::visual

@@ -1,0 +1,65 @@
+#pragma once
+
+#include "filasofia/visual/effects.h"
+#include "filasofia/visual/material_pool.h"
+
+#include <filament/Camera.h>
+#include <filament/IndexBuffer.h>
+#include <filament/RenderTarget.h>
+#include <filament/Scene.h>
+#include <filament/VertexBuffer.h>
+#include <filament/View.h>
+#include <utils/Entity.h>
+
+namespace filasofia::visual {
+
+/// A texture that a view draws into. It holds finished, sRGB encoded colours, the first row at the bottom.
+class DrawnPicture {
+public:
+    DrawnPicture(filament::Engine& engine, int width, int height);
+    DrawnPicture(const DrawnPicture&) = delete;
+    DrawnPicture& operator=(const DrawnPicture&) = delete;
+    ~DrawnPicture();
+
+    [[nodiscard]] int width() const { return width_; }
+    [[nodiscard]] int height() const { return height_; }
+    [[nodiscard]] filament::Texture* texture() const { return texture_; }
+    [[nodiscard]] filament::RenderTarget* target() const { return target_; }
+
+private:
+    filament::Engine& engine_;
+    int width_;
+    int height_;
+    filament::Texture* texture_;
+    filament::RenderTarget* target_;
+};
+
+/// Endoscope optics as a second pass: the scene is drawn into a picture, which one triangle then shows as the lens does.
+class OpticsPass {
+public:
+    OpticsPass(filament::Engine& engine, MaterialPool& pool);
+    OpticsPass(const OpticsPass&) = delete;
+    OpticsPass& operator=(const OpticsPass&) = delete;
+    ~OpticsPass();
+
+    /// Before the frame begins: size and optics.
+    void prepare(int width, int height, const EndoscopeOptics& optics);
+    /// The picture to draw the scene into.
+    [[nodiscard]] const DrawnPicture& picture() const { return *picture_; }
+    /// What shows that picture. Its target and viewport are the caller's to set.
+    [[nodiscard]] filament::View& view() const { return *view_; }
+
+private:
+    filament::Engine& engine_;
+    std::unique_ptr<DrawnPicture> picture_;
+    filament::Scene* scene_;
+    filament::View* view_;
+    filament::Camera* camera_;
+    filament::VertexBuffer* vertices_;
+    filament::IndexBuffer* indices_;
+    filament::MaterialInstance* instance_;
+    utils::Entity triangle_;
+    utils::Entity eye_;
+};
+
+} // namespace filasofia::visual

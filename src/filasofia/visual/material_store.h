@@ -1,0 +1,45 @@
+#pragma once
+
+#include "filasofia/visual/image.h"
+#include "filasofia/visual/material.h"
+#include "filasofia/visual/material_package.h"
+
+#include <map>
+#include <memory>
+#include <string_view>
+
+namespace filasofia::visual {
+
+/// A material whose every file has been read and whose every number has been checked.
+struct ReadyMaterial {
+    Material material;                                            ///< never a NamedMaterial
+    std::map<std::string, std::shared_ptr<const Image>> pictures; ///< by file
+    std::vector<std::string> views;                               ///< whose pictures it shows
+    std::shared_ptr<const MaterialPackage> package;               ///< of a CustomMaterial
+    bool needsUv = false;
+};
+
+/// The materials of a server by name, and the files that they and the bodies name, each read once. (Shared pointers,
+/// because a backend may still hold what it draws with; what they point to never changes.)
+class MaterialStore {
+public:
+    /// Throws an Error that begins with `object` when the material, a file of it, or its name is wrong.
+    [[nodiscard]] ReadyMaterial ready(const Material& material, const std::string& object);
+
+    void add(const std::string& name, const Material& material);
+    /// `material` must be ready.
+    void change(const std::string& name, const Material& material) { named_.at(name) = material; }
+    void remove(const std::string& name) { named_.erase(name); }
+    /// Throws an Error that begins with `object` when there is none.
+    [[nodiscard]] const Material& get(const std::string& name, const std::string& object) const;
+
+private:
+    void require(const Texture& texture, const std::string& object, ReadyMaterial& out);
+    void require(const CustomMaterial& material, const std::string& object, ReadyMaterial& out);
+
+    std::map<std::string, Material> named_;
+    std::map<std::string, std::shared_ptr<const Image>> pictures_;
+    std::map<std::string, std::shared_ptr<const MaterialPackage>> packages_;
+};
+
+} // namespace filasofia::visual

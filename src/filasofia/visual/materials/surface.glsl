@@ -1,0 +1,130 @@
+// What living surfaces share: noise on the rest position, relief without texture coordinates, blood and burns.
+
+// Value noise on a grid, with its analytic gradient: (value in [-1, 1], gradient).
+// After Quilez, "Value noise derivatives". An integer hash: the same bits on every card.
+uint hash(uvec3 c) {
+    uint h = c.x * 1664525u + c.y * 22695477u + c.z * 2891336453u;
+    h = (h ^ (h >> 15u)) * 2246822519u;
+    h = (h ^ (h >> 13u)) * 3266489917u;
+    return h ^ (h >> 16u);
+}
+float corner(uvec3 c) { return float(hash(c) >> 8u) * (2.0 / 16777215.0) - 1.0; }
+
+vec4 noise(highp vec3 p) {
+    highp vec3 cell = floor(p);
+    vec3 f = p - cell;
+    uvec3 c = uvec3(ivec3(cell));
+    vec3 u = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    vec3 du = 30.0 * f * f * (f * (f - 2.0) + 1.0);
+    float a = corner(c);
+    float b = corner(c + uvec3(1u, 0u, 0u));
+    float d = corner(c + uvec3(0u, 1u, 0u));
+    float e = corner(c + uvec3(1u, 1u, 0u));
+    float g = corner(c + uvec3(0u, 0u, 1u));
+    float h = corner(c + uvec3(1u, 0u, 1u));
+    float i = corner(c + uvec3(0u, 1u, 1u));
+    float j = corner(c + uvec3(1u, 1u, 1u));
+    float k1 = b - a, k2 = d - a, k3 = g - a;
+    float k4 = a - b - d + e, k5 = a - d - g + i, k6 = a - b - g + h;
+    float k7 = -a + b + d - e + g - h - i + j;
+    float value = a + k1 * u.x + k2 * u.y + k3 * u.z + k4 * u.x * u.y + k5 * u.y * u.z + k6 * u.z * u.x
+                + k7 * u.x * u.y * u.z;
+    vec3 gradient = du * vec3(k1 + k4 * u.y + k6 * u.z + k7 * u.y * u.z,
+                              k2 + k5 * u.z + k4 * u.x + k7 * u.z * u.x,
+                              k3 + k6 * u.x + k5 * u.y + k7 * u.x * u.y);
+    return vec4(value, gradient);
+}
+
+// Distance in cells to the nearest of points scattered one to a cell, and where that point lies (Worley, "A cellular
+// texture basis function", 1996). The eight nearest cells only: a point farther away is found too late, which no one sees.
+vec4 nearestPoint(highp vec3 p) {
+    highp vec3 first = floor(p - 0.5);
+    vec4 nearest = vec4(8.0);
+    for (int k = 0; k < 8; k++) {
+        highp vec3 cell = first + vec3(k & 1, (k >> 1) & 1, k >> 2);
+        uint h = hash(uvec3(ivec3(cell)));
+        vec3 point = vec3(h & 1023u, (h >> 10u) & 1023u, (h >> 20u) & 1023u) * (0.7 / 1023.0) + 0.15;
+        vec3 away = p - cell - point;
+        float squared = dot(away, away);
+        if (squared < nearest.x) nearest = vec4(squared, away);
+    }
+    return vec4(sqrt(nearest.x), nearest.yzw);
+}
+
+// The noise lies on a grid: each octave is turned, so that no direction shows.
+const mat3 turn = mat3(0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6);
+
+// How much of a pattern of this frequency (cells per cell of the coarsest) a pixel still resolves: what it does not
+// resolve must fade, or it would flicker.
+float resolved(float footprint, float frequency) { return 1.0 - smoothstep(0.25, 0.7, footprint * frequency); }
+
+// A soft line where the noise is zero, `width` cells to each side; none where the noise is flat, and no harder than
+// the pixel resolves.
+float line(vec4 value, float width, float footprint) {
+    float steep = length(value.yzw);
+    float away = abs(value.x) / max(steep, 0.2);
+    float soft = max(width, footprint);
+    return (1.0 - smoothstep(width, width + soft, away)) * (width + 0.5 * width) / (width + 0.5 * soft)
+         * smoothstep(0.25, 0.9, steep);
+}
+
+// The normal of a relief whose slope with respect to p = noiseScale * rest is given. Height differences along the screen are
+// turned into a slope of the surface as it lies now (Mikkelsen, "Bump mapping unparametrized surfaces on the GPU", 2010):
+// no texture coordinates, and it follows the deformation.
+vec3 reliefNormal(vec3 slope, highp vec3 px, highp vec3 py, float noiseScale) {
+    highp vec3 wx = dFdx(getWorldPosition()), wy = dFdy(getWorldPosition());
+    vec3 n = normalize(getWorldGeometricNormalVector());
+    float scale = 1.0 / noiseScale;
+    float hx = dot(slope, px) * scale, hy = dot(slope, py) * scale;
+    highp vec3 r1 = cross(wy, n), r2 = cross(n, wx);
+    highp float area = dot(wx, r1);
+    vec3 surface = sign(area) * (hx * r1 + hy * r2);
+    vec3 bumped = normalize(abs(area) * n - surface + 1e-20 * n);
+    return normalize(transpose(getWorldTangentFrame()) * bumped);
+}
+
+// Blood, burn and wetness come from the vertices, far apart: the noise decides where between two vertices a film ends.
+struct Marks {
+    float blood;      // how far blood covers the surface, in [0, 1]
+    float bloodDepth; // how deep it stands there, in [0, 1]
+    vec3 bloodSlope;  // of its surface, with respect to p
+    float pale;       // coagulated by heat
+    float brown;      // scorched
+    float black;      // charred
+};
+
+// 0 stays 0 and 1 stays 1, whatever the noise: in between it moves the edge.
+float broken(float amount, float value, float by) { return amount * (1.0 + by) - by * (0.5 + 0.5 * clamp(value, -1.0, 1.0)); }
+
+Marks marksOf(vec3 state, highp vec3 p, float footprint) {
+    Marks marks = Marks(0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);
+    if (state.x + state.y <= 0.0) return marks;
+    float w = resolved(footprint, 3.7);
+    vec4 coarse = noise(p * 0.85 + 71.3), fine = w * noise(turn * p * 2.4 + 17.9);
+    vec3 gradient = 0.7 * 0.85 * coarse.yzw + 0.4 * 2.4 * (fine.yzw * turn);
+    float value = 1.25 * (0.7 * coarse.x + 0.4 * fine.x);
+
+    const float kByBlood = 0.9;
+    float level = broken(state.x, value, kByBlood);
+    float edge = 0.07 + 0.25 * footprint;
+    marks.blood = smoothstep(0.0, edge, level);
+    marks.bloodDepth = smoothstep(0.0, 0.75, level);
+    // A drop stands up at its edge and is level inside: steep only where it is shallow.
+    float rise = level > 0.0 ? exp(-9.0 * level) * min(level / edge, 1.0) : 0.0;
+    marks.bloodSlope = -1.1 * kByBlood * 0.5 * 1.25 * gradient * rise * w;
+
+    float heat = broken(state.y, 0.8 * value, 0.45);
+    marks.pale = smoothstep(0.0, 0.25, heat);
+    marks.brown = smoothstep(0.22, 0.5, heat);
+    marks.black = smoothstep(0.5, 0.72, heat);
+    return marks;
+}
+
+// The colour under blood and burns. A thin film lets the ground shine through in bright red; a deep one is nearly black.
+vec3 markedColor(vec3 color, Marks marks, float grain) {
+    vec3 dark = mix(vec3(0.10, 0.042, 0.018), vec3(0.011, 0.009, 0.008) * (1.0 + 0.8 * grain), marks.black);
+    vec3 scalded = vec3(0.56, 0.42, 0.32) * (0.9 + 0.25 * grain);
+    color = mix(mix(color, scalded, 0.85 * marks.pale), dark, marks.brown);
+    vec3 film = mix(color * vec3(0.80, 0.10, 0.08), vec3(0.125, 0.0020, 0.0016), marks.bloodDepth);
+    return mix(color, film, marks.blood);
+}

@@ -1,0 +1,66 @@
+#include "pictures.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace filasofia::visual {
+namespace {
+
+int pixelDifference(const Image& a, const Image& b, std::size_t pixel)
+{
+    int most = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+        most = std::max(most, std::abs(int(a.rgba[4 * pixel + k]) - int(b.rgba[4 * pixel + k])));
+    return most;
+}
+
+/// Ten times the difference, so that the eye finds it.
+Image differenceImage(const Image& a, const Image& b)
+{
+    Image out = a;
+    for (std::size_t i = 0; i < a.rgba.size(); ++i)
+        out.rgba[i] = std::uint8_t(std::min(255, 10 * std::abs(int(a.rgba[i]) - int(b.rgba[i]))));
+    return out;
+}
+
+bool updating()
+{
+    const char* asked = std::getenv("FILASOFIA_UPDATE_PICTURES");
+    return asked && std::string(asked) == "1";
+}
+
+} // namespace
+
+double differingShare(const Image& a, const Image& b, int tolerance)
+{
+    if (a.width != b.width || a.height != b.height) return 1.0;
+    const std::size_t pixels = a.rgba.size() / 4;
+    std::size_t differing = 0;
+    for (std::size_t i = 0; i < pixels; ++i) differing += pixelDifference(a, b, i) > tolerance;
+    return double(differing) / double(pixels);
+}
+
+void checkPicture(const Image& image, const std::string& name)
+{
+    const std::filesystem::path reference =
+        std::filesystem::path(FILASOFIA_SOURCE_DIR) / "tests/visual/pictures" / (name + ".png");
+    if (updating()) {
+        savePng(image, reference);
+        return;
+    }
+    const Image expected = loadImage(reference);
+    constexpr double kAllowed = 0.001;
+    const double share = differingShare(image, expected);
+    if (share > kAllowed) {
+        const std::filesystem::path folder = FILASOFIA_BINARY_DIR;
+        savePng(image, folder / (name + "_actual.png"));
+        if (image.rgba.size() == expected.rgba.size())
+            savePng(differenceImage(image, expected), folder / (name + "_difference.png"));
+    }
+    INFO("picture " << name << ": " << 100.0 * share << " % of the pixels differ");
+    CHECK(share <= kAllowed);
+}
+
+} // namespace filasofia::visual
