@@ -1,7 +1,9 @@
 #pragma once
 
 #include "filasofia/core/assert.h"
+#include "filasofia/visual/prepared_mesh.h"
 #include "filasofia/visual/render_backend.h"
+#include "filasofia/visual/stage_watch.h"
 #include "filasofia/visual/subdivision.h"
 
 #include <thread>
@@ -14,6 +16,7 @@ struct Scene {
     std::thread::id thread = std::this_thread::get_id();
     std::vector<const LightDef*> lights; ///< of all lights, to hold new ones against the library's limits
     long vertexUpdates = 0;
+    StageWatch watch;
 
     /// The graphics library's objects belong to the thread that made them.
     void assertThread() const { FILASOFIA_ASSERT(std::this_thread::get_id() == thread); }
@@ -25,6 +28,17 @@ struct VisualBody::Impl {
     VisualBodyDef def; ///< its mesh is the current one: positions as last given
     Subdivision subdivision;
     bool visible = true;
+    std::vector<Float3> control = {}; ///< kept from frame to frame: what setVertices() computes with
+    std::vector<Float3> normals = {};
+
+    /// Takes the positions of the mesh's vertices; what is drawn of them.
+    VertexData deform(std::span<const Vec3> positions);
+};
+
+struct PreparedMesh::Impl {
+    geometry::TriangleMesh rest;
+    Subdivision subdivision;
+    BodyGeometry geometry; ///< at rest
 };
 
 struct Light::Impl {
