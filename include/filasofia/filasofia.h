@@ -54,17 +54,25 @@ using physics::TetMeshSource;
 using physics::TotalMass;
 using runtime::asset;
 using runtime::ContactEvent;
+using runtime::FollowDef;
+using runtime::FollowElement;
+using runtime::FollowNearest;
+using runtime::FollowTriangle;
 using runtime::LookDef;
+using runtime::PaintDef;
+using runtime::PaintMode;
 using runtime::PhysicsDef;
 using runtime::report;
 using runtime::RunDef;
 using runtime::RunReport;
 using runtime::ShowDef;
+using runtime::ShownId;
 using runtime::Simulation;
 using runtime::SimulationDef;
 using visual::Backend;
 using visual::Color;
 using visual::MetalMaterial;
+using visual::SurfaceState;
 using visual::TissueMaterial;
 
 } // namespace filasofia

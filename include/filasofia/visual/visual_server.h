@@ -33,7 +33,7 @@ constexpr auto fields(const VisualServerDef*)
 
 /// What the main thread's work on the picture took so far, by the clock given to timeStages(); zeros without one.
 struct VisualStages {
-    double subdivision = 0.0; ///< [s], positions to floats, and the refined ones from them
+    double subdivision = 0.0; ///< [s], checking positions, turning them to floats, and the refined ones
     double normals = 0.0;     ///< [s], normals and tangent frames
     double upload = 0.0;      ///< [s], handing vertices to the graphics library
     double submit = 0.0;      ///< [s], poses, and drawing; with the software renderer headless, the drawing itself

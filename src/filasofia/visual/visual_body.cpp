@@ -64,6 +64,7 @@ bool VisualBody::visible() const { return impl_->visible; }
 void VisualBody::setVertices(std::span<const Vec3> positions)
 {
     impl_->scene.assertThread();
+    impl_->scene.watch.start();
     checkPositions(positions, impl_->def.mesh.vertices.size(), name());
     VertexData data = impl_->deform(positions);
     impl_->scene.backend->setVertices(impl_->slot, std::move(data));
@@ -83,6 +84,7 @@ void VisualBody::setMesh(const geometry::TriangleMesh& mesh, std::span<const Vec
 void VisualBody::adopt(PreparedMesh prepared, std::span<const Vec3> now)
 {
     impl_->scene.assertThread();
+    impl_->scene.watch.start();
     PreparedMesh::Impl& ready = prepared.impl();
     checkPositions(now, ready.rest.vertices.size(), name());
     impl_->subdivision = std::move(ready.subdivision);
@@ -95,7 +97,6 @@ void VisualBody::adopt(PreparedMesh prepared, std::span<const Vec3> now)
 
 VertexData VisualBody::Impl::deform(std::span<const Vec3> positions)
 {
-    scene.watch.start();
     def.mesh.vertices.assign(positions.begin(), positions.end());
     control.resize(positions.size());
     std::transform(positions.begin(), positions.end(), control.begin(), toFloat3);
