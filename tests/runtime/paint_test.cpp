@@ -141,6 +141,19 @@ TEST_CASE("paint is there again when the visual server is another one")
     CHECK(blood(*ShownStage::drawn(next).front()) == before);
 }
 
+TEST_CASE("a reset takes the paint off")
+{
+    ShownStage stage;
+    const BodyId block = stage.addBlock();
+    stage.bindings.show(block, {}, stage.physics);
+    stage.bindings.paint(block, {.place = {0.02, 0, 0}, .radius = 0.02, .state = kBlood}, stage.physics);
+    stage.step();
+    CHECK(bloody(stage.only()) > 0);
+    stage.bindings.clearPaint();
+    stage.step();
+    CHECK(bloody(stage.only()) == 0);
+}
+
 TEST_CASE("wrong paint is an Error that names the body")
 {
     ShownStage stage;

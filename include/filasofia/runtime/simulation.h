@@ -123,6 +123,7 @@ public:
     [[nodiscard]] bool paused() const; ///< in the last step
     /// One step, where paused.
     void singleStep();
+    /// The bodies back to their start, at the next step, and clean of paint.
     void reset();
 
     /// Called on the main thread as soon as there is a visual server, in place of the look of the Def: makes lights,

@@ -28,6 +28,8 @@ public:
     void remove(ShownId id);
     /// A mark on what is drawn of a body; how many vertices it reached. Any thread.
     int paint(BodyId id, const PaintDef& def, physics::PhysicsServer& physics);
+    /// Everything is clean again. Any thread.
+    void clearPaint() { painted_.clear(); }
     /// The body's boundary has new triangles: `surface` at rest in the world, on its nodes, which only grow in number.
     /// What is drawn of the boundary follows with its old triangles until the new ones are ready. What is drawn of
     /// other surfaces stays. Any thread.

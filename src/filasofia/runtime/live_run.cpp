@@ -144,7 +144,7 @@ private:
             parts_.stepAsked.store(true);
             break;
         case RunAction::Reset:
-            parts_.physics.reset();
+            parts_.reset();
             break;
         case RunAction::Screenshot:
             parts_.askScreenshot({});

@@ -114,6 +114,15 @@ int PaintedSurfaces::paint(BodyId id, const PaintDef& def, const frame::Frame* f
     return reached;
 }
 
+void PaintedSurfaces::clear()
+{
+    const std::lock_guard lock(mutex_);
+    for (auto& [key, painted] : painted_) {
+        std::ranges::fill(painted.states, SurfaceState{});
+        painted.fresh = !painted.states.empty();
+    }
+}
+
 std::optional<std::vector<SurfaceState>> PaintedSurfaces::takeNew(SurfaceKey key)
 {
     const std::lock_guard lock(mutex_);

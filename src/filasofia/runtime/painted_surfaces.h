@@ -42,6 +42,9 @@ public:
     /// vertices it reached.
     int paint(BodyId id, const PaintDef& def, const frame::Frame* frame);
 
+    /// Everything is clean again.
+    void clear();
+
     /// The vertices' states, if somebody painted since the last call.
     std::optional<std::vector<visual::SurfaceState>> takeNew(SurfaceKey key);
     /// The next takeNew() gives the states once more, unless there is no paint at all.

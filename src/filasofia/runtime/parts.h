@@ -70,6 +70,8 @@ struct Simulation::Impl {
     void mapNewestFrame(visual::VisualServer& visual);
     /// Draws the present state into a file; physics must not be stepping.
     void takePicture(visual::VisualServer& visual, const std::string& file);
+    /// The bodies back to their start, and clean.
+    void reset();
     void steer(visual::Transform& camera, const visual::OrbitDef& def);
     /// Remembers a file for the next picture; Error where there can be none.
     void askScreenshot(const std::string& file);

@@ -119,8 +119,9 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
 {
     time.store(report.time, std::memory_order_relaxed);
     step.store(report.step, std::memory_order_relaxed);
-    if (std::exchange(stepping, false)) physics.pause(true);
-    paused.store(physics.paused(), std::memory_order_relaxed);
+    const bool single = std::exchange(stepping, false);
+    if (single) physics.pause(true);
+    paused.store(single || physics.paused(), std::memory_order_relaxed);
     ++everMade;
     undone += report.has(physics::StepFlag::Undone);
     damped += report.has(physics::StepFlag::Damped);
@@ -193,6 +194,12 @@ void Simulation::Impl::takePicture(visual::VisualServer& visual, const std::stri
     mapNewestFrame(visual);
     visual::savePng(visual.capture(), file);
     pictures.push_back(file);
+}
+
+void Simulation::Impl::reset()
+{
+    physics.reset();
+    bindings.clearPaint();
 }
 
 void Simulation::Impl::steer(visual::Transform& camera, const visual::OrbitDef& orbit)
@@ -275,7 +282,7 @@ void Simulation::screenshot(const std::string& file) { impl_->askScreenshot(file
 void Simulation::pause(bool paused) { impl_->physics.pause(paused); }
 bool Simulation::paused() const { return impl_->paused.load(std::memory_order_relaxed); }
 void Simulation::singleStep() { impl_->stepAsked.store(true); }
-void Simulation::reset() { impl_->physics.reset(); }
+void Simulation::reset() { impl_->reset(); }
 void Simulation::dress(std::function<void(visual::VisualServer&)> scene) { impl_->dress = std::move(scene); }
 void Simulation::useWindow(std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> open)
 {
