@@ -77,6 +77,23 @@ TEST_CASE("every element of a rigid body answers to the one id of its show()")
     CHECK(stage.drawn().empty());
 }
 
+TEST_CASE("a thousand bodies come and go, and nothing is left of them")
+{
+    ShownStage stage;
+    std::vector<BodyId> bodies;
+    for (int i = 0; i < 1000; ++i) {
+        const BodyId box = stage.addBox();
+        const ShownId id = stage.bindings.show(box, {}, stage.physics);
+        if (i % 3 == 0) stage.bindings.remove(id);
+        bodies.push_back(box);
+    }
+    stage.step();
+    CHECK(stage.visual.statistics().bodies == 666);
+    for (const BodyId box : bodies) stage.physics.remove(box);
+    stage.step();
+    CHECK(stage.visual.statistics().bodies == 0);
+}
+
 TEST_CASE("the box around what is seen now is where the bodies are now")
 {
     ShownStage stage;

@@ -54,8 +54,8 @@ private:
     struct Surface {
         std::optional<MeshJob> waiting = {};
         bool working = false;
-        bool forgotten = false; ///< while it was at work
-        SharedSurface newest = {};   ///< that was prepared: the next one comes from there
+        bool forgotten = false;    ///< while it was at work
+        SharedSurface newest = {}; ///< that was prepared: the next one comes from there
         std::optional<MeshResult> done = {};
     };
     void work();

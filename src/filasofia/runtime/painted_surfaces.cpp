@@ -1,6 +1,7 @@
 #include "filasofia/runtime/painted_surfaces.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/geometry/box.h"
 #include "filasofia/geometry/distance.h"
 
 #include <algorithm>
@@ -59,6 +60,8 @@ std::optional<Vec3> restPlace(const geometry::TriangleMesh& rest, std::span<cons
     std::optional<Vec3> found;
     double best = radius * radius;
     for (const auto& [a, b, c] : rest.triangles) {
+        const geometry::Box box{min(min(now[a], now[b]), now[c]), max(max(now[a], now[b]), now[c])};
+        if (geometry::squaredDistance(box, place) > best) continue; // nearly all of them: nothing to compute
         const auto here = geometry::nearestOnTriangle(place, now[a], now[b], now[c]);
         if (!(here.squaredDistance <= best) || (found && here.squaredDistance == best)) continue;
         best = here.squaredDistance;
