@@ -38,6 +38,10 @@ nlohmann::json benchSolver(bool quick);
 /// through each other; `quick` leaves the smallest meshes and fewer steps.
 nlohmann::json benchContact(bool quick);
 
+/// What the picture costs the main thread, for 5,000 and 50,000 vertices that move in every frame; how long new
+/// triangles take; what is left of physics beside a picture. `quick` leaves the smaller surface and fewer frames.
+nlohmann::json benchVisual(bool quick);
+
 /// What lasts: a tool that presses, scrapes and grasps the bunny at random for so many simulated minutes, a soft ball
 /// on a floor for as long, up to 10, and a tower of boxes for up to 1.
 nlohmann::json soakContact(double minutes, int seed);

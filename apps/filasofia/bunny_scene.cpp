@@ -14,7 +14,7 @@ BodyId addBunny(Simulation& sim, const BunnyDef& def)
         .material = FemMaterial{.youngModulus = 10_kPa, .poissonRatio = 0.45},
         .attachments = {{.box = Box{{-1, 0.105, -1}, {1, 1, 1}}}}, // the head and the ears
     });
-    sim.show(bunny, {.surface = asset("meshes/bunny.obj"), .subdivision = def.subdivision});
+    if (def.shown) sim.show(bunny, {.surface = asset("meshes/bunny.obj"), .subdivision = def.subdivision});
     return bunny;
 }
 

@@ -8,6 +8,7 @@ namespace filasofia::app {
 struct BunnyDef {
     int tets = 3004;     ///< one of kBunnySizes
     int subdivision = 1; ///< [-], in [0, 3], of the visual surface
+    bool shown = true;   ///< drawn at all
 };
 
 inline constexpr int kBunnySizes[] = {756, 1492, 3004, 10000, 30000};

@@ -110,6 +110,7 @@ int understandAndRun(int argc, char** argv, const std::vector<Command>& commands
     std::vector<std::string> names;
     for (const Command& command : commands) {
         CLI::App* words = app.add_subcommand(command.name, command.meaning);
+        words->footer(command.footer);
         for (const Option& option : command.options) addOption(*words, option);
         names.push_back(command.name);
     }

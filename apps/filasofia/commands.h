@@ -32,6 +32,7 @@ struct Command {
     std::string meaning = {};
     std::vector<Option> options = {};
     std::function<int()> run = {}; ///< called once its words are understood; returns the exit code
+    std::string footer = {};       ///< after the options in the help
 };
 
 Command runCommand();    ///< a scene in a window, or headless

@@ -1,6 +1,7 @@
 #include "apps/filasofia/bunny_scene.h"
 #include "apps/filasofia/commands.h"
 #include "apps/filasofia/contact_scenes.h"
+#include "filasofia/runtime/keys.h"
 
 #include <iostream>
 
@@ -39,17 +40,6 @@ const Scene& sceneOf(const Options& options)
     fail("run: there is no scene '", shortened(options.scene), "'; there are ", names);
 }
 
-/// What a person at the window can do.
-void bindKeys(Simulation& sim)
-{
-    sim.on<KeyEvent>([&sim, paused = false](const KeyEvent& key) mutable {
-        if (!key.pressed || key.repeat) return;
-        if (key.key == KeyCode::Escape) sim.finish("Escape");
-        if (key.key == KeyCode::Space) sim.physics().pause(paused = !paused);
-        if (key.key == KeyCode::R) sim.physics().reset();
-    });
-}
-
 std::vector<std::string> bunnySizes()
 {
     std::vector<std::string> sizes;
@@ -67,7 +57,6 @@ int runScene(Options& options)
                     .window = {.title = text("Filasofia: ", scene.name)},
                     .look = {.around = scene.around}});
     scene.make(sim, options.bunny);
-    bindKeys(sim);
     std::cout << runtime::summary(sim.run(options.run));
     return 0;
 }
@@ -78,7 +67,7 @@ Command runCommand()
 {
     static Options options; // there is one command line, and it outlives this function
     return {.name = "run",
-            .meaning = "Run a scene in a window (Space pauses, R resets, Escape ends), or headless",
+            .meaning = "Run a scene in a window (Space pauses, Escape ends; more below), or headless",
             .options = {{"SCENE",
                          &options.scene,
                          "bunny (pinned at the head, falling under its own weight), poke, grasp or friction",
@@ -114,13 +103,19 @@ Command runCommand()
                          .meaning = "Headless: numbered pictures, seconds apart; 0: only the last",
                          .type = "S",
                          .bound = boundOf(&RunDef::pictureEvery)},
+                        {"--video", &options.run.video, "Write what is seen to this MP4 file (needs ffmpeg)", "FILE"},
+                        {.name = "--fps",
+                         .target = &options.run.fps,
+                         .meaning = "Pictures per second of the video",
+                         .bound = boundOf(&RunDef::fps)},
                         {"--log", &options.run.log, "Write a line per step to this CSV file", "FILE"},
                         {"--record", &options.run.record, "Write the run to this .rec file, for replay", "FILE"},
                         {.name = "--threads",
                          .target = &options.threads,
                          .meaning = "Threads within one step; 0: the cores but one, up to 8",
                          .bound = kThreads}},
-            .run = [] { return runScene(options); }};
+            .run = [] { return runScene(options); },
+            .footer = "Mouse and keys in the window:\n" + runtime::keyHelp()};
 }
 
 } // namespace filasofia::app

@@ -17,9 +17,9 @@ def run(*words, timeout=100, **environment):
 
 
 class Program(unittest.TestCase):
-    def refused(self, *words, says):
+    def refused(self, *words, says, **environment):
         """The program exits with 2 and one line on standard error that holds each of `says`."""
-        done = run(*words)
+        done = run(*words, **environment)
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertEqual(done.stdout, "")
         lines = done.stderr.splitlines()
@@ -392,6 +392,13 @@ class Replay(Program):
         self.refused("run", "bunny", "--headless", "--threads", "-1", says=["threads", "[0, 256]", "got -1"])
 
 
+    def test_a_video_is_refused_where_it_cannot_be_made(self):
+        self.refused("run", "bunny", "--headless", "--video", "bunny.avi", says=["video", ".mp4", "'bunny.avi'"])
+        self.refused("run", "bunny", "--headless", "--video", "bunny.mp4", "--fps", "0.5", says=["fps", "got 0.5"])
+        with tempfile.TemporaryDirectory() as nothing:
+            self.refused("run", "bunny", "--headless", "--video", "bunny.mp4", PATH=nothing, says=["ffmpeg", "PATH"])
+
+
 class Bench(Program):
     QUICK = ("bench", "bunny", "--quick", "--seconds", "0.1")
     NO_EGL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json"}  # as on a machine without a driver
@@ -460,8 +467,40 @@ class Bench(Program):
         with tempfile.TemporaryDirectory() as folder:
             missing = os.path.join(folder, "missing", "bench.json")
             self.refused("bench", "bunny", "--seconds", "3600", "--json", missing, says=[missing])
-        self.refused("bench", "cat", says=["'cat'", "bunny", "solver"])
+        self.refused("bench", "cat", says=["'cat'", "bunny", "solver", "visual"])
         self.refused("bench", "bunny", "--seconds", "0", says=["--seconds", "got 0"])
+
+
+class BenchVisual(Program):
+    NO_EGL = Bench.NO_EGL
+
+    def measured(self, **environment):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "visual.json")
+            said = self.output("bench", "visual", "--quick", "--json", str(path), **environment)
+            return json.loads(path.read_text()), said
+
+    def test_every_stage_of_a_frame_has_its_figures_and_they_add_up(self):
+        report, said = self.measured()
+        self.assertEqual({(row["vertices"], row["level"]) for row in report["frames"]}, {(5184, i) for i in (0, 1, 2)})
+        self.assertEqual(len(report["frames"]), 9 if can_draw() else 6)
+        for row in report["frames"]:
+            parts = [row[part + "_s"]["median"] for part in ("mapping", "subdivision", "normals", "upload", "submit")]
+            self.assertLessEqual(max(parts), row["main_s"]["p99"])
+            self.assertGreater(row["normals_s"]["median"], 0)
+            self.assertEqual(row["ui_s"]["median"], 0)
+        for row in report["topology"]:
+            self.assertGreater(row["prepare_s"]["median"], 0)
+        self.assertEqual([row["beside"] for row in report["physics"]],
+                         ["nothing", "mapping, null"] + (["picture"] if can_draw() else []) + ["nothing", "mapping, null"])
+        self.assertIsNone(report["limits"][0]["met"])  # 50,000 vertices are not for --quick
+        self.assertIn("not measured", said)
+
+    def test_a_machine_that_draws_nothing_measures_the_rest(self):
+        report, said = self.measured(**self.NO_EGL)
+        self.assertEqual({row["backend"] for row in report["frames"]}, {"null"})
+        self.assertEqual("skipped" in said, can_draw())
+        self.assertIsNone(report["limits"][1]["met"])
 
 
 class BenchSolver(Program):

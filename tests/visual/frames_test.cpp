@@ -47,7 +47,8 @@ TEST_CASE("the normals of a sphere point outwards, and its box holds it")
     for (Vec3 v : mesh.vertices) positions.push_back(toFloat3(v));
     for (const auto& t : mesh.triangles)
         for (int v : t) indices.push_back(std::uint32_t(v));
-    const VertexData data = vertexData(positions, indices);
+    std::vector<Float3> room;
+    const VertexData data = vertexData(positions, indices, room);
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
         CHECK(dot(normalOf(data.frames[i]), normalized(mesh.vertices[i])) > 0.99);
     CHECK(data.low == Float3{-0.05F, -0.05F, -0.05F});

@@ -44,6 +44,9 @@ MappedSurface mapSurface(const geometry::TetMesh& rest, geometry::TriangleMesh s
 /// one vertex for each side of such an edge. Triangles keep their places in the list; uv follow their vertices.
 geometry::TriangleMesh withCreases(const geometry::TriangleMesh& surface, double angle);
 
+/// How many nodes a body must have for the map: one more than the highest that it names.
+int nodesNeeded(const SoftMap& map);
+
 /// Where the drawn thing is.
 Pose apply(const RigidMap& map, const frame::RigidBodyFrame& body);
 

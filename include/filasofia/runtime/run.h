@@ -19,6 +19,8 @@ struct RunDef {
     std::string log = {};      ///< a CSV file with a line per step; empty: none
     std::string record = {};   ///< a .rec file for `filasofia replay`, of a simulation's first run; empty: none
     bool freeRunning = false;  ///< a live run that does not wait between steps: measures what they cost
+    std::string video = {};    ///< an MP4 file, made by the program ffmpeg; empty: none
+    double fps = 30.0;         ///< [1/s], in [1, 240], pictures of the video: simulated time headless, else wall time
 };
 constexpr auto fields(const RunDef*)
 {
@@ -31,7 +33,9 @@ constexpr auto fields(const RunDef*)
                     field("pictureEvery", &T::pictureEvery, "s", nonNegative(), "between numbered pictures"),
                     field("log", &T::log, "a CSV file with a line per step"),
                     field("record", &T::record, "a file from which the run can be made again"),
-                    field("freeRunning", &T::freeRunning, "does not wait between steps"));
+                    field("freeRunning", &T::freeRunning, "does not wait between steps"),
+                    field("video", &T::video, "an MP4 file"),
+                    field("fps", &T::fps, "1/s", closed(1, 240), "pictures of the video"));
 }
 
 /// How two bodies touched in a run.
@@ -59,7 +63,7 @@ struct RunReport {
     bool realTime = false;                   ///< physics was scheduled before ordinary threads
     std::string finished;                    ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
-    std::vector<std::string> pictures;       ///< files written
+    std::vector<std::string> pictures;       ///< files written, the video too
 };
 
 /// The report as a person reads it, several lines.

@@ -4,6 +4,8 @@
 #include "filasofia/geometry/triangle_mesh.h"
 #include "filasofia/visual/material.h"
 
+#include <compare>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <variant>
@@ -12,6 +14,14 @@ namespace filasofia::runtime {
 
 /// A surface: the name of a file, or the surface itself.
 using SurfaceSource = std::variant<std::string, std::shared_ptr<const geometry::TriangleMesh>>;
+
+/// Names what one call of show() draws. Numbers are given once and never used again; 0 names nothing.
+struct ShownId {
+    std::uint32_t value = 0;
+
+    constexpr explicit operator bool() const { return value != 0; }
+    friend constexpr auto operator<=>(ShownId, ShownId) = default;
+};
 
 /// How a body is drawn. The way it follows the body is chosen from the body and the surface: as one with an element of
 /// a rigid body; node by node; or riding on the tetrahedra of a soft one.
@@ -22,6 +32,7 @@ struct ShowDef {
     int subdivision = 0;                                  ///< [-], in [0, 3], each level four times the triangles
     visual::Material material = visual::TissueMaterial{}; ///< what it looks like
     bool castShadows = true;
+    bool visible = true; ///< else it is there, and Simulation::setVisible() makes it seen
 };
 constexpr auto fields(const ShowDef*)
 {
@@ -30,7 +41,8 @@ constexpr auto fields(const ShowDef*)
                     field("element", &T::element, "-", nonNegative(), "element of a rigid body"),
                     field("subdivision", &T::subdivision, "-", closed(0, 3), "each level four times the triangles"),
                     field("material", &T::material, "what it looks like"),
-                    field("castShadows", &T::castShadows, "does it throw shadows"));
+                    field("castShadows", &T::castShadows, "does it throw shadows"),
+                    field("visible", &T::visible, "is it seen from the start"));
 }
 
 } // namespace filasofia::runtime

@@ -2,6 +2,7 @@
 
 #include "filasofia/math/pose.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,9 @@ public:
     /// Leaves the parent, if any, and stays where and as large as it is in the world.
     void detach();
 
+    /// Ends with the transform: for who keeps a pointer to it.
+    [[nodiscard]] std::weak_ptr<const void> life() const { return life_; }
+
 private:
     void leaveParent();
 
@@ -56,6 +60,7 @@ private:
     bool visible_ = true;
     Transform* parent_ = nullptr;
     std::vector<Transform*> children_;
+    std::shared_ptr<const void> life_ = std::make_shared<char>();
 };
 
 /// The pose at `eye` whose -Z axis points at `target` and whose +Y axis is as near to `up` as can be: where cameras and

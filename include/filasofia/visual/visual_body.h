@@ -2,6 +2,7 @@
 
 #include "filasofia/geometry/triangle_mesh.h"
 #include "filasofia/visual/material.h"
+#include "filasofia/visual/prepared_mesh.h"
 #include "filasofia/visual/transform.h"
 
 #include <memory>
@@ -33,7 +34,17 @@ struct SurfaceState {
     double blood = 0.0;   ///< [-], in [0, 1]
     double burn = 0.0;    ///< [-], in [0, 1], charred by cautery
     double wetness = 0.0; ///< [-], in [0, 1], liquid on top of the material's own
+
+    friend constexpr bool operator==(const SurfaceState&, const SurfaceState&) = default;
 };
+
+constexpr auto fields(const SurfaceState*)
+{
+    using S = SurfaceState;
+    return describe("SurfaceState", field("blood", &S::blood, "-", closed(0, 1), "share of full"),
+                    field("burn", &S::burn, "-", closed(0, 1), "charred by cautery"),
+                    field("wetness", &S::wetness, "-", closed(0, 1), "liquid on top of the material's own"));
+}
 
 /// A surface that a VisualServer draws; made by VisualServer::add. Main thread only.
 class VisualBody final : public Transform {
@@ -58,6 +69,9 @@ public:
     /// pattern sticks to, one for each vertex. The surface state starts anew. Throws an Error naming the body when mesh
     /// or rest are wrong; the old shape then stays.
     void setMesh(const geometry::TriangleMesh& mesh, std::span<const Vec3> rest);
+    /// The short part of setMesh(): new triangles that another thread has prepared, at the positions `now`. Throws an
+    /// Error naming the body when the positions are wrong; the old shape then stays.
+    void adopt(PreparedMesh prepared, std::span<const Vec3> now);
 
     /// One for each vertex. Throws an Error naming the body when the count or a number is wrong.
     void setSurfaceState(std::span<const SurfaceState> states);

@@ -5,6 +5,8 @@
 #include "filasofia/visual/view.h"
 #include "filasofia/visual/visual_body.h"
 
+#include <functional>
+
 namespace filasofia::visual {
 
 /// Where the pictures go.
@@ -29,6 +31,14 @@ constexpr auto fields(const VisualServerDef*)
                     field("height", &D::height, "px", closed(1, 8192), "of the window"));
 }
 
+/// What the main thread's work on the picture took so far, by the clock given to timeStages(); zeros without one.
+struct VisualStages {
+    double subdivision = 0.0; ///< [s], checking positions, turning them to floats, and the refined ones
+    double normals = 0.0;     ///< [s], normals and tangent frames
+    double upload = 0.0;      ///< [s], handing vertices to the graphics library
+    double submit = 0.0;      ///< [s], poses, and drawing; with the software renderer headless, the drawing itself
+};
+
 /// How it went so far.
 struct VisualStatistics {
     long framesDrawn = 0;
@@ -39,6 +49,7 @@ struct VisualStatistics {
     int lights = 0;
     int cameras = 0;
     int views = 0;
+    VisualStages stages = {};
 };
 
 /// Whether this build can draw with the backend (Null: always).
@@ -96,6 +107,11 @@ public:
     Image capture();
 
     [[nodiscard]] VisualStatistics statistics() const;
+    /// From now on VisualStatistics::stages tells what the stages take by this clock [s]; an empty one costs nothing.
+    void timeStages(std::function<double()> now);
+
+    /// Whether `entity` is one of this server's: bodies, lights, cameras and rigs. It may have ended.
+    [[nodiscard]] bool has(const Transform& entity) const;
 
     struct Impl;
     [[nodiscard]] Impl& impl() { return *impl_; }

@@ -113,6 +113,17 @@ MappedSurface mapSurface(const geometry::TetMesh& rest, geometry::TriangleMesh s
     return {std::move(surface), std::move(map)};
 }
 
+int nodesNeeded(const SoftMap& map)
+{
+    int highest = -1;
+    if (const auto* identity = std::get_if<IdentityMap>(&map))
+        for (const int node : identity->nodes) highest = std::max(highest, node);
+    else
+        for (const geometry::Tetrahedron& nodes : std::get<BarycentricMap>(map).embedding.nodes)
+            for (const int node : nodes) highest = std::max(highest, node);
+    return highest + 1;
+}
+
 Pose apply(const RigidMap& map, const frame::RigidBodyFrame& body)
 {
     FILASOFIA_ASSERT(map.element >= 0 && map.element < static_cast<int>(body.poses.size()));

@@ -1,35 +1,16 @@
 #include "filasofia/runtime/bindings.h"
 
+#include "filasofia/core/assert.h"
+#include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
-#include "filasofia/geometry/mesh_file.h"
 #include "filasofia/physics/physics_server.h"
+#include "filasofia/runtime/surfaces.h"
 #include "filasofia/visual/visual_server.h"
 
 namespace filasofia::runtime {
 namespace {
 
 using geometry::TriangleMesh;
-
-/// The surface that was asked for, in the body's coordinates; nothing where none was.
-std::shared_ptr<const TriangleMesh> loadSurface(const SurfaceSource& source, const std::string& object)
-{
-    if (const auto* file = std::get_if<std::string>(&source)) {
-        if (file->empty()) return nullptr;
-        return std::make_shared<const TriangleMesh>(geometry::loadTriangleMesh(*file));
-    }
-    const auto& given = std::get<std::shared_ptr<const TriangleMesh>>(source);
-    if (given) geometry::check(*given, object + ": surface");
-    return given;
-}
-
-mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const TriangleMesh* surface)
-{
-    const geometry::TetMesh rest = physics::worldMesh(body);
-    if (!surface) return mapping::mapBoundary(rest);
-    TriangleMesh inWorld = *surface;
-    for (Vec3& vertex : inWorld.vertices) vertex = transform(body.pose, vertex);
-    return mapping::mapSurface(rest, std::move(inWorld));
-}
 
 constexpr double kCrease = 0.6; ///< [rad], 34 degrees: a box has edges, a sphere of 20 sides has none
 
@@ -43,9 +24,14 @@ TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, c
     return mapping::withCreases(*mesh, kCrease);
 }
 
+bool fits(const mapping::MappedSurface& surface, const frame::SoftBodyFrame& body)
+{
+    return mapping::nodesNeeded(surface.map) <= static_cast<int>(body.positions.size());
+}
+
 } // namespace
 
-void Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServer& physics)
+ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServer& physics)
 {
     const auto body = physics.def(id);
     const std::string object = text("show ", physics::describeBody(*body));
@@ -54,44 +40,148 @@ void Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServer&
 
     std::vector<Binding> made;
     if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body)) {
-        mapping::MappedSurface mapped = mapSoft(*soft, surface.get());
-        Binding& binding = made.emplace_back(Binding{.id = id, .def = def});
-        binding.name = soft->name;
-        binding.surface = std::move(mapped.surface);
-        binding.softMap = std::move(mapped.map);
+        auto mapped = std::make_shared<const mapping::MappedSurface>(mapSoft(*soft, surface.get()));
+        const int nodes = mapping::nodesNeeded(mapped->map);
+        made.push_back({.id = id,
+                        .name = soft->name,
+                        .mapped = std::move(mapped),
+                        .nodes = nodes,
+                        .start = soft->pose,
+                        .def = def,
+                        .boundary = !surface});
     } else {
         const auto& rigid = std::get<physics::RigidBodyDef>(*body);
         const int count = static_cast<int>(rigid.elements.size());
         if (def.element >= count) fail(object, ": element must be in [0, ", count, "), got ", def.element);
         if (!surface && def.element > 0)
             fail(object, ": element needs a surface (without one every element is drawn), got ", def.element);
-        const TriangleMesh drawn = surface ? *surface : ownSurface(rigid, def, object);
+        const auto drawn = std::make_shared<const mapping::MappedSurface>(
+            mapping::MappedSurface{surface ? *surface : ownSurface(rigid, def, object), {}});
         for (int element = surface ? def.element : 0; element < (surface ? def.element + 1 : count); ++element)
             made.push_back({.id = id,
                             .soft = false,
                             .name = rigid.name,
-                            .surface = drawn,
+                            .mapped = drawn,
                             .rigidMap = {element},
                             .start = rigid.elements[element],
                             .def = def});
     }
-    const std::lock_guard lock(pendingMutex_);
-    for (Binding& binding : made) pending_.push_back(std::move(binding));
+    const std::lock_guard lock(mutex_);
+    const ShownId shown{++lastShown_};
+    for (Binding& binding : made) {
+        binding.shown = shown;
+        binding.key = ++lastKey_;
+        binding.subdivision = def.subdivision;
+        const auto element = binding.soft ? std::nullopt : std::optional<int>(binding.rigidMap.element);
+        painted_.add(binding.key, {binding.id, element, binding.start}, binding.mapped);
+        pending_.push_back(std::move(binding));
+    }
+    return shown;
+}
+
+Bindings::Wish& Bindings::wish(ShownId id, const char* what)
+{
+    if (!id || id.value > lastShown_) fail(what, ": nothing shown has the id ", id.value);
+    return wishes_[id];
+}
+
+void Bindings::setVisible(ShownId id, bool visible)
+{
+    const std::lock_guard lock(mutex_);
+    wish(id, "setVisible").visible = visible;
+}
+
+void Bindings::setMaterial(ShownId id, const visual::Material& material)
+{
+    ShowDef def;
+    def.material = material;
+    validate(def, "setMaterial");
+    const std::lock_guard lock(mutex_);
+    wish(id, "setMaterial").material = material;
+}
+
+void Bindings::remove(ShownId id)
+{
+    const std::lock_guard lock(mutex_);
+    wish(id, "unshow").gone = true;
+}
+
+int Bindings::paint(BodyId id, const PaintDef& def, physics::PhysicsServer& physics)
+{
+    const std::string object = text("paint ", physics::describeBody(*physics.def(id)));
+    validate(def, object);
+    const frame::FrameRef frame = physics.latest();
+    return painted_.paint(id, def, frame ? &*frame : nullptr);
+}
+
+void Bindings::retopologise(BodyId id, SharedSurface surface)
+{
+    FILASOFIA_ASSERT(surface);
+    const std::lock_guard lock(mutex_);
+    topology_[id] = std::move(surface);
+}
+
+void Bindings::apply(const Wish& wish, Binding& binding)
+{
+    if (wish.visible) binding.def.visible = *wish.visible;
+    if (wish.material) binding.def.material = *wish.material;
+    if (!binding.drawn) return;
+    if (wish.visible) binding.drawn->setVisible(*wish.visible);
+    try {
+        if (wish.material) binding.drawn->setMaterial(*wish.material);
+    } catch (const Error& problem) { // what cannot be seen before, as a file that is gone: the picture goes on
+        logError(problem.what());
+    }
+}
+
+void Bindings::forget(const Binding& binding)
+{
+    painted_.forget(binding.key);
+    worker_.forget(binding.key);
+}
+
+void Bindings::applyWishes(visual::VisualServer& visual)
+{
+    const std::map<ShownId, Wish> wishes = std::exchange(wishes_, {});
+    for (std::vector<Binding>* list : {&pending_, &shown_})
+        std::erase_if(*list, [&](Binding& binding) {
+            const auto found = wishes.find(binding.shown);
+            if (found == wishes.end()) return false;
+            apply(found->second, binding);
+            if (!found->second.gone) return false;
+            if (binding.drawn) visual.remove(*binding.drawn);
+            forget(binding);
+            return true;
+        });
+}
+
+void Bindings::applyTopology()
+{
+    const std::map<BodyId, SharedSurface> topology = std::exchange(topology_, {});
+    for (std::vector<Binding>* list : {&pending_, &shown_})
+        for (Binding& binding : *list)
+            if (const auto found = topology.find(binding.id); found != topology.end() && binding.boundary)
+                worker_.ask(binding.key, {binding.mapped, found->second, binding.def.subdivision, binding.name});
 }
 
 void Bindings::addPending(visual::VisualServer& visual)
 {
-    const std::lock_guard lock(pendingMutex_);
+    visual_ = &visual;
+    const std::lock_guard lock(mutex_);
+    applyWishes(visual);
+    applyTopology();
     std::size_t added = 0;
     const auto forgetAdded = [&] { pending_.erase(pending_.begin(), pending_.begin() + static_cast<long>(added)); };
     try {
         for (; added < pending_.size(); ++added) {
             const Binding& binding = pending_[added];
             visual::VisualBody& drawn = visual.add(visual::VisualBodyDef{.name = binding.name,
-                                                                         .mesh = binding.surface,
-                                                                         .subdivision = binding.def.subdivision,
+                                                                         .mesh = binding.mapped->surface,
+                                                                         .subdivision = binding.subdivision,
                                                                          .material = binding.def.material,
                                                                          .castShadows = binding.def.castShadows});
+            if (!binding.def.visible) drawn.setVisible(false);
+            painted_.giveAgain(binding.key);
             shown_.push_back(std::move(pending_[added]));
             shown_.back().drawn = &drawn;
         }
@@ -105,49 +195,97 @@ void Bindings::addPending(visual::VisualServer& visual)
 void Bindings::update(const frame::Frame& frame, const physics::PhysicsServer& physics, visual::VisualServer& visual)
 {
     std::erase_if(shown_, [&](Binding& binding) {
-        const bool found = place(binding, frame, vertices_);
+        const bool found = place(binding, frame);
         binding.seen = binding.seen || found;
         // A body that has not come yet is waited for, unless it was removed before it came.
         const bool gone = !found && (binding.seen || !physics.has(binding.id));
-        if (gone) visual.remove(*binding.drawn);
+        if (gone) {
+            visual.remove(*binding.drawn);
+            forget(binding);
+        } else if (const auto states = painted_.takeNew(binding.key)) {
+            binding.drawn->setSurfaceState(*states);
+        }
         return gone;
     });
+    followers_.update(frame, physics);
 }
 
-bool Bindings::place(Binding& binding, const frame::Frame& frame, std::vector<Vec3>& vertices)
+bool Bindings::place(Binding& binding, const frame::Frame& frame)
 {
-    if (binding.soft) {
-        const frame::SoftBodyFrame* body = frame.softBody(binding.id);
-        if (!body) return false;
-        vertices.resize(binding.surface.vertices.size());
-        mapping::apply(binding.softMap, *body, vertices);
-        binding.drawn->setVertices(vertices);
-    } else {
+    if (!binding.soft) {
         const frame::RigidBodyFrame* body = frame.rigidBody(binding.id);
-        if (!body) return false;
-        binding.drawn->setPose(mapping::apply(binding.rigidMap, *body));
+        if (body) binding.drawn->setPose(mapping::apply(binding.rigidMap, *body));
+        return body != nullptr;
     }
+    const frame::SoftBodyFrame* body = frame.softBody(binding.id);
+    if (!body) return false;
+    auto ready = worker_.take(binding.key, [&](const mapping::MappedSurface& surface) { return fits(surface, *body); });
+    if (ready) {
+        binding.mapped = ready->surface;
+        binding.nodes = mapping::nodesNeeded(binding.mapped->map);
+        binding.subdivision = ready->subdivision;
+        painted_.moveTo(binding.key, ready->surface, ready->transfers);
+    }
+    if (binding.nodes > static_cast<int>(body->positions.size())) return true; // it stays as it was
+    vertices_.resize(binding.mapped->surface.vertices.size());
+    mapping::apply(binding.mapped->map, *body, vertices_);
+    if (ready)
+        binding.drawn->adopt(std::move(ready->mesh), vertices_);
+    else
+        binding.drawn->setVertices(vertices_);
     return true;
+}
+
+void Bindings::finishMeshes()
+{
+    {
+        const std::lock_guard lock(mutex_);
+        applyTopology();
+    }
+    worker_.finish();
+}
+
+void Bindings::follow(visual::Transform& transform, BodyId id, const FollowDef& def,
+                      const physics::PhysicsServer& physics)
+{
+    if (!visual_) fail("follow: there is no visual server yet: follow from where dress() is called");
+    if (!visual_->has(transform)) fail("follow: the transform is not one of the visual server's");
+    followers_.follow(transform, id, def, physics);
 }
 
 void Bindings::release()
 {
-    const std::lock_guard lock(pendingMutex_);
+    const std::lock_guard lock(mutex_);
     for (Binding& binding : shown_) {
         binding.drawn = nullptr;
         binding.seen = false;
         pending_.push_back(std::move(binding));
     }
     shown_.clear();
+    followers_.clear();
+    visual_ = nullptr;
 }
 
 geometry::Box Bindings::bounds() const
 {
     geometry::Box box;
-    const std::lock_guard lock(pendingMutex_);
+    const std::lock_guard lock(mutex_);
     for (const auto* list : {&pending_, &shown_})
-        for (const Binding& binding : *list)
-            for (const Vec3& vertex : binding.surface.vertices) box = merged(box, transform(binding.start, vertex));
+        for (const Binding& binding : *list) {
+            const Pose start = binding.soft ? Pose{} : binding.start; // a soft body's surface is in the world
+            for (const Vec3& vertex : binding.mapped->surface.vertices) box = merged(box, transform(start, vertex));
+        }
+    return box;
+}
+
+geometry::Box Bindings::boundsNow() const
+{
+    geometry::Box box;
+    for (const Binding& binding : shown_) {
+        if (!binding.drawn->visible()) continue;
+        const Pose pose = binding.drawn->worldPose();
+        for (const Vec3& vertex : binding.drawn->vertices()) box = merged(box, transform(pose, vertex));
+    }
     return box;
 }
 

@@ -1,6 +1,7 @@
 #include "filasofia/runtime/simulation.h"
 
 #include "filasofia/core/word.h"
+#include "filasofia/runtime/keys.h"
 
 #include <CLI/CLI.hpp>
 
@@ -39,12 +40,15 @@ int Simulation::run(int argc, const char* const* argv)
 {
     RunDef def;
     CLI::App app("A Filasofia simulation");
+    app.footer("Mouse and keys in the window:\n" + keyHelp());
     app.add_flag("--headless", def.headless, "a plain loop without window or clock, the same every time");
     addOption(app, "--steps", &RunDef::steps, def, "end after as many steps; 0: no end (headless: 1000)");
     addOption(app, "--seconds", &RunDef::seconds, def, "end after as many seconds of wall time; 0: no end");
     addOption(app, "--picture", &RunDef::picture, def, "write the last state to this PNG file");
     addOption(app, "--picture-every", &RunDef::pictureEvery, def,
               "with --headless: numbered pictures, seconds apart; 0: only the last");
+    addOption(app, "--video", &RunDef::video, def, "write what is seen to this MP4 file (needs the program ffmpeg)");
+    addOption(app, "--fps", &RunDef::fps, def, "pictures per second of the video");
     addOption(app, "--log", &RunDef::log, def, "write a line per step to this CSV file");
     addOption(app, "--record", &RunDef::record, def, "write the run to this .rec file, for 'filasofia replay'");
     try {

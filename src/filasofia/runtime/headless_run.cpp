@@ -4,6 +4,7 @@
 #include "filasofia/runtime/physics_loop.h"
 #include "filasofia/runtime/run_files.h"
 #include "filasofia/runtime/stop_signal.h"
+#include "filasofia/runtime/video_file.h"
 
 #include <cmath>
 #include <filesystem>
@@ -27,40 +28,51 @@ class Pictures {
 public:
     Pictures(Simulation::Impl& parts, const RunDef& def) : parts_(parts), def_(def)
     {
-        if (def.picture.empty()) return;
-        visual_ = std::make_unique<visual::VisualServer>(visual::VisualServerDef{
-            .backend = visual::Backend::Headless, .width = parts.def.window.width, .height = parts.def.window.height});
-        parts.bindings.addPending(*visual_);
-        parts.dressScene(*visual_);
+        if (!def.video.empty()) video_.emplace(def.video, parts.def.window.width, parts.def.window.height, def.fps);
+        if (!def.picture.empty() || video_) open();
     }
     void afterStep(double time)
     {
-        if (def_.pictureEvery == 0.0 || time + kRounding < next_) return;
-        next_ = (std::floor((time + kRounding) / def_.pictureEvery) + 1.0) * def_.pictureEvery;
-        take(numbered(def_.picture, time));
+        if (def_.pictureEvery > 0.0 && time + kRounding >= next_) {
+            next_ = (std::floor((time + kRounding) / def_.pictureEvery) + 1.0) * def_.pictureEvery;
+            parts_.takePicture(*visual_, numbered(def_.picture, time));
+        }
+        const bool film = video_ && video_->due(time - start_);
+        const bool asked = parts_.screenshotAsked();
+        if (!film && !asked) return;
+        open(); // a screenshot may be the first thing that is to be drawn
+        parts_.bindings.finishMeshes();
+        parts_.mapNewestFrame(*visual_);
+        if (film) video_->show(visual_->capture(), time - start_);
+        parts_.takeScreenshots(*visual_);
     }
-    void last()
+    void last(RunReport& report)
     {
-        if (visual_ && def_.pictureEvery == 0.0) take(def_.picture);
-    }
-    void fill(RunReport& report) const
-    {
-        report.pictures = files_;
+        if (!def_.picture.empty() && def_.pictureEvery == 0.0) parts_.takePicture(*visual_, def_.picture);
+        if (video_) {
+            video_->close();
+            parts_.pictures.push_back(def_.video);
+        }
         if (visual_) report.visual = visual_->statistics();
     }
 
 private:
-    void take(const std::string& file)
+    void open()
     {
-        parts_.takePicture(*visual_, file);
-        files_.push_back(file);
+        if (visual_) return;
+        visual_ = std::make_unique<visual::VisualServer>(visual::VisualServerDef{.backend = visual::Backend::Headless,
+                                                                                 .width = parts_.def.window.width,
+                                                                                 .height = parts_.def.window.height});
+        parts_.bindings.addPending(*visual_);
+        parts_.dressScene(*visual_);
     }
 
     Simulation::Impl& parts_;
     const RunDef& def_;
+    const double start_ = parts_.time.load(); ///< [s], simulated, when the run begins
+    std::optional<VideoFile> video_;
     const DrawnBindings drawn_{parts_.bindings};
     std::unique_ptr<visual::VisualServer> visual_;
-    std::vector<std::string> files_;
     double next_ = 0.0;
 };
 
@@ -86,8 +98,7 @@ RunReport runHeadless(Simulation::Impl& parts, const RunDef& def)
         runPhysics(parts.physics, loop, parts.clock, parts.stop, afterStep, [&](double dt) { parts.beforeStep(dt); });
     files.close();
     parts.finish(text("made ", report.timing.stepCount, report.timing.stepCount == 1 ? " step" : " steps"));
-    pictures.last();
-    pictures.fill(report);
+    pictures.last(report);
     return report;
 }
 

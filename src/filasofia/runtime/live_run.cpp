@@ -3,7 +3,9 @@
 #include "filasofia/core/log.h"
 #include "filasofia/runtime/physics_loop.h"
 #include "filasofia/runtime/run_files.h"
+#include "filasofia/runtime/run_keys.h"
 #include "filasofia/runtime/stop_signal.h"
+#include "filasofia/runtime/video_file.h"
 
 #include <algorithm>
 #include <thread>
@@ -87,6 +89,7 @@ public:
                                     .width = size_.width,
                                     .height = size_.height,
                                     .nativeWindow = window_ ? window_->nativeWindow() : nullptr});
+        if (!def.video.empty()) video_.emplace(def.video, visual_->width(), visual_->height(), def.fps);
         parts.bindings.addPending(*visual_);
         parts.dressScene(*visual_);
     }
@@ -94,21 +97,76 @@ public:
     void input()
     {
         if (!window_) return;
-        window_->poll([this](std::unique_ptr<event::Event> event) { post(std::move(event)); });
+        window_->poll([this](std::unique_ptr<event::Event> event) { route(std::move(event)); });
         if (window_->shouldClose()) parts_.finish("window closed");
         if (const window::WindowSize now = window_->size(); now != size_) {
             size_ = now;
             visual_->resize(std::clamp(now.width, 1, kLargestPicture), std::clamp(now.height, 1, kLargestPicture));
         }
     }
-    void draw()
+    /// `wall` [s] since the run's start.
+    void draw(double wall)
     {
         parts_.mapNewestFrame(*visual_);
-        if (visual_->render()) post(std::make_unique<event::VisualUpdateEvent>());
+        bool drawn = true;
+        if (video_ && video_->due(wall))
+            video_->show(visual_->capture(), wall);
+        else
+            drawn = visual_->render();
+        parts_.takeScreenshots(*visual_);
+        if (drawn) post(std::make_unique<event::VisualUpdateEvent>());
+    }
+    void closeVideo()
+    {
+        if (video_) video_->close();
     }
     [[nodiscard]] visual::VisualServer& visual() { return *visual_; }
 
 private:
+    /// The way of a person's input: whoever comes first may keep it. A Gui belongs before all others: what it keeps
+    /// neither acts on the run, nor turns the camera, nor is told to observers. They hear of what the other two used.
+    void route(std::unique_ptr<event::Event> event)
+    {
+        if (!act(*event)) steer(*event);
+        post(std::move(event));
+    }
+
+    /// True: a key of the run.
+    bool act(const event::Event& event)
+    {
+        const auto* key = dynamic_cast<const event::KeyEvent*>(&event);
+        const std::optional<RunAction> action = key && parts_.def.look.keys ? actionOf(*key) : std::nullopt;
+        if (!action) return false;
+        switch (*action) {
+        case RunAction::Pause:
+            parts_.physics.pause(!parts_.paused.load());
+            break;
+        case RunAction::Step:
+            parts_.stepAsked.store(true);
+            break;
+        case RunAction::Reset:
+            parts_.reset();
+            break;
+        case RunAction::Screenshot:
+            parts_.askScreenshot({});
+            break;
+        case RunAction::Quit:
+            parts_.finish("Escape");
+            break;
+        }
+        return true;
+    }
+
+    void steer(const event::Event& event)
+    {
+        if (!parts_.steering) return;
+        Steering& steering = *parts_.steering;
+        if (steering.life.expired()) return parts_.steering.reset();
+        const auto* key = dynamic_cast<const event::KeyEvent*>(&event);
+        if (key && key->key == event::KeyCode::F) steering.orbit.setScene(parts_.bindings.boundsNow());
+        if (steering.orbit.handle(event)) steering.transform->setPose(steering.orbit.pose());
+    }
+
     void post(std::unique_ptr<event::Event> event)
     {
         parts_.stamp(*event);
@@ -121,6 +179,7 @@ private:
     std::unique_ptr<window::Window> window_;
     window::WindowSize size_;
     std::unique_ptr<visual::VisualServer> visual_; ///< after the window: it goes first
+    std::optional<VideoFile> video_;
     bool warned_ = false;
 };
 
@@ -130,7 +189,7 @@ void loop(Simulation::Impl& parts, const RunDef& def, Screen& screen, RunFiles& 
     const Nanoseconds period = toNanoseconds(1.0 / parts.def.look.rate);
     for (Nanoseconds next = start; !parts.stop.load();) {
         screen.input();
-        screen.draw();
+        screen.draw(toSeconds(parts.clock.now() - start));
         files.drain();
         if (StopSignal::received()) parts.finish("interrupted");
         if (def.seconds > 0.0 && parts.clock.now() >= end) parts.finish(text("ran ", def.seconds, " s"));
@@ -154,9 +213,10 @@ RunReport runLive(Simulation::Impl& parts, const RunDef& def)
         physics.fill(report);
     }
     files.close();
-    if (!def.picture.empty()) {
-        parts.takePicture(screen.visual(), def.picture);
-        report.pictures.push_back(def.picture);
+    if (!def.picture.empty()) parts.takePicture(screen.visual(), def.picture);
+    if (!def.video.empty()) {
+        screen.closeVideo();
+        parts.pictures.push_back(def.video);
     }
     report.visual = screen.visual().statistics();
     return report;

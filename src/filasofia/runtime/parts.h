@@ -10,6 +10,13 @@
 
 namespace filasofia::runtime {
 
+/// A camera in a person's hand.
+struct Steering {
+    visual::OrbitCamera orbit;
+    visual::Transform* transform = nullptr;
+    std::weak_ptr<const void> life = {};
+};
+
 /// What a Simulation is made of; the run modes work on it.
 struct Simulation::Impl {
     SimulationDef def;
@@ -19,10 +26,18 @@ struct Simulation::Impl {
     Bindings bindings;
     std::function<void(visual::VisualServer&)> dress;
     std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow;
+    std::optional<Steering> steering;                   ///< the main thread's in a run
     std::vector<std::function<void(double)>> everyStep; ///< an empty one threw; the stepping thread's in a run
     ContactWatch contacts;                              ///< the stepping thread's in a run
 
-    std::atomic<bool> running = false; ///< run() is going on, on whatever thread
+    std::mutex screenshotMutex;
+    std::vector<std::string> screenshots; ///< asked for and not taken
+    std::vector<std::string> pictures;    ///< files that the run has written; the main thread's
+
+    std::atomic<bool> paused = false;    ///< in the last step
+    std::atomic<bool> stepAsked = false; ///< one, while paused
+    bool stepping = false;               ///< it is being made; the stepping thread's
+    std::atomic<bool> running = false;   ///< run() is going on, on whatever thread
     std::atomic<bool> stop = false;
     std::mutex reasonMutex;
     std::string reason; ///< why the run ends: the first that was given
@@ -55,6 +70,14 @@ struct Simulation::Impl {
     void mapNewestFrame(visual::VisualServer& visual);
     /// Draws the present state into a file; physics must not be stepping.
     void takePicture(visual::VisualServer& visual, const std::string& file);
+    /// The bodies back to their start, and clean.
+    void reset();
+    void steer(visual::Transform& camera, const visual::OrbitDef& def);
+    /// Remembers a file for the next picture; Error where there can be none.
+    void askScreenshot(const std::string& file);
+    [[nodiscard]] bool screenshotAsked();
+    /// Writes what is drawn now to all files that were asked for; a problem is logged.
+    void takeScreenshots(visual::VisualServer& visual);
     void fill(RunReport& report);
 };
 

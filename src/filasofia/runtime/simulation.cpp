@@ -40,12 +40,25 @@ void checkFile(const std::string& file, const char* field, const char* extension
     if (!std::filesystem::status_known(status)) fail("run: ", field, " '", file, "': ", problem.message());
 }
 
+/// "filasofia_001.png", or the first number that is free.
+std::string freePictureName()
+{
+    for (int number = 1;; ++number) {
+        const std::string digits = std::to_string(number);
+        const std::string name =
+            text("filasofia_", std::string(3 - std::min<std::size_t>(3, digits.size()), '0'), digits, ".png");
+        std::error_code ignored;
+        if (!std::filesystem::exists(name, ignored)) return name;
+    }
+}
+
 void check(const RunDef& def)
 {
     validate(def, "run");
     checkFile(def.picture, "picture", ".png");
     checkFile(def.log, "log", ".csv");
     checkFile(def.record, "record", ".rec");
+    checkFile(def.video, "video", ".mp4");
     if (def.pictureEvery > 0.0 && def.pictureEvery < 1e-3)
         fail("run: pictureEvery must be 0 or >= 0.001 s, got ", def.pictureEvery);
     if (def.pictureEvery > 0.0 && def.picture.empty()) fail("run: pictureEvery needs picture");
@@ -93,6 +106,7 @@ void Simulation::Impl::readyAgain()
     const std::lock_guard lock(reasonMutex);
     reason.clear();
     stop.store(false);
+    steering.reset();
     running.store(false);
 }
 
@@ -106,6 +120,9 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
 {
     time.store(report.time, std::memory_order_relaxed);
     step.store(report.step, std::memory_order_relaxed);
+    const bool single = std::exchange(stepping, false);
+    if (single) physics.pause(true);
+    paused.store(single || physics.paused(), std::memory_order_relaxed);
     ++everMade;
     undone += report.has(physics::StepFlag::Undone);
     damped += report.has(physics::StepFlag::Damped);
@@ -119,7 +136,12 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
 
 void Simulation::Impl::beforeStep(double dt)
 {
-    if (everyStep.empty() || physics.paused()) return;
+    // A single step goes on and is paused again: as commands, so that a recording has it.
+    if (stepAsked.exchange(false) && physics.paused()) {
+        physics.pause(false);
+        stepping = true;
+    }
+    if (everyStep.empty() || (physics.paused() && !stepping)) return;
     const double end = time.load(std::memory_order_relaxed) + dt;
     for (auto& callback : everyStep) {
         if (!callback) continue;
@@ -151,7 +173,14 @@ void Simulation::Impl::dressScene(visual::VisualServer& visual)
     if (dress) return dress(visual);
     const geometry::Box bounds = def.look.around ? *def.look.around : bindings.bounds();
     if (geometry::isEmpty(bounds)) return; // nothing is shown yet: the picture stays dark
-    visual::addEndoscopeLook(visual, {bounds.low, bounds.high}, def.look.quality, def.look.direction);
+    const visual::EndoscopeLook look =
+        visual::addEndoscopeLook(visual, {bounds.low, bounds.high}, def.look.quality, def.look.direction);
+    if (def.look.mouse)
+        steer(*look.rig, {.around = bounds,
+                          .start = look.rig->pose(),
+                          .verticalFieldOfView = look.camera->def().verticalFieldOfView,
+                          .width = visual.width(),
+                          .height = visual.height()});
 }
 
 void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
@@ -162,8 +191,58 @@ void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
 
 void Simulation::Impl::takePicture(visual::VisualServer& visual, const std::string& file)
 {
+    bindings.finishMeshes();
     mapNewestFrame(visual);
     visual::savePng(visual.capture(), file);
+    pictures.push_back(file);
+}
+
+void Simulation::Impl::reset()
+{
+    physics.reset();
+    bindings.clearPaint();
+}
+
+void Simulation::Impl::steer(visual::Transform& camera, const visual::OrbitDef& orbit)
+{
+    if (!bindings.visual() || !bindings.visual()->has(camera))
+        fail("steer: the camera is not one of the visual server's, or there is none yet");
+    if (camera.parent()) fail("steer: '", camera.name(), "' hangs on '", camera.parent()->name(), "': steer that");
+    steering = Steering{visual::OrbitCamera(orbit), &camera, camera.life()};
+    camera.setPose(steering->orbit.pose());
+}
+
+void Simulation::Impl::askScreenshot(const std::string& file)
+{
+    checkFile(file, "screenshot", ".png");
+    const std::lock_guard lock(screenshotMutex);
+    screenshots.push_back(file);
+}
+
+bool Simulation::Impl::screenshotAsked()
+{
+    const std::lock_guard lock(screenshotMutex);
+    return !screenshots.empty();
+}
+
+void Simulation::Impl::takeScreenshots(visual::VisualServer& visual)
+{
+    std::vector<std::string> files;
+    {
+        const std::lock_guard lock(screenshotMutex);
+        files.swap(screenshots);
+    }
+    if (files.empty()) return;
+    try {
+        const visual::Image image = visual.capture();
+        for (std::string& file : files) {
+            if (file.empty()) file = freePictureName();
+            visual::savePng(image, file);
+            pictures.push_back(file);
+        }
+    } catch (const Error& problem) { // whoever asked is far away, and the run goes on
+        logError("screenshot: ", problem.what());
+    }
 }
 
 void Simulation::Impl::fill(RunReport& report)
@@ -176,6 +255,7 @@ void Simulation::Impl::fill(RunReport& report)
     report.notConverged = notConverged;
     report.outOfTime = outOfTime;
     report.contacts = contacts.report(physics);
+    report.pictures = pictures;
     const std::lock_guard lock(reasonMutex);
     report.finished = reason;
 }
@@ -185,7 +265,25 @@ Simulation::~Simulation() = default;
 
 BodyId Simulation::add(physics::SoftBodyDef def) { return impl_->physics.add(std::move(def)); }
 BodyId Simulation::add(physics::RigidBodyDef def) { return impl_->physics.add(std::move(def)); }
-void Simulation::show(BodyId id, const ShowDef& def) { impl_->bindings.show(id, def, impl_->physics); }
+ShownId Simulation::show(BodyId id, const ShowDef& def) { return impl_->bindings.show(id, def, impl_->physics); }
+void Simulation::setVisible(ShownId id, bool visible) { impl_->bindings.setVisible(id, visible); }
+void Simulation::setMaterial(ShownId id, const visual::Material& material)
+{
+    impl_->bindings.setMaterial(id, material);
+}
+void Simulation::unshow(ShownId id) { impl_->bindings.remove(id); }
+int Simulation::paint(BodyId id, const PaintDef& def) { return impl_->bindings.paint(id, def, impl_->physics); }
+void Simulation::follow(visual::Transform& transform, BodyId id, const FollowDef& def)
+{
+    impl_->bindings.follow(transform, id, def, impl_->physics);
+}
+void Simulation::unfollow(visual::Transform& transform) { impl_->bindings.unfollow(transform); }
+void Simulation::steer(visual::Transform& camera, const visual::OrbitDef& def) { impl_->steer(camera, def); }
+void Simulation::screenshot(const std::string& file) { impl_->askScreenshot(file); }
+void Simulation::pause(bool paused) { impl_->physics.pause(paused); }
+bool Simulation::paused() const { return impl_->paused.load(std::memory_order_relaxed); }
+void Simulation::singleStep() { impl_->stepAsked.store(true); }
+void Simulation::reset() { impl_->reset(); }
 void Simulation::dress(std::function<void(visual::VisualServer&)> scene) { impl_->dress = std::move(scene); }
 void Simulation::useWindow(std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> open)
 {
@@ -218,6 +316,7 @@ RunReport Simulation::run(const RunDef& def)
     const StopSignal stopSignal;
     impl_->undone = impl_->damped = impl_->notConverged = impl_->outOfTime = 0;
     impl_->contacts.beginRun();
+    impl_->pictures.clear();
     try {
         if (impl_->everMade > 0 && !def.record.empty())
             fail("run: record is for a simulation's first run, and this one has made ", impl_->everMade, " steps");

@@ -31,11 +31,11 @@ PackedFrame packFrame(Float3 normal)
     return {pack(-n.y), pack(n.x), 0, std::max<std::int16_t>(pack(1.0F + n.z), 1)};
 }
 
-VertexData vertexData(std::vector<Float3> positions, std::span<const std::uint32_t> indices)
+VertexData vertexData(std::vector<Float3> positions, std::span<const std::uint32_t> indices,
+                      std::vector<Float3>& normals)
 {
     VertexData data;
     data.positions = std::move(positions);
-    std::vector<Float3> normals;
     vertexNormals(data.positions, indices, normals);
     data.frames.resize(normals.size());
     std::transform(normals.begin(), normals.end(), data.frames.begin(), packFrame);

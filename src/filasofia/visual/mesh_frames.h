@@ -28,7 +28,9 @@ void vertexNormals(std::span<const Float3> positions, std::span<const std::uint3
 /// The frame whose third axis is `normal` (any length; +Z stands in for none).
 PackedFrame packFrame(Float3 normal);
 
-/// Normals, frames and box of `positions`; `indices` are three vertices for each triangle.
-VertexData vertexData(std::vector<Float3> positions, std::span<const std::uint32_t> indices);
+/// Normals, frames and box of `positions`; `indices` are three vertices for each triangle. `normals` is room to compute
+/// in, for callers that come every frame.
+VertexData vertexData(std::vector<Float3> positions, std::span<const std::uint32_t> indices,
+                      std::vector<Float3>& normals);
 
 } // namespace filasofia::visual

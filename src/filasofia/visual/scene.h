@@ -2,7 +2,9 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/visual/material_store.h"
+#include "filasofia/visual/prepared_mesh.h"
 #include "filasofia/visual/render_backend.h"
+#include "filasofia/visual/stage_watch.h"
 #include "filasofia/visual/subdivision.h"
 
 #include <thread>
@@ -19,6 +21,7 @@ struct Scene {
     std::vector<Camera*> cameras;
     std::vector<View*> views;
     long vertexUpdates = 0;
+    StageWatch watch;
 
     /// The graphics library's objects belong to the thread that made them.
     void assertThread() const { FILASOFIA_ASSERT(std::this_thread::get_id() == thread); }
@@ -29,6 +32,17 @@ struct VisualBody::Impl {
     Slot slot;
     VisualBodyDef def; ///< its mesh is the current one: positions as last given
     Subdivision subdivision;
+    std::vector<Float3> control = {}; ///< kept from frame to frame: what setVertices() computes with
+    std::vector<Float3> normals = {};
+
+    /// Takes the positions of the mesh's vertices; what is drawn of them.
+    VertexData deform(std::span<const Vec3> positions);
+};
+
+struct PreparedMesh::Impl {
+    geometry::TriangleMesh rest;
+    Subdivision subdivision;
+    BodyGeometry geometry; ///< at rest
 };
 
 struct Light::Impl {

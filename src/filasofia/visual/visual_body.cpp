@@ -66,7 +66,8 @@ BodyGeometry bodyGeometry(const Subdivision& subdivision, std::span<const Vec3> 
     BodyGeometry geometry;
     geometry.rest = subdivision.refine(toFloats(rest));
     geometry.indices.assign(subdivision.indices().begin(), subdivision.indices().end());
-    geometry.vertices = vertexData(subdivision.refine(toFloats(now.vertices)), geometry.indices);
+    std::vector<Float3> normals;
+    geometry.vertices = vertexData(subdivision.refine(toFloats(now.vertices)), geometry.indices, normals);
     std::vector<Float3> uv(now.uv.size());
     for (std::size_t i = 0; i < uv.size(); ++i) uv[i] = toFloat3({now.uv[i][0], now.uv[i][1], 0.0});
     if (!uv.empty())
@@ -89,12 +90,11 @@ const Material& VisualBody::material() const { return impl_->def.material; }
 void VisualBody::setVertices(std::span<const Vec3> positions)
 {
     impl_->scene.assertThread();
-    std::vector<Vec3>& now = impl_->def.mesh.vertices;
-    checkPositions(positions, now.size(), name());
-    now.assign(positions.begin(), positions.end());
-    const Subdivision& subdivision = impl_->subdivision;
-    impl_->scene.backend->setVertices(impl_->slot,
-                                      vertexData(subdivision.refine(toFloats(positions)), subdivision.indices()));
+    impl_->scene.watch.start();
+    checkPositions(positions, impl_->def.mesh.vertices.size(), name());
+    VertexData data = impl_->deform(positions);
+    impl_->scene.backend->setVertices(impl_->slot, std::move(data));
+    impl_->scene.watch.lap(&VisualStages::upload);
     ++impl_->scene.vertexUpdates;
 }
 
@@ -103,12 +103,35 @@ void VisualBody::setMesh(const geometry::TriangleMesh& mesh, std::span<const Vec
     impl_->scene.assertThread();
     checkPositions(mesh.vertices, mesh.vertices.size(), name());
     checkPositions(rest, mesh.vertices.size(), name());
-    Subdivision subdivision(mesh, impl_->def.subdivision, bodyName(name()));
-    if (mesh.uv.empty()) readyMaterial(impl_->scene, impl_->def.material, mesh, name());
-    impl_->scene.backend->setGeometry(impl_->slot, bodyGeometry(subdivision, rest, mesh));
-    impl_->def.mesh = mesh;
-    impl_->subdivision = std::move(subdivision);
+    adopt(PreparedMesh({{rest.begin(), rest.end()}, mesh.triangles, mesh.uv}, impl_->def.subdivision, name()),
+          mesh.vertices);
+}
+
+void VisualBody::adopt(PreparedMesh prepared, std::span<const Vec3> now)
+{
+    impl_->scene.assertThread();
+    impl_->scene.watch.start();
+    PreparedMesh::Impl& ready = prepared.impl();
+    checkPositions(now, ready.rest.vertices.size(), name());
+    if (ready.rest.uv.empty()) readyMaterial(impl_->scene, impl_->def.material, ready.rest, name());
+    impl_->subdivision = std::move(ready.subdivision);
+    impl_->def.mesh = std::move(ready.rest);
+    ready.geometry.vertices = impl_->deform(now);
+    impl_->scene.backend->setGeometry(impl_->slot, std::move(ready.geometry));
+    impl_->scene.watch.lap(&VisualStages::upload);
     ++impl_->scene.vertexUpdates;
+}
+
+VertexData VisualBody::Impl::deform(std::span<const Vec3> positions)
+{
+    def.mesh.vertices.assign(positions.begin(), positions.end());
+    control.resize(positions.size());
+    std::transform(positions.begin(), positions.end(), control.begin(), toFloat3);
+    std::vector<Float3> refined = subdivision.refine(control);
+    scene.watch.lap(&VisualStages::subdivision);
+    VertexData data = vertexData(std::move(refined), subdivision.indices(), normals);
+    scene.watch.lap(&VisualStages::normals);
+    return data;
 }
 
 void VisualBody::setSurfaceState(std::span<const SurfaceState> states)

@@ -23,7 +23,7 @@ struct VisualServer::Impl {
     VisualStatistics statistics;
 
     /// The place of an entity in a list, or its end.
-    template <class Entity, class Wanted> static auto find(std::vector<std::unique_ptr<Entity>>& list, Wanted& wanted)
+    template <class List, class Wanted> static auto find(List& list, Wanted& wanted)
     {
         return std::find_if(list.begin(), list.end(), [&](const auto& each) { return each.get() == &wanted; });
     }
@@ -186,10 +186,12 @@ bool VisualServer::render()
 {
     impl_->scene.assertThread();
     bool drawn = false;
+    impl_->scene.watch.start();
     const double seconds = secondsOf([&] {
         sendPlaces(impl_->scene);
         drawn = impl_->scene.backend->draw();
     });
+    impl_->scene.watch.lap(&VisualStages::submit);
     if (drawn) impl_->statistics.lastFrameSeconds = seconds;
     ++(drawn ? impl_->statistics.framesDrawn : impl_->statistics.framesSkipped);
     return drawn;
@@ -228,7 +230,21 @@ VisualStatistics VisualServer::statistics() const
     now.lights = static_cast<int>(impl_->lights.size());
     now.cameras = static_cast<int>(impl_->cameras.size());
     now.views = static_cast<int>(impl_->views.size());
+    now.stages = impl_->scene.watch.sums();
     return now;
+}
+
+void VisualServer::timeStages(std::function<double()> now)
+{
+    impl_->scene.assertThread();
+    impl_->scene.watch = StageWatch(std::move(now));
+}
+
+bool VisualServer::has(const Transform& entity) const
+{
+    impl_->scene.assertThread();
+    const auto holds = [&](const auto& list) { return Impl::find(list, entity) != list.end(); };
+    return holds(impl_->bodies) || holds(impl_->lights) || holds(impl_->cameras) || holds(impl_->rigs);
 }
 
 namespace native {

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "filasofia/math/pose.h"
+#include "filasofia/runtime/show.h"
+
+#include <array>
+
+namespace filasofia::runtime {
+
+/// An element of a rigid body.
+struct FollowElement {
+    int element = 0; ///< [-], >= 0, < how many the body has
+};
+constexpr auto fields(const FollowElement*)
+{
+    return describe("FollowElement", field("element", &FollowElement::element, "-", nonNegative(), "of a rigid body"));
+}
+
+/// The point of a soft body's surface that is nearest to a place at rest.
+struct FollowNearest {
+    Vec3 place = {};            ///< [m], at rest, in the body's coordinates
+    SurfaceSource surface = {}; ///< in the body's coordinates; empty: the body's boundary
+};
+constexpr auto fields(const FollowNearest*)
+{
+    using T = FollowNearest;
+    return describe("FollowNearest", field("place", &T::place, "m", finite(), "at rest, in the body's coordinates"),
+                    field("surface", &T::surface, "a surface file, or the surface"));
+}
+
+/// A point of a triangle of a soft body's surface.
+struct FollowTriangle {
+    int triangle = 0;                                ///< [-], >= 0, < how many the surface has
+    std::array<double, 3> weights = {1.0, 0.0, 0.0}; ///< [-], each in [0, 1], of the corners; their sum is 1
+    SurfaceSource surface = {};                      ///< in the body's coordinates; empty: the body's boundary
+};
+constexpr auto fields(const FollowTriangle*)
+{
+    using T = FollowTriangle;
+    return describe("FollowTriangle", field("triangle", &T::triangle, "-", nonNegative(), "of the surface"),
+                    field("weights", &T::weights, "-", closed(0, 1), "of the corners"),
+                    field("surface", &T::surface, "a surface file, or the surface"));
+}
+
+/// What of a body a visual Transform follows, and where it is from there.
+struct FollowDef {
+    std::variant<FollowElement, FollowNearest, FollowTriangle> at = FollowElement{};
+    /// From the element; on a surface from a frame whose +Z points out of it and whose +Y is, at rest, as near to the
+    /// world's as can be. A camera or lamp looks along -Z, so without an offset into the surface.
+    Pose offset = {};
+};
+constexpr auto fields(const FollowDef*)
+{
+    return describe("FollowDef", field("at", &FollowDef::at, "what it follows"),
+                    field("offset", &FollowDef::offset, "where it is from there"));
+}
+
+} // namespace filasofia::runtime

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "filasofia/runtime/keys.h"
+
+#include "filasofia/event/input_events.h"
+
+#include <optional>
+
+namespace filasofia::runtime {
+
+/// What a key does to the run.
+enum class RunAction { Pause, Step, Reset, Screenshot, Quit };
+
+/// Nothing where the key does nothing to the run, is held, or comes with Control, Alt or Super.
+std::optional<RunAction> actionOf(const event::KeyEvent& key);
+
+} // namespace filasofia::runtime

@@ -1,0 +1,170 @@
+#include "filasofia/runtime/video_file.h"
+
+#include "filasofia/filasofia.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+using namespace filasofia;
+using namespace filasofia::runtime;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own that is all of PATH but for the system's, with a program called ffmpeg in it.
+class FakeFfmpeg {
+public:
+    explicit FakeFfmpeg(const std::string& script, const std::string& others = ":/usr/bin:/bin")
+        : folder(fs::temp_directory_path() / text("filasofia_video_", getpid())), path_(std::getenv("PATH"))
+    {
+        fs::remove_all(folder);
+        fs::create_directories(folder);
+        if (!script.empty()) {
+            std::ofstream(folder / "ffmpeg") << "#!/bin/sh\n" << script;
+            chmod((folder / "ffmpeg").c_str(), 0755);
+        }
+        setenv("PATH", (folder.string() + others).c_str(), 1);
+    }
+    ~FakeFfmpeg()
+    {
+        setenv("PATH", path_.c_str(), 1);
+        fs::remove_all(folder);
+    }
+    [[nodiscard]] std::string read(const std::string& name) const
+    {
+        std::ifstream file(folder / name);
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+    [[nodiscard]] std::string file(const std::string& name = "out.mp4") const { return (folder / name).string(); }
+
+    fs::path folder;
+
+private:
+    std::string path_;
+};
+
+/// Writes its arguments, one a line, and what it is fed, beside itself.
+const std::string kRecorder = R"(here=$(dirname "$0")
+case "$*" in *-version*) exit 0;; esac
+printf '%s\n' "$@" > "$here/arguments"
+cat > "$here/input"
+)";
+
+/// Answers to -version, then does `what`.
+std::string thenDoes(const std::string& what) { return "case \"$*\" in *-version*) exit 0;; esac\n" + what; }
+
+visual::Image picture(int width, int height, std::uint8_t value)
+{
+    return {width, height, std::vector<std::uint8_t>(4 * std::size_t(width) * std::size_t(height), value)};
+}
+
+SimulationDef small() { return {.physics = {.gravity = {}}, .window = {.width = 32, .height = 16}}; }
+
+} // namespace
+
+TEST_CASE("ffmpeg gets raw pictures of the size and rate it is told, and the file by its name alone")
+{
+    const FakeFfmpeg ffmpeg(kRecorder);
+    const std::string name = ffmpeg.file("-odd $(touch gone) name.mp4");
+    VideoFile video(name, 5, 3, 24);
+    video.show(picture(5, 3, 7), 3.0 / 24);
+    video.close();
+    const std::string arguments = ffmpeg.read("arguments");
+    for (const char* line : {"rawvideo\n", "rgba\n", "-video_size\n5x3\n", "-framerate\n24\n", "pipe:0\n"})
+        CHECK_THAT(arguments, Catch::Contains(line));
+    CHECK_THAT(arguments, Catch::Contains("\nfile:" + name + "\n")); // no shell has seen it
+    CHECK(ffmpeg.read("input") == std::string(3 * 4 * 5 * 3, 7));
+}
+
+TEST_CASE("a picture is written as often as it is due, and not before")
+{
+    const FakeFfmpeg ffmpeg(kRecorder);
+    VideoFile video(ffmpeg.file(), 1, 1, 10);
+    CHECK_FALSE(video.due(0.0));
+    video.show(picture(1, 1, 1), 0.05);
+    for (double time = 0.0; time < 0.1999; time += 0.02) video.show(picture(1, 1, 2), time); // due at 0.1
+    video.show(picture(1, 1, 3), 0.5);
+    video.close();
+    CHECK(ffmpeg.read("input") == std::string(4, 2) + std::string(16, 3));
+}
+
+TEST_CASE("pictures of another size are cut off, or have black beside them")
+{
+    const FakeFfmpeg ffmpeg(kRecorder);
+    VideoFile video(ffmpeg.file(), 2, 2, 1);
+    video.show(picture(3, 1, 9), 1.0);
+    video.show(picture(1, 5, 8), 2.0);
+    video.close();
+    CHECK(ffmpeg.read("input") == std::string(8, 9) + std::string(8, 0) + std::string(4, 8) + std::string(4, 0) +
+                                      std::string(4, 8) + std::string(4, 0));
+}
+
+TEST_CASE("without ffmpeg, or with one that does not run, a video is refused before the run")
+{
+    Simulation sim(small());
+    const auto run = [&](const std::string& file) {
+        sim.run({.backend = Backend::Null, .steps = 5, .freeRunning = true, .video = file});
+    };
+    {
+        const FakeFfmpeg none("", "");
+        CHECK_THROWS_WITH(run(none.file()), "run: video needs the program ffmpeg, which is in no folder of PATH");
+    }
+    {
+        const FakeFfmpeg dead("echo 'no libx264.so' >&2\nexit 127\n");
+        CHECK_THROWS_WITH(run(dead.file()), Catch::Contains("does not run: no libx264.so (exit code 127)"));
+    }
+    CHECK_THROWS_WITH(run("/nowhere/at/all.mp4"), Catch::Contains("there is no such folder"));
+    CHECK_THROWS_WITH(run("film.avi"), "run: video must end in .mp4, got 'film.avi'");
+    CHECK(sim.run({.headless = true, .steps = 1}).steps == 1); // nothing was stepped, and it still runs
+}
+
+TEST_CASE("an ffmpeg that dies on the way, or whose disk is full at the end, ends the run with its own words")
+{
+    Simulation sim(small());
+    {
+        const FakeFfmpeg dying(
+            thenDoes("head -c 100 > /dev/null\necho 'first' >&2\necho 'No space left on device' >&2\nexit 1\n"));
+        CHECK_THROWS_WITH(sim.run({.backend = Backend::Null, .video = dying.file(), .fps = 240}),
+                          Catch::Contains("No space left on device (exit code 1)") && Catch::Contains("video '"));
+    }
+    {
+        const FakeFfmpeg late(thenDoes("cat > /dev/null\necho 'cannot write the trailer' >&2\nexit 3\n"));
+        CHECK_THROWS_WITH(sim.run({.backend = Backend::Null, .steps = 5, .freeRunning = true, .video = late.file()}),
+                          Catch::Contains("cannot write the trailer (exit code 3)"));
+    }
+    {
+        const FakeFfmpeg killed(thenDoes("kill -9 $$\n"));
+        VideoFile video(killed.file(), 1, 1, 1);
+        CHECK_THROWS_WITH(video.close(), Catch::Contains("killed by signal 9"));
+    }
+}
+
+TEST_CASE("a live run's video has the length of its wall time")
+{
+    const FakeFfmpeg ffmpeg(kRecorder);
+    Simulation sim(small());
+    const RunReport report = sim.run({.backend = Backend::Null, .seconds = 0.3, .video = ffmpeg.file(), .fps = 20});
+    const double pictures = static_cast<double>(ffmpeg.read("input").size()) / (4.0 * 32 * 16);
+    CHECK(pictures == std::floor(pictures));
+    CHECK(pictures >= 5); // those due by 0.3 s, but for the last; a slow machine makes the run longer, and so the video
+    CHECK(report.pictures == std::vector<std::string>{ffmpeg.file()});
+}
+
+#ifdef FILASOFIA_HAS_FILAMENT
+TEST_CASE("a headless run's video has a picture for each part of simulated time, whatever the steps")
+{
+    const FakeFfmpeg ffmpeg(kRecorder);
+    Simulation sim({.physics = {.rate = 200, .gravity = {}}, .window = {.width = 32, .height = 16}});
+    sim.show(sim.add(RigidBodyDef{.mesh = shapes::box({0.01, 0.01, 0.01})}));
+    const auto pictures = [&] { return ffmpeg.read("input").size() / (4 * 32 * 16); };
+    sim.run({.headless = true, .steps = 50, .video = ffmpeg.file(), .fps = 20}); // 0.25 s
+    CHECK(pictures() == 5);
+    sim.run({.headless = true, .steps = 4, .video = ffmpeg.file(), .fps = 240}); // 0.02 s: more than steps
+    CHECK(pictures() == 4);
+}
+#endif
