@@ -1,5 +1,6 @@
 #include "filasofia/filasofia.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/runtime/run_keys.h"
 #include "filasofia/window/null_window.h"
 
@@ -270,6 +271,30 @@ TEST_CASE("screenshots come from the program and from the key, without overwriti
     CHECK(fs::file_size("filasofia_001.png") == 10);
     CHECK_THROWS_WITH(live.sim.screenshot("no/such/place.png"), Catch::Contains("there is no such folder"));
     CHECK_THROWS_WITH(live.sim.screenshot("mine.jpg"), Catch::Contains("must end in .png"));
+}
+
+TEST_CASE("who asks for a screenshot and ends the run gets it; one that cannot be written ends nothing")
+{
+    const OwnFolder folder;
+    fs::create_directory("gone");
+    std::vector<std::string> lines;
+    setLogSink([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+    Live live;
+    live.sim.on<event::VisualUpdateEvent>([&, pictures = 0](const event::VisualUpdateEvent&) mutable {
+        if (++pictures > 1) return;
+        live.sim.screenshot("gone/one.png");
+        std::error_code written;
+        fs::remove("gone", written);
+        live.sim.screenshot("last.png");
+        live.sim.finish("enough");
+    });
+    // The folder is gone when the picture is written, unless that was quicker: then nothing is wrong.
+    const RunReport report = live.run();
+    setLogSink({});
+    CHECK(report.finished == "enough");
+    CHECK(report.pictures.back() == "last.png");
+    CHECK(fs::exists("last.png"));
+    CHECK(lines.size() + report.pictures.size() == 2);
 }
 
 TEST_CASE("the page about showing and the help name every key")
