@@ -153,6 +153,43 @@ TEST_CASE("a single step while paused makes one step, with everyStep, and is pau
     CHECK(sim.run({.headless = true, .steps = 10}).time == Approx(0.011));
 }
 
+TEST_CASE("Space pauses a live run, N makes one step of it, R puts the bodies back")
+{
+    Live live;
+    Simulation& sim = live.sim;
+    int did = 0;
+    double pausedAt = 0.0, steppedTo = 0.0;
+    Vec3 fallen, back;
+    const auto now = [&] { return sim.physics().latest(); };
+    // Each key waits for what the one before it has done.
+    live.sim.useWindow(personAt([&](NullWindow& window, int) {
+        const FrameRef frame = now();
+        if (!frame || frame->step < 20) return;
+        if (did == 0) {
+            window.inject(key(KeyCode::Space));
+            ++did;
+        } else if (did == 1 && sim.paused()) {
+            pausedAt = now()->time; // not that of a frame from before
+            window.inject(key(KeyCode::N));
+            ++did;
+        } else if (did == 2 && frame->time > pausedAt) {
+            steppedTo = frame->time;
+            fallen = frame->rigidBodies.front().poses.front().position;
+            window.inject(key(KeyCode::R));
+            ++did;
+        } else if (did == 3 && frame->rigidBodies.front().poses.front().position.y > fallen.y) {
+            back = frame->rigidBodies.front().poses.front().position;
+            window.inject(key(KeyCode::Escape));
+            ++did;
+        }
+    }));
+    CHECK(live.run().finished == "Escape");
+    CHECK(steppedTo - pausedAt <= 0.003 + 1e-9); // one step: a period and its slack at most
+    CHECK(fallen.y < 0.0);
+    CHECK(back == Vec3{});
+    CHECK(sim.paused());
+}
+
 TEST_CASE("single steps are in a recording, and it can be made again")
 {
     const OwnFolder folder;
