@@ -1,5 +1,6 @@
 #include "filasofia/filasofia.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/runtime/run_keys.h"
 #include "filasofia/window/null_window.h"
 
@@ -152,6 +153,43 @@ TEST_CASE("a single step while paused makes one step, with everyStep, and is pau
     CHECK(sim.run({.headless = true, .steps = 10}).time == Approx(0.011));
 }
 
+TEST_CASE("Space pauses a live run, N makes one step of it, R puts the bodies back")
+{
+    Live live;
+    Simulation& sim = live.sim;
+    int did = 0;
+    double pausedAt = 0.0, steppedTo = 0.0;
+    Vec3 fallen, back;
+    const auto now = [&] { return sim.physics().latest(); };
+    // Each key waits for what the one before it has done.
+    live.sim.useWindow(personAt([&](NullWindow& window, int) {
+        const FrameRef frame = now();
+        if (!frame || frame->step < 20) return;
+        if (did == 0) {
+            window.inject(key(KeyCode::Space));
+            ++did;
+        } else if (did == 1 && sim.paused()) {
+            pausedAt = now()->time; // not that of a frame from before
+            window.inject(key(KeyCode::N));
+            ++did;
+        } else if (did == 2 && frame->time > pausedAt) {
+            steppedTo = frame->time;
+            fallen = frame->rigidBodies.front().poses.front().position;
+            window.inject(key(KeyCode::R));
+            ++did;
+        } else if (did == 3 && frame->rigidBodies.front().poses.front().position.y > fallen.y) {
+            back = frame->rigidBodies.front().poses.front().position;
+            window.inject(key(KeyCode::Escape));
+            ++did;
+        }
+    }));
+    CHECK(live.run().finished == "Escape");
+    CHECK(steppedTo - pausedAt <= 0.003 + 1e-9); // one step: a period and its slack at most
+    CHECK(fallen.y < 0.0);
+    CHECK(back == Vec3{});
+    CHECK(sim.paused());
+}
+
 TEST_CASE("single steps are in a recording, and it can be made again")
 {
     const OwnFolder folder;
@@ -270,6 +308,30 @@ TEST_CASE("screenshots come from the program and from the key, without overwriti
     CHECK(fs::file_size("filasofia_001.png") == 10);
     CHECK_THROWS_WITH(live.sim.screenshot("no/such/place.png"), Catch::Contains("there is no such folder"));
     CHECK_THROWS_WITH(live.sim.screenshot("mine.jpg"), Catch::Contains("must end in .png"));
+}
+
+TEST_CASE("who asks for a screenshot and ends the run gets it; one that cannot be written ends nothing")
+{
+    const OwnFolder folder;
+    fs::create_directory("gone");
+    std::vector<std::string> lines;
+    setLogSink([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+    Live live;
+    live.sim.on<event::VisualUpdateEvent>([&, pictures = 0](const event::VisualUpdateEvent&) mutable {
+        if (++pictures > 1) return;
+        live.sim.screenshot("gone/one.png");
+        std::error_code written;
+        fs::remove("gone", written);
+        live.sim.screenshot("last.png");
+        live.sim.finish("enough");
+    });
+    // The folder is gone when the picture is written, unless that was quicker: then nothing is wrong.
+    const RunReport report = live.run();
+    setLogSink({});
+    CHECK(report.finished == "enough");
+    CHECK(report.pictures.back() == "last.png");
+    CHECK(fs::exists("last.png"));
+    CHECK(lines.size() + report.pictures.size() == 2);
 }
 
 TEST_CASE("the page about showing and the help name every key")

@@ -191,6 +191,21 @@ TEST_CASE("paint stays where it was through new triangles, also through ones tha
     CHECK(stateAt(visual::toFloat3(more.place))[0] == 255);
 }
 
+TEST_CASE("a body that was cut before it is shown is shown cut")
+{
+    ShownStage stage;
+    const BodyId block = stage.addBlock();
+    const SharedSurface cut = boundaryWithout(12);
+    stage.bindings.retopologise(block, cut);
+    stage.step();
+    stage.bindings.show(block, {.subdivision = 1}, stage.physics);
+    stage.step();
+    stage.bindings.finishMeshes();
+    stage.step();
+    Synchronous expected(*cut, *stage.physics.latest()->softBody(block), 1);
+    CHECK(same(stage.only().geometry, expected.geometry()));
+}
+
 TEST_CASE("a body that is shown as another surface keeps it; one removed while its triangles are made is forgotten")
 {
     auto gate = std::make_shared<Gate>();

@@ -77,6 +77,20 @@ TEST_CASE("every element of a rigid body answers to the one id of its show()")
     CHECK(stage.drawn().empty());
 }
 
+TEST_CASE("what nobody sees is not deformed, and is where it should be as soon as it is seen")
+{
+    ShownStage stage;
+    const BodyId block = stage.addBlock();
+    const ShownId id = stage.bindings.show(block, {.visible = false}, stage.physics);
+    stage.physics.setGravity({0, -9, 0});
+    for (int i = 0; i < 3; ++i) stage.step();
+    CHECK(stage.only().vertexCalls == 0);
+    stage.bindings.setVisible(id, true);
+    stage.map();
+    CHECK(stage.only().vertexCalls == 1);
+    CHECK(stage.only().geometry.vertices.low.y < ShownStage::mesh()->nodes.front().y);
+}
+
 TEST_CASE("a thousand bodies come and go, and nothing is left of them")
 {
     ShownStage stage;

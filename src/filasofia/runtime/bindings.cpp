@@ -74,6 +74,7 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
         binding.subdivision = def.subdivision;
         const auto element = binding.soft ? std::nullopt : std::optional<int>(binding.rigidMap.element);
         painted_.add(binding.key, {binding.id, element, binding.start}, binding.mapped);
+        askMesh(binding); // what is shown of a body that has been cut already
         pending_.push_back(std::move(binding));
     }
     return shown;
@@ -119,6 +120,7 @@ void Bindings::retopologise(BodyId id, SharedSurface surface)
     FILASOFIA_ASSERT(surface);
     const std::lock_guard lock(mutex_);
     topology_[id] = std::move(surface);
+    changed_.insert(id);
 }
 
 void Bindings::apply(const Wish& wish, Binding& binding)
@@ -157,11 +159,17 @@ void Bindings::applyWishes(visual::VisualServer& visual)
 
 void Bindings::applyTopology()
 {
-    const std::map<BodyId, SharedSurface> topology = std::exchange(topology_, {});
-    for (std::vector<Binding>* list : {&pending_, &shown_})
-        for (Binding& binding : *list)
-            if (const auto found = topology.find(binding.id); found != topology.end() && binding.boundary)
-                worker_.ask(binding.key, {binding.mapped, found->second, binding.def.subdivision, binding.name});
+    const std::set<BodyId> changed = std::exchange(changed_, {});
+    for (const std::vector<Binding>* list : {&pending_, &shown_})
+        for (const Binding& binding : *list)
+            if (changed.contains(binding.id)) askMesh(binding);
+}
+
+void Bindings::askMesh(const Binding& binding)
+{
+    const auto newest = topology_.find(binding.id);
+    if (newest == topology_.end() || !binding.boundary) return;
+    worker_.ask(binding.key, {binding.mapped, newest->second, binding.def.subdivision, binding.name});
 }
 
 void Bindings::addPending(visual::VisualServer& visual)
@@ -202,6 +210,8 @@ void Bindings::update(const frame::Frame& frame, const physics::PhysicsServer& p
         if (gone) {
             visual.remove(*binding.drawn);
             forget(binding);
+            const std::lock_guard lock(mutex_);
+            topology_.erase(binding.id);
         } else if (const auto states = painted_.takeNew(binding.key)) {
             binding.drawn->setSurfaceState(*states);
         }
@@ -226,7 +236,9 @@ bool Bindings::place(Binding& binding, const frame::Frame& frame)
         binding.subdivision = ready->subdivision;
         painted_.moveTo(binding.key, ready->surface, ready->transfers);
     }
-    if (binding.nodes > static_cast<int>(body->positions.size())) return true; // it stays as it was
+    // What nobody sees costs nothing; and where nodes are missing it stays as it was.
+    if (!ready && !binding.def.visible) return true;
+    if (binding.nodes > static_cast<int>(body->positions.size())) return true;
     vertices_.resize(binding.mapped->surface.vertices.size());
     mapping::apply(binding.mapped->map, *body, vertices_);
     if (ready)

@@ -6,6 +6,8 @@
 
 #include "filasofia/geometry/box.h"
 
+#include <set>
+
 namespace filasofia::visual {
 class VisualBody;
 class VisualServer;
@@ -84,6 +86,7 @@ private:
     Wish& wish(ShownId id, const char* what);
     void applyWishes(visual::VisualServer& visual);
     void applyTopology();
+    void askMesh(const Binding& binding); ///< the newest triangles of its body, where it has new ones
     bool place(Binding& binding, const frame::Frame& frame);
     void forget(const Binding& binding);
     static void apply(const Wish& wish, Binding& binding);
@@ -91,7 +94,8 @@ private:
     mutable std::mutex mutex_; ///< guards these
     std::vector<Binding> pending_;
     std::map<ShownId, Wish> wishes_;
-    std::map<BodyId, SharedSurface> topology_; ///< new boundaries, the newest of each body
+    std::map<BodyId, SharedSurface> topology_; ///< the newest boundary of each body whose topology has changed
+    std::set<BodyId> changed_;                 ///< those that the worker has not been told of
     std::uint32_t lastShown_ = 0;
     SurfaceKey lastKey_ = 0;
 

@@ -39,8 +39,7 @@ public:
         }
         const bool film = video_ && video_->due(time - start_);
         const bool asked = parts_.screenshotAsked();
-        if (!film && !asked) return;
-        open(); // a screenshot may be the first thing that is to be drawn
+        if (!film && !(asked && opened())) return;
         parts_.bindings.finishMeshes();
         parts_.mapNewestFrame(*visual_);
         if (film) video_->show(visual_->capture(), time - start_);
@@ -57,6 +56,18 @@ public:
     }
 
 private:
+    /// A screenshot may be the first thing that is to be drawn; where nothing can be, the run goes on without.
+    bool opened()
+    {
+        try {
+            open();
+            return true;
+        } catch (const Error& problem) {
+            parts_.dropScreenshots(problem);
+            return false;
+        }
+    }
+
     void open()
     {
         if (visual_) return;

@@ -214,6 +214,10 @@ RunReport runLive(Simulation::Impl& parts, const RunDef& def)
     }
     files.close();
     if (!def.picture.empty()) parts.takePicture(screen.visual(), def.picture);
+    if (parts.screenshotAsked()) { // by who ended the run
+        parts.mapNewestFrame(screen.visual());
+        parts.takeScreenshots(screen.visual());
+    }
     if (!def.video.empty()) {
         screen.closeVideo();
         parts.pictures.push_back(def.video);

@@ -76,6 +76,8 @@ struct Simulation::Impl {
     /// Remembers a file for the next picture; Error where there can be none.
     void askScreenshot(const std::string& file);
     [[nodiscard]] bool screenshotAsked();
+    /// None can be taken.
+    void dropScreenshots(const Error& why);
     /// Writes what is drawn now to all files that were asked for; a problem is logged.
     void takeScreenshots(visual::VisualServer& visual);
     void fill(RunReport& report);

@@ -225,6 +225,13 @@ bool Simulation::Impl::screenshotAsked()
     return !screenshots.empty();
 }
 
+void Simulation::Impl::dropScreenshots(const Error& why)
+{
+    const std::lock_guard lock(screenshotMutex);
+    screenshots.clear();
+    logError("screenshot: ", why.what());
+}
+
 void Simulation::Impl::takeScreenshots(visual::VisualServer& visual)
 {
     std::vector<std::string> files;
@@ -233,15 +240,15 @@ void Simulation::Impl::takeScreenshots(visual::VisualServer& visual)
         files.swap(screenshots);
     }
     if (files.empty()) return;
-    try {
-        const visual::Image image = visual.capture();
-        for (std::string& file : files) {
-            if (file.empty()) file = freePictureName();
+    const visual::Image image = visual.capture();
+    for (std::string& file : files) {
+        if (file.empty()) file = freePictureName();
+        try {
             visual::savePng(image, file);
             pictures.push_back(file);
+        } catch (const Error& problem) { // whoever asked is far away, and the run goes on
+            logError("screenshot: ", problem.what());
         }
-    } catch (const Error& problem) { // whoever asked is far away, and the run goes on
-        logError("screenshot: ", problem.what());
     }
 }
 
