@@ -36,6 +36,10 @@ struct MappedSurface {
 /// The body's own boundary: identity.
 MappedSurface mapBoundary(const geometry::TetMesh& rest);
 
+/// The part of the boundary of a body under the knife that cuts and tears have opened, or all that was outside from the
+/// start: identity. The two share the nodes on the rim between them. May have no triangles.
+MappedSurface mapBoundary(const frame::Boundary& boundary, bool opened);
+
 /// A surface given beside the mesh, both in world coordinates: identity where every vertex is the place of a node,
 /// else barycentric.
 MappedSurface mapSurface(const geometry::TetMesh& rest, geometry::TriangleMesh surface);

@@ -7,6 +7,7 @@
 #include <compare>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -31,6 +32,9 @@ struct ShowDef {
     int element = 0;                                      ///< [-], >= 0, of a rigid body, for a given surface
     int subdivision = 0;                                  ///< [-], in [0, 3], each level four times the triangles
     visual::Material material = visual::TissueMaterial{}; ///< what it looks like
+    /// What is inside, where cuts and tears open a soft body that is drawn as its own boundary; not given: the
+    /// material, and tissue redder and wetter.
+    std::optional<visual::Material> interior = {};
     bool castShadows = true;
     bool visible = true; ///< else it is there, and Simulation::setVisible() makes it seen
 };
@@ -41,6 +45,7 @@ constexpr auto fields(const ShowDef*)
                     field("element", &T::element, "-", nonNegative(), "element of a rigid body"),
                     field("subdivision", &T::subdivision, "-", closed(0, 3), "each level four times the triangles"),
                     field("material", &T::material, "what it looks like"),
+                    field("interior", &T::interior, "what it looks like where it is cut"),
                     field("castShadows", &T::castShadows, "does it throw shadows"),
                     field("visible", &T::visible, "is it seen from the start"));
 }

@@ -8,6 +8,7 @@
 #include "filasofia/runtime/follow.h"
 #include "filasofia/runtime/paint.h"
 #include "filasofia/runtime/run.h"
+#include "filasofia/runtime/rupture_event.h"
 #include "filasofia/runtime/show.h"
 #include "filasofia/visual/endoscope_look.h"
 #include "filasofia/visual/orbit_camera.h"

@@ -106,6 +106,28 @@ MappedSurface mapBoundary(const geometry::TetMesh& rest)
     return {std::move(surface.mesh), IdentityMap{std::move(surface.nodes)}};
 }
 
+MappedSurface mapBoundary(const frame::Boundary& boundary, bool opened)
+{
+    MappedSurface mapped;
+    std::vector<int> nodes, vertexOf(boundary.rest.size(), -1);
+    for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+        if ((boundary.opened[t] != 0) != opened) continue;
+        geometry::Triangle triangle = boundary.triangles[t];
+        for (int& corner : triangle) {
+            int& vertex = vertexOf[static_cast<std::size_t>(corner)];
+            if (vertex < 0) {
+                vertex = static_cast<int>(nodes.size());
+                nodes.push_back(corner);
+                mapped.surface.vertices.push_back(boundary.rest[static_cast<std::size_t>(corner)]);
+            }
+            corner = vertex;
+        }
+        mapped.surface.triangles.push_back(triangle);
+    }
+    mapped.map = IdentityMap{std::move(nodes)};
+    return mapped;
+}
+
 MappedSurface mapSurface(const geometry::TetMesh& rest, geometry::TriangleMesh surface)
 {
     if (auto identity = matchNodes(rest, surface)) return {std::move(surface), std::move(*identity)};

@@ -7,6 +7,9 @@
 #include "filasofia/runtime/surfaces.h"
 #include "filasofia/visual/visual_server.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace filasofia::runtime {
 namespace {
 
@@ -22,6 +25,22 @@ TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, c
     if (def.subdivision > 0)
         return *mesh; // subdividing rounds edges, and would tear a surface that is split along them
     return mapping::withCreases(*mesh, kCrease);
+}
+
+/// Inside, tissue is redder and wetter than its skin.
+visual::Material interiorOf(const visual::Material& skin)
+{
+    visual::Material inside = skin;
+    if (auto* tissue = std::get_if<visual::TissueMaterial>(&inside)) {
+        const auto mixed = [](visual::Color a, visual::Color b) {
+            return visual::Color{0.5 * (a.red + b.red), 0.5 * (a.green + b.green), 0.5 * (a.blue + b.blue)};
+        };
+        tissue->baseColor = mixed(tissue->baseColor, {0.30, 0.012, 0.010});
+        tissue->subsurfaceColor = mixed(tissue->subsurfaceColor, {0.55, 0.02, 0.015});
+        tissue->wetness = 1.0;
+        tissue->vessels *= 0.3;
+    }
+    return inside;
 }
 
 bool fits(const mapping::MappedSurface& surface, const frame::SoftBodyFrame& body)
@@ -115,12 +134,25 @@ int Bindings::paint(BodyId id, const PaintDef& def, physics::PhysicsServer& phys
     return painted_.paint(id, def, frame ? &*frame : nullptr);
 }
 
-void Bindings::retopologise(BodyId id, SharedSurface surface)
+void Bindings::retopologise(BodyId id, SharedSurface surface, SharedSurface interior)
 {
     FILASOFIA_ASSERT(surface);
     const std::lock_guard lock(mutex_);
-    topology_[id] = std::move(surface);
+    topology_[id] = {std::move(surface), std::move(interior)};
     changed_.insert(id);
+}
+
+void Bindings::followTopology(const frame::Frame& frame)
+{
+    for (const frame::SoftBodyFrame& body : frame.softBodies) {
+        if (!body.boundary || std::exchange(revisions_[body.id], body.boundary->revision) == body.boundary->revision)
+            continue;
+        const auto part = [&](bool opened) {
+            return std::make_shared<const mapping::MappedSurface>(mapping::mapBoundary(*body.boundary, opened));
+        };
+        auto interior = part(true);
+        retopologise(body.id, part(false), interior->surface.triangles.empty() ? nullptr : std::move(interior));
+    }
 }
 
 void Bindings::apply(const Wish& wish, Binding& binding)
@@ -163,13 +195,38 @@ void Bindings::applyTopology()
     for (const std::vector<Binding>* list : {&pending_, &shown_})
         for (const Binding& binding : *list)
             if (changed.contains(binding.id)) askMesh(binding);
+    openInteriors();
+}
+
+void Bindings::openInteriors()
+{
+    std::vector<Binding> made;
+    for (const std::vector<Binding>* list : {&pending_, &shown_})
+        for (const Binding& skin : *list) {
+            const auto newest = topology_.find(skin.id);
+            if (!skin.boundary || skin.interior || newest == topology_.end() || !newest->second.interior) continue;
+            const auto isInside = [&](const Binding& each) { return each.interior && each.shown == skin.shown; };
+            if (std::ranges::any_of(pending_, isInside) || std::ranges::any_of(shown_, isInside)) continue;
+            Binding& inside = made.emplace_back(skin);
+            inside.key = ++lastKey_;
+            inside.interior = true;
+            inside.drawn = nullptr;
+            inside.mapped = newest->second.interior;
+            inside.nodes = mapping::nodesNeeded(inside.mapped->map);
+            inside.def.material = skin.def.interior.value_or(interiorOf(skin.def.material));
+            inside.subdivision = 0; // until the worker has it
+            painted_.add(inside.key, {inside.id, std::nullopt, inside.start}, inside.mapped);
+            askMesh(inside);
+        }
+    for (Binding& each : made) pending_.push_back(std::move(each));
 }
 
 void Bindings::askMesh(const Binding& binding)
 {
     const auto newest = topology_.find(binding.id);
     if (newest == topology_.end() || !binding.boundary) return;
-    worker_.ask(binding.key, {binding.mapped, newest->second, binding.def.subdivision, binding.name});
+    const SharedSurface& surface = binding.interior ? newest->second.interior : newest->second.skin;
+    if (surface) worker_.ask(binding.key, {binding.mapped, surface, binding.def.subdivision, binding.name});
 }
 
 void Bindings::addPending(visual::VisualServer& visual)
@@ -202,20 +259,25 @@ void Bindings::addPending(visual::VisualServer& visual)
 
 void Bindings::update(const frame::Frame& frame, const physics::PhysicsServer& physics, visual::VisualServer& visual)
 {
+    followTopology(frame);
     std::erase_if(shown_, [&](Binding& binding) {
         const bool found = place(binding, frame);
         binding.seen = binding.seen || found;
         // A body that has not come yet is waited for, unless it was removed before it came.
-        const bool gone = !found && (binding.seen || !physics.has(binding.id));
+        const bool removed = !found && (binding.seen || !physics.has(binding.id));
+        const bool gone = removed || healed(binding);
         if (gone) {
             visual.remove(*binding.drawn);
             forget(binding);
+        }
+        if (removed) {
             const std::lock_guard lock(mutex_);
             topology_.erase(binding.id);
-        } else if (const auto states = painted_.takeNew(binding.key)) {
-            binding.drawn->setSurfaceState(*states);
+            revisions_.erase(binding.id);
         }
-        return gone;
+        if (gone) return true;
+        if (const auto states = painted_.takeNew(binding.key)) binding.drawn->setSurfaceState(*states);
+        return false;
     });
     followers_.update(frame, physics);
 }
@@ -248,6 +310,14 @@ bool Bindings::place(Binding& binding, const frame::Frame& frame)
     return true;
 }
 
+bool Bindings::healed(const Binding& binding)
+{
+    if (!binding.interior) return false;
+    const std::lock_guard lock(mutex_);
+    const auto newest = topology_.find(binding.id);
+    return newest != topology_.end() && !newest->second.interior;
+}
+
 void Bindings::finishMeshes()
 {
     {
@@ -268,6 +338,8 @@ void Bindings::follow(visual::Transform& transform, BodyId id, const FollowDef& 
 void Bindings::release()
 {
     const std::lock_guard lock(mutex_);
+    revisions_.clear();
+    std::erase_if(shown_, [](const Binding& binding) { return binding.interior; }); // they open anew
     for (Binding& binding : shown_) {
         binding.drawn = nullptr;
         binding.seen = false;

@@ -34,8 +34,9 @@ public:
     void clearPaint() { painted_.clear(); }
     /// The body's boundary has new triangles: `surface` at rest in the world, on its nodes, which only grow in number.
     /// What is drawn of the boundary follows with its old triangles until the new ones are ready. What is drawn of
-    /// other surfaces stays. Any thread.
-    void retopologise(BodyId id, SharedSurface surface);
+    /// other surfaces stays. `interior`: what cuts have opened of it, drawn in a material of its own; none: nothing.
+    /// Any thread.
+    void retopologise(BodyId id, SharedSurface surface, SharedSurface interior = nullptr);
 
     /// Makes visual bodies of what was prepared. Main thread, like all that follows. Where the visual server refuses
     /// one, its Error comes through, and that one and those after it stay pending.
@@ -72,6 +73,7 @@ private:
         ShowDef def = {};
         int subdivision = 0;                 ///< that is drawn: less than in def where a cut surface takes none
         bool boundary = false;               ///< drawn is a soft body's own boundary
+        bool interior = false;               ///< of that, what was opened
         bool seen = false;                   ///< the body has been in a frame
         visual::VisualBody* drawn = nullptr; ///< nullptr while pending
     };
@@ -85,8 +87,11 @@ private:
     void queue(Binding binding, const PaintedSurfaces::Place& place);
     Wish& wish(ShownId id, const char* what);
     void applyWishes(visual::VisualServer& visual);
+    void followTopology(const frame::Frame& frame);
     void applyTopology();
+    void openInteriors();
     void askMesh(const Binding& binding); ///< the newest triangles of its body, where it has new ones
+    bool healed(const Binding& binding);  ///< what was open is closed again
     bool place(Binding& binding, const frame::Frame& frame);
     void forget(const Binding& binding);
     static void apply(const Wish& wish, Binding& binding);
@@ -94,10 +99,15 @@ private:
     mutable std::mutex mutex_; ///< guards these
     std::vector<Binding> pending_;
     std::map<ShownId, Wish> wishes_;
-    std::map<BodyId, SharedSurface> topology_; ///< the newest boundary of each body whose topology has changed
-    std::set<BodyId> changed_;                 ///< those that the worker has not been told of
+    struct Topology {
+        SharedSurface skin, interior; ///< none: nothing is open
+    };
+    std::map<BodyId, Topology> topology_; ///< the newest boundary of each body whose topology has changed
+    std::set<BodyId> changed_;            ///< those that the worker has not been told of
     std::uint32_t lastShown_ = 0;
     SurfaceKey lastKey_ = 0;
+
+    std::map<BodyId, std::uint64_t> revisions_; ///< of the boundaries that frames had
 
     std::vector<Binding> shown_; // the main thread's, like these
     std::vector<Vec3> vertices_;

@@ -61,6 +61,8 @@ struct Simulation::Impl {
     void beforeStep(double dt);
     /// Posts what begins, goes on and ends to touch; StepFlag bits where some of it was lost.
     std::uint32_t tellContacts(const physics::StepReport& report);
+    /// The same of what was cut and what tore.
+    std::uint32_t tellRuptures(const physics::StepReport& report);
     /// Bookkeeping after a step: time, counters, contact events and the update event. Returns the flags for the next
     /// report.
     std::uint32_t afterStep(const physics::StepReport& report);

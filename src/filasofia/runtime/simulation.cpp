@@ -128,7 +128,8 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     damped += report.has(physics::StepFlag::Damped);
     notConverged += report.has(physics::StepFlag::NotConverged);
     outOfTime += report.has(physics::StepFlag::OutOfTime);
-    const std::uint32_t flags = tellContacts(report); // first: who hears of the step has heard of its contacts
+    // First: who hears of the step has heard of what happened in it.
+    const std::uint32_t flags = tellContacts(report) | tellRuptures(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     stamp(*update);
     return flags | (events.tryPost(std::move(update)) ? 0u : kEventLost);
@@ -166,6 +167,22 @@ std::uint32_t Simulation::Impl::tellContacts(const physics::StepReport& report)
     // Readers that hold all frames keep this step's contacts from us: the next step tells.
     if (!frame || frame->step != report.step) return kEventLost;
     return contacts.observe(frame->contacts, post) ? 0u : kEventLost;
+}
+
+std::uint32_t Simulation::Impl::tellRuptures(const physics::StepReport& report)
+{
+    bool all = true;
+    const auto post = [&](auto event, const physics::Rupture& rupture) {
+        event->rupture = rupture;
+        stamp(*event);
+        all = events.tryPost(std::move(event)) && all;
+    };
+    for (const physics::Rupture& rupture : report.topology.ruptures)
+        if (rupture.kind == physics::Rupture::Kind::Cut)
+            post(std::make_unique<CutEvent>(), rupture);
+        else
+            post(std::make_unique<TearEvent>(), rupture);
+    return all ? 0u : kEventLost;
 }
 
 void Simulation::Impl::dressScene(visual::VisualServer& visual)
