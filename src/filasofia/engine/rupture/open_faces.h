@@ -12,6 +12,7 @@ struct OpeningLimits {
     bool bisect = true;        ///< may a repair bisect edges
     double minQuality = 0.15;  ///< [-] of what bisecting leaves
     double shortestEdge = 0.0; ///< [m] that is bisected
+    bool slit = false;         ///< may a repair open faces that nobody asked for, where a cut would end in a node else
     int cone = 24;             ///< [-] elements at most that change side together
     int rounds = 40;           ///< [-] of repair; what is then still wrong stays closed
 };
