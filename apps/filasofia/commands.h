@@ -38,6 +38,7 @@ struct Command {
 Command runCommand();    ///< a scene in a window, or headless
 Command replayCommand(); ///< makes a recorded run again
 Command benchCommand();  ///< tables and JSON
+Command fuzzCommand();   ///< does things at random and checks everything after each
 Command doctorCommand(); ///< what this machine can do for the simulation, and what is missing
 
 /// What --threads N may be; 0 leaves the choice to the engine.

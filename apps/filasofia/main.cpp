@@ -4,5 +4,5 @@
 int main(int argc, char** argv)
 {
     using namespace filasofia::app;
-    return runCommandLine(argc, argv, {runCommand(), replayCommand(), benchCommand(), doctorCommand()});
+    return runCommandLine(argc, argv, {runCommand(), replayCommand(), benchCommand(), fuzzCommand(), doctorCommand()});
 }

@@ -588,6 +588,35 @@ class BenchSolver(Program):
         self.refused("bench", "solver", "bunny", says=["'bunny'"])
 
 
+class Fuzz(Program):
+    def cut(self, *words):
+        """The JSON of a fuzz of cuts, and what it printed."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "cut.json")
+            said = self.output("fuzz", "cut", *words, "--json", str(path))
+            return json.loads(path.read_text()), said
+
+    def test_every_cut_is_counted_and_nothing_is_broken(self):
+        report, said = self.cut("--seed", "3", "--cuts", "40", "--per-body", "4")
+        self.assertEqual((report["cuts"], report["bodies"], report["seed"]), (40, 10, 3))
+        self.assertEqual(sum(kind["cuts"] for kind in report["kinds"]), 40)
+        self.assertEqual((report["broken_invariants"], report["hashes_that_differ"]), ({}, 0))
+        self.assertGreaterEqual(report["worst_quality_over_bound"], 1 - 1e-9)
+        self.assertIn("40 cuts in 10 bodies", said)
+        self.assertIn(report["hash"], said)
+
+    def test_the_seed_decides(self):
+        one, two, other = (self.cut("--seed", seed, "--cuts", "8")[0] for seed in ("1", "1", "2"))
+        self.assertEqual(one, two)
+        self.assertNotEqual(one["hash"], other["hash"])
+
+    def test_it_refuses_what_it_does_not_know(self):
+        self.refused("fuzz", "cat", says=["'cat'", "there is cut"])
+        self.refused("fuzz", "cut", "--cuts", "0", says=["--cuts must be in [1, 100000000]", "got 0"])
+        self.refused("fuzz", "cut", "--seed", "-1", says=["--seed"])
+        self.refused("fuzz", "cut", "--json", "/nowhere/cut.json", says=["/nowhere/cut.json", "cannot be written"])
+
+
 class BenchContact(Program):
     def measured(self, *words, timeout):
         """The JSON of a bench, and what it printed."""

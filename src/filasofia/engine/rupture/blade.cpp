@@ -148,26 +148,34 @@ void CrossingFinder::refresh(const EditableMesh& mesh, std::span<const BladeSegm
     // Nodes that a near edge may end in, then their edges: an edge within the margin has an end within margin plus its
     // length. Lengths are known at rest only: tissue stretched to more than twice its length may be missed.
     edges_.clear();
+    seen_.resize(data.rest.size(), 0);
     for (int node = 0; node < mesh.nodes(); ++node) {
         const Vec3 x = data.current[node];
         const double radius = margin_ + mesh.reach(node);
         if (squaredDistance(around, x) > radius * radius) continue;
-        const bool near = std::ranges::any_of(blade, [&](const BladeSegment& s) {
-            return squaredSegmentDistance(s.from, s.to - s.from, x, {}) <= radius * radius;
-        });
-        if (!near) continue;
+        double nearest = radius * radius;
+        for (const BladeSegment& s : blade) {
+            const Vec3 d = s.to - s.from, p = x - s.from;
+            const double c = dot(d, d), u = c > 0.0 ? std::clamp(dot(p, d) / c, 0.0, 1.0) : 0.0;
+            nearest = std::min(nearest, lengthSquared(p - u * d));
+        }
+        if (!(nearest < radius * radius)) continue;
+        ++stamp_;
+        seen_[node] = stamp_;
+        const bool inside = nearest <= margin_ * margin_;
         for (int t : data.around[node])
-            for (int other : data.tetrahedra[t])
-                if (other != node) edges_.push_back({std::min(node, other), std::max(node, other)});
+            for (int other : data.tetrahedra[t]) {
+                if (seen_[other] == stamp_) continue;
+                seen_[other] = stamp_;
+                const Vec3 d = data.current[other] - x;
+                if (inside || std::ranges::any_of(blade, [&](const BladeSegment& s) {
+                        return squaredSegmentDistance(x, d, s.from, s.to - s.from) <= margin_ * margin_;
+                    }))
+                    edges_.push_back({std::min(node, other), std::max(node, other)});
+            }
     }
     std::ranges::sort(edges_);
     edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
-    std::erase_if(edges_, [&](const Edge& e) {
-        const Vec3 a = data.current[e[0]], d = data.current[e[1]] - a;
-        return std::ranges::none_of(blade, [&](const BladeSegment& s) {
-            return squaredSegmentDistance(a, d, s.from, s.to - s.from) <= margin_ * margin_;
-        });
-    });
 }
 
 void CrossingFinder::addEdgesOfNewNodes(const EditableMesh& mesh)

@@ -41,7 +41,9 @@ private:
     double margin_ = 0.0;            ///< [m] what the list reaches
     double left_ = -1.0;             ///< [m] of it; negative: to be renewed
     int nodes_ = 0, tetrahedra_ = 0; ///< of the mesh, when the list was right
-    std::vector<Vec3> directions_;   ///< [m] per segment: the way it went of late, as a line without sign
+    std::vector<long> seen_;         ///< per node, the last one that was asked about it: scratch
+    long stamp_ = 0;
+    std::vector<Vec3> directions_; ///< [m] per segment: the way it went of late, as a line without sign
 };
 
 } // namespace filasofia::engine

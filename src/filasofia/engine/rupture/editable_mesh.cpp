@@ -62,9 +62,21 @@ bool onBoundary(const MeshTopology& mesh, int a, int b)
 
 EditableMesh::EditableMesh(const geometry::TetMesh& mesh)
 {
-    data_.tetrahedra = mesh.tetrahedra;
-    data_.rest = data_.current = data_.previous = mesh.nodes;
-    data_.neighbours = geometry::faceNeighbours(mesh);
+    // Room for a long cut: no step pays for moving everything.
+    const std::size_t nodeRoom = 2 * mesh.nodes.size() + 1000, room = 2 * mesh.tetrahedra.size() + 1000;
+    for (std::vector<Vec3>* list : {&data_.rest, &data_.current, &data_.previous}) list->reserve(nodeRoom);
+    data_.around.reserve(nodeRoom);
+    data_.labels.reserve(nodeRoom);
+    reach_.reserve(nodeRoom);
+    for (std::vector<std::uint8_t>* list : {&data_.flagged, &data_.deferred, &data_.opened, &toldBoundary_})
+        list->reserve(room);
+    for (std::vector<Tetrahedron>* list : {&data_.tetrahedra, &data_.neighbours, &told_}) list->reserve(room);
+    data_.sides.reserve(room);
+    data_.tetrahedra.assign(mesh.tetrahedra.begin(), mesh.tetrahedra.end());
+    for (std::vector<Vec3>* list : {&data_.rest, &data_.current, &data_.previous})
+        list->assign(mesh.nodes.begin(), mesh.nodes.end());
+    const std::vector<std::array<int, 4>> neighbours = geometry::faceNeighbours(mesh);
+    data_.neighbours.assign(neighbours.begin(), neighbours.end());
     data_.flagged.resize(mesh.tetrahedra.size());
     data_.deferred.resize(mesh.tetrahedra.size());
     data_.opened.resize(mesh.tetrahedra.size());
@@ -75,7 +87,7 @@ EditableMesh::EditableMesh(const geometry::TetMesh& mesh)
     geometry::Box box;
     for (Vec3 p : mesh.nodes) box = merged(box, p);
     diagonal_ = distance(box.low, box.high);
-    told_ = mesh.tetrahedra;
+    told_.assign(mesh.tetrahedra.begin(), mesh.tetrahedra.end());
     for (int t = 0; t < tetrahedra(); ++t) {
         const Tetrahedron& n = data_.tetrahedra[t];
         startVolume_ += restVolume(data_, t);

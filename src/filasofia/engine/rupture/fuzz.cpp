@@ -69,6 +69,7 @@ void sumUp(const RuptureReport& sums, CutFuzzReport& report)
                       {"rounds of repair", sums.repairRounds},
                       {"edges bisected in repair", sums.repairBisections},
                       {"cones flipped", sums.repairFlips},
+                      {"slits opened in repair", sums.repairSlits},
                       {"faces put off", sums.repairDeferred},
                       {"flakes kept", sums.flakes},
                       {"transactions given up", sums.givenUp}};

@@ -1,8 +1,10 @@
 #include "filasofia/engine/rupture/open_faces.h"
 
+#include "filasofia/engine/rupture/manifold.h"
 #include "filasofia/engine/rupture/tet_shape.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace filasofia::engine {
@@ -26,6 +28,7 @@ struct BadVertex {
     int node;
     std::vector<int> loop; ///< the other nodes of the loop that the cut closes around; empty: there is none
     std::vector<int> cone; ///< what is inside it, where that is few elements at a node of their own
+    std::vector<std::array<int, 2>> slit; ///< faces from one loop to the other, on both sides of the node
 };
 
 class Opening {
@@ -35,12 +38,12 @@ public:
     {
     }
 
-    void open(std::vector<int> candidates)
+    void open(std::vector<int> candidates, bool alone = false)
     {
         ++report_.edits;
         candidates_ = std::move(candidates);
         makeUnique(candidates_);
-        retryDeferred();
+        if (!alone) retryDeferred();
         for (int round = 0;; ++round) {
             for (int node : candidates_) mesh_.split(node);
             findFaults();
@@ -55,7 +58,7 @@ public:
             for (const Edge& edge : badEdges_) repair(edge, round);
             if (round < kFlipRounds) flipCones();
             for (const BadVertex& bad : badVertices_)
-                if (bad.cone.empty() || round >= kFlipRounds) retract(bad, round);
+                if ((bad.cone.empty() || round >= kFlipRounds) && !joinLoops(bad)) retract(bad, round);
             makeUnique(candidates_);
         }
         tell();
@@ -127,7 +130,8 @@ private:
     /// The smallest loop that this transaction alone made, and what lies inside it.
     [[nodiscard]] BadVertex describe(int v, const std::vector<FaceLoop>& loops) const
     {
-        BadVertex bad{mesh_.originOf(v), {}, {}};
+        BadVertex bad{mesh_.originOf(v), {}, {}, {}};
+        if (limits_.slit && loops.size() == 2) bad.slit = slitBetween(v, loops);
         const FaceLoop* best = nullptr;
         for (const FaceLoop& loop : loops) {
             const bool pure = std::ranges::all_of(
@@ -149,10 +153,36 @@ private:
             if (tip >= 0 && there != tip) return bad;
             tip = there;
         }
-        if (tip >= 0 && tip != v && static_cast<int>(data_.around[tip].size()) <= limits_.cone &&
+        // Once only: a cone that comes back would go to and fro.
+        const bool again = std::ranges::find(flippedAt_, bad.node) != flippedAt_.end();
+        if (!again && tip >= 0 && tip != v && static_cast<int>(data_.around[tip].size()) <= limits_.cone &&
             boundaryLoops(data_, tip).size() == 1)
             bad.cone = data_.around[tip];
         return bad;
+    }
+
+    /// The faces at v that a plane through the middles of its two loops would part. Opened as well, they leave the node
+    /// as two, each with one loop.
+    [[nodiscard]] std::vector<std::array<int, 2>> slitBetween(int v, const std::vector<FaceLoop>& loops) const
+    {
+        std::array<Vec3, 2> middles;
+        for (int i = 0; i < 2; ++i)
+            for (auto [t, f] : loops[i])
+                for (int n : faceNodes(data_.tetrahedra[t], f)) middles[i] += data_.rest[n] - data_.rest[v];
+        const Vec3 a = normalized(middles[0]), b = normalized(middles[1]);
+        const Vec3 across =
+            normalized(cross(a, b), normalized(cross(a, std::abs(a.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})));
+        const auto ahead = [&](int t) {
+            const std::array<Vec3, 4> p = cornersOf(data_.tetrahedra[t], data_.rest);
+            return dot(across, 0.25 * (p[0] + p[1] + p[2] + p[3]) - data_.rest[v]) >= 0.0;
+        };
+        std::vector<std::array<int, 2>> slit;
+        for (int t : data_.around[v])
+            for (int f = 0; f < 4; ++f)
+                if (data_.tetrahedra[t][f] != v && data_.neighbours[t][f] > t &&
+                    ahead(t) != ahead(data_.neighbours[t][f]))
+                    slit.push_back({t, f});
+        return slit;
     }
 
     [[nodiscard]] int acrossOpened(int t, int f) const
@@ -196,6 +226,7 @@ private:
                 bad.cone, [&](int t) { return std::ranges::find(flipping_, t) != flipping_.end(); });
             if (bad.cone.empty() || !apart) continue;
             ++report_.repairFlips;
+            flippedAt_.push_back(bad.node);
             flipping_.insert(flipping_.end(), bad.cone.begin(), bad.cone.end());
         }
         std::ranges::sort(flipping_);
@@ -208,6 +239,20 @@ private:
                 addNodesOf(t, f);
             }
         }
+    }
+
+    /// Two loops touch in a node: a slit between them makes them one. Once for a node: what that leads to is repaired
+    /// as everything else.
+    bool joinLoops(const BadVertex& bad)
+    {
+        if (bad.slit.empty() || std::ranges::find(slitAt_, bad.node) != slitAt_.end()) return false;
+        slitAt_.push_back(bad.node);
+        ++report_.repairSlits;
+        for (auto [t, f] : bad.slit) {
+            mesh_.setFlagged(t, f, true);
+            addNodesOf(t, f);
+        }
+        return true;
     }
 
     /// Two loops touch in a node: one of them stays closed there, or all.
@@ -260,91 +305,11 @@ private:
     std::vector<Edge> edges_, badEdges_;
     std::vector<std::array<int, 2>> openedSides_;
     std::vector<BadVertex> badVertices_;
+    std::vector<int> slitAt_;    ///< nodes whose loops were joined in this transaction
+    std::vector<int> flippedAt_; ///< nodes whose cones changed their side in this transaction
 };
 
 } // namespace
-
-RuptureReport& RuptureReport::operator+=(const RuptureReport& b)
-{
-    for (int i = 0; i < kRuptureRefusals; ++i) refused[i] += b.refused[i];
-    for (long RuptureReport::*sum :
-         {&RuptureReport::crossings, &RuptureReport::snapped, &RuptureReport::snappedGuard, &RuptureReport::moves,
-          &RuptureReport::bisections, &RuptureReport::pending, &RuptureReport::flagged, &RuptureReport::edits,
-          &RuptureReport::repairedEdits, &RuptureReport::repairRounds, &RuptureReport::repairBisections,
-          &RuptureReport::repairFlips, &RuptureReport::repairDeferred, &RuptureReport::flakes, &RuptureReport::givenUp,
-          &RuptureReport::openedFaces, &RuptureReport::copies})
-        this->*sum += b.*sum;
-    openedArea += b.openedArea;
-    openedMoment += b.openedMoment;
-    return *this;
-}
-
-std::vector<FaceLoop> boundaryLoops(const MeshTopology& mesh, int node)
-{
-    struct Face {
-        std::array<int, 2> side;
-        Edge link; ///< its two other nodes
-        int loop;
-    };
-    std::vector<Face> faces;
-    for (int t : mesh.around[node])
-        for (int f = 0; f < 4; ++f) {
-            if (mesh.neighbours[t][f] >= 0 || mesh.tetrahedra[t][f] == node) continue;
-            Edge link{};
-            int count = 0;
-            for (int n : faceNodes(mesh.tetrahedra[t], f))
-                if (n != node) link[count++] = n;
-            faces.push_back({{t, f}, link, -1});
-        }
-    std::vector<FaceLoop> loops;
-    std::vector<int> stack;
-    for (int first = 0; first < static_cast<int>(faces.size()); ++first) {
-        if (faces[first].loop >= 0) continue;
-        const int loop = static_cast<int>(loops.size());
-        loops.emplace_back();
-        faces[first].loop = loop;
-        stack = {first};
-        while (!stack.empty()) {
-            const Face at = faces[stack.back()];
-            stack.pop_back();
-            loops[loop].push_back(at.side);
-            for (int i = 0; i < static_cast<int>(faces.size()); ++i) {
-                const Edge& l = faces[i].link;
-                if (faces[i].loop >= 0 ||
-                    (l[0] != at.link[0] && l[0] != at.link[1] && l[1] != at.link[0] && l[1] != at.link[1]))
-                    continue;
-                faces[i].loop = loop;
-                stack.push_back(i);
-            }
-        }
-    }
-    return loops;
-}
-
-bool isOneFan(const MeshTopology& mesh, int a, int b)
-{
-    std::vector<int> star;
-    edgeStar(mesh, a, b, star);
-    if (star.size() <= 1) return true;
-    std::vector<char> seen(star.size(), 0);
-    std::vector<int> stack{0};
-    seen[0] = 1;
-    std::size_t count = 1;
-    while (!stack.empty()) {
-        const int t = star[stack.back()];
-        stack.pop_back();
-        for (int f = 0; f < 4; ++f) {
-            const int corner = mesh.tetrahedra[t][f], other = mesh.neighbours[t][f];
-            if (corner == a || corner == b || other < 0) continue;
-            const auto at = std::ranges::find(star, other);
-            if (at == star.end() || seen[at - star.begin()]) continue;
-            seen[at - star.begin()] = 1;
-            ++count;
-            stack.push_back(static_cast<int>(at - star.begin()));
-        }
-    }
-    return count == star.size();
-}
 
 void openFaces(EditableMesh& mesh, const OpeningLimits& limits, std::vector<int> candidates, RuptureReport& report)
 {
@@ -361,6 +326,22 @@ void openAll(EditableMesh& mesh, const OpeningLimits& limits, RuptureReport& rep
             if (has(static_cast<std::uint8_t>(data.flagged[t] | data.deferred[t]), f))
                 for (int n : faceNodes(data.tetrahedra[t], f)) candidates.push_back(n);
     openFaces(mesh, limits, std::move(candidates), report);
+    // Together some of them were in each other's way: one at a time, as long as that gets any further.
+    OpeningLimits last = limits;
+    last.slit = true;
+    for (bool further = true; further;) {
+        further = false;
+        for (int t = 0; t < mesh.tetrahedra(); ++t)
+            for (int f = 0; f < 4; ++f) {
+                if (!has(data.deferred[t], f) || data.neighbours[t][f] < t) continue;
+                const auto n = faceNodes(data.tetrahedra[t], f);
+                mesh.setDeferred(t, f, false);
+                mesh.setFlagged(t, f, true);
+                const long before = report.openedFaces;
+                Opening(mesh, last, report).open({n.begin(), n.end()}, true);
+                further = further || report.openedFaces > before;
+            }
+    }
 }
 
 } // namespace filasofia::engine

@@ -12,6 +12,7 @@ struct OpeningLimits {
     bool bisect = true;        ///< may a repair bisect edges
     double minQuality = 0.15;  ///< [-] of what bisecting leaves
     double shortestEdge = 0.0; ///< [m] that is bisected
+    bool slit = false;         ///< may a repair open faces that nobody asked for, where a cut would end in a node else
     int cone = 24;             ///< [-] elements at most that change side together
     int rounds = 40;           ///< [-] of repair; what is then still wrong stays closed
 };
@@ -24,11 +25,5 @@ void openFaces(EditableMesh& mesh, const OpeningLimits& limits, std::vector<int>
 
 /// All faces that are flagged or deferred get a last try.
 void openAll(EditableMesh& mesh, const OpeningLimits& limits, RuptureReport& report);
-
-/// The boundary faces at a node as loops of faces that hang together by edges: a manifold has one or none.
-using FaceLoop = std::vector<std::array<int, 2>>; ///< tetrahedron and face
-std::vector<FaceLoop> boundaryLoops(const MeshTopology& mesh, int node);
-/// Are the edge's elements one fan, each next to another by a face at the edge?
-bool isOneFan(const MeshTopology& mesh, int a, int b);
 
 } // namespace filasofia::engine

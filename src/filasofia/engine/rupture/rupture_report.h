@@ -38,6 +38,7 @@ struct RuptureReport {
     long repairRounds = 0;
     long repairBisections = 0;
     long repairFlips = 0;    ///< cones that changed their side
+    long repairSlits = 0;    ///< nodes parted so that two loops of boundary became one
     long repairDeferred = 0; ///< faces put off
     long flakes = 0;         ///< elements that would have come loose alone, and changed their side
     long givenUp = 0;        ///< transactions that could not be repaired: their faces stay closed

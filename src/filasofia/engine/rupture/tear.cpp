@@ -128,12 +128,11 @@ RuptureReport Tearing::step(EditableMesh& mesh, std::span<const Mat3> stresses, 
     notBefore_.resize(mesh.nodes(), 0);
     findCandidates(mesh, stresses, held, parameters.threshold);
     std::vector<int> touched;
-    int tries = 0;
     for (const Tear& candidate : candidates_) {
-        if (static_cast<int>(torn_.size()) >= parameters.mostTears || tries >= parameters.mostTries) break;
+        // A node with elements on one side only costs nothing: it is no try.
+        if (static_cast<int>(torn_.size()) >= parameters.mostTears || report.edits >= parameters.mostTries) break;
         const std::vector<int> star = mesh.data().around[candidate.node];
         if (std::ranges::any_of(star, [&](int t) { return std::ranges::find(touched, t) != touched.end(); })) continue;
-        ++tries;
         if (!tearAt(mesh, candidate.node, candidate.direction, report)) {
             notBefore_[candidate.node] = step_ + parameters.patience;
             continue;

@@ -12,8 +12,7 @@ namespace filasofia::engine {
 struct TearParameters {
     double threshold = 0.0; ///< [Pa], > 0: an element tears above this largest principal stress
     int mostTears = 4;      ///< [-], >= 1, in one step; the rest follows in the next
-    int mostTries = 8;      ///< [-], >= 1, in one step: many a node cannot open as its neighbours are; what it would
-                            ///< have opened does so with a neighbour's tear
+    int mostTries = 8;      ///< [-], >= 1, in one step: many a node cannot open as its neighbours are
     int patience = 50;      ///< [-] steps until a node that could not open is tried again, unless something else opens
 };
 

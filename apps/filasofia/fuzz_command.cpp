@@ -1,0 +1,142 @@
+#include "apps/filasofia/command_line.h"
+#include "apps/filasofia/commands.h"
+#include "filasofia/core/error.h"
+#include "filasofia/core/hash.h"
+#include "filasofia/engine/rupture/fuzz.h"
+#include "filasofia/geometry/mesh_file.h"
+#include "filasofia/runtime/assets.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <fstream>
+
+namespace filasofia::app {
+namespace {
+
+using nlohmann::json;
+
+struct Options {
+    std::string what;
+    std::string file;
+    int seed = 1;
+    int cuts = 2000;
+    int perBody = 4;
+};
+
+constexpr int kShown = 10; ///< bodies with something to look at
+
+json toJson(const std::vector<engine::CutFuzzCount>& counts)
+{
+    json all = json::object();
+    for (const engine::CutFuzzCount& each : counts) all[each.name] = each.count;
+    return all;
+}
+
+json toJson(const Options& options, const engine::CutFuzzReport& r)
+{
+    json kinds = json::array();
+    for (const engine::CutFuzzKind& kind : r.kinds)
+        kinds.push_back(
+            {{"kind", kind.name}, {"cuts", kind.cuts}, {"judged", kind.judged}, {"incomplete", kind.incomplete}});
+    return {{"fuzz", options.what},
+            {"seed", options.seed},
+            {"cuts", r.cuts},
+            {"cuts_per_body", options.perBody},
+            {"bodies", r.bodies},
+            {"steps", r.steps},
+            {"edits", r.edits},
+            {"checks", r.checks},
+            {"kinds", kinds},
+            {"broken_invariants", toJson(r.faults)},
+            {"examples", r.examples},
+            {"refusals", toJson(r.refusals)},
+            {"repairs", toJson(r.repairs)},
+            {"hashes_that_differ", r.hashesThatDiffer},
+            {"worst_quality", r.worstQuality},
+            {"worst_quality_over_bound", r.worstQualityShare},
+            {"volume_drift", r.volumeDrift},
+            {"most_tetrahedra", r.mostTetrahedra},
+            {"full", {{"cuts", r.full}, {"incomplete", r.incompleteFull}}},
+            {"progressive", {{"cuts", r.progressive}, {"incomplete", r.incompleteProgressive}}},
+            {"hash", hexadecimal(r.hash)}};
+}
+
+void print(const engine::CutFuzzReport& r)
+{
+    std::printf("%ld cuts in %ld bodies: %ld steps, %ld edits, everything checked %ld times\n", r.cuts, r.bodies,
+                r.steps, r.edits, r.checks);
+    std::printf("\n%-16s %8s %8s %10s\n", "kind", "cuts", "judged", "incomplete");
+    for (const engine::CutFuzzKind& kind : r.kinds)
+        std::printf("%-16s %8ld %8ld %10ld\n", kind.name.c_str(), kind.cuts, kind.judged, kind.incomplete);
+    const auto list = [](const char* title, const std::vector<engine::CutFuzzCount>& counts) {
+        std::printf("\n%s:\n", title);
+        for (const engine::CutFuzzCount& each : counts) std::printf("  %-28s %ld\n", each.name.c_str(), each.count);
+    };
+    list("refused", r.refusals);
+    list("done and repaired", r.repairs);
+    std::printf(
+        "\nworst quality %.4f, %.4f of the bound min(input, 0.15); volume kept to %.1e; at most %ld tetrahedra\n",
+        r.worstQuality, r.worstQualityShare, r.volumeDrift, r.mostTetrahedra);
+    std::printf("incomplete: %ld of %ld full cuts, %ld of %ld progressive ones\n", r.incompleteFull, r.full,
+                r.incompleteProgressive, r.progressive);
+    if (!r.faults.empty()) list("BROKEN INVARIANTS", r.faults);
+    for (int i = 0; i < std::min<int>(kShown, static_cast<int>(r.examples.size())); ++i)
+        std::printf("  %s\n", r.examples[static_cast<std::size_t>(i)].c_str());
+    std::printf("hash %s; %ld bodies came out differently a second time\n", hexadecimal(r.hash).c_str(),
+                r.hashesThatDiffer);
+}
+
+int fuzz(const Options& options)
+{
+    if (options.what != "cut") fail("fuzz: there is nothing called '", shortened(options.what), "'; there is cut");
+    std::ofstream out; // opened before the minutes of cutting, not after
+    if (!options.file.empty()) {
+        out.open(options.file);
+        if (!out) fail(options.file, ": cannot be written");
+    }
+    engine::CutFuzzDef def{.seed = static_cast<std::uint64_t>(options.seed),
+                           .cuts = options.cuts,
+                           .meshes = engine::cutFuzzShapes(),
+                           .cutsPerBody = options.perBody};
+    for (const char* size : {"756", "1492"})
+        def.meshes.push_back(
+            {text("bunny ", size), geometry::loadTetMesh(runtime::asset(text("meshes/bunny_", size, ".msh")))});
+    const engine::CutFuzzReport report = engine::fuzzCuts(def);
+    print(report);
+    if (out.is_open()) {
+        out << toJson(options, report).dump() << '\n';
+        out.close(); // what is still on its way may fail too
+        if (!out) fail(options.file, ": cannot be written (disk full?)");
+    }
+    return report.sound() ? 0 : kFailed;
+}
+
+} // namespace
+
+Command fuzzCommand()
+{
+    static Options options; // there is one command line, and it outlives this function
+    return {.name = "fuzz",
+            .meaning = "Do things at random and check everything after each",
+            .options = {{"WHAT", &options.what, "cut: cuts and tears of small bodies", "", {}, true},
+                        {.name = "--seed",
+                         .target = &options.seed,
+                         .meaning = "Of the random numbers",
+                         .type = "S",
+                         .bound = {closed(0, 1000000), "-"}},
+                        {.name = "--cuts",
+                         .target = &options.cuts,
+                         .meaning = "How many, tears among them",
+                         .type = "N",
+                         .bound = {closed(1, 100000000), "-"}},
+                        {.name = "--per-body",
+                         .target = &options.perBody,
+                         .meaning = "How many one after another in the same body",
+                         .type = "N",
+                         .bound = {closed(1, 1000), "-"}},
+                        {"--json", &options.file, "Write every figure to this file", "FILE"}},
+            .run = [] { return fuzz(options); }};
+}
+
+} // namespace filasofia::app
