@@ -49,10 +49,11 @@ std::string goodPng()
 /// The head of a PNG of this size, and nothing behind it.
 std::string pngHead(std::uint32_t width, std::uint32_t height)
 {
-    std::string bytes("\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR", 16);
+    std::string bytes;
+    bytes.append("\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR", 16);
     for (std::uint32_t number : {width, height})
         for (int shift : {24, 16, 8, 0}) bytes += char(number >> shift & 255U);
-    return bytes + std::string("\x08\x02\0\0\0\0\0\0\0", 9);
+    return bytes.append("\x08\x02\0\0\0\0\0\0\0", 9);
 }
 
 VisualBodyDef screenDef(const Material& material)
@@ -127,8 +128,9 @@ TEST_CASE("a texture needs uv, also when the mesh changes or the pool does")
     for (Backend backend : backends()) {
         LittleScene scene(backend);
         for (const Material& material :
-             {Material(TissueMaterial{.baseColorTexture = picture}), Material(MetalMaterial{.baseColorTexture = picture}),
-              Material(BoneMaterial{.baseColorTexture = picture}), Material(UnlitMaterial{.texture = picture})})
+             {Material(TissueMaterial{.baseColorTexture = picture}),
+              Material(MetalMaterial{.baseColorTexture = picture}), Material(BoneMaterial{.baseColorTexture = picture}),
+              Material(UnlitMaterial{.texture = picture})})
             CHECK_THROWS_WITH(scene.body.setMaterial(material), Contains("ball") && Contains("uv"));
         VisualBody& screenBody = scene.server.add(screenDef(UnlitMaterial{.texture = picture}));
         geometry::TriangleMesh bare = screen(0.2, 0.2);
@@ -188,7 +190,8 @@ TEST_CASE("wrong use of the pool is an error that names the material")
         server.addMaterial("liver", TissueMaterial{});
         CHECK_THROWS_WITH(server.addMaterial("liver", MetalMaterial{}), Contains("liver"));
         CHECK_THROWS_AS(server.addMaterial("", MetalMaterial{}), Error);
-        CHECK_THROWS_WITH(server.addMaterial("steel", MetalMaterial{.roughness = 3}), Contains("steel") && Contains("roughness"));
+        CHECK_THROWS_WITH(server.addMaterial("steel", MetalMaterial{.roughness = 3}),
+                          Contains("steel") && Contains("roughness"));
         CHECK_THROWS_WITH(server.addMaterial("loop", NamedMaterial{"liver"}), Contains("loop"));
         CHECK_THROWS_WITH(server.changeMaterial("liver", NamedMaterial{"liver"}), Contains("liver"));
         CHECK_THROWS_WITH(server.changeMaterial("spleen", TissueMaterial{}), Contains("spleen"));
@@ -238,7 +241,8 @@ TEST_CASE("a material file tells its parameters, and wrong ones are errors that 
         LittleScene scene(backend);
         for (const auto& [parameter, what] : wrong) {
             INFO(parameter.name);
-            CHECK_THROWS_WITH(scene.body.setMaterial(CustomMaterial{own, {parameter}}), Contains("ball") && Contains(what));
+            CHECK_THROWS_WITH(scene.body.setMaterial(CustomMaterial{own, {parameter}}),
+                              Contains("ball") && Contains(what));
         }
         CHECK_THROWS_WITH(scene.body.setMaterial(CustomMaterial{own, {{"colour", 1.0}}}),
                           Contains("own.filamat") && Contains("colour"));

@@ -16,11 +16,12 @@ inline double bumps(Vec3 p, double scale)
 {
     const Vec3 q = scale * p;
     return 0.5 * std::sin(1.7 * q.x + 1.3 * std::sin(1.1 * q.y) + 0.4) * std::cos(1.4 * q.y + 0.9 * q.z) +
-           0.3 * std::sin(2.9 * q.z + 1.9 * q.x + 1.0) * std::cos(2.3 * q.y - 0.7) + 0.2 * std::sin(4.3 * q.x - 3.1 * q.z);
+           0.3 * std::sin(2.9 * q.z + 1.9 * q.x + 1.0) * std::cos(2.3 * q.y - 0.7) +
+           0.2 * std::sin(4.3 * q.x - 3.1 * q.z);
 }
 
-/// A surface (u, v) -> point over a grid, u around (closed where `closed`), v along; seen from where u runs to the right
-/// and v upwards. uv are (u, v). Along a closed seam the vertices are doubled, so that uv may jump there.
+/// A surface (u, v) -> point over a grid, u around (closed where `closed`), v along; seen from where u runs to the
+/// right and v upwards. uv are (u, v). Along a closed seam the vertices are doubled, so that uv may jump there.
 template <class Shape> geometry::TriangleMesh gridSurface(int columns, int rows, Shape&& shape)
 {
     geometry::TriangleMesh mesh;
@@ -33,7 +34,8 @@ template <class Shape> geometry::TriangleMesh gridSurface(int columns, int rows,
     const auto at = [&](int column, int row) { return row * (columns + 1) + column; };
     for (int row = 0; row < rows; ++row)
         for (int column = 0; column < columns; ++column) {
-            const int a = at(column, row), b = at(column + 1, row), c = at(column + 1, row + 1), d = at(column, row + 1);
+            const int a = at(column, row), b = at(column + 1, row), c = at(column + 1, row + 1),
+                      d = at(column, row + 1);
             mesh.triangles.push_back({a, b, c});
             mesh.triangles.push_back({a, c, d});
         }
@@ -46,7 +48,8 @@ inline geometry::TriangleMesh organ(double radius, int level)
     geometry::TriangleMesh mesh = sphere(1.0, level);
     for (Vec3& v : mesh.vertices) {
         const double lobes = 1.0 + 0.22 * bumps(v, 1.9) + 0.07 * bumps(v + Vec3{3, 1, 2}, 4.1);
-        const double notch = 1.0 - 0.34 * std::exp(-std::pow((v.x - 0.25 * v.z) / 0.24, 2.0)) * std::max(v.y + 0.3, 0.0);
+        const double notch =
+            1.0 - 0.34 * std::exp(-std::pow((v.x - 0.25 * v.z) / 0.24, 2.0)) * std::max(v.y + 0.3, 0.0);
         v = radius * lobes * notch * Vec3{1.30 * v.x, 0.92 * v.y, 1.0 * v.z};
     }
     return mesh;
@@ -104,7 +107,8 @@ inline geometry::TriangleMesh boneEnd(double length = 0.13, double radius = 0.01
         const double cap = std::min(u / 0.16, 1.0);
         const double blunt = std::sqrt(1.0 - std::pow(1.0 - cap, 2.0));
         const double head = std::exp(-std::pow((u - 0.10) / 0.17, 2.0));
-        const double condyles = 1.0 + 1.05 * head * (0.55 + 0.45 * side * side) - 0.28 * head * (1.0 - side * side) * (angle < kPi);
+        const double condyles =
+            1.0 + 1.05 * head * (0.55 + 0.45 * side * side) - 0.28 * head * (1.0 - side * side) * (angle < kPi);
         const Vec3 place{6.0 * u, side, std::sin(angle)};
         const double r = std::max(radius * condyles * blunt * (1.0 + 0.05 * bumps(place, 1.9)), 1e-6);
         return Vec3{length * u + 0.35 * length * 0.16 * (1.0 - cap) * cap - 0.01 * (1.0 - cap), r * side,

@@ -13,14 +13,19 @@ namespace {
 /// Around what is looked at, the picture is calm.
 const TissueMaterial kGround{.wetness = 0.55, .noiseScale = 85.0, .mottling = 0.5, .vessels = 0.5, .bump = 0.15};
 
+const TissueMaterial kOrgan{.bump = 0.35};
+const MucosaMaterial kLining{.noiseScale = 110.0, .pits = 0.35, .bump = 0.7};
+
 /// An operating field: folded tissue, an organ on it, a probe that touches it, and an endoscope's camera and light.
 struct Scenery {
-    explicit Scenery(const Material& material = TissueMaterial{}, geometry::TriangleMesh mesh = organ(0.032, 3))
+    explicit Scenery(const Material& material = kOrgan, geometry::TriangleMesh mesh = organ(0.032, 3))
     {
         server.add(VisualBodyDef{.name = "bed", .mesh = bed(0.34), .material = kGround})
             .setPose({{0, -0.032, -0.03}, {}});
-        body = &server.add(VisualBodyDef{.name = "organ", .mesh = std::move(mesh), .subdivision = 1, .material = material});
-        tool = &server.add(VisualBodyDef{.name = "probe", .mesh = probe(), .subdivision = 1, .material = MetalMaterial{}});
+        body = &server.add(
+            VisualBodyDef{.name = "organ", .mesh = std::move(mesh), .subdivision = 1, .material = material});
+        tool =
+            &server.add(VisualBodyDef{.name = "probe", .mesh = probe(), .subdivision = 1, .material = MetalMaterial{}});
         tool->setPose(lookAlong({0.030, 0.022, 0.024}, {0.60, 0.48, 0.28}));
         rig = &server.addTransform("endoscope");
         camera = &server.add(CameraDef{.verticalFieldOfView = 52.0 * kPi / 180.0, .near = 0.01, .focusDistance = 0.10});
@@ -43,6 +48,13 @@ struct Scenery {
         return {from, towards.orientation * axisAngle({0, 1, 0}, kPi / 2)};
     }
 
+    void expose(double exposure)
+    {
+        CameraDef def = camera->def();
+        def.exposure = exposure;
+        camera->set(def);
+    }
+
     void set(const Effects& effects)
     {
         ViewDef def = view->def();
@@ -61,13 +73,13 @@ struct Scenery {
 
 /// The view from inside a hollow organ.
 struct Lumen {
-    explicit Lumen(const Material& material = MucosaMaterial{.noiseScale = 110.0}, const Effects& effects = effectsOf(Quality::High, 0.006))
+    explicit Lumen(const Material& material = kLining, const Effects& effects = effectsOf(Quality::High, 0.006))
     {
         body = &server.add(VisualBodyDef{.name = "colon", .mesh = tubeInside(0.024, 0.30), .material = material});
         camera = &server.add(CameraDef{.verticalFieldOfView = 80.0 * kPi / 180.0, .near = 0.004});
         lamp = &server.add(LightDef{.kind = SpotLight{.intensity = 15.0, .innerAngle = 0.6, .outerAngle = 1.4}});
         lamp->attachTo(*camera);
-        lamp->setPose({{-0.004, 0.004, 0.0}, {}});
+        lamp->setPose({{-0.006, 0.007, 0.002}, {}});
         camera->setPose(lookAt({0.004, -0.003, 0.0}, {0.012, 0.006, -0.10}));
         view = &server.add(ViewDef{.effects = effects}, *camera);
         EnvironmentDef environment;
@@ -86,14 +98,16 @@ struct Lumen {
 std::vector<SurfaceState> marks(std::span<const Vec3> vertices)
 {
     std::vector<SurfaceState> states;
-    const auto spot = [](Vec3 v, Vec3 at, double size) { return std::clamp(1.7 - 1.2 * distance(v, at) / size, 0.0, 1.0); };
+    const auto spot = [](Vec3 v, Vec3 at, double size) {
+        return std::clamp(1.7 - 1.2 * distance(v, at) / size, 0.0, 1.0);
+    };
     for (Vec3 v : vertices)
-        states.push_back({.blood = std::max(spot(v, {-0.010, 0.022, 0.022}, 0.014), spot(v, {-0.014, 0.004, 0.032}, 0.009)),
-                          .burn = spot(v, {0.020, 0.012, 0.026}, 0.0095),
-                          .wetness = spot(v, {0.0, -0.02, 0.02}, 0.02)});
+        states.push_back(
+            {.blood = std::max(spot(v, {-0.010, 0.022, 0.022}, 0.014), spot(v, {-0.014, 0.004, 0.032}, 0.009)),
+             .burn = spot(v, {0.020, 0.012, 0.026}, 0.0095),
+             .wetness = spot(v, {0.0, -0.02, 0.02}, 0.02)});
     return states;
 }
-
 
 } // namespace
 
@@ -119,8 +133,8 @@ TEST_CASE("picture: metal")
 TEST_CASE("picture: glass")
 {
     Scenery scene;
-    VisualBody& lens = scene.server.add(
-        VisualBodyDef{.name = "lens", .mesh = drop(0.016), .subdivision = 1, .material = GlassMaterial{}, .castShadows = false});
+    VisualBody& lens = scene.server.add(VisualBodyDef{
+        .name = "lens", .mesh = drop(0.016), .subdivision = 1, .material = GlassMaterial{}, .castShadows = false});
     lens.setPose({{-0.012, 0.022, 0.046}, {}});
     checkPicture(scene.server.capture(), "glass");
 }
@@ -148,22 +162,28 @@ TEST_CASE("picture: unlit colour and a texture from a file")
         for (int x = 0; x < 64; ++x) {
             const bool frame = x < 2 || y < 2 || x > 61 || y > 45;
             const int bar = x / 8;
-            const auto channel = [&](int bit) { return std::uint8_t(frame ? 235 : (bar >> bit & 1) ? 200 - 2 * y : 30); };
+            const auto channel = [&](int bit) {
+                return std::uint8_t(frame ? 235 : (bar >> bit & 1) ? 200 - 2 * y : 30);
+            };
             chart.rgba.insert(chart.rgba.end(), {channel(0), channel(1), channel(2), 255});
         }
     const std::string png = FILASOFIA_BINARY_DIR "/test_chart.png";
     savePng(chart, png);
-    const auto add = [&](const char* name, Vec3 at, const Material& material) {
-        VisualBody& shown = scene.server.add(VisualBodyDef{.name = name, .mesh = screen(0.036, 0.027), .material = material});
-        shown.setPose({at, axisAngle({1, 0, 0}, -0.45)});
-    };
-    add("chart", {-0.026, 0.026, 0.030}, UnlitMaterial{.texture = TextureFile{png}});
-    add("plain", {0.016, 0.024, 0.034}, UnlitMaterial{.color = {0.05, 0.35, 0.55}});
+    VisualBody& chartBody = scene.server.add(VisualBodyDef{
+        .name = "chart", .mesh = screen(0.036, 0.027), .material = UnlitMaterial{.texture = TextureFile{png}}});
+    chartBody.setPose(Pose{{0.042, 0.022, 0.012}, axisAngle({0, 1, 0}, -0.3) * axisAngle({1, 0, 0}, -0.45)});
+    // Landmarks, as a navigation system shows them.
+    for (Vec3 at : {Vec3{-0.030, 0.020, 0.020}, Vec3{-0.016, 0.004, 0.034}, Vec3{0.010, 0.002, 0.034}})
+        scene.server
+            .add(VisualBodyDef{
+                .name = "landmark", .mesh = sphere(0.0022, 3), .material = UnlitMaterial{.color = {0.03, 0.55, 0.65}}})
+            .setPose({at, {}});
     scene.server.remove(*scene.tool);
     checkPicture(scene.server.capture(), "unlit");
 }
 
-/// A picture of `ground` with ink where `inked` says so for (u, v) in [0, 1], as a file; (0, 0) is its lower left corner.
+/// A picture of `ground` with ink where `inked` says so for (u, v) in [0, 1], as a file; (0, 0) is its lower left
+/// corner.
 template <class Inked>
 TextureFile inkFile(const char* name, std::array<int, 3> ground, std::array<int, 3> ink, Inked&& inked)
 {
@@ -196,9 +216,12 @@ TEST_CASE("picture: textures on bone, tissue and metal: marker ink and depth rin
     Scenery scene(BoneMaterial{.baseColorTexture = boneInk}, boneEnd());
     scene.body->setPose({{-0.036, 0.004, 0.000}, axisAngle({0, 1, 0}, 0.25)});
     scene.server
-        .add(VisualBodyDef{.name = "flap", .mesh = bed(0.06, 24), .material = TissueMaterial{.baseColorTexture = tissueInk}})
+        .add(VisualBodyDef{.name = "flap",
+                           .mesh = bed(0.06, 24),
+                           .material = TissueMaterial{.wetness = 0.5, .bump = 0.2, .baseColorTexture = tissueInk}})
         .setPose({{0.0, -0.016, 0.050}, axisAngle({1, 0, 0}, 0.45)});
     scene.tool->setMaterial(MetalMaterial{.baseColorTexture = rings});
+    scene.expose(11.6);
     scene.tool->setPose(Scenery::lookAlong({0.010, 0.012, 0.048}, {0.75, 0.42, -0.1}));
     checkPicture(scene.server.capture(), "textures");
 }
@@ -242,7 +265,7 @@ TEST_CASE("picture: the surroundings alone")
     Scenery scene;
     scene.lamp->setVisible(false);
     EnvironmentDef environment;
-    environment.intensity = 2500.0;
+    environment.intensity = 1200.0;
     environment.lampDirection = {-0.4, 0.9, 0.4};
     scene.server.setEnvironment(environment);
     checkPicture(scene.server.capture(), "light_surroundings");
@@ -263,7 +286,7 @@ TEST_CASE("picture: each effect is seen, and off it leaves the picture as it was
     };
     Scenery scene;
     CameraDef camera = scene.camera->def();
-    camera.exposure = 11.6;
+    camera.exposure = 12.0;
     camera.aperture = 4.0;
     camera.focusDistance = 0.105;
     scene.camera->set(camera);
@@ -274,10 +297,12 @@ TEST_CASE("picture: each effect is seen, and off it leaves the picture as it was
              Case{"effect_shadows", 0.02, with([](Effects& e) { e.shadows = true; })},
              Case{"effect_ambient_occlusion", 0.10,
                   with([](Effects& e) { e.ambientOcclusion = AmbientOcclusion{.radius = 0.012, .strength = 1.5}; })},
-             Case{"effect_bloom", 0.01, with([](Effects& e) { e.bloom = Bloom{.strength = 1.0}; })},
+             Case{"effect_bloom", 0.10,
+                  with([](Effects& e) { e.bloom = Bloom{.strength = 0.35, .onlyHighlights = false}; })},
              Case{"effect_depth_of_field", 0.10, with([](Effects& e) { e.depthOfField = DepthOfField{}; })},
              Case{"effect_vignette", 0.20, with([](Effects& e) { e.vignette = Vignette{}; })},
-             Case{"effect_fog", 0.50, with([](Effects& e) { e.fog = Fog{.density = 7.0, .start = 0.06, .brightness = 0.5}; })},
+             Case{"effect_fog", 0.50,
+                  with([](Effects& e) { e.fog = Fog{.density = 7.0, .start = 0.06, .brightness = 0.5}; })},
              Case{"effect_fxaa", 0.005, with([](Effects& e) { e.antialiasing = Antialiasing::Fxaa; })},
              Case{"effect_msaa", 0.005, with([](Effects& e) { e.antialiasing = Antialiasing::Msaa; })},
          }) {
@@ -294,6 +319,7 @@ TEST_CASE("picture: each effect is seen, and off it leaves the picture as it was
 TEST_CASE("picture: temporal antialiasing after eight frames")
 {
     Scenery scene;
+    scene.expose(12.0);
     Effects effects = {.shadows = false, .antialiasing = Antialiasing::None};
     scene.set(effects);
     const Image off = scene.server.capture();
@@ -309,7 +335,7 @@ TEST_CASE("picture: endoscope optics, and nothing from outside the picture insid
 {
     Effects effects = effectsOf(Quality::High, 0.006);
     effects.vignette.reset();
-    Lumen scene(MucosaMaterial{.noiseScale = 110.0}, effects);
+    Lumen scene(kLining, effects);
     const Image plain = scene.server.capture();
     effects.endoscope = EndoscopeOptics{};
     ViewDef def = scene.view->def();
@@ -342,16 +368,16 @@ TEST_CASE("picture: picture-in-picture, in the window and on a screen in the sce
     Effects noVignette = effectsOf(Quality::Medium);
     noVignette.vignette.reset();
     scene.server.add({.name = "monitor", .effects = noVignette, .target = OffScreen{160, 120}}, above);
-    VisualBody& monitor = scene.server.add(VisualBodyDef{.name = "monitor",
-                                                         .mesh = screen(0.052, 0.039),
-                                                         .material = UnlitMaterial{.texture = ViewPicture{"monitor"}}});
+    VisualBody& monitor = scene.server.add(VisualBodyDef{
+        .name = "monitor", .mesh = screen(0.048, 0.036), .material = UnlitMaterial{.texture = ViewPicture{"monitor"}}});
     scene.body->setPose({{0.012, 0.0, 0.0}, {}});
+    scene.expose(12.0);
     VisualBody& bezel = scene.server.add(VisualBodyDef{
-        .name = "bezel", .mesh = screen(0.055, 0.042), .material = UnlitMaterial{.color = {0.015, 0.016, 0.018}}});
+        .name = "bezel", .mesh = screen(0.051, 0.039), .material = UnlitMaterial{.color = {0.015, 0.016, 0.018}}});
     bezel.attachTo(monitor);
     bezel.setPose({{0, 0, -0.0006}, {}});
     monitor.setPose(Pose{{-0.036, 0.012, 0.026}, axisAngle({0, 1, 0}, 0.30) * axisAngle({1, 0, 0}, -0.35)});
-    scene.server.add({.name = "corner", .viewport = {0.68, 0.62, 0.30, 0.34}, .effects = noVignette}, above);
+    scene.server.add({.name = "corner", .viewport = {0.72, 0.66, 0.26, 0.30}, .effects = noVignette}, above);
     checkPicture(scene.server.capture(), "picture_in_picture");
 }
 

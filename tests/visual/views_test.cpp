@@ -78,8 +78,8 @@ TEST_CASE("an off-screen view has a picture of its own size, which follows a cha
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
-        View& view = scene.server.add(
-            ViewDef{.name = "side", .quality = Quality::Low, .target = OffScreen{200, 100}}, *scene.look.camera);
+        View& view = scene.server.add(ViewDef{.name = "side", .quality = Quality::Low, .target = OffScreen{200, 100}},
+                                      *scene.look.camera);
         const Image picture = view.capture();
         CHECK(picture.width == 200);
         CHECK(picture.height == 100);
@@ -158,16 +158,20 @@ TEST_CASE("wrong off-screen views are errors")
     for (Backend backend : backends()) {
         LittleScene scene(backend);
         Camera& camera = *scene.look.camera;
-        CHECK_THROWS_WITH(scene.server.add(ViewDef{.name = "a", .target = OffScreen{0, 10}}, camera), Contains("target.width"));
-        CHECK_THROWS_WITH(scene.server.add(ViewDef{.name = "a", .target = OffScreen{10, -1}}, camera), Contains("height"));
-        CHECK_THROWS_WITH(scene.server.add(ViewDef{.name = "a", .target = OffScreen{10, 9000}}, camera), Contains("8192"));
+        CHECK_THROWS_WITH(scene.server.add(ViewDef{.name = "a", .target = OffScreen{0, 10}}, camera),
+                          Contains("target.width"));
+        CHECK_THROWS_WITH(scene.server.add(ViewDef{.name = "a", .target = OffScreen{10, -1}}, camera),
+                          Contains("height"));
+        CHECK_THROWS_WITH(scene.server.add(ViewDef{.name = "a", .target = OffScreen{10, 9000}}, camera),
+                          Contains("8192"));
         CHECK_THROWS_WITH(
             scene.server.add(ViewDef{.name = "a", .viewport = {.width = 0.5}, .target = OffScreen{}}, camera),
             Contains("viewport"));
         CHECK_THROWS_WITH(scene.look.view->capture(), Contains("endoscope view"));
         CHECK_THROWS_WITH(scene.server.add(monitorDef("a")), Contains("monitor") && Contains("'a'"));
         View& view = scene.server.add(ViewDef{.name = "a", .target = OffScreen{8, 8}}, camera);
-        CHECK_THROWS_WITH(scene.server.add(ViewDef{.name = "a", .target = OffScreen{}}, camera), Contains("name already"));
+        CHECK_THROWS_WITH(scene.server.add(ViewDef{.name = "a", .target = OffScreen{}}, camera),
+                          Contains("name already"));
         CHECK_NOTHROW(view.set(view.def()));
         CHECK(scene.server.statistics().views == 2);
         CHECK(scene.server.render());
@@ -180,21 +184,22 @@ TEST_CASE("what shows a view that is removed, resized or renamed lives on")
         LittleScene scene(backend);
         Camera& front = scene.server.add(CameraDef{.name = "front"});
         front.setPose({{1, 0, 0.06}, {}});
-        View* view =
-            &scene.server.add(ViewDef{.name = "a", .quality = Quality::Low, .target = OffScreen{64, 64}}, *scene.look.camera);
+        View* view = &scene.server.add(ViewDef{.name = "a", .quality = Quality::Low, .target = OffScreen{64, 64}},
+                                       *scene.look.camera);
         scene.server.add(monitorDef("a")).setPose({{1, 0, 0}, {}});
         scene.look.view->setCamera(front);
         const Image shown = scene.server.capture();
         scene.server.remove(*view);
         CHECK(scene.server.render());
         const Image gone = scene.server.capture();
-        view = &scene.server.add(ViewDef{.name = "a", .quality = Quality::Low, .target = OffScreen{64, 64}}, *scene.look.camera);
+        view = &scene.server.add(ViewDef{.name = "a", .quality = Quality::Low, .target = OffScreen{64, 64}},
+                                 *scene.look.camera);
         CHECK(scene.server.capture() == shown);
         ViewDef def = view->def();
         def.target = OffScreen{16, 16};
         view->set(def);
         const Image coarse = scene.server.capture();
-        def.name = "b";
+        def.name = std::string("b"); // GCC 12 warns wrongly of the plain letter
         view->set(def);
         const Image renamed = scene.server.capture();
         if (backend == Backend::Headless) {
@@ -317,5 +322,25 @@ TEST_CASE("fifty servers one after another, with effects and textures, and one o
         }
         CHECK(scene.server.statistics().bodies == 1);
         CHECK(scene.server.capture() == before);
+    }
+}
+
+TEST_CASE("one body too many is an error, and the server draws on")
+{
+    for (Backend backend : backends()) {
+        LittleScene scene(backend);
+        for (std::size_t i = 1; i < kMostBodies; ++i) scene.server.add(sphereDef(0.01, 0));
+        CHECK_THROWS_WITH(scene.server.add(sphereDef()), Contains("ball") && Contains("1400"));
+        CHECK(scene.server.render());
+    }
+}
+
+TEST_CASE("a body cut in every frame does not use up the library")
+{
+    for (Backend backend : backends()) {
+        LittleScene scene(backend);
+        const geometry::TriangleMesh mesh = sphere(0.05, 0);
+        for (int i = 0; i < 3000; ++i) scene.body.setMesh(mesh, mesh.vertices);
+        CHECK(scene.server.render());
     }
 }

@@ -27,7 +27,8 @@ constexpr auto fields(const MaterialParameter*)
 }
 
 /// A material of the user's own, compiled by Filament's matc 1.9 for desktop OpenGL. It may require the attributes
-/// position, tangents, color (blood, burn, wetness), uv0 and custom0 (position at rest). What is not set is 0, or white.
+/// position, tangents, color (blood, burn, wetness), uv0 and custom0 (position at rest). What is not set is 0, or
+/// white.
 struct CustomMaterial {
     std::string file = {}; ///< a .filamat; read once for a server, when it is first named
     std::vector<MaterialParameter> parameters = {};

@@ -23,14 +23,16 @@ constexpr auto fields(const AmbientOcclusion*)
 
 /// Highlights spill over their edge, as in every lens.
 struct Bloom {
-    double strength = 0.06; ///< [-], in [0, 1]
+    double strength = 0.06;     ///< [-], in [0, 1]
+    bool onlyHighlights = true; ///< only what is brighter than white spills; else all light, as through a misted lens
 
     friend constexpr bool operator==(const Bloom&, const Bloom&) = default;
 };
 
 constexpr auto fields(const Bloom*)
 {
-    return describe("Bloom", field("strength", &Bloom::strength, "-", closed(0, 1), "share of the light that spills"));
+    return describe("Bloom", field("strength", &Bloom::strength, "-", closed(0, 1), "share of the light that spills"),
+                    field("onlyHighlights", &Bloom::onlyHighlights, "only what is brighter than white spills"));
 }
 
 /// What is nearer or farther than the camera's focusDistance is blurred, as its aperture says.
@@ -61,10 +63,10 @@ constexpr auto fields(const Vignette*)
 
 /// Smoke or cloudy water: what is farther away fades into its colour.
 struct Fog {
-    double density = 2.0;              ///< [1/m], in (0, 1e4]: after 1/density metres, 63 % are fog
-    double start = 0.0;                ///< [m], in [0, 1e6], from the camera: no fog before
-    double opacity = 1.0;              ///< [-], in [0, 1], at most
-    double brightness = 1.0;           ///< [-], in [0, 100], relative to the surroundings' intensity
+    double density = 2.0;    ///< [1/m], in (0, 1e4]: after 1/density metres, 63 % are fog
+    double start = 0.0;      ///< [m], in [0, 1e6], from the camera: no fog before
+    double opacity = 1.0;    ///< [-], in [0, 1], at most
+    double brightness = 1.0; ///< [-], in [0, 100], relative to the surroundings' intensity
     Color color = {0.75, 0.77, 0.80};
 
     friend constexpr bool operator==(const Fog&, const Fog&) = default;
@@ -79,9 +81,9 @@ constexpr auto fields(const Fog*)
                     field("color", &Fog::color, "colour of the fog"));
 }
 
-/// What an endoscope's optics do to the picture: a round field that darkens and blurs towards its rim, and straight lines
-/// that bend outwards. Lengths are shares of half the picture's smaller side. What lies in the round field is never
-/// from outside the picture.
+/// What an endoscope's optics do to the picture: a round field that darkens and blurs towards its rim, and straight
+/// lines that bend outwards. Lengths are shares of half the picture's smaller side. What lies in the round field is
+/// never from outside the picture.
 struct EndoscopeOptics {
     double maskRadius = 0.97;   ///< [-], in (0, 2], of the round field; all else is black
     double maskSoftness = 0.02; ///< [-], in [0, 0.5], width of its edge, inwards
@@ -95,8 +97,7 @@ struct EndoscopeOptics {
 constexpr auto fields(const EndoscopeOptics*)
 {
     using E = EndoscopeOptics;
-    return describe("EndoscopeOptics",
-                    field("maskRadius", &E::maskRadius, "-", openClosed(0, 2), "of the round field"),
+    return describe("EndoscopeOptics", field("maskRadius", &E::maskRadius, "-", openClosed(0, 2), "of the round field"),
                     field("maskSoftness", &E::maskSoftness, "-", closed(0, 0.5), "width of its edge"),
                     field("distortion", &E::distortion, "-", closed(0, 1), "how much the middle is larger"),
                     field("vignette", &E::vignette, "-", closed(0, 1), "how dark the rim is"),
@@ -132,8 +133,8 @@ constexpr auto fields(const Effects*)
                     field("ambientOcclusion", &E::ambientOcclusion, "dark corners"),
                     field("bloom", &E::bloom, "highlights that spill"),
                     field("depthOfField", &E::depthOfField, "blur out of focus"),
-                    field("vignette", &E::vignette, "dark corners of the picture"),
-                    field("fog", &E::fog, "smoke"), field("endoscope", &E::endoscope, "endoscope optics"));
+                    field("vignette", &E::vignette, "dark corners of the picture"), field("fog", &E::fog, "smoke"),
+                    field("endoscope", &E::endoscope, "endoscope optics"));
 }
 
 /// What a view spends on its picture.

@@ -49,8 +49,8 @@ struct ViewDef {
     std::string name = "view"; ///< no two off-screen views of a server may share one
     Viewport viewport = {};    ///< of a view in the window
     Quality quality = Quality::High;
-    double occlusionRadius = 0.012;               ///< [m], > 0: how far corners darken (Quality::High)
-    std::optional<Effects> effects = {};          ///< none: those of `quality`
+    double occlusionRadius = 0.012;                ///< [m], > 0: how far corners darken (Quality::High)
+    std::optional<Effects> effects = {};           ///< none: those of `quality`
     std::variant<InWindow, OffScreen> target = {}; ///< where its picture goes
 };
 

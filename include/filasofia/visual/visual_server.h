@@ -80,8 +80,8 @@ public:
     void remove(Transform& entity);
     void remove(View& view);
 
-    /// A material that bodies can share: NamedMaterial{name}. Throws an Error when there is one of this name already, it
-    /// is itself a NamedMaterial, or anything about it is wrong.
+    /// A material that bodies can share: NamedMaterial{name}. Throws an Error when there is one of this name already,
+    /// it is itself a NamedMaterial, or anything about it is wrong.
     void addMaterial(const std::string& name, const Material& material);
     /// Changes it, and every body that uses it. Throws an Error as addMaterial() and VisualBody::setMaterial() do; then
     /// nothing has changed.

@@ -78,6 +78,11 @@ void FilamentBackend::stop()
     for (auto& [slot, each] : cameras_) destroyPlace(each.entity);
     for (auto& [slot, entity] : lights_) destroyPlace(entity);
     bodies_.clear();
+    if (blank_) {
+        engine_->destroy(blank_);
+        engine_->destroy(nothing_);
+        destroyPlace(nobody_);
+    }
     pool_.reset(); // after the last instance, before the engine
     destroyEnvironment();
     engine_->destroy(grading_);
@@ -104,13 +109,23 @@ void FilamentBackend::destroyPlace(utils::Entity entity)
 
 void FilamentBackend::addBody(Slot slot, const ReadyMaterial& material, bool castShadows, BodyGeometry geometry)
 {
+    countHandles();
     bodies_[slot] =
         std::make_unique<FilamentBody>(*engine_, *scene_, *pool_, material, castShadows, std::move(geometry));
 }
 
 void FilamentBackend::setGeometry(Slot body, BodyGeometry geometry)
 {
+    countHandles();
     bodies_.at(body)->setGeometry(std::move(geometry));
+}
+
+void FilamentBackend::countHandles()
+{
+    constexpr int kOften = 128;
+    if (++handlesTaken_ < kOften) return;
+    handlesTaken_ = 0;
+    engine_->flushAndWait();
 }
 void FilamentBackend::setVertices(Slot body, VertexData vertices)
 {
@@ -120,10 +135,7 @@ void FilamentBackend::setSurfaceState(Slot body, std::vector<PackedState> states
 {
     bodies_.at(body)->setSurfaceState(std::move(states));
 }
-void FilamentBackend::setMaterial(Slot body, const ReadyMaterial& material)
-{
-    bodies_.at(body)->setMaterial(material);
-}
+void FilamentBackend::setMaterial(Slot body, const ReadyMaterial& material) { bodies_.at(body)->setMaterial(material); }
 
 void FilamentBackend::putCamera(Slot slot, const CameraDef& def)
 {
@@ -290,10 +302,28 @@ template <class Render> void FilamentBackend::drawView(PlacedView& each, Render&
 
 void FilamentBackend::drawViews()
 {
+    bool seen = false;
     for (const bool offScreen : {true, false})
         for (auto& [slot, each] : views_)
-            if (each.visible && bool(each.picture) == offScreen)
+            if (each.visible && bool(each.picture) == offScreen) {
                 drawView(each, [&](filament::View* view) { renderer_->render(view); });
+                seen = seen || !offScreen;
+            }
+    if (!seen) clearWindow();
+}
+
+void FilamentBackend::clearWindow()
+{
+    if (!blank_) {
+        nothing_ = engine_->createScene();
+        nobody_ = utils::EntityManager::get().create();
+        blank_ = engine_->createView();
+        blank_->setScene(nothing_);
+        blank_->setCamera(engine_->createCamera(nobody_));
+        blank_->setPostProcessingEnabled(false);
+    }
+    blank_->setViewport({0, 0, std::uint32_t(width_), std::uint32_t(height_)});
+    renderer_->render(blank_);
 }
 
 bool FilamentBackend::draw()

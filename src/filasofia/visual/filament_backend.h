@@ -75,6 +75,16 @@ private:
     /// Begins a frame; false when Filament wants none even after a while.
     bool beginFrame(int tries);
 
+    /// Called when something gave handles back or took some: what was destroyed is only free once Filament's thread
+    /// has come to it, so every now and then that is waited for.
+    void countHandles();
+    /// Where no view of the window is drawn, clears it.
+    void clearWindow();
+
+    int handlesTaken_ = 0;
+    filament::View* blank_ = nullptr; ///< of an empty scene
+    filament::Scene* nothing_ = nullptr;
+    utils::Entity nobody_; ///< the blank view's camera
     bool headless_;
     int width_;
     int height_;

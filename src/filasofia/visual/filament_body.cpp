@@ -6,13 +6,22 @@
 #include <filament/TransformManager.h>
 #include <utils/EntityManager.h>
 
+#include <cstring>
+
 namespace filasofia::visual {
 namespace {
 
 using Attribute = filament::VertexAttribute;
 using Type = filament::VertexBuffer::AttributeType;
 
-enum Stream : std::uint8_t { kPositions, kFrames, kRest, kStates, kUv, kStreamCount };
+// Buffers are scarce (see FilamentBackend::addBody): those that change together are one.
+enum Stream : std::uint8_t { kShape, kRest, kStates, kStreamCount };
+
+/// What stays while a body deforms.
+struct RestVertex {
+    Float3 position;
+    std::array<float, 2> uv = {};
+};
 
 /// The upload happens later, on Filament's thread: the data travels with it and dies after it.
 template <class T> filament::backend::BufferDescriptor owned(std::vector<T> data)
@@ -67,19 +76,22 @@ void FilamentBody::buildBuffers(const BodyGeometry& geometry)
     vertices_ = filament::VertexBuffer::Builder()
                     .vertexCount(static_cast<std::uint32_t>(count))
                     .bufferCount(kStreamCount)
-                    .attribute(Attribute::POSITION, kPositions, Type::FLOAT3)
-                    .attribute(Attribute::TANGENTS, kFrames, Type::SHORT4)
+                    .attribute(Attribute::POSITION, kShape, Type::FLOAT3, 0, sizeof(Float3))
+                    .attribute(Attribute::TANGENTS, kShape, Type::SHORT4, std::uint32_t(count * sizeof(Float3)),
+                               sizeof(PackedFrame))
                     .normalized(Attribute::TANGENTS)
-                    .attribute(Attribute::CUSTOM0, kRest, Type::FLOAT3)
+                    .attribute(Attribute::CUSTOM0, kRest, Type::FLOAT3, 0, sizeof(RestVertex))
+                    .attribute(Attribute::UV0, kRest, Type::FLOAT2, sizeof(Float3), sizeof(RestVertex))
                     .attribute(Attribute::COLOR, kStates, Type::UBYTE4)
                     .normalized(Attribute::COLOR)
-                    .attribute(Attribute::UV0, kUv, Type::FLOAT2)
                     .build(engine_);
-    vertices_->setBufferAt(engine_, kRest, owned(geometry.rest));
+    std::vector<RestVertex> rest(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        rest[i].position = geometry.rest[i];
+        if (!geometry.uv.empty()) rest[i].uv = geometry.uv[i]; // without any, the materials read none
+    }
+    vertices_->setBufferAt(engine_, kRest, owned(std::move(rest)));
     vertices_->setBufferAt(engine_, kStates, owned(std::vector<PackedState>(count)));
-    std::vector<std::array<float, 2>> uv = geometry.uv;
-    uv.resize(count); // without any, the materials read none
-    vertices_->setBufferAt(engine_, kUv, owned(std::move(uv)));
     indices_ = filament::IndexBuffer::Builder()
                    .indexCount(static_cast<std::uint32_t>(geometry.indices.size()))
                    .bufferType(filament::IndexBuffer::IndexType::UINT)
@@ -111,8 +123,12 @@ void FilamentBody::setVertices(VertexData vertices)
 {
     auto& renderables = engine_.getRenderableManager();
     renderables.setAxisAlignedBoundingBox(renderables.getInstance(entity_), boxOf(vertices));
-    vertices_->setBufferAt(engine_, kPositions, owned(std::move(vertices.positions)));
-    vertices_->setBufferAt(engine_, kFrames, owned(std::move(vertices.frames)));
+    // All positions, then all frames.
+    const std::size_t positions = vertices.positions.size() * sizeof(Float3);
+    std::vector<std::byte> shape(positions + vertices.frames.size() * sizeof(PackedFrame));
+    std::memcpy(shape.data(), vertices.positions.data(), positions);
+    std::memcpy(shape.data() + positions, vertices.frames.data(), shape.size() - positions);
+    vertices_->setBufferAt(engine_, kShape, owned(std::move(shape)));
 }
 
 void FilamentBody::setSurfaceState(std::vector<PackedState> states)

@@ -34,7 +34,8 @@ private:
     filament::RenderTarget* target_;
 };
 
-/// Endoscope optics as a second pass: the scene is drawn into a picture, which one triangle then shows as the lens does.
+/// Endoscope optics as a second pass: the scene is drawn into a picture, which one triangle then shows as the lens
+/// does.
 class OpticsPass {
 public:
     OpticsPass(filament::Engine& engine, MaterialPool& pool);

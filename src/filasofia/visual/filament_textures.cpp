@@ -10,13 +10,14 @@ using Sampler = filament::TextureSampler;
 
 FTexture* upload(filament::Engine& engine, const Image& image)
 {
-    FTexture* texture = FTexture::Builder()
-                            .width(std::uint32_t(image.width))
-                            .height(std::uint32_t(image.height))
-                            .levels(0xff) // as many as there are
-                            .format(FTexture::InternalFormat::SRGB8_A8)
-                            .usage(FTexture::Usage::DEFAULT | FTexture::Usage::COLOR_ATTACHMENT) // for its smaller levels
-                            .build(engine);
+    FTexture* texture =
+        FTexture::Builder()
+            .width(std::uint32_t(image.width))
+            .height(std::uint32_t(image.height))
+            .levels(0xff) // as many as there are
+            .format(FTexture::InternalFormat::SRGB8_A8)
+            .usage(FTexture::Usage::DEFAULT | FTexture::Usage::COLOR_ATTACHMENT) // for its smaller levels
+            .build(engine);
     auto* kept = new std::vector<std::uint8_t>(image.rgba);
     texture->setImage(engine, 0,
                       FTexture::PixelBufferDescriptor(

@@ -34,7 +34,11 @@ void applyEffects(filament::View& view, const Effects& effects, double blurScale
 
     FView::BloomOptions bloom;
     bloom.enabled = effects.bloom.has_value();
-    bloom.strength = static_cast<float>(effects.bloom.value_or(Bloom{}).strength);
+    const Bloom spill = effects.bloom.value_or(Bloom{});
+    bloom.strength = static_cast<float>(spill.strength);
+    bloom.threshold = spill.onlyHighlights;
+    bloom.blendMode =
+        spill.onlyHighlights ? FView::BloomOptions::BlendMode::ADD : FView::BloomOptions::BlendMode::INTERPOLATE;
     view.setBloomOptions(bloom);
 
     FView::DepthOfFieldOptions focus;

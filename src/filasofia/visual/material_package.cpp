@@ -144,7 +144,8 @@ void checkShaders(std::span<const std::uint8_t> dictionary, std::span<const std:
 
 const MaterialPackage::Parameter* MaterialPackage::find(const std::string& name) const
 {
-    const auto found = std::find_if(parameters.begin(), parameters.end(), [&](const auto& p) { return p.name == name; });
+    const auto found =
+        std::find_if(parameters.begin(), parameters.end(), [&](const auto& p) { return p.name == name; });
     return found == parameters.end() ? nullptr : &*found;
 }
 
@@ -177,7 +178,8 @@ MaterialPackage parseMaterialPackage(std::span<const std::uint8_t> bytes, const 
     readSamplers(chunk("MAT_SIB "), package.parameters);
     const auto attributes = chunk("MAT_REQA").number<std::uint32_t>();
     if ((attributes & ~kAttributes) != 0)
-        fail("material file '", file, "': requires a vertex attribute that bodies do not have; they have position, "
+        fail("material file '", file,
+             "': requires a vertex attribute that bodies do not have; they have position, "
              "tangents, color, uv0 and custom0");
     package.readsUv = (attributes & kUv0) != 0;
     package.bytes.assign(bytes.begin(), bytes.end());
@@ -189,7 +191,8 @@ MaterialPackage readMaterialPackage(const std::string& file)
     std::error_code problem;
     if (!std::filesystem::is_regular_file(file, problem)) fail("material file '", file, "': there is no such file");
     const auto size = std::filesystem::file_size(file, problem);
-    if (problem || size > kLargest) fail("material file '", file, "': must have at most ", kLargest, " bytes, got ", size);
+    if (problem || size > kLargest)
+        fail("material file '", file, "': must have at most ", kLargest, " bytes, got ", size);
     std::vector<std::uint8_t> bytes(size);
     std::ifstream in(file, std::ios::binary);
     in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));

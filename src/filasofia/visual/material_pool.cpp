@@ -27,13 +27,11 @@ struct Package {
     const std::uint8_t* bytes;
     const std::size_t* size;
 };
-constexpr Package kPackages[] = {{"tissue", embedded::tissue, &embedded::tissueSize},
-                                 {"metal", embedded::metal, &embedded::metalSize},
-                                 {"mucosa", embedded::mucosa, &embedded::mucosaSize},
-                                 {"bone", embedded::bone, &embedded::boneSize},
-                                 {"glass", embedded::glass, &embedded::glassSize},
-                                 {"unlit", embedded::unlit, &embedded::unlitSize},
-                                 {"optics", embedded::optics, &embedded::opticsSize}};
+constexpr Package kPackages[] = {
+    {"tissue", embedded::tissue, &embedded::tissueSize}, {"metal", embedded::metal, &embedded::metalSize},
+    {"mucosa", embedded::mucosa, &embedded::mucosaSize}, {"bone", embedded::bone, &embedded::boneSize},
+    {"glass", embedded::glass, &embedded::glassSize},    {"unlit", embedded::unlit, &embedded::unlitSize},
+    {"optics", embedded::optics, &embedded::opticsSize}};
 
 float3 linear(const Color& color) { return {float(color.red), float(color.green), float(color.blue)}; }
 

@@ -11,8 +11,8 @@
 
 namespace filasofia::visual {
 
-/// The compiled materials of this library and the user's own, each loaded when it is first wanted. Filament ends the process on a wrong
-/// material or parameter; here each is an Error.
+/// The compiled materials of this library and the user's own, each loaded when it is first wanted. Filament ends the
+/// process on a wrong material or parameter; here each is an Error.
 class MaterialPool {
 public:
     explicit MaterialPool(filament::Engine& engine) : engine_(engine), textures_(engine) {}

@@ -24,8 +24,8 @@ using Slot = std::uint32_t;
 
 /// The surface of a body as it is drawn, after subdivision.
 struct BodyGeometry {
-    std::vector<Float3> rest;           ///< [m], one for each vertex: what the pattern sticks to
-    std::vector<std::uint32_t> indices; ///< three vertices for each triangle
+    std::vector<Float3> rest;             ///< [m], one for each vertex: what the pattern sticks to
+    std::vector<std::uint32_t> indices;   ///< three vertices for each triangle
     std::vector<std::array<float, 2>> uv; ///< one for each vertex, or none
     VertexData vertices;
 };
@@ -59,14 +59,14 @@ public:
     virtual void putView(Slot slot, const ViewDef& def, Slot camera) = 0;
     virtual void setEnvironment(const EnvironmentDef& def) = 0;
 
-    virtual void setPose(Slot entity, const Pose& world) = 0;    ///< body, light or camera
-    virtual void setScale(Slot body, double scale) = 0;          ///< followed by setPose before the next frame
-    virtual void setVisible(Slot entity, bool visible) = 0;      ///< body, light or view
+    virtual void setPose(Slot entity, const Pose& world) = 0; ///< body, light or camera
+    virtual void setScale(Slot body, double scale) = 0;       ///< followed by setPose before the next frame
+    virtual void setVisible(Slot entity, bool visible) = 0;   ///< body, light or view
     virtual void remove(Slot entity) = 0;
 
     virtual void resize(int width, int height) = 0;
-    virtual bool draw() = 0;     ///< one frame; false: skipped
-    virtual Image capture() = 0; ///< draws, and reads what was drawn; throws an Error when nothing comes
+    virtual bool draw() = 0;              ///< one frame; false: skipped
+    virtual Image capture() = 0;          ///< draws, and reads what was drawn; throws an Error when nothing comes
     virtual Image capture(Slot view) = 0; ///< the same of an off-screen view, and of those made before it
 
     virtual NativeObjects native() { return {}; }
