@@ -23,6 +23,7 @@ using event::MouseButtonEvent;
 using event::MouseMoveEvent;
 using event::MouseWheelEvent;
 using event::PhysicsUpdateEvent;
+using event::TextInputEvent;
 using event::VisualUpdateEvent;
 using event::WindowEvent;
 using frame::FrameRef;

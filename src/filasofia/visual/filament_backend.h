@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/visual/filament_body.h"
+#include "filasofia/visual/filament_overlays.h"
 
 #include <filament/Camera.h>
 #include <filament/ColorGrading.h>
@@ -38,6 +39,7 @@ public:
     bool draw() override;
     Image capture() override;
     NativeObjects native() override { return {engine_, renderer_, scene_}; }
+    OverlayBackend& overlays() override { return *overlays_; }
     filament::View* nativeView(Slot view) override { return views_.at(view).view; }
 
 private:
@@ -75,6 +77,7 @@ private:
     filament::IndirectLight* surroundings_ = nullptr;
     filament::Skybox* background_ = nullptr;
     std::unique_ptr<MaterialPool> pool_;
+    std::unique_ptr<FilamentOverlays> overlays_;
     std::map<Slot, std::unique_ptr<FilamentBody>> bodies_;
     std::map<Slot, utils::Entity> lights_;
     std::map<Slot, PlacedCamera> cameras_;

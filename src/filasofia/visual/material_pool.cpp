@@ -12,6 +12,12 @@ extern const std::uint8_t tissue[];
 extern const std::size_t tissueSize;
 extern const std::uint8_t metal[];
 extern const std::size_t metalSize;
+extern const std::uint8_t gui[];
+extern const std::size_t guiSize;
+extern const std::uint8_t canvas[];
+extern const std::size_t canvasSize;
+extern const std::uint8_t debug[];
+extern const std::size_t debugSize;
 } // namespace embedded
 
 namespace {
@@ -24,7 +30,10 @@ struct Package {
     const std::size_t* size;
 };
 constexpr Package kPackages[] = {{"tissue", embedded::tissue, &embedded::tissueSize},
-                                 {"metal", embedded::metal, &embedded::metalSize}};
+                                 {"metal", embedded::metal, &embedded::metalSize},
+                                 {"gui", embedded::gui, &embedded::guiSize},
+                                 {"canvas", embedded::canvas, &embedded::canvasSize},
+                                 {"debug", embedded::debug, &embedded::debugSize}};
 
 float3 linear(const Color& color) { return {float(color.red), float(color.green), float(color.blue)}; }
 

@@ -3,6 +3,7 @@
 #include "filasofia/visual/image.h"
 #include "filasofia/visual/light.h"
 #include "filasofia/visual/mesh_frames.h"
+#include "filasofia/visual/overlay_backend.h"
 #include "filasofia/visual/view.h"
 #include "filasofia/visual/visual_server.h"
 
@@ -64,6 +65,8 @@ public:
     virtual void resize(int width, int height) = 0;
     virtual bool draw() = 0;     ///< one frame; false: skipped
     virtual Image capture() = 0; ///< draws, and reads what was drawn; throws an Error when nothing comes
+
+    [[nodiscard]] virtual OverlayBackend& overlays() = 0;
 
     virtual NativeObjects native() { return {}; }
     virtual filament::View* nativeView(Slot) { return nullptr; }

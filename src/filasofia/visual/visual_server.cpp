@@ -3,12 +3,24 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/visual/native.h"
+#include "filasofia/visual/overlays.h"
 #include "filasofia/visual/scene.h"
 
 #include <algorithm>
 #include <chrono>
 
 namespace filasofia::visual {
+namespace {
+
+/// Seconds that `work` took.
+template <class Work> double secondsOf(Work&& work)
+{
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace
 
 struct VisualServer::Impl {
     int width = 0;
@@ -21,6 +33,9 @@ struct VisualServer::Impl {
     std::vector<std::unique_ptr<Transform>> rigs;
     Slot lastSlot = 0;
     VisualStatistics statistics;
+    Overlays overlays;  ///< after the views that Guis lie on: it goes first
+    bool paced = false; ///< somebody sees the frames as they come
+    std::chrono::steady_clock::time_point lastFrame = std::chrono::steady_clock::now();
 
     /// The place of an entity in a list, or its end.
     template <class Entity, class Wanted> static auto find(std::vector<std::unique_ptr<Entity>>& list, Wanted& wanted)
@@ -49,6 +64,17 @@ struct VisualServer::Impl {
         sendPoses(lights);
         sendPoses(cameras);
     }
+
+    /// Guis, Canvases and debug drawings, as they are in the next picture. Where nobody watches a second has 60 frames,
+    /// so that the same calls give the same pictures.
+    void drawOverlays()
+    {
+        const auto now = std::chrono::steady_clock::now();
+        const double passed = std::chrono::duration<double>(now - std::exchange(lastFrame, now)).count();
+        OverlayBackend& backend = scene.backend->overlays();
+        statistics.lastGuiSeconds =
+            secondsOf([&] { overlays.draw(backend, views, width, height, paced ? passed : 1.0 / 60.0); });
+    }
 };
 
 namespace {
@@ -61,14 +87,6 @@ void checkSize(int width, int height)
     validate(def, "visual server");
 }
 
-/// Seconds that `work` took.
-template <class Work> double secondsOf(Work&& work)
-{
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 } // namespace
 
 VisualServer::VisualServer(const VisualServerDef& def) : impl_(std::make_unique<Impl>())
@@ -76,6 +94,7 @@ VisualServer::VisualServer(const VisualServerDef& def) : impl_(std::make_unique<
     checkSize(def.width, def.height);
     impl_->width = def.width;
     impl_->height = def.height;
+    impl_->paced = def.backend == Backend::Window;
     impl_->scene.backend = makeBackend(def);
     impl_->scene.backend->setEnvironment({});
 }
@@ -132,6 +151,21 @@ View& VisualServer::add(const ViewDef& def, Camera& camera)
     return *impl_->views.back();
 }
 
+Gui& VisualServer::add(const GuiDef& def, View& view)
+{
+    impl_->scene.assertThread();
+    if (&view.impl().scene != &impl_->scene)
+        fail("gui '", def.name, "': view '", view.def().name, "' belongs to another server");
+    const PixelArea area = pixelArea(view.def().viewport, impl_->width, impl_->height);
+    return impl_->overlays.add(def, view, ++impl_->lastSlot, impl_->scene.backend->overlays(), area);
+}
+
+Canvas& VisualServer::add(const CanvasDef& def)
+{
+    impl_->scene.assertThread();
+    return impl_->overlays.add(def, ++impl_->lastSlot, impl_->scene.backend->overlays());
+}
+
 Transform& VisualServer::addTransform(std::string name)
 {
     impl_->scene.assertThread();
@@ -142,11 +176,12 @@ Transform& VisualServer::addTransform(std::string name)
 void VisualServer::remove(Transform& entity)
 {
     impl_->scene.assertThread();
+    impl_->overlays.checkNotCalled("remove");
     for (const auto& view : impl_->views)
         if (&view->camera() == &entity)
             fail("camera '", entity.name(), "' cannot be removed: view '", view->def().name, "' shows it");
     if (!impl_->erase(impl_->bodies, entity) && !impl_->erase(impl_->lights, entity) &&
-        !impl_->erase(impl_->cameras, entity) && !impl_->erase(impl_->rigs, entity))
+        !impl_->erase(impl_->cameras, entity) && !impl_->erase(impl_->rigs, entity) && !impl_->overlays.remove(entity))
         fail("'", entity.name(), "' cannot be removed: it does not belong to this server");
 }
 
@@ -156,9 +191,34 @@ void VisualServer::remove(View& view)
     const auto found = Impl::find(impl_->views, view);
     if (found == impl_->views.end())
         fail("view '", view.def().name, "' cannot be removed: it does not belong to this server");
+    impl_->overlays.checkNotCalled("remove");
+    impl_->overlays.checkRemoval(view);
     impl_->scene.backend->remove(view.impl().slot);
     impl_->views.erase(found);
 }
+
+void VisualServer::remove(Gui& gui)
+{
+    impl_->scene.assertThread();
+    impl_->overlays.checkNotCalled("remove");
+    if (!impl_->overlays.remove(gui))
+        fail("gui '", gui.name(), "' cannot be removed: it does not belong to this server");
+}
+
+bool VisualServer::handle(const event::Event& event)
+{
+    impl_->scene.assertThread();
+    impl_->overlays.checkNotCalled("handle");
+    return impl_->overlays.handle(event);
+}
+
+void VisualServer::setGuiScale(double scale)
+{
+    impl_->scene.assertThread();
+    impl_->overlays.setGuiScale(scale);
+}
+
+DebugDraw& VisualServer::debug() { return impl_->overlays.debug(); }
 
 void VisualServer::setEnvironment(const EnvironmentDef& def)
 {
@@ -170,9 +230,11 @@ void VisualServer::setEnvironment(const EnvironmentDef& def)
 bool VisualServer::render()
 {
     impl_->scene.assertThread();
+    impl_->overlays.checkNotCalled("render");
     bool drawn = false;
     const double seconds = secondsOf([&] {
-        impl_->sendAllPoses();
+        impl_->drawOverlays();
+        impl_->sendAllPoses(); // after the callbacks, which may move things
         drawn = impl_->scene.backend->draw();
     });
     if (drawn) impl_->statistics.lastFrameSeconds = seconds;
@@ -196,8 +258,10 @@ int VisualServer::height() const { return impl_->height; }
 Image VisualServer::capture()
 {
     impl_->scene.assertThread();
+    impl_->overlays.checkNotCalled("capture");
     Image image;
     impl_->statistics.lastFrameSeconds = secondsOf([&] {
+        impl_->drawOverlays();
         impl_->sendAllPoses();
         image = impl_->scene.backend->capture();
     });
