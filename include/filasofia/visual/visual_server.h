@@ -79,6 +79,8 @@ public:
     /// Shows what a person did to the Guis, the upper ones first. True: one of them takes it, and nothing else should
     /// act on it.
     bool handle(const event::Event& event);
+    /// Somebody writes into a field of a Gui: what window::Window::setTextInput() is told.
+    [[nodiscard]] bool wantsText() const;
     /// Scales the texts and spaces of all Guis, as the screen's resolution asks (window::Window::scale). Throws an
     /// Error where it is out of [0.5, 8].
     void setGuiScale(double scale);

@@ -140,6 +140,8 @@ bool ImguiSurface::setScale(double scale)
     return true;
 }
 
+bool ImguiSurface::wantsText() const { return context_->IO.WantTextInput; }
+
 GuiPicture ImguiSurface::frame(int width, int height, double seconds)
 {
     FILASOFIA_ASSERT(scale_ > 0.0 && width > 0 && height > 0);

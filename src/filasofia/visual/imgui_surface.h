@@ -37,6 +37,7 @@ public:
 
     /// See ImguiInput.
     bool take(const event::Event& event, double x, double y) { return input_.take(event, x, y, *context_); }
+    [[nodiscard]] bool wantsText() const; ///< somebody writes into a field of it
     void leave() { input_.leave(); }
     void releaseAll() { input_.releaseAll(); }
     [[nodiscard]] std::size_t inputsWaiting() const { return input_.waiting(); }

@@ -112,6 +112,12 @@ bool Overlays::handle(const event::Event& event)
     return taken;
 }
 
+bool Overlays::wantsText() const
+{
+    return std::any_of(guis_.begin(), guis_.end(),
+                       [](const auto& gui) { return gui->visible() && gui->impl().surface.wantsText(); });
+}
+
 void Overlays::drawGui(Gui& gui, int width, int height, double seconds)
 {
     Gui::Impl& impl = gui.impl();

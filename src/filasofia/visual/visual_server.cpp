@@ -212,6 +212,8 @@ bool VisualServer::handle(const event::Event& event)
     return impl_->overlays.handle(event);
 }
 
+bool VisualServer::wantsText() const { return impl_->overlays.wantsText(); }
+
 void VisualServer::setGuiScale(double scale)
 {
     impl_->scene.assertThread();
