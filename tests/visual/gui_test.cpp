@@ -202,6 +202,24 @@ TEST_CASE("a Gui in a corner of the window counts its pixels from there")
     CHECK(scene.panel.clicks == 2);
 }
 
+TEST_CASE("a Gui over the whole window is there without any view")
+{
+    VisualServer server({.backend = Backend::Null, .width = 320, .height = 240});
+    Panel panel;
+    Gui& gui = server.add(GuiDef{.renderCallback = [&] { panel.draw(); }});
+    CHECK(gui.view() == nullptr);
+    GuiPerson person(server);
+    person.look();
+    CHECK_FALSE(server.wantsText());
+    person.click(panel.noteAt.x, panel.noteAt.y);
+    person.look();
+    CHECK(server.wantsText());
+    person.click(panel.buttonAt.x, panel.buttonAt.y);
+    person.look();
+    CHECK(panel.clicks == 1);
+    CHECK_FALSE(server.wantsText());
+}
+
 TEST_CASE("an upper Gui keeps the mouse from a lower one, a hidden one does not")
 {
     GuiScene scene;
@@ -215,7 +233,7 @@ TEST_CASE("an upper Gui keeps the mouse from a lower one, a hidden one does not"
                                                  if (ImGui::IsMouseClicked(0)) ++upper;
                                                  ImGui::End();
                                              }},
-                                  scene.gui->view());
+                                  *scene.gui->view());
     scene.person.look();
     scene.person.click(scene.panel.buttonAt.x, scene.panel.buttonAt.y);
     scene.person.look();
@@ -227,7 +245,7 @@ TEST_CASE("an upper Gui keeps the mouse from a lower one, a hidden one does not"
     CHECK(scene.panel.clicks == 1);
     CHECK(upper == 1);
     scene.server.remove(above);
-    CHECK_THROWS_WITH(scene.server.remove(scene.gui->view()), Catch::Contains("gui 'panel' lies on it"));
+    CHECK_THROWS_WITH(scene.server.remove(*scene.gui->view()), Catch::Contains("gui 'panel' lies on it"));
 }
 
 TEST_CASE("keys and buttons that are held when the window loses the focus are let go")
@@ -374,12 +392,12 @@ TEST_CASE("a callback may not draw or remove what it is called from, and can mak
 TEST_CASE("wrong Guis are Errors")
 {
     GuiScene scene, other;
-    View& view = scene.gui->view();
+    View& view = *scene.gui->view();
     CHECK_THROWS_WITH(scene.server.add(GuiDef{.name = "tiny", .scale = 0.0}, view),
                       "gui 'tiny': scale must be in [0.5, 8], got 0");
     CHECK_THROWS_WITH(scene.gui->setScale(std::nan("")), Catch::Contains("gui 'panel': scale"));
     CHECK_THROWS_WITH(scene.server.setGuiScale(9.0), "visual server: guiScale must be in [0.5, 8], got 9");
-    CHECK_THROWS_WITH(scene.server.add(GuiDef{}, other.gui->view()), Catch::Contains("belongs to another server"));
+    CHECK_THROWS_WITH(scene.server.add(GuiDef{}, *other.gui->view()), Catch::Contains("belongs to another server"));
     CHECK_THROWS_WITH(scene.server.remove(*other.gui), Catch::Contains("does not belong to this server"));
     CHECK(ImGui::GetCurrentContext() == nullptr); // none is left behind
 }

@@ -29,8 +29,8 @@ constexpr auto fields(const GuiDef*)
                     field("scale", &GuiDef::scale, "-", closed(0.5, 8), "size of texts and spaces"));
 }
 
-/// Panels, buttons and texts over a view, for mouse and keyboard; made by VisualServer::add. Later ones lie on top.
-/// Its coordinates are pixels of the view, from its upper left corner. Main thread only, but for setRenderCallback().
+/// Panels, buttons and texts over a view, or over the whole window, for mouse and keyboard; made by VisualServer::add.
+/// Later ones lie on top. Its coordinates are pixels of the view or window, from its upper left corner. Main thread only, but for setRenderCallback().
 class Gui {
 public:
     struct Impl;
@@ -40,7 +40,7 @@ public:
     Gui& operator=(const Gui&) = delete;
 
     [[nodiscard]] const std::string& name() const;
-    [[nodiscard]] View& view() const;
+    [[nodiscard]] View* view() const; ///< nullptr: over the whole window
 
     /// Any thread. When it returns the old callback is not running and will not run again: it waits for one that does,
     /// except when called from inside that callback, which then runs to its end.

@@ -66,6 +66,7 @@ public:
     Camera& add(const CameraDef& def);
     View& add(const ViewDef& def, Camera& camera);
     Gui& add(const GuiDef& def, View& view);
+    Gui& add(const GuiDef& def); ///< over the whole window
     Canvas& add(const CanvasDef& def);
     /// A place without content, to hang others on: a rig.
     Transform& addTransform(std::string name);
@@ -84,6 +85,10 @@ public:
     /// Scales the texts and spaces of all Guis, as the screen's resolution asks (window::Window::scale). Throws an
     /// Error where it is out of [0.5, 8].
     void setGuiScale(double scale);
+    /// What there is, in the order in which it was added.
+    [[nodiscard]] std::vector<VisualBody*> bodies() const;
+    [[nodiscard]] std::vector<View*> views() const;
+
     /// Lines, points and texts in the scene.
     [[nodiscard]] DebugDraw& debug();
 

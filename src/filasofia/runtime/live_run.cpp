@@ -1,6 +1,7 @@
 #include "filasofia/runtime/parts.h"
 
 #include "filasofia/core/log.h"
+#include "filasofia/runtime/inspector.h"
 #include "filasofia/runtime/physics_loop.h"
 #include "filasofia/runtime/run_files.h"
 #include "filasofia/runtime/stop_signal.h"
@@ -86,14 +87,20 @@ public:
                                     .width = size_.width,
                                     .height = size_.height,
                                     .nativeWindow = window_ ? window_->nativeWindow() : nullptr});
+        if (window_) visual_->setGuiScale(window_->scale());
         parts.bindings.addPending(*visual_);
         parts.dressScene(*visual_);
+        inspector_ = std::make_unique<Inspector>(parts, *visual_);
     }
 
     void input()
     {
         if (!window_) return;
-        window_->poll([this](std::unique_ptr<event::Event> event) { post(std::move(event)); });
+        window_->poll([this](std::unique_ptr<event::Event> event) {
+            if (inspector_->handle(*event) || visual_->handle(*event)) return; // it was for a Gui
+            post(std::move(event));
+        });
+        window_->setTextInput(visual_->wantsText());
         if (window_->shouldClose()) parts_.finish("window closed");
         if (const window::WindowSize now = window_->size(); now != size_) {
             size_ = now;
@@ -103,7 +110,9 @@ public:
     void draw()
     {
         parts_.mapNewestFrame(*visual_);
+        inspector_->beforePicture();
         if (visual_->render()) post(std::make_unique<event::VisualUpdateEvent>());
+        inspector_->afterPicture();
     }
     [[nodiscard]] visual::VisualServer& visual() { return *visual_; }
 
@@ -120,6 +129,7 @@ private:
     std::unique_ptr<window::Window> window_;
     window::WindowSize size_;
     std::unique_ptr<visual::VisualServer> visual_; ///< after the window: it goes first
+    std::unique_ptr<Inspector> inspector_; ///< after the server, whose Gui it is
     bool warned_ = false;
 };
 

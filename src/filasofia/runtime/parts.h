@@ -4,6 +4,7 @@
 #include "filasofia/runtime/clock.h"
 #include "filasofia/runtime/contact_watch.h"
 #include "filasofia/runtime/simulation.h"
+#include "filasofia/runtime/step_feed.h"
 
 #include <atomic>
 #include <mutex>
@@ -21,6 +22,11 @@ struct Simulation::Impl {
     std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow;
     std::vector<std::function<void(double)>> everyStep; ///< an empty one threw; the stepping thread's in a run
     ContactWatch contacts;                              ///< the stepping thread's in a run
+
+    StepFeed feed;                                      ///< to the inspector
+    std::atomic<bool> oneStep = false;                  ///< asked for by stepOnce()
+    bool pauseAgain = false;                            ///< after the step being made; the stepping thread's
+    bool pauseComes = false;                            ///< with the next step; the stepping thread's
 
     std::atomic<bool> running = false; ///< run() is going on, on whatever thread
     std::atomic<bool> stop = false;
@@ -40,6 +46,8 @@ struct Simulation::Impl {
     [[nodiscard]] Nanoseconds period() const { return toNanoseconds(1.0 / def.physics.rate); }
     /// Of a live step, after its start.
     [[nodiscard]] Nanoseconds deadline() const;
+    /// Makes one step of a paused simulation, or pauses after the next. Any thread.
+    void stepOnce() { oneStep.store(true); }
     /// Time and step of now, onto an event.
     void stamp(event::Event& event) const;
     /// What the user does before a step of dt [s].

@@ -92,6 +92,7 @@ void Simulation::Impl::readyAgain()
     const std::lock_guard lock(reasonMutex);
     reason.clear();
     stop.store(false);
+    oneStep.store(false);
     running.store(false);
 }
 
@@ -110,6 +111,9 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     damped += report.has(physics::StepFlag::Damped);
     notConverged += report.has(physics::StepFlag::NotConverged);
     outOfTime += report.has(physics::StepFlag::OutOfTime);
+    feed.write(report);
+    pauseComes = std::exchange(pauseAgain, false);
+    if (pauseComes) physics.pause(true);
     const std::uint32_t flags = tellContacts(report); // first: who hears of the step has heard of its contacts
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     stamp(*update);
@@ -118,7 +122,12 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
 
 void Simulation::Impl::beforeStep(double dt)
 {
-    if (everyStep.empty() || physics.paused()) return;
+    if (oneStep.exchange(false)) { // by commands, so that a recording has it
+        physics.pause(false);
+        pauseAgain = true;
+    }
+    const bool stands = (physics.paused() || pauseComes) && !pauseAgain;
+    if (everyStep.empty() || stands) return;
     const double end = time.load(std::memory_order_relaxed) + dt;
     for (auto& callback : everyStep) {
         if (!callback) continue;

@@ -24,7 +24,7 @@ Place placeOf(const event::Event& event)
 Gui::Gui(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Gui::~Gui() = default;
 const std::string& Gui::name() const { return impl_->def.name; }
-View& Gui::view() const { return impl_->view; }
+View* Gui::view() const { return impl_->view; }
 void Gui::setRenderCallback(RenderCallback callback) { impl_->surface.callback.set(std::move(callback)); }
 
 void Gui::setScale(double scale)

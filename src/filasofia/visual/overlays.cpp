@@ -18,6 +18,11 @@ bool isMouse(const event::Event& event)
            event.type == EventType::MouseWheel;
 }
 
+PixelArea areaOf(const View* view, int width, int height)
+{
+    return pixelArea(view ? view->def().viewport : Viewport{}, width, height);
+}
+
 /// While it lives a flag is set.
 class Raised {
 public:
@@ -35,12 +40,12 @@ private:
 Overlays::Overlays() : debug_(std::make_unique<DebugDraw>(std::make_unique<DebugDraw::Impl>())) {}
 Overlays::~Overlays() = default;
 
-Gui& Overlays::add(const GuiDef& def, View& view, Slot slot, OverlayBackend& backend, const PixelArea& area)
+Gui& Overlays::add(const GuiDef& def, View* view, Slot slot, OverlayBackend& backend, int width, int height)
 {
     const std::string object = text("gui '", def.name, "'");
     validate(def, object);
     guis_.push_back(std::make_unique<Gui>(
-        std::unique_ptr<Gui::Impl>(new Gui::Impl{backend, slot, def, view, ImguiSurface({.object = object}), area})));
+        std::unique_ptr<Gui::Impl>(new Gui::Impl{backend, slot, def, view, ImguiSurface({.object = object}), areaOf(view, width, height)})));
     Gui::Impl& made = guis_.back()->impl();
     made.surface.callback.set(def.renderCallback);
     made.surface.setScale(std::clamp(def.scale * guiScale_, kSmallest, kLargest));
@@ -84,7 +89,7 @@ bool Overlays::remove(Transform& canvas)
 void Overlays::checkRemoval(const View& view) const
 {
     for (const auto& gui : guis_)
-        if (&gui->view() == &view)
+        if (gui->view() == &view)
             fail("view '", view.def().name, "' cannot be removed: gui '", gui->name(), "' lies on it");
 }
 
@@ -121,7 +126,7 @@ bool Overlays::wantsText() const
 void Overlays::drawGui(Gui& gui, int width, int height, double seconds)
 {
     Gui::Impl& impl = gui.impl();
-    impl.area = pixelArea(impl.view.def().viewport, width, height);
+    impl.area = areaOf(impl.view, width, height);
     if (impl.surface.setScale(std::clamp(impl.def.scale * guiScale_, kSmallest, kLargest)))
         impl.backend.putGui(impl.slot, impl.surface.glyphs());
     GuiPicture picture;

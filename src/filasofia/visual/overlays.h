@@ -15,7 +15,7 @@ struct Gui::Impl {
     OverlayBackend& backend;
     Slot slot;
     GuiDef def;
-    View& view;
+    View* view; ///< nullptr: the window
     ImguiSurface surface;
     PixelArea area = {}; ///< of the window, in the last frame
     bool visible = true;
@@ -36,7 +36,7 @@ public:
     ~Overlays();
 
     /// Throw an Error naming the object where something is wrong.
-    Gui& add(const GuiDef& def, View& view, Slot slot, OverlayBackend& backend, const PixelArea& area);
+    Gui& add(const GuiDef& def, View* view, Slot slot, OverlayBackend& backend, int width, int height);
     Canvas& add(const CanvasDef& def, Slot slot, OverlayBackend& backend);
     /// False where it is none of ours.
     bool remove(Gui& gui);

@@ -65,6 +65,11 @@ struct VisualServer::Impl {
         sendPoses(cameras);
     }
 
+    Gui& addGui(const GuiDef& def, View* view)
+    {
+        return overlays.add(def, view, ++lastSlot, scene.backend->overlays(), width, height);
+    }
+
     /// Guis, Canvases and debug drawings, as they are in the next picture. Where nobody watches a second has 60 frames,
     /// so that the same calls give the same pictures.
     void drawOverlays()
@@ -156,8 +161,13 @@ Gui& VisualServer::add(const GuiDef& def, View& view)
     impl_->scene.assertThread();
     if (&view.impl().scene != &impl_->scene)
         fail("gui '", def.name, "': view '", view.def().name, "' belongs to another server");
-    const PixelArea area = pixelArea(view.def().viewport, impl_->width, impl_->height);
-    return impl_->overlays.add(def, view, ++impl_->lastSlot, impl_->scene.backend->overlays(), area);
+    return impl_->addGui(def, &view);
+}
+
+Gui& VisualServer::add(const GuiDef& def)
+{
+    impl_->scene.assertThread();
+    return impl_->addGui(def, nullptr);
 }
 
 Canvas& VisualServer::add(const CanvasDef& def)
@@ -218,6 +228,20 @@ void VisualServer::setGuiScale(double scale)
 {
     impl_->scene.assertThread();
     impl_->overlays.setGuiScale(scale);
+}
+
+std::vector<VisualBody*> VisualServer::bodies() const
+{
+    std::vector<VisualBody*> all;
+    for (const auto& body : impl_->bodies) all.push_back(body.get());
+    return all;
+}
+
+std::vector<View*> VisualServer::views() const
+{
+    std::vector<View*> all;
+    for (const auto& view : impl_->views) all.push_back(view.get());
+    return all;
 }
 
 DebugDraw& VisualServer::debug() { return impl_->overlays.debug(); }

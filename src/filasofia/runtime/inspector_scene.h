@@ -1,0 +1,55 @@
+#pragma once
+
+#include "filasofia/runtime/parts.h"
+#include "filasofia/visual/debug_draw.h"
+
+#include <map>
+#include <memory>
+
+namespace filasofia::runtime {
+
+/// What the inspector draws into the scene.
+struct InspectorShow {
+    bool wireframe = false;       ///< edges of what is drawn
+    bool collision = false;       ///< edges of collision models
+    bool contacts = false;        ///< where surfaces are near each other
+    bool forces = false;          ///< arrows of what contacts do to the first body
+    double metresPerNewton = 0.0; ///< [m/N], of the arrows; 0: by the scene's size
+};
+
+/// Draws it, from what can be seen from outside: visual bodies, Frames, Defs.
+class InspectorScene {
+public:
+    explicit InspectorScene(Simulation::Impl& parts) : parts_(parts) {}
+
+    void draw(const InspectorShow& show, visual::VisualServer& visual);
+    /// [m/N]: what is asked for, or a round number that makes 1 N about a tenth of the scene.
+    [[nodiscard]] double scaleOf(const InspectorShow& show) const;
+
+private:
+    using Edges = std::vector<std::array<int, 2>>;
+    struct Wires {
+        std::vector<geometry::Triangle> triangles; ///< that the edges are of
+        Edges edges;
+    };
+    /// One collision model of a body.
+    struct Model {
+        int element = 0; ///< of a rigid body
+        mapping::MappedSurface surface;
+        Edges edges;
+    };
+
+    static Edges edgesOf(std::span<const geometry::Triangle> triangles);
+    void drawWireframe(visual::VisualServer& visual);
+    void drawModels(const frame::Frame& frame, visual::DebugDraw& debug);
+    const std::vector<Model>& modelsOf(BodyId id);
+    static void drawContacts(const frame::Frame& frame, visual::DebugDraw& debug);
+    static void drawForces(const frame::Frame& frame, double metresPerNewton, visual::DebugDraw& debug);
+
+    Simulation::Impl& parts_;
+    std::map<const visual::VisualBody*, Wires> wires_;
+    std::map<BodyId, std::vector<Model>> models_;
+    std::vector<Vec3> vertices_;
+};
+
+} // namespace filasofia::runtime
