@@ -64,7 +64,10 @@ using runtime::ShowDef;
 using runtime::Simulation;
 using runtime::SimulationDef;
 using visual::Backend;
+using visual::CanvasDef;
 using visual::Color;
+using visual::DebugStyle;
+using visual::GuiDef;
 using visual::MetalMaterial;
 using visual::TissueMaterial;
 

@@ -30,7 +30,8 @@ constexpr auto fields(const GuiDef*)
 }
 
 /// Panels, buttons and texts over a view, or over the whole window, for mouse and keyboard; made by VisualServer::add.
-/// Later ones lie on top. Its coordinates are pixels of the view or window, from its upper left corner. Main thread only, but for setRenderCallback().
+/// Later ones lie on top. Its coordinates are pixels of the view or window, from its upper left corner. Main thread
+/// only, but for setRenderCallback().
 class Gui {
 public:
     struct Impl;

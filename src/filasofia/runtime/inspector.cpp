@@ -58,7 +58,7 @@ void Inspector::drawPanel()
     const float letter = ImGui::GetFontSize();
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({0.7F * letter, 0.7F * letter}, ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowSize({std::min(21.0F * letter, screen.x), std::min(45.0F * letter, screen.y - 1.4F * letter)},
+    ImGui::SetNextWindowSize({std::min(21.0F * letter, screen.x), std::min(64.0F * letter, screen.y - 1.4F * letter)},
                              ImGuiCond_FirstUseEver);
     bool stays = true;
     if (ImGui::Begin("Inspector  (F1)", &stays)) {

@@ -29,10 +29,19 @@ Vec3 forceOn(const frame::Contact& contact) { return contact.normalForce * conta
 
 double InspectorScene::scaleOf(const InspectorShow& show) const
 {
-    if (show.metresPerNewton > 0.0) return show.metresPerNewton;
+    return show.metresPerNewton > 0.0 ? show.metresPerNewton : fitted_;
+}
+
+void InspectorScene::fitScale(const frame::Frame& frame)
+{
+    double largest = 0.0; // [N]
+    for (const frame::ContactPair& pair : frame::contactPairs(frame.contacts))
+        largest = std::max(largest, length(pair.force));
     const geometry::Box around = parts_.bindings.bounds();
-    const double size = geometry::isEmpty(around) ? 0.2 : length(around.high - around.low);
-    return rounded(0.1 * std::clamp(size, 1e-3, 1e3));
+    if (!(largest > 1e-9) || geometry::isEmpty(around)) return;
+    const double size = std::clamp(length(around.high - around.low), 1e-3, 1e3);
+    const double reach = largest * fitted_;
+    if (reach > 0.6 * size || reach < 0.03 * size) fitted_ = rounded(0.25 * size / largest);
 }
 
 void InspectorScene::draw(const InspectorShow& show, visual::VisualServer& visual)
@@ -43,6 +52,7 @@ void InspectorScene::draw(const InspectorShow& show, visual::VisualServer& visua
     if (!frame) return;
     if (show.collision) drawModels(*frame, visual.debug());
     if (show.contacts) drawContacts(*frame, visual.debug());
+    if (show.forces && show.metresPerNewton == 0.0) fitScale(*frame);
     if (show.forces) drawForces(*frame, scaleOf(show), visual.debug());
 }
 
@@ -139,20 +149,27 @@ void InspectorScene::drawContacts(const frame::Frame& frame, DebugDraw& debug)
     }
 }
 
-void InspectorScene::drawForces(const frame::Frame& frame, double metresPerNewton, DebugDraw& debug)
+bool InspectorScene::isLed(BodyId id) const
 {
-    for (const frame::Contact& contact : frame.contacts)
-        if (const Vec3 force = forceOn(contact); length(force) > 0.0)
-            debug.arrow(contact.point, contact.point + metresPerNewton * force,
-                        {.color = kForce, .width = 1.5, .onTop = true});
-    // The sum of two bodies, from the middle of where they push, with its number.
+    if (!parts_.physics.has(id)) return false;
+    const auto def = parts_.physics.def(id);
+    const auto* rigid = std::get_if<physics::RigidBodyDef>(&*def);
+    return rigid && !rigid->dynamic;
+}
+
+void InspectorScene::drawForces(const frame::Frame& frame, double metresPerNewton, DebugDraw& debug) const
+{
     for (const frame::ContactPair& pair : frame::contactPairs(frame.contacts)) {
         if (!(pair.normalForce > 0.0)) continue;
-        Vec3 middle;
-        for (const frame::Contact& contact : frame.contacts)
-            if (contact.first == pair.first && contact.second == pair.second)
-                middle += contact.normalForce / pair.normalForce * contact.point;
-        const Vec3 tip = middle + metresPerNewton * pair.force;
+        const double scale = (isLed(pair.first) ? -1.0 : 1.0) * metresPerNewton;
+        Vec3 middle; // of where they push
+        for (const frame::Contact& contact : frame.contacts) {
+            if (contact.first != pair.first || contact.second != pair.second || contact.normalForce == 0.0) continue;
+            middle += contact.normalForce / pair.normalForce * contact.point;
+            debug.arrow(contact.point, contact.point + scale * forceOn(contact),
+                        {.color = kForce, .width = 1.5, .onTop = true});
+        }
+        const Vec3 tip = middle + scale * pair.force;
         debug.arrow(middle, tip, {.color = kSum, .width = 3.0, .onTop = true});
         char newtons[32];
         std::snprintf(newtons, sizeof newtons, "%.3g N", length(pair.force));

@@ -129,7 +129,7 @@ private:
     std::unique_ptr<window::Window> window_;
     window::WindowSize size_;
     std::unique_ptr<visual::VisualServer> visual_; ///< after the window: it goes first
-    std::unique_ptr<Inspector> inspector_; ///< after the server, whose Gui it is
+    std::unique_ptr<Inspector> inspector_;         ///< after the server, whose Gui it is
     bool warned_ = false;
 };
 

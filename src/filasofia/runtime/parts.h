@@ -23,10 +23,10 @@ struct Simulation::Impl {
     std::vector<std::function<void(double)>> everyStep; ///< an empty one threw; the stepping thread's in a run
     ContactWatch contacts;                              ///< the stepping thread's in a run
 
-    StepFeed feed;                                      ///< to the inspector
-    std::atomic<bool> oneStep = false;                  ///< asked for by stepOnce()
-    bool pauseAgain = false;                            ///< after the step being made; the stepping thread's
-    bool pauseComes = false;                            ///< with the next step; the stepping thread's
+    StepFeed feed;                     ///< to the inspector
+    std::atomic<bool> oneStep = false; ///< asked for by stepOnce()
+    bool pauseAgain = false;           ///< after the step being made; the stepping thread's
+    bool pauseComes = false;           ///< with the next step; the stepping thread's
 
     std::atomic<bool> running = false; ///< run() is going on, on whatever thread
     std::atomic<bool> stop = false;

@@ -44,8 +44,8 @@ Gui& Overlays::add(const GuiDef& def, View* view, Slot slot, OverlayBackend& bac
 {
     const std::string object = text("gui '", def.name, "'");
     validate(def, object);
-    guis_.push_back(std::make_unique<Gui>(
-        std::unique_ptr<Gui::Impl>(new Gui::Impl{backend, slot, def, view, ImguiSurface({.object = object}), areaOf(view, width, height)})));
+    guis_.push_back(std::make_unique<Gui>(std::unique_ptr<Gui::Impl>(
+        new Gui::Impl{backend, slot, def, view, ImguiSurface({.object = object}), areaOf(view, width, height)})));
     Gui::Impl& made = guis_.back()->impl();
     made.surface.callback.set(def.renderCallback);
     made.surface.setScale(std::clamp(def.scale * guiScale_, kSmallest, kLargest));

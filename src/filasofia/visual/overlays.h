@@ -52,8 +52,8 @@ public:
     bool handle(const event::Event& event);
     [[nodiscard]] bool wantsText() const;
 
-    /// Calls the renderCallbacks, three times when one of them is new, and gives the backend what came out, for a picture
-    /// `seconds` after the last. `views` are all of the server, in a window of this size.
+    /// Calls the renderCallbacks, three times when one of them is new, and gives the backend what came out, for a
+    /// picture `seconds` after the last. `views` are all of the server, in a window of this size.
     void draw(OverlayBackend& backend, std::span<const std::unique_ptr<View>> views, int width, int height,
               double seconds);
     [[nodiscard]] DebugDraw& debug() { return *debug_; }
