@@ -17,3 +17,4 @@ if(NOT TARGET Filasofia::osd)
   set_target_properties(Filasofia::osd PROPERTIES IMPORTED_LOCATION ${FILASOFIA_OSD_LIBRARY}
     INTERFACE_INCLUDE_DIRECTORIES ${FILASOFIA_OSD_INCLUDE})
 endif()
+include(${CMAKE_CURRENT_LIST_DIR}/FilasofiaImgui.cmake)

@@ -20,7 +20,7 @@ TEST_CASE("every event type has its own name")
     CHECK(static_cast<std::size_t>(EventType::Custom4) + 1 == kEventTypes);
 }
 
-TEST_CASE("updates and mouse moves merge, clicks, wheel, keys and window events do not")
+TEST_CASE("updates and mouse moves merge, clicks, wheel, keys, text and window events do not")
 {
     CHECK(PhysicsUpdateEvent().mergeKey() == MergeKey{EventType::PhysicsUpdate, 0});
     CHECK(VisualUpdateEvent().mergeKey() == MergeKey{EventType::VisualUpdate, 0});
@@ -28,6 +28,7 @@ TEST_CASE("updates and mouse moves merge, clicks, wheel, keys and window events 
     CHECK(!MouseButtonEvent().mergeKey());
     CHECK(!MouseWheelEvent().mergeKey());
     CHECK(!KeyEvent().mergeKey());
+    CHECK(!TextInputEvent().mergeKey());
     CHECK(!WindowEvent().mergeKey());
 }
 

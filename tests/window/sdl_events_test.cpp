@@ -1,5 +1,6 @@
 #include "filasofia/window/sdl_events.h"
 
+#include <cstdio>
 #include <set>
 
 using namespace filasofia;
@@ -81,14 +82,29 @@ TEST_CASE("a mouse move carries place, way and held buttons, a flipped wheel is 
     CHECK(wheel->dy == 2.0);
 }
 
-TEST_CASE("a sixth mouse button and text are none of our events, the end of the session is a request to close")
+TEST_CASE("typed text arrives as it was typed, a dead key alone does not")
+{
+    SDL_Event from = {};
+    from.type = SDL_TEXTINPUT;
+    from.text.windowID = 7;
+    CHECK(windowOf(from) == 7);
+    CHECK(!translate(from));
+    std::snprintf(from.text.text, sizeof from.text.text, "%s", "\xc3\xa9"); // e with an acute accent
+    const auto made = translate(from);
+    const auto* typed = dynamic_cast<const event::TextInputEvent*>(made.get());
+    REQUIRE(typed);
+    CHECK(typed->text == "\xc3\xa9");
+}
+
+TEST_CASE("a sixth mouse button and a text being composed are none of our events, the end of the session is a request "
+          "to close")
 {
     SDL_Event from = {};
     from.button.type = SDL_MOUSEBUTTONDOWN;
     from.button.button = 6;
     CHECK(!translate(from));
     from = {};
-    from.type = SDL_TEXTINPUT;
+    from.type = SDL_TEXTEDITING;
     CHECK(!translate(from));
     from = {};
     from.type = SDL_QUIT;

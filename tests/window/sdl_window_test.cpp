@@ -125,6 +125,28 @@ TEST_CASE("keys arrive with their meaning and modifiers")
     CHECK(next(KeyCode::LeftShift, false).modifiers == Modifiers{});
 }
 
+TEST_CASE("typed letters and digits arrive as text while text is wanted, other keys do not")
+{
+    const VirtualDisplay display;
+    const auto window = openWindow({});
+    Gathered gathered(*window);
+    gathered.next(WindowEvent::Kind::Shown);
+    Person person(window->nativeWindow());
+    const auto nextText = [&] { return gathered.next<TextInputEvent>([](const auto&) { return true; }).text; };
+    person.key("a", true);
+    person.key("a", false);
+    gathered.next<KeyEvent>([](const KeyEvent& key) { return !key.pressed; });
+    window->setTextInput(true);
+    person.key("b", true);
+    person.key("b", false);
+    CHECK(nextText() == "b");   // the letter before was a key only
+    person.key("Escape", true); // makes no text
+    person.key("Escape", false);
+    person.key("7", true);
+    person.key("7", false);
+    CHECK(nextText() == "7");
+}
+
 TEST_CASE("the mouse arrives with place, buttons and wheel")
 {
     const VirtualDisplay display;

@@ -18,6 +18,7 @@ enum class EventType : std::uint8_t {
     MouseMove,
     MouseWheel,
     Key,
+    TextInput,
     Window,
     Contact,
     Cut,
@@ -27,7 +28,7 @@ enum class EventType : std::uint8_t {
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 14;
+inline constexpr std::size_t kEventTypes = 15;
 
 /// "PhysicsUpdate", as the enumerator is spelled.
 std::string_view name(EventType type);

@@ -2,6 +2,8 @@
 
 #include "filasofia/event/event.h"
 
+#include <string>
+
 /// What a person does to a window, as plain data: no window library is named here. Pixels count from the upper left
 /// corner of the window's content, x to the right, y down.
 namespace filasofia::event {
@@ -98,6 +100,15 @@ public:
     bool pressed = false;
     bool repeat = false; ///< pressed again by the keyboard, not by the person
     Modifiers modifiers; ///< a modifier's own event counts the modifier as held when it is pressed
+};
+
+/// A person typed text: what the keyboard layout and its dead keys made of the keys, beside their own events.
+class TextInputEvent final : public Event {
+public:
+    static constexpr EventType kType = EventType::TextInput;
+    TextInputEvent() : Event(kType) {}
+
+    std::string text; ///< UTF-8; one character, as a rule
 };
 
 /// Something happened to the window itself.

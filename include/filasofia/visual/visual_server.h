@@ -1,5 +1,8 @@
 #pragma once
 
+#include "filasofia/visual/canvas.h"
+#include "filasofia/visual/debug_draw.h"
+#include "filasofia/visual/gui.h"
 #include "filasofia/visual/image.h"
 #include "filasofia/visual/light.h"
 #include "filasofia/visual/view.h"
@@ -45,6 +48,7 @@ struct VisualStatistics {
     long framesSkipped = 0;        ///< frames that the graphics library asked to leave out
     long vertexUpdates = 0;        ///< shapes sent to the graphics library, the first of each body included
     double lastFrameSeconds = 0.0; ///< [s], wall time of the last frame drawn
+    double lastGuiSeconds = 0.0;   ///< [s], of these: renderCallbacks and debug drawings
     int bodies = 0;
     int lights = 0;
     int cameras = 0;
@@ -72,13 +76,32 @@ public:
     Light& add(const LightDef& def);
     Camera& add(const CameraDef& def);
     View& add(const ViewDef& def, Camera& camera);
+    Gui& add(const GuiDef& def, View& view);
+    Gui& add(const GuiDef& def); ///< over the whole window
+    Canvas& add(const CanvasDef& def);
     /// A place without content, to hang others on: a rig.
     Transform& addTransform(std::string name);
 
     /// Its children keep their world pose. Throws an Error when it is not of this server, or a camera that a view
     /// shows.
     void remove(Transform& entity);
-    void remove(View& view);
+    void remove(View& view); ///< Error where a Gui lies on it
+    void remove(Gui& gui);
+
+    /// Shows what a person did to the Guis, the upper ones first. True: one of them takes it, and nothing else should
+    /// act on it.
+    bool handle(const event::Event& event);
+    /// Somebody writes into a field of a Gui: what window::Window::setTextInput() is told.
+    [[nodiscard]] bool wantsText() const;
+    /// Scales the texts and spaces of all Guis, as the screen's resolution asks (window::Window::scale). Throws an
+    /// Error where it is out of [0.5, 8].
+    void setGuiScale(double scale);
+    /// What there is, in the order in which it was added.
+    [[nodiscard]] std::vector<VisualBody*> bodies() const;
+    [[nodiscard]] std::vector<View*> views() const;
+
+    /// Lines, points and texts in the scene.
+    [[nodiscard]] DebugDraw& debug();
 
     /// A material that bodies can share: NamedMaterial{name}. Throws an Error when there is one of this name already,
     /// it is itself a NamedMaterial, or anything about it is wrong.

@@ -23,11 +23,14 @@ public:
     [[nodiscard]] bool shouldClose() const override { return shouldClose_; }
     void setTitle(const std::string& title) override { title_ = title; }
     [[nodiscard]] const std::string& title() const { return title_; }
+    void setTextInput(bool on) override { textInput_ = on; }
+    [[nodiscard]] bool textInput() const { return textInput_; }
 
 private:
     std::string title_;
     WindowSize size_;
     bool shouldClose_ = false;
+    bool textInput_ = false;
     std::deque<std::unique_ptr<event::Event>> injected_;
 };
 

@@ -53,6 +53,10 @@ public:
     [[nodiscard]] virtual bool shouldClose() const = 0;
     virtual void setTitle(const std::string& title) = 0;
 
+    /// Whether keys are to come as TextInputEvents as well, as they do while somebody writes. Not from the start: an
+    /// input method may swallow keys that are no text. A window without text ignores it.
+    virtual void setTextInput(bool /*on*/) {}
+
 protected:
     Window() = default;
 };

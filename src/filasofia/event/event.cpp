@@ -19,6 +19,8 @@ std::string_view name(EventType type)
         return "MouseWheel";
     case EventType::Key:
         return "Key";
+    case EventType::TextInput:
+        return "TextInput";
     case EventType::Window:
         return "Window";
     case EventType::Contact:

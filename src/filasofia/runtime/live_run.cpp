@@ -1,6 +1,8 @@
 #include "filasofia/runtime/parts.h"
 
 #include "filasofia/core/log.h"
+#include "filasofia/runtime/inspector.h"
+#include "filasofia/runtime/key_overlay.h"
 #include "filasofia/runtime/physics_loop.h"
 #include "filasofia/runtime/run_files.h"
 #include "filasofia/runtime/run_keys.h"
@@ -90,14 +92,18 @@ public:
                                     .height = size_.height,
                                     .nativeWindow = window_ ? window_->nativeWindow() : nullptr});
         if (!def.video.empty()) video_.emplace(def.video, visual_->width(), visual_->height(), def.fps);
+        if (window_) visual_->setGuiScale(window_->scale());
         parts.bindings.addPending(*visual_);
         parts.dressScene(*visual_);
+        inspector_ = std::make_unique<Inspector>(parts, *visual_);
+        keys_ = std::make_unique<KeyOverlay>(*visual_);
     }
 
     void input()
     {
         if (!window_) return;
         window_->poll([this](std::unique_ptr<event::Event> event) { route(std::move(event)); });
+        window_->setTextInput(visual_->wantsText());
         if (window_->shouldClose()) parts_.finish("window closed");
         if (const window::WindowSize now = window_->size(); now != size_) {
             size_ = now;
@@ -108,6 +114,7 @@ public:
     void draw(double wall)
     {
         parts_.mapNewestFrame(*visual_);
+        inspector_->beforePicture();
         bool drawn = true;
         if (video_ && video_->due(wall))
             video_->show(visual_->capture(), wall);
@@ -115,6 +122,7 @@ public:
             drawn = visual_->render();
         parts_.takeScreenshots(*visual_);
         if (drawn) post(std::make_unique<event::VisualUpdateEvent>());
+        inspector_->afterPicture();
     }
     void closeVideo()
     {
@@ -127,6 +135,8 @@ private:
     /// neither acts on the run, nor turns the camera, nor is told to observers. They hear of what the other two used.
     void route(std::unique_ptr<event::Event> event)
     {
+        // What is for a Gui is for nobody else; observers hear of all else, also of what keys and camera act on.
+        if (inspector_->handle(*event) || visual_->handle(*event)) return;
         if (!act(*event)) steer(*event);
         post(std::move(event));
     }
@@ -149,6 +159,9 @@ private:
             break;
         case RunAction::Screenshot:
             parts_.askScreenshot({});
+            break;
+        case RunAction::Help:
+            keys_->toggle();
             break;
         case RunAction::Quit:
             parts_.finish("Escape");
@@ -180,6 +193,8 @@ private:
     window::WindowSize size_;
     std::unique_ptr<visual::VisualServer> visual_; ///< after the window: it goes first
     std::optional<VideoFile> video_;
+    std::unique_ptr<Inspector> inspector_; ///< after the server, whose Gui it is
+    std::unique_ptr<KeyOverlay> keys_;
     bool warned_ = false;
 };
 

@@ -4,6 +4,7 @@
 #include "filasofia/runtime/clock.h"
 #include "filasofia/runtime/contact_watch.h"
 #include "filasofia/runtime/simulation.h"
+#include "filasofia/runtime/step_feed.h"
 
 #include <atomic>
 #include <mutex>
@@ -30,6 +31,7 @@ struct Simulation::Impl {
     std::vector<std::function<void(double)>> everyStep; ///< an empty one threw; the stepping thread's in a run
     ContactWatch contacts;                              ///< the stepping thread's in a run
 
+    StepFeed feed; ///< to the inspector
     std::mutex screenshotMutex;
     std::vector<std::string> screenshots; ///< asked for and not taken
     std::vector<std::string> pictures;    ///< files that the run has written; the main thread's

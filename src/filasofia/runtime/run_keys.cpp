@@ -17,6 +17,7 @@ struct BoundKey {
 constexpr BoundKey kBound[] = {
     {KeyCode::Space, RunAction::Pause},    {KeyCode::N, RunAction::Step},       {KeyCode::R, RunAction::Reset},
     {KeyCode::F12, RunAction::Screenshot}, {KeyCode::P, RunAction::Screenshot}, {KeyCode::Escape, RunAction::Quit},
+    {KeyCode::H, RunAction::Help},
 };
 
 // The camera's lines are kept by visual/orbit_camera.h; they stand here so that there is one list.
@@ -30,6 +31,8 @@ constexpr KeyLine kLines[] = {
     {"N", "one step, while paused"},
     {"R", "everything back to the start"},
     {"F12, P", "write a picture into the working folder"},
+    {"F1", "the inspector: rates, stages, bodies, forces"},
+    {"H", "this list of keys"},
     {"Escape", "end the run"},
 };
 

@@ -128,6 +128,7 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     damped += report.has(physics::StepFlag::Damped);
     notConverged += report.has(physics::StepFlag::NotConverged);
     outOfTime += report.has(physics::StepFlag::OutOfTime);
+    feed.write(report);
     // First: who hears of the step has heard of what happened in it.
     const std::uint32_t flags = tellContacts(report) | tellRuptures(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();

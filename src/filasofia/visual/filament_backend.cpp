@@ -2,33 +2,17 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/core/error.h"
-#include "filasofia/math/mat3.h"
 #include "filasofia/visual/egl_platform.h"
 #include "filasofia/visual/filament_view.h"
 #include "filasofia/visual/gpu.h"
+#include "filasofia/visual/pose_matrix.h"
 #include "filasofia/visual/quiet_output.h"
 #include "filasofia/visual/x11_check.h"
 
 #include <filament/TransformManager.h>
-#include <math/mat4.h>
 #include <utils/EntityManager.h>
 
 namespace filasofia::visual {
-namespace {
-
-filament::math::mat4f matrixOf(const Pose& pose, double scale)
-{
-    const Mat3 r = scale * toMat3(pose.orientation);
-    filament::math::mat4f m;
-    for (int column = 0; column < 3; ++column) {
-        const Vec3 axis = r.column(column);
-        m[std::size_t(column)] = {float(axis.x), float(axis.y), float(axis.z), 0.0F};
-    }
-    m[3] = {float(pose.position.x), float(pose.position.y), float(pose.position.z), 1.0F};
-    return m;
-}
-
-} // namespace
 
 FilamentBackend::FilamentBackend(const VisualServerDef& def)
     : headless_(def.backend == Backend::Headless), width_(def.width), height_(def.height),
@@ -69,11 +53,13 @@ void FilamentBackend::start(const VisualServerDef& def)
                    .toneMapping(filament::ColorGrading::ToneMapping::ACES)
                    .contrast(1.05F)
                    .build(*engine_);
+    overlays_ = std::make_unique<FilamentOverlays>(*engine_, *renderer_, *scene_, *pool_);
     resize(def.width, def.height);
 }
 
 void FilamentBackend::stop()
 {
+    overlays_.reset();
     for (auto& [slot, each] : views_) destroyView(each);
     for (auto& [slot, each] : cameras_) destroyPlace(each.entity);
     for (auto& [slot, entity] : lights_) destroyPlace(entity);
@@ -302,6 +288,7 @@ template <class Render> void FilamentBackend::drawView(PlacedView& each, Render&
 
 void FilamentBackend::drawViews()
 {
+    overlays_->drawCanvases();
     bool seen = false;
     for (const bool offScreen : {true, false})
         for (auto& [slot, each] : views_)
@@ -310,6 +297,7 @@ void FilamentBackend::drawViews()
                 seen = seen || !offScreen;
             }
     if (!seen) clearWindow();
+    overlays_->drawGuis(width_, height_);
 }
 
 void FilamentBackend::clearWindow()

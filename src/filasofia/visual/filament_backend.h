@@ -2,6 +2,7 @@
 
 #include "filasofia/visual/filament_body.h"
 #include "filasofia/visual/filament_optics.h"
+#include "filasofia/visual/filament_overlays.h"
 
 #include <filament/Camera.h>
 #include <filament/ColorGrading.h>
@@ -41,6 +42,7 @@ public:
     Image capture() override;
     Image capture(Slot view) override;
     NativeObjects native() override { return {engine_, renderer_, scene_}; }
+    OverlayBackend& overlays() override { return *overlays_; }
     filament::View* nativeView(Slot view) override { return views_.at(view).view; }
 
 private:
@@ -99,6 +101,7 @@ private:
     filament::IndirectLight* surroundings_ = nullptr;
     filament::Skybox* background_ = nullptr;
     std::unique_ptr<MaterialPool> pool_;
+    std::unique_ptr<FilamentOverlays> overlays_;
     std::map<Slot, std::unique_ptr<FilamentBody>> bodies_;
     std::map<Slot, utils::Entity> lights_;
     std::map<Slot, PlacedCamera> cameras_;

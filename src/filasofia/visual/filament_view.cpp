@@ -1,5 +1,7 @@
 #include "filasofia/visual/filament_view.h"
 
+#include "filasofia/visual/pixel_area.h"
+
 #include <filament/Camera.h>
 
 #include <algorithm>
@@ -82,13 +84,8 @@ double exposeCamera(filament::Camera& camera, const CameraDef& def)
 
 filament::Viewport pixelsOf(const Viewport& port, int windowWidth, int windowHeight)
 {
-    // Edges are rounded, not sizes: neighbours meet without a gap.
-    const auto edge = [](double fraction, int size) { return std::clamp(int(std::lround(fraction * size)), 0, size); };
-    const int left = std::min(edge(port.left, windowWidth), windowWidth - 1);
-    const int right = std::max(edge(port.left + port.width, windowWidth), left + 1);
-    const int top = std::min(edge(port.top, windowHeight), windowHeight - 1);
-    const int bottom = std::max(edge(port.top + port.height, windowHeight), top + 1);
-    return {left, windowHeight - bottom, std::uint32_t(right - left), std::uint32_t(bottom - top)};
+    const PixelArea area = pixelArea(port, windowWidth, windowHeight);
+    return {area.left, windowHeight - area.bottom, std::uint32_t(area.width()), std::uint32_t(area.height())};
 }
 
 } // namespace filasofia::visual

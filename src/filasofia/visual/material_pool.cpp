@@ -12,8 +12,9 @@
 
 namespace filasofia::visual {
 namespace embedded { // made by materials/embed.cmake
-extern const std::uint8_t tissue[], metal[], mucosa[], bone[], glass[], unlit[], optics[];
-extern const std::size_t tissueSize, metalSize, mucosaSize, boneSize, glassSize, unlitSize, opticsSize;
+extern const std::uint8_t tissue[], metal[], mucosa[], bone[], glass[], unlit[], optics[], gui[], canvas[], debug[];
+extern const std::size_t tissueSize, metalSize, mucosaSize, boneSize, glassSize, unlitSize, opticsSize, guiSize,
+    canvasSize, debugSize;
 } // namespace embedded
 
 namespace {
@@ -31,7 +32,8 @@ constexpr Package kPackages[] = {
     {"tissue", embedded::tissue, &embedded::tissueSize}, {"metal", embedded::metal, &embedded::metalSize},
     {"mucosa", embedded::mucosa, &embedded::mucosaSize}, {"bone", embedded::bone, &embedded::boneSize},
     {"glass", embedded::glass, &embedded::glassSize},    {"unlit", embedded::unlit, &embedded::unlitSize},
-    {"optics", embedded::optics, &embedded::opticsSize}};
+    {"optics", embedded::optics, &embedded::opticsSize}, {"gui", embedded::gui, &embedded::guiSize},
+    {"canvas", embedded::canvas, &embedded::canvasSize}, {"debug", embedded::debug, &embedded::debugSize}};
 
 float3 linear(const Color& color) { return {float(color.red), float(color.green), float(color.blue)}; }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/visual/null_overlays.h"
 #include "filasofia/visual/render_backend.h"
 
 #include <map>
@@ -48,11 +49,13 @@ public:
     bool draw() override;
     Image capture() override;
     Image capture(Slot view) override;
+    OverlayBackend& overlays() override { return overlay; }
 
     std::map<Slot, Body> bodies;
     std::map<Slot, Placed> placed; ///< lights, cameras and views
     int frames = 0;
     int environmentCalls = 0;
+    NullOverlays overlay;
 
 private:
     int width_;

@@ -4,6 +4,7 @@
 #include "filasofia/visual/light.h"
 #include "filasofia/visual/material_store.h"
 #include "filasofia/visual/mesh_frames.h"
+#include "filasofia/visual/overlay_backend.h"
 #include "filasofia/visual/view.h"
 #include "filasofia/visual/visual_server.h"
 
@@ -68,6 +69,8 @@ public:
     virtual bool draw() = 0;              ///< one frame; false: skipped
     virtual Image capture() = 0;          ///< draws, and reads what was drawn; throws an Error when nothing comes
     virtual Image capture(Slot view) = 0; ///< the same of an off-screen view, and of those made before it
+
+    [[nodiscard]] virtual OverlayBackend& overlays() = 0;
 
     virtual NativeObjects native() { return {}; }
     virtual filament::View* nativeView(Slot) { return nullptr; }

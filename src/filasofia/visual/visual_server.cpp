@@ -3,12 +3,24 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/visual/native.h"
+#include "filasofia/visual/overlays.h"
 #include "filasofia/visual/scene.h"
 
 #include <algorithm>
 #include <chrono>
 
 namespace filasofia::visual {
+namespace {
+
+/// Seconds that `work` took.
+template <class Work> double secondsOf(Work&& work)
+{
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace
 
 struct VisualServer::Impl {
     int width = 0;
@@ -21,6 +33,9 @@ struct VisualServer::Impl {
     std::vector<std::unique_ptr<Transform>> rigs;
     Slot lastSlot = 0;
     VisualStatistics statistics;
+    Overlays overlays;  ///< after the views that Guis lie on: it goes first
+    bool paced = false; ///< somebody sees the frames as they come
+    std::chrono::steady_clock::time_point lastFrame = std::chrono::steady_clock::now();
 
     /// The place of an entity in a list, or its end.
     template <class List, class Wanted> static auto find(List& list, Wanted& wanted)
@@ -37,6 +52,22 @@ struct VisualServer::Impl {
         list.erase(found);
         return true;
     }
+
+    Gui& addGui(const GuiDef& def, View* view)
+    {
+        return overlays.add(def, view, ++lastSlot, scene.backend->overlays(), width, height);
+    }
+
+    /// Guis, Canvases and debug drawings, as they are in the next picture. Where nobody watches a second has 60 frames,
+    /// so that the same calls give the same pictures.
+    void drawOverlays()
+    {
+        const auto now = std::chrono::steady_clock::now();
+        const double passed = std::chrono::duration<double>(now - std::exchange(lastFrame, now)).count();
+        OverlayBackend& backend = scene.backend->overlays();
+        statistics.lastGuiSeconds =
+            secondsOf([&] { overlays.draw(backend, views, width, height, paced ? passed : 1.0 / 60.0); });
+    }
 };
 
 namespace {
@@ -49,14 +80,6 @@ void checkSize(int width, int height)
     validate(def, "visual server");
 }
 
-/// Seconds that `work` took.
-template <class Work> double secondsOf(Work&& work)
-{
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 } // namespace
 
 VisualServer::VisualServer(const VisualServerDef& def) : impl_(std::make_unique<Impl>())
@@ -64,6 +87,7 @@ VisualServer::VisualServer(const VisualServerDef& def) : impl_(std::make_unique<
     checkSize(def.width, def.height);
     impl_->width = def.width;
     impl_->height = def.height;
+    impl_->paced = def.backend == Backend::Window;
     impl_->scene.backend = makeBackend(def);
     impl_->scene.backend->setEnvironment({});
 }
@@ -124,6 +148,26 @@ View& VisualServer::add(const ViewDef& def, Camera& camera)
     return *impl_->views.back();
 }
 
+Gui& VisualServer::add(const GuiDef& def, View& view)
+{
+    impl_->scene.assertThread();
+    if (&view.impl().scene != &impl_->scene)
+        fail("gui '", def.name, "': view '", view.def().name, "' belongs to another server");
+    return impl_->addGui(def, &view);
+}
+
+Gui& VisualServer::add(const GuiDef& def)
+{
+    impl_->scene.assertThread();
+    return impl_->addGui(def, nullptr);
+}
+
+Canvas& VisualServer::add(const CanvasDef& def)
+{
+    impl_->scene.assertThread();
+    return impl_->overlays.add(def, ++impl_->lastSlot, impl_->scene.backend->overlays());
+}
+
 Transform& VisualServer::addTransform(std::string name)
 {
     impl_->scene.assertThread();
@@ -134,11 +178,12 @@ Transform& VisualServer::addTransform(std::string name)
 void VisualServer::remove(Transform& entity)
 {
     impl_->scene.assertThread();
+    impl_->overlays.checkNotCalled("remove");
     for (const auto& view : impl_->views)
         if (&view->camera() == &entity)
             fail("camera '", entity.name(), "' cannot be removed: view '", view->def().name, "' shows it");
     if (!impl_->erase(impl_->bodies, entity) && !impl_->erase(impl_->lights, entity) &&
-        !impl_->erase(impl_->cameras, entity) && !impl_->erase(impl_->rigs, entity))
+        !impl_->erase(impl_->cameras, entity) && !impl_->erase(impl_->rigs, entity) && !impl_->overlays.remove(entity))
         fail("'", entity.name(), "' cannot be removed: it does not belong to this server");
 }
 
@@ -148,6 +193,8 @@ void VisualServer::remove(View& view)
     const auto found = Impl::find(impl_->views, view);
     if (found == impl_->views.end())
         fail("view '", view.def().name, "' cannot be removed: it does not belong to this server");
+    impl_->overlays.checkNotCalled("remove");
+    impl_->overlays.checkRemoval(view);
     impl_->scene.backend->remove(view.impl().slot);
     impl_->views.erase(found);
     refreshViewPictures(impl_->scene);
@@ -176,6 +223,45 @@ const Material& VisualServer::material(const std::string& name) const
     return impl_->scene.materials.get(name, "visual server");
 }
 
+void VisualServer::remove(Gui& gui)
+{
+    impl_->scene.assertThread();
+    impl_->overlays.checkNotCalled("remove");
+    if (!impl_->overlays.remove(gui))
+        fail("gui '", gui.name(), "' cannot be removed: it does not belong to this server");
+}
+
+bool VisualServer::handle(const event::Event& event)
+{
+    impl_->scene.assertThread();
+    impl_->overlays.checkNotCalled("handle");
+    return impl_->overlays.handle(event);
+}
+
+bool VisualServer::wantsText() const { return impl_->overlays.wantsText(); }
+
+void VisualServer::setGuiScale(double scale)
+{
+    impl_->scene.assertThread();
+    impl_->overlays.setGuiScale(scale);
+}
+
+std::vector<VisualBody*> VisualServer::bodies() const
+{
+    std::vector<VisualBody*> all;
+    for (const auto& body : impl_->bodies) all.push_back(body.get());
+    return all;
+}
+
+std::vector<View*> VisualServer::views() const
+{
+    std::vector<View*> all;
+    for (const auto& view : impl_->views) all.push_back(view.get());
+    return all;
+}
+
+DebugDraw& VisualServer::debug() { return impl_->overlays.debug(); }
+
 void VisualServer::setEnvironment(const EnvironmentDef& def)
 {
     impl_->scene.assertThread();
@@ -186,10 +272,12 @@ void VisualServer::setEnvironment(const EnvironmentDef& def)
 bool VisualServer::render()
 {
     impl_->scene.assertThread();
+    impl_->overlays.checkNotCalled("render");
     bool drawn = false;
     impl_->scene.watch.start();
     const double seconds = secondsOf([&] {
-        sendPlaces(impl_->scene);
+        impl_->drawOverlays();
+        sendPlaces(impl_->scene); // after the callbacks, which may move things
         drawn = impl_->scene.backend->draw();
     });
     impl_->scene.watch.lap(&VisualStages::submit);
@@ -214,8 +302,10 @@ int VisualServer::height() const { return impl_->height; }
 Image VisualServer::capture()
 {
     impl_->scene.assertThread();
+    impl_->overlays.checkNotCalled("capture");
     Image image;
     impl_->statistics.lastFrameSeconds = secondsOf([&] {
+        impl_->drawOverlays();
         sendPlaces(impl_->scene);
         image = impl_->scene.backend->capture();
     });
@@ -245,7 +335,8 @@ bool VisualServer::has(const Transform& entity) const
 {
     impl_->scene.assertThread();
     const auto holds = [&](const auto& list) { return Impl::find(list, entity) != list.end(); };
-    return holds(impl_->bodies) || holds(impl_->lights) || holds(impl_->cameras) || holds(impl_->rigs);
+    return holds(impl_->bodies) || holds(impl_->lights) || holds(impl_->cameras) || holds(impl_->rigs) ||
+           impl_->overlays.has(entity);
 }
 
 namespace native {

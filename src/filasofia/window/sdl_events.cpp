@@ -154,6 +154,14 @@ std::unique_ptr<Event> translateKey(const SDL_KeyboardEvent& from)
     return made;
 }
 
+std::unique_ptr<Event> translateText(const SDL_TextInputEvent& from)
+{
+    if (from.text[0] == '\0') return nullptr; // a dead key that waits for the next one
+    auto made = std::make_unique<TextInputEvent>();
+    made->text = from.text;
+    return made;
+}
+
 std::optional<WindowEvent::Kind> windowKind(Uint8 sdl)
 {
     switch (sdl) {
@@ -208,6 +216,8 @@ Uint32 windowOf(const SDL_Event& event)
     case SDL_KEYDOWN:
     case SDL_KEYUP:
         return event.key.windowID;
+    case SDL_TEXTINPUT:
+        return event.text.windowID;
     case SDL_WINDOWEVENT:
         return event.window.windowID;
     default:
@@ -228,6 +238,8 @@ std::unique_ptr<Event> translate(const SDL_Event& event)
     case SDL_KEYDOWN:
     case SDL_KEYUP:
         return translateKey(event.key);
+    case SDL_TEXTINPUT:
+        return translateText(event.text);
     case SDL_WINDOWEVENT:
         return translateWindow(windowKind(event.window.event));
     case SDL_QUIT: // the session ends

@@ -45,7 +45,7 @@ void openVideo()
         SDL_QuitSubSystem(SDL_INIT_VIDEO);
         fail("the renderer draws through X11, but SDL_VIDEODRIVER asks for '", name, "'");
     }
-    // SDL begins in a mode in which an input method may swallow keys.
+    // SDL begins in a mode in which an input method may swallow keys: see Window::setTextInput().
     SDL_StopTextInput();
 }
 

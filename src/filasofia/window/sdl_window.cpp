@@ -102,6 +102,15 @@ void SdlWindow::take(const SDL_Event& from)
 
 void SdlWindow::setTitle(const std::string& title) { SDL_SetWindowTitle(window_, title.c_str()); }
 
+void SdlWindow::setTextInput(bool on)
+{
+    if (on == (SDL_IsTextInputActive() == SDL_TRUE)) return;
+    if (on)
+        SDL_StartTextInput();
+    else
+        SDL_StopTextInput();
+}
+
 std::unique_ptr<Window> openWindow(const WindowDef& def)
 {
     const std::string object = text("window '", def.title, "'");

@@ -19,6 +19,7 @@ public:
     void poll(const event::EventSink& sink) override;
     [[nodiscard]] bool shouldClose() const override { return shouldClose_; }
     void setTitle(const std::string& title) override;
+    void setTextInput(bool on) override;
 
 private:
     static void pump();

@@ -1,0 +1,24 @@
+# Dear ImGui, as Debian compiled it: its assertions end the process. In our copy of the library they call
+# filasofia_imgui_assertion() (src/filasofia/visual/imgui_surface.cpp) instead, which throws: a Begin without its End in
+# somebody's callback must not end an operation. Included by FilasofiaDependencies.cmake, so it holds for a user's build too.
+if(TARGET Filasofia::imgui)
+  return()
+endif()
+find_library(FILASOFIA_IMGUI_LIBRARY NAMES libimgui.a REQUIRED)
+find_path(FILASOFIA_IMGUI_INCLUDE imgui.h PATH_SUFFIXES imgui REQUIRED)
+file(STRINGS ${FILASOFIA_IMGUI_INCLUDE}/imgui.h version REGEX "define IMGUI_VERSION  *\"")
+if(NOT version MATCHES "\"1\\.86\"")
+  message(FATAL_ERROR "The visual room is written for Dear ImGui 1.86 (it looks into imgui_internal.h), but found: ${version}")
+endif()
+if(NOT CMAKE_OBJCOPY)
+  message(FATAL_ERROR "objcopy (of binutils) is needed to redirect ImGui's assertions")
+endif()
+set(library ${CMAKE_BINARY_DIR}/filasofia_imgui/libfilasofia_imgui.a)
+if(NOT EXISTS ${library} OR ${FILASOFIA_IMGUI_LIBRARY} IS_NEWER_THAN ${library})
+  file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/filasofia_imgui)
+  execute_process(COMMAND ${CMAKE_OBJCOPY} --redefine-sym __assert_fail=filasofia_imgui_assertion
+    ${FILASOFIA_IMGUI_LIBRARY} ${library} COMMAND_ERROR_IS_FATAL ANY)
+endif()
+add_library(Filasofia::imgui STATIC IMPORTED)
+set_target_properties(Filasofia::imgui PROPERTIES IMPORTED_LOCATION ${library}
+  INTERFACE_INCLUDE_DIRECTORIES ${FILASOFIA_IMGUI_INCLUDE} INTERFACE_LINK_LIBRARIES stb)

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "filasofia/visual/gui.h"
+#include "filasofia/visual/transform.h"
+
+namespace filasofia::visual {
+
+struct CanvasDef {
+    std::string name = "canvas";
+    double width = 0.1;                 ///< [m], > 0
+    double height = 0.075;              ///< [m], > 0
+    int pixelWidth = 512;               ///< [px], in [16, 4096]
+    int pixelHeight = 384;              ///< [px], in [16, 4096]
+    double scale = 1.0;                 ///< [-], in [0.5, 8], size of texts and spaces
+    bool window = true;                 ///< the callback draws into a window that fills the canvas; else into windows
+                                        ///< that it begins, on nothing
+    RenderCallback renderCallback = {}; ///< not a field of files; empty: nothing is drawn
+};
+
+constexpr auto fields(const CanvasDef*)
+{
+    using D = CanvasDef;
+    return describe("CanvasDef", field("name", &D::name, "name in errors"),
+                    field("width", &D::width, "m", positive(), "in the scene"),
+                    field("height", &D::height, "m", positive(), "in the scene"),
+                    field("pixelWidth", &D::pixelWidth, "px", closed(16, 4096), "what it is drawn with"),
+                    field("pixelHeight", &D::pixelHeight, "px", closed(16, 4096), "what it is drawn with"),
+                    field("scale", &D::scale, "-", closed(0.5, 8), "size of texts and spaces"),
+                    field("window", &D::window, "a window fills it"));
+}
+
+/// A sheet in the scene that ImGui draws on: centred at the origin of its pose, x to the right, y up, seen from +z and,
+/// mirrored, from behind. It hangs on whatever a Transform can hang on, is hidden by what is in front of it, is not lit
+/// and takes no input. Made by VisualServer::add. Main thread only, but for setRenderCallback().
+class Canvas final : public Transform {
+public:
+    struct Impl;
+    Canvas(std::string name, std::unique_ptr<Impl> impl);
+    ~Canvas() override;
+
+    [[nodiscard]] const CanvasDef& def() const;
+
+    /// Any thread; see Gui::setRenderCallback().
+    void setRenderCallback(RenderCallback callback);
+
+    [[nodiscard]] bool visible() const;
+    /// The callback of a hidden one is not called.
+    void setVisible(bool visible);
+
+    [[nodiscard]] Impl& impl() { return *impl_; }
+
+private:
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace filasofia::visual

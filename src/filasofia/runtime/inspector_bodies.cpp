@@ -1,0 +1,155 @@
+#include "filasofia/runtime/inspector_bodies.h"
+
+#include "filasofia/runtime/inspector_fields.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+
+namespace filasofia::runtime {
+namespace {
+
+/// A number that a person drags or types; true where it is to be taken over: at the end of a drag, not at each pixel of
+/// it.
+bool editNumber(const char* name, double& value, double speed, const char* format, double low = 0.0, double high = 0.0)
+{
+    auto shown = float(value);
+    if (ImGui::DragFloat(name, &shown, float(speed), float(low), float(high), format)) value = double(shown);
+    return ImGui::IsItemDeactivatedAfterEdit();
+}
+
+bool editVector(const char* name, Vec3& value, double speed, const char* format)
+{
+    float shown[3] = {float(value.x), float(value.y), float(value.z)};
+    if (ImGui::DragFloat3(name, shown, float(speed), 0.0F, 0.0F, format))
+        value = {double(shown[0]), double(shown[1]), double(shown[2])};
+    return ImGui::IsItemDeactivatedAfterEdit();
+}
+
+bool editMaterial(physics::FemMaterial& material)
+{
+    const bool young = editNumber("E [Pa]", material.youngModulus, 0.005 * material.youngModulus, "%.0f", 1.0, 1e9);
+    const bool poisson = editNumber("nu", material.poissonRatio, 0.001, "%.3f", 0.0, 0.499);
+    return young || poisson;
+}
+
+bool editMaterial(physics::MassSpringMaterial& material)
+{
+    const bool stiffness = editNumber("k [N/m]", material.stiffness, 0.005 * material.stiffness, "%.3g", 1e-3, 1e9);
+    const bool damping = editNumber("d [N s/m]", material.damping, 0.01, "%.3g", 0.0, 1e6);
+    return stiffness || damping;
+}
+
+std::string titleOf(const physics::BodyDef& def, BodyId id)
+{
+    const std::string name = std::visit([](const auto& body) { return body.name; }, def);
+    const bool soft = std::holds_alternative<physics::SoftBodyDef>(def);
+    return name + (soft ? "  (soft, " : "  (rigid, ") + std::to_string(id.value) + ")###body" +
+           std::to_string(id.value);
+}
+
+} // namespace
+
+InspectorBodies::InspectorBodies(Simulation::Impl& parts) : parts_(parts), gravity_(parts.def.physics.gravity) {}
+
+template <class Command> void InspectorBodies::attempt(Command&& command)
+{
+    try {
+        command();
+        problem_.clear();
+    } catch (const Error& error) {
+        problem_ = error.what();
+    }
+}
+
+InspectorBodies::Body& InspectorBodies::bodyOf(BodyId id)
+{
+    Body& body = bodies_[id];
+    if (body.def) return body;
+    body.def = parts_.physics.def(id);
+    if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body.def)) {
+        body.material = soft->material;
+        body.pressure = soft->pressure;
+    }
+    return body;
+}
+
+void InspectorBodies::draw()
+{
+    const frame::FrameRef frame = parts_.physics.latest();
+    if (editVector("g [m/s\xc2\xb2]", gravity_, 0.05, "%.2f")) attempt([&] { parts_.physics.setGravity(gravity_); });
+    if (!frame) return;
+    const bool few = frame->softBodies.size() + frame->rigidBodies.size() <= 4;
+    const ImGuiTreeNodeFlags open = few ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None;
+    for (const frame::SoftBodyFrame& state : frame->softBodies) {
+        if (!parts_.physics.has(state.id)) continue; // removed, and the next frame knows
+        Body& body = bodyOf(state.id);
+        if (ImGui::TreeNodeEx(titleOf(*body.def, state.id).c_str(), open)) {
+            drawSoft(state, body);
+            ImGui::TreePop();
+        }
+    }
+    for (const frame::RigidBodyFrame& state : frame->rigidBodies) {
+        if (!parts_.physics.has(state.id)) continue;
+        Body& body = bodyOf(state.id);
+        if (ImGui::TreeNodeEx(titleOf(*body.def, state.id).c_str(), open)) {
+            drawRigid(state, body);
+            ImGui::TreePop();
+        }
+    }
+    drawAttachments(*frame);
+}
+
+void InspectorBodies::drawSoft(const frame::SoftBodyFrame& state, Body& body)
+{
+    double fastest = 0.0;
+    for (const Vec3& v : state.velocities) fastest = std::max(fastest, length(v));
+    ImGui::Text("%zu nodes, fastest %.3f m/s", state.positions.size(), fastest);
+    if (std::visit([](auto& material) { return editMaterial(material); }, body.material))
+        attempt([&] { parts_.physics.setMaterial(state.id, body.material); });
+    if (editNumber("pressure [Pa]", body.pressure, 1.0, "%.1f"))
+        attempt([&] { parts_.physics.setPressure(state.id, body.pressure); });
+    if (ImGui::TreeNode("as it was added")) {
+        drawFields(std::get<physics::SoftBodyDef>(*body.def));
+        ImGui::TreePop();
+    }
+}
+
+void InspectorBodies::drawRigid(const frame::RigidBodyFrame& state, Body& body)
+{
+    const auto& def = std::get<physics::RigidBodyDef>(*body.def);
+    drawPlaces(state, def.dynamic);
+    if (def.dynamic && editVector("push [N]", body.force, 0.01, "%.3f")) // at the first element's centre of mass
+        attempt([&] { parts_.physics.setWrench(state.id, body.force, {}); });
+    if (ImGui::TreeNode("as it was added")) {
+        drawFields(def);
+        ImGui::TreePop();
+    }
+}
+
+void InspectorBodies::drawPlaces(const frame::RigidBodyFrame& state, bool dynamic)
+{
+    for (std::size_t element = 0; element < state.poses.size(); ++element) {
+        ImGui::PushID(int(element));
+        Pose pose = state.poses[element];
+        Vec3 millimetres = 1e3 * pose.position;
+        float shown[3] = {float(millimetres.x), float(millimetres.y), float(millimetres.z)};
+        if (ImGui::DragFloat3("at [mm]", shown, 0.1F, 0.0F, 0.0F, "%.1f")) { // it follows the mouse
+            pose.position = 1e-3 * Vec3{double(shown[0]), double(shown[1]), double(shown[2])};
+            attempt([&] { parts_.physics.setPose(state.id, pose, int(element)); });
+        }
+        if (dynamic) ImGui::Text("%.3f m/s", length(state.velocities[element]));
+        ImGui::PopID();
+    }
+}
+
+void InspectorBodies::drawAttachments(const frame::Frame& frame) const
+{
+    if (frame.attachments.empty() || !ImGui::TreeNode("Attachments")) return;
+    for (const frame::Attachment& each : frame.attachments)
+        ImGui::Text("%u: body %u, %d points, %.3g N%s", unsigned(each.id.value), unsigned(each.body.value), each.points,
+                    length(each.force), each.broken ? ", broken" : "");
+    ImGui::TreePop();
+}
+
+} // namespace filasofia::runtime

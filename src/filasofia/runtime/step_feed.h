@@ -1,0 +1,42 @@
+#pragma once
+
+#include "filasofia/core/spsc_ring.h"
+#include "filasofia/physics/step.h"
+
+#include <atomic>
+
+namespace filasofia::runtime {
+
+/// Step reports on their way to whoever watches the simulation, from the stepping thread to the main thread. The
+/// stepping thread never waits: while nobody watches, or too slowly, reports are left out.
+class StepFeed {
+public:
+    /// Stepping thread.
+    void write(const physics::StepReport& report)
+    {
+        if (!watched_.load(std::memory_order_relaxed)) return;
+        physics::StepReport* place = ring_.beginWrite();
+        if (!place) {
+            lost_.fetch_add(1, std::memory_order_relaxed);
+            return;
+        }
+        *place = report; // its list keeps its memory from lap to lap
+        ring_.publish();
+    }
+
+    // Main thread.
+    void watch(bool on) { watched_.store(on, std::memory_order_relaxed); }
+    /// Hands every report that has come to `take`, oldest first.
+    template <class Take> void read(Take&& take)
+    {
+        for (; const physics::StepReport* report = ring_.beginRead(); ring_.release()) take(*report);
+    }
+    [[nodiscard]] std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
+
+private:
+    SpscRing<physics::StepReport> ring_{4096}; ///< at 10 kHz a picture may take 0.4 s
+    std::atomic<bool> watched_ = false;
+    std::atomic<std::uint64_t> lost_ = 0;
+};
+
+} // namespace filasofia::runtime

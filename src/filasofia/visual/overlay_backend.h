@@ -1,0 +1,88 @@
+#pragma once
+
+#include "filasofia/math/pose.h"
+#include "filasofia/visual/float3.h"
+#include "filasofia/visual/pixel_area.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace filasofia::visual {
+
+using Slot = std::uint32_t; // as in render_backend.h
+
+/// The letters of a Gui or Canvas: how much each pixel of the sheet is covered, in 255ths.
+struct GlyphSheet {
+    int width = 0;
+    int height = 0;
+    std::vector<std::uint8_t> coverage; ///< width height bytes
+};
+
+/// One corner of a triangle of a Gui.
+struct GuiVertex {
+    float x = 0, y = 0;                     ///< [px] from the upper left corner
+    float u = 0, v = 0;                     ///< place in the glyph sheet
+    std::array<std::uint8_t, 4> color = {}; ///< sRGB and opacity
+
+    friend bool operator==(const GuiVertex&, const GuiVertex&) = default;
+};
+
+/// Triangles that are drawn inside one rectangle.
+struct GuiCommand {
+    std::uint32_t firstIndex = 0;
+    std::uint32_t indexCount = 0;
+    PixelArea clip = {};
+
+    friend bool operator==(const GuiCommand&, const GuiCommand&) = default;
+};
+
+/// What a Gui or Canvas looks like in a frame.
+struct GuiPicture {
+    std::vector<GuiVertex> vertices;
+    std::vector<std::uint32_t> indices; ///< three for each triangle
+    std::vector<GuiCommand> commands;   ///< drawn in this order
+
+    friend bool operator==(const GuiPicture&, const GuiPicture&) = default;
+};
+
+/// One corner of a debug drawing. Lines and points are as wide in every view as their pixels say, so that their corners
+/// are moved apart where they are drawn.
+struct DebugVertex {
+    Float3 position;                        ///< [m]
+    Float3 other;                           ///< [m], of a line: its other end
+    float width = 0;                        ///< [px]; 0: the corner stays where it is (arrow heads)
+    std::array<std::int8_t, 2> side = {};   ///< line: -1 or 1, and 0; point: -1 or 1 both
+    std::array<std::uint8_t, 4> color = {}; ///< linear
+};
+
+/// Triangles of debug drawings, in two layers: hidden by bodies, and not.
+struct DebugLayer {
+    std::vector<DebugVertex> vertices;
+    std::vector<std::uint32_t> indices;
+};
+struct DebugPicture {
+    DebugLayer inside, onTop;
+};
+
+/// What draws what lies over the scene, or shows in it what is no body. All it is given has been checked.
+class OverlayBackend {
+public:
+    OverlayBackend() = default;
+    OverlayBackend(const OverlayBackend&) = delete;
+    OverlayBackend& operator=(const OverlayBackend&) = delete;
+    virtual ~OverlayBackend() = default;
+
+    /// Make one, or give it other glyphs.
+    virtual void putGui(Slot slot, std::shared_ptr<const GlyphSheet> glyphs) = 0;
+    virtual void putCanvas(Slot slot, double width, double height, int pixelWidth, int pixelHeight,
+                           std::shared_ptr<const GlyphSheet> glyphs) = 0;
+
+    virtual void setGuiPicture(Slot gui, const PixelArea& area, GuiPicture picture) = 0; ///< `area` of the window
+    virtual void setCanvasPicture(Slot canvas, const Pose& world, GuiPicture picture) = 0;
+    virtual void setDebug(const DebugPicture& picture) = 0;
+    virtual void remove(Slot slot) = 0;
+};
+
+} // namespace filasofia::visual

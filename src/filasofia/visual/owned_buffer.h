@@ -1,0 +1,17 @@
+#pragma once
+
+#include <backend/BufferDescriptor.h>
+
+#include <vector>
+
+namespace filasofia::visual {
+
+/// Data for the graphics library, which uploads it later and on its own thread: it travels along and dies after it.
+template <class T> filament::backend::BufferDescriptor ownedBuffer(std::vector<T> data)
+{
+    auto* kept = new std::vector<T>(std::move(data));
+    return {kept->data(), kept->size() * sizeof(T),
+            [](void*, std::size_t, void* user) { delete static_cast<std::vector<T>*>(user); }, kept};
+}
+
+} // namespace filasofia::visual

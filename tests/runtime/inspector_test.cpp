@@ -1,0 +1,300 @@
+#include "filasofia/filasofia.h"
+
+#include "filasofia/runtime/inspector.h"
+#include "filasofia/visual/debug_shapes.h"
+#include "filasofia/window/null_window.h"
+#include "visual/gui_person.h"
+
+#include <filesystem>
+
+using namespace filasofia;
+using namespace filasofia::runtime;
+using visual::GuiPerson;
+using window::NullWindow;
+
+namespace {
+
+/// A box of 8 g and a soft cube on a table, stepped by hand, with an inspector that is open.
+struct InspectedScene {
+    explicit InspectedScene(Backend backend = Backend::Null, int width = 800, int height = 600)
+        : visual({.backend = backend, .width = width, .height = height}), inspector(parts, visual)
+    {
+        table = parts.physics.add(RigidBodyDef{.name = "table",
+                                               .elements = {{{0, -5_mm, 0}, {}}},
+                                               .mesh = shapes::box({120_mm, 10_mm, 60_mm}),
+                                               .collision = {{}}});
+        box = parts.physics.add(RigidBodyDef{.name = "box",
+                                             .elements = {{{30_mm, 10.2_mm, 0}, {}}},
+                                             .mesh = shapes::box({20_mm, 20_mm, 20_mm}),
+                                             .dynamic = true,
+                                             .collision = {{}}});
+        SoftBodyDef soft{.name = "cube", .mesh = shapes::block({20_mm, 20_mm, 20_mm}), .collision = {{}}};
+        soft.pose.position = {0, 10.2_mm, 0};
+        cube = parts.physics.add(soft);
+        parts.bindings.show(cube, {.subdivision = 1}, parts.physics);
+        parts.bindings.show(box, {.material = MetalMaterial{}}, parts.physics);
+        parts.bindings.show(table, {.material = MetalMaterial{.baseColor = {0.1, 0.2, 0.25}, .roughness = 0.7}},
+                            parts.physics);
+        parts.bindings.addPending(visual);
+        parts.dressScene(visual);
+        inspector.setOpen(true);
+    }
+    ~InspectedScene() { parts.bindings.release(); }
+
+    void step(int count)
+    {
+        const physics::StepBudget budget{.now = [this] { return now += 20'000; }};
+        for (int i = 0; i < count; ++i) {
+            now += 800'000;
+            parts.beforeStep(1e-3);
+            last = parts.physics.step(1e-3, 0, budget);
+            parts.afterStep(last);
+        }
+    }
+    void picture()
+    {
+        parts.mapNewestFrame(visual);
+        inspector.beforePicture();
+        visual.render();
+        inspector.afterPicture();
+    }
+    void run(int pictures)
+    {
+        for (int i = 0; i < pictures; ++i) {
+            step(16);
+            picture();
+        }
+    }
+
+    std::int64_t now = 0;
+    Simulation::Impl parts{[] {
+        SimulationDef def;
+        def.physics.threads = 1;
+        return def;
+    }()};
+    visual::VisualServer visual;
+    Inspector inspector;
+    GuiPerson person{visual};
+    BodyId table, box, cube;
+    physics::StepReport last;
+
+private:
+    /// The inspector looks at the same made-up time.
+    const bool clocked = [this] {
+        parts.clock.now = [this] { return now; };
+        return true;
+    }();
+};
+
+std::unique_ptr<event::Event> keyEvent(event::KeyCode code, bool pressed = true)
+{
+    auto event = std::make_unique<KeyEvent>();
+    event->key = code;
+    event->pressed = pressed;
+    return event;
+}
+
+constexpr double kWeight = 0.008 * 9.81; ///< [N]
+
+} // namespace
+
+TEST_CASE("the inspector shows its rates, and every panel is drawn")
+{
+    InspectedScene scene(hasBackend(Backend::Headless) ? Backend::Headless : Backend::Null);
+    scene.inspector.show = {.wireframe = true, .contacts = true, .forces = true, .metresPerNewton = 0.3};
+    scene.run(30);
+    scene.step(16);
+    scene.parts.mapNewestFrame(scene.visual);
+    scene.inspector.beforePicture();
+    const visual::Image image = scene.visual.capture();
+    if (hasBackend(Backend::Headless))
+        visual::savePng(image, std::filesystem::path(FILASOFIA_BINARY_DIR) / "inspector.png"); // to be looked at
+    CHECK(scene.inspector.problem().empty());
+}
+
+TEST_CASE("an arrow in newtons is as long as its force, and points where it pushes")
+{
+    InspectedScene scene;
+    scene.parts.physics.remove(scene.cube);
+    scene.inspector.show = {.forces = true, .metresPerNewton = 0.5};
+    scene.step(400); // it rests
+    scene.parts.mapNewestFrame(scene.visual);
+    scene.inspector.beforePicture();
+    const visual::DebugPicture drawn = scene.visual.debug().impl().shapes.picture();
+    float low = 1, high = -1;
+    for (const visual::DebugVertex& vertex : drawn.onTop.vertices) {
+        if (vertex.color[2] != 255) continue; // an arrow of one contact
+        low = std::min(low, vertex.position.y);
+        high = std::max(high, vertex.position.y);
+    }
+    CHECK(low == Approx(0.0).margin(1e-4));                   // from where they touch
+    CHECK(high - low == Approx(0.5 * kWeight).epsilon(0.01)); // up, on the box: the table is led
+    scene.inspector.show.metresPerNewton = 0.0; // then the largest is a quarter of the scene, in round numbers
+    scene.visual.debug().clear();
+    scene.inspector.beforePicture();
+    CHECK(scene.visual.debug().counts().texts == 1);
+    const auto texts = scene.visual.debug().impl().shapes.texts();
+    REQUIRE(texts.size() == 1);
+    CHECK(std::stod(texts[0].text) == Approx(kWeight).epsilon(0.01));
+}
+
+TEST_CASE("wireframe and collision models are lines of the right number where the bodies are")
+{
+    InspectedScene scene;
+    scene.step(2);
+    scene.parts.mapNewestFrame(scene.visual);
+    const auto lines = [&](InspectorShow show) {
+        scene.inspector.show = show;
+        scene.visual.debug().clear();
+        scene.inspector.beforePicture();
+        return scene.visual.debug().counts().vertices / 4;
+    };
+    CHECK(lines({}) == 0);
+    const long cube = 3 * 192 / 2, box = 3 * 12 / 2; // of closed surfaces of so many triangles
+    CHECK(lines({.collision = true}) == cube + 2 * box);
+    CHECK(lines({.wireframe = true}) == cube + 2 * 6 * 5); // a box is drawn with each side for itself
+
+    scene.parts.physics.remove(scene.table);
+    scene.step(1);
+    CHECK(lines({.collision = true}) == cube + box);
+}
+
+TEST_CASE("pause, single steps and reset act on the next steps")
+{
+    InspectedScene scene;
+    scene.step(5);
+    CHECK(scene.last.step == 5);
+    scene.parts.stepOnce(); // while it runs: one more, then it stands
+    scene.step(3);
+    CHECK(scene.last.step == 6);
+    CHECK(scene.last.dt == 0.0);
+    scene.parts.stepOnce();
+    scene.step(3);
+    CHECK(scene.last.step == 7);
+    CHECK(scene.last.dt == 0.0);
+    scene.parts.physics.pause(false);
+    scene.step(300);
+    CHECK(scene.parts.physics.latest()->rigidBody(scene.box)->poses[0].position.y < 10.1_mm);
+    scene.parts.physics.reset();
+    scene.parts.physics.pause(true);
+    scene.step(1);
+    CHECK(scene.parts.physics.latest()->rigidBody(scene.box)->poses[0].position.y == Approx(10.2_mm));
+}
+
+TEST_CASE("a script goes on in a single step")
+{
+    InspectedScene scene;
+    std::vector<double> called;
+    scene.parts.everyStep.push_back([&](double time) { called.push_back(time); });
+    scene.parts.physics.pause(true);
+    scene.step(3);
+    called.clear();
+    scene.parts.stepOnce();
+    scene.step(3);
+    CHECK(called.size() == 1);
+}
+
+TEST_CASE("a screenshot is of the scene, without the inspector, under a name of its own")
+{
+    const std::filesystem::path folder = std::filesystem::path(FILASOFIA_BINARY_DIR) / "screenshots";
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+    InspectedScene scene;
+    scene.inspector.screenshotFolder = folder.string();
+    scene.run(2);
+    for (int i = 0; i < 2; ++i) {
+        scene.inspector.askForScreenshot();
+        scene.run(1);
+    }
+    CHECK(std::filesystem::exists(folder / "filasofia_0001.png"));
+    CHECK(std::filesystem::exists(folder / "filasofia_0002.png"));
+    scene.inspector.screenshotFolder = "/no/such/folder";
+    scene.inspector.askForScreenshot();
+    scene.run(1);
+    CHECK(scene.inspector.problem().find("/no/such/folder") != std::string::npos);
+    CHECK(scene.inspector.open());
+}
+
+TEST_CASE("a thousand blind clicks and drags in the inspector break nothing")
+{
+    InspectedScene scene;
+    scene.inspector.screenshotFolder = "/no/such/folder";
+    scene.run(3);
+    std::mt19937 random(7);
+    const auto upTo = [&](int most) { return int(random() % unsigned(most)); };
+    for (int i = 0; i < 1000; ++i) {
+        scene.person.move(10 + upTo(320), 10 + upTo(590));
+        scene.person.press();
+        if (upTo(4) == 0) scene.person.move(10 + upTo(320), 10 + upTo(590));
+        scene.person.release();
+        if (upTo(10) == 0) scene.person.wheel(upTo(2) ? 3.0 : -3.0);
+        if (upTo(10) == 0) scene.person.type("1e9");
+        if (upTo(10) == 0) scene.person.stroke(KeyCode::Enter);
+        scene.inspector.setOpen(true); // it may have been closed
+        scene.step(2);
+        scene.picture();
+        scene.picture();
+    }
+    scene.person.look(20);
+    scene.parts.physics.pause(false);
+    const std::uint64_t before = scene.last.step;
+    scene.step(5);
+    CHECK(scene.last.step >= before);
+    CHECK(std::isfinite(scene.last.time));
+}
+
+TEST_CASE("F1 opens and closes the inspector in a live run, and keys for a Gui reach no observer")
+{
+    Simulation sim({.window = {.width = 320, .height = 240}});
+    sim.show(sim.add(RigidBodyDef{.mesh = shapes::box({20_mm, 20_mm, 20_mm})}));
+    int f1 = 0, pictures = 0;
+    NullWindow* opened = nullptr;
+    sim.on<KeyEvent>([&](const KeyEvent& key) {
+        f1 += key.key == KeyCode::F1;
+        if (key.key == KeyCode::Escape) sim.finish("escaped");
+    });
+    sim.useWindow([&](const window::WindowDef& def) {
+        auto window = std::make_unique<NullWindow>(def);
+        opened = window.get();
+        window->inject(keyEvent(KeyCode::F1));
+        window->inject(keyEvent(KeyCode::F1, false));
+        return window;
+    });
+    sim.on<VisualUpdateEvent>([&](const VisualUpdateEvent&) { ++pictures; });
+    sim.dress([&](visual::VisualServer& server) {
+        // Once the inspector has had its pictures, the person closes it and leaves.
+        server.add(visual::GuiDef{.renderCallback = [&, drawn = 0]() mutable {
+            if (++drawn != 8) return;
+            opened->inject(keyEvent(KeyCode::F1));
+            opened->inject(keyEvent(KeyCode::Escape));
+        }});
+    });
+    const RunReport report = sim.run({.backend = Backend::Null, .seconds = 60});
+    CHECK(report.finished == "escaped");
+    CHECK(f1 == 0);
+}
+
+TEST_CASE("a window that is closed while a Gui is in use ends the run")
+{
+    Simulation sim({.window = {.width = 320, .height = 240}});
+    NullWindow* opened = nullptr;
+    sim.useWindow([&](const window::WindowDef& def) {
+        auto window = std::make_unique<NullWindow>(def);
+        opened = window.get();
+        window->inject(keyEvent(KeyCode::F1));
+        auto press = std::make_unique<MouseButtonEvent>();
+        press->pressed = true;
+        press->x = press->y = 40;
+        window->inject(std::move(press));
+        return window;
+    });
+    sim.dress([&](visual::VisualServer& server) {
+        server.add(visual::GuiDef{.renderCallback = [&, drawn = 0]() mutable {
+            if (++drawn != 5) return;
+            auto closing = std::make_unique<WindowEvent>();
+            closing->kind = WindowEvent::Kind::CloseRequested;
+            opened->inject(std::move(closing));
+        }});
+    });
+    CHECK(sim.run({.backend = Backend::Null, .seconds = 60}).finished == "window closed");
+}
