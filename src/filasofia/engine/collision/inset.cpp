@@ -190,8 +190,14 @@ void applyInset(const CollisionShape& shape, const Inset& inset, std::vector<Vec
         const double depth = inset.depth[vertex];
         if (depth == 0.0) continue;
         Vec3 way;
-        for (int i = shape.vertexTriangles.start[vertex]; i < shape.vertexTriangles.start[vertex + 1]; ++i)
+        double sum = 0.0;
+        for (int i = shape.vertexTriangles.start[vertex]; i < shape.vertexTriangles.start[vertex + 1]; ++i) {
             way += inset.share[i] * normals[shape.vertexTriangles.items[i]];
+            sum += inset.share[i];
+        }
+        // Where the surface has bent, the triangles still go in by the depth in their mean, weighted by their shares.
+        const double size = length(way);
+        if (size > 0.0 && sum > 0.0) way = std::min(sum / size, kLongestWay) / size * way;
         x[vertex] -= depth * way;
     }
 }
