@@ -49,13 +49,23 @@ TEST_CASE("a cut that stops inside stays, and goes on later as the same surface"
     EditableMesh mesh = bar();
     BladeStroke first(mesh.newSheet());
     RuptureReport report = sweep(mesh, first, {0.002, 0.02, -0.03}, {0.002, 0.02, 0.03}, {0, -0.0213, 0}, 40);
+    CHECK(!first.away());
     finish(mesh, first, report);
     CHECK(report.openedArea > 0.4 * 0.02 * 0.02);
     CHECK(faultsOf(mesh) == "");
     Pieces pieces(mesh.data());
     CHECK(pieces.count() == 1);
+    // Whoever comes back to the place, with the blade in its plane, is told which surface it was.
+    const auto found = [&](Vec3 from, Vec3 to) {
+        const BladeSegment s{from, to, from, to};
+        return sheetAt(mesh, {&s, 1});
+    };
+    CHECK(found({0.002, -0.001, -0.03}, {0.002, -0.001, 0.03}) == first.sheet());
+    CHECK(found({-0.03, -0.001, 0}, {0.03, -0.001, 0}) == 0);
+    CHECK(found({0.012, -0.001, -0.03}, {0.012, -0.001, 0.03}) == 0);
     BladeStroke second(first.sheet());
     report = sweep(mesh, second, {0.002, -0.001, -0.03}, {0.002, -0.001, 0.03}, {0, -0.02, 0}, 40);
+    CHECK(second.away());
     finish(mesh, second, report);
     CHECK(faultsOf(mesh) == "");
     CHECK(pieces.update(mesh.data()).size() == 1);

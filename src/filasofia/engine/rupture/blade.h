@@ -31,6 +31,8 @@ public:
     void find(const EditableMesh& mesh, std::span<const BladeSegment> blade, std::vector<Crossing>& crossings);
     /// The mesh was edited along these crossings: the edges of its new nodes come in.
     void addEdgesOfNewNodes(const EditableMesh& mesh);
+    /// Is no edge near the blade, as of the last find()?
+    [[nodiscard]] bool away() const { return edges_.empty(); }
 
 private:
     using Edge = std::array<int, 2>;
