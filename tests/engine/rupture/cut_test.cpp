@@ -97,6 +97,82 @@ TEST_CASE("scissors whose jaws close from both sides cut the bar through")
     CHECK(Pieces(mesh.data()).count() == 2);
 }
 
+TEST_CASE("a bent blade of several segments leaves no gap at its joints")
+{
+    for (const double joint : {0.002, 0.0025, 0.004, 0.005}) { // on nodes, edges, between
+        CAPTURE(joint);
+        EditableMesh mesh = bar();
+        BladeStroke stroke(mesh.newSheet());
+        RuptureReport report;
+        const std::array<Vec3, 4> line{
+            Vec3{0.004, 0, -0.03}, {0.004 - joint, 0, -joint}, {0.001, 0, joint}, {0, 0, 0.03}};
+        const int steps = 80;
+        for (int i = 0; i < steps; ++i) {
+            const Vec3 before{0, 0.02 - 0.04 * i / steps, 0}, now{0, 0.02 - 0.04 * (i + 1) / steps, 0};
+            std::array<BladeSegment, 3> blade;
+            for (int k = 0; k < 3; ++k)
+                blade[k] = {line[k] + now, line[k + 1] + now, line[k] + before, line[k + 1] + before};
+            report += stroke.step(mesh, blade, {});
+        }
+        finish(mesh, stroke, report);
+        CHECK(faultsOf(mesh) == "");
+        CHECK(Pieces(mesh.data()).count() == 2);
+    }
+}
+
+TEST_CASE("a blade that bends by 45 degrees cuts through, wherever its bend meets the mesh")
+{
+    for (int place = 0; place < 16; ++place) {
+        CAPTURE(place);
+        EditableMesh mesh = bar();
+        BladeStroke stroke(mesh.newSheet());
+        RuptureReport report;
+        const double x = -0.004 + 0.0005 * place;
+        const std::array<Vec3, 3> line{Vec3{-0.03, 0, x}, {x, 0, x}, {x + 0.03, 0, x + 0.03}};
+        for (int i = 0; i < 80; ++i) {
+            const Vec3 before{0, 0.02 - 0.0005 * i, 0}, now{0, 0.02 - 0.0005 * (i + 1), 0};
+            std::array<BladeSegment, 2> blade;
+            for (int k = 0; k < 2; ++k)
+                blade[k] = {line[k] + now, line[k + 1] + now, line[k] + before, line[k + 1] + before};
+            report += stroke.step(mesh, blade, {});
+        }
+        finish(mesh, stroke, report);
+        CHECK(faultsOf(mesh) == "");
+        CHECK(Pieces(mesh.data()).count() == 2);
+    }
+}
+
+TEST_CASE("two blades at once make three pieces, and the largest keeps its id")
+{
+    EditableMesh mesh = bar();
+    Pieces pieces(mesh.data());
+    std::array<BladeStroke, 2> strokes{BladeStroke(mesh.newSheet()), BladeStroke(mesh.newSheet())};
+    RuptureReport report;
+    std::vector<DetachedPiece> detached;
+    for (int i = 0; i < 50; ++i)
+        for (int k = 0; k < 2; ++k) {
+            const double x = k == 0 ? -0.012 : 0.0135;
+            const Vec3 before{x, 0.02 - 0.0008 * i, 0}, now{x, 0.02 - 0.0008 * (i + 1), 0}, half{0, 0, 0.03};
+            const BladeSegment s{now - half, now + half, before - half, before + half};
+            report += strokes[k].step(mesh, {&s, 1}, {});
+            if (i == 49) finish(mesh, strokes[k], report);
+            for (DetachedPiece& piece : pieces.update(mesh.data())) detached.push_back(piece);
+        }
+    CHECK(faultsOf(mesh) == "");
+    CHECK(pieces.count() == 3);
+    REQUIRE(detached.size() == 2);
+    for (const DetachedPiece& piece : detached) {
+        CHECK(piece.from == 0);
+        CHECK(piece.id > 0);
+        double volume = 0.0;
+        for (int t : piece.tetrahedra) {
+            volume += restVolume(mesh.data(), t);
+            CHECK(pieces.ofTetrahedron()[t] == piece.id);
+        }
+        CHECK(volume < 0.25 * mesh.startVolume());
+    }
+}
+
 TEST_CASE("tissue that moves over a blade at rest is cut as by a blade that moves")
 {
     EditableMesh mesh = bar();
