@@ -612,7 +612,7 @@ class Fuzz(Program):
 
     def test_it_refuses_what_it_does_not_know(self):
         self.refused("fuzz", "cat", says=["'cat'", "there is cut"])
-        self.refused("fuzz", "cut", "--cuts", "0", says=["--cuts must be in [1, 100000000]", "got 0"])
+        self.refused("fuzz", "cut", "--cuts", "0", says=["--cuts must be a whole number in [1, 100000000]", "got 0"])
         self.refused("fuzz", "cut", "--seed", "-1", says=["--seed"])
         self.refused("fuzz", "cut", "--json", "/nowhere/cut.json", says=["/nowhere/cut.json", "cannot be written"])
 

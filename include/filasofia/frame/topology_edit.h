@@ -37,7 +37,8 @@ struct TetSplit {
 };
 
 /// A node slid along an edge of the mesh, at rest and as it is now: whatever is linear along the edge becomes (1 - s)
-/// of the node's plus s of toward's. Points embedded in the elements around it move along, by less than the node does.
+/// of the node's plus s of toward's. Elements around it have another
+/// shape at rest, and share out their mass anew.
 struct NodeMove {
     int node = 0;
     int toward = 0;
@@ -47,14 +48,22 @@ struct NodeMove {
     friend bool operator==(const NodeMove&, const NodeMove&) = default;
 };
 
-/// A node became two at the same place; which elements went with the copy stands in `changed`.
+/// A node became two at the same place; the elements that went with the copy follow as TetCorner.
 struct NodeCopy {
     int from = 0;
     int copy = 0; ///< the number of nodes before it
     friend bool operator==(const NodeCopy&, const NodeCopy&) = default;
 };
 
-using TopologyOp = std::variant<NewNode, TetSplit, NodeMove, NodeCopy>;
+/// A tetrahedron's corner is another node now.
+struct TetCorner {
+    int tetrahedron = 0;
+    int corner = 0; ///< place in its four
+    int node = 0;
+    friend bool operator==(const TetCorner&, const TetCorner&) = default;
+};
+
+using TopologyOp = std::variant<NewNode, TetSplit, NodeMove, NodeCopy, TetCorner>;
 
 /// What a tetrahedron's corners are after the edit.
 struct TetNodes {
@@ -90,17 +99,19 @@ struct TopologyEdit {
     friend bool operator==(const TopologyEdit&, const TopologyEdit&) = default;
 };
 
-/// Values that are linear along edges (positions, velocities, texture coordinates, coarse weights) follow the edit.
+/// A value per node that is linear along edges (positions, velocities, texture coordinates, coarse weights) follows.
+template <class Value> void followNode(const TopologyOp& op, std::vector<Value>& values)
+{
+    if (const auto* made = std::get_if<NewNode>(&op))
+        values.push_back((1.0 - made->s) * values[made->a] + made->s * values[made->b]);
+    else if (const auto* moved = std::get_if<NodeMove>(&op))
+        values[moved->node] = (1.0 - moved->s) * values[moved->node] + moved->s * values[moved->toward];
+    else if (const auto* copied = std::get_if<NodeCopy>(&op))
+        values.push_back(Value(values[copied->from]));
+}
 template <class Value> void followNodes(const TopologyEdit& edit, std::vector<Value>& values)
 {
-    for (const TopologyOp& op : edit.ops) {
-        if (const auto* made = std::get_if<NewNode>(&op))
-            values.push_back((1.0 - made->s) * values[made->a] + made->s * values[made->b]);
-        else if (const auto* moved = std::get_if<NodeMove>(&op))
-            values[moved->node] = (1.0 - moved->s) * values[moved->node] + moved->s * values[moved->toward];
-        else if (const auto* copied = std::get_if<NodeCopy>(&op))
-            values.push_back(Value(values[copied->from]));
-    }
+    for (const TopologyOp& op : edit.ops) followNode(op, values);
 }
 
 /// Values of elements follow the edit: a child has its parent's.
@@ -109,6 +120,9 @@ template <class Value> void followElements(const TopologyEdit& edit, std::vector
     for (const TopologyOp& op : edit.ops)
         if (const auto* split = std::get_if<TetSplit>(&op)) values.push_back(Value(values[split->parent]));
 }
+
+/// The elements themselves follow the edit.
+void followTetrahedra(const TopologyEdit& edit, std::vector<geometry::Tetrahedron>& tetrahedra);
 
 /// A point that rides on a tetrahedron.
 struct EmbeddedPoint {
@@ -121,8 +135,11 @@ struct EmbeddedPoint {
 /// not: w_a' = w_a - w_b (1-s)/s in the parent where that is >= 0, otherwise w_b' = w_b - w_a s/(1-s) in the child.
 EmbeddedPoint follow(const TetSplit& split, EmbeddedPoint point);
 
-/// All points follow the edit.
-void followPoints(const TopologyEdit& edit, std::span<EmbeddedPoint> points);
+/// All points follow the edit and stay at the same place at rest, whatever nodes slid; those whose element a slide took
+/// away from them ride on it from outside, with a negative weight. The mesh as it was, elements and rest positions,
+/// follows on the way.
+void followPoints(const TopologyEdit& edit, std::vector<geometry::Tetrahedron>& tetrahedra, std::vector<Vec3>& rest,
+                  std::span<EmbeddedPoint> points);
 
 /// A triangle of the boundary.
 struct BoundaryTriangle {

@@ -2,10 +2,39 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/geometry/adjacency.h"
+#include "filasofia/geometry/distance.h"
 
 #include <algorithm>
 
 namespace filasofia::frame {
+namespace {
+
+void followElement(const TopologyOp& op, std::vector<geometry::Tetrahedron>& tetrahedra)
+{
+    if (const auto* split = std::get_if<TetSplit>(&op)) {
+        geometry::Tetrahedron child = tetrahedra[split->parent];
+        child[split->ia] = split->node;
+        tetrahedra[split->parent][split->ib] = split->node;
+        tetrahedra.push_back(child);
+    } else if (const auto* corner = std::get_if<TetCorner>(&op)) {
+        tetrahedra[corner->tetrahedron][corner->corner] = corner->node;
+    }
+}
+
+/// The point stays where it is while a corner goes: newRest = sum c_i X_i of the corners as they were, so the old
+/// corner is newRest / c_z less the others' shares c_i / c_z. c_z > 0 is the change of the element's volume.
+void stay(const NodeMove& move, const geometry::Tetrahedron& nodes, const std::vector<Vec3>& rest, EmbeddedPoint& point)
+{
+    const auto at = std::ranges::find(nodes, move.node);
+    if (at == nodes.end()) return;
+    const int z = static_cast<int>(at - nodes.begin());
+    const std::array<double, 4> c =
+        geometry::barycentric(move.newRest, rest[nodes[0]], rest[nodes[1]], rest[nodes[2]], rest[nodes[3]]);
+    const double w = point.weights[z] / c[z];
+    for (int i = 0; i < 4; ++i) point.weights[i] = i == z ? w : point.weights[i] - w * c[i];
+}
+
+} // namespace
 
 EmbeddedPoint follow(const TetSplit& split, EmbeddedPoint point)
 {
@@ -21,33 +50,28 @@ EmbeddedPoint follow(const TetSplit& split, EmbeddedPoint point)
     return point;
 }
 
-void followPoints(const TopologyEdit& edit, std::span<EmbeddedPoint> points)
+void followTetrahedra(const TopologyEdit& edit, std::vector<geometry::Tetrahedron>& tetrahedra)
 {
-    // Per parent its splits in their order: a point then walks along its own elements only.
-    struct Step {
-        int parent;
-        int order;
-    };
-    std::vector<const TetSplit*> splits;
-    std::vector<Step> steps;
-    for (const TopologyOp& op : edit.ops)
+    for (const TopologyOp& op : edit.ops) followElement(op, tetrahedra);
+}
+
+void followPoints(const TopologyEdit& edit, std::vector<geometry::Tetrahedron>& tetrahedra, std::vector<Vec3>& rest,
+                  std::span<EmbeddedPoint> points)
+{
+    // Few points ride on what an edit touches.
+    std::vector<EmbeddedPoint*> touched;
+    for (EmbeddedPoint& point : points)
+        if (std::ranges::binary_search(edit.changed, point.tetrahedron, {}, &TetNodes::tetrahedron))
+            touched.push_back(&point);
+    for (const TopologyOp& op : edit.ops) {
         if (const auto* split = std::get_if<TetSplit>(&op)) {
-            steps.push_back({split->parent, static_cast<int>(splits.size())});
-            splits.push_back(split);
+            for (EmbeddedPoint* point : touched)
+                if (point->tetrahedron == split->parent) *point = follow(*split, *point);
+        } else if (const auto* move = std::get_if<NodeMove>(&op)) {
+            for (EmbeddedPoint* point : touched) stay(*move, tetrahedra[point->tetrahedron], rest, *point);
         }
-    if (splits.empty()) return;
-    const auto before = [](const Step& a, const Step& b) {
-        return a.parent != b.parent ? a.parent < b.parent : a.order < b.order;
-    };
-    std::ranges::sort(steps, before);
-    for (EmbeddedPoint& point : points) {
-        int order = 0;
-        for (;;) {
-            const auto next = std::lower_bound(steps.begin(), steps.end(), Step{point.tetrahedron, order}, before);
-            if (next == steps.end() || next->parent != point.tetrahedron) break;
-            point = follow(*splits[next->order], point);
-            order = next->order + 1;
-        }
+        followElement(op, tetrahedra);
+        followNode(op, rest);
     }
 }
 
@@ -87,9 +111,8 @@ void TopologyMirror::apply(const TopologyEdit& edit)
     if (edit.empty()) return;
     FILASOFIA_ASSERT(edit.revision == revision_ + 1);
     revision_ = edit.revision;
-    followElements(edit, tetrahedra_);
+    followTetrahedra(edit, tetrahedra_);
     places_.resize(tetrahedra_.size(), {-1, -1, -1, -1});
-    for (const TetNodes& now : edit.changed) tetrahedra_[now.tetrahedron] = now.nodes;
     for (const BoundaryChange& change : edit.boundary) apply(change);
 }
 

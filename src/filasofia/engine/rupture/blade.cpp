@@ -72,6 +72,17 @@ Vec3 normalAtRest(const MeshTopology& mesh, const std::vector<int>& star, Vec3 n
     return normalized(sum);
 }
 
+/// Of the surface that the segment cuts, at the share u of it and t of the step, in tissue that moves by `tissue`.
+/// Where it hardly moves in the step, by the way it went of late.
+Vec3 normalOf(const BladeSegment& s, Vec3 lately, double t, double u, Vec3 tissue, double meanEdge)
+{
+    const Vec3 along = mix(s.toBefore, s.to, t) - mix(s.fromBefore, s.from, t);
+    const Vec3 way = mix(s.from - s.fromBefore, s.to - s.toBefore, u) - tissue;
+    const Vec3 now = cross(along, way), before = cross(along, lately);
+    const bool clear = length(now) >= kClearWay * meanEdge * length(along);
+    return normalized(clear || length(now) >= length(before) ? now : before);
+}
+
 /// One edge against one segment during one step.
 struct Meeting {
     double t = 0.0; ///< [-] when
@@ -238,16 +249,18 @@ void CrossingFinder::find(const EditableMesh& mesh, std::span<const BladeSegment
             if (!found) continue;
             edgeStar(data, edge[0], edge[1], star);
             if (star.empty()) break; // an edge that is no more
-            const Vec3 along = mix(s.to, s.toBefore, 1.0 - found->t) - mix(s.from, s.fromBefore, 1.0 - found->t);
-            const Vec3 way = mix(s.from - s.fromBefore, s.to - s.toBefore, found->u) - mix(a1 - a0, b1 - b0, found->s);
-            Vec3 normal = cross(along, way);
-            if (length(normal) < kClearWay * h * length(along)) {
-                const Vec3 averaged = cross(along, directions_[i]);
-                if (length(averaged) > length(normal)) normal = averaged;
-            }
-            normal = normalized(normal);
+            const Vec3 tissue = mix(a1 - a0, b1 - b0, found->s);
+            const Vec3 sharp = normalOf(s, directions_[i], found->t, found->u, tissue, h);
             const Vec3 e = mix(b0, b1, found->t) - mix(a0, a1, found->t);
-            if (std::abs(dot(normal, e)) < kWithin * length(e)) continue; // its ends are met by other edges
+            if (std::abs(dot(sharp, e)) < kWithin * length(e)) continue; // its ends are met by other edges
+            // Round a bend of the blade the surface turns within two elements, so that neighbours know each other.
+            const double l = distance(s.from, s.to), fromStart = found->u * l, fromEnd = l - fromStart;
+            Vec3 normal = sharp;
+            if (i > 0 && blade[i - 1].to == s.from && fromStart < h)
+                normal += (1.0 - fromStart / h) * normalOf(blade[i - 1], directions_[i - 1], found->t, 1.0, tissue, h);
+            if (i + 1 < blade.size() && blade[i + 1].from == s.to && fromEnd < h)
+                normal += (1.0 - fromEnd / h) * normalOf(blade[i + 1], directions_[i + 1], found->t, 0.0, tissue, h);
+            normal = normalized(normal, sharp);
             Crossing c{edge[0], edge[1], found->s, {}, normalAtRest(data, star, normal), 0.0};
             const Vec3 pa = data.rest[c.a], pb = data.rest[c.b];
             c.point = mix(pa, pb, c.s);

@@ -9,7 +9,9 @@
 namespace filasofia::engine {
 
 /// A straight piece of a blade, where it is and where it was a step ago. A blade is any number of them: a line, a
-/// strip, the two jaws of scissors.
+/// strip, the two jaws of scissors. Where one begins where the last ended they are one edge, which should bend there by
+/// no more than 45 degrees: around a sharper corner bridges may stay, and a stroke for each side, each half a mean edge
+/// beyond the corner, cuts cleanly.
 struct BladeSegment {
     Vec3 from = {};       ///< [m]
     Vec3 to = {};         ///< [m]
@@ -31,6 +33,8 @@ public:
     void find(const EditableMesh& mesh, std::span<const BladeSegment> blade, std::vector<Crossing>& crossings);
     /// The mesh was edited along these crossings: the edges of its new nodes come in.
     void addEdgesOfNewNodes(const EditableMesh& mesh);
+    /// Is no edge near the blade, as of the last find()?
+    [[nodiscard]] bool away() const { return edges_.empty(); }
 
 private:
     using Edge = std::array<int, 2>;

@@ -13,6 +13,8 @@ public:
     explicit BladeStroke(int sheet) : sheet_(sheet) {}
 
     [[nodiscard]] int sheet() const { return sheet_; }
+    /// Nothing of the mesh is near the blade and nothing waits: time to finish().
+    [[nodiscard]] bool away() const { return finder_.away() && crossings_.empty(); }
 
     /// The blade's way during the step in which the mesh moved from previous to current positions. A blade at rest in
     /// moving tissue cuts too. What is wrong with a blade is counted, and the mesh stays as it is.
@@ -27,5 +29,10 @@ private:
     CrossingFinder finder_;
     std::vector<Crossing> crossings_; ///< also those that wait
 };
+
+/// The surface that a blade which comes back should go on with: the newest whose labels lie within a mean edge of the
+/// blade, with the blade in its plane (to 30 degrees); 0 where there is none, and a new one should begin. Walks over
+/// all nodes: for when a stroke begins.
+int sheetAt(const EditableMesh& mesh, std::span<const BladeSegment> blade);
 
 } // namespace filasofia::engine

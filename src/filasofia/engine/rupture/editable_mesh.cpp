@@ -315,6 +315,8 @@ void EditableMesh::commit()
 {
     for (const Copy& copy : copies_) {
         ops_.emplace_back(frame::NodeCopy{copy.from, copy.copy});
+        for (int t : data_.around[copy.copy])
+            ops_.emplace_back(frame::TetCorner{t, placeOf(data_.tetrahedra[t], copy.copy), copy.copy});
         dirty_.insert(dirty_.end(), data_.around[copy.copy].begin(), data_.around[copy.copy].end());
     }
     for (const OpenedFace& face : openedFaces_)

@@ -168,7 +168,8 @@ std::optional<bool> saw(FuzzBody& body, FuzzRandom& random, bool fresh)
     const double d = body.mesh.diagonal(), stroke = random.uniform(0.2, 0.6) * body.mesh.meanEdge();
     CutPlane plane = anyPlane(body.mesh, random);
     plane.origin = body.waves.centre + 0.1 * d * random.direction();
-    double below = 0.0; // what the plane would cut off, were the tissue to stay as it is
+    // What the plane would cut off, were the tissue to stay as it is; slices thinner than what is snapped stay on.
+    double below = 0.0;
     for (int t = 0; t < body.mesh.tetrahedra(); ++t) {
         const auto x = cornersOf(body.mesh.data().tetrahedra[t], body.mesh.data().current);
         if (dot(plane.normal, 0.25 * (x[0] + x[1] + x[2] + x[3]) - plane.origin) < 0.0)
@@ -184,7 +185,7 @@ std::optional<bool> saw(FuzzBody& body, FuzzRandom& random, bool fresh)
         way += (forth - back) * stroke;
     }
     body.finish(cut);
-    return fresh && less > 0.1 ? std::optional(body.secondPart() < 0.02) : std::nullopt;
+    return fresh && less > 0.35 ? std::optional(body.secondPart() < 0.02) : std::nullopt;
 }
 
 /// Two jaws that turn around one point and close on what is between them.

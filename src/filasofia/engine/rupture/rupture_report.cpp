@@ -7,11 +7,12 @@ RuptureReport& RuptureReport::operator+=(const RuptureReport& b)
     for (int i = 0; i < kRuptureRefusals; ++i) refused[i] += b.refused[i];
     for (long RuptureReport::*sum :
          {&RuptureReport::crossings, &RuptureReport::snapped, &RuptureReport::snappedGuard, &RuptureReport::moves,
-          &RuptureReport::bisections, &RuptureReport::pending, &RuptureReport::flagged, &RuptureReport::edits,
-          &RuptureReport::repairedEdits, &RuptureReport::repairRounds, &RuptureReport::repairBisections,
-          &RuptureReport::repairFlips, &RuptureReport::repairSlits, &RuptureReport::repairDeferred,
-          &RuptureReport::flakes, &RuptureReport::givenUp, &RuptureReport::openedFaces, &RuptureReport::copies})
+          &RuptureReport::bisections, &RuptureReport::flagged, &RuptureReport::edits, &RuptureReport::repairedEdits,
+          &RuptureReport::repairRounds, &RuptureReport::repairBisections, &RuptureReport::repairFlips,
+          &RuptureReport::repairSlits, &RuptureReport::repairDeferred, &RuptureReport::flakes, &RuptureReport::givenUp,
+          &RuptureReport::openedFaces, &RuptureReport::copies})
         this->*sum += b.*sum;
+    pending = b.pending; // what waits now
     openedArea += b.openedArea;
     openedMoment += b.openedMoment;
     return *this;

@@ -21,7 +21,7 @@ constexpr const char* name(RuptureRefusal refusal)
     return kNames[static_cast<int>(refusal)];
 }
 
-/// What was done, and what was repaired on the way; sums over steps are sums of the members.
+/// What was done, and what was repaired on the way. Sums over steps are sums of the members, but for `pending`.
 struct RuptureReport {
     long refused[kRuptureRefusals] = {}; ///< per reason
     // cutting
