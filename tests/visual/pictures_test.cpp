@@ -111,6 +111,21 @@ std::vector<SurfaceState> marks(std::span<const Vec3> vertices)
 
 } // namespace
 
+TEST_CASE("pictures that differ are found to differ")
+{
+    Image a{100, 10, std::vector<std::uint8_t>(4000, 100)};
+    Image b = a;
+    CHECK(differingShare(a, b) == 0.0);
+    b.rgba[4] = 102; // within the tolerance
+    b.rgba[11] = 0;  // alpha does not count
+    CHECK(differingShare(a, b) == 0.0);
+    b.rgba[2] = 103;
+    b.rgba[400] = 0;
+    CHECK(differingShare(a, b) == 0.002);
+    b.height = 20;
+    CHECK(differingShare(a, b) == 1.0);
+}
+
 TEST_CASE("picture: tissue") { checkPicture(Scenery().server.capture(), "tissue"); }
 TEST_CASE("picture: mucosa") { checkPicture(Lumen().server.capture(), "mucosa"); }
 
@@ -371,7 +386,7 @@ TEST_CASE("picture: picture-in-picture, in the window and on a screen in the sce
     VisualBody& monitor = scene.server.add(VisualBodyDef{
         .name = "monitor", .mesh = screen(0.048, 0.036), .material = UnlitMaterial{.texture = ViewPicture{"monitor"}}});
     scene.body->setPose({{0.012, 0.0, 0.0}, {}});
-    scene.expose(12.0);
+    scene.expose(12.2);
     VisualBody& bezel = scene.server.add(VisualBodyDef{
         .name = "bezel", .mesh = screen(0.051, 0.039), .material = UnlitMaterial{.color = {0.015, 0.016, 0.018}}});
     bezel.attachTo(monitor);
