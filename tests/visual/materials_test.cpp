@@ -270,6 +270,7 @@ TEST_CASE("a material file that is none, damaged, of another version or purpose 
         {written("version.filamat", version), "version 10"},
         {written("shaders.filamat", shaders), "damaged"},
         {FILASOFIA_TEST_POST_MATERIAL, "surface domain"},
+        {FILASOFIA_TEST_CUBE_MATERIAL, "'around' must be a plain sampler2d"},
     };
     for (Backend backend : backends()) {
         LittleScene scene(backend);

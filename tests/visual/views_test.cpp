@@ -335,10 +335,18 @@ TEST_CASE("one body too many is an error, and the server draws on")
     }
 }
 
-TEST_CASE("a body cut in every frame does not use up the library")
+TEST_CASE("a body cut, clad or looked at anew very often does not use up the library")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
+        for (int i = 0; i < 3000; ++i)
+            scene.body.setMaterial(i % 2 ? Material(MetalMaterial{}) : Material(TissueMaterial{}));
+        for (int i = 0; i < 1000; ++i) {
+            ViewDef def = scene.look.view->def();
+            def.effects.emplace();
+            if (i % 2) def.effects->endoscope = EndoscopeOptics{};
+            scene.look.view->set(def);
+        }
         const geometry::TriangleMesh mesh = sphere(0.05, 0);
         for (int i = 0; i < 3000; ++i) scene.body.setMesh(mesh, mesh.vertices);
         CHECK(scene.server.render());

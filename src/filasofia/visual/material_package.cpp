@@ -104,7 +104,8 @@ void readUniforms(Reader in, std::vector<MaterialPackage::Parameter>& out)
     }
 }
 
-void readSamplers(Reader in, std::vector<MaterialPackage::Parameter>& out)
+/// Every sampler must be given a texture, so there may be none that cannot.
+void readSamplers(Reader in, const std::string& file, std::vector<MaterialPackage::Parameter>& out)
 {
     in.text();
     for (auto left = in.number<std::uint64_t>(); left > 0; --left) {
@@ -113,7 +114,9 @@ void readSamplers(Reader in, std::vector<MaterialPackage::Parameter>& out)
         const auto format = in.number<std::uint8_t>();
         in.take(2); // precision, multisampled
         constexpr std::uint8_t kFlat = 0, kFloat = 2;
-        out.push_back({std::move(name), type == kFlat && format == kFloat ? Kind::Sampler : Kind::Other});
+        if (type != kFlat || format != kFloat)
+            fail("material file '", file, "': parameter '", name, "' must be a plain sampler2d");
+        out.push_back({std::move(name), Kind::Sampler});
     }
 }
 
@@ -175,7 +178,7 @@ MaterialPackage parseMaterialPackage(std::span<const std::uint8_t> bytes, const 
 
     MaterialPackage package;
     readUniforms(chunk("MAT_UIB "), package.parameters);
-    readSamplers(chunk("MAT_SIB "), package.parameters);
+    readSamplers(chunk("MAT_SIB "), file, package.parameters);
     const auto attributes = chunk("MAT_REQA").number<std::uint32_t>();
     if ((attributes & ~kAttributes) != 0)
         fail("material file '", file,
