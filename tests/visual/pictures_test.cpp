@@ -14,7 +14,7 @@ namespace {
 const TissueMaterial kGround{.wetness = 0.55, .noiseScale = 85.0, .mottling = 0.5, .vessels = 0.5, .bump = 0.15};
 
 const TissueMaterial kOrgan{.bump = 0.35};
-const MucosaMaterial kLining{.noiseScale = 110.0, .pits = 0.35, .bump = 0.7};
+const MucosaMaterial kLining{.noiseScale = 110.0, .pits = 0.3, .bump = 0.55};
 
 /// An operating field: folded tissue, an organ on it, a probe that touches it, and an endoscope's camera and light.
 struct Scenery {
@@ -351,6 +351,9 @@ TEST_CASE("picture: endoscope optics, and nothing from outside the picture insid
     Effects effects = effectsOf(Quality::High, 0.006);
     effects.vignette.reset();
     Lumen scene(kLining, effects);
+    CameraDef camera = scene.camera->def();
+    camera.exposure = 10.3;
+    scene.camera->set(camera);
     const Image plain = scene.server.capture();
     effects.endoscope = EndoscopeOptics{};
     ViewDef def = scene.view->def();

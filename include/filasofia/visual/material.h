@@ -45,8 +45,8 @@ constexpr auto fields(const TissueMaterial*)
 /// The lining of hollow organs: paler and wetter than tissue, with the pits of its glands and a fine net of vessels
 /// under a film of mucus.
 struct MucosaMaterial {
-    Color baseColor = {0.64, 0.215, 0.145};      ///< colour of the lit surface
-    Color subsurfaceColor = {0.62, 0.10, 0.055}; ///< colour of the light that has travelled inside
+    Color baseColor = {0.66, 0.235, 0.190};      ///< colour of the lit surface
+    Color subsurfaceColor = {0.64, 0.11, 0.085}; ///< colour of the light that has travelled inside
     Color vesselColor = {0.30, 0.012, 0.016};    ///< colour of the small vessels
     double roughness = 0.40;                     ///< [-], in [0.05, 1], of the lining below the film
     double wetness = 0.95;                       ///< [-], in [0, 1], how much of the surface the film covers

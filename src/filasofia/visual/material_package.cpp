@@ -172,8 +172,13 @@ MaterialPackage parseMaterialPackage(std::span<const std::uint8_t> bytes, const 
         fail("material file '", file, "': must be of the surface domain, not a post-process");
     if (!chunks.contains("MAT_GLSL") || !chunks.contains("DIC_TEXT"))
         fail("material file '", file, "': is not compiled for desktop OpenGL (matc -p desktop -a opengl)");
-    for (const char* needed : {"MAT_NAME", "MAT_SMDL", "MAT_BLEN", "MAT_CUMO", "MAT_SHAD", "MAT_PROP"})
-        if (!chunks.contains(needed)) chunk(needed).damaged();
+    chunk("MAT_NAME").text();
+    // One byte each: shading, blending, transparency, culling, vertex domain, interpolation, refraction and its type.
+    constexpr std::pair<const char*, int> kChoices[] = {{"MAT_SHAD", 4}, {"MAT_BLEN", 6}, {"MAT_TRMD", 2},
+                                                        {"MAT_CUMO", 3}, {"MAT_VEDO", 3}, {"MAT_INTR", 1},
+                                                        {"MAT_REFM", 2}, {"MAT_REFT", 1}};
+    for (const auto& [name, last] : kChoices)
+        if (Reader choice = chunk(name); choice.number<std::uint8_t>() > last) choice.damaged();
     checkShaders(chunks.at("DIC_TEXT"), chunks.at("MAT_GLSL"), file);
 
     MaterialPackage package;
