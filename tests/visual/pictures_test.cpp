@@ -142,6 +142,12 @@ TEST_CASE("picture: metal")
     Scenery scene(MetalMaterial{}, probe(0.2, 0.007));
     scene.body->setPose(Scenery::lookAlong({-0.022, 0.002, 0.016}, {0.8, 0.42, 0.10}));
     scene.tool->setPose(Scenery::lookAlong({-0.030, -0.010, 0.046}, {-0.8, 0.30, -0.25}));
+    EnvironmentDef environment; // lit tissue all around mirrors in it
+    environment.intensity = 1100.0;
+    environment.above = {0.85, 0.42, 0.36};
+    environment.below = {0.80, 0.22, 0.17};
+    environment.lampDirection = rotate(scene.rig->pose().orientation, Vec3{0.45, 0.8, 0.6});
+    scene.server.setEnvironment(environment);
     checkPicture(scene.server.capture(), "metal");
 }
 

@@ -81,9 +81,9 @@ struct BoneMaterial {
     Color baseColor = {0.76, 0.63, 0.44};  ///< colour of the lit surface
     Color stainColor = {0.48, 0.20, 0.11}; ///< colour in pores and stains
     double roughness = 0.5;                ///< [-], in [0.05, 1]
-    double wetness = 0.35;                 ///< [-], in [0, 1], how much of the surface is moist
+    double wetness = 0.55;                 ///< [-], in [0, 1], how much of the surface is moist
     double noiseScale = 165.0;             ///< [1/m], > 0: mottles per metre; grain and pores follow it
-    double pores = 0.5;                    ///< [-], in [0, 1]
+    double pores = 0.65;                   ///< [-], in [0, 1]
     double bump = 0.5;                     ///< [-], in [0, 2], height of the fine relief
     Texture baseColorTexture = {};         ///< in place of baseColor
 
