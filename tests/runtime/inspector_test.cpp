@@ -164,11 +164,15 @@ TEST_CASE("pause, single steps and reset act on the next steps")
     InspectedScene scene;
     scene.step(5);
     CHECK(scene.last.step == 5);
-    scene.parts.stepOnce(); // while it runs: one more, then it stands
+    scene.parts.physics.pause(true);
+    scene.step(3);
+    CHECK(scene.last.step == 5);
+    CHECK(scene.last.dt == 0.0);
+    scene.parts.stepAsked.store(true);
     scene.step(3);
     CHECK(scene.last.step == 6);
     CHECK(scene.last.dt == 0.0);
-    scene.parts.stepOnce();
+    scene.parts.stepAsked.store(true);
     scene.step(3);
     CHECK(scene.last.step == 7);
     CHECK(scene.last.dt == 0.0);
@@ -189,7 +193,7 @@ TEST_CASE("a script goes on in a single step")
     scene.parts.physics.pause(true);
     scene.step(3);
     called.clear();
-    scene.parts.stepOnce();
+    scene.parts.stepAsked.store(true);
     scene.step(3);
     CHECK(called.size() == 1);
 }

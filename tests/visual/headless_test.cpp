@@ -194,6 +194,24 @@ TEST_CASE("exposure and lamps change the brightness")
     CHECK(brightness(scene.server.capture()) > before);
 }
 
+TEST_CASE("so much more light at so much more exposure gives the same picture, over all exposures")
+{
+    LittleScene scene;
+    scene.look.light->set(LightDef{.kind = SpotLight{.intensity = 60.0}});
+    scene.server.setEnvironment({.intensity = 200.0});
+    const Image before = scene.server.capture();
+    for (double exposure : {-10.0, -4.0, 5.0, 14.5, 18.0}) {
+        const double light = std::exp2(exposure - 11.0);
+        CameraDef camera = scene.look.camera->def();
+        camera.exposure = exposure;
+        scene.look.camera->set(camera);
+        scene.look.light->set(LightDef{.kind = SpotLight{.intensity = 60.0 * light}});
+        scene.server.setEnvironment({.intensity = 200.0 * light});
+        INFO(exposure);
+        CHECK(difference(scene.server.capture(), before) <= 2);
+    }
+}
+
 TEST_CASE("one body throws its shadow on another")
 {
     LittleScene scene(Backend::Headless, Quality::Medium);

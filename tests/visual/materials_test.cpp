@@ -255,11 +255,12 @@ TEST_CASE("a material file tells its parameters, and wrong ones are errors that 
 TEST_CASE("a material file that is none, damaged, of another version or purpose is an error that names it")
 {
     const std::string own = readAll(FILASOFIA_TEST_MATERIAL);
-    std::string version = own, shaders = own;
+    std::string version = own, shaders = own, blending = own;
     version[12] = 9; // the first chunk holds the version
     const std::size_t glsl = own.find("LSLG_TAM");
     REQUIRE(glsl != std::string::npos);
     shaders[glsl + 12 + 8 + 3 + 2] = char(0x7f); // where the first shader begins
+    blending[own.find("NELB_TAM") + 12] = 77;
     const std::vector<std::pair<std::string, const char*>> wrong = {
         {tempFile("nowhere.filamat"), "no such file"},
         {written("empty.filamat", ""), "empty"},
@@ -269,7 +270,9 @@ TEST_CASE("a material file that is none, damaged, of another version or purpose 
         {written("end.filamat", own.substr(0, own.size() - 1)), "damaged"},
         {written("version.filamat", version), "version 10"},
         {written("shaders.filamat", shaders), "damaged"},
+        {written("blending.filamat", blending), "damaged"},
         {FILASOFIA_TEST_POST_MATERIAL, "surface domain"},
+        {FILASOFIA_TEST_CUBE_MATERIAL, "'around' must be a plain sampler2d"},
     };
     for (Backend backend : backends()) {
         LittleScene scene(backend);

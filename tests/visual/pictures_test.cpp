@@ -14,7 +14,7 @@ namespace {
 const TissueMaterial kGround{.wetness = 0.55, .noiseScale = 85.0, .mottling = 0.5, .vessels = 0.5, .bump = 0.15};
 
 const TissueMaterial kOrgan{.bump = 0.35};
-const MucosaMaterial kLining{.noiseScale = 110.0, .pits = 0.35, .bump = 0.7};
+const MucosaMaterial kLining{.noiseScale = 110.0, .pits = 0.3, .bump = 0.55};
 
 /// An operating field: folded tissue, an organ on it, a probe that touches it, and an endoscope's camera and light.
 struct Scenery {
@@ -111,6 +111,21 @@ std::vector<SurfaceState> marks(std::span<const Vec3> vertices)
 
 } // namespace
 
+TEST_CASE("pictures that differ are found to differ")
+{
+    Image a{100, 10, std::vector<std::uint8_t>(4000, 100)};
+    Image b = a;
+    CHECK(differingShare(a, b) == 0.0);
+    b.rgba[4] = 102; // within the tolerance
+    b.rgba[11] = 0;  // alpha does not count
+    CHECK(differingShare(a, b) == 0.0);
+    b.rgba[2] = 103;
+    b.rgba[400] = 0;
+    CHECK(differingShare(a, b) == 0.002);
+    b.height = 20;
+    CHECK(differingShare(a, b) == 1.0);
+}
+
 TEST_CASE("picture: tissue") { checkPicture(Scenery().server.capture(), "tissue"); }
 TEST_CASE("picture: mucosa") { checkPicture(Lumen().server.capture(), "mucosa"); }
 
@@ -127,6 +142,12 @@ TEST_CASE("picture: metal")
     Scenery scene(MetalMaterial{}, probe(0.2, 0.007));
     scene.body->setPose(Scenery::lookAlong({-0.022, 0.002, 0.016}, {0.8, 0.42, 0.10}));
     scene.tool->setPose(Scenery::lookAlong({-0.030, -0.010, 0.046}, {-0.8, 0.30, -0.25}));
+    EnvironmentDef environment; // lit tissue all around mirrors in it
+    environment.intensity = 1100.0;
+    environment.above = {0.85, 0.42, 0.36};
+    environment.below = {0.80, 0.22, 0.17};
+    environment.lampDirection = rotate(scene.rig->pose().orientation, Vec3{0.45, 0.8, 0.6});
+    scene.server.setEnvironment(environment);
     checkPicture(scene.server.capture(), "metal");
 }
 
@@ -336,6 +357,9 @@ TEST_CASE("picture: endoscope optics, and nothing from outside the picture insid
     Effects effects = effectsOf(Quality::High, 0.006);
     effects.vignette.reset();
     Lumen scene(kLining, effects);
+    CameraDef camera = scene.camera->def();
+    camera.exposure = 10.3;
+    scene.camera->set(camera);
     const Image plain = scene.server.capture();
     effects.endoscope = EndoscopeOptics{};
     ViewDef def = scene.view->def();
@@ -371,7 +395,7 @@ TEST_CASE("picture: picture-in-picture, in the window and on a screen in the sce
     VisualBody& monitor = scene.server.add(VisualBodyDef{
         .name = "monitor", .mesh = screen(0.048, 0.036), .material = UnlitMaterial{.texture = ViewPicture{"monitor"}}});
     scene.body->setPose({{0.012, 0.0, 0.0}, {}});
-    scene.expose(12.0);
+    scene.expose(12.2);
     VisualBody& bezel = scene.server.add(VisualBodyDef{
         .name = "bezel", .mesh = screen(0.051, 0.039), .material = UnlitMaterial{.color = {0.015, 0.016, 0.018}}});
     bezel.attachTo(monitor);

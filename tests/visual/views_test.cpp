@@ -153,6 +153,30 @@ TEST_CASE("endoscope optics: black outside the mask, whatever its shape; the fir
     }
 }
 
+TEST_CASE("an unlit material shows the colour asked for, in spite of the tone mapping")
+{
+    if (!hasBackend(Backend::Headless)) return;
+    VisualServer server({.width = 16, .height = 16});
+    Camera& camera = server.add(CameraDef{});
+    camera.setPose({{0, 0, 0.05}, {}});
+    server.add(ViewDef{.quality = Quality::Low}, camera);
+    VisualBody& body = server.add({.name = "plate", .mesh = screen(1, 1), .material = UnlitMaterial{}});
+    const auto encoded = [](double linear) {
+        return 255.0 * (linear < 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055);
+    };
+    const auto error = [&](const Color& color) {
+        body.setMaterial(UnlitMaterial{.color = color});
+        const auto shown = server.capture().pixel(8, 8);
+        return std::max({std::abs(shown[0] - encoded(color.red)), std::abs(shown[1] - encoded(color.green)),
+                         std::abs(shown[2] - encoded(color.blue))});
+    };
+    for (double grey : {0.01, 0.03, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9}) CHECK(error({grey, grey, grey}) <= 2.0);
+    CHECK(error({1, 1, 1}) <= 10.0);
+    for (const Color& color : {Color{0.5, 0.2, 0.1}, Color{0.05, 0.6, 0.1}, Color{0.1, 0.2, 0.8}})
+        CHECK(error(color) <= 8.0);
+    CHECK(error({0.8, 0.05, 0.05}) <= 12.0);
+}
+
 TEST_CASE("wrong off-screen views are errors")
 {
     for (Backend backend : backends()) {
@@ -335,10 +359,18 @@ TEST_CASE("one body too many is an error, and the server draws on")
     }
 }
 
-TEST_CASE("a body cut in every frame does not use up the library")
+TEST_CASE("a body cut, clad or looked at anew very often does not use up the library")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
+        for (int i = 0; i < 3000; ++i)
+            scene.body.setMaterial(i % 2 ? Material(MetalMaterial{}) : Material(TissueMaterial{}));
+        for (int i = 0; i < 1000; ++i) {
+            ViewDef def = scene.look.view->def();
+            def.effects.emplace();
+            if (i % 2) def.effects->endoscope = EndoscopeOptics{};
+            scene.look.view->set(def);
+        }
         const geometry::TriangleMesh mesh = sphere(0.05, 0);
         for (int i = 0; i < 3000; ++i) scene.body.setMesh(mesh, mesh.vertices);
         CHECK(scene.server.render());

@@ -45,8 +45,8 @@ constexpr auto fields(const TissueMaterial*)
 /// The lining of hollow organs: paler and wetter than tissue, with the pits of its glands and a fine net of vessels
 /// under a film of mucus.
 struct MucosaMaterial {
-    Color baseColor = {0.64, 0.215, 0.145};      ///< colour of the lit surface
-    Color subsurfaceColor = {0.62, 0.10, 0.055}; ///< colour of the light that has travelled inside
+    Color baseColor = {0.66, 0.235, 0.190};      ///< colour of the lit surface
+    Color subsurfaceColor = {0.64, 0.11, 0.085}; ///< colour of the light that has travelled inside
     Color vesselColor = {0.30, 0.012, 0.016};    ///< colour of the small vessels
     double roughness = 0.40;                     ///< [-], in [0.05, 1], of the lining below the film
     double wetness = 0.95;                       ///< [-], in [0, 1], how much of the surface the film covers
@@ -81,9 +81,9 @@ struct BoneMaterial {
     Color baseColor = {0.76, 0.63, 0.44};  ///< colour of the lit surface
     Color stainColor = {0.48, 0.20, 0.11}; ///< colour in pores and stains
     double roughness = 0.5;                ///< [-], in [0.05, 1]
-    double wetness = 0.35;                 ///< [-], in [0, 1], how much of the surface is moist
+    double wetness = 0.55;                 ///< [-], in [0, 1], how much of the surface is moist
     double noiseScale = 165.0;             ///< [1/m], > 0: mottles per metre; grain and pores follow it
-    double pores = 0.5;                    ///< [-], in [0, 1]
+    double pores = 0.65;                   ///< [-], in [0, 1]
     double bump = 0.5;                     ///< [-], in [0, 2], height of the fine relief
     Texture baseColorTexture = {};         ///< in place of baseColor
 

@@ -3,6 +3,8 @@
 #include "filasofia/engine/rupture/tet_shape.h"
 
 #include <algorithm>
+#include <functional>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -55,56 +57,63 @@ private:
     std::vector<int> changed_, reached_;
 };
 
-/// A point's nodes and weights after the edit; false where it stays as it is.
-bool follow(const TopologyEdit& edit, const OldElements& before, const EditableMesh& mesh, std::vector<int>& nodes,
-            std::vector<double>& weights)
-{
-    if (nodes.empty() || std::ranges::none_of(nodes, [&](int node) { return before.reached(node); })) return false;
-    EmbeddedPoint point{.tetrahedron = before.with(nodes), .weights = {}};
-    if (point.tetrahedron < 0) return false; // spread over several elements: it stays with the nodes it has
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-        point.weights[static_cast<std::size_t>(placeOf(before.nodes(point.tetrahedron), nodes[k]))] += weights[k];
-    frame::followPoints(edit, std::span(&point, 1));
-    nodes.clear();
-    weights.clear();
-    for (std::size_t k = 0; k < 4; ++k) {
-        if (point.weights[k] == 0.0) continue;
-        nodes.push_back(mesh.data().tetrahedra[static_cast<std::size_t>(point.tetrahedron)][k]);
-        weights.push_back(point.weights[k]);
-    }
-    return true;
-}
+/// The points that an edit reaches, and who is told where they are afterwards.
+class Riders {
+public:
+    explicit Riders(const OldElements& before) : before_(before) {}
 
-void follow(const TopologyEdit& edit, const OldElements& before, const EditableMesh& mesh, AttachedPoint& point)
-{
-    std::vector<int> nodes;
-    std::vector<double> weights;
-    for (const NodeWeight& each : point.nodes) {
-        nodes.push_back(each.node);
-        weights.push_back(each.weight);
+    /// `tell` gets nodes and weights. A point that is spread over several elements stays with the nodes it has.
+    template <class Tell> void add(std::span<const NodeWeight> point, Tell tell)
+    {
+        std::vector<int> nodes;
+        for (const NodeWeight& each : point)
+            if (each.weight != 0.0) nodes.push_back(each.node);
+        if (std::ranges::none_of(nodes, [&](int node) { return before_.reached(node); })) return;
+        EmbeddedPoint embedded{.tetrahedron = before_.with(nodes), .weights = {}};
+        if (embedded.tetrahedron < 0) return;
+        for (const NodeWeight& each : point)
+            if (const int place = placeOf(before_.nodes(embedded.tetrahedron), each.node); place >= 0)
+                embedded.weights[static_cast<std::size_t>(place)] += each.weight;
+        points_.push_back(embedded);
+        tell_.emplace_back(std::move(tell));
     }
-    if (!follow(edit, before, mesh, nodes, weights)) return;
-    point.nodes.clear();
-    for (std::size_t k = 0; k < nodes.size(); ++k) point.nodes.push_back({nodes[k], weights[k]});
-}
 
-void follow(const TopologyEdit& edit, const OldElements& before, const EditableMesh& mesh, geometry::Embedding& ties)
+    void follow(const TopologyEdit& edit, const EditableMesh& mesh, const SoftModel& model)
+    {
+        if (points_.empty()) return;
+        std::vector<geometry::Tetrahedron> tetrahedra = model.tetrahedra;
+        for (const FemElement& element : model.elements) tetrahedra.push_back(element.nodes);
+        std::vector<Vec3> rest = model.rest;
+        frame::followPoints(edit, tetrahedra, rest, points_);
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+            std::vector<NodeWeight> now;
+            for (std::size_t k = 0; k < 4; ++k)
+                if (const double weight = points_[i].weights[k]; weight != 0.0)
+                    now.push_back(
+                        {mesh.data().tetrahedra[static_cast<std::size_t>(points_[i].tetrahedron)][k], weight});
+            tell_[i](now);
+        }
+    }
+
+private:
+    const OldElements& before_;
+    std::vector<EmbeddedPoint> points_;
+    std::vector<std::function<void(const std::vector<NodeWeight>&)>> tell_;
+};
+
+void addTies(geometry::Embedding& ties, Riders& riders)
 {
     for (std::size_t i = 0; i < ties.nodes.size(); ++i) {
-        std::vector<int> nodes;
-        std::vector<double> weights;
-        for (std::size_t k = 0; k < 4; ++k)
-            if (ties.weights[i][k] != 0.0) {
-                nodes.push_back(ties.nodes[i][k]);
-                weights.push_back(ties.weights[i][k]);
+        std::array<NodeWeight, 4> point{};
+        for (std::size_t k = 0; k < 4; ++k) point[k] = {ties.nodes[i][k], ties.weights[i][k]};
+        riders.add(point, [&ties, i](const std::vector<NodeWeight>& now) {
+            ties.nodes[i].fill(now.front().node);
+            ties.weights[i].fill(0.0);
+            for (std::size_t k = 0; k < now.size(); ++k) {
+                ties.nodes[i][k] = now[k].node;
+                ties.weights[i][k] = now[k].weight;
             }
-        if (!follow(edit, before, mesh, nodes, weights)) continue;
-        ties.nodes[i].fill(nodes.front());
-        ties.weights[i].fill(0.0);
-        for (std::size_t k = 0; k < nodes.size(); ++k) {
-            ties.nodes[i][k] = nodes[k];
-            ties.weights[i][k] = weights[k];
-        }
+        });
     }
 }
 
@@ -114,13 +123,18 @@ void followRiders(const TopologyEdit& edit, const EditableMesh& mesh, SoftModel&
                   std::vector<Attachment>& attachments)
 {
     const OldElements before(edit, mesh, soft);
+    Riders riders(before);
+    const auto addPoint = [&](AttachedPoint& point) {
+        riders.add(point.nodes, [&point](const std::vector<NodeWeight>& now) { point.nodes = now; });
+    };
     for (Attachment& attachment : attachments)
         for (auto& pair : attachment.pairs) {
-            if (attachment.body == soft.id) follow(edit, before, mesh, pair[0]);
-            if (attachment.to == soft.id) follow(edit, before, mesh, pair[1]);
+            if (attachment.body == soft.id) addPoint(pair[0]);
+            if (attachment.to == soft.id) addPoint(pair[1]);
         }
     for (CollisionModel& collision : soft.collision)
-        if (collision.behind.empty()) follow(edit, before, mesh, collision.ties);
+        if (collision.behind.empty()) addTies(collision.ties, riders);
+    riders.follow(edit, mesh, soft);
 }
 
 } // namespace filasofia::engine

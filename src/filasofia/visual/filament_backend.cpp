@@ -121,7 +121,10 @@ void FilamentBackend::setSurfaceState(Slot body, std::vector<PackedState> states
 {
     bodies_.at(body)->setSurfaceState(std::move(states));
 }
-void FilamentBackend::setMaterial(Slot body, const ReadyMaterial& material) { bodies_.at(body)->setMaterial(material); }
+void FilamentBackend::setMaterial(Slot body, const ReadyMaterial& material)
+{
+    if (bodies_.at(body)->setMaterial(material)) countHandles();
+}
 
 void FilamentBackend::putCamera(Slot slot, const CameraDef& def)
 {
@@ -138,6 +141,7 @@ void FilamentBackend::putCamera(Slot slot, const CameraDef& def)
 
 void FilamentBackend::putView(Slot slot, const ViewDef& def, Slot camera)
 {
+    countHandles();
     PlacedView& placed = views_[slot];
     if (!placed.view) {
         placed.view = engine_->createView();

@@ -136,11 +136,11 @@ void FilamentBody::setSurfaceState(std::vector<PackedState> states)
     vertices_->setBufferAt(engine_, kStates, owned(std::move(states)));
 }
 
-void FilamentBody::setMaterial(const ReadyMaterial& material)
+bool FilamentBody::setMaterial(const ReadyMaterial& material)
 {
     if (MaterialPool::nameOf(material.material) == materialName_) {
         pool_.apply(material, *instance_);
-        return;
+        return false;
     }
     filament::MaterialInstance* old = instance_;
     instance_ = pool_.instance(material);
@@ -148,6 +148,7 @@ void FilamentBody::setMaterial(const ReadyMaterial& material)
     auto& renderables = engine_.getRenderableManager();
     renderables.setMaterialInstanceAt(renderables.getInstance(entity_), 0, instance_);
     engine_.destroy(old);
+    return true;
 }
 
 void FilamentBody::setVisible(bool visible)

@@ -22,7 +22,8 @@ public:
     void setGeometry(BodyGeometry geometry);
     void setVertices(VertexData vertices);
     void setSurfaceState(std::vector<PackedState> states);
-    void setMaterial(const ReadyMaterial& material);
+    /// True when it took another kind of material, and new handles of the library for it.
+    bool setMaterial(const ReadyMaterial& material);
     void setScale(double scale) { scale_ = scale; }
     [[nodiscard]] double scale() const { return scale_; }
     void setVisible(bool visible);

@@ -104,7 +104,8 @@ void readUniforms(Reader in, std::vector<MaterialPackage::Parameter>& out)
     }
 }
 
-void readSamplers(Reader in, std::vector<MaterialPackage::Parameter>& out)
+/// Every sampler must be given a texture, so there may be none that cannot.
+void readSamplers(Reader in, const std::string& file, std::vector<MaterialPackage::Parameter>& out)
 {
     in.text();
     for (auto left = in.number<std::uint64_t>(); left > 0; --left) {
@@ -113,7 +114,9 @@ void readSamplers(Reader in, std::vector<MaterialPackage::Parameter>& out)
         const auto format = in.number<std::uint8_t>();
         in.take(2); // precision, multisampled
         constexpr std::uint8_t kFlat = 0, kFloat = 2;
-        out.push_back({std::move(name), type == kFlat && format == kFloat ? Kind::Sampler : Kind::Other});
+        if (type != kFlat || format != kFloat)
+            fail("material file '", file, "': parameter '", name, "' must be a plain sampler2d");
+        out.push_back({std::move(name), Kind::Sampler});
     }
 }
 
@@ -169,13 +172,18 @@ MaterialPackage parseMaterialPackage(std::span<const std::uint8_t> bytes, const 
         fail("material file '", file, "': must be of the surface domain, not a post-process");
     if (!chunks.contains("MAT_GLSL") || !chunks.contains("DIC_TEXT"))
         fail("material file '", file, "': is not compiled for desktop OpenGL (matc -p desktop -a opengl)");
-    for (const char* needed : {"MAT_NAME", "MAT_SMDL", "MAT_BLEN", "MAT_CUMO", "MAT_SHAD", "MAT_PROP"})
-        if (!chunks.contains(needed)) chunk(needed).damaged();
+    chunk("MAT_NAME").text();
+    // One byte each: shading, blending, transparency, culling, vertex domain, interpolation, refraction and its type.
+    constexpr std::pair<const char*, int> kChoices[] = {{"MAT_SHAD", 4}, {"MAT_BLEN", 6}, {"MAT_TRMD", 2},
+                                                        {"MAT_CUMO", 3}, {"MAT_VEDO", 3}, {"MAT_INTR", 1},
+                                                        {"MAT_REFM", 2}, {"MAT_REFT", 1}};
+    for (const auto& [name, last] : kChoices)
+        if (Reader choice = chunk(name); choice.number<std::uint8_t>() > last) choice.damaged();
     checkShaders(chunks.at("DIC_TEXT"), chunks.at("MAT_GLSL"), file);
 
     MaterialPackage package;
     readUniforms(chunk("MAT_UIB "), package.parameters);
-    readSamplers(chunk("MAT_SIB "), package.parameters);
+    readSamplers(chunk("MAT_SIB "), file, package.parameters);
     const auto attributes = chunk("MAT_REQA").number<std::uint32_t>();
     if ((attributes & ~kAttributes) != 0)
         fail("material file '", file,
