@@ -399,5 +399,11 @@ TEST_CASE("wrong Guis are Errors")
     CHECK_THROWS_WITH(scene.server.setGuiScale(9.0), "visual server: guiScale must be in [0.5, 8], got 9");
     CHECK_THROWS_WITH(scene.server.add(GuiDef{}, *other.gui->view()), Catch::Contains("belongs to another server"));
     CHECK_THROWS_WITH(scene.server.remove(*other.gui), Catch::Contains("does not belong to this server"));
+    CHECK_THROWS_WITH(scene.server.add(CanvasDef{.name = "c", .width = 0.0}),
+                      "canvas 'c': width must be in (0, 10000] m, got 0");
+    CHECK_THROWS_WITH(scene.server.add(CanvasDef{.name = "c", .height = std::nan("")}), Catch::Contains("height"));
+    CHECK_THROWS_WITH(scene.server.add(CanvasDef{.name = "c", .pixelWidth = 100000}),
+                      "canvas 'c': pixelWidth must be in [16, 4096] px, got 100000");
+    scene.server.render();                        // and the picture goes on
     CHECK(ImGui::GetCurrentContext() == nullptr); // none is left behind
 }
