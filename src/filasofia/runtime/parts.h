@@ -19,6 +19,7 @@ struct Simulation::Impl {
     event::EventDispatcher events;
     Bindings bindings;
     std::function<void(visual::VisualServer&)> dress;
+    std::vector<visual::GuiDef> guis; ///< over the window
     std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow;
     std::vector<std::function<void(double)>> everyStep; ///< an empty one threw; the stepping thread's in a run
     ContactWatch contacts;                              ///< the stepping thread's in a run

@@ -156,6 +156,7 @@ std::uint32_t Simulation::Impl::tellContacts(const physics::StepReport& report)
 
 void Simulation::Impl::dressScene(visual::VisualServer& visual)
 {
+    for (const visual::GuiDef& gui : guis) visual.add(gui);
     if (dress) return dress(visual);
     const geometry::Box bounds = def.look.around ? *def.look.around : bindings.bounds();
     if (geometry::isEmpty(bounds)) return; // nothing is shown yet: the picture stays dark
@@ -195,6 +196,13 @@ BodyId Simulation::add(physics::SoftBodyDef def) { return impl_->physics.add(std
 BodyId Simulation::add(physics::RigidBodyDef def) { return impl_->physics.add(std::move(def)); }
 void Simulation::show(BodyId id, const ShowDef& def) { impl_->bindings.show(id, def, impl_->physics); }
 void Simulation::dress(std::function<void(visual::VisualServer&)> scene) { impl_->dress = std::move(scene); }
+void Simulation::show(const visual::GuiDef& def)
+{
+    validate(def, text("gui '", def.name, "'"));
+    if (impl_->running.load()) fail("gui '", def.name, "': to be shown before a run, and one is going on");
+    impl_->guis.push_back(def);
+}
+
 void Simulation::useWindow(std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> open)
 {
     impl_->openWindow = std::move(open);
