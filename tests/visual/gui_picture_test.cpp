@@ -176,3 +176,33 @@ TEST_CASE("debug drawings look as they should: hidden by the body, or on top")
     CHECK(difference(both, image) > 40);
     for (int x = 20; x < 140; x += 30) CHECK(both.pixel(x, 140) == both.pixel(x + 160, 140)); // in every view
 }
+
+TEST_CASE("Guis, Canvases and debug drawings come and go, and servers with them")
+{
+    LittleScene first;
+    const Image before = first.server.capture();
+    std::vector<Gui*> guis;
+    std::vector<Canvas*> canvases;
+    for (int i = 0; i < 40; ++i) {
+        const auto text = [] { ImGui::Text("text"); };
+        guis.push_back(&first.server.add(GuiDef{.renderCallback = text}));
+        canvases.push_back(&first.server.add(CanvasDef{.pixelWidth = 64, .pixelHeight = 64, .renderCallback = text}));
+        if (i % 3 == 0) first.server.render();
+        if (i % 2 == 0) {
+            first.server.remove(*guis.front());
+            guis.erase(guis.begin());
+            first.server.debug().text({}, "gone");
+        }
+    }
+    CHECK(first.server.capture() != before);
+    for (Gui* gui : guis) first.server.remove(*gui);
+    for (Canvas* canvas : canvases) first.server.remove(*canvas);
+    CHECK(first.server.capture() == before);
+    for (int i = 0; i < 5; ++i) {
+        LittleScene scene;
+        scene.server.add(GuiDef{.renderCallback = [] { ImGui::ShowDemoWindow(); }});
+        scene.server.add(CanvasDef{.renderCallback = [] { ImGui::Text("text"); }});
+        scene.server.debug().point({}, {.keep = true});
+        CHECK(scene.server.capture() != before);
+    }
+}
