@@ -101,7 +101,7 @@ constexpr double kWeight = 0.008 * 9.81; ///< [N]
 TEST_CASE("the inspector shows its rates, and every panel is drawn")
 {
     InspectedScene scene(hasBackend(Backend::Headless) ? Backend::Headless : Backend::Null);
-    scene.inspector.show = {.wireframe = true, .contacts = true, .forces = true, .metresPerNewton = 0.3};
+    scene.inspector.show = {.wireframe = true, .contacts = true, .forces = true};
     scene.run(30);
     scene.step(16);
     scene.parts.mapNewestFrame(scene.visual);

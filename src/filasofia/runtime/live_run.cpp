@@ -114,6 +114,8 @@ public:
         if (visual_->render()) post(std::make_unique<event::VisualUpdateEvent>());
         inspector_->afterPicture();
     }
+    /// A picture for a file is of the scene.
+    void closeInspector() { inspector_->setOpen(false); }
     [[nodiscard]] visual::VisualServer& visual() { return *visual_; }
 
 private:
@@ -164,6 +166,7 @@ RunReport runLive(Simulation::Impl& parts, const RunDef& def)
     }
     files.close();
     if (!def.picture.empty()) {
+        screen.closeInspector();
         parts.takePicture(screen.visual(), def.picture);
         report.pictures.push_back(def.picture);
     }
