@@ -101,7 +101,7 @@ constexpr double kWeight = 0.008 * 9.81; ///< [N]
 TEST_CASE("the inspector shows its rates, and every panel is drawn")
 {
     InspectedScene scene(hasBackend(Backend::Headless) ? Backend::Headless : Backend::Null);
-    scene.inspector.show = {.wireframe = true, .contacts = true, .forces = true, .metresPerNewton = 0.3};
+    scene.inspector.show = {.wireframe = true, .contacts = true, .forces = true};
     scene.run(30);
     scene.step(16);
     scene.parts.mapNewestFrame(scene.visual);
@@ -265,14 +265,13 @@ TEST_CASE("F1 opens and closes the inspector in a live run, and keys for a Gui r
         return window;
     });
     sim.on<VisualUpdateEvent>([&](const VisualUpdateEvent&) { ++pictures; });
-    sim.dress([&](visual::VisualServer& server) {
-        // Once the inspector has had its pictures, the person closes it and leaves.
-        server.add(visual::GuiDef{.renderCallback = [&, drawn = 0]() mutable {
-            if (++drawn != 8) return;
-            opened->inject(keyEvent(KeyCode::F1));
-            opened->inject(keyEvent(KeyCode::Escape));
-        }});
-    });
+    // Once the inspector has had its pictures, the person closes it and leaves.
+    sim.show(GuiDef{.renderCallback = [&, drawn = 0]() mutable {
+        if (++drawn != 8) return;
+        opened->inject(keyEvent(KeyCode::F1));
+        opened->inject(keyEvent(KeyCode::Escape));
+    }});
+    CHECK_THROWS_WITH(sim.show(GuiDef{.name = "huge", .scale = 100}), "gui 'huge': scale must be in [0.5, 8], got 100");
     const RunReport report = sim.run({.backend = Backend::Null, .seconds = 60});
     CHECK(report.finished == "escaped");
     CHECK(f1 == 0);
@@ -292,13 +291,11 @@ TEST_CASE("a window that is closed while a Gui is in use ends the run")
         window->inject(std::move(press));
         return window;
     });
-    sim.dress([&](visual::VisualServer& server) {
-        server.add(visual::GuiDef{.renderCallback = [&, drawn = 0]() mutable {
-            if (++drawn != 5) return;
-            auto closing = std::make_unique<WindowEvent>();
-            closing->kind = WindowEvent::Kind::CloseRequested;
-            opened->inject(std::move(closing));
-        }});
-    });
+    sim.show(GuiDef{.renderCallback = [&, drawn = 0]() mutable {
+        if (++drawn != 5) return;
+        auto closing = std::make_unique<WindowEvent>();
+        closing->kind = WindowEvent::Kind::CloseRequested;
+        opened->inject(std::move(closing));
+    }});
     CHECK(sim.run({.backend = Backend::Null, .seconds = 60}).finished == "window closed");
 }

@@ -176,3 +176,50 @@ TEST_CASE("debug drawings look as they should: hidden by the body, or on top")
     CHECK(difference(both, image) > 40);
     for (int x = 20; x < 140; x += 30) CHECK(both.pixel(x, 140) == both.pixel(x + 160, 140)); // in every view
 }
+
+TEST_CASE("an oblique debug line is as wide at its ends as in its middle, in a view of any place")
+{
+    LittleScene scene;
+    lookFromFront(scene);
+    scene.body.setVisible(false);
+    scene.server.debug().line({-0.1, -0.06, 0.0}, {-0.02, 0.05, 0.02}, {.width = 14});
+    const Image image = scene.server.capture();
+    const auto widthAt = [&](int y) {
+        int lit = 0;
+        for (int x = 0; x < image.width; ++x) lit += brightnessAt(image, x, y) > 60;
+        return lit;
+    };
+    CHECK(widthAt(90) > 14); // cut askew
+    CHECK(widthAt(90) < 20); // by no more than 1 / cos of the slope
+    for (int y = 95; y < 150; ++y) CHECK(std::abs(widthAt(y) - widthAt(90)) <= 2);
+}
+
+TEST_CASE("Guis, Canvases and debug drawings come and go, and servers with them")
+{
+    LittleScene first;
+    const Image before = first.server.capture();
+    std::vector<Gui*> guis;
+    std::vector<Canvas*> canvases;
+    for (int i = 0; i < 40; ++i) {
+        const auto text = [] { ImGui::Text("text"); };
+        guis.push_back(&first.server.add(GuiDef{.renderCallback = text}));
+        canvases.push_back(&first.server.add(CanvasDef{.pixelWidth = 64, .pixelHeight = 64, .renderCallback = text}));
+        if (i % 3 == 0) first.server.render();
+        if (i % 2 == 0) {
+            first.server.remove(*guis.front());
+            guis.erase(guis.begin());
+            first.server.debug().text({}, "gone");
+        }
+    }
+    CHECK(first.server.capture() != before);
+    for (Gui* gui : guis) first.server.remove(*gui);
+    for (Canvas* canvas : canvases) first.server.remove(*canvas);
+    CHECK(first.server.capture() == before);
+    for (int i = 0; i < 5; ++i) {
+        LittleScene scene;
+        scene.server.add(GuiDef{.renderCallback = [] { ImGui::ShowDemoWindow(); }});
+        scene.server.add(CanvasDef{.renderCallback = [] { ImGui::Text("text"); }});
+        scene.server.debug().point({}, {.keep = true});
+        CHECK(scene.server.capture() != before);
+    }
+}

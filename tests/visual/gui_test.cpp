@@ -1,79 +1,9 @@
 #include "filasofia/core/error.h"
-#include "filasofia/core/log.h"
-#include "gui_person.h"
-#include "little_scene.h"
-
-#include <imgui.h>
-
-#include <atomic>
-#include <thread>
+#include "gui_scene.h"
 
 using namespace filasofia;
 using namespace filasofia::visual;
 using event::KeyCode;
-
-namespace {
-
-/// A panel at a known place, with one of everything that a person can act on.
-struct Panel {
-    char note[64] = "";
-    float force = 1.0F;
-    bool cutting = false;
-    int clicks = 0;
-    ImVec2 place = {10, 10};
-    ImVec2 noteAt, sliderAt, boxAt, buttonAt; ///< their middles [px] of the Gui, in the last frame
-
-    void draw()
-    {
-        const auto middle = [] {
-            const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-            return ImVec2{0.5F * (low.x + high.x), 0.5F * (low.y + high.y)};
-        };
-        ImGui::SetNextWindowPos({10, 10}, ImGuiCond_Once);
-        ImGui::SetNextWindowSize({200, 160}, ImGuiCond_Once);
-        ImGui::Begin("Forceps");
-        place = ImGui::GetWindowPos();
-        ImGui::PushItemWidth(110);
-        ImGui::InputText("note", note, sizeof note);
-        noteAt = middle();
-        ImGui::SliderFloat("force", &force, 0.0F, 5.0F, "%.1f N");
-        sliderAt = middle();
-        ImGui::PopItemWidth();
-        ImGui::Checkbox("cutting", &cutting);
-        boxAt = middle();
-        if (ImGui::Button("count")) ++clicks;
-        buttonAt = middle();
-        ImGui::End();
-    }
-};
-
-struct GuiScene {
-    explicit GuiScene(ViewDef view = {}) : server({.backend = Backend::Null, .width = 320, .height = 240})
-    {
-        gui = &server.add(GuiDef{.name = "panel", .renderCallback = [this] { panel.draw(); }},
-                          server.add(view, server.add(CameraDef{})));
-        person.look();
-    }
-
-    VisualServer server;
-    Panel panel;
-    Gui* gui = nullptr;
-    GuiPerson person{server};
-};
-
-/// What is logged while it lives.
-class Logged {
-public:
-    Logged()
-    {
-        setLogSink([this](LogLevel, std::string_view line) { lines.emplace_back(line); });
-    }
-    ~Logged() { setLogSink({}); }
-
-    std::vector<std::string> lines;
-};
-
-} // namespace
 
 TEST_CASE("a click presses a button, however fast it was")
 {
@@ -264,131 +194,6 @@ TEST_CASE("keys and buttons that are held when the window loses the focus are le
     CHECK(scene.panel.force == before);
 }
 
-TEST_CASE("a callback that throws ends alone, and is replaced by one that does not")
-{
-    const Logged log;
-    GuiScene scene;
-    int calls = 0;
-    scene.gui->setRenderCallback([&] {
-        ++calls;
-        ImGui::Begin("half"); // and its End is never reached
-        throw std::runtime_error("no forceps");
-    });
-    scene.person.look(5);
-    CHECK(calls == 1);
-    REQUIRE(log.lines.size() >= 1);
-    CHECK(log.lines[0] == "gui 'panel': renderCallback: no forceps; it is not called again");
-    scene.gui->setRenderCallback([&] { throw 7; });
-    scene.person.look(5);
-    CHECK(log.lines.back().find("gui 'panel': renderCallback threw what is no exception") == 0);
-    scene.gui->setRenderCallback([&] { scene.panel.draw(); });
-    scene.person.look();
-    scene.person.click(scene.panel.buttonAt.x, scene.panel.buttonAt.y);
-    scene.person.look();
-    CHECK(scene.panel.clicks == 1);
-}
-
-TEST_CASE("what a callback begins and does not end is ended for it, and logged once")
-{
-    const Logged log;
-    GuiScene scene;
-    int calls = 0;
-    scene.gui->setRenderCallback([&] {
-        ++calls;
-        ImGui::Begin("open");
-        ImGui::BeginChild("inner");
-        ImGui::TreePush("deep");
-        ImGui::PushStyleVar(ImGuiStyleVar_Alpha, 0.5F);
-    });
-    scene.person.look(5);
-    CHECK(calls == 5);
-    REQUIRE(log.lines.size() == 1);
-    CHECK(log.lines[0].find("missing EndChild") != std::string::npos);
-}
-
-TEST_CASE("ImGui's own assertions end the callback, not the program")
-{
-    const auto wrong = GENERATE(0, 1, 2, 3, 4, 5);
-    CAPTURE(wrong);
-    const Logged log;
-    GuiScene scene;
-    int calls = 0;
-    scene.gui->setRenderCallback([&] {
-        ++calls;
-        if (wrong == 0) ImGui::End();
-        if (wrong == 1) ImGui::PopID();
-        if (wrong == 2) ImGui::Begin("");
-        if (wrong == 3) ImGui::NewFrame();
-        if (wrong == 4) ImGui::PopStyleColor();
-        if (wrong == 5) {
-            ImGui::SetNextWindowSize({200, 100});
-            ImGui::Begin("a");
-            ImGui::BeginTable("t", 2);
-            ImGui::End();
-        }
-    });
-    scene.person.look(3);
-    CHECK(calls == 1);
-    REQUIRE(!log.lines.empty());
-    CHECK(log.lines[0].find("gui 'panel': renderCallback: ImGui was called wrongly: ") == 0);
-    scene.gui->setRenderCallback([&] { scene.panel.draw(); });
-    scene.person.look();
-    scene.person.click(scene.panel.buttonAt.x, scene.panel.buttonAt.y);
-    scene.person.look();
-    CHECK(scene.panel.clicks == 1);
-}
-
-TEST_CASE("a callback may be replaced from another thread, and the old one never runs after that")
-{
-    GuiScene scene;
-    std::atomic<bool> stop = false, wrong = false;
-    std::atomic<int> replaced = 0;
-    std::thread other([&] {
-        while (!stop) {
-            auto alive = std::make_shared<std::atomic<bool>>(true);
-            scene.gui->setRenderCallback([alive, &wrong] {
-                ImGui::Begin("a");
-                ImGui::Text("text");
-                ImGui::End();
-                if (!*alive) wrong = true;
-            });
-            scene.gui->setRenderCallback({});
-            *alive = false; // nobody may look at it any more
-            ++replaced;
-        }
-    });
-    for (int i = 0; i < 200 || replaced < 100; ++i) scene.server.render();
-    stop = true;
-    other.join();
-    CHECK_FALSE(wrong);
-}
-
-TEST_CASE("a callback may replace itself")
-{
-    GuiScene scene;
-    int first = 0, second = 0;
-    scene.gui->setRenderCallback([&, name = std::string("lives to its end")] {
-        scene.gui->setRenderCallback([&] { ++second; });
-        first += int(name.size());
-    });
-    scene.person.look(3);
-    CHECK(first == 16);
-    CHECK(second == 2);
-}
-
-TEST_CASE("a callback may not draw or remove what it is called from, and can make more")
-{
-    const Logged log;
-    GuiScene scene;
-    scene.gui->setRenderCallback([&] { scene.server.render(); });
-    scene.person.look(1);
-    scene.gui->setRenderCallback([&] { scene.server.remove(*scene.gui); });
-    scene.person.look(1);
-    REQUIRE(log.lines.size() == 2);
-    CHECK(log.lines[0].find("render() must not be called from a renderCallback") != std::string::npos);
-    CHECK(log.lines[1].find("remove() must not be called from a renderCallback") != std::string::npos);
-}
-
 TEST_CASE("wrong Guis are Errors")
 {
     GuiScene scene, other;
@@ -399,5 +204,11 @@ TEST_CASE("wrong Guis are Errors")
     CHECK_THROWS_WITH(scene.server.setGuiScale(9.0), "visual server: guiScale must be in [0.5, 8], got 9");
     CHECK_THROWS_WITH(scene.server.add(GuiDef{}, *other.gui->view()), Catch::Contains("belongs to another server"));
     CHECK_THROWS_WITH(scene.server.remove(*other.gui), Catch::Contains("does not belong to this server"));
+    CHECK_THROWS_WITH(scene.server.add(CanvasDef{.name = "c", .width = 0.0}),
+                      "canvas 'c': width must be in (0, 10000] m, got 0");
+    CHECK_THROWS_WITH(scene.server.add(CanvasDef{.name = "c", .height = std::nan("")}), Catch::Contains("height"));
+    CHECK_THROWS_WITH(scene.server.add(CanvasDef{.name = "c", .pixelWidth = 100000}),
+                      "canvas 'c': pixelWidth must be in [16, 4096] px, got 100000");
+    scene.server.render();                        // and the picture goes on
     CHECK(ImGui::GetCurrentContext() == nullptr); // none is left behind
 }

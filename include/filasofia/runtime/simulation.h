@@ -132,6 +132,9 @@ public:
     /// cameras and views.
     /// To be set before a run.
     void dress(std::function<void(visual::VisualServer&)> scene);
+    /// A Gui over the whole window, whatever the look. To be set before a run; several lie in their order. Throws an
+    /// Error where the Def is wrong.
+    void show(const visual::GuiDef& def);
     /// Opens the window of live runs in place of window::openWindow: another library's, or one that nobody sees. To be
     /// set before a run.
     void useWindow(std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> open);

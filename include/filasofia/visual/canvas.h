@@ -7,8 +7,8 @@ namespace filasofia::visual {
 
 struct CanvasDef {
     std::string name = "canvas";
-    double width = 0.1;                 ///< [m], > 0
-    double height = 0.075;              ///< [m], > 0
+    double width = 0.1;                 ///< [m], in (0, 1e4]
+    double height = 0.075;              ///< [m], in (0, 1e4]
     int pixelWidth = 512;               ///< [px], in [16, 4096]
     int pixelHeight = 384;              ///< [px], in [16, 4096]
     double scale = 1.0;                 ///< [-], in [0.5, 8], size of texts and spaces
@@ -21,8 +21,8 @@ constexpr auto fields(const CanvasDef*)
 {
     using D = CanvasDef;
     return describe("CanvasDef", field("name", &D::name, "name in errors"),
-                    field("width", &D::width, "m", positive(), "in the scene"),
-                    field("height", &D::height, "m", positive(), "in the scene"),
+                    field("width", &D::width, "m", openClosed(0, 1e4), "in the scene"),
+                    field("height", &D::height, "m", openClosed(0, 1e4), "in the scene"),
                     field("pixelWidth", &D::pixelWidth, "px", closed(16, 4096), "what it is drawn with"),
                     field("pixelHeight", &D::pixelHeight, "px", closed(16, 4096), "what it is drawn with"),
                     field("scale", &D::scale, "-", closed(0.5, 8), "size of texts and spaces"),

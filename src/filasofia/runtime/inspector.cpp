@@ -45,7 +45,16 @@ void Inspector::beforePicture()
     if (!open_) return;
     parts_.feed.read([this](const physics::StepReport& report) { rates_.add(report); });
     rates_.addPicture(visual_.statistics().lastGuiSeconds);
-    scene_.draw(show, visual_);
+    drawScene();
+}
+
+void Inspector::drawScene()
+{
+    try {
+        scene_.draw(show, visual_);
+    } catch (const Error& error) { // a body that goes between two looks at it
+        problem_ = error.what();
+    }
 }
 
 void Inspector::afterPicture()
@@ -124,7 +133,7 @@ void Inspector::takeScreenshot()
             if (!std::filesystem::exists(file)) break;
         }
         gui_->setVisible(false); // the picture is of the scene
-        scene_.draw(show, visual_);
+        drawScene();
         const visual::Image image = visual_.capture();
         gui_->setVisible(open_);
         visual::savePng(image, file);

@@ -42,6 +42,7 @@ private:
     void drawPanel();
     void drawRun();
     void drawShow();
+    void drawScene();
     void takeScreenshot();
 
     Simulation::Impl& parts_;

@@ -62,16 +62,20 @@ template <class Command> void InspectorBodies::attempt(Command&& command)
     }
 }
 
-InspectorBodies::Body& InspectorBodies::bodyOf(BodyId id)
+InspectorBodies::Body* InspectorBodies::bodyOf(BodyId id)
 {
-    Body& body = bodies_[id];
-    if (body.def) return body;
-    body.def = parts_.physics.def(id);
-    if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body.def)) {
-        body.material = soft->material;
-        body.pressure = soft->pressure;
+    const auto found = bodies_.find(id);
+    if (found != bodies_.end()) return &found->second;
+    try {
+        Body body{.def = parts_.physics.def(id)};
+        if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body.def)) {
+            body.material = soft->material;
+            body.pressure = soft->pressure;
+        }
+        return &(bodies_[id] = std::move(body));
+    } catch (const Error&) {
+        return nullptr; // removed, and the next frame knows
     }
-    return body;
 }
 
 void InspectorBodies::draw()
@@ -81,22 +85,16 @@ void InspectorBodies::draw()
     if (!frame) return;
     const bool few = frame->softBodies.size() + frame->rigidBodies.size() <= 4;
     const ImGuiTreeNodeFlags open = few ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None;
-    for (const frame::SoftBodyFrame& state : frame->softBodies) {
-        if (!parts_.physics.has(state.id)) continue; // removed, and the next frame knows
-        Body& body = bodyOf(state.id);
-        if (ImGui::TreeNodeEx(titleOf(*body.def, state.id).c_str(), open)) {
-            drawSoft(state, body);
+    const auto drawEach = [&](const auto& states, auto drawOne) {
+        for (const auto& state : states) {
+            Body* body = bodyOf(state.id);
+            if (!body || !ImGui::TreeNodeEx(titleOf(*body->def, state.id).c_str(), open)) continue;
+            (this->*drawOne)(state, *body);
             ImGui::TreePop();
         }
-    }
-    for (const frame::RigidBodyFrame& state : frame->rigidBodies) {
-        if (!parts_.physics.has(state.id)) continue;
-        Body& body = bodyOf(state.id);
-        if (ImGui::TreeNodeEx(titleOf(*body.def, state.id).c_str(), open)) {
-            drawRigid(state, body);
-            ImGui::TreePop();
-        }
-    }
+    };
+    drawEach(frame->softBodies, &InspectorBodies::drawSoft);
+    drawEach(frame->rigidBodies, &InspectorBodies::drawRigid);
     drawAttachments(*frame);
 }
 

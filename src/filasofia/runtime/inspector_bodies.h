@@ -19,15 +19,15 @@ public:
 private:
     /// What was last asked for here; physics does not tell.
     struct Body {
-        std::shared_ptr<const physics::BodyDef> def;
-        physics::SoftMaterial material;
+        std::shared_ptr<const physics::BodyDef> def = {};
+        physics::SoftMaterial material = {};
         double pressure = 0.0;
-        Vec3 force;
+        Vec3 force = {};
     };
 
     /// A change by a command, of a body that may just have gone.
     template <class Command> void attempt(Command&& command);
-    Body& bodyOf(BodyId id);
+    Body* bodyOf(BodyId id);
     void drawSoft(const frame::SoftBodyFrame& state, Body& body);
     void drawRigid(const frame::RigidBodyFrame& state, Body& body);
     void drawPlaces(const frame::RigidBodyFrame& state, bool dynamic);

@@ -114,13 +114,21 @@ void InspectorRates::drawStages() const
     ImGui::TreePop();
 }
 
+std::string InspectorRates::nameOf(BodyId id) const
+{
+    try {
+        return std::visit([](const auto& body) { return body.name; }, *parts_.physics.def(id));
+    } catch (const Error&) {
+        return text("body ", id.value); // removed meanwhile
+    }
+}
+
 void InspectorRates::drawSolvers() const
 {
     if (!ImGui::TreeNodeEx("Solvers", ImGuiTreeNodeFlags_DefaultOpen)) return;
     if (solves_.empty()) ImGui::TextDisabled("no soft body");
     for (const physics::BodySolve& solve : solves_)
-        ImGui::Text("body %u: %d iterations, residual %.1e", unsigned(solve.body.value), solve.iterations,
-                    solve.residual);
+        ImGui::Text("%s: %d iterations, %.1e left", nameOf(solve.body).c_str(), solve.iterations, solve.residual);
     ImGui::Text("contacts: %d near, %d push, %d rounds", contacts_.found, contacts_.active, contacts_.rounds);
     if (contacts_.penetration > 0.0) ImGui::Text("deepest %.3f mm inside", 1e3 * contacts_.penetration);
     ImGui::TreePop();

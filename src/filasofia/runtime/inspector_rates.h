@@ -50,6 +50,7 @@ public:
 private:
     void drawStages() const;
     void drawSolvers() const;
+    [[nodiscard]] std::string nameOf(BodyId id) const;
 
     /// Of the steps since the last point.
     struct Sums {

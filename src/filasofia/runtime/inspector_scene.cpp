@@ -25,6 +25,14 @@ double rounded(double value)
 
 Vec3 forceOn(const frame::Contact& contact) { return contact.normalForce * contact.normal + contact.friction; }
 
+/// The arrow [m] of a force; a scale that is far too large may not lead out of what can be drawn.
+Vec3 arrowOf(Vec3 force, double metresPerNewton)
+{
+    constexpr double kLongest = 1e4; // [m]
+    const Vec3 arrow = metresPerNewton * force;
+    return length(arrow) > kLongest ? kLongest * normalized(arrow) : arrow;
+}
+
 } // namespace
 
 double InspectorScene::scaleOf(const InspectorShow& show) const
@@ -166,10 +174,10 @@ void InspectorScene::drawForces(const frame::Frame& frame, double metresPerNewto
         for (const frame::Contact& contact : frame.contacts) {
             if (contact.first != pair.first || contact.second != pair.second || contact.normalForce == 0.0) continue;
             middle += contact.normalForce / pair.normalForce * contact.point;
-            debug.arrow(contact.point, contact.point + scale * forceOn(contact),
+            debug.arrow(contact.point, contact.point + arrowOf(forceOn(contact), scale),
                         {.color = kForce, .width = 1.5, .onTop = true});
         }
-        const Vec3 tip = middle + scale * pair.force;
+        const Vec3 tip = middle + arrowOf(pair.force, scale);
         debug.arrow(middle, tip, {.color = kSum, .width = 3.0, .onTop = true});
         char newtons[32];
         std::snprintf(newtons, sizeof newtons, "%.3g N", length(pair.force));

@@ -128,6 +128,8 @@ public:
     {
         if (video_) video_->close();
     }
+    /// A picture for a file is of the scene.
+    void closeInspector() { inspector_->setOpen(false); }
     [[nodiscard]] visual::VisualServer& visual() { return *visual_; }
 
 private:
@@ -236,6 +238,10 @@ RunReport runLive(Simulation::Impl& parts, const RunDef& def)
     if (!def.video.empty()) {
         screen.closeVideo();
         parts.pictures.push_back(def.video);
+    if (!def.picture.empty()) {
+        screen.closeInspector();
+        parts.takePicture(screen.visual(), def.picture);
+        report.pictures.push_back(def.picture);
     }
     report.visual = screen.visual().statistics();
     return report;

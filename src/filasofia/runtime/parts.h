@@ -26,6 +26,7 @@ struct Simulation::Impl {
     event::EventDispatcher events;
     Bindings bindings;
     std::function<void(visual::VisualServer&)> dress;
+    std::vector<visual::GuiDef> guis; ///< over the window
     std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow;
     std::optional<Steering> steering;                   ///< the main thread's in a run
     std::vector<std::function<void(double)>> everyStep; ///< an empty one threw; the stepping thread's in a run

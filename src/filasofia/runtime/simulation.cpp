@@ -188,6 +188,7 @@ std::uint32_t Simulation::Impl::tellRuptures(const physics::StepReport& report)
 
 void Simulation::Impl::dressScene(visual::VisualServer& visual)
 {
+    for (const visual::GuiDef& gui : guis) visual.add(gui);
     if (dress) return dress(visual);
     const geometry::Box bounds = def.look.around ? *def.look.around : bindings.bounds();
     if (geometry::isEmpty(bounds)) return; // nothing is shown yet: the picture stays dark
@@ -310,6 +311,13 @@ bool Simulation::paused() const { return impl_->paused.load(std::memory_order_re
 void Simulation::singleStep() { impl_->stepAsked.store(true); }
 void Simulation::reset() { impl_->reset(); }
 void Simulation::dress(std::function<void(visual::VisualServer&)> scene) { impl_->dress = std::move(scene); }
+void Simulation::show(const visual::GuiDef& def)
+{
+    validate(def, text("gui '", def.name, "'"));
+    if (impl_->running.load()) fail("gui '", def.name, "': to be shown before a run, and one is going on");
+    impl_->guis.push_back(def);
+}
+
 void Simulation::useWindow(std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> open)
 {
     impl_->openWindow = std::move(open);

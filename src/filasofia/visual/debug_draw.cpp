@@ -52,11 +52,11 @@ void DebugShapes::line(Vec3 from, Vec3 to, const DebugStyle& style, const Color&
     const Float3 a = toFloat3(from), b = toFloat3(to);
     const auto width = float(style.width);
     const auto bytes = packed(color);
-    // Seen from its far end a line runs the other way, and so do its sides.
+    const Float3 beyond = b + (b - a); // so that both ends know the same direction
     addQuad(layerOf(style), {{{a, b, width, {1, 0}, bytes},
                               {a, b, width, {-1, 0}, bytes},
-                              {b, a, width, {-1, 0}, bytes},
-                              {b, a, width, {1, 0}, bytes}}});
+                              {b, beyond, width, {1, 0}, bytes},
+                              {b, beyond, width, {-1, 0}, bytes}}});
 }
 
 void DebugShapes::point(Vec3 at, const DebugStyle& style)

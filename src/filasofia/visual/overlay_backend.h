@@ -51,7 +51,7 @@ struct GuiPicture {
 /// are moved apart where they are drawn.
 struct DebugVertex {
     Float3 position;                        ///< [m]
-    Float3 other;                           ///< [m], of a line: its other end
+    Float3 other;                           ///< [m], of a line: a point further along it
     float width = 0;                        ///< [px]; 0: the corner stays where it is (arrow heads)
     std::array<std::int8_t, 2> side = {};   ///< line: -1 or 1, and 0; point: -1 or 1 both
     std::array<std::uint8_t, 4> color = {}; ///< linear

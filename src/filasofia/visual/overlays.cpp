@@ -44,12 +44,13 @@ Gui& Overlays::add(const GuiDef& def, View* view, Slot slot, OverlayBackend& bac
 {
     const std::string object = text("gui '", def.name, "'");
     validate(def, object);
-    guis_.push_back(std::make_unique<Gui>(std::unique_ptr<Gui::Impl>(
-        new Gui::Impl{backend, slot, def, view, ImguiSurface({.object = object}), areaOf(view, width, height)})));
-    Gui::Impl& made = guis_.back()->impl();
-    made.surface.callback.set(def.renderCallback);
-    made.surface.setScale(std::clamp(def.scale * guiScale_, kSmallest, kLargest));
-    backend.putGui(slot, made.surface.glyphs());
+    auto gui = std::make_unique<Gui>(std::unique_ptr<Gui::Impl>(
+        new Gui::Impl{backend, slot, def, view, ImguiSurface({.object = object}), areaOf(view, width, height)}));
+    ImguiSurface& surface = gui->impl().surface;
+    surface.callback.set(def.renderCallback);
+    surface.setScale(std::clamp(def.scale * guiScale_, kSmallest, kLargest));
+    backend.putGui(slot, surface.glyphs());
+    guis_.push_back(std::move(gui));
     return *guis_.back();
 }
 
@@ -57,13 +58,14 @@ Canvas& Overlays::add(const CanvasDef& def, Slot slot, OverlayBackend& backend)
 {
     const std::string object = text("canvas '", def.name, "'");
     validate(def, object);
-    canvases_.push_back(std::make_unique<Canvas>(
+    auto canvas = std::make_unique<Canvas>(
         def.name, std::unique_ptr<Canvas::Impl>(new Canvas::Impl{
-                      backend, slot, def, ImguiSurface({.object = object, .fillingWindow = def.window}), true})));
-    Canvas::Impl& made = canvases_.back()->impl();
-    made.surface.callback.set(def.renderCallback);
-    made.surface.setScale(def.scale);
-    backend.putCanvas(slot, def.width, def.height, def.pixelWidth, def.pixelHeight, made.surface.glyphs());
+                      backend, slot, def, ImguiSurface({.object = object, .fillingWindow = def.window})}));
+    ImguiSurface& surface = canvas->impl().surface;
+    surface.callback.set(def.renderCallback);
+    surface.setScale(def.scale);
+    backend.putCanvas(slot, def.width, def.height, def.pixelWidth, def.pixelHeight, surface.glyphs());
+    canvases_.push_back(std::move(canvas));
     return *canvases_.back();
 }
 
