@@ -10,8 +10,8 @@ namespace filasofia::engine {
 
 /// A straight piece of a blade, where it is and where it was a step ago. A blade is any number of them: a line, a
 /// strip, the two jaws of scissors. Where one begins where the last ended they are one edge, which should bend there by
-/// no more than 45 degrees: around a sharper corner bridges may stay, and a stroke for each side, each half a mean edge
-/// beyond the corner, cuts cleanly.
+/// no more than 45 degrees: around a sharper corner bridges stay. Two cuts one after the other, each a mean edge beyond
+/// the corner, come apart.
 struct BladeSegment {
     Vec3 from = {};       ///< [m]
     Vec3 to = {};         ///< [m]
