@@ -39,6 +39,7 @@ public:
 private:
     using Edge = std::array<int, 2>;
     void refresh(const EditableMesh& mesh, std::span<const BladeSegment> blade, double motion);
+    [[nodiscard]] bool follows(const EditableMesh& mesh, std::span<const BladeSegment> blade) const;
     void learnDirections(const EditableMesh& mesh, std::span<const BladeSegment> blade);
 
     std::vector<Edge> edges_;        ///< ascending
@@ -47,7 +48,9 @@ private:
     int nodes_ = 0, tetrahedra_ = 0; ///< of the mesh, when the list was right
     std::vector<long> seen_;         ///< per node, the last one that was asked about it: scratch
     long stamp_ = 0;
-    std::vector<Vec3> directions_; ///< [m] per segment: the way it went of late, as a line without sign
+    long moves_ = 0;                 ///< of the mesh, at the last step
+    std::vector<BladeSegment> last_; ///< the blade at the last step
+    std::vector<Vec3> directions_;   ///< [m] per segment: the way it went of late, as a line without sign
 };
 
 } // namespace filasofia::engine
