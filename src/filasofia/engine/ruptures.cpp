@@ -123,11 +123,18 @@ void cutBody(const SoftModel& model, const SoftState& state, const std::vector<B
         const bool gone = blade == blades.end() || !near(*blade);
         RuptureReport done;
         if (!stroke.leaving && !gone) {
-            done = stroke.stroke.step(mesh, segmentsOf(*blade), kCut);
+            const std::vector<BladeSegment> segments = segmentsOf(*blade);
+            done = stroke.stroke.step(mesh, segments, kCut);
             stroke.sinceCrossing = done.crossings > 0 ? 0.0 : stroke.sinceCrossing + wayOf(*blade);
             stroke.hasCut = stroke.hasCut || done.crossings > 0;
+            if (!stroke.arrived && !stroke.stroke.away()) { // a blade that comes back goes on with the surface it finds
+                stroke.arrived = true;
+                const int sheet = stroke.hasCut ? 0 : sheetAt(mesh, segments);
+                if (sheet > 0) stroke.stroke = BladeStroke(sheet);
+            }
         }
-        stroke.leaving = stroke.leaving || gone || (stroke.hasCut && stroke.sinceCrossing > 2.0 * mesh.meanEdge());
+        const bool through = stroke.hasCut && (stroke.stroke.away() || stroke.sinceCrossing > 2.0 * mesh.meanEdge());
+        stroke.leaving = stroke.leaving || gone || through;
         if (stroke.leaving) stroke.over = stroke.stroke.finish(mesh, kCut, done);
         topology.cut += done;
         add(done, report);

@@ -14,6 +14,7 @@ namespace filasofia::engine {
 struct Stroke {
     SurfaceName blade;
     BladeStroke stroke;
+    bool arrived = false; ///< something of the mesh was near it
     bool hasCut = false;
     double sinceCrossing = 0.0; ///< [m] that the blade went since it met an edge
     bool leaving = false;       ///< what waits is done, then it is over

@@ -230,6 +230,7 @@ RunReport runLive(Simulation::Impl& parts, const RunDef& def)
         physics.fill(report);
     }
     files.close();
+    screen.closeInspector();
     if (!def.picture.empty()) parts.takePicture(screen.visual(), def.picture);
     if (parts.screenshotAsked()) { // by who ended the run
         parts.mapNewestFrame(screen.visual());
@@ -238,10 +239,6 @@ RunReport runLive(Simulation::Impl& parts, const RunDef& def)
     if (!def.video.empty()) {
         screen.closeVideo();
         parts.pictures.push_back(def.video);
-    if (!def.picture.empty()) {
-        screen.closeInspector();
-        parts.takePicture(screen.visual(), def.picture);
-        report.pictures.push_back(def.picture);
     }
     report.visual = screen.visual().statistics();
     return report;

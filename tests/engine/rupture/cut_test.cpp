@@ -216,6 +216,34 @@ TEST_CASE("a blade that cannot be is refused and counted, and the mesh keeps its
     CHECK(stroke.step(mesh, {&fine, 1}, {}).openedFaces > 0);
 }
 
+TEST_CASE("a blade that was lifted or refused, or tissue that moved unseen, is looked at anew")
+{
+    for (const int pause : {0, 1, 2}) {
+        CAPTURE(pause);
+        EditableMesh mesh = bar();
+        BladeStroke stroke(mesh.newSheet());
+        RuptureReport report = sweep(mesh, stroke, {-0.0123, 0.02, -0.03}, {-0.0123, 0.02, 0.03}, {0, -0.0095, 0}, 40);
+        double x = -0.0123;
+        if (pause == 0) x = 0.0077; // put down elsewhere
+        if (pause == 1) {           // the same after a jump that was refused
+            x = 0.0077;
+            const BladeSegment jump{{x, 1, -0.03}, {x, 1, 0.03}, {0, 0.02, -0.03}, {0, 0.02, 0.03}};
+            CHECK(stroke.step(mesh, {&jump, 1}, {}).refused[static_cast<int>(RuptureRefusal::BladeJump)] == 1);
+        }
+        if (pause == 2) // the body was carried past the blade, at a step that the stroke did not see
+            for (const double way : {0.01, 0.02, 0.02}) { // and stands
+                std::vector<Vec3> moved = mesh.data().rest;
+                for (Vec3& p : moved) p.x -= way;
+                mesh.moveTo(moved);
+            }
+        // 0.0105: where the sweep before ended
+        report += sweep(mesh, stroke, {x, 0.0105, -0.03}, {x, 0.0105, 0.03}, {0, -0.021, 0}, 300);
+        finish(mesh, stroke, report);
+        CHECK(faultsOf(mesh) == "");
+        CHECK(Pieces(mesh.data()).count() == 2);
+    }
+}
+
 TEST_CASE("what is more than a step may add waits for the next, and nothing is half done")
 {
     const CutParameters few{.maxNewTetrahedra = 30};

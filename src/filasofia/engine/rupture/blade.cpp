@@ -225,13 +225,24 @@ void CrossingFinder::learnDirections(const EditableMesh& mesh, std::span<const B
     }
 }
 
+/// Does this step begin where the last one ended? After a pause or a refusal the list says nothing.
+bool CrossingFinder::follows(const EditableMesh& mesh, std::span<const BladeSegment> blade) const
+{
+    return mesh.moves() - moves_ <= 1 && nodes_ == mesh.nodes() && tetrahedra_ == mesh.tetrahedra() &&
+           std::ranges::equal(blade, last_, [](const BladeSegment& now, const BladeSegment& last) {
+               return now.fromBefore == last.from && now.toBefore == last.to;
+           });
+}
+
 void CrossingFinder::find(const EditableMesh& mesh, std::span<const BladeSegment> blade,
                           std::vector<Crossing>& crossings)
 {
     const MeshTopology& data = mesh.data();
     const double h = mesh.meanEdge(), motion = travel(blade) + mesh.lastMotion();
     left_ -= motion;
-    if (!(left_ >= 0.0) || nodes_ != mesh.nodes() || tetrahedra_ != mesh.tetrahedra()) refresh(mesh, blade, motion);
+    if (!(left_ >= 0.0) || !follows(mesh, blade)) refresh(mesh, blade, motion);
+    moves_ = mesh.moves();
+    last_.assign(blade.begin(), blade.end());
     learnDirections(mesh, blade);
     const int parts = std::max(1, static_cast<int>(std::ceil(2.0 * motion / h)));
     std::vector<Box> swept;

@@ -10,8 +10,8 @@ namespace filasofia::engine {
 
 /// A straight piece of a blade, where it is and where it was a step ago. A blade is any number of them: a line, a
 /// strip, the two jaws of scissors. Where one begins where the last ended they are one edge, which should bend there by
-/// no more than 45 degrees: around a sharper corner bridges may stay, and a stroke for each side, each half a mean edge
-/// beyond the corner, cuts cleanly.
+/// no more than 45 degrees: around a sharper corner bridges stay. Two cuts one after the other, each a mean edge beyond
+/// the corner, come apart.
 struct BladeSegment {
     Vec3 from = {};       ///< [m]
     Vec3 to = {};         ///< [m]
@@ -39,6 +39,7 @@ public:
 private:
     using Edge = std::array<int, 2>;
     void refresh(const EditableMesh& mesh, std::span<const BladeSegment> blade, double motion);
+    [[nodiscard]] bool follows(const EditableMesh& mesh, std::span<const BladeSegment> blade) const;
     void learnDirections(const EditableMesh& mesh, std::span<const BladeSegment> blade);
 
     std::vector<Edge> edges_;        ///< ascending
@@ -47,7 +48,9 @@ private:
     int nodes_ = 0, tetrahedra_ = 0; ///< of the mesh, when the list was right
     std::vector<long> seen_;         ///< per node, the last one that was asked about it: scratch
     long stamp_ = 0;
-    std::vector<Vec3> directions_; ///< [m] per segment: the way it went of late, as a line without sign
+    long moves_ = 0;                 ///< of the mesh, at the last step
+    std::vector<BladeSegment> last_; ///< the blade at the last step
+    std::vector<Vec3> directions_;   ///< [m] per segment: the way it went of late, as a line without sign
 };
 
 } // namespace filasofia::engine

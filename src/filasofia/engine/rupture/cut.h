@@ -5,7 +5,9 @@
 namespace filasofia::engine {
 
 /// One cut through one mesh, from where the blade enters to where it leaves, in as many steps as it takes. The mesh is
-/// whole after each. Any number of strokes may be under way in one mesh, one after another within a step.
+/// whole after each. Any number of strokes may be under way in one mesh, one after another within a step; where two
+/// cross each other in the same elements at the same time bridges stay, since a node belongs to one surface only (a cut
+/// across an older one goes through).
 class BladeStroke {
 public:
     /// `sheet`: mesh.newSheet() for a new surface; that of an earlier stroke to go on with its surface, which then

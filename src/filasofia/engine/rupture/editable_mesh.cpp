@@ -117,6 +117,7 @@ void EditableMesh::moveTo(std::span<const Vec3> positions)
         data_.current[i] = positions[i];
     }
     lastMotion_ = std::sqrt(farthest);
+    ++moves_;
 }
 
 void EditableMesh::placeAt(std::span<const Vec3> positions)
@@ -125,6 +126,7 @@ void EditableMesh::placeAt(std::span<const Vec3> positions)
     data_.current.assign(positions.begin(), positions.end());
     data_.previous = data_.current;
     lastMotion_ = 0.0;
+    moves_ += 2; // more than a step: whoever counts on small ones looks anew
 }
 
 int EditableMesh::addNode(Vec3 rest, Vec3 current, Vec3 previous)

@@ -64,6 +64,7 @@ public:
     void moveTo(std::span<const Vec3> positions);
     /// The body is somewhere else: both are the same.
     void placeAt(std::span<const Vec3> positions);
+    [[nodiscard]] long moves() const { return moves_; }             ///< of moveTo() and placeAt(), until now
     [[nodiscard]] double lastMotion() const { return lastMotion_; } ///< [m] the largest way of a node in moveTo()
 
     /// The least quality that bisecting the edge would leave around it.
@@ -122,6 +123,7 @@ private:
     double meanEdge_ = 0.0, diagonal_ = 0.0, startVolume_ = 0.0, lastMotion_ = 0.0, volumeMoved_ = 0.0;
     std::vector<double> reach_;
     int sequence_ = 0;
+    long moves_ = 0;
     std::vector<Vec3> sheetNormals_;
 
     std::vector<SplitUndo> splits_;

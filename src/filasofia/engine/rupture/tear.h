@@ -46,7 +46,7 @@ private:
 };
 
 /// One tear, without asking why: through `node`, across `direction` (in the mesh as it is now). Whether it opened;
-/// where not, what it would have opened is put off until an edit comes near.
+/// where not, the mesh is as it was.
 bool tearAt(EditableMesh& mesh, int node, Vec3 direction, RuptureReport& report);
 
 } // namespace filasofia::engine
