@@ -15,8 +15,10 @@ namespace {
 TriangleMeshSource bladeMesh(double width, double height)
 {
     const double y = 0.5 * width;
-    return std::make_shared<const geometry::TriangleMesh>(geometry::TriangleMesh{
-        .vertices = {{0, -y, 0}, {0, y, 0}, {0, y, height}, {0, -y, height}}, .triangles = {{0, 1, 2}, {0, 2, 3}}, .uv = {}});
+    return std::make_shared<const geometry::TriangleMesh>(
+        geometry::TriangleMesh{.vertices = {{0, -y, 0}, {0, y, 0}, {0, y, height}, {0, -y, height}},
+                               .triangles = {{0, 1, 2}, {0, 2, 3}},
+                               .uv = {}});
 }
 
 /// A block of tissue with its low corner at the origin, and a blade above it that comes down in the plane x = `at`.

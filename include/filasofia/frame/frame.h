@@ -14,8 +14,8 @@ namespace filasofia::frame {
 /// The state of one soft body.
 struct SoftBodyFrame {
     BodyId id = {};
-    std::vector<Vec3> positions = {};  ///< [m], one per node
-    std::vector<Vec3> velocities = {}; ///< [m/s], one per node
+    std::vector<Vec3> positions = {};              ///< [m], one per node
+    std::vector<Vec3> velocities = {};             ///< [m/s], one per node
     std::shared_ptr<const Boundary> boundary = {}; ///< of a body with dynamicTopology; none: it is as it was made
 };
 

@@ -40,6 +40,7 @@ struct Simulation::Impl {
     std::atomic<bool> paused = false;    ///< in the last step
     std::atomic<bool> stepAsked = false; ///< one, while paused
     bool stepping = false;               ///< it is being made; the stepping thread's
+    bool pauseComes = false;             ///< with the next step; the stepping thread's
     std::atomic<bool> running = false;   ///< run() is going on, on whatever thread
     std::atomic<bool> stop = false;
     std::mutex reasonMutex;

@@ -122,6 +122,7 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     step.store(report.step, std::memory_order_relaxed);
     const bool single = std::exchange(stepping, false);
     if (single) physics.pause(true);
+    pauseComes = single;
     paused.store(single || physics.paused(), std::memory_order_relaxed);
     ++everMade;
     undone += report.has(physics::StepFlag::Undone);
@@ -139,11 +140,12 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
 void Simulation::Impl::beforeStep(double dt)
 {
     // A single step goes on and is paused again: as commands, so that a recording has it.
-    if (stepAsked.exchange(false) && physics.paused()) {
+    const bool stands = physics.paused() || pauseComes;
+    if (stepAsked.exchange(false) && stands) {
         physics.pause(false);
         stepping = true;
     }
-    if (everyStep.empty() || (physics.paused() && !stepping)) return;
+    if (everyStep.empty() || (stands && !stepping)) return;
     const double end = time.load(std::memory_order_relaxed) + dt;
     for (auto& callback : everyStep) {
         if (!callback) continue;
