@@ -43,6 +43,7 @@ struct ShownStage {
     {
         bindings.addPending(visual);
         if (const auto frame = physics.latest()) bindings.update(*frame, physics, visual);
+        visual.render(); // what is visible is told with a picture
     }
     void step()
     {
@@ -56,7 +57,6 @@ struct ShownStage {
         visual::Camera& door = server.add(visual::CameraDef{}); // any entity leads to the backend
         const auto& backend = dynamic_cast<const visual::NullBackend&>(*door.impl().scene.backend);
         server.remove(door);
-        server.render(); // what is visible is told with a picture
         std::vector<const visual::NullBackend::Body*> all;
         for (const auto& [slot, each] : backend.bodies) all.push_back(&each);
         return all;
