@@ -188,3 +188,42 @@ TEST_CASE("what an attachment and a collision mesh ride on follows a cut")
     CHECK(surface.shape->closed);
     checkAttachments(scene.stage.world.model(), scene.stage.world.state());
 }
+
+TEST_CASE("a piece that came loose can be taken out, and the rest goes on; what is no piece is counted")
+{
+    SoftBodyDef def = tissueBlock();
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}};
+    def.collision = {{.proximity = 0.5e-3}};
+    CutScene scene(def, 0.0262);
+    const StepReport cut = scene.move(0.04, -0.01);
+    int piece = -1;
+    for (const Rupture& rupture : cut.topology.ruptures)
+        for (const LoosePiece& loose : rupture.detached) piece = loose.piece;
+    REQUIRE(piece > 0);
+    scene.stage.post(SetGravity{{0, 0, -9.81}});
+    scene.stage.run(20, 1e-3);
+
+    const std::size_t triangles = scene.stage.model().surface.size();
+    scene.stage.post(RemovePiece{scene.tissue, piece + 7});
+    CHECK(scene.stage.step(1e-3).topology.noPiece == 1);
+    CHECK(scene.stage.model().surface.size() == triangles);
+    scene.stage.post(RemovePiece{scene.tissue, piece});
+    const StepReport report = scene.stage.step(1e-3);
+    CHECK(report.topology.noPiece == 0);
+    CHECK(scene.stage.model().surface.size() < 0.7 * static_cast<double>(triangles));
+    CHECK(scene.stage.model().collision[0].shape->triangles.size() == scene.stage.model().surface.size());
+    CHECK(scene.stage.run(100, 1e-3).flags == 0);
+    check(scene.stage.model(), scene.stage.soft());
+    frame::Frame frame;
+    scene.stage.world.capture(frame);
+    for (const geometry::Triangle& triangle : frame.softBodies[0].boundary->triangles)
+        for (int node : triangle) CHECK(length(frame.softBodies[0].positions[static_cast<std::size_t>(node)]) < 1.0);
+    scene.stage.post(RemovePiece{scene.tissue, 0}); // all that is left
+    CHECK(scene.stage.step(1e-3).topology.noPiece == 1);
+    scene.stage.post(RemovePiece{scene.tissue, piece}); // gone already
+    CHECK(scene.stage.step(1e-3).topology.noPiece == 1);
+    CHECK(scene.move(0.04, 0.02).flags == 0); // blades find nothing of it
+    scene.stage.post(Reset{});
+    scene.stage.step(1e-3);
+    CHECK(scene.stage.model().removed.empty());
+}

@@ -104,9 +104,9 @@ TEST_CASE("what is no recording says so")
 
 TEST_CASE("a recording of another version says so")
 {
-    CHECK(refusal(1, "\"version\":2", "\"version\":1") ==
-          ":1: the recording is of version 1, this Filasofia reads version 2");
-    CHECK_THAT(refusal(1, "\"version\":2", "\"version\":\"1\""), Catch::Contains("version must be a whole number"));
+    CHECK(refusal(1, "\"version\":3", "\"version\":1") ==
+          ":1: the recording is of version 1, this Filasofia reads version 3");
+    CHECK_THAT(refusal(1, "\"version\":3", "\"version\":\"1\""), Catch::Contains("version must be a whole number"));
 }
 
 TEST_CASE("a line without one of its fields names the field")

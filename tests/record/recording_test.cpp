@@ -119,11 +119,20 @@ TEST_CASE("every other kind of command comes back bit for bit")
     const auto pressure = roundTrip(SetPressure{BodyId{3}, kTiny});
     CHECK(pressure.id == BodyId{3});
     CHECK(sameBits(pressure.pressure, kTiny));
+    const auto piece = roundTrip(RemovePiece{BodyId{3}, 4});
+    CHECK((piece.id == BodyId{3} && piece.piece == 4));
+    const auto soft = roundTrip(adding(10, SoftBodyDef{.mesh = oneTetrahedron(),
+                                                       .material = FemMaterial{.tearingThreshold = kThird},
+                                                       .dynamicTopology = true}));
+    CHECK(std::get<SoftBodyDef>(*soft.def).dynamicTopology);
+    CHECK(sameBits(std::get<FemMaterial>(std::get<SoftBodyDef>(*soft.def).material).tearingThreshold, kThird));
+    const auto whole = roundTrip(adding(11, SoftBodyDef{.mesh = oneTetrahedron(), .material = MassSpringMaterial{}}));
+    CHECK(std::isinf(std::get<MassSpringMaterial>(std::get<SoftBodyDef>(*whole.def).material).tearingThreshold));
     roundTrip(Reset{});
     CHECK(roundTrip(Pause{true}).paused);
     CHECK_FALSE(roundTrip(Pause{false}).paused);
     CHECK_FALSE(roundTrip(Tune{[](PhysicsEngine&) {}}).change); // that there was one is all that can be kept
-    STATIC_REQUIRE(std::variant_size_v<Command> == 15);
+    STATIC_REQUIRE(std::variant_size_v<Command> == 16);
 }
 
 TEST_CASE("a name that is no text does not end the recording")
@@ -144,7 +153,7 @@ TEST_CASE("a mesh is written once, before the step that needs it, however often 
     }
     const auto lines = file.lines();
     REQUIRE(lines.size() == 1 + 4 + 2);
-    CHECK_THAT(lines[0], Catch::StartsWith(R"({"format":"filasofia recording","version":2,"filasofia":")"));
+    CHECK_THAT(lines[0], Catch::StartsWith(R"({"format":"filasofia recording","version":3,"filasofia":")"));
     CHECK_THAT(lines[0],
                Catch::EndsWith(R"(,"period":0.005,"contact":{"ExactContact":{"rounds":8,"tolerance":0.005}}})"));
     CHECK(lines[1] ==

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -55,6 +56,7 @@ struct SoftModel {
     double friction = 0.0; ///< [-] mu
     std::vector<CollisionModel> collision;
     bool dynamicTopology = false; ///< it may be cut and tear
+    std::set<int> removed;        ///< pieces that were taken out: their nodes are held, far away
     double density = 0.0;         ///< [kg/m^3] what its elements weigh, where they change
     double tearingThreshold = std::numeric_limits<double>::infinity(); ///< [Pa]
 };

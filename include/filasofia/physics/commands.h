@@ -77,6 +77,12 @@ struct AttachRigid {
 struct Release {
     AttachmentId id = {};
 };
+/// Takes a piece that cuts or tears have set loose out of the scene. Nothing happens where there is none of this
+/// number, or where it is all that is left of the body; the step then counts it in TopologyReport::noPiece.
+struct RemovePiece {
+    BodyId id = {};
+    int piece = 0; ///< as LoosePiece names it; 0: what kept the body's place
+};
 /// Ties to a rigid body what it touches of the target in the step; while paused, in the first that goes on.
 struct Grasp {
     AttachmentId id = {};
@@ -148,6 +154,11 @@ constexpr auto fields(const AttachRigid*)
                     field("body", &T::body, "the rigid body"), field("def", &T::def, "what is held, and how"));
 }
 constexpr auto fields(const Release*) { return describe("Release", field("id", &Release::id, "the attachment")); }
+constexpr auto fields(const RemovePiece*)
+{
+    return describe("RemovePiece", field("id", &RemovePiece::id, "a soft body"),
+                    field("piece", &RemovePiece::piece, "-", nonNegative(), "which of its pieces"));
+}
 constexpr auto fields(const Grasp*)
 {
     return describe(
@@ -159,6 +170,6 @@ constexpr auto fields(const Pause*) { return describe("Pause", field("paused", &
 constexpr auto fields(const Tune*) { return describe("Tune"); } // a function cannot be written down
 
 using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench,
-                             Attach, AttachRigid, Release, Grasp, Reset, Pause, Tune>;
+                             Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune>;
 
 } // namespace filasofia::physics

@@ -79,9 +79,13 @@ struct TopologyReport {
     int bladeJump = 0;                  ///< refused: in one step further than the body is long
     int edgeGone = 0;                   ///< refused: what was to be cut had been cut meanwhile
     int tearClosed = 0;                 ///< refused: a tear that would have opened nothing, or left no proper surface
+    int noPiece = 0;                    ///< refused: a piece to be removed that there is not, or that is all there is
     int putOff = 0;                     ///< faces that could not be opened yet and are tried again
     int pending = 0;                    ///< crossings and tears that wait for the next step
-    [[nodiscard]] int refused() const { return bladeNotFinite + bladeNoLength + bladeJump + edgeGone + tearClosed; }
+    [[nodiscard]] int refused() const
+    {
+        return bladeNotFinite + bladeNoLength + bladeJump + edgeGone + tearClosed + noPiece;
+    }
 };
 
 /// How long a step may take. Of all that a step computes it changes only where its solvers stop.

@@ -7,6 +7,7 @@
 #include "filasofia/engine/contact_memory.h"
 #include "filasofia/engine/find_body.h"
 #include "filasofia/engine/native.h"
+#include "filasofia/engine/remove_piece.h"
 #include "filasofia/engine/stages.h"
 
 #include <algorithm>
@@ -126,6 +127,14 @@ struct Apply {
     void operator()(const physics::Grasp& grasp) const
     {
         state.grasps.push_back({grasp.id, grasp.rigid, grasp.target, grasp.def.stiffness, grasp.def.breakForce});
+    }
+    void operator()(const physics::RemovePiece& remove) const
+    {
+        const std::size_t b = indexOf(model.softBodies, remove.id);
+        if (removePiece(remove.piece, topologies[b], model.softBodies[b], state.softBodies[b], state))
+            remakeSystem(b, true);
+        else
+            ++report.topology.noPiece;
     }
     void operator()(const physics::Release& command) const
     {

@@ -242,7 +242,7 @@ OwnSurfaceEdit followSurface(const TopologyEdit& edit, BodyTopology& topology, S
         topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)] =
             static_cast<int>(t);
     }
-    boundary->revision = edit.revision;
+    boundary->revision = topology.boundary->revision + 1;
     boundary->triangles = model.surface;
     boundary->rest = model.rest;
     topology.boundary = std::move(boundary);

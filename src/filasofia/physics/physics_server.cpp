@@ -196,6 +196,7 @@ AttachmentId PhysicsServer::grasp(BodyId rigid, BodyId target, const GraspDef& d
 {
     return impl_->attach(Grasp{{}, rigid, target, def});
 }
+void PhysicsServer::removePiece(BodyId soft, int piece) { impl_->post(RemovePiece{soft, piece}); }
 void PhysicsServer::release(AttachmentId id) { impl_->post(Release{id}); }
 void PhysicsServer::pause(bool paused) { impl_->post(Pause{paused}); }
 void PhysicsServer::reset() { impl_->post(Reset{}); }

@@ -89,6 +89,14 @@ struct Registry::Check {
         if (!release.id || release.id > registry.lastAttachment_)
             fail("attachment ", release.id.value, ": no such attachment (it was never made)");
     }
+    void operator()(const RemovePiece& remove) const
+    {
+        const Body& body = find<SoftBodyDef>(remove.id, "a rigid body has no pieces");
+        const std::string object = describeBody(*body.def);
+        validate(remove, object);
+        if (!std::get<SoftBodyDef>(*body.def).dynamicTopology)
+            fail(object, ": piece ", remove.piece, " cannot be removed: without dynamicTopology it never has any");
+    }
     void operator()(const Grasp& grasp) const
     {
         const Body& body = find<RigidBodyDef>(grasp.rigid, "only a rigid body can grasp");

@@ -26,7 +26,7 @@ template <class T>
 concept IsMeshSource = std::is_same_v<T, physics::TetMeshSource> || std::is_same_v<T, physics::TriangleMeshSource>;
 
 inline constexpr const char* kFormat = "filasofia recording";
-inline constexpr int kVersion = 2;
+inline constexpr int kVersion = 3;
 inline constexpr const char* kInfinite = "infinite";
 inline constexpr const char* kMinusInfinite = "-infinite";
 
