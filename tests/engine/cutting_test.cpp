@@ -3,6 +3,7 @@
 #include "engine/stage.h"
 
 #include <iostream>
+#include <numbers>
 #include <numeric>
 
 using namespace filasofia;
@@ -226,4 +227,36 @@ TEST_CASE("a piece that came loose can be taken out, and the rest goes on; what 
     scene.stage.post(Reset{});
     scene.stage.step(1e-3);
     CHECK(scene.stage.model().removed.empty());
+}
+
+TEST_CASE("scissors: two jaws that close on a strip cut it through")
+{
+    Stage stage;
+    SoftBodyDef strip{.mesh = shared(boxMesh({16, 4, 4}, {0.04, 0.01, 0.01}, 0.2)),
+                      .gravity = false,
+                      .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}},
+                      .dynamicTopology = true};
+    const BodyId tissue = stage.add(strip);
+    const TriangleMeshSource jaw = bladeMesh(0.03, 0.02); // from its edge upwards; the other one is turned over
+    const auto poseOf = [](int side, double gap) {
+        return Pose{.position = {0.0193, 0.005, 0.005 + (side == 0 ? gap : -gap)},
+                    .orientation = side == 0 ? Quat{} : axisAngle({0, 1, 0}, std::numbers::pi)};
+    };
+    const BodyId scissors =
+        stage.add(RigidBodyDef{.name = "scissors",
+                               .elements = {poseOf(0, 0.01), poseOf(1, 0.01)},
+                               .collision = {{.mesh = jaw, .proximity = 0, .cutting = true},
+                                             {.mesh = jaw, .element = 1, .proximity = 0, .cutting = true}}});
+    stage.step(1e-3);
+    int detached = 0;
+    for (int i = 1; i <= 260; ++i) { // they close to where they overlap by 3 mm
+        for (int side : {0, 1}) stage.post(SetPose{scissors, side, poseOf(side, 0.01 - 0.05e-3 * i)});
+        const StepReport report = stage.step(1e-3);
+        CHECK(report.flags == 0);
+        detached += detachedOf(report);
+    }
+    for (int side : {0, 1}) stage.post(SetPose{scissors, side, poseOf(side, 1.0)});
+    detached += detachedOf(stage.run(5, 1e-3));
+    CHECK(detached == 1);
+    CHECK(tissue.value == 1);
 }

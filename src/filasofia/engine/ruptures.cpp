@@ -57,22 +57,11 @@ void moveBlades(const Model& model, const RigidPlan& rigid, const State& state, 
     blades = std::move(next);
 }
 
-std::vector<BladeSegment> segmentsOf(const Blade& blade)
-{
-    std::vector<BladeSegment> segments;
-    for (const auto [a, b] : blade.lines) {
-        const auto from = static_cast<std::size_t>(a), to = static_cast<std::size_t>(b);
-        segments.push_back({blade.now[from], blade.now[to], blade.before[from], blade.before[to]});
-    }
-    return segments;
-}
-
-geometry::Box around(std::span<const Vec3> points, double margin)
+geometry::Box around(std::span<const Vec3> points)
 {
     geometry::Box box;
     for (const Vec3& point : points) box = geometry::merged(box, point);
-    const Vec3 more{margin, margin, margin};
-    return {box.low - more, box.high + more};
+    return box;
 }
 
 bool meet(const geometry::Box& a, const geometry::Box& b)
@@ -82,64 +71,87 @@ bool meet(const geometry::Box& a, const geometry::Box& b)
     return true;
 }
 
-/// [m] the longest way of a vertex in the step.
-double wayOf(const Blade& blade)
+/// All blades of one rigid body that are near a soft one: both jaws of scissors cut one surface.
+struct Tool {
+    BodyId body;
+    std::vector<BladeSegment> segments;
+    double way = 0.0; ///< [m] the longest of a vertex in the step
+};
+
+/// Ascending.
+std::vector<Tool> toolsNear(const SoftModel& model, const SoftState& state, const std::vector<Blade>& blades,
+                            double margin)
 {
-    double most = 0.0;
-    for (std::size_t i = 0; i < blade.now.size(); ++i) most = std::max(most, distance(blade.now[i], blade.before[i]));
-    return most;
+    std::vector<Tool> tools;
+    geometry::Box box; // of what is there: nodes of removed pieces are elsewhere
+    for (const Blade& blade : blades) {
+        if (!mayBeCut(model, blade.shape->group)) continue;
+        if (geometry::isEmpty(box)) {
+            for (const geometry::Triangle& triangle : model.surface)
+                for (int node : triangle) box = geometry::merged(box, state.x[static_cast<std::size_t>(node)]);
+            const Vec3 more{margin, margin, margin};
+            box = {box.low - more, box.high + more};
+        }
+        if (!meet(around(blade.now), box) && !meet(around(blade.before), box)) continue;
+        if (tools.empty() || tools.back().body != blade.name.body) tools.push_back({blade.name.body, {}});
+        Tool& tool = tools.back();
+        for (const auto& [a, b] : blade.lines) {
+            const auto from = static_cast<std::size_t>(a), to = static_cast<std::size_t>(b);
+            tool.segments.push_back({blade.now[from], blade.now[to], blade.before[from], blade.before[to]});
+        }
+        for (std::size_t i = 0; i < blade.now.size(); ++i)
+            tool.way = std::max(tool.way, distance(blade.now[i], blade.before[i]));
+    }
+    return tools;
 }
 
 constexpr CutParameters kCut{};
 
-/// Lets every blade that is near a body cut it. A stroke goes on until its blade has moved two edges' length without
-/// meeting anything, or is away from the body: what comes then is another cut.
+/// One step of a stroke; the tool is gone where there is none.
+RuptureReport go(EditableMesh& mesh, const Tool* tool, Stroke& stroke)
+{
+    RuptureReport done;
+    if (!stroke.leaving && tool) {
+        done = stroke.stroke.step(mesh, tool->segments, kCut);
+        stroke.sinceCrossing = done.crossings > 0 ? 0.0 : stroke.sinceCrossing + tool->way;
+        stroke.hasCut = stroke.hasCut || done.crossings > 0;
+        if (!stroke.arrived && !stroke.stroke.away()) { // a blade that comes back goes on with the surface it finds
+            stroke.arrived = true;
+            const int sheet = stroke.hasCut ? 0 : sheetAt(mesh, tool->segments);
+            if (sheet > 0) stroke.stroke = BladeStroke(sheet);
+        }
+    }
+    const bool through = stroke.hasCut && (stroke.stroke.away() || stroke.sinceCrossing > 2.0 * mesh.meanEdge());
+    stroke.leaving = stroke.leaving || !tool || through;
+    if (stroke.leaving) stroke.over = stroke.stroke.finish(mesh, kCut, done);
+    return done;
+}
+
+/// Lets every tool that is near a body cut it. A stroke goes on until its blades have moved two edges' length without
+/// meeting anything, or are away from the body: what comes then is another cut.
 void cutBody(const SoftModel& model, const SoftState& state, const std::vector<Blade>& blades, BodyTopology& topology,
              physics::TopologyReport& report)
 {
     EditableMesh& mesh = *topology.mesh;
-    const auto cuts = [&](const Blade& blade) { return mayBeCut(model, blade.shape->group); };
-    if (topology.strokes.empty() && std::ranges::none_of(blades, cuts)) return;
-    const geometry::Box box = around(state.x, mesh.meanEdge());
-    const auto near = [&](const Blade& blade) {
-        return cuts(blade) && (meet(around(blade.now, 0.0), box) || meet(around(blade.before, 0.0), box));
-    };
-    for (const Blade& blade : blades)
-        if (near(blade) && std::ranges::none_of(topology.strokes, [&](const Stroke& each) {
-                return each.blade == blade.name && !each.leaving;
-            }))
-            topology.strokes.push_back({blade.name, BladeStroke(mesh.newSheet())});
-    if (topology.strokes.empty()) {
-        topology.followed = false;
-        return;
+    std::vector<Stroke>& strokes = topology.strokes;
+    const std::vector<Tool> tools = toolsNear(model, state, blades, mesh.meanEdge());
+    for (const Tool& tool : tools) {
+        const auto isItsOwn = [&](const Stroke& stroke) { return stroke.tool == tool.body && !stroke.leaving; };
+        if (std::ranges::none_of(strokes, isItsOwn)) strokes.push_back({tool.body, BladeStroke(mesh.newSheet())});
     }
-    if (std::exchange(topology.followed, true))
+    const bool followed = std::exchange(topology.followed, !strokes.empty());
+    if (strokes.empty()) return;
+    if (followed)
         mesh.moveTo(state.x);
     else
         mesh.placeAt(state.x);
-
-    for (Stroke& stroke : topology.strokes) {
-        const auto blade = std::ranges::find(blades, stroke.blade, &Blade::name);
-        const bool gone = blade == blades.end() || !near(*blade);
-        RuptureReport done;
-        if (!stroke.leaving && !gone) {
-            const std::vector<BladeSegment> segments = segmentsOf(*blade);
-            done = stroke.stroke.step(mesh, segments, kCut);
-            stroke.sinceCrossing = done.crossings > 0 ? 0.0 : stroke.sinceCrossing + wayOf(*blade);
-            stroke.hasCut = stroke.hasCut || done.crossings > 0;
-            if (!stroke.arrived && !stroke.stroke.away()) { // a blade that comes back goes on with the surface it finds
-                stroke.arrived = true;
-                const int sheet = stroke.hasCut ? 0 : sheetAt(mesh, segments);
-                if (sheet > 0) stroke.stroke = BladeStroke(sheet);
-            }
-        }
-        const bool through = stroke.hasCut && (stroke.stroke.away() || stroke.sinceCrossing > 2.0 * mesh.meanEdge());
-        stroke.leaving = stroke.leaving || gone || through;
-        if (stroke.leaving) stroke.over = stroke.stroke.finish(mesh, kCut, done);
+    for (Stroke& stroke : strokes) {
+        const auto tool = std::ranges::find(tools, stroke.tool, &Tool::body);
+        const RuptureReport done = go(mesh, tool == tools.end() ? nullptr : &*tool, stroke);
         topology.cut += done;
         add(done, report);
     }
-    std::erase_if(topology.strokes, [](const Stroke& stroke) { return stroke.over; });
+    std::erase_if(strokes, [](const Stroke& stroke) { return stroke.over; });
 }
 
 std::vector<physics::LoosePiece> loosePieces(BodyTopology& topology)

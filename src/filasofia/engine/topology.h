@@ -10,13 +10,13 @@
 
 namespace filasofia::engine {
 
-/// A blade on its way through a body.
+/// A rigid body's blades on their way through a body.
 struct Stroke {
-    SurfaceName blade;
+    BodyId tool;
     BladeStroke stroke;
-    bool arrived = false; ///< something of the mesh was near it
+    bool arrived = false; ///< something of the mesh was near them
     bool hasCut = false;
-    double sinceCrossing = 0.0; ///< [m] that the blade went since it met an edge
+    double sinceCrossing = 0.0; ///< [m] that they went since they met an edge
     bool leaving = false;       ///< what waits is done, then it is over
     bool over = false;
 };
