@@ -260,3 +260,55 @@ TEST_CASE("scissors: two jaws that close on a strip cut it through")
     CHECK(detached == 1);
     CHECK(tissue.value == 1);
 }
+
+TEST_CASE("a body that may be cut needs a surface that is a manifold; its mesh is not a tune's to change")
+{
+    Stage stage;
+    geometry::TetMesh touching = boxMesh({1, 1, 1}, {1, 1, 1});
+    const geometry::TetMesh other = touching; // a second box that hangs on the first by one corner
+    const auto count = static_cast<int>(touching.nodes.size());
+    for (const Vec3& node : other.nodes) touching.nodes.push_back(node + Vec3{1, 1, 1});
+    for (geometry::Tetrahedron t : other.tetrahedra) {
+        for (int& node : t) node = node == 0 ? count - 1 : node + count;
+        touching.tetrahedra.push_back(t);
+    }
+    touching.nodes.erase(touching.nodes.begin() + count); // its corner is the first one's
+    for (std::size_t t = other.tetrahedra.size(); t < touching.tetrahedra.size(); ++t)
+        for (int& node : touching.tetrahedra[t])
+            if (node >= count) --node;
+    SoftBodyDef def{.name = "twins", .mesh = shared(touching), .dynamicTopology = true};
+    CHECK_THROWS_WITH(stage.add(def), Catch::Contains("twins") && Catch::Contains("manifold"));
+    def.dynamicTopology = false;
+    CHECK_NOTHROW(stage.add(def));
+
+    Stage tuned;
+    tuned.add(tissueBlock());
+    tuned.step(1e-3);
+    const auto rest = tuned.model().rest;
+    tuned.post(
+        Tune{[](PhysicsEngine& engine) { static_cast<World&>(engine).model().softBodies[0].rest[7].x += 1e-4; }});
+    CHECK(tuned.step(1e-3).has(StepFlag::TuneRejected));
+    CHECK(tuned.model().rest == rest);
+    tuned.post(
+        Tune{[](PhysicsEngine& engine) { static_cast<World&>(engine).model().softBodies[0].dynamicTopology = false; }});
+    CHECK(tuned.step(1e-3).has(StepFlag::TuneRejected));
+}
+
+TEST_CASE("bodies of springs, of explicit steps and of a direct solver are cut as well")
+{
+    SoftBodyDef springs = tissueBlock(), direct = tissueBlock(), steps = tissueBlock();
+    springs.material = MassSpringMaterial{.stiffness = 20.0, .damping = 0.05};
+    direct.solver = Cholesky{};
+    direct.mesh = shared(boxMesh({6, 5, 4}, {0.05, 0.04, 0.03}, 0.2));
+    steps.integrator = ExplicitEuler{.symplectic = true};
+    steps.material = FemMaterial{.youngModulus = 500.0, .poissonRatio = 0.3};
+    steps.rayleigh.stiffness = 1e-4; // damping bounds an explicit step as well
+    for (const auto& [def, dt] : {std::pair{springs, 1e-3}, {direct, 1e-3}, {steps, 1e-4}}) {
+        CutScene scene(def, 0.0262);
+        const StepReport report = scene.move(0.034, 0.02, 0.2, dt);
+        CHECK(report.flags == 0);
+        CHECK(report.topology.ruptures.size() > 0);
+        CHECK(scene.stage.run(100, dt).flags == 0);
+        check(scene.stage.model(), scene.stage.soft());
+    }
+}

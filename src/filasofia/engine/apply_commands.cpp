@@ -277,8 +277,24 @@ private:
         if (!isFinite(state.gravity)) fail("tune: gravity must be finite");
         for (std::size_t b = 0; b < model.softBodies.size(); ++b) check(model.softBodies[b], state.softBodies[b]);
         for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) check(model.rigidBodies[b], state.rigidBodies[b]);
+        for (std::size_t b = 0; b < model.softBodies.size(); ++b) checkSameMesh(topologies[b], model.softBodies[b]);
         checkAttachments(model, state);
         checkMemories(model, state);
+    }
+
+    /// What is cut is the mesh as edits know it.
+    void checkSameMesh(const BodyTopology& topology, const SoftModel& body) const
+    {
+        if (body.dynamicTopology != (topology.mesh != nullptr))
+            fail("tune: soft body '", body.name, "': dynamicTopology must stay what it is");
+        if (!topology.mesh) return;
+        const MeshTopology& mesh = topology.mesh->data();
+        bool same = body.rest == mesh.rest && body.surface == topology.boundary->triangles &&
+                    body.elements.size() + body.tetrahedra.size() == mesh.tetrahedra.size();
+        for (std::size_t e = 0; same && e < mesh.tetrahedra.size(); ++e)
+            same = mesh.tetrahedra[e] == (body.elements.empty() ? body.tetrahedra[e] : body.elements[e].nodes);
+        if (!same)
+            fail("tune: soft body '", body.name, "': nodes at rest, elements and surface must stay: it may be cut");
     }
 
     /// The numbers of a surface's features mean nothing of another one.

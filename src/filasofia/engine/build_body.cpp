@@ -2,7 +2,9 @@
 #include "filasofia/engine/build_attachment.h"
 #include "filasofia/engine/build_collision.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/engine/rupture/check_topology.h"
 #include "filasofia/geometry/adjacency.h"
 #include "filasofia/geometry/space_order.h"
 #include "filasofia/geometry/surface.h"
@@ -68,6 +70,24 @@ void addPins(const physics::AttachmentDef& def, const std::string& object, SoftM
     }
 }
 
+/// Cuts keep a surface whole that is whole, and elements good that are good.
+void checkForCuts(const std::string& object, const EditableMesh& mesh)
+{
+    const std::vector<TopologyViolation> faults =
+        checkTopology(mesh.data(), {.volume = mesh.startVolume(), .mostViolations = 1});
+    if (!faults.empty())
+        fail(object,
+             ": dynamicTopology needs a mesh whose surface is a manifold (each edge between two triangles, one "
+             "fan of them around each node), got: ",
+             faults.front().where);
+    constexpr double kPoor = 0.05;
+    double worst = 1.0;
+    for (int t = 0; t < mesh.tetrahedra(); ++t) worst = std::min(worst, restQuality(mesh.data(), t));
+    if (worst < kPoor)
+        logWarning(object, ": the worst of its tetrahedra has quality ", worst,
+                   " (1: regular); near such ones cuts follow the faces that are there");
+}
+
 std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, double period)
 {
     const std::string object = text("soft body '", def.name, "'");
@@ -110,6 +130,7 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     check(model, built->state);
     built->system = makeSystem(model, period);
     built->topology = makeTopology(model);
+    if (model.dynamicTopology) checkForCuts(object, *built->topology.mesh);
     return built;
 }
 

@@ -59,6 +59,10 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
 
     std::vector<Binding> made;
     if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body)) {
+        if (surface && soft->dynamicTopology)
+            logWarning(object,
+                       ": this surface bends with the body but does not open where it is cut; without a surface "
+                       "the body's own boundary is drawn, which does");
         auto mapped = std::make_shared<const mapping::MappedSurface>(mapSoft(*soft, surface.get()));
         const int nodes = mapping::nodesNeeded(mapped->map);
         made.push_back({.id = id,
