@@ -51,6 +51,7 @@ void InspectorRates::add(const physics::StepReport& report)
     now_.times.contacts += report.times.contacts;
     now_.times.assemble += report.times.assemble;
     now_.times.advance += report.times.advance;
+    now_.times.topology += report.times.topology;
     late_ += report.has(StepFlag::Late);
     clamped_ += report.has(StepFlag::Clamped);
     undone_ += report.has(StepFlag::Undone);
@@ -73,7 +74,8 @@ void InspectorRates::addPicture(double guiSeconds)
     physics_.add(now_.steps / seconds);
     pictures_.add(now_.pictures / seconds);
     const physics::StageTimes& times = now_.times;
-    stepTime_.add(1e6 * (times.commands + times.contacts + times.assemble + times.advance) / std::max(now_.steps, 1));
+    stepTime_.add(1e6 * (times.commands + times.contacts + times.assemble + times.advance + times.topology) /
+                  std::max(now_.steps, 1));
     last_ = now_;
     lastSeconds_ = seconds;
     since_ = now;
@@ -108,6 +110,7 @@ void InspectorRates::drawStages() const
         stage("contacts", last_.times.contacts / steps, period);
         stage("assemble", last_.times.assemble / steps, period);
         stage("advance", last_.times.advance / steps, period);
+        stage("topology", last_.times.topology / steps, period);
         stage("this Gui", guiSeconds_, 1.0 / parts_.def.look.rate);
         ImGui::EndTable();
     }
