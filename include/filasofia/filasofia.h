@@ -9,6 +9,7 @@
 #include "filasofia/runtime/simulation.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 
 namespace filasofia {
@@ -79,10 +80,13 @@ using visual::Backend;
 using visual::BoneMaterial;
 using visual::Camera;
 using visual::CameraDef;
+using visual::Canvas;
 using visual::CanvasDef;
 using visual::Color;
 using visual::CustomMaterial;
 using visual::DebugStyle;
+using visual::Effects;
+using visual::effectsOf;
 using visual::EndoscopeLook;
 using visual::EndoscopeOptics;
 using visual::EnvironmentDef;
