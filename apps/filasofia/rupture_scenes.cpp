@@ -86,7 +86,7 @@ void addTear(Simulation& sim, int subdivision)
     const BodyId forceps = sim.add(RigidBodyDef{.name = "forceps", .elements = {{}, {}, {}}}); // grip and two jaws
     const BodyId flap = sim.add(SoftBodyDef{
         .name = "flap",
-        .mesh = shapes::block({100_mm, 8_mm, 60_mm}, {36, 4, 22}),
+        .mesh = shapes::block({100_mm, 8_mm, 60_mm}, {26, 3, 16}),
         .material = FemMaterial{.youngModulus = 15_kPa, .poissonRatio = 0.4, .tearingThreshold = 7_kPa},
         .rayleigh = {.mass = 5.0},
         .gravity = false,
@@ -97,7 +97,7 @@ void addTear(Simulation& sim, int subdivision)
     for (const int jaw : {1, 2}) sim.show(forceps, {.surface = rod, .element = jaw, .material = MetalMaterial{}});
     const Quat lean = axisAngle({0, 0, 1}, -30_deg) * axisAngle({1, 0, 0}, 45_deg);
     sim.everyStep([&sim, forceps, lean](double time) {
-        const Vec3 way = 30_mm * std::clamp(time - 0.1, 0.0, 1.0) * Vec3{0.3, 0.6, 0.8};
+        const Vec3 way = 30_mm * std::clamp(time - 0.1, 0.0, 0.7) * Vec3{0.3, 0.6, 0.8};
         sim.physics().setPose(forceps, {way});
         const Vec3 middle = way + Vec3{0, 0, 24_mm} + rotate(lean, {0, 45_mm, 0});
         for (const int jaw : {1, 2})

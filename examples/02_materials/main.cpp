@@ -31,7 +31,9 @@ try {
         addEndoscopeLook(server, {{-48_mm, 0, -20_mm}, {48_mm, 15_mm, 32_mm}}, Quality::High, {0.0, 1.0, 1.0});
         server.setEnvironment({.intensity = 300, .lampSize = 0.6, .lampDirection = {-0.4, 1, -0.6}});
     });
-    return sim.run(argc, argv); // --headless --steps 1 --picture materials.png: see --help
+    if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 1 --picture p.png: see --help
+    const auto frame = sim.physics().latest();
+    return !frame || frame->rigidBodies.size() == 7 ? 0 : 1; // all of them are there
 } catch (const Error& error) {
     return report(error);
 }
