@@ -1,6 +1,7 @@
 #include "apps/filasofia/bunny_scene.h"
 #include "apps/filasofia/commands.h"
 #include "apps/filasofia/contact_scenes.h"
+#include "apps/filasofia/rupture_scenes.h"
 #include "filasofia/runtime/keys.h"
 
 #include <iostream>
@@ -28,6 +29,8 @@ const Scene kScenes[] = {
     {"poke", kPokeRoom, [](Simulation& sim, const BunnyDef& def) { addPoke(sim, def.subdivision); }},
     {"grasp", kGraspRoom, [](Simulation& sim, const BunnyDef& def) { addGrasp(sim, def.subdivision); }},
     {"friction", kFrictionRoom, [](Simulation& sim, const BunnyDef&) { addFriction(sim); }},
+    {"cut", kCutRoom, [](Simulation& sim, const BunnyDef& def) { addCut(sim, def.subdivision); }},
+    {"tear", kTearRoom, [](Simulation& sim, const BunnyDef& def) { addTear(sim, def.subdivision); }},
 };
 
 const Scene& sceneOf(const Options& options)
@@ -70,7 +73,7 @@ Command runCommand()
             .meaning = "Run a scene in a window (Space pauses, Escape ends; more below), or headless",
             .options = {{"SCENE",
                          &options.scene,
-                         "bunny (pinned at the head, falling under its own weight), poke, grasp or friction",
+                         "bunny (pinned at the head, falling under its own weight), poke, grasp, friction, cut or tear",
                          "",
                          {},
                          true},

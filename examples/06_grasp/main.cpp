@@ -4,7 +4,7 @@ using namespace filasofia;
 
 int main(int argc, char** argv)
 try {
-    Simulation sim({.window = {.title = "Grasp"}, .look = {.around = Box{{-0.03, 0, -0.02}, {0.03, 0.062, 0.02}}}});
+    Simulation sim({.window = {.title = "Grasp"}, .look = {.around = Box{{-0.024, 0, -0.016}, {0.024, 0.056, 0.016}}}});
     SoftBodyDef soft{.name = "cube", .mesh = shapes::block({20_mm, 20_mm, 20_mm}), .collision = {{}}, .friction = 0.6};
     soft.pose.position.y = 10.5_mm;
     const BodyId cube = sim.add(soft);

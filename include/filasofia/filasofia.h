@@ -9,6 +9,7 @@
 #include "filasofia/runtime/simulation.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 
 namespace filasofia {
@@ -74,20 +75,37 @@ using runtime::ShownId;
 using runtime::Simulation;
 using runtime::SimulationDef;
 using runtime::TearEvent;
+using visual::addEndoscopeLook;
 using visual::Backend;
 using visual::BoneMaterial;
+using visual::Camera;
+using visual::CameraDef;
+using visual::Canvas;
 using visual::CanvasDef;
 using visual::Color;
 using visual::CustomMaterial;
 using visual::DebugStyle;
+using visual::Effects;
+using visual::effectsOf;
+using visual::EndoscopeLook;
+using visual::EndoscopeOptics;
+using visual::EnvironmentDef;
 using visual::GlassMaterial;
 using visual::GuiDef;
+using visual::LightDef;
+using visual::lookAt;
+using visual::Material;
 using visual::MetalMaterial;
 using visual::MucosaMaterial;
 using visual::NamedMaterial;
+using visual::Quality;
+using visual::SpotLight;
 using visual::SurfaceState;
 using visual::TextureFile;
 using visual::TissueMaterial;
 using visual::UnlitMaterial;
+using visual::ViewDef;
+using visual::Viewport;
+using visual::VisualServer;
 
 } // namespace filasofia

@@ -227,7 +227,7 @@ class Run(Program):
         if not can_draw():
             self.refused("run", "poke", "--headless", "--steps", "1", "--picture", "poke.png", says=["draws nothing"])
             return
-        for scene in ("poke", "grasp", "friction"):
+        for scene in ("poke", "grasp", "friction", "cut", "tear"):
             with tempfile.TemporaryDirectory() as folder:
                 pictures = [Path(folder, f"{steps}.png") for steps in ("1", "600")]
                 for picture in pictures:
@@ -235,9 +235,17 @@ class Run(Program):
                     self.assertGreater(picture.stat().st_size, 20000)  # a dark picture has 3 kB
                 self.assertNotEqual(pictures[0].read_bytes(), pictures[1].read_bytes())
 
+    def test_what_is_cut_and_torn_is_made_again(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for scene in ("cut", "tear"):
+                file = os.path.join(folder, scene + ".rec")
+                said = self.output("run", scene, "--headless", "--steps", "800", "--record", file)
+                self.assertIn("put back 0, solver at its cap 0", said)
+                self.assertIn("every step has the recorded hash\n", self.output("replay", file, "--check"))
+
     def test_an_option_of_the_bunny_is_refused_for_other_scenes(self):
         self.refused("run", "poke", "--headless", "--tets", "756", says=["--tets", "'poke'"])
-        self.refused("run", "cat", "--headless", says=["bunny, poke, grasp, friction"])
+        self.refused("run", "cat", "--headless", says=["bunny, poke, grasp, friction, cut, tear"])
 
     def test_a_run_with_contacts_is_made_again(self):
         with tempfile.TemporaryDirectory() as folder:

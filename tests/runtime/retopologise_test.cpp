@@ -271,6 +271,31 @@ TEST_CASE("a cut surface that cannot be subdivided is drawn as it is, and said s
     CHECK_THAT(lines[1], Catch::Contains("new triangles of 'block'"));
 }
 
+TEST_CASE("whoever waits for the triangles has those of the newest frame, also where no picture was mapped since")
+{
+    ShownStage stage;
+    const BodyId block = stage.addBlock();
+    stage.bindings.show(block, {.subdivision = 1}, stage.physics);
+    stage.step();
+    const SharedSurface cut = boundaryWithout(12);
+    frame::Frame newest = *stage.physics.latest();
+    auto boundary = std::make_shared<frame::Boundary>();
+    const geometry::TetMesh rest = *ShownStage::mesh();
+    boundary->revision = 1;
+    boundary->rest = rest.nodes;
+    const std::vector<int>& nodes = std::get<mapping::IdentityMap>(cut->map).nodes;
+    for (const auto& [a, b, c] : cut->surface.triangles) boundary->triangles.push_back({nodes[a], nodes[b], nodes[c]});
+    boundary->opened.assign(boundary->triangles.size(), 0);
+    newest.softBodies[0].boundary = boundary;
+
+    stage.bindings.finishMeshes(&newest);
+    stage.bindings.addPending(stage.visual);
+    stage.bindings.update(newest, stage.physics, stage.visual);
+    Synchronous expected(*cut, *newest.softBody(block), 1);
+    CHECK(stage.only().geometry.indices.size() == expected.geometry().indices.size());
+    CHECK(stage.only().geometryCalls == 1);
+}
+
 TEST_CASE("bindings may end while triangles are being made")
 {
     std::latch begun(1);

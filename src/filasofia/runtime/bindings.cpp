@@ -322,8 +322,9 @@ bool Bindings::healed(const Binding& binding)
     return newest != topology_.end() && !newest->second.interior;
 }
 
-void Bindings::finishMeshes()
+void Bindings::finishMeshes(const frame::Frame* newest)
 {
+    if (newest) followTopology(*newest);
     {
         const std::lock_guard lock(mutex_);
         applyTopology();

@@ -43,8 +43,9 @@ public:
     void addPending(visual::VisualServer& visual);
     /// Moves everything to where the frame says; removes what belongs to a body that is gone.
     void update(const frame::Frame& frame, const physics::PhysicsServer& physics, visual::VisualServer& visual);
-    /// Waits for the new triangles that are under way: the next update() has them all.
-    void finishMeshes();
+    /// Waits for the new triangles that are under way, those of the cuts in `newest` too: the next update() has them
+    /// all.
+    void finishMeshes(const frame::Frame* newest = nullptr);
     /// A Transform of the visual server goes where a body goes, from now until unfollow(), its own end, the body's, or
     /// until it gets a parent. Throws an Error where there is no visual server or the transform is not of it.
     void follow(visual::Transform& transform, BodyId id, const FollowDef& def, const physics::PhysicsServer& physics);

@@ -40,8 +40,7 @@ public:
         const bool film = video_ && video_->due(time - start_);
         const bool asked = parts_.screenshotAsked();
         if (!film && !(asked && opened())) return;
-        parts_.bindings.finishMeshes();
-        parts_.mapNewestFrame(*visual_);
+        parts_.mapFinishedFrame(*visual_);
         if (film) video_->show(visual_->capture(), time - start_);
         parts_.takeScreenshots(*visual_);
     }

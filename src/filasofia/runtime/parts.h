@@ -74,6 +74,8 @@ struct Simulation::Impl {
     void dressScene(visual::VisualServer& visual);
     /// Moves the drawn bodies to the newest frame.
     void mapNewestFrame(visual::VisualServer& visual);
+    /// The same once the new triangles of what was cut until then are there.
+    void mapFinishedFrame(visual::VisualServer& visual);
     /// Draws the present state into a file; physics must not be stepping.
     void takePicture(visual::VisualServer& visual, const std::string& file);
     /// The bodies back to their start, and clean.

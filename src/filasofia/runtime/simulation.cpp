@@ -210,10 +210,16 @@ void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
     if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, physics, visual);
 }
 
+void Simulation::Impl::mapFinishedFrame(visual::VisualServer& visual)
+{
+    const frame::FrameRef frame = physics.latest();
+    bindings.finishMeshes(frame ? &*frame : nullptr);
+    mapNewestFrame(visual);
+}
+
 void Simulation::Impl::takePicture(visual::VisualServer& visual, const std::string& file)
 {
-    bindings.finishMeshes();
-    mapNewestFrame(visual);
+    mapFinishedFrame(visual);
     visual::savePng(visual.capture(), file);
     pictures.push_back(file);
 }
