@@ -26,9 +26,10 @@ constexpr double kSeconds = 10.0; ///< [s] of a cell
 /// Refuses what it cannot do.
 void checkOptions(const Options& options)
 {
-    if (options.scene != "bunny" && options.scene != "solver" && options.scene != "contact" &&
+    if (options.scene != "bunny" && options.scene != "solver" && options.scene != "contact" && options.scene != "cut" &&
         options.scene != "visual")
-        fail("bench: there is no scene '", shortened(options.scene), "'; there are bunny, solver, contact and visual");
+        fail("bench: there is no scene '", shortened(options.scene),
+             "'; there are bunny, solver, contact, cut and visual");
     if (!std::isnan(options.seconds) && options.scene != "bunny")
         fail("bench: --seconds is for bunny; ", options.scene, " makes a fixed number of steps");
     if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak is for contact");
@@ -38,6 +39,7 @@ void checkOptions(const Options& options)
 json measure(const Options& options)
 {
     if (options.scene == "solver") return benchSolver(options.quick);
+    if (options.scene == "cut") return benchCut(options.quick);
     if (options.scene == "visual") return benchVisual(options.quick);
     if (options.scene == "bunny")
         return benchBunny(std::isnan(options.seconds) ? kSeconds : options.seconds, options.quick);
@@ -99,7 +101,7 @@ Command benchCommand()
                 {{"SCENE",
                   &options.scene,
                   "bunny: the paper's table of tetrahedra x subdivision; solver: what a step costs; contact: what it "
-                  "costs where bodies touch; visual: what a picture costs",
+                  "costs where bodies touch; cut: what it costs while a blade cuts; visual: what a picture costs",
                   "",
                   {},
                   true},

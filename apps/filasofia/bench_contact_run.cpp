@@ -107,7 +107,8 @@ int ContactScene::elements() const
 }
 
 ContactRun::ContactRun(const ContactScene& scene, int threads, bool contacts)
-    : engine_(engine::makeNativeEngine({.period = kContactStep, .threads = threads})), path_(scene.path)
+    : engine_(engine::makeNativeEngine({.period = kContactStep, .threads = threads})), path_(scene.path),
+      gravity_(scene.gravity)
 {
     commands_.emplace_back(physics::SetGravity{kGravity});
     std::uint32_t id = 0, attachments = 0;
@@ -129,6 +130,7 @@ physics::StepReport ContactRun::step(const physics::StepBudget* budget)
 {
     commands_.clear();
     time_ += kContactStep;
+    if (gravity_) commands_.emplace_back(physics::SetGravity{gravity_(time_)});
     if (path_)
         for (const auto& [body, pose] : path_(time_)) commands_.emplace_back(physics::SetPose{body, 0, pose});
     return engine_->step({.dt = kContactStep, .commands = commands_, .budget = budget});

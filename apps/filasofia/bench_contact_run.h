@@ -22,9 +22,10 @@ struct ContactScene {
     std::string body = {}; ///< "bunny 3004"
     std::vector<physics::BodyDef> bodies = {};
     ToolPath path = {};
-    double settle = 0.5;                ///< [s] before anything is counted
-    int asked = 0;                      ///< [-] contacts that are to push; 0: as they come
-    [[nodiscard]] int elements() const; ///< tetrahedra
+    std::function<Vec3(double time)> gravity = {}; ///< [m/s^2]; none: 9.81 down
+    double settle = 0.5;                           ///< [s] before anything is counted
+    int asked = 0;                                 ///< [-] contacts that are to push; 0: as they come
+    [[nodiscard]] int elements() const;            ///< tetrahedra
 };
 
 /// Makes steps of kContactStep from rest, under gravity.
@@ -39,6 +40,7 @@ public:
 private:
     std::unique_ptr<physics::PhysicsEngine> engine_;
     ToolPath path_;
+    std::function<Vec3(double time)> gravity_;
     std::vector<physics::Command> commands_;
     frame::Frame frame_;
     double time_ = 0.0;

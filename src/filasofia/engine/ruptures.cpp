@@ -154,10 +154,10 @@ void cutBody(const SoftModel& model, const SoftState& state, const std::vector<B
     std::erase_if(strokes, [](const Stroke& stroke) { return stroke.over; });
 }
 
-std::vector<physics::LoosePiece> loosePieces(BodyTopology& topology)
+std::vector<physics::LoosePiece> loosePieces(const frame::TopologyEdit& edit, BodyTopology& topology)
 {
     std::vector<physics::LoosePiece> loose;
-    for (DetachedPiece& piece : topology.pieces->update(topology.mesh->data()))
+    for (DetachedPiece& piece : topology.pieces->update(topology.mesh->data(), edit))
         loose.push_back({piece.id, std::move(piece.tetrahedra)});
     return loose;
 }
@@ -206,6 +206,7 @@ void applyEdits(double period, Model& model, State& state, Systems& systems, Rup
         if (topology.boundary->revision == 0) topology.startAttachments = state.attachments;
         followRiders(edit, *topology.mesh, body, state.attachments);
         const OwnSurfaceEdit surface = applyEdit(edit, period, topology, body, state.softBodies[b], systems[b]);
+        std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);
         if (edit.boundary.empty()) continue;
         for (int m = 0; m < static_cast<int>(body.collision.size()); ++m)
             if (!body.collision[static_cast<std::size_t>(m)].behind.empty()) editCollision(surface, m, body, state);
@@ -217,7 +218,7 @@ void applyEdits(double period, Model& model, State& state, Systems& systems, Rup
         if (told.size() == before) continue;
         told[before].nodes = edit.nodes - nodes;
         told[before].elements = edit.tetrahedra - elements;
-        told.back().detached = loosePieces(topology);
+        told.back().detached = std::move(loose);
     }
 }
 

@@ -29,7 +29,7 @@ TEST_CASE("a blade that passes through a bar, in many steps or few, leaves two w
             Pieces pieces(mesh.data());
             const RuptureReport report = cutAcross(mesh, x, steps);
             CHECK(faultsOf(mesh) == "");
-            const auto detached = pieces.update(mesh.data());
+            const auto detached = pieces.update(mesh.data(), mesh.takeEdit({1}));
             REQUIRE(pieces.count() == 2);
             REQUIRE(detached.size() == 1);
             CHECK(detached[0].id == 1);
@@ -53,6 +53,7 @@ TEST_CASE("a cut that stops inside stays, and goes on later as the same surface"
     finish(mesh, first, report);
     CHECK(report.openedArea > 0.4 * 0.02 * 0.02);
     CHECK(faultsOf(mesh) == "");
+    mesh.takeEdit({1});
     Pieces pieces(mesh.data());
     CHECK(pieces.count() == 1);
     // Whoever comes back to the place, with the blade in its plane, is told which surface it was.
@@ -68,7 +69,7 @@ TEST_CASE("a cut that stops inside stays, and goes on later as the same surface"
     CHECK(second.away());
     finish(mesh, second, report);
     CHECK(faultsOf(mesh) == "");
-    CHECK(pieces.update(mesh.data()).size() == 1);
+    CHECK(pieces.update(mesh.data(), mesh.takeEdit({1})).size() == 1);
 }
 
 TEST_CASE("scissors whose jaws close from both sides cut the bar through")
@@ -156,7 +157,7 @@ TEST_CASE("two blades at once make three pieces, and the largest keeps its id")
             const BladeSegment s{now - half, now + half, before - half, before + half};
             report += strokes[k].step(mesh, {&s, 1}, {});
             if (i == 49) finish(mesh, strokes[k], report);
-            for (DetachedPiece& piece : pieces.update(mesh.data())) detached.push_back(piece);
+            for (DetachedPiece& piece : pieces.update(mesh.data(), mesh.takeEdit({1}))) detached.push_back(piece);
         }
     CHECK(faultsOf(mesh) == "");
     CHECK(pieces.count() == 3);

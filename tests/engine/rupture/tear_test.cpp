@@ -218,7 +218,7 @@ TEST_CASE("a bar that is pulled tears in two, whatever its mesh and the pull, an
             frame::followNodes(edit, positions);
             mirror.apply(edit);
             CHECK(checkMirror(mesh.data(), mirror, positions).empty());
-            pieces.update(mesh.data());
+            pieces.update(mesh.data(), edit);
         }
         CHECK(apart());
         CHECK(tears > 2);

@@ -18,7 +18,7 @@ constexpr double kClearWay = 0.02;   ///< [-] of the mean edge: from here on a s
 constexpr double kMemory = 0.1;      ///< [-] of the mean edge: the way over which the direction is averaged
 constexpr double kWithin = 0.02;     ///< [-] sine of the angle below which an edge lies within the surface
 constexpr int kHalvings = 40;        ///< of the time of a crossing
-constexpr int kRefreshSteps = 10;    ///< that the list of edges is good for, at the present speed
+constexpr int kRefreshSteps = 20;    ///< that the list of edges is good for, at the present speed
 
 double spanned(Vec3 a, Vec3 b, Vec3 q, Vec3 r) { return dot(cross(b - a, q - a), r - a); }
 Vec3 mix(Vec3 a, Vec3 b, double t) { return (1.0 - t) * a + t * b; }
@@ -157,9 +157,14 @@ void CrossingFinder::refresh(const EditableMesh& mesh, std::span<const BladeSegm
     for (const BladeSegment& s : blade) around = merged(merged(around, s.from), s.to);
 
     // Nodes that a near edge may end in, then their edges: an edge within the margin has an end within margin plus its
-    // length. Lengths are known at rest only: tissue stretched to more than twice its length may be missed.
+    // length. Lengths are known at rest only: tissue stretched to more than twice its length may be missed. An edge
+    // between two such nodes is looked at from the first.
+    std::vector<Box> boxes;
+    for (const BladeSegment& s : blade) boxes.push_back(grown(merged(merged(Box{}, s.from), s.to), margin_));
     edges_.clear();
     seen_.resize(data.rest.size(), 0);
+    near_.resize(data.rest.size(), 0);
+    const long pass = ++pass_;
     for (int node = 0; node < mesh.nodes(); ++node) {
         const Vec3 x = data.current[node];
         const double radius = margin_ + mesh.reach(node);
@@ -173,20 +178,26 @@ void CrossingFinder::refresh(const EditableMesh& mesh, std::span<const BladeSegm
         if (!(nearest < radius * radius)) continue;
         ++stamp_;
         seen_[node] = stamp_;
+        near_[node] = pass;
         const bool inside = nearest <= margin_ * margin_;
+        const auto meets = [&](Vec3 end) {
+            const Box box = merged(merged(Box{}, x), end);
+            for (std::size_t i = 0; i < blade.size(); ++i)
+                if (overlap(box, boxes[i]) &&
+                    squaredSegmentDistance(x, end - x, blade[i].from, blade[i].to - blade[i].from) <= margin_ * margin_)
+                    return true;
+            return false;
+        };
         for (int t : data.around[node])
             for (int other : data.tetrahedra[t]) {
                 if (seen_[other] == stamp_) continue;
                 seen_[other] = stamp_;
-                const Vec3 d = data.current[other] - x;
-                if (inside || std::ranges::any_of(blade, [&](const BladeSegment& s) {
-                        return squaredSegmentDistance(x, d, s.from, s.to - s.from) <= margin_ * margin_;
-                    }))
+                if (near_[other] == pass) continue;
+                if (inside || meets(data.current[other]))
                     edges_.push_back({std::min(node, other), std::max(node, other)});
             }
     }
     std::ranges::sort(edges_);
-    edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
 }
 
 void CrossingFinder::addEdgesOfNewNodes(const EditableMesh& mesh)

@@ -48,6 +48,8 @@ private:
     int nodes_ = 0, tetrahedra_ = 0; ///< of the mesh, when the list was right
     std::vector<long> seen_;         ///< per node, the last one that was asked about it: scratch
     long stamp_ = 0;
+    std::vector<long> near_; ///< per node, the last pass in which its edges were looked at: scratch
+    long pass_ = 0;
     long moves_ = 0;                 ///< of the mesh, at the last step
     std::vector<BladeSegment> last_; ///< the blade at the last step
     std::vector<Vec3> directions_;   ///< [m] per segment: the way it went of late, as a line without sign

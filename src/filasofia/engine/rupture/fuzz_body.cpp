@@ -41,7 +41,7 @@ Vec3 Waves::at(Vec3 p, double time) const
 FuzzBody::FuzzBody(const geometry::TetMesh& given, const CutFuzzDef& def, CutFuzzReport& report, RuptureReport& sums,
                    std::string name)
     : mesh(given), def_(def), report_(report), sums_(sums), name_(std::move(name)), mirror_(given.tetrahedra),
-      positions_(given.nodes)
+      positions_(given.nodes), pieces_(mesh.data()), walked_(mesh.data())
 {
     bound_ = std::min(worstOf(mesh.data()), CutParameters{}.minQuality);
 }
@@ -89,8 +89,19 @@ void FuzzBody::follow()
     const frame::TopologyEdit edit = mesh.takeEdit({1});
     frame::followNodes(edit, positions_);
     mirror_.apply(edit);
+    followPieces(edit);
     ++report_.edits;
     if (++edits_ % def_.checkEvery == 0) look();
+}
+
+void FuzzBody::followPieces(const frame::TopologyEdit& edit)
+{
+    const std::vector<DetachedPiece> loose = pieces_.update(mesh.data(), edit), all = walked_.walk(mesh.data(), edit);
+    const bool same = std::ranges::equal(loose, all, [](const DetachedPiece& a, const DetachedPiece& b) {
+        return a.id == b.id && a.from == b.from && a.tetrahedra == b.tetrahedra;
+    });
+    if (!same || pieces_.ofTetrahedron() != walked_.ofTetrahedron() || pieces_.count() != walked_.count())
+        add(report_.faults, "pieces missed");
 }
 
 void FuzzBody::look()

@@ -3,6 +3,7 @@
 #include "filasofia/engine/rupture/check_topology.h"
 #include "filasofia/engine/rupture/cut.h"
 #include "filasofia/engine/rupture/fuzz.h"
+#include "filasofia/engine/rupture/pieces.h"
 
 #include <random>
 
@@ -79,6 +80,7 @@ public:
 private:
     [[nodiscard]] std::vector<int> parts(int& count) const;
     void follow();
+    void followPieces(const frame::TopologyEdit& edit);
 
     const CutFuzzDef& def_;
     CutFuzzReport& report_;
@@ -87,6 +89,7 @@ private:
     double bound_ = 0.0; ///< of quality
     frame::TopologyMirror mirror_;
     std::vector<Vec3> positions_;
+    Pieces pieces_, walked_; ///< by searching and by walking: the same
     int edits_ = 0;
 };
 

@@ -32,36 +32,98 @@ Pieces::Pieces(const MeshTopology& mesh)
     next_ = count_;
 }
 
-std::vector<DetachedPiece> Pieces::update(const MeshTopology& mesh)
+std::vector<DetachedPiece> Pieces::update(const MeshTopology& mesh, const frame::TopologyEdit& edit)
+{
+    follow(edit);
+    return fallsApart(mesh, edit) ? divide(mesh) : std::vector<DetachedPiece>{};
+}
+
+std::vector<DetachedPiece> Pieces::walk(const MeshTopology& mesh, const frame::TopologyEdit& edit)
+{
+    follow(edit);
+    return divide(mesh);
+}
+
+void Pieces::follow(const frame::TopologyEdit& edit)
+{
+    for (const frame::TopologyOp& op : edit.ops)
+        if (const auto* split = std::get_if<frame::TetSplit>(&op)) ids_.push_back(ids_[split->parent]);
+}
+
+// One search from each element at an opened face, all at the same pace. Where two meet they are one from then on. One
+// that has nowhere left to go has seen a part whole: then its piece fell apart, unless it is the piece's only one.
+bool Pieces::fallsApart(const MeshTopology& mesh, const frame::TopologyEdit& edit)
+{
+    search_.resize(ids_.size(), -1);
+    std::vector<int> boss, waiting,
+        alone; // per search: which it became one with; what it has left; per piece: searches
+    const auto bossOf = [&](int search) {
+        while (boss[search] != search) search = boss[search] = boss[boss[search]];
+        return search;
+    };
+    reached_.clear();
+    for (const frame::BoundaryChange& change : edit.boundary) {
+        // Changed too: a face that became an inner one when its element was bisected may be opened in the same edit.
+        if (!change.opened || change.kind == frame::BoundaryChange::Kind::Removed || search_[change.tetrahedron] >= 0)
+            continue;
+        search_[change.tetrahedron] = static_cast<int>(boss.size());
+        boss.push_back(static_cast<int>(boss.size()));
+        waiting.push_back(1);
+        reached_.push_back(change.tetrahedron);
+        alone.resize(std::max<std::size_t>(alone.size(), ids_[change.tetrahedron] + 1), 0);
+        ++alone[ids_[change.tetrahedron]];
+    }
+    auto apart = static_cast<int>(std::ranges::count_if(alone, [](int searches) { return searches > 1; }));
+    bool found = false;
+    for (std::size_t next = 0; next < reached_.size() && apart > 0 && !found; ++next) {
+        const int t = reached_[next], piece = ids_[t];
+        int search = bossOf(search_[t]);
+        for (int other : mesh.neighbours[t]) {
+            if (other < 0) continue;
+            if (search_[other] < 0) {
+                search_[other] = search;
+                reached_.push_back(other);
+                ++waiting[search];
+                continue;
+            }
+            const int met = bossOf(search_[other]);
+            if (met == search) continue;
+            boss[met] = search;
+            waiting[search] += waiting[met];
+            if (--alone[piece] == 1) --apart;
+        }
+        found = --waiting[search] == 0 && alone[piece] > 1;
+    }
+    for (int t : reached_) search_[t] = -1;
+    return found;
+}
+
+std::vector<DetachedPiece> Pieces::divide(const MeshTopology& mesh)
 {
     int parts = 0;
     const std::vector<int> part = connectedParts(mesh, parts);
-    // A part's elements were all of one piece: a child's parent is in the same part, or was when it was made.
     std::vector<double> volume(parts, 0.0);
-    std::vector<int> from(parts, -1);
+    std::vector<int> from(parts, -1); // the piece that it was part of: all its elements were
     for (int t = 0; t < static_cast<int>(part.size()); ++t) {
         volume[part[t]] += restVolume(mesh, t);
-        if (t < static_cast<int>(ids_.size()) && from[part[t]] < 0) from[part[t]] = ids_[t];
+        from[part[t]] = ids_[t];
     }
-    // A part of new elements alone is a piece of what its neighbours were; all came from one edit, so any piece will do
-    // that lost them: the one that the record's parents name is not known here.
     std::vector<int> heir(next_, -1);
     for (int p = 0; p < parts; ++p)
-        if (from[p] >= 0 && (heir[from[p]] < 0 || volume[p] > volume[heir[from[p]]])) heir[from[p]] = p;
+        if (heir[from[p]] < 0 || volume[p] > volume[heir[from[p]]]) heir[from[p]] = p;
     std::vector<int> id(parts);
     std::vector<DetachedPiece> detached;
     for (int p = 0; p < parts; ++p) {
-        if (from[p] >= 0 && heir[from[p]] == p) {
+        if (heir[from[p]] == p) {
             id[p] = from[p];
             continue;
         }
         id[p] = next_++;
-        detached.push_back({id[p], std::max(from[p], 0), {}});
+        detached.push_back({id[p], from[p], {}});
     }
-    ids_.resize(part.size());
     std::vector<int> place(parts, -1);
     for (int i = 0, p = 0; p < parts; ++p)
-        if (!(from[p] >= 0 && heir[from[p]] == p)) place[p] = i++;
+        if (heir[from[p]] != p) place[p] = i++;
     for (int t = 0; t < static_cast<int>(part.size()); ++t) {
         ids_[t] = id[part[t]];
         if (place[part[t]] >= 0) detached[place[part[t]]].tetrahedra.push_back(t);

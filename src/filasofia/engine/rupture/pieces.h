@@ -20,15 +20,23 @@ class Pieces {
 public:
     explicit Pieces(const MeshTopology& mesh);
 
-    /// After an edit. Costs a walk over all elements: to be asked when faces were opened.
-    std::vector<DetachedPiece> update(const MeshTopology& mesh);
+    /// After every edit. Elements that came are of their parents' piece. Where faces were opened, a search from all of
+    /// them that ends when they have met: only what comes loose costs a walk over all elements.
+    std::vector<DetachedPiece> update(const MeshTopology& mesh, const frame::TopologyEdit& edit);
+    /// The same by a walk over all elements.
+    std::vector<DetachedPiece> walk(const MeshTopology& mesh, const frame::TopologyEdit& edit);
 
     [[nodiscard]] const std::vector<int>& ofTetrahedron() const { return ids_; }
     [[nodiscard]] int count() const { return count_; } ///< at present
 
 private:
+    void follow(const frame::TopologyEdit& edit);
+    bool fallsApart(const MeshTopology& mesh, const frame::TopologyEdit& edit);
+    std::vector<DetachedPiece> divide(const MeshTopology& mesh);
+
     std::vector<int> ids_;
     int next_ = 0, count_ = 0;
+    std::vector<int> search_, reached_; ///< scratch: per element, the search that came by, -1 between them
 };
 
 /// Per tetrahedron, which of the parts that hang together by faces it is in, numbered by their lowest element.
