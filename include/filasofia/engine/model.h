@@ -56,7 +56,7 @@ struct SoftModel {
     double friction = 0.0; ///< [-] mu
     std::vector<CollisionModel> collision;
     bool dynamicTopology = false; ///< it may be cut and tear
-    std::set<int> removed;        ///< pieces that were taken out: their nodes are held, far away
+    std::set<int> removed;        ///< pieces that were taken out: their nodes are held, and have no surface
     double density = 0.0;         ///< [kg/m^3] what its elements weigh, where they change
     double tearingThreshold = std::numeric_limits<double>::infinity(); ///< [Pa]
 };

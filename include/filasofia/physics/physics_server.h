@@ -45,8 +45,9 @@ public:
     /// Lets go. Nothing happens where it has broken, was released, or its body is gone. Letting go nodes that a Def
     /// holds in space, hard or by springs, makes the body's solver anew within the step (9 ms at 3000 tetrahedra).
     void release(AttachmentId id);
-    /// Takes a piece that cuts or tears have set loose (LoosePiece::piece) out of the scene: nothing touches it, it is
-    /// not drawn and does not move; what held it lets go. Its nodes keep their numbers, and mean nothing.
+    /// Takes a piece that cuts or tears have set loose (LoosePiece::piece) out of the scene: it has no surface any
+    /// more, no blade finds it and it does not move; what held it lets go. Its nodes keep their numbers and places, and
+    /// mean nothing. Collision meshes and drawn surfaces given beside the body keep what rides on it.
     void removePiece(BodyId soft, int piece);
     /// Those that a body's Def made, in its order.
     [[nodiscard]] std::vector<AttachmentId> attachments(BodyId id) const;

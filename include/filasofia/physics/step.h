@@ -73,7 +73,7 @@ struct Rupture {
 /// How edits of meshes went in a step: all bodies, cuts and tears. Nothing is ever half done: what is refused leaves
 /// its body as it was.
 struct TopologyReport {
-    std::vector<Rupture> ruptures = {}; ///< by rising body, cuts before tears
+    std::vector<Rupture> ruptures = {}; ///< cuts before tears, each by rising body
     int bladeNotFinite = 0;             ///< refused: a blade's place is no number
     int bladeNoLength = 0;              ///< refused: a blade without any length
     int bladeJump = 0;                  ///< refused: in one step further than the body is long

@@ -40,12 +40,8 @@ public:
 
     [[nodiscard]] const CanvasDef& def() const;
 
-    /// Any thread; see Gui::setRenderCallback().
+    /// Any thread; see Gui::setRenderCallback(). That of a hidden one is not called.
     void setRenderCallback(RenderCallback callback);
-
-    [[nodiscard]] bool visible() const;
-    /// The callback of a hidden one is not called.
-    void setVisible(bool visible);
 
     [[nodiscard]] Impl& impl() { return *impl_; }
 

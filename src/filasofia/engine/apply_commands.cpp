@@ -101,6 +101,7 @@ struct Apply {
     {
         const std::size_t index = indexOf(model.softBodies, set.id);
         setMaterial(set.material, model.softBodies[index]);
+        if (SoftModel* start = topologies[index].start.get()) setMaterial(set.material, *start);
         // A system follows from the model alone, and the model from Def and material: any order of commands will do.
         // The old one goes back with the command: a step has no time to take it apart.
         if (auto* built = dynamic_cast<BuiltSoftBody*>(set.body.get()); built && !systems[index].tuned)
@@ -143,7 +144,10 @@ struct Apply {
             Pins& pins = model.softBodies[b].pins;
             const auto group = std::ranges::find(pins.groups, command.id, &PinGroup::id);
             if (group == pins.groups.end()) continue;
-            releaseGroup(static_cast<std::size_t>(group - pins.groups.begin()), pins);
+            const auto place = group - pins.groups.begin();
+            releaseGroup(static_cast<std::size_t>(place), pins);
+            if (SoftModel* start = topologies[b].start.get())
+                releaseGroup(static_cast<std::size_t>(place), start->pins);
             remakeSystem(b, true); // its Def holds more than it does
         }
     }
@@ -180,6 +184,9 @@ struct Apply {
             recheck();
             forgetReplacedSurfaces(modelBefore);
             changed = true;
+            for (std::size_t b = 0; b < topologies.size(); ++b) // of one that was edited a reset brings back what was
+                if (topologies[b].start && topologies[b].boundary->revision == 0)
+                    *topologies[b].start = model.softBodies[b];
         } catch (const std::exception& problem) {
             putBack(modelBefore, stateBefore, problem.what());
         } catch (...) {
@@ -195,7 +202,7 @@ private:
         BodyTopology& topology = topologies[b];
         topology.strokes.clear();
         if (!topology.boundary || topology.boundary->revision == 0) return;
-        SoftModel whole = *topology.start;
+        SoftModel whole = std::move(*topology.start);
         whole.id = model.softBodies[b].id;
         const std::size_t nodes = whole.rest.size();
         for (std::size_t m = 0; m < whole.collision.size(); ++m) forgetSurface({whole.id, static_cast<int>(m)}, state);
@@ -235,9 +242,10 @@ private:
             std::vector<PinGroup>& groups = model.softBodies.back().pins.groups;
             for (std::size_t group = 0; const physics::AttachmentDef& def : soft->attachments) {
                 const AttachmentId id = takeId();
-                if (isPins(def))
+                if (isPins(def)) {
+                    if (SoftModel* start = topologies.back().start.get()) start->pins.groups[group].id = id;
                     groups[group++].id = id;
-                else
+                } else
                     attach(id, add.id, def, model, state, report);
             }
         } else {

@@ -81,23 +81,33 @@ std::vector<int> reachedNodes(const std::vector<int>& elements, const MeshTopolo
     return nodes;
 }
 
+/// What lies between two held nodes is held, by who holds both or, where nobody does, by all who hold one; a copy of a
+/// held one too. Springs stay with the original's node, and slide with it.
 void followPins(const TopologyEdit& edit, SoftModel& model)
 {
     Pins& pins = model.pins;
-    const auto holds = [](const PinGroup& group, int node) { return std::ranges::binary_search(group.nodes, node); };
-    for (const frame::TopologyOp& op : edit.ops) {
-        int node = -1, a = -1, b = -1;
-        if (const auto* made = std::get_if<frame::NewNode>(&op))
-            node = made->node, a = made->a, b = made->b;
-        else if (const auto* copy = std::get_if<frame::NodeCopy>(&op))
-            node = copy->copy, a = b = copy->from;
-        else
-            continue;
-        // What lies between two held nodes is held; a copy of a held one too. Springs stay with the original's node.
-        pins.hard.push_back(pins.hard[static_cast<std::size_t>(a)] && pins.hard[static_cast<std::size_t>(b)]);
+    const auto holds = [](const PinGroup& group, int node) {
+        return group.stiffness == physics::kHard && std::ranges::binary_search(group.nodes, node);
+    };
+    const auto add = [&](int node, int a, int b) {
+        const bool held = pins.hard[static_cast<std::size_t>(a)] && pins.hard[static_cast<std::size_t>(b)];
+        pins.hard.push_back(held);
+        if (!held) return;
+        const bool both =
+            std::ranges::any_of(pins.groups, [&](const PinGroup& group) { return holds(group, a) && holds(group, b); });
         for (PinGroup& group : pins.groups)
-            if (group.stiffness == physics::kHard && holds(group, a) && holds(group, b)) group.nodes.push_back(node);
-    }
+            if (both ? holds(group, a) && holds(group, b) : holds(group, a) || holds(group, b))
+                group.nodes.push_back(node);
+    };
+    for (const frame::TopologyOp& op : edit.ops)
+        if (const auto* made = std::get_if<frame::NewNode>(&op)) {
+            add(made->node, made->a, made->b);
+        } else if (const auto* copy = std::get_if<frame::NodeCopy>(&op)) {
+            add(copy->copy, copy->from, copy->from);
+        } else if (const auto* moved = std::get_if<frame::NodeMove>(&op)) {
+            for (PinSpring& pin : pins.springs)
+                if (pin.node == moved->node) pin.anchor += moved->newRest - moved->oldRest;
+        }
 }
 
 void followState(const TopologyEdit& edit, const MeshTopology& mesh, SoftModel& model, SoftState& state)
@@ -297,7 +307,7 @@ BodyTopology makeTopology(const SoftModel& model)
     topology.mesh = std::make_unique<EditableMesh>(mesh);
     topology.pieces.emplace(topology.mesh->data());
     if (model.elements.empty()) topology.springs = springsOfElements(model);
-    topology.start = std::make_shared<const SoftModel>(model);
+    topology.start = std::make_unique<SoftModel>(model);
 
     std::map<geometry::Triangle, std::array<int, 2>> faces; // by nodes, ascending
     const auto key = [](geometry::Triangle nodes) {

@@ -7,9 +7,6 @@
 namespace filasofia::engine {
 namespace {
 
-/// [m] by which what was removed is out of the way: no blade comes there.
-constexpr Vec3 kAway{0.0, -1000.0, 0.0};
-
 /// Takes the triangles of these elements off the surface.
 OwnSurfaceEdit takeOff(const std::vector<char>& goes, BodyTopology& topology, SoftModel& model)
 {
@@ -48,25 +45,28 @@ bool removePiece(int piece, BodyTopology& topology, SoftModel& model, SoftState&
     const MeshTopology& mesh = topology.mesh->data();
     std::vector<char> goes(pieces.size());
     std::vector<bool> gone(model.rest.size());
-    std::size_t left = 0, count = 0;
+    std::vector<int> elements;
+    std::size_t left = 0;
     for (std::size_t e = 0; e < pieces.size(); ++e) {
         const bool there = !model.removed.contains(pieces[e]);
         if (there && pieces[e] != piece) ++left;
         if (!there || pieces[e] != piece) continue;
         goes[e] = 1;
-        ++count;
+        elements.push_back(static_cast<int>(e));
         for (int node : mesh.tetrahedra[e]) gone[static_cast<std::size_t>(node)] = true;
     }
-    if (count == 0 || left == 0) return false;
+    if (elements.empty() || left == 0) return false;
 
     model.removed.insert(piece);
     for (std::size_t i = 0; i < gone.size(); ++i) {
         if (!gone[i]) continue;
         model.pins.hard[i] = true;
-        body.x[i] += kAway;
         body.v[i] = body.dv[i] = body.leftover[i] = body.forces[i] = {};
     }
-    topology.followed = false; // the mesh is placed anew when a blade comes
+    topology.mesh->remove(elements);
+    const auto isGone = [&](int node) { return static_cast<bool>(gone[static_cast<std::size_t>(node)]); };
+    for (PinGroup& group : model.pins.groups) std::erase_if(group.nodes, isGone);
+    std::erase_if(model.pins.springs, [&](const PinSpring& pin) { return isGone(pin.node); });
     const OwnSurfaceEdit edit = takeOff(goes, topology, model);
     for (int m = 0; m < static_cast<int>(model.collision.size()); ++m)
         if (!model.collision[static_cast<std::size_t>(m)].behind.empty()) editCollision(edit, m, model, state);

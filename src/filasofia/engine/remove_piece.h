@@ -4,9 +4,10 @@
 
 namespace filasofia::engine {
 
-/// Takes a piece that came loose out of the scene: nothing touches it, it is not drawn, blades do not find it and it
-/// does not move. Its nodes keep their numbers, far away and held. What held it lets go. False where there is no such
-/// piece, or nothing else of the body. The solver is to be made anew.
+/// Takes a piece that came loose out of the scene: it has no surface, blades do not find it and it does not move. Its
+/// nodes keep their numbers and their places, held. What held it lets go. Collision meshes that ride on the body beside
+/// its own surface keep what rides on the piece. False where there is no such piece, or nothing else of the body. The
+/// solver is to be made anew.
 bool removePiece(int piece, BodyTopology& topology, SoftModel& model, SoftState& body, State& state);
 
 } // namespace filasofia::engine

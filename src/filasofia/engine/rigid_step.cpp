@@ -71,6 +71,7 @@ void planRigid(const Model& model, double dt, Vec3 gravity, const State& state, 
             out.body = b;
             out.element = e;
             out.dynamic = model.rigidBodies[b].dynamic;
+            out.start = state.rigidBodies[b].poses[e];
             if (out.dynamic)
                 planDynamic(model.rigidBodies[b], dt, gravity, state.rigidBodies[b], out);
             else

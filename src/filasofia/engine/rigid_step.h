@@ -12,6 +12,7 @@ struct RigidPlanElement {
     std::size_t body = 0; ///< place in the model
     std::size_t element = 0;
     bool dynamic = false;
+    Pose start;           ///< at the start of the step
     double mass = 0.0;    ///< [kg]
     Mat3 inertia;         ///< [kg m^2] in world axes, at the start of the step
     Vec3 centre;          ///< [m] in the world, at the start: of mass; the element's origin where it has none

@@ -45,14 +45,16 @@ void moveBlades(const Model& model, const RigidPlan& rigid, const State& state, 
             Blade& blade =
                 next.emplace_back(same ? std::move(*known) : Blade{name, each.shape, linesOf(*each.shape), {}, {}});
             const auto element = static_cast<std::size_t>(each.element);
-            const Pose& pose = state.rigidBodies[b].poses[element];
-            blade.before = std::move(blade.now);
-            blade.now.clear();
-            for (const Vec3& vertex : each.shape->rest) blade.now.push_back(transform(pose, vertex));
             const RigidPlanElement& plan = rigid[first[b] + element];
-            const Vec3 motion = plan.velocity + plan.change.linear,
-                       turning = plan.angularVelocity + plan.change.angular;
-            if (!same || (motion == Vec3{} && turning == Vec3{})) blade.before = blade.now;
+            const bool moved = plan.velocity + plan.change.linear != Vec3{} ||
+                               plan.angularVelocity + plan.change.angular != Vec3{}; // else it stands, or jumped
+            const Pose& pose = state.rigidBodies[b].poses[element];
+            blade.before.clear();
+            blade.now.clear();
+            for (const Vec3& vertex : each.shape->rest) {
+                blade.now.push_back(transform(pose, vertex));
+                blade.before.push_back(transform(moved ? plan.start : pose, vertex));
+            }
         }
     blades = std::move(next);
 }
@@ -83,7 +85,7 @@ std::vector<Tool> toolsNear(const SoftModel& model, const SoftState& state, cons
                             double margin)
 {
     std::vector<Tool> tools;
-    geometry::Box box; // of what is there: nodes of removed pieces are elsewhere
+    geometry::Box box; // of what is there: removed pieces have no surface
     for (const Blade& blade : blades) {
         if (!mayBeCut(model, blade.shape->group)) continue;
         if (geometry::isEmpty(box)) {
@@ -203,7 +205,7 @@ void applyEdits(double period, Model& model, State& state, Systems& systems, Rup
         const frame::TopologyEdit edit = topology.mesh->takeEdit(body.id);
         const auto nodes = static_cast<int>(body.rest.size());
         const auto elements = static_cast<int>(body.elements.size() + body.tetrahedra.size());
-        if (topology.boundary->revision == 0) topology.startAttachments = state.attachments;
+        if (!std::exchange(topology.edited, true)) topology.startAttachments = state.attachments;
         followRiders(edit, *topology.mesh, body, state.attachments);
         const OwnSurfaceEdit surface = applyEdit(edit, period, topology, body, state.softBodies[b], systems[b]);
         std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);

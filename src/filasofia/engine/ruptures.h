@@ -5,7 +5,7 @@
 
 namespace filasofia::engine {
 
-/// A collision model that cuts, and where its vertices were at the end of the last step.
+/// A collision model that cuts, and where its vertices are at the end and were at the start of the step.
 struct Blade {
     SurfaceName name;
     std::shared_ptr<const CollisionShape> shape;
@@ -13,7 +13,7 @@ struct Blade {
     std::vector<Vec3> before, now;         ///< [m]
 };
 
-/// What is kept of ruptures from step to step: state, like all that the next step depends on.
+/// What is kept of ruptures from step to step. Blades are kept for their lines only.
 struct Ruptures {
     std::vector<Blade> blades; ///< ascending
     Topologies topologies;

@@ -46,6 +46,12 @@ Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, con
     return virialStress(corners, tensions);
 }
 
+bool allHeld(const SoftModel& model, std::size_t e)
+{
+    const geometry::Tetrahedron& nodes = model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
+    return std::ranges::all_of(nodes, [&](int node) { return model.pins.hard[static_cast<std::size_t>(node)]; });
+}
+
 } // namespace
 
 bool findStresses(const SoftModel& model, const SoftState& state, double threshold, const SpringsOfElements& springs,
@@ -58,6 +64,10 @@ bool findStresses(const SoftModel& model, const SoftState& state, double thresho
     pool.run(parts.count(), [&](int part) {
         const linalg::Blocks range = parts[part];
         for (auto e = static_cast<std::size_t>(range.begin); e < static_cast<std::size_t>(range.end); ++e) {
+            if (allHeld(model, e)) { // at rest, or removed
+                stresses[e] = {};
+                continue;
+            }
             stresses[e] = fem ? stressOf(model.elements[e], state, e, threshold) : stressOf(model, state, e, springs);
             if (principalStressBound(stresses[e]) > threshold) above[static_cast<std::size_t>(part)] = 1;
         }

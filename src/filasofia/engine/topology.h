@@ -38,6 +38,7 @@ struct BodyTopology {
     std::shared_ptr<const frame::Boundary> boundary; ///< as everyone outside sees it
     std::optional<Pieces> pieces;
     std::vector<Stroke> strokes;
+    bool edited = false;   ///< it is no longer as it was made
     bool followed = false; ///< the mesh moved with the body in the last step
     Tearing tearing;
     SpringsOfElements springs;
@@ -45,7 +46,7 @@ struct BodyTopology {
     std::vector<std::uint8_t> held;           ///< per node
     RuptureReport cut, torn;                  ///< of the step: what it opened
     std::vector<Attachment> startAttachments; ///< what held it then
-    std::shared_ptr<const SoftModel> start;   ///< what it was before the first edit
+    std::unique_ptr<SoftModel> start; ///< what it is without any edit: what is given meanwhile goes there as well
 };
 using Topologies = std::vector<BodyTopology>; ///< one per soft body, in the model's order
 

@@ -53,6 +53,9 @@ struct Registry::Check {
         std::visit([&](const auto& each) { validate(each, object); }, set.material);
         if (set.material.index() != std::get<SoftBodyDef>(*body.def).material.index())
             fail(object, ": material must stay of the kind the body was made with");
+        SoftBodyDef def = std::get<SoftBodyDef>(*body.def);
+        def.material = set.material;
+        physics::check(BodyDef{std::move(def)});
     }
     void operator()(const SetForces& set) const
     {

@@ -146,11 +146,19 @@ void Bindings::retopologise(BodyId id, SharedSurface surface, SharedSurface inte
     changed_.insert(id);
 }
 
+bool Bindings::isCut(BodyId id) const
+{
+    const std::lock_guard lock(mutex_);
+    return topology_.contains(id);
+}
+
 void Bindings::followTopology(const frame::Frame& frame)
 {
     for (const frame::SoftBodyFrame& body : frame.softBodies) {
-        if (!body.boundary || std::exchange(revisions_[body.id], body.boundary->revision) == body.boundary->revision)
-            continue;
+        if (!body.boundary) continue;
+        const auto last = std::exchange(boundaries_[body.id], body.boundary);
+        if (last == body.boundary) continue;
+        if (!last && body.boundary->revision == 0 && !isCut(body.id)) continue; // drawn as it was made
         const auto part = [&](bool opened) {
             return std::make_shared<const mapping::MappedSurface>(mapping::mapBoundary(*body.boundary, opened));
         };
@@ -162,11 +170,13 @@ void Bindings::followTopology(const frame::Frame& frame)
 void Bindings::apply(const Wish& wish, Binding& binding)
 {
     if (wish.visible) binding.def.visible = *wish.visible;
-    if (wish.material) binding.def.material = *wish.material;
+    if (wish.material)
+        binding.def.material =
+            binding.interior ? binding.def.interior.value_or(interiorOf(*wish.material)) : *wish.material;
     if (!binding.drawn) return;
     if (wish.visible) binding.drawn->setVisible(*wish.visible);
     try {
-        if (wish.material) binding.drawn->setMaterial(*wish.material);
+        if (wish.material) binding.drawn->setMaterial(binding.def.material);
     } catch (const Error& problem) { // what cannot be seen before, as a file that is gone: the picture goes on
         logError(problem.what());
     }
@@ -277,7 +287,7 @@ void Bindings::update(const frame::Frame& frame, const physics::PhysicsServer& p
         if (removed) {
             const std::lock_guard lock(mutex_);
             topology_.erase(binding.id);
-            revisions_.erase(binding.id);
+            boundaries_.erase(binding.id);
         }
         if (gone) return true;
         if (const auto states = painted_.takeNew(binding.key)) binding.drawn->setSurfaceState(*states);
@@ -343,7 +353,7 @@ void Bindings::follow(visual::Transform& transform, BodyId id, const FollowDef& 
 void Bindings::release()
 {
     const std::lock_guard lock(mutex_);
-    revisions_.clear();
+    boundaries_.clear();
     std::erase_if(shown_, [](const Binding& binding) { return binding.interior; }); // they open anew
     for (Binding& binding : shown_) {
         binding.drawn = nullptr;

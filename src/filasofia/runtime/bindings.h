@@ -85,9 +85,9 @@ private:
         bool gone = false;
     };
 
-    void queue(Binding binding, const PaintedSurfaces::Place& place);
     Wish& wish(ShownId id, const char* what);
     void applyWishes(visual::VisualServer& visual);
+    [[nodiscard]] bool isCut(BodyId id) const;
     void followTopology(const frame::Frame& frame);
     void applyTopology();
     void openInteriors();
@@ -108,7 +108,7 @@ private:
     std::uint32_t lastShown_ = 0;
     SurfaceKey lastKey_ = 0;
 
-    std::map<BodyId, std::uint64_t> revisions_; ///< of the boundaries that frames had
+    std::map<BodyId, std::shared_ptr<const frame::Boundary>> boundaries_; ///< that the last frame had
 
     std::vector<Binding> shown_; // the main thread's, like these
     std::vector<Vec3> vertices_;

@@ -77,7 +77,11 @@ void MeshWorker::forget(SurfaceKey key)
 
 std::map<SurfaceKey, MeshWorker::Surface>::iterator MeshWorker::nextJob()
 {
-    return std::ranges::find_if(surfaces_, [](const auto& each) { return each.second.waiting.has_value(); });
+    // After the one served last: one that is cut at every frame must not keep the others waiting.
+    const auto waits = [](const auto& each) { return each.second.waiting.has_value(); };
+    const auto after = surfaces_.upper_bound(served_);
+    const auto next = std::find_if(after, surfaces_.end(), waits);
+    return next != surfaces_.end() ? next : std::ranges::find_if(surfaces_, waits);
 }
 
 void MeshWorker::put(Surface& surface, MeshResult result)
@@ -97,7 +101,7 @@ void MeshWorker::work()
         changed_.wait(lock, [this] { return stop_ || nextJob() != surfaces_.end(); });
         if (stop_) return;
         const auto next = nextJob();
-        const SurfaceKey key = next->first;
+        const SurfaceKey key = served_ = next->first;
         MeshJob job = *std::exchange(next->second.waiting, std::nullopt);
         job.from = next->second.newest;
         next->second.working = true;

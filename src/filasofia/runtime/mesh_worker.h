@@ -66,6 +66,7 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::map<SurfaceKey, Surface> surfaces_;
+    SurfaceKey served_ = 0; ///< last
     bool stop_ = false;
     std::thread thread_;
 };

@@ -8,7 +8,5 @@ Canvas::Canvas(std::string name, std::unique_ptr<Impl> impl) : Transform(std::mo
 Canvas::~Canvas() = default;
 const CanvasDef& Canvas::def() const { return impl_->def; }
 void Canvas::setRenderCallback(RenderCallback callback) { impl_->surface.callback.set(std::move(callback)); }
-bool Canvas::visible() const { return impl_->visible; }
-void Canvas::setVisible(bool visible) { impl_->visible = visible; }
 
 } // namespace filasofia::visual

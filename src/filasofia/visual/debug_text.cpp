@@ -32,6 +32,8 @@ void drawTexts(std::span<const DebugText> texts, const View& view, int width, in
     }
 }
 
+bool inWindow(const View& view) { return view.visible() && !std::holds_alternative<OffScreen>(view.def().target); }
+
 } // namespace
 
 std::optional<std::array<double, 2>> projected(const View& view, int width, int height, Vec3 point)
@@ -47,7 +49,8 @@ void DebugTexts::draw(OverlayBackend& backend, std::span<const DebugText> texts,
                       std::span<const std::unique_ptr<View>> views, int width, int height, double scale)
 {
     const auto shown = [&](Slot slot) {
-        return std::any_of(views.begin(), views.end(), [&](const auto& view) { return view->impl().slot == slot; });
+        return std::any_of(views.begin(), views.end(),
+                           [&](const auto& view) { return view->impl().slot == slot && inWindow(*view); });
     };
     for (auto sheet = sheets_.begin(); sheet != sheets_.end();) { // views that are gone
         if (shown(sheet->first)) {
@@ -60,6 +63,7 @@ void DebugTexts::draw(OverlayBackend& backend, std::span<const DebugText> texts,
     for (const auto& each : views) {
         View& view = *each;
         const Slot slot = view.impl().slot; // no Gui has it: slots are given once
+        if (!inWindow(view)) continue;
         if (texts.empty() && !sheets_.contains(slot)) continue;
         ImguiSurface& surface = sheets_[slot].surface;
         if (surface.setScale(scale)) backend.putGui(slot, surface.glyphs());

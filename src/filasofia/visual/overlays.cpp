@@ -145,7 +145,7 @@ void Overlays::drawCanvas(Canvas& canvas, double seconds)
 {
     Canvas::Impl& impl = canvas.impl();
     GuiPicture picture;
-    if (impl.visible) picture = impl.surface.frame(impl.def.pixelWidth, impl.def.pixelHeight, seconds);
+    if (canvas.worldVisible()) picture = impl.surface.frame(impl.def.pixelWidth, impl.def.pixelHeight, seconds);
     impl.backend.setCanvasPicture(impl.slot, canvas.worldPose(), std::move(picture));
 }
 
@@ -169,10 +169,11 @@ void Overlays::draw(OverlayBackend& backend, std::span<const std::unique_ptr<Vie
 
 bool Overlays::fresh() const
 {
-    const auto isFresh = [](const auto& each) {
-        return each->impl().visible && each->impl().surface.frames() == 0 && !each->impl().surface.callback.empty();
+    const auto unseen = [](const auto& each) {
+        return each->impl().surface.frames() == 0 && !each->impl().surface.callback.empty();
     };
-    return std::any_of(guis_.begin(), guis_.end(), isFresh) || std::any_of(canvases_.begin(), canvases_.end(), isFresh);
+    return std::ranges::any_of(guis_, [&](const auto& gui) { return gui->visible() && unseen(gui); }) ||
+           std::ranges::any_of(canvases_, [&](const auto& canvas) { return canvas->worldVisible() && unseen(canvas); });
 }
 
 } // namespace filasofia::visual

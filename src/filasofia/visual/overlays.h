@@ -26,7 +26,6 @@ struct Canvas::Impl {
     Slot slot;
     CanvasDef def;
     ImguiSurface surface;
-    bool visible = true;
 };
 
 /// All of a server that is drawn over the scene or stands in it as no body: Guis, Canvases, debug drawings.

@@ -166,6 +166,7 @@ void CrossingFinder::refresh(const EditableMesh& mesh, std::span<const BladeSegm
     near_.resize(data.rest.size(), 0);
     const long pass = ++pass_;
     for (int node = 0; node < mesh.nodes(); ++node) {
+        if (mesh.isGone(node)) continue;
         const Vec3 x = data.current[node];
         const double radius = margin_ + mesh.reach(node);
         if (squaredDistance(around, x) > radius * radius) continue;

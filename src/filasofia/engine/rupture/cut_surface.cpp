@@ -51,7 +51,7 @@ private:
     [[nodiscard]] bool alive(const Crossing& c)
     {
         edgeStar(data_, c.a, c.b, star_);
-        return !star_.empty();
+        return !star_.empty() && !mesh_.isGone(c.a);
     }
 
     void label(int node, Vec3 point, Vec3 normal)

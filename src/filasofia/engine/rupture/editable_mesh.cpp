@@ -80,6 +80,7 @@ EditableMesh::EditableMesh(const geometry::TetMesh& mesh)
     data_.flagged.resize(mesh.tetrahedra.size());
     data_.deferred.resize(mesh.tetrahedra.size());
     data_.opened.resize(mesh.tetrahedra.size());
+    data_.gone.resize(mesh.tetrahedra.size());
     data_.sides.resize(mesh.tetrahedra.size());
     data_.around.resize(mesh.nodes.size());
     data_.labels.resize(mesh.nodes.size());
@@ -198,6 +199,7 @@ int EditableMesh::bisect(int a, int b, double s)
         data_.flagged.push_back(std::uint8_t(data_.flagged[t]));
         data_.deferred.push_back(std::uint8_t(data_.deferred[t]));
         data_.opened.push_back(std::uint8_t(data_.opened[t]));
+        data_.gone.push_back(0);
         data_.sides[t] = 0; // decided anew for both: the sheet may run between them
         data_.sides.push_back(0);
     }
@@ -383,6 +385,14 @@ void EditableMesh::publish(int t, frame::TopologyEdit& edit)
             clear(toldBoundary_[t], f);
     }
     told_[t] = now;
+}
+
+void EditableMesh::remove(std::span<const int> tetrahedra)
+{
+    for (int t : tetrahedra) {
+        data_.gone[t] = 1;
+        data_.flagged[t] = data_.deferred[t] = 0; // all of a piece: both sides of every face
+    }
 }
 
 frame::TopologyEdit EditableMesh::takeEdit(BodyId body)

@@ -28,6 +28,7 @@ struct MeshTopology {
     std::vector<std::uint8_t> flagged;          ///< faces that a cut wants to open
     std::vector<std::uint8_t> deferred;         ///< the same of faces that could not be opened yet
     std::vector<std::uint8_t> opened;           ///< boundary faces that a cut or a tear made
+    std::vector<std::uint8_t> gone;             ///< 1: removed; nothing happens to it any more
     std::vector<int> sides;                     ///< of a sheet: 2 sheet + (1: above); 0: not decided
     std::vector<std::vector<int>> around;       ///< per node, the tetrahedra that use it
     std::vector<Vec3> rest;                     ///< [m]
@@ -93,6 +94,13 @@ public:
     [[nodiscard]] int originOf(int node) const;
     void commit();
     void rollBack(); ///< as if the transaction had never been: the same bits
+
+    /// All elements of a piece: no blade finds them, and nothing of them opens.
+    void remove(std::span<const int> tetrahedra);
+    [[nodiscard]] bool isGone(int node) const
+    {
+        return !data_.around[node].empty() && data_.gone[data_.around[node].front()] != 0;
+    }
 
     void setFlagged(int tetrahedron, int face, bool on) { setMask(data_.flagged, tetrahedron, face, on); }
     void setDeferred(int tetrahedron, int face, bool on) { setMask(data_.deferred, tetrahedron, face, on); }
