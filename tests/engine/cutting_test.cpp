@@ -312,3 +312,36 @@ TEST_CASE("bodies of springs, of explicit steps and of a direct solver are cut a
         check(scene.stage.model(), scene.stage.soft());
     }
 }
+
+TEST_CASE("a reset keeps what was given meanwhile: material, and pins with their names")
+{
+    CutScene scene(tissueBlock(), 0.0262);
+    scene.move(0.04, 0.01);
+    scene.stage.post(SetMaterial{scene.tissue, FemMaterial{.youngModulus = 9e3}, nullptr});
+    scene.stage.post(Reset{});
+    scene.stage.step(1e-3);
+    CHECK(scene.stage.model().elements.front().youngModulus == 9e3);
+    REQUIRE(scene.stage.model().pins.groups.size() == 1);
+    const AttachmentId pins = scene.stage.model().pins.groups[0].id;
+    CHECK(pins.value == 1);
+    scene.stage.post(Release{pins});
+    scene.stage.post(SetGravity{{0, 0, -9.81}});
+    scene.stage.run(20, 1e-3);
+    CHECK(scene.stage.soft().v[0].z < -0.1); // it falls
+    scene.stage.post(Reset{});
+    scene.stage.run(20, 1e-3);
+    CHECK(scene.stage.soft().v[0].z < -0.1); // and is not held again
+}
+
+TEST_CASE("a pin's spring slides with its node")
+{
+    SoftBodyDef def = tissueBlock();
+    def.gravity = false;
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, 1}}, .stiffness = 50.0}};
+    CutScene scene(def, 0.0262);
+    scene.move(0.04, -0.01, 0.2);
+    scene.stage.run(200, 1e-3);
+    const SoftModel& model = scene.stage.model();
+    for (const PinSpring& pin : model.pins.springs)
+        CHECK(length(pin.anchor - model.rest[static_cast<std::size_t>(pin.node)]) < 1e-12);
+}
