@@ -56,7 +56,7 @@ struct LookDef {
     visual::Quality quality = visual::Quality::High;
     double rate = 60.0; ///< [Hz], in [1, 1000], pictures per second at most
     bool mouse = true;  ///< a person turns the look's camera in a live run (visual/orbit_camera.h)
-    bool keys = true;   ///< Space, N, R, P, F12 and Escape work in a live run (runtime/keys.h)
+    bool keys = true;   ///< Space, N, R, P, F12, H and Escape work in a live run (runtime/keys.h); F1 always does
 };
 constexpr auto fields(const LookDef*)
 {

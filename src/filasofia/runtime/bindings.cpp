@@ -254,6 +254,8 @@ void Bindings::addPending(visual::VisualServer& visual)
     try {
         for (; added < pending_.size(); ++added) {
             const Binding& binding = pending_[added];
+            if (binding.def.interior && !binding.interior) // what is wrong with it is told now, not at the first cut
+                visual.addMaterial(text("interior of ", binding.name, " ", binding.key), *binding.def.interior);
             visual::VisualBody& drawn = visual.add(visual::VisualBodyDef{.name = binding.name,
                                                                          .mesh = binding.mapped->surface,
                                                                          .subdivision = binding.subdivision,

@@ -1,0 +1,78 @@
+#include "shown_stage.h"
+
+#include "filasofia/core/error.h"
+
+using namespace filasofia;
+using namespace filasofia::runtime;
+
+namespace {
+
+/// A block that may be cut, and a blade that goes through it in the plane x = 1 mm.
+struct CutStage : ShownStage {
+    BodyId tissue, blade;
+
+    CutStage()
+    {
+        tissue = physics.add(physics::SoftBodyDef{
+            .name = "tissue", .mesh = geometry::shapes::block({0.04, 0.04, 0.04}, {6, 6, 6}), .dynamicTopology = true});
+        const auto mesh = std::make_shared<const geometry::TriangleMesh>(
+            geometry::TriangleMesh{.vertices = {{0, 0, -0.03}, {0, 0, 0.03}, {0, 0.05, 0.03}, {0, 0.05, -0.03}},
+                                   .triangles = {{0, 1, 2}, {0, 2, 3}},
+                                   .uv = {}});
+        blade = physics.add(physics::RigidBodyDef{
+            .name = "blade", .elements = {poseAt(0.03)}, .collision = {{.mesh = mesh, .cutting = true}}});
+    }
+    static Pose poseAt(double y) { return {.position = {0.001, y, 0}}; }
+    void cut(double to)
+    {
+        for (double y = 0.03; y > to; y -= 0.0005) {
+            physics.setPose(blade, poseAt(y));
+            step();
+        }
+        bindings.finishMeshes();
+        step();
+    }
+    static double red(const visual::NullBackend::Body& body)
+    {
+        return std::get<visual::TissueMaterial>(body.material).baseColor.red;
+    }
+};
+
+} // namespace
+
+TEST_CASE("what a cut opens is drawn in the inside's material, until the body is whole again")
+{
+    CutStage stage;
+    const ShownId id = stage.bindings.show(stage.tissue, {}, stage.physics);
+    stage.step();
+    const std::size_t whole = stage.only().geometry.indices.size();
+    stage.cut(0.0);
+    auto all = stage.drawn();
+    REQUIRE(all.size() == 2);
+    CHECK(all[0]->geometry.indices.size() >= whole);         // nothing of the skin is lost
+    CHECK(all[1]->geometry.indices.size() >= 3 * 2 * 6 * 3); // both sides of at least three rows of cells
+    CHECK(CutStage::red(*all[1]) < CutStage::red(*all[0]));
+    for (const visual::Float3& place : all[1]->geometry.rest) CHECK(std::abs(place.x - 0.001F) < 0.004F);
+
+    visual::TissueMaterial pale;
+    pale.baseColor = {0.9, 0.8, 0.7};
+    stage.bindings.setMaterial(id, pale); // the skin's; the inside is made of it again
+    stage.step();
+    CHECK(CutStage::red(*all[0]) == 0.9);
+    CHECK(CutStage::red(*all[1]) < 0.9);
+
+    stage.physics.setPose(stage.blade, CutStage::poseAt(0.5));
+    stage.physics.reset();
+    stage.step();
+    stage.bindings.finishMeshes();
+    stage.step();
+    CHECK(stage.only().geometry.indices.size() == whole);
+}
+
+TEST_CASE("an inside that cannot be drawn is an error before anything is cut")
+{
+    CutStage stage;
+    stage.bindings.show(stage.tissue, {.interior = visual::CustomMaterial{.file = "no/such.filamat"}}, stage.physics);
+    stage.physics.step(1e-3);
+    CHECK_THROWS_WITH(stage.map(), Catch::Contains("no/such.filamat"));
+}
