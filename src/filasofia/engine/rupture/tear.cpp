@@ -5,6 +5,7 @@
 #include "filasofia/engine/rupture/tet_shape.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -93,15 +94,29 @@ void Tearing::findCandidates(const EditableMesh& mesh, std::span<const Mat3> str
                              std::span<const std::uint8_t> held, double threshold)
 {
     const MeshTopology& data = mesh.data();
+    const auto mayTear = [&](int node) {
+        return (held.empty() || held[node] == 0) && notBefore_[node] <= step_ && data.around[node].size() >= 2;
+    };
+    std::vector<std::pair<double, int>> above; // stress, with a minus, and element
+    for (int t = 0; t < mesh.tetrahedra(); ++t) {
+        if (!(principalStressBound(stresses[t]) > threshold)) continue;
+        const double stress = principalStress(stresses[t]).value;
+        if (stress > threshold && std::ranges::any_of(data.tetrahedra[t], mayTear)) above.emplace_back(-stress, t);
+    }
+    // A step tears a few nodes: where much is above, those of the highest stress are enough to choose from.
+    constexpr std::size_t kMostElements = 256;
+    if (above.size() > kMostElements) {
+        std::ranges::nth_element(above, above.begin() + kMostElements);
+        above.resize(kMostElements);
+    }
     std::vector<int> nodes;
-    for (int t = 0; t < mesh.tetrahedra(); ++t)
-        if (principalStressBound(stresses[t]) > threshold && principalStress(stresses[t]).value > threshold)
-            for (int n : data.tetrahedra[t]) nodes.push_back(n);
+    for (const auto& [stress, t] : above)
+        for (int n : data.tetrahedra[t]) nodes.push_back(n);
     std::ranges::sort(nodes);
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     candidates_.clear();
     for (int node : nodes) {
-        if ((!held.empty() && held[node] != 0) || notBefore_[node] > step_ || data.around[node].size() < 2) continue;
+        if (!mayTear(node)) continue;
         Mat3 sum;
         double volume = 0.0;
         for (int t : data.around[node]) {
