@@ -276,3 +276,15 @@ TEST_CASE("a simulation's command line refuses what it does not know with exit c
     const char* good[] = {"program", "--headless", "--steps", "3"};
     CHECK(sim.run(4, good) == 0);
 }
+
+TEST_CASE("what a user's dress throws ends the run with one line; --fps without a video is told")
+{
+    Simulation sim;
+    sim.dress([](visual::VisualServer&) { throw std::runtime_error("no lamp"); });
+    const char* picture[] = {"program", "--headless", "--steps", "2", "--picture", "never.png"};
+    CHECK(sim.run(6, picture) == 2);
+    const char* fps[] = {"program", "--headless", "--steps", "2", "--fps", "20"};
+    CHECK(sim.run(6, fps) == 2);
+    const char* good[] = {"program", "--headless", "--steps", "2"};
+    CHECK(sim.run(4, good) == 0);
+}

@@ -53,6 +53,7 @@ int Simulation::run(int argc, const char* const* argv)
     addOption(app, "--record", &RunDef::record, def, "write the run to this .rec file, for 'filasofia replay'");
     try {
         app.parse(argc, argv);
+        if (app.count("--fps") > 0 && def.video.empty()) fail("run: --fps needs --video FILE.mp4");
         if (def.headless && def.steps == 0) def.steps = 1000; // nobody could close it
         std::cout << summary(run(def));
         if (!std::cout.flush()) fail("cannot write to standard output");
@@ -69,6 +70,8 @@ int Simulation::run(int argc, const char* const* argv)
         return report(Error(problem.what()));
     } catch (const Error& problem) {
         return report(problem);
+    } catch (const std::exception& problem) { // of what the user's dress() or window calls
+        return report(Error(text("the run ended by an exception: ", problem.what())));
     }
 }
 
