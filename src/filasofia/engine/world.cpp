@@ -97,6 +97,12 @@ void add(Hasher& hash, const BodyTopology& topology, const SoftModel& model)
         add(hash, label.point);
         add(hash, label.normal);
     }
+    for (int piece : model.removed) hash.add(static_cast<std::uint64_t>(piece));
+    for (const Stroke& stroke : topology.strokes) {
+        hash.add(std::uint64_t{stroke.tool.value});
+        hash.add(static_cast<std::uint64_t>(stroke.stroke.sheet()));
+        hash.add(stroke.sinceCrossing);
+    }
 }
 
 /// Times the stages of a step with the clock that the step was given.
