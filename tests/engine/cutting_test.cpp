@@ -345,3 +345,23 @@ TEST_CASE("a pin's spring slides with its node")
     for (const PinSpring& pin : model.pins.springs)
         CHECK(length(pin.anchor - model.rest[static_cast<std::size_t>(pin.node)]) < 1e-12);
 }
+
+TEST_CASE("a piece that fell out of the scene is taken out, once, and the rest goes on")
+{
+    SoftBodyDef def = tissueBlock();
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}};
+    CutScene scene(def, 0.0262);
+    CHECK(detachedOf(scene.move(0.04, -0.01)) == 1);
+    scene.stage.post(SetPose{scene.blade, 0, scene.poseAt(1.0)});
+    for (std::size_t i = 0; i < scene.stage.soft().x.size(); ++i)
+        if (scene.stage.model().rest[i].x > 0.03) scene.stage.soft().v[i] = {0, 0, -300.0};
+    StepReport all;
+    for (int i = 0; i < 600; ++i) {
+        const StepReport report = scene.stage.step(1e-3);
+        all.flags |= report.flags;
+        all.topology.lost += report.topology.lost;
+    }
+    CHECK(all.flags == 0);
+    CHECK(all.topology.lost == 1);
+    check(scene.stage.model(), scene.stage.soft());
+}

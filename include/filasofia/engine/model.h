@@ -38,6 +38,13 @@ struct CollisionModel {
     geometry::Embedding ties; ///< of a soft body: per vertex, its nodes and their weights
 };
 
+/// One of the pieces that a cut body has fallen into.
+struct BodyPiece {
+    int number = 0;            ///< as physics::LoosePiece tells it
+    std::vector<int> nodes;    ///< ascending
+    std::vector<int> elements; ///< ascending; of a crumb, else none
+};
+
 /// What a soft body is.
 struct SoftModel {
     BodyId id;
@@ -55,9 +62,10 @@ struct SoftModel {
     bool gravity = true;
     double friction = 0.0; ///< [-] mu
     std::vector<CollisionModel> collision;
-    bool dynamicTopology = false; ///< it may be cut and tear
-    std::set<int> removed;        ///< pieces that were taken out: their nodes are held, and have no surface
-    double density = 0.0;         ///< [kg/m^3] what its elements weigh, where they change
+    bool dynamicTopology = false;  ///< it may be cut and tear
+    std::vector<BodyPiece> pieces; ///< by rising number; none while it is whole
+    std::set<int> removed;         ///< pieces that were taken out: their nodes are held, and have no surface
+    double density = 0.0;          ///< [kg/m^3] what its elements weigh, where they change
     double tearingThreshold = std::numeric_limits<double>::infinity(); ///< [Pa]
 };
 

@@ -80,6 +80,7 @@ struct TopologyReport {
     int edgeGone = 0;                   ///< refused: what was to be cut had been cut meanwhile
     int tearClosed = 0;                 ///< refused: a tear that would have opened nothing, or left no proper surface
     int noPiece = 0;                    ///< refused: a piece to be removed that there is not, or that is all there is
+    int lost = 0;                       ///< pieces that went farther than 10 m and were taken out of the scene
     int putOff = 0;                     ///< faces that could not be opened yet and are tried again
     int pending = 0;                    ///< crossings and tears that wait for the next step
     [[nodiscard]] int refused() const

@@ -1,4 +1,5 @@
 #include "filasofia/engine/each_body.h"
+#include "filasofia/engine/loose_pieces.h"
 #include "filasofia/engine/solve_limits.h"
 #include "filasofia/engine/stages.h"
 
@@ -15,6 +16,8 @@ using physics::StepFlag;
 // A step that blew up is made again from rest, as if the body were so many times as heavy: it creeps towards where
 // the forces pull, and cannot gather speed.
 constexpr double kCreep = 100.0;
+
+constexpr double kMostTurn = 0.25; // [rad] of a loose piece in a step, as much as one of first order follows
 
 /// What the velocities change by.
 linalg::NodeSolveReport solveBody(const SoftModel& model, double dt, double inertia, const linalg::SolveLimits& limits,
@@ -48,6 +51,30 @@ bool moveBody(const SoftModel& model, double dt, const SoftState& state, SoftSys
     return good;
 }
 
+/// Per node, whether it takes part in a contact or an attachment.
+std::vector<char> linkedNodes(std::size_t body, std::size_t nodes, const std::vector<Link>& links)
+{
+    std::vector<char> linked(nodes);
+    for (const Link& link : links)
+        for (const BodyPoint& point : link.sides)
+            if (point.of == BodyPoint::Of::Soft && point.body == body)
+                for (int k = 0; k < point.count; ++k) linked[static_cast<std::size_t>(point.nodes[k])] = 1;
+    return linked;
+}
+
+/// What a solve left undone of crumbs is done, where it is known. Those that touch something were solved with it.
+void finishPieces(const SoftModel& model, std::size_t body, double dt, const std::vector<Link>& links,
+                  const SoftState& state, SoftSystem& system)
+{
+    if (model.pieces.empty() || !system.matrixFree || model.elements.empty() ||
+        !std::holds_alternative<physics::ImplicitEuler>(model.integrator))
+        return;
+    const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness});
+    const auto undone = [&](int node) { return system.matrixFree->undone(node); };
+    finishCrumbs(model, weights, state, linkedNodes(body, model.rest.size(), links), undone, system.dv,
+                 system.leftover);
+}
+
 struct BodyOutcome {
     physics::BodySolve solve;
     std::uint32_t flags = 0;
@@ -74,6 +101,7 @@ void settleBody(const SoftModel& model, Vec3 gravity, double dt, SoftSystem& sys
         std::swap(system.v, state.v);
         std::swap(system.dv, state.dv);
         std::swap(system.leftover, state.leftover);
+        slowSpin(model, kMostTurn, dt, state);
     }
 }
 
@@ -130,6 +158,7 @@ void advance(const Model& model, double dt, const physics::StepBudget* budget, c
         const std::vector<Island> islands = findIslands(model, coupling.rigid, coupling.links);
         const StepLimits limits = limitsOf(model, islands, budget, pool);
         const auto settle = [&](std::size_t b) {
+            finishPieces(model.softBodies[b], b, dt, coupling.links, state.softBodies[b], systems[b]);
             settleBody(model.softBodies[b], state.gravity, dt, systems[b], state.softBodies[b], pool, outcomes[b]);
         };
 

@@ -6,6 +6,7 @@
 #include "filasofia/engine/build_body.h"
 #include "filasofia/engine/contact_memory.h"
 #include "filasofia/engine/find_body.h"
+#include "filasofia/engine/loose_pieces.h"
 #include "filasofia/engine/native.h"
 #include "filasofia/engine/remove_piece.h"
 #include "filasofia/engine/stages.h"
@@ -210,6 +211,7 @@ private:
         model.softBodies[b] = std::move(whole);
         state.softBodies[b].forces.resize(nodes);
         topology = makeTopology(model.softBodies[b]);
+        model.softBodies[b].pieces = findPieces(model.softBodies[b], *topology.pieces);
         remakeSystem(b, true);
     }
 

@@ -2,6 +2,7 @@
 #include "filasofia/engine/build_attachment.h"
 #include "filasofia/engine/build_collision.h"
 #include "filasofia/engine/elements.h"
+#include "filasofia/engine/loose_pieces.h"
 
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
@@ -127,8 +128,9 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     built->state.pressure = def.pressure;
     setForces(def.forces, built->state);
     check(model, built->state);
-    built->system = makeSystem(model, period);
     built->topology = makeTopology(model);
+    if (model.dynamicTopology) model.pieces = findPieces(model, *built->topology.pieces);
+    built->system = makeSystem(model, period);
     if (model.dynamicTopology) checkForCuts(object, *built->topology.mesh);
     return built;
 }

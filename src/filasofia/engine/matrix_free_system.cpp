@@ -339,6 +339,12 @@ void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, std::span<V
     });
 }
 
+Vec3 MatrixFreeSystem::undone(int node) const
+{
+    const int slot = slotOf_[static_cast<std::size_t>(node)];
+    return slot < freeNodes_ ? 1.0 / scale_ * vectorAt(residual_, slot) : Vec3{};
+}
+
 RigidMotion MatrixFreeSystem::rigidMotion() const
 {
     return rigidMotionOf(

@@ -32,6 +32,8 @@ public:
                                   WorkerPool& pool);
     /// What follows when dv and the residual were found elsewhere, together with other bodies'.
     void finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> leftover, WorkerPool& pool);
+    /// [N s] that the last solve left undone of a node; zero where it is held.
+    [[nodiscard]] Vec3 undone(int node) const;
     /// The same where the masses are all there is in the matrix.
     void solveExplicit(std::span<Vec3> dv) const;
 

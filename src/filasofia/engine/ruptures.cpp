@@ -3,6 +3,8 @@
 #include "filasofia/engine/elements.h"
 #include "filasofia/engine/follow_edit.h"
 #include "filasofia/engine/follow_surface.h"
+#include "filasofia/engine/loose_pieces.h"
+#include "filasofia/engine/remove_piece.h"
 #include "filasofia/engine/tear_body.h"
 
 #include <algorithm>
@@ -165,7 +167,25 @@ void tell(Rupture::Kind kind, BodyId body, RuptureReport& opened, std::vector<Ru
     opened = {};
 }
 
+constexpr double kLost = 10.0; // [m] that a piece went: it fell out of the scene
+
 } // namespace
+
+void removeLostPieces(double period, Model& model, State& state, Systems& systems, Topologies& topologies,
+                      physics::StepReport& report)
+{
+    for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
+        SoftModel& body = model.softBodies[b];
+        int lost = 0;
+        for (int piece : piecesBeyond(kLost, body, state.softBodies[b]))
+            lost += removePiece(piece, topologies[b], body, state.softBodies[b], state) ? 1 : 0;
+        if (lost == 0) continue;
+        report.topology.lost += lost;
+        body.pieces = findPieces(body, *topologies[b].pieces);
+        systems[b] = makeSystem(body, period);
+        systems[b].tuned = true; // it is no longer what its Def says
+    }
+}
 
 void cutBodies(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
                physics::StepReport& report)
@@ -200,6 +220,7 @@ void applyEdits(double period, Model& model, State& state, Systems& systems, Rup
         followRiders(edit, *topology.mesh, body, state.attachments);
         const OwnSurfaceEdit surface = applyEdit(edit, period, topology, body, state.softBodies[b], systems[b]);
         std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);
+        body.pieces = findPieces(body, *topology.pieces);
         if (edit.boundary.empty()) continue;
         editOwnCollision(surface, body, state);
 

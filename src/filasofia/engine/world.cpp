@@ -156,6 +156,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     applyEdits(period_, model_, state_, systems_, ruptures_, report);     // 6 the only writer of topology
     tearBodies(model_, in.dt, state_, ruptures_, *pool_, report);         //   what tore
     applyEdits(period_, model_, state_, systems_, ruptures_, report);
+    removeLostPieces(period_, model_, state_, systems_, ruptures_.topologies, report);
     report.times.topology = watch.lap();
     return report;
 }

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "filasofia/engine/integrate/euler.h"
+#include "filasofia/engine/model.h"
+#include "filasofia/engine/rupture/pieces.h"
+
+#include <functional>
+
+/// What came loose of a body is light beside the rest, and solvers judge errors on the whole body: what is none for the
+/// body throws a crumb about. So loose pieces get some care of their own.
+namespace filasofia::engine {
+
+/// The pieces that a body has fallen into, by rising number, without those that were removed; nothing while it is
+/// whole.
+std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces);
+
+/// Finishes the solve of an implicit step, A dv = b, for pieces of few elements that nothing holds and without a
+/// linked node, each by itself: `undone` [N s] is b - A dv. Their dv are exact afterwards, and nothing of them is left
+/// over.
+void finishCrumbs(const SoftModel& model, ImplicitWeights weights, const SoftState& state,
+                  const std::vector<char>& linked, const std::function<Vec3(int node)>& undone, std::span<Vec3> dv,
+                  std::span<Vec3> leftover);
+
+/// Keeps pieces that nothing holds from turning by more than `mostTurn` [rad] in a step: what is faster is no motion
+/// that steps of dt [s] can follow, and would only gather energy. Their momentum stays.
+void slowSpin(const SoftModel& model, double mostTurn, double dt, SoftState& state);
+
+/// Numbers of pieces whose first node is farther than `far` [m] from where it began.
+std::vector<int> piecesBeyond(double far, const SoftModel& model, const SoftState& state);
+
+} // namespace filasofia::engine
