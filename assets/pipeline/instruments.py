@@ -47,7 +47,7 @@ Box(4) = {{-2, -2, 0, 4, 4, {PIVOT_BEHIND}}};
 BooleanUnion(5) = {{ Volume{{3}}; Delete; }} {{ Volume{{4}}; Delete; }};
 BooleanIntersection(6) = {{ Volume{{1}}; Delete; }} {{ Volume{{5}}; Delete; }};
 BooleanDifference(7) = {{ Volume{{6}}; Delete; }} {{ Volume{{2}}; Delete; }};
-Cylinder(8) = {{-0.86, 0, 0, 1.72, 0, 0, 0.24}};
+Cylinder(8) = {{-0.82, 0, 0, 1.64, 0, 0, 0.24}};
 BooleanUnion(9) = {{ Volume{{7}}; Delete; }} {{ Volume{{8}}; Delete; }};
 """
 
@@ -275,7 +275,7 @@ def scope_collision(around=16):
     angle = 2.0 * np.pi * (np.arange(around) + 0.5) / around
     x, y = np.cos(angle), np.sin(angle)
     sections = []
-    for r, behind in ((1.8, 0.0), (SCOPE_RADIUS, 0.6)):
+    for r, behind in ((2.1, 0.0), (SCOPE_RADIUS, 0.35)):
         sections.append(np.column_stack([r * x, r * y, bevel_height(r * y) + behind]))
     for z in (8.0, 60.0, SCOPE_LENGTH):
         sections.append(np.column_stack([SCOPE_RADIUS * x, SCOPE_RADIUS * y, np.full(around, z)]))

@@ -119,7 +119,8 @@ def make_uterus(folder, report):
     def fine(p):
         s = np.clip(0.5 + uterus.mucosa(p) / 6.0, 0.0, 1.0)
         lips = np.linalg.norm(p, axis=1)
-        return np.minimum(2.0 - 1.25 * s, 0.75 + 0.12 * np.maximum(lips - 6.0, 0.0))
+        lining = np.minimum(0.6 + 0.03 * np.maximum(p[:, 1] - 24.0, 0.0), 0.8)  # the folds in the canal are 3.6 mm apart
+        return np.minimum(2.0 + (lining - 2.0) * s, 0.75 + 0.12 * np.maximum(lips - 6.0, 0.0))
 
     f = uterus.wall_for_pictures
     v, faces = remesh(f, *start, fine, 6)
@@ -137,11 +138,10 @@ def make_uterus(folder, report):
         gaps[name] = {"inside": float(metre(gap[hollow].max())), "outside": float(metre(gap[~hollow].max()))}
         report.add(f"uterus.obj to the surface of {name}: {gap[hollow].mean():.2f} mm mean and {gap[hollow].max():.2f} mm at most in the "
                    f"hollow, {gap[~hollow].mean():.2f} and {gap[~hollow].max():.2f} mm outside")
-    write_json(folder / "uterus.json", landmarks(start, gaps, report))
-    canal(meshes, report)
+    write_json(folder / "uterus.json", landmarks(start, report) | {"meshes": canal(meshes, gaps, report)})
 
 
-def landmarks(start, gaps, report):
+def landmarks(start, report):
     def size(p):
         return np.where(uterus.mucosa(p) > 0.0, 2.0, 4.0)
     v, faces = remesh(uterus.wall, *start, size, 8)
@@ -152,7 +152,8 @@ def landmarks(start, gaps, report):
     for p, n in zip(v[(uterus.mucosa(v) > 0.0) & (v[:, 1] > 38.0) & (ostia > 5.0)],
                     into[(uterus.mucosa(v) > 0.0) & (v[:, 1] > 38.0) & (ostia > 5.0)]):
         along = np.arange(1.0, 60.0, 0.1)
-        free = along[np.argmax(uterus.inner(p + along[:, None] * n) > 0.0)]
+        wall = uterus.inner(p + along[:, None] * n) > 0.0
+        free = along[np.argmax(wall)] if wall.any() else along[-1]  # else the ray leaves through the canal
         names = (("right", "left"), ("fundus", "fundus"), ("posterior", "anterior"))
         k = int(np.argmax(np.abs(n)))
         side = names[k][int(n[k] < 0.0)]
@@ -182,23 +183,34 @@ def landmarks(start, gaps, report):
         "fundusOutside": metres([0.0, uterus.LENGTH, 0.0]),
         "ostia": [{"side": name, "at": metres(uterus.CORNU * [s, 1.0, 1.0]), "into": [round(s * float(tube[0]), 4), round(float(tube[1]), 4), 0.0]}
                   for name, s in (("left", 1.0), ("right", -1.0))],
-        "gapOfPicture": gaps,
         "centreline": line,
         "sites": sites,
     }
 
 
-def canal(meshes, report):
-    """How far the way of the scope is from the axis, in the meshes as they are."""
+def canal(meshes, gaps, report):
+    """How far the way of the scope is from the axis in the meshes as they are, and how many elements make the wall."""
+    entries = []
     for name, (nodes, tets) in meshes.items():
         faces = surface_of(tets)
-        tight = []
-        for y in np.arange(0.0, 56.0, 0.5):
-            p = np.array([0.0, y, 0.0])
-            tight.append((np.sqrt(squared_to_triangles(p, nodes[faces]).min()), y))
-        narrow = [y for r, y in tight if r < instruments.SCOPE_RADIUS]
-        report.add(f"{name}: free radius around the axis at least {min(tight)[0]:.2f} mm (at y = {min(tight)[1]:.1f} mm); below the "
+        free = [(np.sqrt(squared_to_triangles(np.array([0.0, y, 0.0]), nodes[faces]).min()), y) for y in np.arange(0.0, 56.0, 0.5)]
+        narrow = [y for r, y in free if r < instruments.SCOPE_RADIUS]
+        report.add(f"{name}: free radius around the axis at least {min(free)[0]:.2f} mm (at y = {min(free)[1]:.1f} mm); below the "
                    f"scope's {instruments.SCOPE_RADIUS} mm from y = {min(narrow):.1f} to {max(narrow):.1f} mm")
+        edges = edges_of(np.concatenate([tets[:, [0, 1, 2]], tets[:, [0, 1, 3]], tets[:, [2, 3, 0]], tets[:, [2, 3, 1]]]))
+        skin = np.zeros(len(nodes), bool)
+        skin[np.unique(faces)] = True
+        hollow = skin & (uterus.mucosa(nodes) > 0.0)
+        away = np.where(skin & ~hollow, 0, 99)
+        for _ in range(12):
+            for k in (0, 1):
+                np.minimum.at(away, edges[:, k], away[edges[:, 1 - k]] + 1)
+        deep = away[hollow & (nodes[:, 1] > 6.0)]
+        report.add(f"{name}: edges from the hollow to the outside, above the lips: {deep.min()} at least, {deep.mean():.1f} mean; "
+                   f"one at {(deep == 1).sum()} of {len(deep)} nodes")
+        entries.append({"name": name, "tetrahedra": len(tets), "freeRadius": float(metre(np.floor(min(free)[0] * 100.0) / 100.0)),
+                        "narrowUpTo": float(metre(max(narrow) + 0.5)), "gapInHollow": gaps[name]["inside"], "gapOutside": gaps[name]["outside"]})
+    return entries
 
 
 def make_polyps(folder, report):

@@ -74,10 +74,12 @@ def mucosa(p):
 def relief(p):
     """How far the lining stands out [mm], for the picture only: palmate folds in the canal, an uneven endometrium."""
     x, y, z = p[:, 0], p[:, 1], p[:, 2]
-    angle = np.abs(np.arctan2(x, z) / np.pi)  # 0 in front, 1 behind: the folds rise obliquely from both midlines
-    angle = np.minimum(angle, 1.0 - angle)
-    window = steps(y, [3.0, 7.0, 22.0, 27.0], [0.0, 1.0, 1.0, 0.0])
-    folds = 0.20 * window * np.sin(2.0 * np.pi * (y / 3.4 - 2.6 * angle))
+    turn = np.arctan2(x, z)
+    rise = 0.5 * (1.0 - np.cos(2.0 * turn))  # 0 at both midlines, 1 at the sides: the folds rise obliquely from the midlines
+    window = steps(y, [3.0, 8.0, 21.0, 27.0], [0.0, 1.0, 1.0, 0.0])
+    wander = 0.8 * np.sin(0.55 * y + 1.3 * np.sin(turn)) + 0.6 * np.sin(2.0 * turn + 0.4 * y)
+    strength = 0.65 + 0.35 * np.sin(1.9 * turn + 0.7 * y)
+    folds = 0.15 * window * strength * np.sin(2.0 * np.pi * (y / 3.6 - 1.1 * rise) + wander)
     rough = (np.sin(1.1 * x + 0.5 * y + 1.0) * np.sin(0.9 * y - 0.4 * z) + np.sin(0.8 * z + 0.7 * x) * np.sin(1.3 * y + 2.0)
              + 0.6 * np.sin(2.1 * x - 1.1 * y) * np.sin(1.7 * z + 1.9 * y))
     return folds + 0.10 * steps(y, [26.0, 36.0, 80.0], [0.0, 1.0, 1.0]) * rough
