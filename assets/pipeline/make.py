@@ -141,6 +141,17 @@ def make_uterus(folder, report):
     write_json(folder / "uterus.json", landmarks(start, report) | {"meshes": canal(meshes, gaps, report)})
 
 
+def half_axes(y):
+    """How wide and how deep the hollow is there [mm], to each side of the axis; infinite outside the os."""
+    half = []
+    for k in (0, 2):
+        along = np.zeros((3000, 3))
+        along[:, 1], along[:, k] = y, np.arange(3000) * 0.01
+        tissue = uterus.wall(along) < 0.0
+        half.append(along[np.argmax(tissue), k] if tissue.any() else np.inf)
+    return half
+
+
 def landmarks(start, report):
     def size(p):
         return np.where(uterus.mucosa(p) > 0.0, 2.0, 4.0)
@@ -160,14 +171,9 @@ def landmarks(start, report):
         sites.append({"at": metres(p), "normal": [round(float(c), 4) for c in n], "free": float(metre(free)), "wall": side})
     line = []
     for y in np.arange(-4.0, uterus.CAVITY_TOP - 1.0, 2.0):
-        half = []
-        for k in (0, 2):
-            along = np.zeros((600, 3))
-            along[:, 1], along[:, k] = y, np.arange(600) * 0.05
-            half.append(along[np.argmax(uterus.wall(along) < 0.0), k] if (uterus.wall(along) < 0.0).any() else np.inf)
+        half = half_axes(y)
         if np.isfinite(half).all():
             line.append({"at": metres([0.0, y, 0.0]), "halfWidth": float(metre(half[0])), "halfDepth": float(metre(half[1]))})
-    a, b = uterus.canal_half_axes(np.array([uterus.INTERNAL_OS]))
     top = np.array([[0.0, y, 0.0] for y in np.arange(55.0, 70.0, 0.01)])
     fundus = top[np.argmax(uterus.inner(top) > 0.0)]
     report.add(f"uterus.json: {len(sites)} sites for polyps, {len(line)} points of the centreline, "
@@ -178,7 +184,7 @@ def landmarks(start, report):
         "axes": "origin in the external os, +y to the fundus, +z anterior, +x to the patient's left",
         "externalOs": [0.0, 0.0, 0.0],
         "internalOs": metres([0.0, uterus.INTERNAL_OS, 0.0]),
-        "internalOsHalfAxes": metres([a[0], b[0]]),
+        "internalOsHalfAxes": metres(half_axes(uterus.INTERNAL_OS)),
         "fundusInside": metres(fundus),
         "fundusOutside": metres([0.0, uterus.LENGTH, 0.0]),
         "ostia": [{"side": name, "at": metres(uterus.CORNU * [s, 1.0, 1.0]), "into": [round(s * float(tube[0]), 4), round(float(tube[1]), 4), 0.0]}
