@@ -71,7 +71,8 @@ def teeth(first, last, pitch, depth):
         z = first - i * pitch
         n = 100 + 10 * i
         rows.append(f"Point({n}) = {{-2, -0.01, {z}}}; Point({n + 1}) = {{-2, -0.01, {z - pitch}}}; "
-                    f"Point({n + 2}) = {{-2, {depth}, {z - 0.5 * pitch}}}; Line({n}) = {{{n}, {n + 1}}}; Line({n + 1}) = {{{n + 1}, {n + 2}}}; "
+                    f"Point({n + 2}) = {{-2, {depth}, {z - 0.5 * pitch}}}; "
+                    f"Line({n}) = {{{n}, {n + 1}}}; Line({n + 1}) = {{{n + 1}, {n + 2}}}; "
                     f"Line({n + 2}) = {{{n + 2}, {n}}}; Curve Loop({n}) = {{{n}, {n + 1}, {n + 2}}}; Plane Surface({n}) = {{{n}}}; "
                     f"groove{i}() = Extrude {{4, 0, 0}} {{ Surface{{{n}}}; }};")
     volumes = ", ".join(f"groove{i}(1)" for i in range(count))
@@ -193,7 +194,7 @@ def lengthened(v, faces, z, end):
         a, b, c, d = low, np.roll(low, -1), np.roll(high, -1), high
         out += [np.column_stack([a, b, c]), np.column_stack([a, c, d])]
     out.append(np.column_stack([rings[-1], np.roll(rings[-1], -1), np.full(n, middle)]))
-    v, faces = v, np.concatenate(out)
+    faces = np.concatenate(out)
     used = np.unique(faces)
     return v[used], np.searchsorted(used, faces)
 
@@ -262,7 +263,8 @@ def bevel_height(y):
 
 def handle():
     """Bridge, light post, two taps and eyepiece: what is seen from outside only."""
-    body = lathe([(183, 0), (183, 3.4), (190, 3.4), (196, 7.0), (232, 7.0), (238, 5.0), (262, 5.0), (270, 9.0), (276, 16.0), (281, 16.0), (281, 0)], 32)
+    body = lathe([(183, 0), (183, 3.4), (190, 3.4), (196, 7.0), (232, 7.0), (238, 5.0), (262, 5.0), (270, 9.0), (276, 16.0),
+                  (281, 16.0), (281, 0)], 32)
     post = turned(lathe([(0, 0), (0, 3.2), (22, 3.2), (22, 4.6), (30, 4.6), (30, 0)], 20), (1, 0, 0), -np.radians(90.0), (0, 4, 248))
     inlet = turned(lathe([(0, 0), (0, 2.4), (20, 2.4), (20, 3.4), (26, 3.4), (26, 0)], 20), (0, 1, 0), np.radians(60.0), (3, 0, 206))
     outlet = turned(lathe([(0, 0), (0, 2.4), (20, 2.4), (20, 3.4), (26, 3.4), (26, 0)], 20), (0, 1, 0), -np.radians(60.0), (-3, 0, 206))
@@ -322,8 +324,10 @@ def make(folder, report):
         tool = {"name": name, "shaft": "tool_shaft.obj", "shaftCollision": "tool_shaft_collision.obj", "radius": float(metre(TOOL_RADIUS)),
                 "length": float(metre(TOOL_LENGTH)), "reach": float(metre(reach)), "pivot": [0.0, 0.0, 0.0], "jaws": []}
         for side, half_turn, sign in (("upper", 0.0, 1.0), ("lower", np.pi, -1.0)):
-            jaw = {"name": side, "surface": save(f"{name}_{word}_{side}.obj", turned(upper, z_axis, half_turn), f"{side} {word} of the {name}, closed"),
-                   "collision": save(f"{name}_{word}_{side}_collision.obj", turned(coarse, z_axis, half_turn), f"that {word} for collision"),
+            file = f"{name}_{word}_{side}"
+            jaw = {"name": side,
+                   "surface": save(f"{file}.obj", turned(upper, z_axis, half_turn), f"{side} {word} of the {name}, closed"),
+                   "collision": save(f"{file}_collision.obj", turned(coarse, z_axis, half_turn), f"that {word} for collision"),
                    "axis": [sign, 0.0, 0.0], "opensBy": round(float(np.radians(opening)), 4)}
             if edge:
                 jaw["edge"] = [metres(turned((np.array([p]), None), z_axis, half_turn)[0]) for p in edge]

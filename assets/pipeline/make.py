@@ -1,20 +1,21 @@
 """Makes assets/meshes/hysteroscopy and report.txt again. See README.md."""
 import argparse
+import json
 from pathlib import Path
 
 import numpy as np
 
 import instruments
 import uterus
-from implicit import gradient
+from implicit import gradient, project
 from output import metre, metres, write_json, write_msh, write_obj
 from polyps import POLYPS, ROOT
 from surface_mesh import Patch, closed, edges_of, march, remesh, volume
-from implicit import project
 from tet_mesh import dihedral_angles, quality, surface_of, to_count, volumes
 
 HERE = Path(__file__).resolve().parent
 SIZES = {1702: 1.055, 5000: 0.69, 12000: 0.485}  # tetrahedra and where the search for them starts
+CLEAR = (0.35, 0.8)  # a polyp fits where all of it but that part of its height is further from the wall than so many mm
 FORNIX = 10.0  # [mm] up to here the outside of the cervix is lining, seen from the vagina; above it is serosa
 
 
@@ -152,6 +153,15 @@ def half_axes(y):
     return half
 
 
+def across(p, n):
+    """Where a polyp at p hangs over to: along the wall towards the os, on the fundus towards the middle."""
+    way = np.array([0.0, -1.0, 0.0])
+    if abs(n @ way) > 0.9:
+        way = np.array([-1.0 if p[0] > 0.0 else 1.0, 0.0, 0.0])
+    way = way - (way @ n) * n
+    return way / np.linalg.norm(way)
+
+
 def landmarks(start, report):
     def size(p):
         return np.where(uterus.mucosa(p) > 0.0, 2.0, 4.0)
@@ -160,15 +170,16 @@ def landmarks(start, report):
     into /= np.linalg.norm(into, axis=1)[:, None]
     ostia = np.minimum(*(np.linalg.norm(v - uterus.CORNU * [s, 1.0, 1.0], axis=1) for s in (1.0, -1.0)))
     sites = []
-    for p, n in zip(v[(uterus.mucosa(v) > 0.0) & (v[:, 1] > 38.0) & (ostia > 5.0)],
-                    into[(uterus.mucosa(v) > 0.0) & (v[:, 1] > 38.0) & (ostia > 5.0)]):
+    cavity = (uterus.mucosa(v) > 0.0) & (v[:, 1] > 38.0) & (ostia > 5.0)
+    for p, n in zip(v[cavity], into[cavity]):
         along = np.arange(1.0, 60.0, 0.1)
         wall = uterus.inner(p + along[:, None] * n) > 0.0
         free = along[np.argmax(wall)] if wall.any() else along[-1]  # else the ray leaves through the canal
         names = (("right", "left"), ("fundus", "fundus"), ("posterior", "anterior"))
         k = int(np.argmax(np.abs(n)))
         side = names[k][int(n[k] < 0.0)]
-        sites.append({"at": metres(p), "normal": [round(float(c), 4) for c in n], "free": float(metre(free)), "wall": side})
+        sites.append({"at": metres(p), "normal": [round(float(c), 4) for c in n],
+                      "across": [round(float(c), 4) for c in across(p, n)], "free": float(metre(free)), "wall": side})
     line = []
     for y in np.arange(-4.0, uterus.CAVITY_TOP - 1.0, 2.0):
         half = half_axes(y)
@@ -187,8 +198,8 @@ def landmarks(start, report):
         "internalOsHalfAxes": metres(half_axes(uterus.INTERNAL_OS)),
         "fundusInside": metres(fundus),
         "fundusOutside": metres([0.0, uterus.LENGTH, 0.0]),
-        "ostia": [{"side": name, "at": metres(uterus.CORNU * [s, 1.0, 1.0]), "into": [round(s * float(tube[0]), 4), round(float(tube[1]), 4), 0.0]}
-                  for name, s in (("left", 1.0), ("right", -1.0))],
+        "ostia": [{"side": name, "at": metres(uterus.CORNU * [s, 1.0, 1.0]),
+                   "into": [round(s * float(tube[0]), 4), round(float(tube[1]), 4), 0.0]} for name, s in (("left", 1.0), ("right", -1.0))],
         "centreline": line,
         "sites": sites,
     }
@@ -215,12 +226,24 @@ def canal(meshes, gaps, report):
         report.add(f"{name}: edges from the hollow to the outside, above the lips: {deep.min()} at least, {deep.mean():.1f} mean; "
                    f"one at {(deep == 1).sum()} of {len(deep)} nodes")
         entries.append({"name": name, "tetrahedra": len(tets), "freeRadius": float(metre(np.floor(min(free)[0] * 100.0) / 100.0)),
-                        "narrowUpTo": float(metre(max(narrow) + 0.5)), "gapInHollow": gaps[name]["inside"], "gapOutside": gaps[name]["outside"]})
+                        "narrowUpTo": float(metre(max(narrow) + 0.5)),
+                        "gapInHollow": gaps[name]["inside"], "gapOutside": gaps[name]["outside"]})
     return entries
 
 
+def fitting(v, sites):
+    """The sites at which a polyp with these vertices touches nothing but its own place."""
+    head, found = v[v[:, 1] > CLEAR[0] * v[:, 1].max()], []
+    for i, site in enumerate(sites):
+        n, x = np.array(site["normal"]), np.array(site["across"])
+        placed = 1000.0 * np.array(site["at"]) + head @ np.stack([x, n, np.cross(x, n)])
+        if uterus.inner(placed).max() < -CLEAR[1]:
+            found.append(i)
+    return found
+
+
 def make_polyps(folder, report):
-    entries = []
+    entries, sites = [], json.loads((folder / "uterus.json").read_text())["sites"]
     for name, (kind, f, edge, fine, wanted, foot) in POLYPS.items():
         start = march(f, (-9.0, -2.0, -9.0), (9.0, 23.0, 9.0), min(0.5, fine))
         v, faces = remesh(f, *start, lambda p: np.full(len(p), fine), 5)
@@ -234,10 +257,11 @@ def make_polyps(folder, report):
         report.tets(name, nodes, tets)
         report.surface(f"{name}.obj", v, faces)
         gap = nearest_gap(v, nodes, surface_of(tets)).max()
-        report.add(f"{name}: base of {len(base)} nodes; picture at most {gap:.2f} mm off the tetrahedra")
-        entries.append({"name": name, "kind": kind, "height": float(metre(v[:, 1].max())),
-                        "width": float(metre(np.ptp(v[:, 0]))), "footRadius": float(metre(foot)),
-                        "volume": float("%.4g" % (volume(v, faces) * 1e-9)), "gapOfPicture": float(metre(gap)), "base": base.tolist()})
+        fit = fitting(v, sites)
+        report.add(f"{name}: base of {len(base)} nodes; picture at most {gap:.2f} mm off the tetrahedra; fits at {len(fit)} sites")
+        entries.append({"name": name, "kind": kind, "height": float(metre(v[:, 1].max())), "width": float(metre(np.ptp(v[:, 0]))),
+                        "footRadius": float(metre(foot)), "volume": float("%.4g" % (volume(v, faces) * 1e-9)),
+                        "gapOfPicture": float(metre(gap)), "base": base.tolist(), "sites": fit})
     write_json(folder / "polyps.json", {
         "unit": "m", "axes": "origin in the wall's surface, +y out of the wall; the root goes down to y = -0.001",
         "root": float(metre(ROOT)), "polyps": entries})

@@ -42,7 +42,7 @@ def fill(v, faces):
         script.write_text(f"""Merge "{surface}"; Surface Loop(1) = {{1}}; Volume(1) = {{1}};
             General.NumThreads = 1; Mesh.RandomSeed = 1; Mesh.Algorithm3D = 1;
             Mesh.Optimize = 1; Mesh.SaveAll = 1;\n""")  # without the line's end gmsh drops the last command
-        run = subprocess.run(["gmsh", "-3", "-nt", "1", "-v", "5", "-format", "msh22", script, "-o", volume], capture_output=True, text=True)
+        run = subprocess.run(["gmsh", "-3", "-nt", "1", "-format", "msh22", script, "-o", volume], capture_output=True, text=True)
         if run.returncode != 0 or not volume.exists():
             raise SystemExit("gmsh could not fill a surface: " + run.stdout + run.stderr)
         nodes, tets = read_msh(volume)

@@ -33,6 +33,12 @@ inline nlohmann::json facts(const std::string& file)
     return nlohmann::json::parse(std::ifstream(hysteroscopyFolder() / file));
 }
 
+/// A list of such a file, by value: a loop over facts()[key] would walk what is gone.
+inline std::vector<nlohmann::json> listed(const std::string& file, const std::string& key)
+{
+    return facts(file).at(key).get<std::vector<nlohmann::json>>();
+}
+
 inline Vec3 toVec3(const nlohmann::json& numbers)
 {
     REQUIRE(numbers.size() == 3);

@@ -72,7 +72,7 @@ TEST_CASE("the hysteroscope has the diameter of its sheath, begins at z = 0, and
         if (depth > 1.0 * kMillimetre)
             CHECK(metal.distanceTo(mouth - depth * out) == Approx(wide).margin(0.03 * kMillimetre));
     }
-    for (const auto& tool : facts("instruments.json")["tools"]) CHECK(tool["radius"].get<double>() < wide);
+    for (const nlohmann::json& tool : listed("instruments.json", "tools")) CHECK(tool["radius"].get<double>() < wide);
 }
 
 TEST_CASE(

@@ -148,7 +148,7 @@ TEST_CASE("the uterus that is seen is closed, is divided into lining and serosa,
     CHECK(triangles("uterus_lining.obj").triangles.size() + triangles("uterus_serosa.obj").triangles.size() ==
           whole.triangles.size());
 
-    for (const auto& entry : facts("uterus.json")["meshes"]) {
+    for (const nlohmann::json& entry : listed("uterus.json", "meshes")) {
         CAPTURE(entry["name"].get<std::string>());
         const Surroundings wall(extractSurface(tets(entry["name"])).mesh);
         const double bound = std::max(entry["gapInHollow"].get<double>(), entry["gapOutside"].get<double>()) + 1e-5;
@@ -202,4 +202,35 @@ TEST_CASE("each polyp stands on its base, is as large as told, and the one that 
     CHECK(least < 8.0 * kMillimetre);
     CHECK(most > 18.0 * kMillimetre);
     CHECK(most < 22.0 * kMillimetre);
+}
+
+TEST_CASE("at each of the sites told for it a polyp stands in the hollow, with nothing but its foot in the wall")
+{
+    const auto sites = facts("uterus.json")["sites"];
+    const Surroundings wall(extractSurface(tets("uterus_1702")).mesh);
+    for (const nlohmann::json& entry : listed("polyps.json", "polyps")) {
+        const TetMesh polyp = tets(entry["name"]);
+        const double foot = 0.4 * entry["height"].get<double>();
+        CAPTURE(entry["name"].get<std::string>());
+        CHECK(entry["sites"].size() >= 8);
+        int last = -1;
+        for (int index : entry["sites"]) {
+            REQUIRE(index > last);
+            REQUIRE(index < static_cast<int>(sites.size()));
+            last = index;
+            const Vec3 at = toVec3(sites[index]["at"]), y = toVec3(sites[index]["normal"]);
+            const Vec3 x = toVec3(sites[index]["across"]), z = cross(x, y);
+            REQUIRE(std::abs(dot(x, y)) < 1e-3);
+            REQUIRE(length(x) == Approx(1.0).margin(1e-3));
+            bool rooted = true, free = true;
+            for (Vec3 v : polyp.nodes) {
+                const Vec3 placed = at + v.x * x + v.y * y + v.z * z;
+                if (v.y > foot) free = free && !wall.holds(placed);
+                if (v.y < -0.9 * kMillimetre && std::hypot(v.x, v.z) < 1.5 * kMillimetre)
+                    rooted = rooted && wall.holds(placed);
+            }
+            REQUIRE(free);
+            REQUIRE(rooted);
+        }
+    }
 }
