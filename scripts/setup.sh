@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Install the Debian packages that Filasofia needs. Quick when nothing is missing.
 set -euo pipefail
-usage='Usage: setup.sh [--run | --dev] [--check]
+usage='Usage: setup.sh [--run | --dev] [--assets] [--check]
   (nothing)  what is needed to build, run and test
   --run      only what is needed to build and run
   --dev      also the checkers of scripts/check.sh (clang, clang-tidy, sanitizers, fuzzers)
+  --assets   also what makes the meshes of the hysteroscopy trainer again (assets/pipeline)
   --check    install nothing: say what is missing; exit 1 where something is'
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -17,12 +18,14 @@ run_packages=(
 )
 test_packages=(clang-format xvfb xauth)
 dev_packages=(clang clang-tidy libclang-rt-dev util-linux calculix-ccx libbullet-dev)
+asset_packages=(gmsh python3-numpy)
 
-groups=run,test check=no
+groups=run,test assets=no check=no
 for word in "$@"; do
   case $word in
     --run) groups=run ;;
     --dev) groups=run,test,dev ;;
+    --assets) assets=yes ;;
     --check) check=yes ;;
     -h | --help) echo "$usage"; exit 0 ;;
     *) die "unknown option '$word' (setup.sh --help lists them)" ;;
@@ -31,6 +34,7 @@ done
 packages=("${run_packages[@]}")
 [[ $groups == *test* ]] && packages+=("${test_packages[@]}")
 [[ $groups == *dev* ]] && packages+=("${dev_packages[@]}")
+[ $assets = no ] || packages+=("${asset_packages[@]}")
 
 command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
   die "this is not Debian (no apt-get): install by hand what these Debian 12 packages hold: ${packages[*]}"

@@ -1,0 +1,155 @@
+#include "assets/hysteroscopy_assets.h"
+
+#include "filasofia/geometry/mass_properties.h"
+
+using namespace filasofia;
+using namespace filasofia::geometry;
+
+namespace {
+
+constexpr double kMillimetre = 1e-3;
+constexpr double kHair = 0.02 * kMillimetre;
+
+double radiusAroundZ(const TriangleMesh& mesh)
+{
+    double most = 0.0;
+    for (Vec3 v : mesh.vertices) most = std::max(most, std::hypot(v.x, v.y));
+    return most;
+}
+
+TriangleMesh closedSurface(const std::string& file)
+{
+    CAPTURE(file);
+    TriangleMesh mesh = triangles(file);
+    CHECK(isClosedManifold(mesh));
+    CHECK(massProperties(mesh, file).volume > 0.0); // also refuses a part that is inside out
+    return mesh;
+}
+
+TriangleMesh collisionSurface(const std::string& file)
+{
+    TriangleMesh mesh = closedSurface(file);
+    CHECK(mesh.triangles.size() <= 300);
+    return mesh;
+}
+
+void checkSameExtent(const TriangleMesh& fine, const TriangleMesh& coarse, double within)
+{
+    const Box a = boundsOf(fine), b = boundsOf(coarse);
+    for (int axis = 0; axis < 3; ++axis) {
+        CHECK(std::abs(a.low[axis] - b.low[axis]) < within);
+        CHECK(std::abs(a.high[axis] - b.high[axis]) < within);
+    }
+}
+
+} // namespace
+
+TEST_CASE("the hysteroscope has the diameter of its sheath, begins at z = 0, and lens and channel are where told")
+{
+    const auto known = facts("instruments.json")["hysteroscope"];
+    const double radius = known["radius"], end = known["length"];
+    CHECK(radius == Approx(2.5 * kMillimetre));
+    for (const auto& file : known["surfaces"]) closedSurface(file);
+    const TriangleMesh sheath = triangles(known["surfaces"][0]);
+    CHECK(radiusAroundZ(sheath) == Approx(radius).margin(kHair));
+    const Box box = boundsOf(sheath);
+    CHECK(box.low.z == Approx(0.0).margin(kHair));
+    CHECK(box.high.z == Approx(end).margin(kHair));
+    checkSameExtent(sheath, collisionSurface(known["collision"]), 0.3 * kMillimetre);
+
+    const Vec3 look = toVec3(known["look"]), lens = toVec3(known["lens"]);
+    CHECK(length(look) == Approx(1.0).margin(1e-5));
+    CHECK(std::acos(-look.z) == Approx(30.0 * M_PI / 180.0).margin(1e-4));
+    const Surroundings optic(triangles(known["surfaces"][1])), metal(sheath);
+    CHECK(optic.distanceTo(lens) < 0.1 * kMillimetre);
+    CHECK_FALSE(metal.holds(lens + 0.2 * kMillimetre * look)); // nothing before it
+    CHECK(metal.holds(lens - 0.2 * kMillimetre * look));
+
+    const Vec3 mouth = toVec3(known["channelExit"]), out = toVec3(known["channelDirection"]);
+    const double wide = known["channelRadius"];
+    for (double depth = 0.2 * kMillimetre; depth < 5.5 * kMillimetre; depth += 0.5 * kMillimetre) {
+        CHECK_FALSE(metal.holds(mouth - depth * out));
+        if (depth > 1.0 * kMillimetre)
+            CHECK(metal.distanceTo(mouth - depth * out) == Approx(wide).margin(0.03 * kMillimetre));
+    }
+    for (const nlohmann::json& tool : listed("instruments.json", "tools")) CHECK(tool["radius"].get<double>() < wide);
+}
+
+TEST_CASE(
+    "every tool passes the working channel while closed, reaches as far as told, and its jaws turn about the pivot")
+{
+    const auto tools = facts("instruments.json")["tools"];
+    REQUIRE(tools.size() == 3);
+    for (const auto& tool : tools) {
+        CAPTURE(tool["name"].get<std::string>());
+        const double radius = tool["radius"], reach = tool["reach"];
+        const TriangleMesh shaft = closedSurface(tool["shaft"]);
+        checkSameExtent(shaft, collisionSurface(tool["shaftCollision"]), 0.3 * kMillimetre);
+        CHECK(boundsOf(shaft).high.z == Approx(tool["length"].get<double>()).margin(kHair));
+        CHECK(radiusAroundZ(shaft) < radius + 0.04 * kMillimetre); // the pin's ends stand out
+        CHECK(toVec3(tool["pivot"]) == Vec3{});
+
+        REQUIRE(tool["jaws"].size() == 2);
+        for (int side : {0, 1}) {
+            const auto& jaw = tool["jaws"][side];
+            const TriangleMesh seen = closedSurface(jaw["surface"]), coarse = collisionSurface(jaw["collision"]);
+            CHECK(radiusAroundZ(seen) < radius + kHair);
+            CHECK(radiusAroundZ(coarse) < radius + kHair);
+            CHECK(boundsOf(seen).low.z == Approx(-reach).margin(0.1 * kMillimetre));
+            CHECK(boundsOf(coarse).low.z == Approx(-reach).margin(0.15 * kMillimetre));
+            // The pin is in its tang.
+            const double beside = side == 0 ? 0.2 : -0.2;
+            CHECK(Surroundings(seen).holds({beside * kMillimetre, 0, 0}));
+            // Upper and lower: a turn about +x by a positive angle takes -z to +y.
+            CHECK(toVec3(jaw["axis"]) == Vec3{side == 0 ? 1.0 : -1.0, 0, 0});
+            CHECK(jaw["opensBy"].get<double>() > 0.4);
+            for (Vec3 v : seen.vertices)
+                if (v.z < -1.5 * kMillimetre) REQUIRE((side == 0 ? v.y : -v.y) > -0.08 * kMillimetre);
+        }
+    }
+}
+
+TEST_CASE(
+    "the edges of the scissors lie on their blades, before the pivot, in the plane where the blades pass each other")
+{
+    const auto tools = facts("instruments.json")["tools"];
+    int edges = 0;
+    for (const auto& tool : tools)
+        for (const auto& jaw : tool["jaws"]) {
+            if (!jaw.contains("edge")) continue;
+            ++edges;
+            const Surroundings seen(triangles(jaw["surface"])), coarse(triangles(jaw["collision"]));
+            const Vec3 from = toVec3(jaw["edge"][0]), to = toVec3(jaw["edge"][1]);
+            CHECK(length(to - from) > 5.0 * kMillimetre);
+            CHECK(to.z < from.z);
+            for (double s = 0.1; s < 1.0; s += 0.1) {
+                const Vec3 at = from + s * (to - from);
+                CHECK(at.x == Approx(0.0).margin(1e-9));
+                CHECK(seen.distanceTo(at) < 0.01 * kMillimetre);
+                CHECK(coarse.distanceTo(at) < 0.05 * kMillimetre);
+            }
+        }
+    CHECK(edges == 2);
+}
+
+TEST_CASE("every mesh of the hysteroscopy loads, and together they stay below 6 MB")
+{
+    std::uintmax_t bytes = 0;
+    int surfaces = 0, volumes = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(hysteroscopyFolder())) {
+        bytes += entry.file_size();
+        const std::string kind = entry.path().extension();
+        CAPTURE(entry.path().string());
+        surfaces += kind == ".obj";
+        volumes += kind == ".msh";
+        if (kind == ".obj")
+            CHECK_NOTHROW(loadTriangleMesh(entry.path()));
+        else if (kind == ".msh")
+            CHECK_NOTHROW(loadTetMesh(entry.path()));
+        else
+            CHECK(kind == ".json");
+    }
+    CHECK(bytes < 6'000'000);
+    CHECK(surfaces == 28);
+    CHECK(volumes == 10);
+}
