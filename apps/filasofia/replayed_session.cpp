@@ -63,6 +63,7 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
     record::Replayer replayer(*engine);
 
     Bodies bodies;
+    std::map<BodyId, metric::StepSampler> samplers;
     std::map<BodyId, std::vector<metric::Sample>> samples;
     metric::Session session{.software = reader.header().filasofia,
                             .watched = {metric::EventKind::Tear, metric::EventKind::Cut}};
@@ -81,12 +82,14 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
                 {report.time,
                  rupture.kind == physics::Rupture::Kind::Tear ? metric::EventKind::Tear : metric::EventKind::Cut,
                  names[rupture.body], rupture.area});
-        const double period = std::floor(report.time * kRate + 1e-6);
-        if (report.dt == 0.0 || period <= lastPeriod) continue;
-        lastPeriod = period;
+        if (report.dt == 0.0) continue; // paused
         engine->capture(frame);
         for (const Bodies::Body& body : bodies.rigid)
-            samples[body.id].push_back(metric::sampleOf(frame, {.body = body.id}));
+            samplers.try_emplace(body.id, metric::Observed{.body = body.id}).first->second.add(frame, report.dt);
+        const double period = std::floor(report.time * kRate + 1e-6);
+        if (period <= lastPeriod) continue;
+        lastPeriod = period;
+        for (auto& [id, sampler] : samplers) samples[id].push_back(sampler.take());
     }
     const BodyId measured = bodies.tool(tool, recording.string());
     for (const Bodies::Body& body : bodies.rigid)

@@ -107,7 +107,8 @@ std::string shownNumber(double value, std::string_view unit)
     for (const Shown& each : kShown)
         if (each.unit == unit) value *= each.scale;
     const double size = std::abs(value);
-    if (value == std::round(value) && size < 1e6) return text(value);
+    if (value == 0.0) return "0";
+    if (size < 1e6 && std::abs(value - std::round(value)) < 1e-9 * size) return text(std::round(value));
     const char* format = size >= 100.0  ? "%.0f"
                          : size >= 10.0 ? "%.1f"
                          : size >= 1.0  ? "%.2f"

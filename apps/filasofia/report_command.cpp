@@ -66,7 +66,6 @@ int report(Options options)
     const Report report = reportOf(options);
     const bool piped = options.html == "-" || options.json == "-" || options.csv == "-";
     if (options.html.empty() && options.json.empty() && options.csv.empty()) options.html = kPage;
-    if (!piped) std::cout << reportText(report);
     if (!options.html.empty()) {
         write(options.html, reportPage(report));
         if (chartLibrary().empty())
@@ -74,6 +73,7 @@ int report(Options options)
     }
     if (!options.json.empty()) write(options.json, reportJson(report));
     if (!options.csv.empty()) write(options.csv, reportCsv(report));
+    if (!piped) std::cout << reportText(report);
     return 0;
 }
 

@@ -16,7 +16,7 @@ constexpr std::array kTiles = {"duration",  "path_length",     "economy",       
 
 std::string momentButton(const std::optional<double>& moment)
 {
-    if (!moment) return "–";
+    if (!moment) return {};
     const std::string time = shownTime(*moment);
     return text("<button type=\"button\" class=\"moment\" data-t=\"", *moment,
                 "\" title=\"Show this moment in the plots\">", time, "</button>");
@@ -265,10 +265,14 @@ std::string reportPage(const Report& report)
 {
     const std::string title =
         report.session.trainee.empty() ? "Session report" : "Session report: " + shownName(report.session.trainee);
-    std::string out = text("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-                           "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>",
-                           escaped(title), "</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n", chartStyle(),
-                           "\n", pageStyle(), "</style>\n</head>\n<body>\n");
+    std::string out =
+        text("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+             // Nothing is fetched, whatever a name says.
+             "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
+             "script-src 'unsafe-inline'; img-src data:\">\n<meta name=\"viewport\" content=\"width=device-width, "
+             "initial-scale=1\">\n<title>",
+             escaped(title), "</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n", chartStyle(), "\n",
+             pageStyle(), "</style>\n</head>\n<body>\n");
     out += header(report);
     out += "<main>\n" + tiles(report) + plots(report) + learning(report) + metricTables(report);
     out += "<section id=\"events\">\n<h2>Events</h2>\n" + eventTable(report) + "</section>\n" + notes(report);

@@ -81,3 +81,19 @@ TEST_CASE("where forces were not observed there is no force")
     for (const char* id : {"force_max", "force_mean", "force_impulse", "contact_count", "contact_time"})
         CHECK(reason(id, session) == "forces were not observed");
 }
+
+TEST_CASE("a hit of one step counts as its mean over 5 ms, whatever the step was")
+{
+    for (const double rate : {1000.0, 2000.0}) {
+        const auto hit = [=](double t) { return Vec3{0, std::abs(t - 0.5) < 0.4 / rate ? 0.01 * rate : 0.0, 0}; };
+        Session session = sampled(rate, 1.0, still, hit); // 0.01 N s
+        session.forceLimit = 3.0;
+        CHECK(number("force_max", session, {}) == exactly(0.01 / 5e-3));
+        CHECK(number("contact_peak_mean", session, {}) == exactly(0.01 / 5e-3));
+        CHECK(measured("force_over_count", session, MeasureDef{}).value == 0.0);
+        CHECK(number("force_over_count", session) == 1); // without the mean
+    }
+    // Sampled every 5 ms or slower it changes nothing.
+    const Session slow = pushes({3.0}, 200);
+    CHECK(number("force_max", slow, {}) == exactly(3.0));
+}

@@ -235,3 +235,42 @@ TEST_CASE("unevenly sampled motion is brought to an even rate")
     CHECK(number("speed_peak", session) == Approx(0.375).epsilon(1e-5)); // it lies between two samples
     CHECK(number("log_dimensionless_jerk", session) == Approx(-std::log(204.8)).epsilon(1e-2));
 }
+
+namespace {
+
+/// The hull's volume from every triangle that has all points on one side.
+double volumeByTriangles(const std::vector<Vec3>& p)
+{
+    double volume = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a)
+        for (std::size_t b = a + 1; b < p.size(); ++b)
+            for (std::size_t c = b + 1; c < p.size(); ++c) {
+                const Vec3 normal = cross(p[b] - p[a], p[c] - p[a]);
+                int above = 0, below = 0;
+                for (std::size_t d = 0; d < p.size(); ++d) {
+                    if (d == a || d == b || d == c) continue;
+                    (dot(normal, p[d] - p[a]) > 0.0 ? above : below) += 1;
+                }
+                if (above == 0 || below == 0)
+                    volume += std::abs(dot(normal, p[a] - p[0])) / 6.0; // a tetrahedron with a corner of the hull
+            }
+    return volume;
+}
+
+} // namespace
+
+TEST_CASE("the hull of scattered points, and of a nearly straight path, is that of its supporting triangles")
+{
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> side(-1.0, 1.0);
+    for (const double noise : {1.0, 1e-2, 1e-4, 1e-6})
+        for (int round = 0; round < 5; ++round) {
+            std::vector<Vec3> points;
+            for (int i = 0; i < 60; ++i) {
+                const double t = i / 20.0; // three straight ways
+                const Vec3 way = t < 1.0 ? Vec3{t, 0, 0} : t < 2.0 ? Vec3{1, t - 1.0, 0} : Vec3{1, 1, 0.3 * (t - 2.0)};
+                points.push_back(way + noise * Vec3{side(random), side(random), side(random)});
+            }
+            CHECK(hullVolume(points) == exactly(volumeByTriangles(points)));
+        }
+}

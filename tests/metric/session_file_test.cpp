@@ -189,3 +189,28 @@ TEST_CASE("a frame tells where a body is and what pushes it")
     CHECK(std::isnan(sampleOf(frame, {.body = {7}}).pose.position.x));
     CHECK(std::isnan(sampleOf(frame, {.body = {1}, .element = 4}).force.x));
 }
+
+TEST_CASE("between two samples no blow is missed: the force is the mean over the steps")
+{
+    StepSampler sampler({.body = {1}});
+    frame::Frame frame;
+    frame.rigidBodies = {{.id = {1}, .poses = {{}}}};
+    for (const double force : {0.0, 8.0, 0.0, 2.0, 0.0}) {
+        frame.time += 1e-3;
+        frame.rigidBodies[0].poses[0].position.x = frame.time;
+        frame.contacts.clear();
+        if (force > 0.0)
+            frame.contacts = {
+                {.first = {1}, .second = {2}, .point = {force, 0, 0}, .normal = {0, 1, 0}, .normalForce = force}};
+        sampler.add(frame, 1e-3);
+    }
+    const Sample sample = sampler.take();
+    CHECK(sample.time == frame.time);
+    CHECK(sample.pose.position.x == frame.time);
+    CHECK(sample.force.y == exactly(2.0));
+    CHECK(sample.contacts == 1);
+    CHECK(sample.point.x == 8.0);
+    frame.contacts.clear();
+    sampler.add(frame, 1e-3);
+    CHECK(sampler.take().force == Vec3{}); // nothing is left of it
+}

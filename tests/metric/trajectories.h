@@ -9,8 +9,8 @@ namespace filasofia::metric {
 
 inline constexpr double kPi = std::numbers::pi;
 
-/// As sampled: closed forms know no filter.
-inline constexpr MeasureDef kUnfiltered = {.lowPass = 0.0};
+/// As sampled: closed forms know no filter and no mean.
+inline constexpr MeasureDef kUnfiltered = {.lowPass = 0.0, .forceWindow = 0.0};
 
 /// Samples of a path at rate [Hz] from 0 to `end` [s].
 inline Session sampled(double rate, double end, const std::function<Vec3(double)>& path,

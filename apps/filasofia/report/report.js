@@ -21,6 +21,8 @@
     const ctx = u.ctx, { left, top, width, height } = u.bbox, ratio = width / u.over.clientWidth;
     ctx.save();
     ctx.font = `${11 * ratio}px sans-serif`;
+    ctx.textAlign = "left";
+    ctx.textBaseline = "bottom";
     const wrong = new Set(["perforation", "mistake"]);
     const free = [-1, -1, -1]; // where the words of each of three lines end
     for (const event of data.events) {
@@ -51,12 +53,13 @@
     ctx.save();
     ctx.strokeStyle = ctx.fillStyle = red;
     ctx.font = `${11 * ratio}px sans-serif`;
+    ctx.textAlign = "right";
+    ctx.textBaseline = "bottom";
     ctx.beginPath();
     ctx.moveTo(left, y);
     ctx.lineTo(left + width, y);
     ctx.stroke();
-    const words = `limit ${data.limit} N`;
-    ctx.fillText(words, left + width - ctx.measureText(words).width - 4 * ratio, y - 4 * ratio);
+    ctx.fillText(`limit ${data.limit} N`, left + width - 4 * ratio, y - 2 * ratio);
     ctx.restore();
   }
 
@@ -68,7 +71,7 @@
   }
 
   const clock = t => t < 60 ? `${t.toFixed(2)} s` : `${Math.floor(t / 60)}:${(t % 60).toFixed(2).padStart(5, "0")}`;
-  const ticks = (u, values) => values.map(t => t < 60 && values[values.length - 1] < 60 ? String(t) : `${Math.floor(t / 60)}:${String(+(t % 60).toFixed(2)).padStart(2, "0")}`);
+  const ticks = (u, values) => values.map(t => u.data[0][u.data[0].length - 1] < 60 ? String(t) : `${Math.floor(t / 60)}:${String(+(t % 60).toFixed(2)).padStart(2, "0")}`);
 
   // The moment that the pointer, or a button of a table, is at.
   const dots = [...document.querySelectorAll("circle.now")].map(dot =>
@@ -101,7 +104,7 @@
 
   function overTime(id, values, label, color, hooks) {
     if (!values || !values[0].length) return absent(element(id), `No ${id} was observed.`);
-    const first = onTime.length === 0;
+    const first = onTime.length === 0, last = values[0][values[0].length - 1];
     onTime.push(add(id, {
       padding: [first ? 44 : 8, 12, 0, 0],
       cursor: {
@@ -109,7 +112,7 @@
         drag: { x: true, y: false },
       },
       scales: { x: { time: false } },
-      axes: [axis("time [s, min:s]", { values: ticks }), axis(label, { size: 58 })],
+      axes: [axis(first ? "" : `time [${last < 60 ? "s" : "min:s"}]`, { values: ticks, ...(first ? { labelSize: 4 } : {}) }), axis(label, { size: 58 })],
       series: [{}, { stroke: color, width: 1.2, fill: color + "18", points: { show: false } }],
       hooks: {
         draw: [u => { drawEvents(u); hooks.forEach(hook => hook(u)); }],
@@ -137,7 +140,7 @@
       const { min, max } = plot.scales.x, data = plot.data[0];
       if (t < min || t > max) plot.setScale("x", { min: data[0], max: data[data.length - 1] });
     }
-    requestAnimationFrame(() => {
+    setTimeout(() => { // once they have their new scale
       for (const plot of onTime) plot.setCursor({ left: plot.valToPos(t, "x"), top: plot.over.clientHeight / 2 }, false);
       show(t);
     });
@@ -185,7 +188,7 @@
         cursor: { drag: { x: false, y: false } },
         legend: { show: true },
         scales: { x: { time: false, range: [0.7, numbers.length + 0.3] }, y: { range: [low - room, high + room] } },
-        axes: [axis("session", { splits: () => numbers, values: () => numbers.map(n => data.dates[n - 1].slice(0, 10) || String(n)) }),
+        axes: [axis("session", { splits: () => numbers, values: u => numbers.map(n => u.width > 110 * numbers.length && data.dates[n - 1].slice(0, 10) || String(n)) }),
                axis(curve.unit ? `${curve.name} [${curve.unit}]` : curve.name, { size: 64 })],
         series: [{ label: "session", value: (u, v) => v == null ? "–" : data.dates[v - 1] || String(v) },
                  { label: curve.name, value: (u, v) => v == null ? "–" : `${v} ${curve.unit}`, stroke: blue, width: 2, spanGaps: true,
@@ -205,7 +208,9 @@
           u.ctx.lineTo(left + width, at(curve.mean));
           u.ctx.stroke();
           u.ctx.font = `${11 * ratio}px sans-serif`;
-          u.ctx.fillText("other trainees: mean ± one standard deviation", left + 6 * ratio, at(curve.mean) - 5 * ratio);
+          u.ctx.textAlign = "left";
+          u.ctx.textBaseline = "bottom";
+          u.ctx.fillText("others: mean ± deviation", left + 6 * ratio, at(curve.mean) - 2 * ratio);
           u.ctx.restore();
         }] },
       }, [numbers, curve.values], 240);
@@ -219,7 +224,7 @@
 
   const fit = width => plots.forEach(({ plot, place, height }) => plot.setSize({ width: width || place.clientWidth, height }));
   addEventListener("resize", () => fit());
-  addEventListener("beforeprint", () => fit(660));
+  addEventListener("beforeprint", () => fit(680));
   addEventListener("afterprint", () => fit());
   document.documentElement.dataset.plots = String(plots.length); // for whoever checks that they were drawn
 })();

@@ -16,4 +16,24 @@ struct Observed {
 /// The sample that a frame holds of it; all NaN where the body is not there.
 Sample sampleOf(const frame::Frame& frame, const Observed& observed);
 
+/// Samples a body less often than physics steps, and misses no blow in between: a sample's force is the mean over the
+/// steps since the sample before, so that impulses are exact; its contacts are the most, its point the strongest's.
+class StepSampler {
+public:
+    explicit StepSampler(const Observed& observed) : observed_(observed) {}
+    /// After every step of `dt` [s]; 0: not known.
+    void add(const frame::Frame& frame, double dt);
+    /// The sample at the newest step.
+    Sample take();
+
+private:
+    Observed observed_;
+    Sample newest_ = {};
+    Vec3 impulse_ = {};      ///< [N s]
+    double time_ = 0.0;      ///< [s]
+    double strongest_ = 0.0; ///< [N]
+    Vec3 point_ = {};
+    int contacts_ = 0;
+};
+
 } // namespace filasofia::metric

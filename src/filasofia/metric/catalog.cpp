@@ -88,8 +88,8 @@ constexpr Entry kEntries[] = {
       "crude: depends on the threshold; grows with the length of the task"},
      speedPeaks},
 
-    {{"force_max", "Largest force", Group::Force, "N", Lower, "The largest contact force on the tool.", kGolahmadi,
-      Discriminates, kForceFound},
+    {{"force_max", "Largest force", Group::Force, "N", Lower,
+      "The largest mean of the contact force on the tool over 5 ms.", kGolahmadi, Discriminates, kForceFound},
      maxForce},
     {{"force_mean", "Mean force", Group::Force, "N", Lower, "The mean contact force over the time in contact.",
       kGolahmadi, Discriminates, kForceFound},
@@ -101,7 +101,8 @@ constexpr Entry kEntries[] = {
       kOurs, Unknown, kForceKin},
      forceImpulse},
     {{"force_over_time", "Time above the limit", Group::Force, "s", Lower,
-      "Time in which the force is above what the case says that the tissue stands.", kOurs, Safety, kSafety},
+      "Time in which the force, as a mean over 5 ms, is above what the case says that the tissue stands.", kOurs,
+      Safety, kSafety},
      timeAboveLimit},
     {{"force_over_count", "Times above the limit", Group::Force, "-", Lower,
       "How often the force rises above that limit.", kOurs, Safety, kSafety},
@@ -116,7 +117,7 @@ constexpr Entry kEntries[] = {
       kNotKnown},
      longestContact},
     {{"contact_peak_mean", "Mean peak of a contact", Group::Force, "N", Lower,
-      "The largest force of each contact, averaged over the contacts.", kOurs, Unknown, kForceKin},
+      "The largest mean over 5 ms of each contact, averaged over the contacts.", kOurs, Unknown, kForceKin},
      meanContactPeak},
 
     {{"perforations", "Perforations", Group::Safety, "-", Lower,
@@ -244,7 +245,8 @@ std::string catalogMarkdown()
 Comparison compare(const Value& value, std::span<const double> others)
 {
     Comparison comparison{.others = static_cast<int>(others.size())};
-    for (const double other : others) comparison.mean += other / static_cast<double>(others.size());
+    for (const double other : others) comparison.mean += other;
+    if (!others.empty()) comparison.mean /= static_cast<double>(others.size());
     double squares = 0.0;
     for (const double other : others) squares += (other - comparison.mean) * (other - comparison.mean);
     if (others.size() > 1) comparison.deviation = std::sqrt(squares / static_cast<double>(others.size() - 1));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -50,8 +51,19 @@ bool beginWithTetrahedron(std::vector<Vec3>& p, double tiny)
     bring(1, [&](Vec3 x) { return distance(x, p[0]); });
     bring(2, [&](Vec3 x) { return length(cross(p[1] - p[0], x - p[0])); });
     if (bring(3, [&](Vec3 x) { return std::abs(signedVolume(p[0], p[1], p[2], x)); }) <= tiny) return false;
-    if (signedVolume(p[0], p[1], p[2], p[3]) > 0.0) std::swap(p[1], p[2]);
     return true;
+}
+
+/// Moves every point by about 1e-9 of the size, the same every time: no four lie in a plane then, and which faces see a
+/// point is never a matter of rounding. A face misjudged by a hair would fold the surface.
+void jitter(std::vector<Vec3>& points, double size)
+{
+    std::uint32_t state = 1;
+    for (Vec3& point : points)
+        for (int k = 0; k < 3; ++k) {
+            state = state * 1664525u + 1013904223u; // Numerical Recipes
+            point[k] += 1e-9 * size * (static_cast<double>(state) / 4294967296.0 - 0.5);
+        }
 }
 
 } // namespace
@@ -62,8 +74,9 @@ double hullVolume(const std::vector<Vec3>& all)
     if (points.size() < 4) return 0.0;
     double size = 0.0;
     for (const Vec3& point : points) size = std::max(size, distance(point, points[0]));
-    const double tiny = 1e-12 * size * size * size;
-    if (!beginWithTetrahedron(points, tiny)) return 0.0;
+    if (!beginWithTetrahedron(points, 1e-12 * size * size * size)) return 0.0;
+    jitter(points, size);
+    if (signedVolume(points[0], points[1], points[2], points[3]) > 0.0) std::swap(points[1], points[2]);
 
     // One point after another: the faces that see it give way to a cone from it to their rim.
     std::vector<Face> faces = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
@@ -71,7 +84,7 @@ double hullVolume(const std::vector<Vec3>& all)
         std::map<std::pair<std::size_t, std::size_t>, int> edges; // of faces that see the point
         std::vector<Face> kept;
         for (const Face& face : faces) {
-            if (signedVolume(points[face[0]], points[face[1]], points[face[2]], points[i]) <= tiny) {
+            if (signedVolume(points[face[0]], points[face[1]], points[face[2]], points[i]) <= 0.0) {
                 kept.push_back(face);
                 continue;
             }

@@ -9,19 +9,44 @@ namespace {
 const char* const kTouchedNothing = "the tool touched nothing";
 
 struct Force {
-    double time, size;
+    double time;
+    double size; ///< [N]
     int contacts;
+    double steady; ///< [N], the size of the mean over forceWindow
 };
 
-/// The samples that have a force, by rising time. Forces are not filtered: a short blow is a blow.
+/// The force of the step of a hit is m dv / dt: it grows as steps get shorter, and says nothing. Its mean over some
+/// steps does not. A sample tells of the time since the one before.
+void steady(std::vector<Force>& forces, const std::vector<Vec3>& vectors, double window)
+{
+    std::size_t first = 0; // of those within the window
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+        while (first < i && forces[first].time <= forces[i].time - window + 1e-9) ++first;
+        Vec3 impulse = {};
+        double time = 0.0;
+        for (std::size_t k = std::max<std::size_t>(1, first); k <= i; ++k) {
+            const double dt = std::min(forces[k].time - forces[k - 1].time, window);
+            impulse += dt * vectors[k];
+            time += dt;
+        }
+        forces[i].steady = time > 0.0 ? length(impulse / time) : forces[i].size;
+    }
+}
+
+/// The samples that have a force, by rising time. Forces are not filtered but for those means.
 std::vector<Force> forcesOf(const Material& m)
 {
     std::vector<Force> forces;
-    if (m.tool && m.tool->force)
-        for (const Sample& sample : m.tool->samples)
-            if (std::isfinite(sample.time) && isFinite(sample.force) &&
-                (forces.empty() || sample.time > forces.back().time))
-                forces.push_back({sample.time, length(sample.force), sample.contacts});
+    std::vector<Vec3> vectors;
+    if (!m.tool || !m.tool->force) return forces;
+    for (const Sample& sample : m.tool->samples)
+        if (std::isfinite(sample.time) && isFinite(sample.force) &&
+            (forces.empty() || sample.time > forces.back().time)) {
+            const double size = length(sample.force);
+            forces.push_back({sample.time, size, sample.contacts, size});
+            vectors.push_back(sample.force);
+        }
+    steady(forces, vectors, m.def.forceWindow);
     return forces;
 }
 
@@ -75,9 +100,9 @@ Excess excessOf(const Material& m, const std::vector<Force>& forces, double limi
     Excess excess;
     double end = -1e300; // of the last time above
     forEachPair(m, forces, [&](const Force& a, const Force& b) {
-        if (a.size <= limit && b.size <= limit) return;
-        const double crossing = a.time + (b.time - a.time) * (limit - a.size) / (b.size - a.size);
-        const double from = a.size > limit ? a.time : crossing, to = b.size > limit ? b.time : crossing;
+        if (a.steady <= limit && b.steady <= limit) return;
+        const double crossing = a.time + (b.time - a.time) * (limit - a.steady) / (b.steady - a.steady);
+        const double from = a.steady > limit ? a.time : crossing, to = b.steady > limit ? b.time : crossing;
         if (from > end) ++excess.times;
         if (!excess.first) excess.first = from;
         excess.time += to - from;
@@ -111,7 +136,7 @@ std::vector<Contact> contactsOf(const Material& m, const std::vector<Force>& for
         if (contacts.empty() || start > contacts.back().end + m.def.contactPause)
             contacts.push_back({start, start, 0.0});
         contacts.back().end = force.time;
-        contacts.back().peak = std::max(contacts.back().peak, force.size);
+        contacts.back().peak = std::max(contacts.back().peak, force.steady);
     }
     return contacts;
 }
@@ -129,8 +154,8 @@ Value maxForce(const Material& m)
 {
     const std::vector<Force> forces = forcesOf(m);
     if (std::string reason = noForces(m, forces); !reason.empty()) return none(reason);
-    const auto largest = std::ranges::max_element(forces, {}, &Force::size);
-    return largest->size > 0.0 ? found(largest->size, largest->time) : found(0.0);
+    const auto largest = std::ranges::max_element(forces, {}, &Force::steady);
+    return largest->steady > 0.0 ? found(largest->steady, largest->time) : found(0.0);
 }
 
 Value meanForce(const Material& m) { return average(m, 1); }

@@ -1,6 +1,8 @@
 #include "filasofia/metric/sampling.h"
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace filasofia::metric {
 namespace {
@@ -39,6 +41,30 @@ Sample sampleOf(const frame::Frame& frame, const Observed& observed)
         strongest = length(force);
         sample.point = contact.point;
     }
+    return sample;
+}
+
+void StepSampler::add(const frame::Frame& frame, double dt)
+{
+    newest_ = sampleOf(frame, observed_);
+    impulse_ += dt * newest_.force; // NaN stays NaN: what was not seen in between is not made up
+    time_ += dt;
+    if (contacts_ == 0) point_ = newest_.point;
+    contacts_ = std::max(contacts_, newest_.contacts);
+    if (const double size = length(newest_.force); size > strongest_) {
+        strongest_ = size;
+        point_ = newest_.point;
+    }
+}
+
+Sample StepSampler::take()
+{
+    Sample sample = newest_;
+    if (time_ > 0.0) sample.force = impulse_ / time_;
+    sample.contacts = std::exchange(contacts_, 0);
+    sample.point = point_;
+    impulse_ = {};
+    time_ = strongest_ = 0.0;
     return sample;
 }
 

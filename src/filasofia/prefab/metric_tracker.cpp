@@ -95,7 +95,9 @@ struct MetricTracker::Impl {
         : simulation(sim), def(std::move(asked)), session(begun(sim, def)), rows(rowsOf(def)),
           writer(def.file, def.write)
     {
-        for (const TrackedBody& body : def.bodies) observed.push_back({body.body, body.element, body.tip, body.force});
+        for (const TrackedBody& body : def.bodies)
+            samplers.emplace_back(
+                metric::Observed{.body = body.body, .element = body.element, .tip = body.tip, .force = body.force});
         writer.head(session);
         thread = std::thread([this] { run(); });
     }
@@ -118,14 +120,17 @@ struct MetricTracker::Impl {
         const frame::FrameRef frame = simulation.physics().latest();
         if (stepEnd && (!frame || frame->time < *stepEnd) && due(*stepEnd))
             lost.fetch_add(1, std::memory_order_relaxed);
-        if (!frame || !due(frame->time)) return;
+        if (!frame || (seen && frame->time <= *seen)) return;
+        for (metric::StepSampler& sampler : samplers) sampler.add(*frame, seen ? frame->time - *seen : 0.0);
+        seen = frame->time;
+        if (!due(frame->time)) return;
         Row* row = rows.beginWrite();
         if (!row) {
             lost.fetch_add(1, std::memory_order_relaxed);
             return;
         }
-        row->resize(observed.size());
-        for (std::size_t i = 0; i < observed.size(); ++i) (*row)[i] = metric::sampleOf(*frame, observed[i]);
+        row->resize(samplers.size());
+        for (std::size_t i = 0; i < samplers.size(); ++i) (*row)[i] = samplers[i].take();
         rows.publish();
         taken.fetch_add(1, std::memory_order_relaxed);
     }
@@ -231,7 +236,7 @@ struct MetricTracker::Impl {
 
     runtime::Simulation& simulation;
     const MetricTrackerDef def;
-    std::vector<metric::Observed> observed;
+    std::vector<metric::StepSampler> samplers; ///< one per body
     metric::Session session;
     SpscRing<Row> rows;
     MpscQueue<Event> events;
@@ -244,6 +249,7 @@ struct MetricTracker::Impl {
     std::mutex sampling; ///< held by whoever samples: the stepping thread, which never waits for it, or the end
     bool closed = false;
     std::optional<double> stepEnd; ///< [s], of the last step that began
+    std::optional<double> seen;    ///< [s], of the newest frame that was seen
     double lastPeriod = -1.0;
 
     std::mutex resting;
