@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // A page of ten minutes at 1 kHz stays below a megabyte.
-constexpr std::size_t kMostPoints = 3000;
+constexpr std::size_t kMostPoints = 6000;
 constexpr std::size_t kMostPathPoints = 1500;
 constexpr int kBins = 24;
 

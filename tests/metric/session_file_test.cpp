@@ -150,7 +150,8 @@ TEST_CASE("what is no session is refused by file and line")
     };
     CHECK(second("{\"t\":0}") == ", line 2: must have samples 's' of 2 tracks");
     CHECK(second("{\"s\":[]}") == ", line 2: has no time 't'");
-    CHECK(second("{\"t\":0,\"s\":[[1],[2]]}") == ", line 2: a sample must be 7, 11 or 14 numbers");
+    CHECK(second("{\"t\":0,\"s\":[[1],[2]]}") ==
+          ", line 2: a sample must be 7, 11 or 14 numbers, the eleventh the number of contacts");
     CHECK(second("{\"t\":0,\"event\":\"party\"}") == ", line 2: there is no kind of event 'party'");
     CHECK(second(endLine(0) + eventLine({})) == ", line 3: comes after the end");
     CHECK(second(std::string(200'000, '[')) == ", line 2: is no line of a session");
@@ -213,4 +214,28 @@ TEST_CASE("between two samples no blow is missed: the force is the mean over the
     frame.contacts.clear();
     sampler.add(frame, 1e-3);
     CHECK(sampler.take().force == Vec3{}); // nothing is left of it
+}
+
+TEST_CASE("samples written in another way than ours are the same samples")
+{
+    const TemporaryFile file;
+    const std::string head = headLine(little());
+    file.write(head + "{\"t\":0.5,\"s\":[[1,2e-3,3,1,0,0,0,4,5,6,2,7,8,9],[null,2,3,1,0,0,0]]}\n" +
+               "{ \"s\" : [[1,0.002,3,1,0,0,0,4,5,6,2,7,8,9], [null,2,3,1,0,0,0]], \"t\": 5e-1 }\n" + endLine(0));
+    const Session session = readSession(file.path);
+    for (const Track& track : session.tracks) {
+        REQUIRE(track.samples.size() == 2);
+        const Sample &a = track.samples[0], &b = track.samples[1];
+        CHECK(a.time == b.time);
+        CHECK(a.pose.position.y == b.pose.position.y);
+        CHECK(std::isnan(a.pose.position.x) == std::isnan(b.pose.position.x));
+        CHECK(a.contacts == b.contacts);
+        CHECK(std::isnan(a.force.x) == std::isnan(b.force.x));
+    }
+    CHECK(session.tracks[0].samples[0].point == Vec3{7, 8, 9});
+    for (const char* line : {"{\"t\":0,\"s\":[[inf,0,0,1,0,0,0],[0,0,0,1,0,0,0]]}", "{\"t\":0,\"s\":[[0,0,0,1,0,0,0]",
+                             "{\"t\":0,\"s\":[[0,0,0,1,0,0,0],[0,0,0,1,0,0,0]]}]"}) {
+        file.write(head + line + "\n");
+        CHECK(refusal(file) == ", line 2: is no line of a session");
+    }
 }

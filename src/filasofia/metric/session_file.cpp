@@ -2,12 +2,14 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/word.h"
+#include "filasofia/metric/sample_line.h"
 
 #include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <span>
 
 namespace filasofia::metric {
 namespace {
@@ -20,7 +22,6 @@ constexpr std::size_t kLongestLine = 1 << 20;
 constexpr std::size_t kMostTracks = 64;
 constexpr std::size_t kMostSamples = 50'000'000;
 constexpr std::size_t kMostEvents = 1'000'000;
-constexpr std::size_t kNumbersOfPose = 7, kNumbers = 14;
 
 void appendNumber(std::string& out, double value)
 {
@@ -77,12 +78,13 @@ public:
     {
         if (!nextLine()) fail(name_, ": is empty");
         readHead(parsed());
+        row_.resize(session_.tracks.size());
         session_.complete = false;
         while (nextLine()) {
             // A line that broke off is the end of a session that broke off.
             if (broken_) break;
             if (session_.complete) wrong("comes after the end");
-            readLine(parsed());
+            if (!scanSamples()) readLine(parsed());
         }
         if (!stream_.eof()) fail(name_, ": cannot be read to its end");
         return std::move(session_);
@@ -93,14 +95,13 @@ private:
 
     bool nextLine()
     {
-        text_.clear();
-        for (int letter = 0; (letter = stream_.get()) != std::ifstream::traits_type::eof();) {
-            if (letter == '\n') return ++line_, true;
-            text_ += static_cast<char>(letter);
-            if (text_.size() > kLongestLine) return ++line_, wrong("is longer than any line of a session"), false;
-        }
-        broken_ = true;
-        return ++line_, !text_.empty();
+        ++line_;
+        stream_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+        const auto size = static_cast<std::size_t>(stream_.gcount());
+        if (stream_.fail() && size + 1 >= buffer_.size()) wrong("is longer than any line of a session");
+        broken_ = stream_.eof(); // else the line break is counted
+        text_ = {buffer_.data(), broken_ || size == 0 ? size : size - 1};
+        return !broken_ || size > 0;
     }
 
     Json parsed() const
@@ -244,34 +245,43 @@ private:
         const Json* list = find(json, "s");
         if (!list || !list->is_array() || list->size() != session_.tracks.size())
             wrong(text("must have samples 's' of ", session_.tracks.size(), " tracks"));
-        if ((samples_ += list->size()) > kMostSamples) wrong(text("has more than ", kMostSamples, " samples"));
-        for (std::size_t i = 0; i < list->size(); ++i) session_.tracks[i].samples.push_back(sampleOf(when, (*list)[i]));
+        count(list->size());
+        for (std::size_t i = 0; i < list->size(); ++i)
+            session_.tracks[i].samples.push_back(sampleFrom(when, (*list)[i]));
     }
 
-    Sample sampleOf(double when, const Json& json) const
+    /// Nearly every line is one of samples.
+    bool scanSamples()
     {
-        constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+        if (!scanSampleLine(text_, row_)) return false;
+        count(row_.size());
+        for (std::size_t i = 0; i < row_.size(); ++i) session_.tracks[i].samples.push_back(row_[i]);
+        return true;
+    }
+
+    void count(std::size_t samples)
+    {
+        if ((samples_ += samples) > kMostSamples) wrong(text("has more than ", kMostSamples, " samples"));
+    }
+
+    Sample sampleFrom(double when, const Json& json) const
+    {
         double numbers[kNumbers];
-        std::fill(std::begin(numbers), std::end(numbers), nan);
-        if (!json.is_array() || json.size() < kNumbersOfPose || json.size() > kNumbers)
-            wrong("a sample must be 7, 11 or 14 numbers");
+        if (!json.is_array() || json.size() > kNumbers) wrong("a sample must be 7, 11 or 14 numbers");
         for (std::size_t i = 0; i < json.size(); ++i)
-            if (!json[i].is_null()) numbers[i] = number(json[i], "s");
-        const double* n = numbers;
-        const double contacts = json.size() > 10 ? n[10] : 0.0;
-        if (!(contacts >= 0.0 && contacts <= 1e9)) wrong("the number of contacts must be in [0, 1e9]");
-        return {.time = when,
-                .pose = {{n[0], n[1], n[2]}, {n[3], n[4], n[5], n[6]}},
-                .force = {n[7], n[8], n[9]},
-                .contacts = static_cast<int>(contacts),
-                .point = {n[11], n[12], n[13]}};
+            numbers[i] = json[i].is_null() ? std::numeric_limits<double>::quiet_NaN() : number(json[i], "s");
+        const auto sample = sampleOf(when, std::span(numbers, json.size()));
+        if (!sample) wrong("a sample must be 7, 11 or 14 numbers, the eleventh the number of contacts");
+        return *sample;
     }
 
     std::string name_;
     std::ifstream stream_;
-    std::string text_;
+    std::vector<char> buffer_ = std::vector<char>(kLongestLine);
+    std::string_view text_; ///< the line, in the buffer
     std::size_t line_ = 0, samples_ = 0;
-    bool broken_ = false; ///< the line has no end
+    std::vector<Sample> row_; ///< one per track
+    bool broken_ = false;     ///< the line has no end
     Session session_;
 };
 
