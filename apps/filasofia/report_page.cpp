@@ -2,6 +2,7 @@
 #include "apps/filasofia/report.h"
 #include "apps/filasofia/report_files.h"
 #include "filasofia/core/text.h"
+#include "filasofia/metric/motion.h"
 
 #include <algorithm>
 #include <array>
@@ -33,6 +34,17 @@ std::string fact(const char* name, const std::string& value)
     return text("<div><dt>", name, "</dt><dd>", value, "</dd></div>\n");
 }
 
+/// Of the tool [s]: nothing is known of it, and nothing measured.
+double timeInGaps(const metric::Session& session)
+{
+    const metric::Track* tool = metric::findTrack(session, metric::Role::Tool);
+    const std::vector<metric::Motion> motions = tool ? metric::motionsOf(*tool) : std::vector<metric::Motion>();
+    double gaps = 0.0;
+    for (std::size_t i = 1; i < motions.size(); ++i)
+        gaps += motions[i].start - (motions[i - 1].start + motions[i - 1].duration());
+    return gaps;
+}
+
 std::string header(const Report& report)
 {
     const metric::Session& session = report.session;
@@ -55,6 +67,7 @@ std::string header(const Report& report)
                         text(tool->samples.size(), std::isfinite(rate) ? text(" at ", std::round(rate), " Hz") : ""));
         }
     }
+    if (const double gaps = timeInGaps(session); gaps > 0.0) out += fact("Gaps", shownTime(gaps));
     out += fact("Lost", session.lost == 0 ? "none" : text(session.lost, " samples"));
     out += "</dl>\n";
     if (!session.complete)

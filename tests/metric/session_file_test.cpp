@@ -239,3 +239,28 @@ TEST_CASE("samples written in another way than ours are the same samples")
         CHECK(refusal(file) == ", line 2: is no line of a session");
     }
 }
+
+TEST_CASE("bytes changed at random are a session or an error, and whatever is read can be measured")
+{
+    const TemporaryFile file;
+    writeSession(file.path, little());
+    const std::string whole = file.read();
+    std::mt19937 random(5);
+    int refused = 0;
+    for (int round = 0; round < 1500; ++round) {
+        std::string text = whole;
+        for (int change = 0; change < 1 + round % 3; ++change) {
+            char& letter = text[random() % text.size()];
+            letter = round % 2 == 0 ? static_cast<char>(random() % 256) : "0123456789-+.e[]{},:\"n"[random() % 22];
+        }
+        file.write(text);
+        try {
+            for (const Value& value : measure(readSession(file.path)))
+                CHECK((value.value ? std::isfinite(*value.value) : !value.reason.empty()));
+        } catch (const Error&) {
+            ++refused;
+        }
+    }
+    CHECK(refused > 100);
+    CHECK(refused < 1450);
+}

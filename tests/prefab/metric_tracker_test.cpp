@@ -206,6 +206,7 @@ TEST_CASE("forces of contact, tears and what the simulator marks are in the sess
     tracker.close();
     const metric::Session& session = tracker.session();
     CHECK_FALSE(session.date.empty());
+    CHECK(session.software.starts_with("Filasofia "));
     CHECK(session.tracks[0].name == "probe");
     CHECK(session.tracks[1].name == "liver");
     REQUIRE(session.events.size() == 2);

@@ -1,10 +1,10 @@
-# Writes the C++ source OUTPUT: one function per file that returns its text (report_files.h). A missing file is empty.
+# Writes the C++ source OUTPUT: one function per file that returns its text (report_files.h). The file "none" is empty.
 # cmake -DOUTPUT=x.cpp -DNAMES="pageStyle;…" -DFILES="report.css;…" -P embed.cmake
 set(code "// Made by embed.cmake.\n#include \"apps/filasofia/report_files.h\"\n\nnamespace filasofia::app {\nnamespace {\n")
 set(functions)
 foreach(name file IN ZIP_LISTS NAMES FILES)
   set(bytes "")
-  if(EXISTS "${file}")
+  if(NOT file STREQUAL "none")
     file(READ "${file}" bytes HEX)
   endif()
   string(LENGTH "${bytes}" size)

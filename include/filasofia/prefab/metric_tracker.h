@@ -38,8 +38,8 @@ struct MetricTrackerDef {
     std::string file = {}; ///< a .jsonl file (for `filasofia report`) or a .csv file; empty: none
     bool keep = false;     ///< in memory as well, for session(): 128 bytes per sample
     std::function<void(std::string_view)> write = {}; ///< takes the lines of the .jsonl file as well; an Error ends it
-    /// Trainee, task, date (empty: now), limits, targets and steps; `watched` has kinds of events that the simulator
-    /// marks. Tracks, tears, cuts and samples are the tracker's.
+    /// Trainee, task, date (empty: now), software (empty: Filasofia), limits, targets and steps; `watched` has kinds of
+    /// events that the simulator marks. Tracks, tears, cuts and samples are the tracker's.
     metric::Session session = {};
 };
 constexpr auto fields(const MetricTrackerDef*)

@@ -69,6 +69,7 @@ metric::Session begun(runtime::Simulation& simulation, const MetricTrackerDef& d
     session.lost = 0;
     session.complete = true;
     if (session.date.empty()) session.date = now();
+    if (session.software.empty()) session.software = "Filasofia " FILASOFIA_VERSION;
     for (const EventKind kind : {EventKind::Tear, EventKind::Cut})
         if (std::find(session.watched.begin(), session.watched.end(), kind) == session.watched.end())
             session.watched.push_back(kind);
