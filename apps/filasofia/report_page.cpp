@@ -239,8 +239,8 @@ std::string notes(const Report& report)
         "<li>Compare sessions of one case only. A single session says little; a curve says more.</li>\n"
         "<li>Rating scales (GOALS, Vassiliou 2005; OSATS, Martin 1997) are for people: this report does "
         "not replace them.</li>\n"
-        "<li>Positions are low-passed at 20 Hz before speeds and jerks are made of them; forces are not "
-        "filtered. Gaps longer than 0.1 s are left out.</li>\n";
+        "<li>Positions are low-passed at 20 Hz before speeds and jerks are made of them; peaks of the force are of "
+        "means over 5 ms. Gaps longer than 0.1 s are left out.</li>\n";
     if (!report.comparisons.empty())
         out += text("<li>z: how many standard deviations from the mean of ", report.others.size(),
                     " sessions of other trainees of the same case. It ranks; it does not judge.</li>\n");

@@ -1,5 +1,7 @@
 #include "trajectories.h"
 
+#include "filasofia/core/text.h"
+
 #include <fstream>
 #include <set>
 
@@ -26,6 +28,21 @@ TEST_CASE("docs/metrics.md has the table of the code (filasofia report --definit
     std::ifstream file(FILASOFIA_SOURCE_DIR "/docs/metrics.md");
     const std::string page{std::istreambuf_iterator<char>(file), {}};
     CHECK(page.find(catalogMarkdown()) != std::string::npos);
+}
+
+TEST_CASE("definitions tell the thresholds that are used")
+{
+    const MeasureDef def;
+    const auto tells = [](std::string_view id, const std::string& words) {
+        CHECK(catalog()[indexOf(id)].definition.find(words) != std::string_view::npos);
+    };
+    tells("idle_share", text(1e3 * def.idleSpeed, " mm/s"));
+    tells("idle_longest", text(1e3 * def.idleSpeed, " mm/s"));
+    tells("contact_count", text(def.contactPause, " s"));
+    tells("lens_contact", text(1e3 * def.lensReach, " mm"));
+    for (const char* id : {"force_max", "force_over_time", "contact_peak_mean"})
+        tells(id, text(1e3 * def.forceWindow, " ms"));
+    CHECK(def.peakShare == 0.1); // "a tenth of the peak speed"
 }
 
 TEST_CASE("a number is compared with those of others")

@@ -3,6 +3,7 @@
 #include "filasofia/metric/session.h"
 
 #include <filesystem>
+#include <iosfwd>
 #include <span>
 
 /// A session as JSON Lines: a head, then a line per moment with what all tracks did, a line per event in between, and
@@ -24,5 +25,7 @@ void writeSession(const std::filesystem::path& file, const Session& session);
 /// Throws Error naming file and line where it is no session, of another version, or damaged. A session that broke off
 /// is read up to there (Session::complete). It must be a regular file.
 Session readSession(const std::filesystem::path& file);
+/// The same of a stream; errors call it by `name`.
+Session readSession(std::istream& stream, const std::string& name);
 
 } // namespace filasofia::metric

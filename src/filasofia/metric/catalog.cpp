@@ -14,15 +14,15 @@ using enum Better;
 // Sources that several metrics have. What they found is told as the papers and reviews report it, no more.
 constexpr std::string_view kOurs = "this project";
 constexpr std::string_view kOropesa = "Oropesa et al., Surgical Innovation 20, 2013";
-constexpr std::string_view kPanel = "Panel et al., Surgical Endoscopy 26, 2012";
+constexpr std::string_view kPanel = "Panel et al., J Gynecol Obstet Hum Reprod 47, 2018";
 constexpr std::string_view kAghazadeh = "Aghazadeh et al., Sensors 23:3146, 2023";
 constexpr std::string_view kGolahmadi = "Golahmadi et al., Annals of Medicine and Surgery 65, 2021";
-constexpr std::string_view kForceFound =
-    "novices exert 22.7 % more force than experts, and feedback lowers it by 47.9 % (review: Golahmadi 2021)";
-constexpr std::string_view kForceKin =
-    "of a kind with the forces of Golahmadi 2021; not studied by itself, as far as we know";
+constexpr std::string_view kForceFound = "over 45 studies novices exerted 22.7 % more mean force than experts, and "
+                                         "feedback lowered it by 47.9 % (Golahmadi 2021)";
+constexpr std::string_view kForceKin = "of a kind with the mean force (Golahmadi 2021); by itself no study known to us";
 constexpr std::string_view kNotKnown = "no study known to us";
-constexpr std::string_view kSafety = "counted because it harms the patient; says nothing about who is an expert";
+constexpr std::string_view kSafety =
+    "counted because it harms; in one study the experienced even scored worse in safety than novices (Bajka 2010)";
 
 struct Entry {
     MetricInfo info;
@@ -31,29 +31,34 @@ struct Entry {
 
 constexpr Entry kEntries[] = {
     {{"duration", "Time", Group::Economy, "s", Lower, "From the tool's first sample to its last.", kOropesa,
-      Discriminates, "construct-valid in all tasks studied (Oropesa 2013); resection time in hysteroscopy (Neis 2016)"},
+      Discriminates,
+      "told skill levels apart in all three tasks (Oropesa 2013); in hysteroscopy as part of the economy score (Panel "
+      "2018)"},
      duration},
     {{"path_length", "Path length", Group::Economy, "m", Lower,
       "Sum of the displacements of the tool's tip; in gaps nothing is added.", kOropesa, Discriminates,
-      "construct-valid in all tasks studied (Oropesa 2013); in hysteroscopy (Janse 2013, Neis 2016)"},
+      "told skill levels apart in all three tasks (Oropesa 2013); in hysteroscopy as part of the economy score (Panel "
+      "2018)"},
      pathLength},
     {{"depth_path", "Depth path", Group::Economy, "m", Lower,
       "Sum of the tip's displacements along the instrument's own axis.", kOropesa, Discriminates,
-      "construct-valid in all tasks studied (Oropesa 2013)"},
+      "told skill levels apart in all three tasks (Oropesa 2013)"},
      depthPath},
     {{"economy", "Economy of motion", Group::Economy, "-", Higher,
       "The case's ideal path over the path length: 1 is perfect.", kPanel, Discriminates,
-      "with time and camera alignment the best score of the HystSim trainer (Panel 2012)"},
+      "for one case it is the path length turned over; an economy score of path, time and camera alignment told "
+      "novices from experts in four of four resections (Panel 2018)"},
      economy},
     {{"speed_mean", "Mean speed", Group::Economy, "m/s", Neither, "Path length over the time observed without gaps.",
-      kOropesa, Unknown, "fast is not skilled: read it beside the path and the forces"},
+      kOropesa, Unknown,
+      "depends little on the task (Oropesa 2013); fast is not skilled: read it beside path and forces"},
      meanSpeed},
     {{"speed_peak", "Peak speed", Group::Economy, "m/s", Neither, "The largest speed of the tip.", kOurs, Unknown,
       kNotKnown},
      peakSpeed},
     {{"idle_share", "Idle time", Group::Economy, "-", Lower,
       "Share of the time in which the tip is slower than 5 mm/s (our threshold).", kOropesa, Discriminates,
-      "valid in tasks that ask for planning, not in purely manual ones (Oropesa 2013)"},
+      "told skill levels apart in the tasks that ask for planning (Oropesa 2013)"},
      idleShare},
     {{"idle_longest", "Longest rest", Group::Economy, "s", Neither, "The longest time slower than 5 mm/s.", kOurs,
       Unknown, kNotKnown},
@@ -89,7 +94,7 @@ constexpr Entry kEntries[] = {
      speedPeaks},
 
     {{"force_max", "Largest force", Group::Force, "N", Lower,
-      "The largest mean of the contact force on the tool over 5 ms.", kGolahmadi, Discriminates, kForceFound},
+      "The largest mean of the contact force on the tool over 5 ms.", kGolahmadi, Unknown, kForceKin},
      maxForce},
     {{"force_mean", "Mean force", Group::Force, "N", Lower, "The mean contact force over the time in contact.",
       kGolahmadi, Discriminates, kForceFound},
@@ -138,7 +143,8 @@ constexpr Entry kEntries[] = {
 
     {{"horizon_error", "Horizon error", Group::View, "rad", Lower,
       "Mean angle between the upper side of the scope's picture and the vertical, about the line of sight.", kPanel,
-      Discriminates, "part of the camera alignment in the best score of the HystSim trainer (Panel 2012)"},
+      Unknown,
+      "camera alignment is part of an economy score that told novices from experts (Panel 2018); by itself not known"},
      horizonError},
     {{"lens_contact", "Lens contact", Group::View, "s", Lower,
       "Time in which the scope's strongest contact lies within 5 mm of its lens.", kOurs, Unknown, kNotKnown},
@@ -152,9 +158,10 @@ constexpr Entry kEntries[] = {
       "the visualisation score did not tell novices from experts (Bajka 2010): a matter of completeness, not of skill"},
      shareSeen},
 
-    {{"steps_done", "Steps done", Group::Task, "-", Higher, "Share of the steps of the task that were done.",
-      "Martin et al., British Journal of Surgery 84, 1997", DoesNot,
-      "a task checklist did not tell skill levels apart (P = 0.09)"},
+    {{"steps_done", "Steps done", Group::Task, "-", Higher, "Share of the steps of the task that were done.", kOurs,
+      DoesNot,
+      "a checklist of the task did not tell novices from the experienced (P = 0.09; Vassiliou et al., Am J Surg 190, "
+      "2005)"},
      stepsDone},
     {{"mistakes", "Mistakes", Group::Task, "-", Lower, "How often the simulator told of what the task calls a mistake.",
       kOurs, Safety, "what a mistake is, the task says"},

@@ -65,14 +65,7 @@ Json vector(Vec3 v) { return {v.x, v.y, v.z}; }
 /// What a line says is wrong goes to the user with file and line.
 class Reader {
 public:
-    explicit Reader(const std::filesystem::path& file) : name_(file.string())
-    {
-        std::error_code problem;
-        if (!std::filesystem::is_regular_file(file, problem))
-            fail(name_, std::filesystem::exists(file, problem) ? ": is no regular file" : ": there is no such file");
-        stream_.open(file, std::ios::binary);
-        if (!stream_) fail(name_, ": cannot be read");
-    }
+    Reader(std::istream& stream, const std::string& name) : name_(name), stream_(stream) {}
 
     Session read()
     {
@@ -275,8 +268,8 @@ private:
         return *sample;
     }
 
-    std::string name_;
-    std::ifstream stream_;
+    const std::string& name_;
+    std::istream& stream_;
     std::vector<char> buffer_ = std::vector<char>(kLongestLine);
     std::string_view text_; ///< the line, in the buffer
     std::size_t line_ = 0, samples_ = 0;
@@ -350,6 +343,17 @@ void writeSession(const std::filesystem::path& file, const Session& session)
     if (!out.flush()) fail(file.string(), ": cannot be written");
 }
 
-Session readSession(const std::filesystem::path& file) { return Reader(file).read(); }
+Session readSession(const std::filesystem::path& file)
+{
+    const std::string name = file.string();
+    std::error_code problem;
+    if (!std::filesystem::is_regular_file(file, problem))
+        fail(name, std::filesystem::exists(file, problem) ? ": is no regular file" : ": there is no such file");
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) fail(name, ": cannot be read");
+    return Reader(stream, name).read();
+}
+
+Session readSession(std::istream& stream, const std::string& name) { return Reader(stream, name).read(); }
 
 } // namespace filasofia::metric
