@@ -53,11 +53,12 @@ constexpr auto fields(const MetricTrackerDef*)
 
 /// Observes bodies of a simulation, from its making to close(), and writes what they did.
 ///
-/// A sample's force is the mean over the steps since the sample before. Every sample is taken on the stepping thread,
-/// before the step after it; what it costs is copying it. A thread of its own writes, and physics never waits for it.
-/// Memory is bounded: memory() bytes, and what `keep` keeps. A sample is lost, and counted, only where writing stands
-/// still for longer than `buffer`. What cannot be written is one line in the log and a TroubleEvent; the simulation
-/// goes on. While physics is paused nothing is observed.
+/// A sample's force is the mean over the steps since the sample before. Samples are taken on the stepping thread, which
+/// costs a microsecond or so, and written by a thread of the tracker's own. Physics never waits for it in a live run;
+/// one that is faster than real time waits for its disk, but no longer than real time would have taken. Memory is
+/// bounded: memory() bytes, and what `keep` keeps. A sample is lost, and counted, only where writing stands still for
+/// longer than `buffer`. What cannot be written is one line in the log and a TroubleEvent; the simulation goes on.
+/// While physics is paused nothing is observed.
 class MetricTracker {
 public:
     /// To be made before a run (Error during one), after the bodies; to be destroyed before the simulation. Throws

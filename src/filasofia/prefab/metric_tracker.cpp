@@ -21,6 +21,8 @@ using metric::Event;
 using metric::EventKind;
 using metric::Sample;
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::size_t kMostBodies = 64;
 constexpr int kMostEvents = 100'000;    ///< [-] that wait
 constexpr std::size_t kChunk = 1 << 16; ///< [bytes] that are written at once
@@ -125,7 +127,9 @@ struct MetricTracker::Impl {
         for (metric::StepSampler& sampler : samplers) sampler.add(*frame, seen ? frame->time - *seen : 0.0);
         seen = frame->time;
         if (!due(frame->time)) return;
+        if (!begin) begin = {Clock::now(), frame->time};
         Row* row = rows.beginWrite();
+        if (!row) row = waitForRoom(frame->time);
         if (!row) {
             lost.fetch_add(1, std::memory_order_relaxed);
             return;
@@ -134,6 +138,21 @@ struct MetricTracker::Impl {
         for (std::size_t i = 0; i < samplers.size(); ++i) (*row)[i] = samplers[i].take();
         rows.publish();
         taken.fetch_add(1, std::memory_order_relaxed);
+    }
+
+    /// A run that is faster than real time may outrun any disk. It waits, but never so long that it falls behind: in a
+    /// live run, not at all.
+    Row* waitForRoom(double time)
+    {
+        const std::chrono::duration<double> wall = Clock::now() - begin->wall;
+        const std::chrono::duration<double> ahead(time - begin->simulated - wall.count());
+        Row* row = nullptr;
+        if (ahead.count() <= 0.0) return row;
+        std::unique_lock lock(resting);
+        hurry = true;
+        wake.notify_all();
+        room.wait_for(lock, ahead, [&] { return (row = rows.beginWrite()) != nullptr; });
+        return row;
     }
 
     /// Is a sample due at this time [s]; the next one is so in the next period of the rate.
@@ -180,10 +199,13 @@ struct MetricTracker::Impl {
         for (bool last = false; !last;) {
             {
                 std::unique_lock lock(resting);
-                wake.wait_for(lock, kRest, [this] { return stopping; });
+                wake.wait_for(lock, kRest, [this] { return stopping || hurry; });
                 last = stopping;
+                hurry = false;
             }
             drain();
+            const std::lock_guard lock(resting); // or the news could come between a look and the wait
+            room.notify_all();
         }
         session.lost = lost.load();
         attempt([this] {
@@ -199,7 +221,10 @@ struct MetricTracker::Impl {
             attempt([&] { writer.event(session, *event); });
             if (def.keep) keep(std::move(*event));
         }
-        for (; Row* row = rows.beginRead(); rows.release()) {
+        // No more than there are now: whoever waits for room is not to wait for as long as there comes more.
+        const std::size_t most = rowsOf(def);
+        Row* row = nullptr;
+        for (std::size_t count = 0; count < most && (row = rows.beginRead()); ++count, rows.release()) {
             attempt([&] {
                 writer.samples(session, *row);
                 if (writer.gathered() > kChunk) writer.flush();
@@ -253,9 +278,15 @@ struct MetricTracker::Impl {
     std::optional<double> seen;    ///< [s], of the newest frame that was seen
     double lastPeriod = -1.0;
 
+    struct Begin {
+        Clock::time_point wall;
+        double simulated; ///< [s]
+    };
+    std::optional<Begin> begin; ///< of the first sample
+
     std::mutex resting;
-    std::condition_variable wake;
-    bool stopping = false;
+    std::condition_variable wake, room;
+    bool stopping = false, hurry = false;
     std::thread thread; // last: it uses all of the above
 };
 
