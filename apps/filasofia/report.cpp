@@ -28,7 +28,7 @@ void keepCase(std::vector<Attempt>& cohort, const std::string& task)
 
 Attempt attemptOf(const metric::Session& session)
 {
-    return {session.trainee, session.task, session.date, metric::measure(session)};
+    return {session.trainee, session.task, session.date, session.software, metric::measure(session)};
 }
 
 Report makeReport(metric::Session session, std::string origin, std::vector<Attempt> cohort)
@@ -37,7 +37,8 @@ Report makeReport(metric::Session session, std::string origin, std::vector<Attem
     report.values = metric::measure(report.session);
     const bool compared = !cohort.empty();
     if (compared) keepCase(cohort, report.session.task);
-    report.own = {{report.session.trainee, report.session.task, report.session.date, report.values, true}};
+    const metric::Session& own = report.session;
+    report.own = {{own.trainee, own.task, own.date, own.software, report.values, true}};
     for (Attempt& attempt : cohort)
         (attempt.trainee == report.session.trainee ? report.own : report.others).push_back(std::move(attempt));
     std::ranges::stable_sort(report.own, {}, &Attempt::date);

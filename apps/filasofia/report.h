@@ -11,7 +11,7 @@ namespace filasofia::app {
 
 /// One session of a cohort, or of the trainee's own past: its numbers without its samples.
 struct Attempt {
-    std::string trainee = {}, task = {}, date = {};
+    std::string trainee = {}, task = {}, date = {}, software = {};
     std::vector<metric::Value> values = {}; ///< in the catalog's order
     bool current = false;                   ///< it is the one that is reported
 };

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 namespace filasofia::app {
 namespace {
@@ -228,6 +229,19 @@ std::string learning(const Report& report)
                       plot("curve", "A measure over the trainee's sessions"), "</section>\n");
 }
 
+/// The software of all sessions that are compared, where it differs.
+std::string otherMakers(const Report& report)
+{
+    std::set<std::string> makers;
+    for (const auto* sessions : {&report.own, &report.others})
+        for (const Attempt& attempt : *sessions) makers.insert(shownName(attempt.software));
+    std::string list;
+    if (makers.size() > 1)
+        for (const std::string& maker : makers)
+            list += (list.empty() ? "" : ", ") + (maker.empty() ? "not told" : maker);
+    return list;
+}
+
 std::string notes(const Report& report)
 {
     std::string out =
@@ -244,6 +258,9 @@ std::string notes(const Report& report)
     if (!report.comparisons.empty())
         out += text("<li>z: how many standard deviations from the mean of ", report.others.size(),
                     " sessions of other trainees of the same case. It ranks; it does not judge.</li>\n");
+    if (const std::string makers = otherMakers(report); !makers.empty())
+        out += text("<li>Not all sessions were made by the same software: ", escaped(makers),
+                    ". What changed between them may show in the numbers.</li>\n");
     return out + "</ul>\n</section>\n";
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace filasofia::app {
 namespace {
@@ -16,6 +17,7 @@ using Json = nlohmann::ordered_json;
 // A page of ten minutes at 1 kHz stays below a megabyte.
 constexpr std::size_t kMostPoints = 6000;
 constexpr std::size_t kMostPathPoints = 1500;
+constexpr std::size_t kMostEvents = 500;
 constexpr int kBins = 24;
 
 struct Series {
@@ -99,7 +101,7 @@ Json histogramJson(const metric::Track& tool)
     double largest = 0.0;
     for (const metric::Sample& sample : tool.samples)
         if (sample.contacts > 0 && isFinite(sample.force)) largest = std::max(largest, length(sample.force));
-    if (!(largest > 0.0) || !std::isfinite(largest)) return nullptr;
+    if (!(largest > 1e-9) || !std::isfinite(largest)) return nullptr; // below a nanonewton there is nothing to see
     // Edges that people can read: 1, 2 or 5 times a power of ten apart.
     const double raw = largest / kBins, decade = std::pow(10.0, std::floor(std::log10(raw)));
     const double width = decade * (raw <= decade ? 1.0 : raw <= 2.0 * decade ? 2.0 : raw <= 5.0 * decade ? 5.0 : 10.0);
@@ -191,7 +193,7 @@ std::string plotData(const Report& report)
 {
     const metric::Session& session = report.session;
     Json json = {{"events", Json::array()}, {"curves", curvesJson(report)}, {"dates", Json::array()}, {"current", 0}};
-    for (const metric::Event& event : session.events)
+    for (const metric::Event& event : std::span(session.events).first(std::min(session.events.size(), kMostEvents)))
         json["events"].push_back(
             {{"t", milliseconds(event.time)}, {"kind", metric::name(event.kind)}, {"what", shownName(event.what)}});
     for (std::size_t i = 0; i < report.own.size(); ++i) {

@@ -117,6 +117,22 @@ class Outputs(Report):
         self.assertEqual(self.metrics("poke.rec", "--tool", "ball"), metrics)
         self.refused("poke.rec", "--tool", "bal", says=["'bal'", "'ball'"])
 
+    def test_a_session_of_odd_numbers_is_reported(self):
+        head = session().splitlines()[0]
+        for values in ([1e300, -1e300], [1e-320, 3e-320], [None, 0.0], [0.0, 0.0], [1e9, 2e9]):
+            for count in (0, 1, 2, 9):
+                lines = [head] + [json.dumps({"t": i / 200, "s": [[values[i % 2], 0, 0, 1, 0, 0, 0, values[i % 2], 0, 0, 1, 0, 0, 0]]})
+                                  for i in range(count)]
+                file = self.write("odd.jsonl", "\n".join(lines) + "\n")
+                metrics = self.metrics(file)
+                for metric in metrics.values():
+                    self.assertTrue(metric["value"] is None or math.isfinite(metric["value"]))
+                page = self.report(file, "--html", "-")
+                data = re.search(r'id="data">(.*?)</script>', page)
+                if data:
+                    json.loads(data.group(1))
+                self.assertNotIn("nan", re.sub(r"<script.*?</script>|<!--.*?-->", "", page, flags=re.S).lower().split())
+
     def test_the_definitions_are_those_of_the_docs(self):
         self.assertIn("| Path length `path_length` |", self.report("--definitions"))
 
@@ -163,6 +179,12 @@ class Cohort(Report):
         sessions = json.loads(self.report(file, "--cohort", "cohort", "--json", "-"))["sessions"]
         self.assertEqual([each["date"] for each in sessions], ["2026-11-10", "2026-11-20"])
         self.assertEqual([each["current"] for each in sessions], [False, True])
+
+    def test_sessions_of_different_software_are_compared_and_it_is_said(self):
+        file = self.write("a.jsonl", session())
+        self.write("cohort/b.jsonl", session(trainee="B").replace('"a test"', '"an older test"'))
+        self.report(file, "--cohort", "cohort", "--html", "p.html")
+        self.assertIn("a test, an older test", (self.folder / "p.html").read_text())
 
     def test_the_session_itself_is_not_its_own_cohort(self):
         file = self.write("cohort/ada.jsonl", session())
