@@ -17,8 +17,9 @@ constexpr std::string_view kOropesa = "Oropesa et al., Surgical Innovation 20, 2
 constexpr std::string_view kPanel = "Panel et al., J Gynecol Obstet Hum Reprod 47, 2018";
 constexpr std::string_view kAghazadeh = "Aghazadeh et al., Sensors 23:3146, 2023";
 constexpr std::string_view kGolahmadi = "Golahmadi et al., Annals of Medicine and Surgery 65, 2021";
-constexpr std::string_view kForceFound = "over 45 studies novices exerted 22.7 % more mean force than experts, and "
-                                         "feedback lowered it by 47.9 % (Golahmadi 2021)";
+constexpr std::string_view kForceFound =
+    "a review of 45 studies: novices exerted 22.7 % more mean force than experts, and "
+    "feedback lowered it by 47.9 % (Golahmadi 2021)";
 constexpr std::string_view kForceKin = "of a kind with the mean force (Golahmadi 2021); by itself no study known to us";
 constexpr std::string_view kNotKnown = "no study known to us";
 constexpr std::string_view kSafety =
