@@ -120,3 +120,15 @@ TEST_CASE("how it is measured is checked")
     CHECK_THROWS_WITH(measure({}, {.lowPass = -1}), "measure: lowPass must be in [0, 1000] Hz, got -1");
     CHECK_THROWS_WITH(measure({}, {.maximumGap = 0}), "measure: maximumGap must be > 0 s, got 0");
 }
+
+TEST_CASE("a tool that was put somewhere else did not go there")
+{
+    const auto path = [](double t) { return Vec3{0.05 * t + (t > 2.0 ? 0.3 : 0.0), 0, 0}; };
+    Session session = sampled(1000, 4.0, path);
+    for (Sample& sample : session.tracks[0].samples) sample.pose.orientation = axisAngle({0, 1, 0}, kPi / 2);
+    checkHonest(session);
+    CHECK(motionsOf(session.tracks[0], kUnfiltered).size() == 2);
+    CHECK(number("path_length", session) == exactly(0.05 * 3.999)); // the step of the jump is not known
+    CHECK(number("depth_path", session) == exactly(0.05 * 3.999));
+    CHECK(number("speed_peak", session) == exactly(0.05));
+}

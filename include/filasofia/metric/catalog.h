@@ -48,6 +48,7 @@ struct Value {
 struct MeasureDef {
     double lowPass = 20.0;   ///< [Hz], in [0, 1000], of positions before anything is derived; 0: as they were sampled
     double maximumGap = 0.1; ///< [s], > 0: between samples further apart nothing is known
+    double fastest = 5.0;    ///< [m/s], > 0: from sample to sample no hand is faster; it was put there (reset)
     double idleSpeed = 5e-3; ///< [m/s], > 0: slower is at rest
     double peakShare = 0.1;  ///< [-], in (0, 1), of the largest speed: a speed peak stands out by so much
     double contactPause = 0.05; ///< [s], >= 0: who touches again sooner has not let go
@@ -59,6 +60,7 @@ constexpr auto fields(const MeasureDef*)
     using T = MeasureDef;
     return describe("MeasureDef", field("lowPass", &T::lowPass, "Hz", closed(0, 1000), "of positions"),
                     field("maximumGap", &T::maximumGap, "s", positive(), "more is a gap"),
+                    field("fastest", &T::fastest, "m/s", positive(), "faster is a jump"),
                     field("idleSpeed", &T::idleSpeed, "m/s", positive(), "slower is at rest"),
                     field("peakShare", &T::peakShare, "-", open(0, 1), "by which a speed peak stands out"),
                     field("contactPause", &T::contactPause, "s", nonNegative(), "a shorter pause is none"),

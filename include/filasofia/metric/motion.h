@@ -18,10 +18,10 @@ struct Motion {
 /// Derivatives are of polynomials through so many samples.
 inline constexpr int kFewest = 7;
 
-/// The samples with finite time and position, by rising time, cut where they are further apart than maximumGap.
-/// Unevenly sampled ones are brought to the median interval by cubics through four neighbours; positions are then
-/// low-passed (Butterworth of second order, forwards and backwards: no delay), and speeds are the slopes of polynomials
-/// through seven neighbours.
+/// The samples with finite time and position, by rising time, cut where they are further apart than maximumGap, or jump
+/// (fastest). Unevenly sampled ones are brought to the median interval by cubics through four neighbours; positions are
+/// then low-passed (Butterworth of second order, forwards and backwards: no delay), and speeds are the slopes of
+/// polynomials through seven neighbours.
 std::vector<Motion> motionsOf(const Track& track, const MeasureDef& def = {});
 
 } // namespace filasofia::metric

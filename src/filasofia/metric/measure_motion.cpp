@@ -84,10 +84,12 @@ Value depthPath(const Material& m)
     const Sample* before = nullptr;
     for (const Sample& sample : m.tool->samples) {
         if (!std::isfinite(sample.time) || !isFinite(sample.pose)) continue;
-        if (before && sample.time > before->time && sample.time - before->time <= m.def.maximumGap) {
+        const Vec3 way = before ? sample.pose.position - before->pose.position : Vec3{};
+        const double dt = before ? sample.time - before->time : 0.0;
+        if (dt > 0.0 && dt <= m.def.maximumGap && length(way) <= m.def.fastest * dt) {
             const Vec3 axis = normalized(rotate(before->pose.orientation, m.tool->axis) +
                                          rotate(sample.pose.orientation, m.tool->axis));
-            sum += std::abs(dot(sample.pose.position - before->pose.position, axis));
+            sum += std::abs(dot(way, axis));
             ++steps;
         }
         before = &sample;

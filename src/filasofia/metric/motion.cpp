@@ -24,6 +24,13 @@ std::vector<Point> pointsOf(const Track& track)
     return points;
 }
 
+/// Neither a gap nor a jump lies between two points.
+bool goesOn(const Point& before, const Point& after, const MeasureDef& def)
+{
+    const double dt = after.time - before.time;
+    return dt <= def.maximumGap && distance(after.position, before.position) <= def.fastest * dt;
+}
+
 double medianInterval(std::span<const Point> points)
 {
     std::vector<double> intervals;
@@ -89,7 +96,7 @@ std::vector<Motion> motionsOf(const Track& track, const MeasureDef& def)
     std::vector<Motion> motions;
     for (std::size_t first = 0; first < points.size();) {
         std::size_t end = first + 1;
-        while (end < points.size() && points[end].time - points[end - 1].time <= def.maximumGap) ++end;
+        while (end < points.size() && goesOn(points[end - 1], points[end], def)) ++end;
         motions.push_back(motionOf(std::span(points).subspan(first, end - first), def));
         first = end;
     }
