@@ -16,7 +16,7 @@ run_packages=(
   libfilament-dev libfilament-tools libosd-dev libsdl2-dev libimgui-dev fonts-dejavu-core
   libx11-dev libgl-dev libopengl-dev libegl-dev libegl1 libgl1 libgl1-mesa-dri
 )
-test_packages=(clang-format xvfb xauth)
+test_packages=(clang-format xvfb xauth chromium)
 dev_packages=(clang clang-tidy libclang-rt-dev util-linux calculix-ccx libbullet-dev)
 asset_packages=(gmsh python3-numpy)
 
@@ -39,11 +39,18 @@ packages=("${run_packages[@]}")
 command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
   die "this is not Debian (no apt-get): install by hand what these Debian 12 packages hold: ${packages[*]}"
 
+# The charts of `filasofia report` are no Debian package: uPlot, by version and checksum. Without it all builds as well,
+# and the pages have no plots.
+fetch_charts() {
+  "$root/tools/fetch_npm.py" "$root/tools/report" || echo "setup: going on without uPlot: the pages of filasofia report will have no plots"
+}
+
 installed=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' "${packages[@]}" 2>/dev/null | awk 'substr($1, 2, 1) == "i" {print $2}' || true)
 mapfile -t missing < <(printf '%s\n' "${packages[@]}" | grep -vxF -f <(printf '%s\n' "$installed") || true)
 
 if ((${#missing[@]} == 0)); then
   echo "setup: all ${#packages[@]} packages are installed"
+  [ $check = yes ] || fetch_charts
   exit 0
 fi
 echo "setup: missing: ${missing[*]}"
@@ -66,3 +73,4 @@ if ((${#unknown[@]} > 0)); then
 fi
 "${apt[@]}" install -y --no-install-recommends "${missing[@]}" </dev/null || die "apt-get could not install: ${missing[*]}"
 echo "setup: installed ${#missing[@]} packages"
+fetch_charts
