@@ -72,6 +72,10 @@ public:
     // The stepping thread only.
     /// One step of dt [s], > 0. `flags`: StepFlag bits that the caller knows already, for report and log.
     StepReport step(double dt, std::uint32_t flags = 0, const StepBudget& budget = {});
+    /// In place of step(), a step as a recording has it: its commands, with the ids that they have there and checked as
+    /// those that step() takes, and no others. Throws an Error for a wrong one; the step is then not made. dt >= 0 [s]:
+    /// in a step with 0 commands are applied and nothing moves.
+    StepReport stepAgain(double dt, std::vector<Command> commands, const StepBudget& budget = {});
     [[nodiscard]] std::uint64_t hash() const;
     /// Computes the state's hash after every step, for the log.
     void hashEveryStep(bool on);

@@ -8,7 +8,8 @@
 
 namespace filasofia::physics {
 class PhysicsEngine;
-}
+class PhysicsServer;
+} // namespace filasofia::physics
 
 namespace filasofia::record {
 
@@ -18,6 +19,8 @@ namespace filasofia::record {
 class Replayer {
 public:
     explicit Replayer(physics::PhysicsEngine& fresh);
+    /// On the engine of a server that has made no step: its frames follow, and what the server knows of the bodies.
+    explicit Replayer(physics::PhysicsServer& fresh);
     ~Replayer();
     /// Makes the next step; the engine then has its state. Throws an Error naming the step that cannot be made again:
     /// where steps are missing, after tune(), or where a command is wrong.

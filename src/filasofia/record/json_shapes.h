@@ -25,8 +25,7 @@ using Mesh = std::variant<TetMesh, TriangleMesh>; ///< on a line of its own, tol
 template <class T>
 concept IsMeshSource = std::is_same_v<T, physics::TetMeshSource> || std::is_same_v<T, physics::TriangleMeshSource>;
 
-inline constexpr const char* kFormat = "filasofia recording";
-inline constexpr int kVersion = 3;
+inline constexpr int kVersion = 4;
 inline constexpr const char* kInfinite = "infinite";
 inline constexpr const char* kMinusInfinite = "-infinite";
 
