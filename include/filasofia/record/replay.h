@@ -2,6 +2,7 @@
 
 #include "filasofia/physics/step_record.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -24,7 +25,8 @@ public:
     ~Replayer();
     /// Makes the next step; the engine then has its state. Throws an Error naming the step that cannot be made again:
     /// where steps are missing, after tune(), or where a command is wrong.
-    physics::StepReport step(const physics::StepRecord& recorded);
+    /// `between` is called when the step's bodies are known and before it is made.
+    physics::StepReport step(const physics::StepRecord& recorded, const std::function<void()>& between = {});
 
 private:
     struct Impl;

@@ -229,19 +229,22 @@ StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget&
     return report;
 }
 
-StepReport PhysicsServer::stepAgain(double dt, std::vector<Command> commands, const StepBudget& budget)
+void PhysicsServer::expect(std::vector<Command> commands)
 {
-    FILASOFIA_ASSERT(std::isfinite(dt) && dt >= 0.0);
-    {
-        const std::lock_guard lock(impl_->registryMutex);
-        for (const Command& command : commands) {
-            impl_->registry.check(command);
-            impl_->registry.note(command);
-        }
+    const std::lock_guard lock(impl_->registryMutex);
+    for (const Command& command : commands) {
+        impl_->registry.check(command);
+        impl_->registry.note(command);
     }
     impl_->commands = std::move(commands);
+}
+
+StepReport PhysicsServer::stepAgain(double dt, const StepBudget& budget)
+{
+    FILASOFIA_ASSERT(std::isfinite(dt) && dt >= 0.0);
     const StepReport report = impl_->engine->step({.dt = dt, .commands = impl_->commands, .budget = &budget});
     impl_->giveBackSpent();
+    impl_->commands.clear();
     impl_->publishFrame();
     return report;
 }

@@ -83,14 +83,16 @@ Replayer::Replayer(physics::PhysicsEngine& fresh) : impl_(new Impl{fresh, &fresh
 Replayer::Replayer(physics::PhysicsServer& fresh) : impl_(new Impl{fresh.engine(), nullptr, &fresh}) {}
 Replayer::~Replayer() = default;
 
-physics::StepReport Replayer::step(const StepRecord& recorded)
+physics::StepReport Replayer::step(const StepRecord& recorded, const std::function<void()>& between)
 {
     impl_->checkOrder(recorded);
     std::vector<Command> commands = impl_->commandsOf(recorded);
     const physics::StepBudget budget = impl_->budgetOf(recorded);
     impl_->made = recorded.report.step;
     const double dt = recorded.report.dt;
-    if (impl_->server) return impl_->server->stepAgain(dt, std::move(commands), budget);
+    if (impl_->server) impl_->server->expect(std::move(commands));
+    if (between) between();
+    if (impl_->server) return impl_->server->stepAgain(dt, budget);
     return impl_->engine->step({.dt = dt, .commands = commands, .budget = &budget});
 }
 
