@@ -61,11 +61,10 @@ int replayFile(Options& options)
     const Maker recorder = {header.filasofia, header.revision, header.simd};
     const Maker self = {kVersion, std::string(record::sourceRevision()), engine::simdTargets().front()};
 
-    if (report.made == 0 && report.damage.empty()) fail(options.replay.file, ": holds no step");
+    if (report.made == 0) throw Error(report.damage.empty() ? options.replay.file + ": holds no step" : report.damage);
     std::cout << "recorded by " << described(recorder) << '\n' << namesOf(header);
-    if (report.made > 0)
-        std::printf("%llu %s, %.3f s simulated, made again in %.3f s\n", static_cast<unsigned long long>(report.step),
-                    report.step == 1 ? "step" : "steps", report.time, report.wallSeconds);
+    std::printf("%llu %s, %.3f s simulated, made again in %.3f s\n", static_cast<unsigned long long>(report.step),
+                report.step == 1 ? "step" : "steps", report.time, report.wallSeconds);
     for (const std::string& note : report.notes) std::cout << "note: " << note << '\n';
     for (const std::string& picture : report.pictures) std::cout << "wrote " << picture << '\n';
     if (const auto& difference = report.difference) {
@@ -76,8 +75,8 @@ int replayFile(Options& options)
     }
     if (report.unhashed > 0)
         fail(options.replay.file, ": step ", report.unhashed, " was recorded without a hash to compare");
-    if (options.replay.check && report.made > 0) std::cout << "every step has the recorded hash\n";
-    if (report.made > 0) std::cout << "state hash " << hexadecimal(report.hash) << '\n';
+    if (options.replay.check) std::cout << "every step has the recorded hash\n";
+    std::cout << "state hash " << hexadecimal(report.hash) << '\n';
     if (!report.damage.empty()) throw Error(report.damage);
     return 0;
 }

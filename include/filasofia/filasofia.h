@@ -59,6 +59,7 @@ using physics::TotalMass;
 using runtime::asset;
 using runtime::ContactEvent;
 using runtime::CutEvent;
+using runtime::FileFailedEvent;
 using runtime::FollowDef;
 using runtime::FollowElement;
 using runtime::FollowNearest;
