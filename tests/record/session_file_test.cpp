@@ -8,6 +8,8 @@
 #include "physics/fake_engine.h"
 #include "record/round_trip.h"
 
+#include <iostream>
+
 using namespace filasofia;
 using namespace filasofia::physics;
 using namespace filasofia::record_test;
@@ -261,4 +263,38 @@ TEST_CASE("a server makes a recorded session again, and knows its bodies")
     wrong.report.solves.resize(1);
     wrong.commands.push_back(SetPressure{BodyId{9}, 0.0});
     CHECK_THROWS_WITH(replayer.step(wrong), Catch::Contains("body 9"));
+}
+
+TEST_CASE("a minute of a moving tool at 1 kHz takes less than a tenth of 50 MB")
+{
+    // What costs room: a hash a step, full-precision poses that never repeat, dt of a live run, iterations.
+    for (const int tools : {0, 1}) {
+        const record::ScratchFile file("minute.rec");
+        std::mt19937_64 random(3);
+        std::normal_distribution<double> jitter;
+        constexpr int kMinute = 60000;
+        {
+            record::RecordingWriter writer(file.path(), {});
+            for (int i = 1; i <= kMinute; ++i) {
+                StepRecord step;
+                step.report = {.step = static_cast<std::uint64_t>(i),
+                               .dt = 1e-9 * std::round(1e6 + 2e3 * jitter(random))};
+                step.report.solves = {{.body = {}, .iterations = 4 + static_cast<int>(random() % 3)}};
+                step.hash = random();
+                const double t = i * 1e-3;
+                for (int tool = 1; tool <= tools; ++tool)
+                    step.commands.push_back(
+                        SetPose{BodyId{static_cast<std::uint32_t>(tool)},
+                                0,
+                                {{0.1 * std::sin(t), 0.1 * std::cos(1.3 * t), 0.02 * std::sin(7 * t)},
+                                 axisAngle({1, 2, 3}, 0.5 * std::sin(2 * t))}});
+                writer.write(step);
+                if (i % 250 == 0) writer.flush();
+            }
+        }
+        const double perStep = static_cast<double>(file.bytes().size()) / kMinute;
+        std::cout << "record: " << tools << " moving tools, " << perStep << " bytes a step (bound: 83)\n";
+        CHECK(perStep * 600000 <= 50e6);
+        CHECK(record::readRecording(file.path()).steps.size() == kMinute);
+    }
 }

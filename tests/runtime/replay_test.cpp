@@ -49,7 +49,7 @@ std::shared_ptr<const TriangleMesh> square()
 
 void writeTexture(const std::string& file, unsigned char red)
 {
-    visual::Image image{.width = 4, .height = 4};
+    visual::Image image{.width = 4, .height = 4, .rgba = {}};
     for (int i = 0; i < 16; ++i) image.rgba.insert(image.rgba.end(), {red, 20, 30, 255});
     visual::savePng(image, file);
 }
