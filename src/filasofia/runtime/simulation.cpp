@@ -25,6 +25,11 @@ const SimulationDef& checked(const SimulationDef& def)
     return def;
 }
 
+std::unique_ptr<physics::PhysicsEngine> engineFor(const PhysicsDef& def)
+{
+    return engine::makeNativeEngine({.period = 1.0 / def.rate, .threads = def.threads, .contact = def.contact});
+}
+
 constexpr auto kEventLost = static_cast<std::uint32_t>(physics::StepFlag::EventLost);
 
 /// "filasofia_001.png", or the first number that is free.
@@ -80,12 +85,7 @@ void checkFile(const char* object, const std::string& file, const char* field, c
     if (!std::filesystem::status_known(status)) fail(object, ": ", field, " '", file, "': ", problem.message());
 }
 
-Simulation::Impl::Impl(const SimulationDef& asked)
-    : Impl(checked(asked), engine::makeNativeEngine({.period = 1.0 / asked.physics.rate,
-                                                     .threads = asked.physics.threads,
-                                                     .contact = asked.physics.contact}))
-{
-}
+Simulation::Impl::Impl(const SimulationDef& asked) : Impl(asked, engineFor(checked(asked).physics)) {}
 
 Simulation::Impl::Impl(const SimulationDef& asked, std::unique_ptr<physics::PhysicsEngine> engine)
     : def(checked(asked)), physics(std::move(engine), {.gravity = asked.physics.gravity})
