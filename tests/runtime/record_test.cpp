@@ -7,13 +7,17 @@
 #include "filasofia/record/recording.h"
 #include "filasofia/record/replay.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <iostream>
 #include <mutex>
+#include <thread>
 
 using namespace filasofia;
 
@@ -148,6 +152,34 @@ TEST_CASE("a run whose files find no room on the disk goes on, and says so once 
         for (std::size_t i = 0; i < 2; ++i) CHECK_THAT(logged[i], Catch::StartsWith(problems[i]));
         CHECK_THAT(runtime::summary(report), Catch::Contains("not whole: " + problems[1]));
     }
+}
+
+TEST_CASE("physics goes on while a disk takes nothing, and no step is lost")
+{
+    const Folder folder;
+    const std::string pipe = folder / "slow.rec";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    std::promise<void> far; // physics has come far while nobody took what it wrote
+    std::thread disk([&] {
+        const int from = open(pipe.c_str(), O_RDONLY);
+        fcntl(from, F_SETPIPE_SZ, 4096);
+        far.get_future().wait();
+        std::ofstream to(folder / "whole.rec", std::ios::binary);
+        char bytes[4096];
+        for (ssize_t got = 0; (got = read(from, bytes, sizeof bytes)) > 0;) to.write(bytes, got);
+        close(from);
+    });
+    Simulation sim;
+    sim.add(bunny());
+    sim.on<PhysicsUpdateEvent>([&, told = false](const PhysicsUpdateEvent& update) mutable {
+        if (update.step >= 1500 && !std::exchange(told, true)) far.set_value(); // else it would wait for ever
+    });
+    const RunReport report = sim.run({.backend = Backend::Null, .steps = 1600, .record = pipe});
+    disk.join();
+    CHECK(report.fileProblems.empty());
+    const record::Recording recording = record::readRecording(folder / "whole.rec");
+    CHECK(recording.steps.size() == 1600);
+    for (const auto& step : recording.steps) REQUIRE_FALSE(step.report.has(physics::StepFlag::RecordLost));
 }
 
 TEST_CASE("a run tells its recording what it is called")
