@@ -14,7 +14,7 @@ run_packages=(
   g++ cmake ninja-build ccache git ca-certificates python3 catch2
   libeigen3-dev libhwy-dev libassimp-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libstb-dev
   libfilament-dev libfilament-tools libosd-dev libsdl2-dev libimgui-dev fonts-dejavu-core
-  libx11-dev libgl-dev libopengl-dev libegl-dev libegl1 libgl1 libgl1-mesa-dri
+  libx11-dev libgl-dev libopengl-dev libegl-dev libegl1 libgl1 libgl1-mesa-dri zlib1g-dev
 )
 test_packages=(clang-format xvfb xauth chromium)
 dev_packages=(clang clang-tidy libclang-rt-dev util-linux calculix-ccx libbullet-dev)

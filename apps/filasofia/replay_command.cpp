@@ -4,13 +4,9 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
-#include "filasofia/engine/native_engine.h"
 #include "filasofia/engine/solver_costs.h"
-#include "filasofia/physics/physics_engine.h"
-#include "filasofia/record/recording.h"
-#include "filasofia/record/replay.h"
+#include "filasofia/runtime/replay.h"
 
-#include <chrono>
 #include <cstdio>
 #include <iostream>
 
@@ -18,9 +14,8 @@ namespace filasofia::app {
 namespace {
 
 struct Options {
-    std::string file;
-    bool check = false;
     int threads = 0;
+    runtime::ReplayDef replay;
 };
 
 /// What made the bits: of a recording, or of this program.
@@ -45,40 +40,44 @@ std::string likelyReason(const Maker& recorder, const Maker& self)
                 otherSimd ? "other vector instructions" : "", "; this is ", described(self), "\n");
 }
 
-int replayFile(const Options& options)
+/// What the session was called, where it was.
+std::string namesOf(const record::RecordingHeader& header)
 {
-    record::RecordingReader reader(options.file);
-    const auto engine = engine::makeNativeEngine({.period = reader.header().period,
-                                                  .threads = givenThreads(options.threads),
-                                                  .contact = reader.header().contact});
-    record::Replayer replayer(*engine);
-    const record::RecordingHeader& header = reader.header();
+    std::string line;
+    const auto add = [&](const char* what, const std::string& name) {
+        if (!name.empty()) line += text(line.empty() ? "" : ", ", what, " '", shortened(oneLine(name)), "'");
+    };
+    add("session", header.session);
+    add("trainee", header.trainee);
+    if (header.seed != 0) line += text(line.empty() ? "" : ", ", "seed ", header.seed);
+    return line.empty() ? line : line + '\n';
+}
+
+int replayFile(Options& options)
+{
+    options.replay.threads = givenThreads(options.threads);
+    const runtime::ReplayReport report = runtime::replay(options.replay);
+    const record::RecordingHeader& header = report.header;
     const Maker recorder = {header.filasofia, header.revision, header.simd};
     const Maker self = {kVersion, std::string(record::sourceRevision()), engine::simdTargets().front()};
-    const std::string recordedBy = text("recorded by ", described(recorder), "\n");
 
-    const auto start = std::chrono::steady_clock::now();
-    physics::StepReport last;
-    bool any = false;
-    while (const auto step = reader.next()) {
-        any = true;
-        last = replayer.step(*step);
-        if (!options.check) continue;
-        if (step->hash == 0) fail(options.file, ": step ", last.step, " was recorded without a hash to compare");
-        if (const std::uint64_t hash = engine->hash(); hash != step->hash) {
-            std::cout << recordedBy << "step " << last.step << " differs: recorded " << hexadecimal(step->hash)
-                      << ", replayed " << hexadecimal(hash) << '\n'
-                      << likelyReason(recorder, self);
-            return kFailed;
-        }
+    if (report.made == 0) throw Error(report.damage.empty() ? options.replay.file + ": holds no step" : report.damage);
+    std::cout << "recorded by " << described(recorder) << '\n' << namesOf(header);
+    std::printf("%llu %s, %.3f s simulated, made again in %.3f s\n", static_cast<unsigned long long>(report.step),
+                report.step == 1 ? "step" : "steps", report.time, report.wallSeconds);
+    for (const std::string& note : report.notes) std::cout << "note: " << note << '\n';
+    for (const std::string& picture : report.pictures) std::cout << "wrote " << picture << '\n';
+    if (const auto& difference = report.difference) {
+        std::cout << "step " << difference->step << " differs: recorded " << hexadecimal(difference->recorded)
+                  << ", replayed " << hexadecimal(difference->replayed) << '\n'
+                  << likelyReason(recorder, self);
+        return kFailed;
     }
-    if (!any) fail(options.file, ": holds no step");
-    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-    std::cout << recordedBy;
-    std::printf("%llu %s, %.3f s simulated, made again in %.3f s\n", static_cast<unsigned long long>(last.step),
-                last.step == 1 ? "step" : "steps", last.time, wall.count());
-    if (options.check) std::cout << "every step has the recorded hash\n";
-    std::cout << "state hash " << hexadecimal(engine->hash()) << '\n';
+    if (report.unhashed > 0)
+        fail(options.replay.file, ": step ", report.unhashed, " was recorded without a hash to compare");
+    if (options.replay.check) std::cout << "every step has the recorded hash\n";
+    std::cout << "state hash " << hexadecimal(report.hash) << '\n';
+    if (!report.damage.empty()) throw Error(report.damage);
     return 0;
 }
 
@@ -89,9 +88,15 @@ Command replayCommand()
     static Options options; // there is one command line, and it outlives this function
     return {.name = "replay",
             .meaning = "Make a recorded run again, as fast as it goes",
-            .options = {{"RECORDING", &options.file, "What run --record FILE wrote", "FILE", {}, true},
-                        {"--check", &options.check,
+            .options = {{"RECORDING", &options.replay.file, "What run --record FILE wrote", "FILE", {}, true},
+                        {"--check", &options.replay.check,
                          "Compare the state after every step; exit with 1 at the first that differs"},
+                        {"--picture", &options.replay.picture, "Draw the last state into this PNG file", "FILE"},
+                        {"--video", &options.replay.video, "Draw it into this MP4 file (needs ffmpeg)", "FILE"},
+                        {.name = "--fps",
+                         .target = &options.replay.fps,
+                         .meaning = "Pictures per second of the video, simulated time",
+                         .bound = boundOf(&runtime::ReplayDef::fps)},
                         {.name = "--threads",
                          .target = &options.threads,
                          .meaning = "Threads within one step; 0: the cores but one, up to 8",

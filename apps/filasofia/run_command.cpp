@@ -1,4 +1,5 @@
 #include "apps/filasofia/bunny_scene.h"
+#include "apps/filasofia/command_line.h"
 #include "apps/filasofia/commands.h"
 #include "apps/filasofia/contact_scenes.h"
 #include "apps/filasofia/rupture_scenes.h"
@@ -60,8 +61,9 @@ int runScene(Options& options)
                     .window = {.title = text("Filasofia: ", scene.name)},
                     .look = {.around = scene.around}});
     scene.make(sim, options.bunny);
-    std::cout << runtime::summary(sim.run(options.run));
-    return 0;
+    const RunReport report = sim.run(options.run);
+    std::cout << runtime::summary(report);
+    return report.fileProblems.empty() ? 0 : kFailed;
 }
 
 } // namespace
@@ -113,6 +115,12 @@ Command runCommand()
                          .bound = boundOf(&RunDef::fps)},
                         {"--log", &options.run.log, "Write a line per step to this CSV file", "FILE"},
                         {"--record", &options.run.record, "Write the run to this .rec file, for replay", "FILE"},
+                        {.name = "--seed",
+                         .target = &options.run.seed,
+                         .meaning = "Told by the recording: of what is drawn by chance",
+                         .bound = boundOf(&RunDef::seed)},
+                        {"--session", &options.run.session, "Told by the recording: what the run is called", "NAME"},
+                        {"--trainee", &options.run.trainee, "Told by the recording: who is at it", "NAME"},
                         {.name = "--threads",
                          .target = &options.threads,
                          .meaning = "Threads within one step; 0: the cores but one, up to 8",

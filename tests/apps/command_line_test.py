@@ -2,10 +2,12 @@
 import json
 import os
 import re
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 from pathlib import Path
 
 PROGRAM, VERSION = sys.argv[1:3]
@@ -91,8 +93,9 @@ class Words(Program):
                                         "--tets": "must be one of 756, 1492, 3004, 10000, 30000",
                                         "--rate": "must be in [1, 100000] Hz",
                                         "--seconds": "must be in [0, 100000000] s",
-                                        "--picture-every": "must be >= 0 s"},
-               "replay nothing.rec": {"--threads": "must be a whole number in [0, 256]"},
+                                        "--picture-every": "must be >= 0 s",
+                                        "--seed": "must be a whole number in [0, 2147483647]"},
+               "replay nothing.rec": {"--fps": "must be in [1, 240] 1/s", "--threads": "must be a whole number in [0, 256]"},
                "bench bunny": {"--seconds": "must be in (0, 3600] s"}}
 
     def test_every_number_is_refused_with_option_bound_and_value(self):
@@ -112,8 +115,9 @@ class Words(Program):
     def test_the_help_shows_every_default(self):
         for command, defaults in {"run": {"--tets": "3004", "--subdivision": "1", "--rate": "1000", "--steps": "0",
                                           "--seconds": "0", "--picture": "none", "--picture-every": "0",
-                                          "--log": "none", "--record": "none", "--threads": "0"},
-                                  "replay": {"--threads": "0"}, "bench": {"--json": "none", "--seconds": "10"},
+                                          "--log": "none", "--record": "none", "--seed": "0",
+                                          "--session": "none", "--trainee": "none", "--threads": "0"},
+                                  "replay": {"--picture": "none", "--video": "none", "--fps": "30", "--threads": "0"}, "bench": {"--json": "none", "--seconds": "10"},
                                   "doctor": {"--json": "none"}}.items():
             said = self.output(command, "--help")
             for option, default in defaults.items():
@@ -290,12 +294,49 @@ class Replay(Program):
     def state_hash(self, said):
         return re.search(r"(?m)^state hash ([0-9a-f]{16})$", said)[1]
 
-    def change(self, line, of, into):
-        """Edits a line of the recording, counted from 1."""
-        lines = self.file.read_text().splitlines(keepends=True)
-        self.assertRegex(lines[line - 1], of)
-        lines[line - 1] = re.sub(of, into, lines[line - 1], count=1)
-        self.file.write_text("".join(lines))
+    def records(self):
+        """What the recording's chunks hold, record by record; the numbers of a mesh belong to the line before them."""
+        data = self.file.read_bytes()
+        place = data.index(b"\n") + 1
+        content = b""
+        while place < len(data):
+            stored = struct.unpack("<I", data[place + 12:place + 16])[0]
+            content += zlib.decompress(data[place + 20:place + 20 + stored])
+            place += 20 + stored
+        records = []
+        while content:
+            end = content.index(b"\n") + 1
+            line = json.loads(content[:end])
+            end += sum(line.get(name, 0) * size for name, size in self.SIZES.items() if "mesh" in line)
+            records.append(content[:end])
+            content = content[end:]
+        return records
+
+    SIZES = {"nodes": 24, "tetrahedra": 16, "vertices": 24, "triangles": 12, "uv": 16}
+
+    def write(self, records):
+        """The same, the other way."""
+        content = b"".join(records)
+        data = self.file.read_bytes()
+        data = data[:data.index(b"\n") + 1]
+        for number, place in enumerate(range(0, len(content), 60000)):
+            part = content[place:place + 60000]
+            stored = zlib.compress(part)
+            fields = struct.pack("<III", number, len(part), len(stored))
+            data += b"FRec" + fields + struct.pack("<I", zlib.crc32(fields + stored)) + stored
+        self.file.write_bytes(data)
+
+    def steps(self):
+        """The places of the steps among the records."""
+        others = {"filasofia", "mesh", "scene", "end"}
+        return [i for i, record in enumerate(self.records()) if not others & json.loads(record.split(b"\n")[0]).keys()]
+
+    def change(self, record, of, into):
+        """Edits a record, counted from 0."""
+        records = self.records()
+        self.assertRegex(records[record].decode(), of)
+        records[record] = re.sub(of, into, records[record].decode(), count=1).encode()
+        self.write(records)
 
     def test_a_headless_run_is_made_again_by_any_number_of_threads(self):
         recorded = self.record("--headless", "--steps", "30", "--rate", "200")
@@ -309,33 +350,36 @@ class Replay(Program):
         recorded = self.record("--headless", "--steps", "3")
         said = self.output("replay", str(self.file), "--check", FILASOFIA_ASSETS="/nonexistent")
         self.assertEqual(self.state_hash(said), recorded)
-        self.assertNotIn(".msh", self.file.read_text())
+        self.assertNotIn(b".msh", b"".join(self.records()))
 
     def test_a_log_and_a_recording_may_be_written_together(self):
         table = Path(self.folder.name, "bunny.csv")
         self.record("--headless", "--steps", "5", "--log", str(table))
         hashes = [line.split(",")[5] for line in table.read_text().splitlines()[1:]]
-        steps = [json.loads(line) for line in self.file.read_text().splitlines()[2:]]
+        records = self.records()
+        steps = [json.loads(records[i]) for i in self.steps()]
         self.assertEqual(hashes, [step["hash"] for step in steps])
         self.assertEqual(len(hashes), 5)
 
     def test_a_step_that_differs_is_named_and_the_exit_code_is_1(self):
         self.record("--headless", "--steps", "10")
-        digit = json.loads(self.file.read_text().splitlines()[8])["hash"][0]
-        self.change(9, '"hash":"[0-9a-f]', f'"hash":"{"1" if digit == "0" else "0"}')  # line 1 header, 2 mesh
+        seventh = self.steps()[6]
+        digit = json.loads(self.records()[seventh])["hash"][0]
+        self.change(seventh, '"hash":"[0-9a-f]', f'"hash":"{"1" if digit == "0" else "0"}')
         done = run("replay", str(self.file), "--check")
         self.assertEqual(done.returncode, 1, done.stderr)
         differs = r"step 7 differs: recorded [0-9a-f]{16}, replayed [0-9a-f]{16}\n"
-        self.assertRegex(done.stdout, rf"^{self.MAKER}\n{differs}$")
+        made = r"7 steps, 0\.007 s simulated, .*\n"
+        self.assertRegex(done.stdout, rf"^{self.MAKER}\n{made}{differs}$")
         self.assertEqual(run("replay", str(self.file)).returncode, 0)  # nobody asked
         # Another build, then other vector instructions as well: the likely reasons.
-        self.change(1, '"revision":"[^"]*"', '"revision":"0123456789ab"')
+        self.change(0, '"revision":"[^"]*"', '"revision":"0123456789ab"')
         said = run("replay", str(self.file), "--check").stdout
-        self.assertRegex(said, rf"^recorded by .*, revision 0123456789ab, .*\n{differs}the likely reason: another build; "
+        self.assertRegex(said, rf"^recorded by .*, revision 0123456789ab, .*\n{made}{differs}the likely reason: another build; "
                                r"this is Filasofia .*\n$")
-        self.change(1, '"simd":"[^"]*"', '"simd":"Z80"')
+        self.change(0, '"simd":"[^"]*"', '"simd":"Z80"')
         said = run("replay", str(self.file), "--check").stdout
-        self.assertRegex(said, rf"^recorded by .*, vector instructions Z80\n{differs}the likely reason: another build and "
+        self.assertRegex(said, rf"^recorded by .*, vector instructions Z80\n{made}{differs}the likely reason: another build and "
                                r"other vector instructions; this is Filasofia .*\n$")
 
     def test_a_replay_says_what_made_the_recording(self):
@@ -343,7 +387,7 @@ class Replay(Program):
         said = self.output("replay", str(self.file), "--check")
         self.assertRegex(said, rf"^{self.MAKER}\n1 step, ")
         self.assertNotIn("likely reason", said)
-        header = json.loads(self.file.read_text().splitlines()[0])
+        header = json.loads(self.records()[0])
         self.assertIn(f"Filasofia {VERSION}, revision {header['revision']}, ", said)
 
     def test_what_is_no_regular_file_is_refused_at_once(self):
@@ -364,34 +408,82 @@ class Replay(Program):
 
     def test_a_changed_command_is_seen_in_the_first_step_it_changes(self):
         self.record("--headless", "--steps", "5")
-        self.change(3, '"youngModulus":10000.0', '"youngModulus":10000.1')
+        self.change(self.steps()[0], '"youngModulus":10000.0', '"youngModulus":10000.1')
         done = run("replay", str(self.file), "--check")
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertTrue(re.search(r"(?m)^step [12] differs: ", done.stdout), done.stdout)
 
-    def test_what_is_no_whole_recording_is_refused_with_file_and_line(self):
+    def test_what_is_no_whole_recording_is_refused_with_file_and_place(self):
         self.record("--headless", "--steps", "5")
-        whole = self.file.read_text()
+        whole, records = self.file.read_bytes(), self.records()
         self.refused("replay", "/nonexistent.rec", says=["/nonexistent.rec", "cannot be read"])
         self.refused("replay", says=["RECORDING"])
-        self.change(6, '"dt":', '"xx":')
-        self.refused("replay", str(self.file), says=[f"{self.file}:6:", "'dt'", "missing"])
-        self.file.write_text(whole[:-20])
-        self.refused("replay", str(self.file), says=[f"{self.file}:7:", "cut off after step 4"])
-        self.file.write_text(re.sub('"version":[0-9]+', '"version":9', whole, count=1))
-        self.refused("replay", str(self.file), says=[f"{self.file}:1:", "version 9"])
-        self.file.write_text(whole.splitlines()[0] + "\n")
+        fourth = self.steps()[3]
+        self.change(fourth, '"hash":', '"xx":')
+        self.ends_early("made again", f"{self.file}: record {fourth + 1}: unknown field 'xx'; it is whole up to step 3")
+        self.write(records[:-2])
+        self.ends_early("4 steps, ", f"{self.file}: cut off at byte ", "the session's end is missing; it is whole up to step 4")
+        self.file.write_bytes(whole[:-20])
+        self.ends_early(f"{self.file}: cut off at byte ", "a part of a chunk is missing; it has no whole step")
+        self.file.write_bytes(whole[:60] + b"?" + whole[61:])
+        self.refused("replay", str(self.file), says=[f"{self.file}: damaged at byte 31: the checksum differs"])
+        self.file.write_bytes(whole.replace(b"version 4", b"version 9", 1))
+        self.refused("replay", str(self.file), says=["version 9", "reads version 4"])
+        self.file.write_text('{"format":"filasofia recording","version":3,"filasofia":"0.1.0","revision":"abc"}\n')
+        self.refused("replay", str(self.file), says=["version 3", "reads version 4", "revision abc"])
+        self.file.write_bytes(whole)
+        self.write([records[0], b'{"end":0}\n'])
         self.refused("replay", str(self.file), says=["holds no step"])
         self.file.write_bytes(b"\x00\xff\n" * 10)
-        self.refused("replay", str(self.file), says=[f"{self.file}:1:"])
+        self.refused("replay", str(self.file), says=["no Filasofia recording"])
+
+    def ends_early(self, *says):
+        """What is whole is made again and is as it was; then the exit code is 2."""
+        done = run("replay", str(self.file), "--check")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertEqual(len(done.stderr.splitlines()), 1)
+        for word in says:
+            self.assertIn(word, done.stdout + done.stderr)
 
     def test_steps_that_cannot_be_made_again_are_named(self):
         self.record("--headless", "--steps", "5")
-        lines = self.file.read_text().splitlines(keepends=True)
-        self.change(5, '"flags":0', '"flags":64')
+        records, steps = self.records(), self.steps()
+        self.change(steps[2], '"hash"', '"flags":64,"hash"')
         self.refused("replay", str(self.file), says=["step 3", "tune()"])
-        self.file.write_text("".join(lines[:4] + lines[5:]))
-        self.refused("replay", str(self.file), says=["step 4", "step 3 is missing"])
+        self.write(records)
+        self.change(steps[3], '"hash"', '"step":5,"hash"')
+        self.refused("replay", str(self.file), says=["step 5", "step 4 is missing"])
+
+    def test_a_session_is_called_as_it_was_told(self):
+        self.record("--headless", "--steps", "2", "--session", "first <b>", "--trainee", "A. \"B\"\nC", "--seed", "7")
+        said = self.output("replay", str(self.file))
+        self.assertIn("session 'first <b>', trainee 'A. \"B\" C', seed 7\n", said)
+        self.refused("run", "bunny", "--headless", "--seed", "-1", says=["seed", "got -1"])
+
+    def test_a_full_disk_ends_the_recording_and_not_the_run(self):
+        self.file.symlink_to("/dev/full")
+        done = run("run", "bunny", "--tets", "756", "--headless", "--steps", "50", "--record", str(self.file))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("50 steps, ", done.stdout)
+        self.assertIn(f"not whole: {self.file}: cannot be written (disk full?)\n", done.stdout)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+
+    def test_a_replay_draws_the_picture_of_the_run(self):
+        if not can_draw():
+            self.skipTest("this build draws nothing")
+        pictures = [Path(self.folder.name, name) for name in ("run.png", "replay.png", "late.png")]
+        for scene in ("poke", "tear"):
+            words = ("run", scene, "--headless", "--steps", "500", "--record", str(self.file))
+            self.output(*words, "--picture", str(pictures[0]))
+            said = self.output("replay", str(self.file), "--check", "--picture", str(pictures[1]))
+            self.assertIn(f"wrote {pictures[1]}\n", said)
+            self.assertEqual(pictures[0].read_bytes(), pictures[1].read_bytes())
+            self.output(*words)  # nothing was drawn: the lights of a scene that the program makes itself are not known
+            said = self.output("replay", str(self.file), "--picture", str(pictures[2]))
+            self.assertEqual("note: " in said, scene == "tear")
+            if scene == "poke":
+                self.assertEqual(pictures[0].read_bytes(), pictures[2].read_bytes())
+        self.refused("replay", str(self.file), "--picture", "a.jpg", says=["replay", "picture", ".png"])
 
     def test_a_recording_that_cannot_be_written_is_refused_before_the_run(self):
         words = ("run", "bunny", "--headless", "--steps", "2000000000", "--record")

@@ -175,7 +175,7 @@ TEST_CASE("a full disk is one line in the log and an event, and the session goes
     Log log;
     Simulation sim;
     std::atomic<int> troubles = 0;
-    sim.on<TroubleEvent>([&](const TroubleEvent&) { ++troubles; });
+    sim.on<FileFailedEvent>([&](const FileFailedEvent&) { ++troubles; });
     {
         MetricTracker tracker(sim, {.bodies = addProbes(sim, 1), .rate = 1_kHz, .file = file, .keep = true});
         CHECK(sim.run({.headless = true, .steps = 500}).steps == 500);

@@ -13,7 +13,7 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// The lines of a recording of two steps: header, mesh, step 1 (gravity, body), step 2 (every other command).
+/// The lines of a recording of two steps: header, mesh, step 1 (gravity, body), step 2 (every other command), end.
 std::vector<std::string> smallRecording()
 {
     const record::ScratchFile file("small.rec");
@@ -41,7 +41,7 @@ std::vector<std::string> smallRecording()
             server.popRecord();
         }
     }
-    return file.lines();
+    return file.records();
 }
 
 std::string joined(const std::vector<std::string>& lines)
@@ -51,7 +51,8 @@ std::string joined(const std::vector<std::string>& lines)
     return all;
 }
 
-/// The message with which a file of these bytes is refused, without the file's name; empty where it is not.
+/// The message with which a file of these bytes is refused, without the file's name and what of it is whole; empty
+/// where it is not.
 std::string refusal(const std::string& bytes)
 {
     const record::ScratchFile file("damaged.rec");
@@ -62,7 +63,7 @@ std::string refusal(const std::string& bytes)
     } catch (const Error& error) {
         const std::string said = error.what();
         REQUIRE(said.substr(0, file.name().size()) == file.name());
-        return said.substr(file.name().size());
+        return said.substr(file.name().size(), said.rfind("; it ") - file.name().size());
     }
 }
 
@@ -70,11 +71,11 @@ std::string refusal(const std::string& bytes)
 std::string refusal(std::size_t line, const std::string& what, const std::string& by)
 {
     auto lines = smallRecording();
-    REQUIRE(lines.size() == 4);
+    REQUIRE(lines.size() == 5);
     const auto place = lines[line - 1].find(what);
     REQUIRE(place != std::string::npos);
     lines[line - 1].replace(place, what.size(), by);
-    return refusal(joined(lines));
+    return refusal(record::framed(joined(lines)));
 }
 
 } // namespace
@@ -82,18 +83,20 @@ std::string refusal(std::size_t line, const std::string& what, const std::string
 TEST_CASE("the small recording itself is whole and can be made again")
 {
     const record::ScratchFile file("whole.rec");
-    file.write(joined(smallRecording()));
+    file.write(record::framed(joined(smallRecording())));
     CHECK_FALSE(record::replay(record::readRecording(file.path()).steps, *engine::makeNativeEngine()));
 }
 
 TEST_CASE("what is no recording says so")
 {
     CHECK(refusal("") == ": is empty, no recording");
-    CHECK_THAT(refusal("\n"), Catch::StartsWith(":1: this is no line of a recording"));
-    CHECK_THAT(refusal("step,time\n1,2\n"), Catch::StartsWith(":1: this is no line of a recording"));
-    CHECK(refusal("[1]\n") == ":1: a line must be an object");
-    CHECK(refusal("{}\n") == ":1: this is no Filasofia recording");
-    CHECK(refusal("{\"format\":\"something else\",\"version\":1}\n") == ":1: this is no Filasofia recording");
+    for (const char* bytes :
+         {"\n", "step,time\n1,2\n", "[1]\n", "{}\n", "{\"format\":\"something else\",\"version\":1}\n",
+          "filasofia recording, version x\n", "filasofia recording, version 4", "{{{{{{{{"})
+        CHECK_THAT(refusal(bytes),
+                   Catch::StartsWith(": this is no Filasofia recording") || Catch::StartsWith(": cut off at byte "));
+    CHECK(refusal("filasofia rec") == ": cut off at byte 13: a recording begins, and holds nothing");
+    CHECK(refusal(record::openingLine()) == ": cut off at byte 31: the session's end is missing");
     CHECK_THROWS_WITH(record::readRecording("/no/such/file.rec"), "/no/such/file.rec: cannot be read");
     CHECK_THROWS_WITH(record::readRecording("/tmp"), "/tmp: is a folder");
     CHECK_THROWS_WITH(record::readRecording("/dev/zero"), "/dev/zero: is no regular file");
@@ -102,59 +105,70 @@ TEST_CASE("what is no recording says so")
     CHECK_THROWS_WITH(record::readRecording(pipe.path()), pipe.name() + ": is no regular file");
 }
 
-TEST_CASE("a recording of another version says so")
+TEST_CASE("a recording of another version says which, and where it is known what wrote it")
 {
-    CHECK(refusal(1, "\"version\":3", "\"version\":1") ==
-          ":1: the recording is of version 1, this Filasofia reads version 3");
-    CHECK_THAT(refusal(1, "\"version\":3", "\"version\":\"1\""), Catch::Contains("version must be a whole number"));
+    CHECK(refusal("filasofia recording, version 12\n???") ==
+          ": the recording is of version 12, this Filasofia reads version 4");
+    CHECK(refusal(R"({"format":"filasofia recording","version":3,"filasofia":"0.1.0","revision":"abc"})"
+                  "\n") == ": the recording is of version 3, this Filasofia reads version 4; Filasofia "
+                           "0.1.0, revision abc, wrote it, and can make it again");
 }
 
-TEST_CASE("a line without one of its fields names the field")
+TEST_CASE("a record without one of its fields names the field")
 {
-    CHECK(refusal(1, ",\"period\":0.001", "") == ":1: field 'period' is missing");
-    CHECK(refusal(1, "\"revision\"", "\"x\"") == ":1: field 'revision' is missing");
-    CHECK(refusal(1, "\"simd\"", "\"x\"") == ":1: field 'simd' is missing");
-    for (const std::string field : {"step", "dt", "flags", "hash", "iterations", "commands"})
-        CHECK(refusal(3, "\"" + field + "\"", "\"x\"") == ":3: field '" + field + "' is missing");
-    CHECK(refusal(2, "\"tetrahedra\"", "\"x\"") == ":2: field 'tetrahedra' is missing");
+    for (const std::string field : {"filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee"})
+        CHECK(refusal(1, "\"" + field + "\"", "\"x\"") == ": record 1: field '" + field + "' is missing");
+    CHECK(refusal(3, "\"dt\"", "\"x\"") == ": record 3: field 'dt' is missing"); // later ones have the last one's
+    for (const std::string field : {"hash", "commands"})
+        CHECK(refusal(3, "\"" + field + "\"", "\"x\"") == ": record 3: unknown field 'x'");
+    CHECK(refusal(2, "\"tetrahedra\"", "\"triangles\"") == ": record 2: field 'vertices' is missing");
+    CHECK(refusal(2, "\"digest\"", "\"x\"") == ": record 2: field 'digest' is missing");
     CHECK(refusal(3, "\"youngModulus\"", "\"x\"") ==
-          ":3: field 'commands[1].AddBody.def.SoftBodyDef.material.FemMaterial.youngModulus' is missing");
+          ": record 3: field 'commands[1].AddBody.def.SoftBodyDef.material.FemMaterial.youngModulus' is missing");
 }
 
 TEST_CASE("a field that does not belong is named")
 {
-    CHECK(refusal(1, "\"period\"", "\"color\":3,\"period\"") == ":1: unknown field 'color'");
-    CHECK(refusal(4, "\"dt\"", "\"color\":3,\"dt\"") == ":4: unknown field 'color'");
+    CHECK(refusal(1, "\"period\"", "\"color\":3,\"period\"") == ": record 1: unknown field 'color'");
+    CHECK(refusal(4, "\"hash\"", "\"color\":3,\"hash\"") == ": record 4: unknown field 'color'");
     CHECK(refusal(3, "\"gravity\":[", "\"color\":3,\"gravity\":[") ==
-          ":3: unknown field 'color' in commands[0].SetGravity");
-    CHECK(refusal(4, "\"SetPressure\"", "\"SetColor\"") == ":4: unknown field 'SetColor' in commands[3]");
+          ": record 3: unknown field 'color' in commands[0].SetGravity");
+    CHECK(refusal(4, "\"SetPressure\"", "\"SetColor\"") == ": record 4: unknown field 'SetColor' in commands[3]");
 }
 
 TEST_CASE("a value of the wrong kind is named with what it must be")
 {
-    CHECK(refusal(3, "\"dt\":0.001", "\"dt\":\"soon\"") == ":3: dt must be a number, got \"soon\"");
-    CHECK(refusal(3, "\"dt\":0.001", "\"dt\":null") == ":3: dt must be a number, got null");
-    CHECK_THAT(refusal(3, "\"step\":1", "\"step\":-1"), Catch::Contains(":3: step must be a whole number in [0, "));
-    CHECK_THAT(refusal(3, "\"step\":1", "\"step\":1.5"), Catch::Contains("got 1.5"));
-    CHECK_THAT(refusal(3, "\"flags\":0", "\"flags\":4294967296"), Catch::Contains("flags must be a whole number"));
+    CHECK(refusal(3, "\"dt\":0.001", "\"dt\":\"soon\"") == ": record 3: dt must be a number, got \"soon\"");
+    CHECK(refusal(3, "\"dt\":0.001", "\"dt\":null") == ": record 3: dt must be a number, got null");
+    CHECK_THAT(refusal(3, "\"dt\"", "\"step\":-1,\"dt\""),
+               Catch::Contains(": record 3: step must be a whole number in [0, "));
+    CHECK_THAT(refusal(3, "\"dt\"", "\"step\":1.5,\"dt\""), Catch::Contains("got 1.5"));
+    CHECK_THAT(refusal(3, "\"dt\"", "\"flags\":4294967296,\"dt\""), Catch::Contains("flags must be a whole number"));
     CHECK_THAT(refusal(3, "\"hash\":\"", "\"hash\":\"x"), Catch::Contains("hash must be 16 hexadecimal digits"));
     CHECK_THAT(refusal(3, "\"iterations\":[", "\"iterations\":[-1,"), Catch::Contains("iterations must be >= 0"));
-    CHECK(refusal(4, "\"paused\":true", "\"paused\":1") == ":4: commands[5].Pause.paused must be true or false, got 1");
-    CHECK(refusal(3, "\"mesh\":0", "\"mesh\":1") == ":3: commands[1].AddBody.def.SoftBodyDef.mesh must be the number "
-                                                    "of a mesh of its kind on a line before, got 1");
-    CHECK(refusal(2, "\"mesh\":0", "\"mesh\":1") == ":2: mesh must be 0, the next number, got 1");
-    CHECK_THAT(refusal(2, "[0,1,2,3]", "[0,1,2]"), Catch::StartsWith(":2: tetrahedra[0] must be a list of 4"));
-    CHECK_THAT(refusal(2, "[1.0,0.0,0.0]", "[1.0]"), Catch::StartsWith(":2: nodes[1] must be a list of 3"));
+    CHECK(refusal(4, "\"paused\":true", "\"paused\":1") ==
+          ": record 4: commands[5].Pause.paused must be true or false, got 1");
+    CHECK(refusal(3, "\"mesh\":0", "\"mesh\":1") ==
+          ": record 3: commands[1].AddBody.def.SoftBodyDef.mesh must be the number "
+          "of a mesh of its kind on a line before, got 1");
+    CHECK(refusal(2, "\"mesh\":0", "\"mesh\":1") == ": record 2: mesh must be 0, the next number, got 1");
+    CHECK_THAT(refusal(2, "\"nodes\":4", "\"nodes\":-4"),
+               Catch::StartsWith(": record 2: nodes must be a whole number"));
+    CHECK(refusal(2, "\"nodes\":4", "\"nodes\":999999999") == ": record 2: nodes must be <= 268435456, got 999999999");
+    CHECK_THAT(refusal(2, "\"nodes\":4", "\"nodes\":3"), Catch::StartsWith(": record 2: mesh 0: its digest must be "));
+    CHECK_THAT(refusal(2, "\"nodes\":4", "\"nodes\":200000000"), Catch::StartsWith(": cut off at byte "));
     CHECK_THAT(refusal(4, "{\"Reset\":{}}", "\"Reset\""),
                Catch::Contains("commands[4] must be an object with one name"));
-    CHECK_THAT(refusal(3, "\"dt\":0.001", "\"dt\":1e999"), Catch::StartsWith(":3: this is no line of a recording"));
+    CHECK_THAT(refusal(3, "\"dt\":0.001", "\"dt\":1e999"), Catch::StartsWith(": record 3: this is no record"));
 }
 
-TEST_CASE("a file that is cut off inside a line says after which step")
+TEST_CASE("the session's end tells how many steps there are, and nothing follows it")
 {
+    CHECK(refusal(5, "2", "3") == ": record 5: the session's end tells of 3 steps, and there are 2");
+    CHECK(refusal(5, "\"end\"", "\"x\":1,\"end\"") == ": record 5: unknown field 'x'");
     const std::string whole = joined(smallRecording());
-    CHECK(refusal(whole.substr(0, whole.size() - 5)) == ":4: the file is cut off after step 1");
-    CHECK(refusal(whole.substr(0, whole.size() - 1)).empty()); // only the line break is gone
+    CHECK(refusal(record::framed(whole + "{}\n")) == ": record 5: something follows the session's end");
+    CHECK(refusal(record::framed(whole.substr(0, whole.size() - 1))).starts_with(": cut off at byte "));
 }
 
 TEST_CASE("ids of attachments that run over are refused")
@@ -165,7 +179,7 @@ TEST_CASE("ids of attachments that run over are refused")
     REQUIRE(place != std::string::npos);
     lines[2].replace(place, was.size(), "\"attachments\":4294967295"); // the body has two
     const record::ScratchFile file("ids.rec");
-    file.write(joined(lines));
+    file.write(record::framed(joined(lines)));
     CHECK_THROWS_WITH(record::replay(record::readRecording(file.path()).steps, *engine::makeNativeEngine()),
                       "step 1: attachment 4294967295: must be <= 4294967294: 2 ids follow from it");
 }
@@ -175,7 +189,7 @@ TEST_CASE("the steps before a damaged line can be made again")
     auto lines = smallRecording();
     lines[3] = "{";
     const record::ScratchFile file("crashed.rec");
-    file.write(joined(lines));
+    file.write(record::framed(joined(lines)));
     record::RecordingReader reader(file.path());
     const auto engine = engine::makeNativeEngine();
     record::Replayer replayer(*engine);
@@ -183,7 +197,9 @@ TEST_CASE("the steps before a damaged line can be made again")
     REQUIRE(step);
     replayer.step(*step);
     CHECK(engine->hash() == step->hash);
-    CHECK_THROWS_WITH(reader.next(), Catch::Contains(":4: this is no line of a recording"));
+    for (int again = 0; again < 2; ++again)
+        CHECK_THROWS_WITH(reader.next(), Catch::Contains(": record 4: this is no record") &&
+                                             Catch::EndsWith("; it is whole up to step 1"));
 }
 
 TEST_CASE("whatever the bytes of a recording, it is read and made again or refused")
@@ -214,7 +230,7 @@ TEST_CASE("whatever the bytes of a recording, it is read and made again or refus
                 bytes.insert(place, bytes.substr(below(bytes.size()), 1 + below(30)));
             }
         }
-        file.write(bytes);
+        file.write(record::framed(bytes, 1 + below(5000)));
         try {
             record::replay(record::readRecording(file.path()).steps, *engine::makeNativeEngine());
         } catch (const Error&) {

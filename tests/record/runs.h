@@ -2,6 +2,7 @@
 
 #include "filasofia/core/text.h"
 #include "filasofia/physics/physics_server.h"
+#include "filasofia/record/chunks.h"
 
 #include <unistd.h>
 
@@ -61,16 +62,38 @@ public:
         std::ifstream in(path_, std::ios::binary);
         return {std::istreambuf_iterator<char>(in), {}};
     }
-    [[nodiscard]] std::vector<std::string> lines() const
+    [[nodiscard]] std::vector<std::string> lines() const { return linesOf(bytes()); }
+    /// Of the recording that it is: what its chunks hold.
+    [[nodiscard]] std::string content() const
     {
-        std::ifstream in(path_);
+        ChunkReader chunks(name());
+        std::string all;
+        while (chunks.next(all)) {
+        }
+        return all;
+    }
+    /// The same, where it breaks: the numbers of a mesh are the beginning of the line that follows them.
+    [[nodiscard]] std::vector<std::string> records() const { return linesOf(content()); }
+
+private:
+    static std::vector<std::string> linesOf(const std::string& words)
+    {
+        std::istringstream in(words);
         std::vector<std::string> all;
         for (std::string line; std::getline(in, line);) all.push_back(line);
         return all;
     }
 
-private:
     std::filesystem::path path_;
 };
+
+/// A file whose chunks hold this, `size` bytes each.
+inline std::string framed(const std::string& content, std::size_t size = kMaximumChunk)
+{
+    std::string bytes = openingLine();
+    std::uint32_t number = 0;
+    for (std::size_t at = 0; at < content.size(); at += size) bytes += chunkOf(number++, content.substr(at, size));
+    return bytes;
+}
 
 } // namespace filasofia::record

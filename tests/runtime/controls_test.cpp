@@ -1,6 +1,7 @@
 #include "filasofia/filasofia.h"
 
 #include "filasofia/core/log.h"
+#include "filasofia/record/recording.h"
 #include "filasofia/runtime/run_keys.h"
 #include "filasofia/window/null_window.h"
 
@@ -201,12 +202,8 @@ TEST_CASE("single steps are in a recording, and it can be made again")
         if (made == 6) sim.singleStep();
     });
     sim.run({.headless = true, .steps = 10, .record = "steps.rec"});
-    std::ifstream file("steps.rec");
-    std::string line;
     int moving = 0;
-    std::getline(file, line);
-    while (std::getline(file, line))
-        moving += line.find("\"step\"") != std::string::npos && line.find("\"dt\":0.0,") == std::string::npos;
+    for (const auto& step : record::readRecording("steps.rec").steps) moving += step.report.dt > 0.0;
     CHECK(moving == 4);
     CHECK(sim.physics().latest()->rigidBody(body)->poses.front().position.y < 0.0);
 }

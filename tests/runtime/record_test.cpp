@@ -7,11 +7,17 @@
 #include "filasofia/record/recording.h"
 #include "filasofia/record/replay.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <iostream>
+#include <mutex>
+#include <thread>
 
 using namespace filasofia;
 
@@ -108,16 +114,81 @@ TEST_CASE("only a simulation's first run can be recorded")
     CHECK(sim.run({.headless = true, .steps = 2}).steps == 4);
 }
 
-TEST_CASE("a run whose recording finds no room on the disk says so")
+TEST_CASE("a run whose files find no room on the disk goes on, and says so once for each")
 {
     const Folder folder;
     std::filesystem::create_symlink("/dev/full", folder.path / "full.rec");
+    std::filesystem::create_symlink("/dev/full", folder.path / "full.csv");
     for (const bool headless : {true, false}) {
         Simulation sim;
-        CHECK_THROWS_WITH(
-            sim.run({.headless = headless, .backend = Backend::Null, .steps = 100, .record = folder / "full.rec"}),
-            folder / "full.rec" + ": cannot be written (disk full?)");
+        sim.add(bunny());
+        std::mutex mutex;
+        std::vector<std::string> logged, told;
+        sim.on<FileFailedEvent>([&](const FileFailedEvent& failed) {
+            const std::lock_guard lock(mutex);
+            told.push_back(failed.problem);
+        });
+        setLogSink([&](LogLevel level, std::string_view line) {
+            const std::lock_guard lock(mutex);
+            if (level == LogLevel::Error) logged.emplace_back(line);
+        });
+        const RunReport report = sim.run({.headless = headless,
+                                          .backend = Backend::Null,
+                                          .steps = 400,
+                                          .log = folder / "full.csv",
+                                          .record = folder / "full.rec"});
+        sim.events().deliverAll();
+        setLogSink({});
+        CHECK(report.steps == 400);
+        const std::string why = ": cannot be written (disk full?)";
+        const std::vector<std::string> problems = {folder / "full.csv" + why, folder / "full.rec" + why};
+        std::vector<std::string> found = report.fileProblems;
+        std::ranges::sort(found);
+        CHECK(found == problems);
+        std::ranges::sort(told);
+        CHECK(told == problems);
+        std::ranges::sort(logged);
+        REQUIRE(logged.size() == 2);
+        for (std::size_t i = 0; i < 2; ++i) CHECK_THAT(logged[i], Catch::StartsWith(problems[i]));
+        CHECK_THAT(runtime::summary(report), Catch::Contains("not whole: " + problems[1]));
     }
+}
+
+TEST_CASE("physics goes on while a disk takes nothing, and no step is lost")
+{
+    const Folder folder;
+    const std::string pipe = folder / "slow.rec";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    std::promise<void> far; // physics has come far while nobody took what it wrote
+    std::thread disk([&] {
+        const int from = open(pipe.c_str(), O_RDONLY);
+        fcntl(from, F_SETPIPE_SZ, 4096);
+        far.get_future().wait();
+        std::ofstream to(folder / "whole.rec", std::ios::binary);
+        char bytes[4096];
+        for (ssize_t got = 0; (got = read(from, bytes, sizeof bytes)) > 0;) to.write(bytes, got);
+        close(from);
+    });
+    Simulation sim;
+    sim.add(bunny());
+    sim.on<PhysicsUpdateEvent>([&, told = false](const PhysicsUpdateEvent& update) mutable {
+        if (update.step >= 1500 && !std::exchange(told, true)) far.set_value(); // else it would wait for ever
+    });
+    const RunReport report = sim.run({.backend = Backend::Null, .steps = 1600, .record = pipe});
+    disk.join();
+    CHECK(report.fileProblems.empty());
+    const record::Recording recording = record::readRecording(folder / "whole.rec");
+    CHECK(recording.steps.size() == 1600);
+    for (const auto& step : recording.steps) REQUIRE_FALSE(step.report.has(physics::StepFlag::RecordLost));
+}
+
+TEST_CASE("a run tells its recording what it is called")
+{
+    const Folder folder;
+    Simulation sim;
+    sim.run({.headless = true, .steps = 1, .record = folder / "run.rec", .seed = 5, .session = "s", .trainee = "<T>"});
+    const record::RecordingHeader header = record::RecordingReader(folder / "run.rec").header();
+    CHECK((header.seed == 5 && header.session == "s" && header.trainee == "<T>"));
 }
 
 TEST_CASE("a simulation's command line records")

@@ -1,6 +1,7 @@
 #include "filasofia/runtime/video_file.h"
 
 #include "filasofia/filasofia.h"
+#include "filasofia/runtime/replay.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -168,3 +169,31 @@ TEST_CASE("a headless run's video has a picture for each part of simulated time,
     CHECK(pictures() == 4);
 }
 #endif
+
+TEST_CASE("a replay films what the run has filmed, picture by picture")
+{
+    if (!visual::hasBackend(Backend::Headless)) return;
+    const FakeFfmpeg ffmpeg(kRecorder);
+    Simulation sim({.window = {.width = 64, .height = 48}});
+    const BodyId box = sim.add(RigidBodyDef{.mesh = shapes::box({0.02, 0.02, 0.02})});
+    sim.show(box);
+    visual::Camera* eye = nullptr;
+    sim.dress([&](VisualServer& server) {
+        eye = &server.add(CameraDef{});
+        eye->setPose({{0, 0, 0.1}, {}});
+        server.add(ViewDef{}, *eye);
+    });
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
+        sim.physics().setPose(box, {{1e-4 * static_cast<double>(update.step), 0, 0}, {}});
+        eye->setPose({{0, 1e-4 * static_cast<double>(update.step), 0.1}, {}});
+        if (update.step == 60) sim.show(box, {.surface = shapes::sphere(0.015), .material = MetalMaterial{}});
+    });
+    sim.run(
+        {.headless = true, .steps = 100, .record = ffmpeg.file("run.rec"), .video = ffmpeg.file("run.mp4"), .fps = 50});
+    const std::string filmed = ffmpeg.read("input");
+    REQUIRE(filmed.size() >= 5u * 64 * 48 * 3);
+    REQUIRE(filmed.substr(0, filmed.size() / 5) != filmed.substr(filmed.size() - filmed.size() / 5));
+    const ReplayReport again = replay({.file = ffmpeg.file("run.rec"), .video = ffmpeg.file("again.mp4"), .fps = 50});
+    CHECK(again.pictures == std::vector<std::string>{ffmpeg.file("again.mp4")});
+    CHECK(ffmpeg.read("input") == filmed);
+}

@@ -71,9 +71,9 @@ TEST_CASE("every instruction set with fused multiply-add makes the same hash; ot
 // prints:  test_verification "after 50 steps*"  (and says so in CHANGELOG.md: recorded hashes change for users too)
 TEST_CASE("after 50 steps of 1 ms every bunny has the hash that it had on any machine")
 {
-    const std::tuple<int, std::uint64_t, std::uint64_t> goldens[] = {{756, 0xc50abec527921b4, 0x6885253b9561f546},
-                                                                     {1492, 0xbe9a670267042d8b, 0x3c146e921db505d1},
-                                                                     {3004, 0x5166d41e58ef58ea, 0xe193f3cb9a35f53a}};
+    const std::tuple<int, std::uint64_t, std::uint64_t> goldens[] = {{756, 0xa26992431083d6d7, 0x298adf7ea335a264},
+                                                                     {1492, 0x57c6bb1b05fec2da, 0x57d8a7fb6a6a4afa},
+                                                                     {3004, 0x98613c37ecf8d375, 0x36000ea48da59b67}};
     const bool same = fused(linalg::simdTarget());
     if (!same) WARN("no fused multiply-add on this machine: the default solver's hashes are not checked");
     for (const auto& [elements, inFloat, inDouble] : goldens) {

@@ -24,7 +24,7 @@ enum class EventType : std::uint8_t {
     Contact,
     Cut,
     Tear,
-    Trouble,
+    FileFailed,
     Custom1,
     Custom2,
     Custom3,
@@ -84,16 +84,6 @@ public:
     static constexpr EventType kType = EventType::VisualUpdate;
     VisualUpdateEvent() : Event(kType) {}
     [[nodiscard]] std::optional<MergeKey> mergeKey() const override { return MergeKey{type}; }
-};
-
-/// Something beside the simulation gave up, and the simulation goes on without it: a record whose disk is full. The log
-/// has the same line.
-class TroubleEvent final : public Event {
-public:
-    static constexpr EventType kType = EventType::Trouble;
-    TroubleEvent() : Event(kType) {}
-
-    std::string what = {};
 };
 
 } // namespace filasofia::event

@@ -72,6 +72,11 @@ public:
     // The stepping thread only.
     /// One step of dt [s], > 0. `flags`: StepFlag bits that the caller knows already, for report and log.
     StepReport step(double dt, std::uint32_t flags = 0, const StepBudget& budget = {});
+    /// The commands of the next step as a recording has them, with their ids and built bodies, checked as if they were
+    /// asked for now (Error). From now on the server knows their bodies.
+    void expect(std::vector<Command> commands);
+    /// In place of step(): with the commands that were expected and no others. dt >= 0 [s]: with 0 nothing moves.
+    StepReport stepAgain(double dt, const StepBudget& budget = {});
     [[nodiscard]] std::uint64_t hash() const;
     /// Computes the state's hash after every step, for the log.
     void hashEveryStep(bool on);

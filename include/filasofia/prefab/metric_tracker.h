@@ -57,7 +57,7 @@ constexpr auto fields(const MetricTrackerDef*)
 /// costs a microsecond or so, and written by a thread of the tracker's own. Physics never waits for it in a live run;
 /// one that is faster than real time waits for its disk, but no longer than real time would have taken. Memory is
 /// bounded: memory() bytes, and what `keep` keeps. A sample is lost, and counted, only where writing stands still for
-/// longer than `buffer`. What cannot be written is one line in the log and a TroubleEvent; the simulation goes on.
+/// longer than `buffer`. What cannot be written is one line in the log and a FileFailedEvent; the simulation goes on.
 /// While physics is paused nothing is observed.
 class MetricTracker {
 public:

@@ -2,13 +2,15 @@
 
 #include "filasofia/physics/step_record.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
 namespace filasofia::physics {
 class PhysicsEngine;
-}
+class PhysicsServer;
+} // namespace filasofia::physics
 
 namespace filasofia::record {
 
@@ -18,10 +20,13 @@ namespace filasofia::record {
 class Replayer {
 public:
     explicit Replayer(physics::PhysicsEngine& fresh);
+    /// On the engine of a server that has made no step: its frames follow, and what the server knows of the bodies.
+    explicit Replayer(physics::PhysicsServer& fresh);
     ~Replayer();
     /// Makes the next step; the engine then has its state. Throws an Error naming the step that cannot be made again:
     /// where steps are missing, after tune(), or where a command is wrong.
-    physics::StepReport step(const physics::StepRecord& recorded);
+    /// `between` is called when the step's bodies are known and before it is made.
+    physics::StepReport step(const physics::StepRecord& recorded, const std::function<void()>& between = {});
 
 private:
     struct Impl;

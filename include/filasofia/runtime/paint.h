@@ -10,6 +10,8 @@ enum class PaintMode {
     Replace, ///< towards the new state: washes off too
 };
 
+constexpr std::array<std::string_view, 2> names(const PaintMode*) { return {"add", "replace"}; }
+
 /// A mark on whatever is drawn of a body: full up to half of the radius, fading to nothing at it. Surfaces keep it at
 /// the vertices of their mesh before subdivision, so a mark smaller than these are apart may reach none.
 struct PaintDef {

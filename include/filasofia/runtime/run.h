@@ -21,6 +21,9 @@ struct RunDef {
     bool freeRunning = false;  ///< a live run that does not wait between steps: measures what they cost
     std::string video = {};    ///< an MP4 file, made by the program ffmpeg; empty: none
     double fps = 30.0;         ///< [1/s], in [1, 240], pictures of the video: simulated time headless, else wall time
+    int seed = 0;              ///< [-], >= 0, for the recording: of what your program draws by chance
+    std::string session = {};  ///< for the recording: what the run is called; any text
+    std::string trainee = {};  ///< for the recording: who is at it; any text
 };
 constexpr auto fields(const RunDef*)
 {
@@ -35,7 +38,10 @@ constexpr auto fields(const RunDef*)
                     field("record", &T::record, "a file from which the run can be made again"),
                     field("freeRunning", &T::freeRunning, "does not wait between steps"),
                     field("video", &T::video, "an MP4 file"),
-                    field("fps", &T::fps, "1/s", closed(1, 240), "pictures of the video"));
+                    field("fps", &T::fps, "1/s", closed(1, 240), "pictures of the video"),
+                    field("seed", &T::seed, "-", nonNegative(), "for the recording: of what is drawn by chance"),
+                    field("session", &T::session, "for the recording: what the run is called"),
+                    field("trainee", &T::trainee, "for the recording: who is at it"));
 }
 
 /// How two bodies touched in a run.
@@ -64,6 +70,7 @@ struct RunReport {
     std::string finished;                    ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
     std::vector<std::string> pictures;       ///< files written, the video too
+    std::vector<std::string> fileProblems;   ///< why log or recording end before the run; empty: they are whole
 };
 
 /// The report as a person reads it, several lines.

@@ -5,6 +5,7 @@
 #include "filasofia/event/input_events.h"
 #include "filasofia/physics/physics_server.h"
 #include "filasofia/runtime/contact_event.h"
+#include "filasofia/runtime/file_failed_event.h"
 #include "filasofia/runtime/follow.h"
 #include "filasofia/runtime/paint.h"
 #include "filasofia/runtime/run.h"
@@ -165,7 +166,8 @@ public:
     /// when a run of this simulation is going on (so from inside an observer or a tune).
     RunReport run(const RunDef& def);
     /// The same for a main(): reads --headless, --steps N, --picture FILE.png and more (--help), prints how it went and
-    /// returns the exit code: 0, or 2 after one line that says what is wrong.
+    /// returns the exit code: 0; 1 where log or recording found no room on the disk; or 2 after one line that says
+    /// what is wrong.
     int run(int argc, const char* const* argv);
 
     struct Impl;

@@ -2,6 +2,7 @@
 
 #include "filasofia/visual/color.h"
 
+#include <array>
 #include <optional>
 
 namespace filasofia::visual {
@@ -111,6 +112,8 @@ enum class Antialiasing {
     Msaa, ///< four samples at every edge
 };
 
+constexpr std::array<std::string_view, 4> names(const Antialiasing*) { return {"none", "fxaa", "taa", "msaa"}; }
+
 /// What is done to a view's picture; none means off.
 struct Effects {
     bool shadows = true; ///< of the lights that cast some
@@ -143,6 +146,8 @@ enum class Quality {
     Medium, ///< shadows, tone mapping, vignette, smoothed edges
     High,   ///< and ambient occlusion, bloom
 };
+
+constexpr std::array<std::string_view, 3> names(const Quality*) { return {"low", "medium", "high"}; }
 
 /// The effects of a preset, as a start for one's own. `occlusionRadius` in [m].
 Effects effectsOf(Quality quality, double occlusionRadius = AmbientOcclusion{}.radius);

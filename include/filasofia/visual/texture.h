@@ -12,6 +12,8 @@ struct NoTexture {
     friend constexpr bool operator==(const NoTexture&, const NoTexture&) = default;
 };
 
+constexpr auto fields(const NoTexture*) { return describe("NoTexture"); }
+
 /// A PNG or JPEG of at most 8192 pixels a side, sRGB encoded. Read once for a server, when it is first named.
 struct TextureFile {
     std::string file = {};

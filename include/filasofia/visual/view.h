@@ -31,6 +31,8 @@ struct InWindow {
     friend constexpr bool operator==(const InWindow&, const InWindow&) = default;
 };
 
+constexpr auto fields(const InWindow*) { return describe("InWindow"); }
+
 /// The view has a picture of its own: to be read (View::capture), or to be seen on a body (ViewPicture).
 struct OffScreen {
     int width = 640;  ///< [px], in [1, 8192]

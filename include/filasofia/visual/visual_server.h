@@ -9,6 +9,7 @@
 #include "filasofia/visual/visual_body.h"
 
 #include <functional>
+#include <map>
 
 namespace filasofia::visual {
 
@@ -99,6 +100,11 @@ public:
     /// What there is, in the order in which it was added.
     [[nodiscard]] std::vector<VisualBody*> bodies() const;
     [[nodiscard]] std::vector<View*> views() const;
+    [[nodiscard]] std::vector<Light*> lights() const;
+    [[nodiscard]] std::vector<Camera*> cameras() const;
+    [[nodiscard]] const EnvironmentDef& environment() const;
+    /// The pool's materials, by name.
+    [[nodiscard]] const std::map<std::string, Material>& materials() const;
 
     /// Lines, points and texts in the scene.
     [[nodiscard]] DebugDraw& debug();

@@ -1,9 +1,37 @@
 #include "filasofia/core/hash.h"
 
+#include <array>
 #include <cinttypes>
 #include <cstdio>
+#include <cstring>
 
 namespace filasofia {
+
+void Hasher::addBytes(const unsigned char* bytes, std::size_t count)
+{
+    constexpr std::size_t kLanes = 8, kBlock = kLanes * sizeof(std::uint64_t);
+    constexpr std::uint64_t kOdd = 0xbf58476d1ce4e5b9u; // of splitmix64: invertible, as is the shift after it
+    std::array<std::uint64_t, kLanes> lanes = {}, words = {};
+    for (std::size_t k = 0; k < kLanes; ++k) lanes[k] = kOdd * (k + 1);
+    const auto mix = [&] {
+        for (std::size_t k = 0; k < kLanes; ++k) {
+            const std::uint64_t product = (lanes[k] ^ words[k]) * kOdd;
+            lanes[k] = product ^ (product >> 32);
+        }
+    };
+    std::size_t at = 0;
+    for (; at + kBlock <= count; at += kBlock) {
+        std::memcpy(words.data(), bytes + at, kBlock);
+        mix();
+    }
+    if (at < count) { // what is missing of the last block is zeros: the count tells them from such that are there
+        words = {};
+        std::memcpy(words.data(), bytes + at, count - at);
+        mix();
+    }
+    add(static_cast<std::uint64_t>(count));
+    for (const std::uint64_t lane : lanes) add(lane);
+}
 
 std::string hexadecimal(std::uint64_t hash)
 {

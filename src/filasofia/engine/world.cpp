@@ -200,10 +200,9 @@ std::uint64_t World::hash() const
     add(hash, state_.gravity);
     for (const SoftState& body : state_.softBodies) {
         for (const auto* list : {&body.x, &body.v, &body.dv, &body.leftover, &body.forces})
-            for (const Vec3& v : *list) add(hash, v);
-        for (const ElementRotations& block : body.rotations)
-            for (const auto* list : {&block.x, &block.y, &block.z, &block.w})
-                for (float each : *list) hash.add(static_cast<double>(each));
+            hash.addAll(std::span<const Vec3>(*list));
+        static_assert(sizeof(ElementRotations) == 4 * sizeof(ElementRotations::x)); // all of it is numbers
+        hash.addAll(std::span<const ElementRotations>(body.rotations));
         hash.add(body.pressure);
     }
     for (std::size_t b = 0; b < model_.softBodies.size(); ++b) add(hash, ruptures_.topologies[b], model_.softBodies[b]);

@@ -229,6 +229,26 @@ StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget&
     return report;
 }
 
+void PhysicsServer::expect(std::vector<Command> commands)
+{
+    const std::lock_guard lock(impl_->registryMutex);
+    for (const Command& command : commands) {
+        impl_->registry.check(command);
+        impl_->registry.note(command);
+    }
+    impl_->commands = std::move(commands);
+}
+
+StepReport PhysicsServer::stepAgain(double dt, const StepBudget& budget)
+{
+    FILASOFIA_ASSERT(std::isfinite(dt) && dt >= 0.0);
+    const StepReport report = impl_->engine->step({.dt = dt, .commands = impl_->commands, .budget = &budget});
+    impl_->giveBackSpent();
+    impl_->commands.clear();
+    impl_->publishFrame();
+    return report;
+}
+
 bool PhysicsServer::has(BodyId id) const
 {
     const std::lock_guard lock(impl_->registryMutex);

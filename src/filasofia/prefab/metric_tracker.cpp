@@ -6,6 +6,7 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/metric/sampling.h"
 #include "filasofia/prefab/session_writer.h"
+#include "filasofia/runtime/file_failed_event.h"
 
 #include <chrono>
 #include <cmath>
@@ -250,11 +251,11 @@ struct MetricTracker::Impl {
             write();
         } catch (const std::exception& problem) {
             failed.store(true);
-            event::TroubleEvent trouble;
-            trouble.what = text("metric tracker: ", problem.what(), "; the session goes on unrecorded");
-            logError(trouble.what);
+            runtime::FileFailedEvent failure;
+            failure.problem = text("metric tracker: ", problem.what(), "; the session goes on unrecorded");
+            logError(failure.problem);
             try {
-                simulation.post(std::move(trouble));
+                simulation.post(std::move(failure));
             } catch (const Error&) { // the queue is full: the log has told
             }
         }

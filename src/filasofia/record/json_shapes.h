@@ -25,8 +25,7 @@ using Mesh = std::variant<TetMesh, TriangleMesh>; ///< on a line of its own, tol
 template <class T>
 concept IsMeshSource = std::is_same_v<T, physics::TetMeshSource> || std::is_same_v<T, physics::TriangleMeshSource>;
 
-inline constexpr const char* kFormat = "filasofia recording";
-inline constexpr int kVersion = 3;
+inline constexpr int kVersion = 4;
 inline constexpr const char* kInfinite = "infinite";
 inline constexpr const char* kMinusInfinite = "-infinite";
 
@@ -46,7 +45,22 @@ template <class T> inline constexpr bool kIsVector<std::vector<T>> = true;
 template <class T> inline constexpr bool kIsArray = false;
 template <class T, std::size_t n> inline constexpr bool kIsArray<std::array<T, n>> = true;
 
-template <class T> constexpr std::string_view typeName() { return fields(static_cast<const T*>(nullptr)).typeName; }
+/// By which an alternative of a variant goes.
+template <class T> constexpr std::string_view typeName()
+{
+    if constexpr (std::is_same_v<T, double>)
+        return "number";
+    else if constexpr (std::is_same_v<T, int>)
+        return "integer";
+    else if constexpr (std::is_same_v<T, bool>)
+        return "flag";
+    else if constexpr (kIsArray<T>)
+        return "numbers";
+    else if constexpr (kIsVariant<T>)
+        return "either";
+    else
+        return fields(static_cast<const T*>(nullptr)).typeName;
+}
 template <class T> constexpr std::size_t fieldCount()
 {
     return std::tuple_size_v<decltype(fields(static_cast<const T*>(nullptr)).list)>;

@@ -44,22 +44,28 @@ OutputFile::OutputFile(const std::filesystem::path& path) : name_(path.string())
 
 OutputFile::~OutputFile()
 {
-    if (file_ && std::fclose(file_) != 0) logError(name_, kNotWritten);
+    if (file_ && std::fclose(file_) != 0 && !failed_) logError(name_, kNotWritten);
+}
+
+void OutputFile::refuse()
+{
+    failed_ = true;
+    fail(name_, kNotWritten);
 }
 
 void OutputFile::write(std::string_view text)
 {
-    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(name_, kNotWritten);
+    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) refuse();
 }
 
 void OutputFile::flush()
 {
-    if (std::fflush(file_) != 0) fail(name_, kNotWritten);
+    if (std::fflush(file_) != 0) refuse();
 }
 
 void OutputFile::close()
 {
-    if (std::FILE* file = std::exchange(file_, nullptr); file && std::fclose(file) != 0) fail(name_, kNotWritten);
+    if (std::FILE* file = std::exchange(file_, nullptr); file && std::fclose(file) != 0) refuse();
 }
 
 } // namespace filasofia::record

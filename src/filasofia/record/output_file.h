@@ -21,10 +21,15 @@ public:
     /// The end. Bytes on their way to a full disk, or over a network, may fail only here.
     void close();
     [[nodiscard]] const std::string& name() const { return name_; }
+    /// Something has been refused, and told.
+    [[nodiscard]] bool failed() const { return failed_; }
 
 private:
+    [[noreturn]] void refuse();
+
     std::string name_;
     std::FILE* file_ = nullptr;
+    bool failed_ = false;
 };
 
 } // namespace filasofia::record

@@ -1,9 +1,12 @@
+#include "filasofia/core/hash.h"
+#include "filasofia/record/chunks.h"
+#include "filasofia/record/json_limits.h"
 #include "filasofia/record/json_reader.h"
+#include "filasofia/record/mesh_bytes.h"
 #include "filasofia/record/recording.h"
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <utility>
 
 namespace filasofia::record {
@@ -11,135 +14,262 @@ namespace {
 
 using physics::StepRecord;
 
+constexpr std::size_t kMostOfAList = 1 << 28; ///< nodes or elements of a mesh
+
 /// A set of names, for finding those that do not belong.
 template <class... Names> auto oneOf(Names... names)
 {
     return [=](std::string_view name) { return ((name == names) || ...); };
 }
 
-std::uint64_t hashOf(const std::string& digits)
+std::uint64_t hashOf(const Json& json, const char* name, const JsonReader& reader)
 {
+    std::string digits;
+    reader.member(json, name, digits);
     std::uint64_t hash = 0;
     const char* end = digits.data() + digits.size();
     const auto [stop, problem] = std::from_chars(digits.data(), end, hash, 16);
     if (digits.size() != 16 || stop != end || problem != std::errc())
-        Place{nullptr, "hash"}.refuse("must be 16 hexadecimal digits", digits);
+        Place{nullptr, name}.refuse("must be 16 hexadecimal digits", digits);
     return hash;
 }
 
 RecordingHeader headerOf(const Json& json, const JsonReader& reader)
 {
-    std::string format;
-    if (json.contains("format")) reader.member(json, "format", format);
-    if (format != kFormat) fail("this is no Filasofia recording");
-    int version = 0;
-    reader.member(json, "version", version);
-    if (version != kVersion) fail("the recording is of version ", version, ", this Filasofia reads version ", kVersion);
     RecordingHeader header;
     reader.member(json, "filasofia", header.filasofia);
-    reader.member(json, "period", header.period);
     reader.member(json, "revision", header.revision);
     reader.member(json, "simd", header.simd);
+    reader.member(json, "period", header.period);
     reader.member(json, "contact", header.contact);
-    reader.noOthers(json, 7, oneOf("format", "version", "filasofia", "revision", "simd", "period", "contact"));
+    reader.member(json, "seed", header.seed);
+    reader.member(json, "session", header.session);
+    reader.member(json, "trainee", header.trainee);
+    reader.noOthers(json, 8, oneOf("filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee"));
     return header;
 }
 
-Mesh meshOf(const Json& json, const JsonReader& reader)
-{
-    std::size_t number = 0;
-    reader.member(json, "mesh", number);
-    if (number != reader.meshes.size())
-        Place{nullptr, "mesh"}.refuse(text("must be ", reader.meshes.size(), ", the next number"), json["mesh"]);
-    if (json.contains("triangles")) {
-        geometry::TriangleMesh mesh;
-        reader.member(json, "vertices", mesh.vertices);
-        reader.member(json, "triangles", mesh.triangles);
-        reader.member(json, "uv", mesh.uv);
-        reader.noOthers(json, 4, oneOf("mesh", "vertices", "triangles", "uv"));
-        return std::make_shared<const geometry::TriangleMesh>(std::move(mesh));
-    }
-    geometry::TetMesh mesh;
-    reader.member(json, "nodes", mesh.nodes);
-    reader.member(json, "tetrahedra", mesh.tetrahedra);
-    reader.noOthers(json, 3, oneOf("mesh", "nodes", "tetrahedra"));
-    return std::make_shared<const geometry::TetMesh>(std::move(mesh));
-}
-
-StepRecord stepOf(const Json& json, const JsonReader& reader)
-{
-    StepRecord record;
-    std::string hash;
-    std::vector<int> iterations;
-    reader.member(json, "step", record.report.step);
-    reader.member(json, "dt", record.report.dt);
-    reader.member(json, "flags", record.report.flags);
-    reader.member(json, "hash", hash);
-    reader.member(json, "iterations", iterations);
-    reader.member(json, "commands", record.commands);
-    reader.noOthers(json, 6, oneOf("step", "dt", "flags", "hash", "iterations", "commands"));
-    record.hash = hashOf(hash);
-    for (const int each : iterations) {
-        if (each < 0) fail("iterations must be >= 0, got ", each);
-        record.report.solves.push_back({.body = {}, .iterations = each});
-    }
-    return record;
-}
-
 /// The file, looked at before it is opened: opening a pipe would wait for its writer.
-const std::filesystem::path& checkedRegular(const std::filesystem::path& file)
+std::string checkedRegular(const std::filesystem::path& file)
 {
     std::error_code problem;
     const std::filesystem::file_status status = std::filesystem::status(file, problem);
     if (!std::filesystem::exists(status)) fail(file.string(), ": cannot be read");
     if (std::filesystem::is_directory(status)) fail(file.string(), ": is a folder");
     if (!std::filesystem::is_regular_file(status)) fail(file.string(), ": is no regular file");
-    return file;
+    return file.string();
 }
+
+/// The content of a file's chunks as one stream of lines, and of bytes behind lines that announce them.
+class Stream {
+public:
+    explicit Stream(const std::string& name) : chunks_(name) {}
+
+    /// The next line without its break; nothing where the file ends instead. Good until the next call.
+    std::optional<std::string_view> line()
+    {
+        drop();
+        for (std::size_t searched = 0;;) {
+            const std::size_t found = content_.find('\n', at_ + searched);
+            if (found != std::string::npos) {
+                const std::string_view line = std::string_view(content_).substr(at_, found - at_);
+                at_ = found + 1;
+                return line;
+            }
+            searched = content_.size() - at_;
+            if (searched > kMaximumLine)
+                throw FileDamage(text(name(), ": damaged at byte ", chunks_.byte(), ": a record has no end"));
+            if (!chunks_.next(content_)) return std::nullopt;
+        }
+    }
+    /// Appends bytes; false where the file ends before. A length that lies fetches no more than there is.
+    template <class T> bool read(std::vector<T>& out, std::size_t count)
+    {
+        for (std::size_t left = count; left > 0;) {
+            drop();
+            while (content_.size() - at_ < sizeof(T))
+                if (!chunks_.next(content_)) return false;
+            const std::size_t here = std::min(left, (content_.size() - at_) / sizeof(T));
+            const std::size_t before = out.size();
+            out.resize(before + here);
+            std::memcpy(out.data() + before, content_.data() + at_, here * sizeof(T));
+            at_ += here * sizeof(T);
+            left -= here;
+        }
+        return true;
+    }
+    [[nodiscard]] const std::string& name() const { return chunks_.name(); }
+    [[nodiscard]] std::uint64_t byte() const { return chunks_.byte(); }
+
+private:
+    /// Forgets what was read.
+    void drop()
+    {
+        if (at_ < kMaximumChunk && at_ < content_.size()) return; // seldom, as it moves all that follows
+        content_.erase(0, at_);
+        at_ = 0;
+    }
+
+    ChunkReader chunks_;
+    std::string content_;
+    std::size_t at_ = 0;
+};
 
 } // namespace
 
 struct RecordingReader::Impl {
-    std::string name;
-    std::ifstream in;
+    Stream stream;
     RecordingHeader header = {};
     JsonReader reader = {};
-    std::uint64_t line = 0;      ///< read last
-    std::uint64_t lastWhole = 0; ///< step
+    std::vector<SceneRecord> scene = {};
+    std::uint64_t record = 0;      ///< read last
+    std::uint64_t steps = 0;       ///< read
+    physics::StepReport last = {}; ///< that was read; of the next one what is not told is as in it
+    bool ended = false;
+    std::string problem = {}; ///< where reading has ended before the end
 
-    explicit Impl(const std::filesystem::path& file) : name(file.string()), in(file, std::ios::binary) {}
+    explicit Impl(const std::string& name) : stream(name) {}
 
-    /// Hands the next line to `take`; false at the end of the file. Whatever is wrong names file and line.
-    template <class Take> bool nextLine(Take&& take)
+    [[noreturn]] void cutOff() const
     {
-        std::string words;
-        if (!std::getline(in, words)) {
-            if (in.bad()) fail(name, ": cannot be read");
-            return false;
-        }
-        ++line;
-        // Without its line break the last line was being written when the program, or the disk, came to an end.
-        const bool cutOff = in.eof();
+        throw FileDamage(text(stream.name(), ": cut off at byte ", stream.byte(), ": the session's end is missing"));
+    }
+    template <class Take> void nextRecord(Take&& take)
+    {
+        const std::optional<std::string_view> line = stream.line();
+        if (!line) cutOff();
+        ++record;
         try {
-            const Json json = Json::parse(words);
-            if (!json.is_object()) fail("a line must be an object");
+            const Json json = parsed(*line);
+            if (!json.is_object()) fail("a record must be an object");
             take(json);
-        } catch (const Json::exception& problem) {
-            if (cutOff && line > 1) fail(name, ":", line, ": the file is cut off after step ", lastWhole);
-            fail(name, ":", line, ": this is no line of a recording: ", problem.what());
-        } catch (const Error& problem) {
-            fail(name, ":", line, ": ", problem.what());
+        } catch (const FileDamage&) {
+            throw;
+        } catch (const Error& wrong) {
+            fail(stream.name(), ": record ", record, ": ", wrong.what());
         }
-        return true;
+    }
+    void readHeader()
+    {
+        nextRecord([this](const Json& json) { header = headerOf(json, reader); });
+    }
+
+    template <class T> void readMesh(const Json& json)
+    {
+        std::size_t number = 0;
+        reader.member(json, "mesh", number);
+        if (number != reader.meshes.size())
+            Place{nullptr, "mesh"}.refuse(text("must be ", reader.meshes.size(), ", the next number"), json["mesh"]);
+        T mesh;
+        std::size_t members = 2;
+        std::vector<std::size_t> counts;
+        forEachList(mesh, [&](const char* name, const auto&) {
+            reader.member(json, name, counts.emplace_back());
+            if (counts.back() > kMostOfAList)
+                Place{nullptr, name}.refuse(text("must be <= ", kMostOfAList), json[name]);
+            ++members;
+        });
+        const std::uint64_t digest = hashOf(json, "digest", reader);
+        reader.noOthers(json, members, [&](std::string_view name) {
+            bool known = oneOf("mesh", "digest")(name);
+            forEachList(mesh, [&](std::string_view each, const auto&) { known = known || each == name; });
+            return known;
+        });
+        std::size_t list = 0;
+        bool whole = true;
+        forEachList(mesh, [&](const char*, auto& out) { whole = whole && stream.read(out, counts[list++]); });
+        if (!whole) cutOff();
+        if (const std::uint64_t made = digestOf(mesh); made != digest)
+            fail("mesh ", number, ": its digest must be ", hexadecimal(digest), ", got ", hexadecimal(made));
+        reader.meshes.push_back(std::make_shared<const T>(std::move(mesh)));
+    }
+
+    void readScene(const Json& json)
+    {
+        SceneRecord& out = scene.emplace_back();
+        if (!json["scene"].is_object()) Place{nullptr, "scene"}.refuse("must be an object", json["scene"]);
+        out.words = json["scene"].dump(-1, ' ', false, Json::error_handler_t::replace);
+        physics::TriangleMeshSource surface;
+        const Json numbers = json.value("surfaces", Json());
+        if (!numbers.is_array()) Place{nullptr, "surfaces"}.refuse("must be a list", numbers);
+        for (const Json& number : numbers) {
+            reader.read(number, surface, Place{nullptr, "surfaces"});
+            const auto* held = std::get_if<TriangleMesh>(&surface);
+            if (!held) Place{nullptr, "surfaces"}.refuse("must be numbers of meshes", number);
+            out.surfaces.push_back(*held);
+        }
+        reader.noOthers(json, 2, oneOf("scene", "surfaces"));
+    }
+
+    StepRecord stepOf(const Json& json)
+    {
+        StepRecord step;
+        std::size_t members = 0;
+        const auto given = [&](const char* name, auto& out) {
+            if (!json.contains(name)) return false;
+            ++members;
+            reader.member(json, name, out);
+            return true;
+        };
+        physics::StepReport& report = step.report;
+        if (!given("step", report.step)) report.step = last.step + 1;
+        if (steps == 0) reader.member(json, "dt", report.dt);
+        if (!given("dt", report.dt)) report.dt = last.dt;
+        given("flags", report.flags);
+        if (std::vector<int> iterations; given("iterations", iterations)) {
+            for (const int each : iterations) {
+                if (each < 0) fail("iterations must be >= 0, got ", each);
+                report.solves.push_back({.body = {}, .iterations = each});
+            }
+        } else {
+            report.solves = last.solves;
+        }
+        if (json.contains("hash")) {
+            ++members;
+            step.hash = hashOf(json, "hash", reader);
+        }
+        given("commands", step.commands);
+        reader.noOthers(json, members, oneOf("step", "dt", "flags", "iterations", "hash", "commands"));
+        last.step = report.step;
+        last.dt = report.dt;
+        last.solves = report.solves;
+        ++steps;
+        return step;
+    }
+
+    void readEnd(const Json& json)
+    {
+        std::uint64_t count = 0;
+        reader.member(json, "end", count);
+        reader.noOthers(json, 1, oneOf("end"));
+        if (count != steps) fail("the session's end tells of ", count, " steps, and there are ", steps);
+        ended = true;
+        if (stream.line()) fail("something follows the session's end");
+    }
+
+    std::optional<StepRecord> next()
+    {
+        std::optional<StepRecord> step;
+        while (!step && !ended)
+            nextRecord([&](const Json& json) {
+                if (json.contains("mesh"))
+                    json.contains("tetrahedra") ? readMesh<geometry::TetMesh>(json)
+                                                : readMesh<geometry::TriangleMesh>(json);
+                else if (json.contains("scene"))
+                    readScene(json);
+                else if (json.contains("end"))
+                    readEnd(json);
+                else
+                    step = stepOf(json);
+            });
+        return step;
     }
 };
 
 RecordingReader::RecordingReader(const std::filesystem::path& file)
     : impl_(std::make_unique<Impl>(checkedRegular(file)))
 {
-    if (!impl_->in) fail(impl_->name, ": cannot be read");
-    if (!impl_->nextLine([this](const Json& json) { impl_->header = headerOf(json, impl_->reader); }))
-        fail(impl_->name, ": is empty, no recording");
+    impl_->readHeader();
 }
 
 RecordingReader::~RecordingReader() = default;
@@ -148,24 +278,35 @@ const RecordingHeader& RecordingReader::header() const { return impl_->header; }
 
 std::optional<StepRecord> RecordingReader::next()
 {
-    std::optional<StepRecord> record;
-    const auto take = [&](const Json& json) {
-        if (json.contains("mesh"))
-            impl_->reader.meshes.push_back(meshOf(json, impl_->reader));
-        else
-            record = stepOf(json, impl_->reader);
-    };
-    while (!record && impl_->nextLine(take)) {
+    if (!impl_->problem.empty()) throw Error(impl_->problem);
+    try {
+        return impl_->next();
+    } catch (const Error& damage) {
+        const std::uint64_t steps = impl_->steps;
+        impl_->problem = text(damage.what(), steps > 0 ? text("; it is whole up to step ", impl_->last.step)
+                                                       : std::string("; it has no whole step"));
+        throw Error(impl_->problem);
     }
-    if (record) impl_->lastWhole = record->report.step;
-    return record;
 }
+
+std::vector<SceneRecord> RecordingReader::takeScene() { return std::exchange(impl_->scene, {}); }
 
 Recording readRecording(const std::filesystem::path& file)
 {
+    Recording recording = readUpToDamage(file);
+    if (!recording.damage.empty()) throw Error(recording.damage);
+    return recording;
+}
+
+Recording readUpToDamage(const std::filesystem::path& file)
+{
     RecordingReader reader(file);
     Recording recording{.header = reader.header()};
-    while (auto step = reader.next()) recording.steps.push_back(std::move(*step));
+    try {
+        while (auto step = reader.next()) recording.steps.push_back(std::move(*step));
+    } catch (const Error& damage) {
+        recording.damage = damage.what();
+    }
     return recording;
 }
 

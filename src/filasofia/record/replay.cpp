@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/physics/physics_engine.h"
+#include "filasofia/physics/physics_server.h"
 #include "filasofia/physics/registry.h"
 #include "filasofia/record/repeatable.h"
 
@@ -28,7 +29,9 @@ struct Again {
 } // namespace
 
 struct Replayer::Impl {
-    physics::PhysicsEngine& engine;
+    const physics::PhysicsEngine& builder; ///< of bodies
+    physics::PhysicsEngine* engine;        ///< that steps; none: the server does
+    physics::PhysicsServer* server;
     /// A recording may come from anywhere: its commands are held to what the server holds its callers to.
     physics::Registry bodies = {};
     std::uint64_t made = 0; ///< the last step's number
@@ -50,7 +53,7 @@ struct Replayer::Impl {
         std::vector<Command> commands;
         try {
             for (const Command& command : recorded.commands) {
-                commands.push_back(std::visit(Again{engine}, command));
+                commands.push_back(std::visit(Again{builder}, command));
                 bodies.check(commands.back());
                 bodies.note(commands.back());
             }
@@ -76,16 +79,21 @@ struct Replayer::Impl {
     }
 };
 
-Replayer::Replayer(physics::PhysicsEngine& fresh) : impl_(new Impl{fresh}) {}
+Replayer::Replayer(physics::PhysicsEngine& fresh) : impl_(new Impl{fresh, &fresh, nullptr}) {}
+Replayer::Replayer(physics::PhysicsServer& fresh) : impl_(new Impl{fresh.engine(), nullptr, &fresh}) {}
 Replayer::~Replayer() = default;
 
-physics::StepReport Replayer::step(const StepRecord& recorded)
+physics::StepReport Replayer::step(const StepRecord& recorded, const std::function<void()>& between)
 {
     impl_->checkOrder(recorded);
     std::vector<Command> commands = impl_->commandsOf(recorded);
     const physics::StepBudget budget = impl_->budgetOf(recorded);
     impl_->made = recorded.report.step;
-    return impl_->engine.step({.dt = recorded.report.dt, .commands = commands, .budget = &budget});
+    const double dt = recorded.report.dt;
+    if (impl_->server) impl_->server->expect(std::move(commands));
+    if (between) between();
+    if (impl_->server) return impl_->server->stepAgain(dt, budget);
+    return impl_->engine->step({.dt = dt, .commands = commands, .budget = &budget});
 }
 
 std::optional<Difference> replay(const std::vector<StepRecord>& steps, physics::PhysicsEngine& fresh)

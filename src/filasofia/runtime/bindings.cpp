@@ -255,7 +255,7 @@ void Bindings::addPending(visual::VisualServer& visual)
         for (; added < pending_.size(); ++added) {
             const Binding& binding = pending_[added];
             if (binding.def.interior && !binding.interior) // what is wrong with it is told now, not at the first cut
-                visual.addMaterial(text("interior of ", binding.name, " ", binding.key), *binding.def.interior);
+                visual.addMaterial(text(kInteriorOf, binding.name, " ", binding.key), *binding.def.interior);
             visual::VisualBody& drawn = visual.add(visual::VisualBodyDef{.name = binding.name,
                                                                          .mesh = binding.mapped->surface,
                                                                          .subdivision = binding.subdivision,

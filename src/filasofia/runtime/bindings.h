@@ -15,6 +15,9 @@ class VisualServer;
 
 namespace filasofia::runtime {
 
+/// How the names of materials begin that Bindings puts into the visual server's pool.
+inline constexpr std::string_view kInteriorOf = "interior of ";
+
 /// What is drawn of which body: the one place where the two servers meet. Frames come in, vertices go out.
 class Bindings {
 public:

@@ -10,7 +10,8 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr int kRefused = 2; ///< exit code: the user's words or files were wrong
+constexpr int kNotWhole = 1; ///< exit code: the run went on, but a file of it ends before
+constexpr int kRefused = 2;  ///< exit code: the user's words or files were wrong
 
 /// An option that sets a field of the RunDef. CLI11 hands us the words as they are: what we say of them is in our own.
 template <class Value>
@@ -29,7 +30,7 @@ void addOption(CLI::App& app, const std::string& name, Value RunDef::*member, Ru
     };
     CLI::Option* added = app.add_option_function<std::string>(name, take, meaning);
     if constexpr (std::is_same_v<Value, std::string>)
-        added->type_name("FILE")->default_str("none");
+        added->type_name(name == "--session" || name == "--trainee" ? "NAME" : "FILE")->default_str("none");
     else
         added->type_name("N")->default_str(text(def.*member));
 }
@@ -51,13 +52,17 @@ int Simulation::run(int argc, const char* const* argv)
     addOption(app, "--fps", &RunDef::fps, def, "pictures per second of the video");
     addOption(app, "--log", &RunDef::log, def, "write a line per step to this CSV file");
     addOption(app, "--record", &RunDef::record, def, "write the run to this .rec file, for 'filasofia replay'");
+    addOption(app, "--seed", &RunDef::seed, def, "told by the recording: of what is drawn by chance");
+    addOption(app, "--session", &RunDef::session, def, "told by the recording: what the run is called");
+    addOption(app, "--trainee", &RunDef::trainee, def, "told by the recording: who is at it");
     try {
         app.parse(argc, argv);
         if (app.count("--fps") > 0 && def.video.empty()) fail("run: --fps needs --video FILE.mp4");
         if (def.headless && def.steps == 0) def.steps = 1000; // nobody could close it
-        std::cout << summary(run(def));
+        const RunReport report = run(def);
+        std::cout << summary(report);
         if (!std::cout.flush()) fail("cannot write to standard output");
-        return 0;
+        return report.fileProblems.empty() ? 0 : kNotWhole;
     } catch (const CLI::CallForHelp&) {
         std::cout << app.help();
         return 0;

@@ -99,16 +99,16 @@ RunReport runHeadless(Simulation::Impl& parts, const RunDef& def)
     const auto afterStep = [&](const physics::StepReport& step) {
         const std::uint32_t flags = parts.afterStep(step);
         parts.events.deliverAll(); // before the next step begins: observers' commands come at the same step every time
-        files.drain();
+        files.keepUp();
         pictures.afterStep(step.time);
         if (StopSignal::received()) parts.finish("interrupted");
         return flags;
     };
     report.timing =
         runPhysics(parts.physics, loop, parts.clock, parts.stop, afterStep, [&](double dt) { parts.beforeStep(dt); });
-    files.close();
     parts.finish(text("made ", report.timing.stepCount, report.timing.stepCount == 1 ? " step" : " steps"));
     pictures.last(report);
+    files.close(); // they know how the last picture was taken
     return report;
 }
 

@@ -200,14 +200,13 @@ private:
     bool warned_ = false;
 };
 
-void loop(Simulation::Impl& parts, const RunDef& def, Screen& screen, RunFiles& files)
+void loop(Simulation::Impl& parts, const RunDef& def, Screen& screen)
 {
     const Nanoseconds start = parts.clock.now(), end = start + toNanoseconds(def.seconds);
     const Nanoseconds period = toNanoseconds(1.0 / parts.def.look.rate);
     for (Nanoseconds next = start; !parts.stop.load();) {
         screen.input();
         screen.draw(toSeconds(parts.clock.now() - start));
-        files.drain();
         if (StopSignal::received()) parts.finish("interrupted");
         if (def.seconds > 0.0 && parts.clock.now() >= end) parts.finish(text("ran ", def.seconds, " s"));
         next = std::max(next + period, parts.clock.now());
@@ -225,17 +224,17 @@ RunReport runLive(Simulation::Impl& parts, const RunDef& def)
     {
         const EventThread events(parts.events);
         PhysicsThread physics(parts, def);
-        loop(parts, def, screen, files);
+        loop(parts, def, screen);
         physics.join();
         physics.fill(report);
     }
-    files.close();
     screen.closeInspector();
     if (!def.picture.empty()) parts.takePicture(screen.visual(), def.picture);
     if (parts.screenshotAsked()) { // by who ended the run
         parts.mapNewestFrame(screen.visual());
         parts.takeScreenshots(screen.visual());
     }
+    files.close();
     if (!def.video.empty()) {
         screen.closeVideo();
         parts.pictures.push_back(def.video);

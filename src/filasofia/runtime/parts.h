@@ -3,6 +3,7 @@
 #include "filasofia/runtime/bindings.h"
 #include "filasofia/runtime/clock.h"
 #include "filasofia/runtime/contact_watch.h"
+#include "filasofia/runtime/scene_journal.h"
 #include "filasofia/runtime/simulation.h"
 #include "filasofia/runtime/step_feed.h"
 
@@ -32,10 +33,12 @@ struct Simulation::Impl {
     std::vector<std::function<void(double)>> everyStep; ///< an empty one threw; the stepping thread's in a run
     ContactWatch contacts;                              ///< the stepping thread's in a run
 
-    StepFeed feed; ///< to the inspector
+    StepFeed feed;        ///< to the inspector
+    SceneJournal journal; ///< for the recording of the first run
     std::mutex screenshotMutex;
-    std::vector<std::string> screenshots; ///< asked for and not taken
-    std::vector<std::string> pictures;    ///< files that the run has written; the main thread's
+    std::vector<std::string> screenshots;  ///< asked for and not taken
+    std::vector<std::string> pictures;     ///< files that the run has written; the main thread's
+    std::vector<std::string> fileProblems; ///< of those that a line per step goes into; read when the run has ended
 
     std::atomic<bool> paused = false;    ///< in the last step
     std::atomic<bool> stepAsked = false; ///< one, while paused
@@ -53,6 +56,7 @@ struct Simulation::Impl {
     std::uint64_t undone = 0, damped = 0, notConverged = 0, outOfTime = 0; ///< of this run; read when it has ended
 
     explicit Impl(const SimulationDef& asked);
+    Impl(const SimulationDef& asked, std::unique_ptr<physics::PhysicsEngine> engine);
 
     void finish(std::string why);
     void readyAgain(); ///< after a run, however it ended
@@ -61,6 +65,8 @@ struct Simulation::Impl {
     [[nodiscard]] Nanoseconds deadline() const;
     /// Time and step of now, onto an event.
     void stamp(event::Event& event) const;
+    /// Into the journal, where one is kept.
+    void tellScene(SceneEvent event) { journal.add(step.load(std::memory_order_relaxed), std::move(event)); }
     /// What the user does before a step of dt [s].
     void beforeStep(double dt);
     /// Posts what begins, goes on and ends to touch; StepFlag bits where some of it was lost.
@@ -91,6 +97,8 @@ struct Simulation::Impl {
     void fill(RunReport& report);
 };
 
+/// Fails before the run, not after it: an Error "<object>: <field> ..." where there can be no such file. Empty: none.
+void checkFile(const char* object, const std::string& file, const char* field, const char* extension);
 /// Steps of one period in a plain loop; events are delivered between steps.
 RunReport runHeadless(Simulation::Impl& parts, const RunDef& def);
 /// Physics in its own thread, the picture on this one.

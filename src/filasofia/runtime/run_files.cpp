@@ -1,39 +1,141 @@
 #include "filasofia/runtime/run_files.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/engine/solver_costs.h"
 
-namespace filasofia::runtime {
+#include <chrono>
+#include <limits>
 
-RunFiles::RunFiles(Simulation::Impl& parts, const RunDef& def) : physics_(parts.physics)
+namespace filasofia::runtime {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kLook = 5ms;             // between looks at the log: it holds four times what 100 kHz make in that time
+constexpr auto kFlush = 250ms;          // what a killed program loses, and a quarter of what we promise
+constexpr std::uint64_t kBehind = 2048; // steps: half of the log
+
+} // namespace
+
+RunFiles::RunFiles(Simulation::Impl& parts, const RunDef& def) : parts_(parts)
 {
     if (!def.log.empty()) table_.emplace(def.log);
-    if (!def.record.empty())
+    if (!def.record.empty()) {
         recording_.emplace(def.record, record::RecordingHeader{.simd = engine::simdTargets().front(),
                                                                .period = 1.0 / parts.def.physics.rate,
-                                                               .contact = parts.def.physics.contact});
-    while (physics_.nextRecord()) physics_.popRecord(); // left by a run that failed
-    physics_.keepLog(table_ || recording_);
-    physics_.hashEveryStep(table_ || recording_);
+                                                               .contact = parts.def.physics.contact,
+                                                               .seed = static_cast<std::uint64_t>(def.seed),
+                                                               .session = def.session,
+                                                               .trainee = def.trainee});
+        parts.journal.watch();
+        if (const visual::VisualServer* visual = parts.bindings.visual()) parts.journal.observe(*visual, 0);
+        const window::WindowDef& window = parts.def.window;
+        const SceneBegan began{parts.def.look, window.width, window.height, static_cast<bool>(parts.dress)};
+        attempt(recording_, [&](record::RecordingWriter& file) { file.write(recordOf(began)); });
+    } else {
+        parts.journal.close();
+    }
+    while (parts.physics.nextRecord()) parts.physics.popRecord(); // left by a run that failed
+    const bool any = table_ || recording_;
+    parts.physics.keepLog(any);
+    parts.physics.hashEveryStep(any);
+    if (!any) return;
+    flush(); // a program that is killed at once leaves a file that says what it is
+    thread_ = std::thread([this] { work(); });
+}
+
+RunFiles::~RunFiles() { close(); }
+
+template <class File, class Write> void RunFiles::attempt(std::optional<File>& file, Write&& write)
+{
+    if (!file) return;
+    try {
+        write(*file);
+    } catch (const std::exception& problem) {
+        file.reset();
+        logError(problem.what(), "; the run goes on without this file");
+        parts_.fileProblems.emplace_back(problem.what()); // read when the thread has ended
+        auto event = std::make_unique<FileFailedEvent>();
+        event->problem = problem.what();
+        parts_.stamp(*event);
+        if (!parts_.events.tryPost(std::move(event))) logWarning("the event queue is full: nobody is told of this");
+    }
+}
+
+void RunFiles::work()
+{
+    auto flushed = std::chrono::steady_clock::now();
+    for (bool last = false; !last;) {
+        {
+            std::unique_lock lock(mutex_);
+            wake_.wait_for(lock, kLook, [this] { return ending_ || made_ > written_.load() + kBehind; });
+            last = ending_;
+        }
+        drain();
+        caughtUp_.notify_all();
+        const auto now = std::chrono::steady_clock::now();
+        if (now - flushed < kFlush) continue;
+        flushed = now;
+        flush();
+    }
+    writeScene(std::numeric_limits<std::uint64_t>::max());
+    attempt(table_, [](record::StepTable& file) { file.close(); });
+    attempt(recording_, [](record::RecordingWriter& file) { file.close(); });
 }
 
 void RunFiles::drain()
 {
-    bool wrote = false;
-    for (; const physics::StepRecord* step = physics_.nextRecord(); wrote = true) {
-        if (table_) table_->write(*step);
-        if (recording_) recording_->write(*step);
-        physics_.popRecord();
+    while (const physics::StepRecord* step = parts_.physics.nextRecord()) {
+        write(*step);
+        parts_.physics.popRecord();
+        written_.fetch_add(1);
     }
-    if (!wrote) return;
-    if (table_) table_->flush();
-    if (recording_) recording_->flush();
+}
+
+void RunFiles::write(const physics::StepRecord& step)
+{
+    // A paused step has the number of the one before it: what happened meanwhile was after that one too.
+    writeScene(step.report.step);
+    attempt(table_, [&](record::StepTable& file) { file.write(step); });
+    attempt(recording_, [&](record::RecordingWriter& file) { file.write(step); });
+}
+
+void RunFiles::writeScene(std::uint64_t beforeStep)
+{
+    while (auto event = parts_.journal.takeBefore(beforeStep))
+        attempt(recording_, [&](record::RecordingWriter& file) {
+            for (const std::string& name : filesOf(*event)) {
+                const auto known = filesTold_.insert(name).second ? digested(name) : std::nullopt;
+                if (known) file.write(recordOf(*known));
+            }
+            file.write(recordOf(*event));
+        });
+}
+
+void RunFiles::flush()
+{
+    attempt(table_, [](record::StepTable& file) { file.flush(); });
+    attempt(recording_, [](record::RecordingWriter& file) { file.flush(); });
+}
+
+void RunFiles::keepUp()
+{
+    if (!thread_.joinable()) return;
+    if (made_.fetch_add(1) + 1 <= written_.load() + kBehind) return;
+    std::unique_lock lock(mutex_);
+    wake_.notify_one();
+    caughtUp_.wait(lock, [this] { return made_ <= written_.load() + kBehind; });
 }
 
 void RunFiles::close()
 {
-    drain();
-    if (table_) table_->close();
-    if (recording_) recording_->close();
+    if (!thread_.joinable()) return;
+    {
+        const std::lock_guard lock(mutex_);
+        ending_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
 }
 
 } // namespace filasofia::runtime

@@ -4,22 +4,51 @@
 #include "filasofia/record/step_table.h"
 #include "filasofia/runtime/parts.h"
 
+#include <condition_variable>
+#include <set>
+#include <thread>
+
 namespace filasofia::runtime {
 
-/// The files into which a run writes a line per step. The server's log has one reader: this.
+/// The files into which a run writes as it goes. They have a thread of their own, so that neither physics nor the
+/// picture waits for a disk; it is the one reader of the server's log. What goes wrong is logged once and told by an
+/// event, and the run goes on.
 class RunFiles {
 public:
-    /// Switches log and hashes on where a file was asked for, and off where none was.
+    /// Opens the files and begins. Switches log and hashes on where a file was asked for, and off where none was. An
+    /// Error where a file cannot be opened.
     RunFiles(Simulation::Impl& parts, const RunDef& def);
-    /// Writes the steps made since the last time. Throws an Error when the disk is full.
-    void drain();
-    /// After the last step: an Error where the disk refuses what is still on its way.
+    /// Writes what there is, and ends.
+    ~RunFiles();
+    RunFiles(const RunFiles&) = delete;
+    RunFiles& operator=(const RunFiles&) = delete;
+
+    /// After every step of a run that no clock holds back: waits where the files are so far behind that steps would be
+    /// lost.
+    void keepUp();
+    /// After the last step.
     void close();
 
 private:
-    physics::PhysicsServer& physics_;
+    void work();
+    void drain();
+    void write(const physics::StepRecord& step);
+    void writeScene(std::uint64_t beforeStep);
+    void flush();
+    /// Runs `write`, unless the file has failed before; where it fails now, tells and forgets the file.
+    template <class File, class Write> void attempt(std::optional<File>& file, Write&& write);
+
+    Simulation::Impl& parts_;
     std::optional<record::StepTable> table_;
     std::optional<record::RecordingWriter> recording_;
+    std::set<std::string> filesTold_;     ///< that materials name
+    std::atomic<std::uint64_t> made_ = 0; ///< steps that keepUp() was told of
+    std::atomic<std::uint64_t> written_ = 0;
+
+    std::mutex mutex_;
+    std::condition_variable wake_, caughtUp_;
+    bool ending_ = false; ///< under the lock
+    std::thread thread_;  ///< the last: it uses all of the others; none where there is no file
 };
 
 } // namespace filasofia::runtime

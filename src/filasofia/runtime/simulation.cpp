@@ -7,6 +7,7 @@
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/runtime/parts.h"
 #include "filasofia/runtime/stop_signal.h"
+#include "filasofia/runtime/surfaces.h"
 
 #include <filesystem>
 #include <limits>
@@ -24,21 +25,12 @@ const SimulationDef& checked(const SimulationDef& def)
     return def;
 }
 
-constexpr auto kEventLost = static_cast<std::uint32_t>(physics::StepFlag::EventLost);
-
-/// Fails before the run, not after it.
-void checkFile(const std::string& file, const char* field, const char* extension)
+std::unique_ptr<physics::PhysicsEngine> engineFor(const PhysicsDef& def)
 {
-    if (file.empty()) return;
-    const std::filesystem::path path(file);
-    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-    if (path.extension() != extension) fail("run: ", field, " must end in ", extension, ", got '", file, "'");
-    std::error_code problem; // a name too long, a folder that may not be entered, a link in a circle
-    if (!std::filesystem::is_directory(folder, problem)) fail("run: ", field, " '", file, "': there is no such folder");
-    const auto status = std::filesystem::status(path, problem);
-    if (std::filesystem::is_directory(status)) fail("run: ", field, " '", file, "' is a folder");
-    if (!std::filesystem::status_known(status)) fail("run: ", field, " '", file, "': ", problem.message());
+    return engine::makeNativeEngine({.period = 1.0 / def.rate, .threads = def.threads, .contact = def.contact});
 }
+
+constexpr auto kEventLost = static_cast<std::uint32_t>(physics::StepFlag::EventLost);
 
 /// "filasofia_001.png", or the first number that is free.
 std::string freePictureName()
@@ -55,10 +47,10 @@ std::string freePictureName()
 void check(const RunDef& def)
 {
     validate(def, "run");
-    checkFile(def.picture, "picture", ".png");
-    checkFile(def.log, "log", ".csv");
-    checkFile(def.record, "record", ".rec");
-    checkFile(def.video, "video", ".mp4");
+    checkFile("run", def.picture, "picture", ".png");
+    checkFile("run", def.log, "log", ".csv");
+    checkFile("run", def.record, "record", ".rec");
+    checkFile("run", def.video, "video", ".mp4");
     if (def.pictureEvery > 0.0 && def.pictureEvery < 1e-3)
         fail("run: pictureEvery must be 0 or >= 0.001 s, got ", def.pictureEvery);
     if (def.pictureEvery > 0.0 && def.picture.empty()) fail("run: pictureEvery needs picture");
@@ -79,11 +71,24 @@ void warn(const RunReport& report)
 
 } // namespace
 
-Simulation::Impl::Impl(const SimulationDef& asked)
-    : def(checked(asked)), physics(engine::makeNativeEngine({.period = 1.0 / asked.physics.rate,
-                                                             .threads = asked.physics.threads,
-                                                             .contact = asked.physics.contact}),
-                                   {.gravity = asked.physics.gravity})
+void checkFile(const char* object, const std::string& file, const char* field, const char* extension)
+{
+    if (file.empty()) return;
+    const std::filesystem::path path(file);
+    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    if (path.extension() != extension) fail(object, ": ", field, " must end in ", extension, ", got '", file, "'");
+    std::error_code problem; // a name too long, a folder that may not be entered, a link in a circle
+    if (!std::filesystem::is_directory(folder, problem))
+        fail(object, ": ", field, " '", file, "': there is no such folder");
+    const auto status = std::filesystem::status(path, problem);
+    if (std::filesystem::is_directory(status)) fail(object, ": ", field, " '", file, "' is a folder");
+    if (!std::filesystem::status_known(status)) fail(object, ": ", field, " '", file, "': ", problem.message());
+}
+
+Simulation::Impl::Impl(const SimulationDef& asked) : Impl(asked, engineFor(checked(asked).physics)) {}
+
+Simulation::Impl::Impl(const SimulationDef& asked, std::unique_ptr<physics::PhysicsEngine> engine)
+    : def(checked(asked)), physics(std::move(engine), {.gravity = asked.physics.gravity})
 {
 }
 
@@ -107,6 +112,7 @@ void Simulation::Impl::readyAgain()
     reason.clear();
     stop.store(false);
     steering.reset();
+    journal.close(); // a recording is of the first run
     running.store(false);
 }
 
@@ -208,6 +214,7 @@ void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
 {
     bindings.addPending(visual);
     if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, physics, visual);
+    journal.observe(visual, step.load(std::memory_order_relaxed));
 }
 
 void Simulation::Impl::mapFinishedFrame(visual::VisualServer& visual)
@@ -228,6 +235,7 @@ void Simulation::Impl::reset()
 {
     physics.reset();
     bindings.clearPaint();
+    tellScene(SceneCleaned{});
 }
 
 void Simulation::Impl::steer(visual::Transform& camera, const visual::OrbitDef& orbit)
@@ -241,7 +249,7 @@ void Simulation::Impl::steer(visual::Transform& camera, const visual::OrbitDef& 
 
 void Simulation::Impl::askScreenshot(const std::string& file)
 {
-    checkFile(file, "screenshot", ".png");
+    checkFile("run", file, "screenshot", ".png");
     const std::lock_guard lock(screenshotMutex);
     screenshots.push_back(file);
 }
@@ -290,6 +298,7 @@ void Simulation::Impl::fill(RunReport& report)
     report.outOfTime = outOfTime;
     report.contacts = contacts.report(physics);
     report.pictures = pictures;
+    report.fileProblems = fileProblems;
     const std::lock_guard lock(reasonMutex);
     report.finished = reason;
 }
@@ -299,14 +308,38 @@ Simulation::~Simulation() = default;
 
 BodyId Simulation::add(physics::SoftBodyDef def) { return impl_->physics.add(std::move(def)); }
 BodyId Simulation::add(physics::RigidBodyDef def) { return impl_->physics.add(std::move(def)); }
-ShownId Simulation::show(BodyId id, const ShowDef& def) { return impl_->bindings.show(id, def, impl_->physics); }
-void Simulation::setVisible(ShownId id, bool visible) { impl_->bindings.setVisible(id, visible); }
+ShownId Simulation::show(BodyId id, const ShowDef& def)
+{
+    const std::string object = text("show ", physics::describeBody(*impl_->physics.def(id)));
+    validate(def, object);
+    ShowDef held = def; // with the surface itself: a recording needs no other file
+    held.surface = std::string();
+    if (auto surface = loadSurface(def.surface, object)) held.surface = std::move(surface);
+    const ShownId shown = impl_->bindings.show(id, held, impl_->physics);
+    impl_->tellScene(SceneShown{shown.value, id, std::move(held)});
+    return shown;
+}
+void Simulation::setVisible(ShownId id, bool visible)
+{
+    impl_->bindings.setVisible(id, visible);
+    impl_->tellScene(SceneVisible{id.value, visible});
+}
 void Simulation::setMaterial(ShownId id, const visual::Material& material)
 {
     impl_->bindings.setMaterial(id, material);
+    impl_->tellScene(SceneMaterial{id.value, material});
 }
-void Simulation::unshow(ShownId id) { impl_->bindings.remove(id); }
-int Simulation::paint(BodyId id, const PaintDef& def) { return impl_->bindings.paint(id, def, impl_->physics); }
+void Simulation::unshow(ShownId id)
+{
+    impl_->bindings.remove(id);
+    impl_->tellScene(SceneUnshown{id.value});
+}
+int Simulation::paint(BodyId id, const PaintDef& def)
+{
+    const int reached = impl_->bindings.paint(id, def, impl_->physics);
+    impl_->tellScene(ScenePainted{id, def});
+    return reached;
+}
 void Simulation::follow(visual::Transform& transform, BodyId id, const FollowDef& def)
 {
     impl_->bindings.follow(transform, id, def, impl_->physics);
@@ -358,6 +391,7 @@ RunReport Simulation::run(const RunDef& def)
     impl_->undone = impl_->damped = impl_->notConverged = impl_->outOfTime = 0;
     impl_->contacts.beginRun();
     impl_->pictures.clear();
+    impl_->fileProblems.clear();
     try {
         if (impl_->everMade > 0 && !def.record.empty())
             fail("run: record is for a simulation's first run, and this one has made ", impl_->everMade, " steps");

@@ -33,6 +33,8 @@ public:
     /// Throws an Error that begins with `object` when there is none.
     [[nodiscard]] const Material& get(const std::string& name, const std::string& object) const;
 
+    [[nodiscard]] const std::map<std::string, Material>& all() const { return named_; }
+
 private:
     void require(const Texture& texture, const std::string& object, ReadyMaterial& out);
     void require(const CustomMaterial& material, const std::string& object, ReadyMaterial& out);

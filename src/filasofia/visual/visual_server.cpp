@@ -26,6 +26,7 @@ struct VisualServer::Impl {
     int width = 0;
     int height = 0;
     Scene scene;
+    EnvironmentDef environment;
     std::vector<std::unique_ptr<VisualBody>> bodies;
     std::vector<std::unique_ptr<Light>> lights;
     std::vector<std::unique_ptr<Camera>> cameras;
@@ -253,6 +254,11 @@ std::vector<VisualBody*> VisualServer::bodies() const
     return all;
 }
 
+std::vector<Light*> VisualServer::lights() const { return impl_->scene.lights; }
+std::vector<Camera*> VisualServer::cameras() const { return impl_->scene.cameras; }
+const EnvironmentDef& VisualServer::environment() const { return impl_->environment; }
+const std::map<std::string, Material>& VisualServer::materials() const { return impl_->scene.materials.all(); }
+
 std::vector<View*> VisualServer::views() const
 {
     std::vector<View*> all;
@@ -267,6 +273,7 @@ void VisualServer::setEnvironment(const EnvironmentDef& def)
     impl_->scene.assertThread();
     check(def);
     impl_->scene.backend->setEnvironment(def);
+    impl_->environment = def;
 }
 
 bool VisualServer::render()

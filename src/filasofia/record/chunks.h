@@ -1,0 +1,52 @@
+#pragma once
+
+#include "filasofia/core/error.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+/// How a recording lies in its file: an opening line, then chunks, each with its length and checksum, so that what was
+/// written stays readable whatever happens after it. docs/record.md has the bytes.
+namespace filasofia::record {
+
+inline constexpr std::string_view kOpening = "filasofia recording, version ";
+inline constexpr std::string_view kChunkMark = "FRec"; ///< that a chunk begins with
+inline constexpr std::size_t kChunkHeader = 20;        ///< [bytes]
+inline constexpr std::size_t kMaximumChunk = 1 << 16;  ///< [bytes] of content: what a chunk can make us allocate
+
+/// What is wrong with the file itself, whole as it stands: it names the file and the byte.
+struct FileDamage : Error {
+    using Error::Error;
+};
+
+/// The first line of a file.
+std::string openingLine();
+
+/// The bytes of the file's chunk of this number (0, 1, ...), at most kMaximumChunk of content.
+std::string chunkOf(std::uint32_t number, std::string_view content);
+
+/// Reads a file chunk by chunk. Hostile: nothing is allocated by a number of the file but up to kMaximumChunk.
+class ChunkReader {
+public:
+    /// Throws an Error naming the file: unreadable, empty, no recording, or one of another version.
+    explicit ChunkReader(const std::string& name);
+    /// Appends the next chunk's content; false at the end of the file. Throws FileDamage.
+    bool next(std::string& content);
+    [[nodiscard]] const std::string& name() const { return name_; }
+    [[nodiscard]] std::uint64_t byte() const { return byte_; } ///< of the file, where the next chunk begins
+
+private:
+    [[noreturn]] void damaged(std::string_view why) const;
+    [[noreturn]] void cutOff() const;
+    bool read(std::string& bytes, std::size_t count);
+
+    std::string name_;
+    std::ifstream in_;
+    std::uint64_t byte_ = 0;
+    std::uint32_t number_ = 0; ///< of the next chunk
+};
+
+} // namespace filasofia::record

@@ -1,0 +1,65 @@
+#include "filasofia/runtime/replay.h"
+
+#include "filasofia/core/validate.h"
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/physics/physics_engine.h"
+#include "filasofia/runtime/scene_player.h"
+
+#include <chrono>
+
+namespace filasofia::runtime {
+namespace {
+
+/// The next step; nothing at the session's end, and where the file is damaged.
+std::optional<physics::StepRecord> nextOf(record::RecordingReader& reader, ReplayReport& report)
+{
+    try {
+        return reader.next();
+    } catch (const Error& damage) {
+        report.damage = damage.what();
+        return std::nullopt;
+    }
+}
+
+} // namespace
+
+ReplayReport replay(const ReplayDef& def)
+{
+    validate(def, "replay");
+    checkFile("replay", def.picture, "picture", ".png");
+    checkFile("replay", def.video, "video", ".mp4");
+    record::RecordingReader reader(def.file);
+    ReplayReport report{.header = reader.header()};
+    Simulation::Impl parts(
+        {}, engine::makeNativeEngine(
+                {.period = report.header.period, .threads = def.threads, .contact = report.header.contact}));
+    record::Replayer replayer(parts.physics);
+    ScenePlayer scene(parts, def);
+
+    const auto start = std::chrono::steady_clock::now();
+    while (true) {
+        const std::optional<physics::StepRecord> recorded = nextOf(reader, report);
+        scene.take(reader.takeScene());
+        if (report.made > 0) scene.draw(); // the last step, with what happened after it
+        if (!recorded) break;
+        const physics::StepReport made = replayer.step(*recorded, [&] { scene.beforeStep(); });
+        parts.time.store(made.time);
+        parts.step.store(made.step);
+        ++report.made;
+        if (!def.check || report.unhashed > 0) continue;
+        if (recorded->hash == 0)
+            report.unhashed = made.step;
+        else if (const std::uint64_t hash = parts.physics.hash(); hash != recorded->hash) {
+            report.difference = record::Difference{made.step, recorded->hash, hash};
+            break;
+        }
+    }
+    scene.last(report);
+    report.wallSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.step = parts.step.load();
+    report.time = parts.time.load();
+    report.hash = parts.physics.hash();
+    return report;
+}
+
+} // namespace filasofia::runtime

@@ -1,0 +1,159 @@
+#pragma once
+
+#include "filasofia/record/recording.h"
+#include "filasofia/runtime/simulation.h"
+
+#include <functional>
+#include <map>
+
+/// What a recording tells of the picture: an event for everything that changes what is drawn, and how.
+namespace filasofia::runtime {
+
+/// The first: what the picture is where the program dresses no scene of its own.
+struct SceneBegan {
+    LookDef look = {};
+    int width = 0;        ///< [px]
+    int height = 0;       ///< [px]
+    bool dressed = false; ///< the program dresses its own scene; a SceneStage has it, where a picture was drawn
+};
+/// Events that follow name this file, which is not in the recording.
+struct SceneFile {
+    std::string file = {};
+    std::uint64_t bytes = 0;
+    std::uint64_t digest = 0; ///< of its bytes
+};
+struct SceneShown {
+    std::uint32_t shown = 0; ///< ShownId
+    BodyId body = {};
+    ShowDef def = {}; ///< with the surface itself
+};
+struct SceneVisible {
+    std::uint32_t shown = 0;
+    bool visible = true;
+};
+struct SceneMaterial {
+    std::uint32_t shown = 0;
+    visual::Material material = {};
+};
+struct SceneUnshown {
+    std::uint32_t shown = 0;
+};
+struct ScenePainted {
+    BodyId body = {};
+    PaintDef def = {};
+};
+/// All paint is gone.
+struct SceneCleaned {};
+
+struct StageMaterial {
+    std::string name = {};
+    visual::Material material = {};
+};
+struct StageView {
+    visual::ViewDef def = {};
+    int camera = 0; ///< of the stage's
+    bool visible = true;
+};
+/// Lights, cameras, views and surroundings, in place of those that were. Where they are tells the ScenePlaces after it.
+struct SceneStage {
+    visual::EnvironmentDef environment = {};
+    std::vector<StageMaterial> materials = {};
+    std::vector<visual::CameraDef> cameras = {};
+    std::vector<visual::LightDef> lights = {};
+    std::vector<StageView> views = {};
+};
+struct StagePlace {
+    Pose pose = {}; ///< in the world
+    bool visible = true;
+};
+struct ScenePlaces {
+    std::vector<StagePlace> cameras = {}; ///< of the stage, in its order
+    std::vector<StagePlace> lights = {};
+};
+
+using SceneEvent = std::variant<SceneBegan, SceneFile, SceneShown, SceneVisible, SceneMaterial, SceneUnshown,
+                                ScenePainted, SceneCleaned, SceneStage, ScenePlaces>;
+
+constexpr auto fields(const SceneBegan*)
+{
+    using T = SceneBegan;
+    return describe("SceneBegan", field("look", &T::look, "the picture"),
+                    field("width", &T::width, "px", closed(1, 8192), "of the picture"),
+                    field("height", &T::height, "px", closed(1, 8192), "of the picture"),
+                    field("dressed", &T::dressed, "the program made its own scene"));
+}
+constexpr auto fields(const SceneFile*)
+{
+    using T = SceneFile;
+    return describe("SceneFile", field("file", &T::file, "its name"), field("bytes", &T::bytes, "its length"),
+                    field("digest", &T::digest, "of its bytes"));
+}
+constexpr auto fields(const SceneShown*)
+{
+    using T = SceneShown;
+    return describe("SceneShown", field("shown", &T::shown, "its number"), field("body", &T::body, "of which body"),
+                    field("def", &T::def, "what is drawn"));
+}
+constexpr auto fields(const SceneVisible*)
+{
+    using T = SceneVisible;
+    return describe("SceneVisible", field("shown", &T::shown, "its number"),
+                    field("visible", &T::visible, "or hidden"));
+}
+constexpr auto fields(const SceneMaterial*)
+{
+    using T = SceneMaterial;
+    return describe("SceneMaterial", field("shown", &T::shown, "its number"),
+                    field("material", &T::material, "from now on"));
+}
+constexpr auto fields(const SceneUnshown*)
+{
+    return describe("SceneUnshown", field("shown", &SceneUnshown::shown, "its number"));
+}
+constexpr auto fields(const ScenePainted*)
+{
+    using T = ScenePainted;
+    return describe("ScenePainted", field("body", &T::body, "which body"), field("def", &T::def, "the mark"));
+}
+constexpr auto fields(const SceneCleaned*) { return describe("SceneCleaned"); }
+constexpr auto fields(const StageMaterial*)
+{
+    using T = StageMaterial;
+    return describe("StageMaterial", field("name", &T::name, "in the pool"), field("material", &T::material, "itself"));
+}
+constexpr auto fields(const StageView*)
+{
+    using T = StageView;
+    return describe("StageView", field("def", &T::def, "the view"),
+                    field("camera", &T::camera, "-", nonNegative(), "of the stage"),
+                    field("visible", &T::visible, "or hidden"));
+}
+constexpr auto fields(const SceneStage*)
+{
+    using T = SceneStage;
+    return describe("SceneStage", field("environment", &T::environment, "surroundings"),
+                    field("materials", &T::materials, "of the pool"), field("cameras", &T::cameras, "eyes"),
+                    field("lights", &T::lights, "lamps"), field("views", &T::views, "what is seen of which camera"));
+}
+constexpr auto fields(const StagePlace*)
+{
+    using T = StagePlace;
+    return describe("StagePlace", field("pose", &T::pose, "in the world"), field("visible", &T::visible, "or hidden"));
+}
+constexpr auto fields(const ScenePlaces*)
+{
+    using T = ScenePlaces;
+    return describe("ScenePlaces", field("cameras", &T::cameras, "where they are"),
+                    field("lights", &T::lights, "where they are"));
+}
+
+/// The event as a recording takes it, and back. Reading is strict: an Error names what is wrong.
+record::SceneRecord recordOf(const SceneEvent& event);
+SceneEvent eventOf(const record::SceneRecord& record);
+
+/// The files that an event's materials name, in their order.
+std::vector<std::string> filesOf(const SceneEvent& event);
+/// Length and digest of a file; nothing where it cannot be read.
+std::optional<SceneFile> digested(const std::string& file);
+
+} // namespace filasofia::runtime

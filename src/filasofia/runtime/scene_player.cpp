@@ -1,0 +1,181 @@
+#include "filasofia/runtime/scene_player.h"
+
+#include "filasofia/core/hash.h"
+
+namespace filasofia::runtime {
+
+ScenePlayer::ScenePlayer(Simulation::Impl& parts, const ReplayDef& def)
+    : parts_(parts), def_(def), drawing_(!def.picture.empty() || !def.video.empty())
+{
+}
+
+void ScenePlayer::take(const std::vector<record::SceneRecord>& scene)
+{
+    if (!drawing_) return;
+    for (const record::SceneRecord& record : scene) {
+        SceneEvent event = eventOf(record);
+        // In their order: what follows an event that waits may be about the same.
+        if (waiting_.empty() && knows(event))
+            apply(event);
+        else
+            waiting_.push_back(std::move(event));
+    }
+}
+
+void ScenePlayer::beforeStep()
+{
+    if (!drawing_) return;
+    for (const SceneEvent& event : std::exchange(waiting_, {}))
+        if (knows(event)) apply(event); // else its body came and went between two steps
+    if (!visual_) open();
+}
+
+bool ScenePlayer::knows(const SceneEvent& event) const
+{
+    if (const auto* shown = std::get_if<SceneShown>(&event)) return parts_.physics.has(shown->body);
+    if (const auto* painted = std::get_if<ScenePainted>(&event)) return parts_.physics.has(painted->body);
+    return true;
+}
+
+ShownId ScenePlayer::shownBy(std::uint32_t recorded) const
+{
+    const auto found = shown_.find(recorded);
+    return found == shown_.end() ? ShownId{} : found->second;
+}
+
+void ScenePlayer::apply(const SceneEvent& event)
+{
+    std::visit([this](const auto& each) { apply(each); }, event);
+}
+
+void ScenePlayer::apply(const SceneBegan& began)
+{
+    began_ = began;
+    parts_.def.look = began.look;
+}
+
+void ScenePlayer::apply(const SceneFile& file)
+{
+    const auto described = [](const SceneFile& it) {
+        return text(it.bytes, " bytes, digest ", hexadecimal(it.digest));
+    };
+    const auto now = digested(file.file);
+    if (!now) fail("'", file.file, "', which the scene needs, is missing: recorded with ", described(file));
+    if (now->digest != file.digest || now->bytes != file.bytes)
+        fail("'", file.file, "', which the scene needs, has changed: recorded with ", described(file), ", now ",
+             described(*now));
+}
+
+void ScenePlayer::apply(const SceneShown& shown)
+{
+    shown_[shown.shown] = parts_.bindings.show(shown.body, shown.def, parts_.physics);
+}
+
+void ScenePlayer::apply(const SceneVisible& visible)
+{
+    if (const ShownId id = shownBy(visible.shown)) parts_.bindings.setVisible(id, visible.visible);
+}
+
+void ScenePlayer::apply(const SceneMaterial& material)
+{
+    if (const ShownId id = shownBy(material.shown)) parts_.bindings.setMaterial(id, material.material);
+}
+
+void ScenePlayer::apply(const SceneUnshown& unshown)
+{
+    if (const ShownId id = shownBy(unshown.shown)) parts_.bindings.remove(id);
+}
+
+void ScenePlayer::apply(const ScenePainted& painted)
+{
+    parts_.bindings.paint(painted.body, painted.def, parts_.physics);
+}
+void ScenePlayer::apply(const SceneCleaned&) { parts_.bindings.clearPaint(); }
+
+void ScenePlayer::apply(const SceneStage& stage)
+{
+    for (const StageView& view : stage.views)
+        if (view.camera >= static_cast<int>(stage.cameras.size()))
+            fail("scene: views: camera must be in [0, ", stage.cameras.size(), "), got ", view.camera);
+    stage_ = stage;
+    lookIsLacking_ = false;
+    if (visual_) setStage();
+}
+
+void ScenePlayer::setStage()
+{
+    for (visual::View* view : std::exchange(views_, {})) visual_->remove(*view);
+    for (visual::Camera* camera : std::exchange(cameras_, {})) visual_->remove(*camera);
+    for (visual::Light* light : std::exchange(lights_, {})) visual_->remove(*light);
+    visual_->setEnvironment(stage_->environment);
+    for (const visual::CameraDef& def : stage_->cameras) cameras_.push_back(&visual_->add(def));
+    for (const visual::LightDef& def : stage_->lights) lights_.push_back(&visual_->add(def));
+    for (const StageView& view : stage_->views) {
+        views_.push_back(&visual_->add(view.def, *cameras_[static_cast<std::size_t>(view.camera)]));
+        views_.back()->setVisible(view.visible);
+    }
+    for (const auto& [name, material] : stage_->materials)
+        visual_->materials().contains(name) ? visual_->changeMaterial(name, material)
+                                            : visual_->addMaterial(name, material);
+}
+
+void ScenePlayer::apply(const ScenePlaces& places)
+{
+    places_ = places;
+    setPlaces();
+}
+
+void ScenePlayer::setPlaces()
+{
+    const auto set = [](const auto& entities, const std::vector<StagePlace>& list) {
+        for (std::size_t i = 0; i < entities.size() && i < list.size(); ++i) {
+            entities[i]->setPose(list[i].pose);
+            entities[i]->setVisible(list[i].visible);
+        }
+    };
+    set(cameras_, places_.cameras);
+    set(lights_, places_.lights);
+}
+
+void ScenePlayer::open()
+{
+    if (began_.width == 0) fail(def_.file, ": tells nothing of a scene, so there is nothing to draw");
+    visual_ = std::make_unique<visual::VisualServer>(
+        visual::VisualServerDef{.backend = visual::Backend::Headless, .width = began_.width, .height = began_.height});
+    if (!def_.video.empty()) video_.emplace(def_.video, began_.width, began_.height, def_.fps);
+    if (stage_) {
+        setStage(); // before the bodies: their materials may be of its pool
+        setPlaces();
+    }
+    parts_.bindings.addPending(*visual_);
+    if (stage_) return;
+    lookIsLacking_ = began_.dressed;
+    parts_.dressScene(*visual_);
+    // What a stage that comes later replaces.
+    cameras_ = visual_->cameras();
+    lights_ = visual_->lights();
+    views_ = visual_->views();
+}
+
+void ScenePlayer::draw()
+{
+    if (!video_ || !video_->due(parts_.time.load())) return;
+    parts_.mapFinishedFrame(*visual_);
+    video_->show(visual_->capture(), parts_.time.load());
+}
+
+void ScenePlayer::last(ReplayReport& report)
+{
+    if (!visual_) return;
+    if (!def_.picture.empty()) parts_.takePicture(*visual_, def_.picture);
+    report.pictures = parts_.pictures;
+    if (video_) {
+        video_->close();
+        report.pictures.push_back(def_.video);
+    }
+    if (lookIsLacking_)
+        report.notes.emplace_back("the session made its own lights and cameras and drew no picture, so the recording "
+                                  "does not have them: drawn with the standard look");
+}
+
+} // namespace filasofia::runtime

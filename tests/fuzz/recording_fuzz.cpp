@@ -1,0 +1,38 @@
+#include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
+#include "filasofia/record/recording.h"
+
+#include "filasofia/record/chunks.h"
+
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+
+// A whole file where the input begins like one; else what the chunks of a file hold, in chunks of a size that the first
+// byte says: checksums would keep the fuzzer from everything behind them.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+    using namespace filasofia;
+    setLogSink([](LogLevel, std::string_view) {});
+    static const std::string file = "/dev/shm/filasofia_recording_fuzz_" + std::to_string(getpid());
+    std::string bytes(reinterpret_cast<const char*>(data), size);
+    if (size > 0 && !bytes.starts_with("filas")) {
+        const std::size_t length = 1 + 16u * data[0];
+        const std::string content = bytes.substr(1);
+        bytes = record::openingLine();
+        std::uint32_t number = 0;
+        for (std::size_t at = 0; at < content.size(); at += length)
+            bytes += record::chunkOf(number++, std::string_view(content).substr(at, length));
+    }
+    std::ofstream(file, std::ios::binary) << bytes;
+    try {
+        record::RecordingReader reader(file);
+        while (reader.next()) reader.takeScene();
+    } catch (const Error&) {
+    }
+    std::remove(file.c_str());
+    return 0;
+}
