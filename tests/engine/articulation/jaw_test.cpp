@@ -30,21 +30,28 @@ TEST_CASE("a jaw that closes with a torque stalls against tissue and holds that 
 {
     for (const double torque : {-0.002, -0.01, -0.03}) {
         JawScene scene{JointForce{torque}};
-        double least = 1.0;
-        for (int i = 0; i < 1500; ++i) {
+        scene.stage.run(1000, 1e-3);
+        const double before = joint(scene.stage).now.position;
+        double load = 0.0, byFrame = 0.0, worst = 0.0;
+        constexpr int steps = 20; // at single steps contacts that come and go shake it (contact.md)
+        for (int i = 0; i < 10 * steps; ++i) {
+            if (i % steps == 0) load = byFrame = 0.0;
             scene.stage.step(1e-3);
-            least = std::min(least, joint(scene.stage).now.position);
+            load += joint(scene.stage).now.load / steps;
+            byFrame += contactTorque(scene.stage, {1}) / steps;
+            CHECK(std::abs(joint(scene.stage).now.load / -torque - 1.0) < 0.05);
+            if (i % steps < steps - 1) continue;
+            CHECK(std::abs(load / -torque - 1.0) < 0.02);
+            CHECK(std::abs(byFrame / -torque - 1.0) < 0.02);
+            worst = std::max({worst, std::abs(load / -torque - 1.0), std::abs(byFrame / -torque - 1.0)});
         }
         const frame::Joint now = joint(scene.stage).now;
-        std::cout << "a jaw told to close with " << torque << " N m at " << now.position
-                  << " rad: contacts hold it with " << now.load << " N m, " << contactTorque(scene.stage, {1})
-                  << " N m by the frame\n";
-        CHECK(least < -0.005); // it has met the tissue, and sunk in
-        CHECK(std::abs(now.velocity) < 1e-3);
+        std::cout << "a jaw told to close with " << torque << " N m stands at " << now.position
+                  << " rad; means of its load over 20 ms are off by up to " << 100.0 * worst << " %\n";
+        CHECK(now.position < -0.005); // it has met the tissue, and sunk in
+        CHECK(now.position == Approx(before).epsilon(0.02));
         CHECK(now.force == torque);
         CHECK(now.stop == 0.0);
-        CHECK(std::abs(now.load / -torque - 1.0) < 0.02);
-        CHECK(std::abs(contactTorque(scene.stage, {1}) / -torque - 1.0) < 0.02);
     }
 }
 
@@ -165,6 +172,7 @@ TEST_CASE("two jaws of one body hold tissue between them by their torques, and a
         for (Vec3 x : stage.soft().x) sum += x;
         return 1.0 / static_cast<double>(stage.soft().x.size()) * sum;
     };
+    stage.post(SetJoint{gripper, 1, JointPosition{joint(stage, 0, 1).now.position}}); // else both would turn together
     const Vec3 before = middle();
     for (int i = 1; i <= 400; ++i) {
         stage.post(physics::SetPose{gripper, 0, {{0, 5e-5 * i, 0}, {}}});
