@@ -13,6 +13,10 @@ using What = JointLink::What;
 constexpr double kRecovery = 0.05;
 constexpr double kSlack = 1e-6; ///< [m] at the arm's length, that a joint may pass a stop before its impulse is raised
 
+// [N] at the arm's length that a stop bears. Where what is told pushes a joint against its stop, both ask for what
+// cannot be, and impulses would be raised without end; so the stop gives way in the solve, and the clamp holds the joint.
+constexpr double kStopBears = 1000.0;
+
 /// [N m] or [N] where the link's solve starts.
 double& carriedBy(JointState& joint, What what)
 {
@@ -39,6 +43,7 @@ Link linkOf(const JointLink& what, const ArticulationPlan& plan, const LinkJoint
         link.friction = 0.0;
         link.bias.x = (carried > 0.0 ? kRecovery : 1.0) * what.arm * gap / dt;
         link.slack = kSlack / dt;
+        link.most = dt * kStopBears;
     }
     return link;
 }

@@ -33,7 +33,7 @@ struct Link {
     double friction = -1.0; ///< [-] negative: holding
     double slack = 0.0;     ///< [m/s] how far from that u + bias may be
     double give = 0.0;      ///< [kg] of a spring; 0: rigid
-    double most = std::numeric_limits<double>::infinity(); ///< [N s] of what holds: what it can bear
+    double most = std::numeric_limits<double>::infinity(); ///< [N s] of a joint: what it can bear along the first
     Vec3 impulse; ///< [N s] in the frame, on the first. In: of the last step; out: of this one
     Vec3 next;    ///< [N s] out: where the next step starts
 };

@@ -207,3 +207,25 @@ TEST_CASE("a blade that a joint moves cuts, whether a position or a force comman
         CHECK(area > 1e-5);
     }
 }
+
+TEST_CASE("a jaw that a tool runs over, against its stop, stays whole: what it is told to bear has a bound")
+{
+    physics::RigidBodyDef jaw = touchingJaw(JointForce{0.0});
+    jaw.articulation.joints[0].lower = -0.5;
+    jaw.articulation.joints[0].upper = 0.5;
+    Stage stage;
+    stage.add(jaw);
+    physics::RigidBodyDef tool{.name = "tool", .mesh = geometry::shapes::box({0.02, 0.02, 0.02}), .collision = {{}}};
+    tool.elements = {Pose{{0.03, 0.03, 0}, {}}};
+    const BodyId id = stage.add(tool);
+    double most = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+        stage.post(physics::SetPose{id, 0, {{0.03, 0.03 - 3e-5 * i, 0}, {}}});
+        stage.step(1e-3);
+        const frame::Joint& now = joint(stage).now;
+        CHECK((now.position >= -0.5 && now.position <= 0.5));
+        most = std::max({most, std::abs(now.load), std::abs(now.stop)});
+    }
+    CHECK(most > 1.0);
+    CHECK(most < 100.0); // 1 kN at 3 cm
+}
