@@ -14,7 +14,8 @@ constexpr double kRecovery = 0.05;
 constexpr double kSlack = 1e-6; ///< [m] at the arm's length, that a joint may pass a stop before its impulse is raised
 
 // [N] at the arm's length that a stop bears. Where what is told pushes a joint against its stop, both ask for what
-// cannot be, and impulses would be raised without end; so the stop gives way in the solve, and the clamp holds the joint.
+// cannot be, and impulses would be raised without end; so the stop gives way in the solve, and the clamp holds the
+// joint.
 constexpr double kStopBears = 1000.0;
 
 /// [N m] or [N] where the link's solve starts.
