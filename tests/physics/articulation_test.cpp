@@ -86,9 +86,15 @@ TEST_CASE("joints that make no tree, or that nobody could build, are refused wit
 
 TEST_CASE("an articulated body's elements, base and carrier are refused where they cannot be")
 {
-    const auto server = [](auto change) { return change; };
-    checkRefused(server([](RigidBodyDef& def, PhysicsServer&) { def.dynamic = true; }),
-                 {"rigid body 'forceps': dynamic must be false with joints"});
+    checkRefused([](RigidBodyDef& def, PhysicsServer&) { def.dynamic = true; },
+                 {"rigid body 'forceps': mass of a dynamic body"});
+    checkRefused(
+        [](RigidBodyDef& def, PhysicsServer& physics) {
+            def.dynamic = true;
+            def.mass = GivenInertia{};
+            def.articulation.to = physics.add(RigidBodyDef{});
+        },
+        {"rigid body 'forceps': articulation.to", "no body", "got body 1"});
     checkRefused([](RigidBodyDef& def, PhysicsServer&) { def.elements.resize(2); },
                  {"rigid body 'forceps': elements", "1 entry", "or 3", "got 2"});
     checkRefused([](RigidBodyDef& def, PhysicsServer&) { def.elements.resize(3); },

@@ -102,7 +102,7 @@ struct RigidModel {
     Vec3 startAngularVelocity;   ///< [rad/s] in world axes
     std::vector<CollisionModel> collision;
     std::shared_ptr<const geometry::TriangleMesh> surface; ///< in the element's coordinates; may be none
-    ArticulationModel articulation;                        ///< of a body that is not dynamic
+    ArticulationModel articulation;                        ///< joints between its elements
 };
 
 /// What a contact did in the last step: where its next solve starts.

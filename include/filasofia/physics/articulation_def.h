@@ -54,8 +54,8 @@ struct JointDef {
     std::optional<GivenInertia> mass = {}; ///< of the child; none: that of every element of the body
 };
 
-/// A tree of links that drives the elements of one rigid body: element i is link i, and element 0 is the base, which
-/// goes where it is told (setPose), or with an element of another body.
+/// A tree of links that drives the elements of one rigid body. Element i is link i; element 0, the base, goes where it
+/// is told (setPose), or with an element of another body, or, of a dynamic body, where forces move it.
 struct ArticulationDef {
     std::vector<JointDef> joints =
         {};            ///< one for each link but the base; none: the elements know nothing of each other

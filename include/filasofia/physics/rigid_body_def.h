@@ -28,7 +28,7 @@ struct RigidBodyDef {
     std::vector<CollisionDef> collision = {}; ///< by what it is touched; none: nothing touches it
     double friction = 0.3; ///< [-], >= 0, mu; two bodies that touch have the root of the product of theirs
     std::vector<RigidAttachmentDef> attachments = {}; ///< what holds it
-    ArticulationDef articulation = {};                ///< joints between its elements; of a body that is not dynamic
+    ArticulationDef articulation = {};                ///< joints between its elements
 };
 
 constexpr auto fields(const RigidBodyDef*)

@@ -95,6 +95,8 @@ struct Apply {
         }
         body.poses[set.element] = set.pose;
         body.velocities[set.element] = body.angularVelocities[set.element] = {};
+        for (JointState& joint : body.joints) joint.now.velocity = 0.0;
+        placeLinks(model, index, state);
     }
     void operator()(const physics::SetWrench& set) const
     {

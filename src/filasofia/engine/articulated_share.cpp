@@ -54,9 +54,10 @@ Mat3 ArticulatedShare::compliance(int grip) const
 
 double ArticulatedShare::mass() const
 {
-    double sum = 0.0;
-    for (std::size_t f = 0; f < plan_.free.size(); ++f) sum += plan_.matrix(f, f) / (plan_.arms[f] * plan_.arms[f]);
-    return sum;
+    double most = 0.0; // the largest mass that one of them moves
+    for (std::size_t f = 0; f < plan_.free.size(); ++f)
+        most = std::max(most, plan_.matrix(f, f) / (plan_.arms[f] * plan_.arms[f]));
+    return most;
 }
 
 double ArticulatedShare::multiply()

@@ -61,11 +61,45 @@ std::vector<LinkMass> massesOf(const RigidModel& model, const RigidState& state)
 /// The length that makes a joint's own velocity one in [m/s]: the radius at which all that it moves would have to be.
 double armOf(const LinkTree& tree, const std::vector<LinkMass>& masses, int joint, double inertia)
 {
-    if (tree.joints[static_cast<std::size_t>(joint)].prismatic) return 1.0;
+    if (slides(tree, joint)) return 1.0;
     double mass = 0.0;
-    for (std::size_t link = 1; link < masses.size(); ++link)
+    for (std::size_t link = 0; link < masses.size(); ++link)
         if (moves(tree, joint, static_cast<int>(link))) mass += masses[link].mass;
     return mass > 0.0 ? std::sqrt(inertia / mass) : 1.0;
+}
+
+/// [N m s] or [N s/m] What slows the free joints down: their own damping, and that of the body's motion.
+JointMatrix dampingOf(const RigidModel& model, const std::vector<LinkMass>& masses, const ArticulationPlan& plan)
+{
+    const LinkTree& tree = model.articulation.tree;
+    std::vector<LinkMass> slowed = masses;
+    for (LinkMass& link : slowed) {
+        link.mass *= plan.freeBase ? model.linearDamping : 0.0;
+        link.inertia *= plan.freeBase ? model.angularDamping : 0.0;
+    }
+    JointMatrix damping = massMatrix(tree, plan.axes, slowed, plan.free);
+    for (std::size_t f = 0; f < plan.free.size(); ++f) {
+        if (isOfBase(tree, plan.free[f])) continue;
+        const LinkJoint& joint = tree.joints[static_cast<std::size_t>(plan.free[f])];
+        damping(f, f) += joint.damping - joint.inertia;
+    }
+    return damping;
+}
+
+/// [N m] or [N] What pushes a free joint: its command, and wrenches on the links that it moves.
+double givenForce(const LinkTree& tree, const std::vector<LinkMass>& masses, const RigidState& state,
+                  const ArticulationPlan& plan, int joint)
+{
+    double force = 0.0;
+    if (!isOfBase(tree, joint))
+        force = std::get<JointForce>(state.joints[static_cast<std::size_t>(joint)].command).value;
+    for (std::size_t link = 0; link < masses.size(); ++link) {
+        const Wrench& wrench = state.wrenches[link];
+        if (wrench == Wrench{} || !moves(tree, joint, static_cast<int>(link))) continue;
+        const LinkMotion column = columnAt(tree, plan.axes, joint, masses[link].centre);
+        force += dot(column.linear, wrench.force) + dot(column.angular, wrench.torque);
+    }
+    return force;
 }
 
 void planFree(const RigidModel& model, const RigidState& state, const RigidPlanElement& base, double dt, Vec3 gravity,
@@ -77,22 +111,22 @@ void planFree(const RigidModel& model, const RigidState& state, const RigidPlanE
     for (std::size_t j = 0; j < accelerations.size(); ++j)
         if (out.place[j] < 0) accelerations[j] = (out.velocities[j] - state.joints[j].now.velocity) / dt;
     const LinkMotion moving{base.velocity, base.angularVelocity};
-    const LinkMotion gaining{1.0 / dt * (base.velocity - state.velocities[0]),
+    const LinkMotion gaining{1.0 / dt * (base.velocity - state.velocities[0]), // nothing where the base is free
                              1.0 / dt * (base.angularVelocity - state.angularVelocities[0])};
     const std::vector<double> needed =
         inverseDynamics(tree, out.axes, state.poses, masses, out.velocities, accelerations, {moving, gaining},
                         model.gravity ? gravity : Vec3{}, out.free);
     out.matrix = massMatrix(tree, out.axes, masses, out.free);
-    std::vector<double> impulses;
-    out.arms.clear();
+    const JointMatrix damping = dampingOf(model, masses, out);
+    std::vector<double> speeds, slowing(out.free.size()), impulses;
+    for (int joint : out.free) speeds.push_back(out.velocities[static_cast<std::size_t>(joint)]);
+    multiply(damping, speeds, slowing);
     for (std::size_t f = 0; f < out.free.size(); ++f) {
-        const auto j = static_cast<std::size_t>(out.free[f]);
-        const LinkJoint& joint = tree.joints[j];
         out.arms.push_back(armOf(tree, masses, out.free[f], out.matrix(f, f)));
-        out.matrix(f, f) += dt * joint.damping;
-        const double force = std::get<JointForce>(state.joints[j].command).value;
-        impulses.push_back(dt * (force - joint.damping * out.velocities[j] - needed[f]));
+        const double force = givenForce(tree, masses, state, out, out.free[f]);
+        impulses.push_back(dt * (force - slowing[f] - needed[f]));
     }
+    for (std::size_t i = 0; i < damping.entries.size(); ++i) out.matrix.entries[i] += dt * damping.entries[i];
     out.inverse = inverse(out.matrix);
     out.change.assign(out.free.size(), 0.0);
     multiply(out.inverse, impulses, out.change);
@@ -122,18 +156,28 @@ ArticulationPlan planBody(const Model& model, std::size_t body, std::size_t firs
             out.velocities.push_back(dt > 0.0 ? (ends[j] - now.joints[j].now.position) / dt : 0.0);
         }
     }
+    out.freeBase = rigid.dynamic;
+    if (out.freeBase) {
+        for (int k = 0; k < kBaseJoints; ++k) out.free.push_back(static_cast<int>(tree.joints.size()) + k);
+        for (const Vec3& v : {now.velocities[0], now.angularVelocities[0]})
+            out.velocities.insert(out.velocities.end(), {v.x, v.y, v.z});
+    }
     if (dt == 0.0) return out;
 
     std::vector<Pose> endPoses(now.poses.size(), out.baseEnd);
     placeLinks(tree, ends, endPoses);
-    planWay(out.baseEnd, dt, plan[first]);
+    if (out.freeBase) {
+        plan[first].velocity = now.velocities[0];
+        plan[first].angularVelocity = now.angularVelocities[0];
+    } else
+        planWay(out.baseEnd, dt, plan[first]);
     std::vector<LinkMotion> motion(now.poses.size(), {plan[first].velocity, plan[first].angularVelocity});
     moveLinks(tree, out.axes, now.poses, out.velocities, motion);
-    for (std::size_t e = 1; e < now.poses.size(); ++e) {
+    for (std::size_t e = 0; e < now.poses.size(); ++e) {
         RigidPlanElement& link = plan[first + e];
         link.dynamic = std::ranges::any_of(out.free, [&](int j) { return moves(tree, j, static_cast<int>(e)); });
         if (!link.dynamic) {
-            planWay(endPoses[e], dt, link); // told, like all that stands between it and the base
+            if (e > 0) planWay(endPoses[e], dt, link); // told, like all that stands between it and the base
             continue;
         }
         link.mass = rigid.inertias[e].mass;
@@ -147,10 +191,16 @@ ArticulationPlan planBody(const Model& model, std::size_t body, std::size_t firs
 }
 
 /// False where the joints' new state is not one to go on with.
-bool moveJoints(const LinkTree& tree, double dt, const ArticulationPlan& planned, RigidState& state)
+bool moveJoints(const LinkTree& tree, double dt, const ArticulationPlan& planned, const RigidPlanElement& base,
+                RigidState& state)
 {
     std::vector<JointState> joints = state.joints;
     std::vector<Pose> poses(state.poses.size(), planned.baseEnd);
+    if (planned.freeBase) {
+        const Vec3 through[] = {base.velocity + base.change.linear, base.angularVelocity + base.change.angular};
+        if (!usable(through)) return false;
+        poses[0] = moved(base.start, {}, through[0], through[1], dt);
+    }
     for (std::size_t j = 0; j < joints.size(); ++j) {
         const LinkJoint& joint = tree.joints[j];
         frame::Joint& now = joints[j].now;
@@ -206,14 +256,16 @@ void setChange(const Model& model, std::span<const double> change, ArticulationP
 {
     const LinkTree& tree = model.rigidBodies[articulation.body].articulation.tree;
     std::ranges::copy(change, articulation.change.begin());
-    std::vector<double> all(tree.joints.size());
+    std::vector<double> all(tree.joints.size() + kBaseJoints);
     for (std::size_t f = 0; f < articulation.free.size(); ++f)
         all[static_cast<std::size_t>(articulation.free[f])] = change[f];
+    const std::span<const double> base = std::span(all).subspan(tree.joints.size());
     std::vector<LinkMotion> motion(tree.jointOf.size());
+    motion[0] = {{base[0], base[1], base[2]}, {base[3], base[4], base[5]}};
     std::vector<Pose> poses;
     for (std::size_t e = 0; e < motion.size(); ++e) poses.push_back(plan[articulation.first + e].start);
     moveLinks(tree, articulation.axes, poses, all, motion);
-    for (std::size_t e = 1; e < motion.size(); ++e)
+    for (std::size_t e = 0; e < motion.size(); ++e)
         if (RigidPlanElement& link = plan[articulation.first + e]; link.dynamic)
             link.change = {motion[e].linear, motion[e].angular};
 }
@@ -226,7 +278,7 @@ void moveArticulations(const Model& model, double dt, const ArticulationPlans& p
         const LinkTree& tree = model.rigidBodies[planned.body].articulation.tree;
         body.targets[0].reset();
         bool good = true;
-        if (dt > 0.0) good = moveJoints(tree, dt, planned, body);
+        if (dt > 0.0) good = moveJoints(tree, dt, planned, plan[planned.first], body);
         if (dt == 0.0 || !good) { // the base goes where it is told all the same
             body.poses[0] = planned.baseEnd;
             placeLinks(tree, positionsOf(body.joints), body.poses);

@@ -4,7 +4,8 @@
 #include "filasofia/engine/rigid_step.h"
 
 /// A step of articulated bodies. Joints that a position commands go there, and their links are in nobody's way. Joints
-/// that a force commands are free: their velocities are the unknowns of the body,
+/// that a force commands are free, and the base of a dynamic body is (link_motion.h numbers it with the joints): their
+/// velocities are the unknowns of the body,
 ///
 ///     (M + h D) dq' = h (force - D q' - c(q, q', base)) + sum of J^T impulse,
 ///
@@ -16,9 +17,11 @@ struct ArticulationPlan {
     std::size_t first = 0;          ///< the base's place in the plan
     Pose baseEnd;                   ///< at the end of the step
     std::vector<JointAxis> axes;    ///< at the start
-    std::vector<double> velocities; ///< [rad/s] or [m/s]: throughout the step; of a free joint at its start
+    std::vector<double> velocities; ///< [rad/s] or [m/s]: throughout the step; of a free joint at its start; those of a
+                                    ///< free base follow
     std::vector<int> free;          ///< joints, ascending
     std::vector<int> place;         ///< per joint: among the free ones; -1: it is not free
+    bool freeBase = false;          ///< its six joints are the last of the free ones
     std::vector<double> arms;       ///< [m] per free joint: what makes a velocity [m/s] of its own
     JointMatrix matrix;             ///< M + h D of the free joints
     JointMatrix inverse;            ///< of the matrix

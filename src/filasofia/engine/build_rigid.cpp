@@ -84,7 +84,7 @@ void checkJoints(const std::string& object, const RigidModel& model, const Rigid
     if (joints == 0) return;
     checkSize(object, "elements", model.rest.size(), joints + 1);
     checkTree(object, articulation.tree);
-    if (model.dynamic) fail(object, ": a body with joints must not be dynamic");
+    if (model.dynamic && articulation.to) fail(object, ": a dynamic body goes with no other");
     for (std::size_t j = 0; j < joints; ++j) {
         const LinkJoint& joint = articulation.tree.joints[j];
         const std::string field = text(object, ": joints[", j, "]");

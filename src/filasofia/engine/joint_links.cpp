@@ -71,6 +71,7 @@ void linkJoints(const Model& model, double dt, const State& state, Coupling& cou
     for (std::size_t a = 0; a < coupling.articulations.size(); ++a) {
         const ArticulationPlan& plan = coupling.articulations[a];
         for (std::size_t f = 0; f < plan.free.size(); ++f) {
+            if (isOfBase(model.rigidBodies[plan.body].articulation.tree, plan.free[f])) continue;
             const auto j = static_cast<std::size_t>(plan.free[f]);
             const LinkJoint& joint = model.rigidBodies[plan.body].articulation.tree.joints[j];
             const JointState& now = state.rigidBodies[plan.body].joints[j];

@@ -113,8 +113,9 @@ void checkArticulation(const RigidBodyDef& def, const std::string& object)
     const std::vector<JointDef>& joints = def.articulation.joints;
     const std::string field = object + ": articulation";
     if (joints.empty()) fail(field, ".joints must have at least one entry where `to` names a body");
-    if (def.dynamic)
-        fail(object, ": dynamic must be false with joints: the base goes where it is told, and forces move joints");
+    if (def.dynamic && def.articulation.to)
+        fail(field, ".to must name no body: a dynamic body's base is moved by forces; got body ",
+             def.articulation.to.value);
     if (def.elements.size() != 1 && def.elements.size() != joints.size() + 1)
         fail(object, ": elements must have 1 entry, the base, or ", joints.size() + 1, ", one more than joints; got ",
              def.elements.size());

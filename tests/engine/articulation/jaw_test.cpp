@@ -229,3 +229,53 @@ TEST_CASE("a jaw that a tool runs over, against its stop, stays whole: what it i
     CHECK(most > 1.0);
     CHECK(most < 100.0); // 1 kN at 3 cm
 }
+
+TEST_CASE("a free tool, the body that holds it and the box that its jaw strikes keep their momentum")
+{
+    for (const bool told : {false, true}) {
+        physics::RigidBodyDef tool =
+            touchingJaw(told ? physics::JointCommand{JointPosition{-0.6}} : JointForce{-0.002});
+        tool.dynamic = true;
+        tool.mass = physics::GivenInertia{.mass = 0.05, .moments = {2e-5, 2e-5, 2e-5}};
+        physics::RigidBodyDef hand{.name = "hand", .elements = {Pose{{-0.02, 0, 0}, {}}}};
+        hand.dynamic = true;
+        hand.gravity = false;
+        hand.mass = physics::GivenInertia{.mass = 0.2, .moments = {1e-4, 1e-4, 1e-4}};
+        physics::RigidBodyDef box{.name = "box", .mesh = geometry::shapes::box({0.02, 0.02, 0.02})};
+        box.elements = {Pose{{0.035, -0.02, 0.002}, {}}};
+        box.dynamic = true;
+        box.gravity = false;
+        box.mass = physics::TotalMass{0.01};
+        box.collision = {{}};
+        Stage stage;
+        const BodyId first = stage.add(tool);
+        hand.attachments = {{.to = first}};
+        stage.add(hand);
+        stage.add(box);
+        const auto momentumOf = [&](std::size_t body) {
+            const RigidModel& model = stage.world.model().rigidBodies[body];
+            const RigidState& state = stage.world.state().rigidBodies[body];
+            Vec3 sum;
+            for (std::size_t e = 0; e < state.poses.size(); ++e) {
+                const Vec3 arm = rotate(state.poses[e].orientation, model.inertias[e].centre);
+                const bool link = state.poses.size() > 1; // else its velocity is that of its centre
+                sum += model.inertias[e].mass *
+                       (state.velocities[e] + (link ? cross(state.angularVelocities[e], arm) : Vec3{}));
+            }
+            return sum;
+        };
+        double struck = 0.0;
+        for (int i = 0; i < (told ? 800 : 480); ++i) {
+            stage.step(2.5e-4);
+            struck = std::max(struck, std::abs(joint(stage).now.load));
+        }
+        CHECK(struck > 1e-3);
+        CHECK(length(momentumOf(2)) > 1e-4);
+        const double kept = length(momentumOf(0) + momentumOf(1) + momentumOf(2)) / length(momentumOf(2));
+        std::cout << "a free tool strikes a box: " << 100.0 * kept << " % of the box's momentum comes from nowhere\n";
+        CHECK(kept < 0.01);
+        const RigidState& base = stage.world.state().rigidBodies[0];
+        CHECK(length(transform(inverse(base.poses[0]), stage.world.state().rigidBodies[1].poses[0].position) -
+                     Vec3{-0.02, 0, 0}) < 1e-4); // held all the time
+    }
+}

@@ -256,3 +256,101 @@ TEST_CASE("a joint that runs away is stopped and told")
     CHECK_FALSE(stage.run(2000, 1e-3).has(physics::StepFlag::Undone));
     CHECK(joint(stage).now.position == 0.01);
 }
+
+namespace {
+
+/// A jaw on a free base of 50 g, without gravity.
+physics::RigidBodyDef freeTool(const physics::JointCommand& command)
+{
+    physics::RigidBodyDef def = jawBody(command);
+    def.dynamic = true;
+    def.mass = physics::GivenInertia{.mass = 0.05, .centre = {-0.01, 0.002, 0.001}, .moments = {2e-5, 3e-5, 4e-5}};
+    return def;
+}
+
+/// Linear and angular momentum about the origin of all links of the first rigid body, and their energy.
+struct Motion {
+    Vec3 momentum, spin;
+    double energy = 0.0;
+};
+Motion motionOf(Stage& stage)
+{
+    const RigidModel& model = stage.world.model().rigidBodies[0];
+    const RigidState& state = stage.world.state().rigidBodies[0];
+    Motion sum;
+    for (std::size_t e = 0; e < state.poses.size(); ++e) {
+        const physics::RigidInertia& own = model.inertias[e];
+        const Vec3 w = state.angularVelocities[e], centre = transform(state.poses[e], own.centre);
+        const Vec3 v = state.velocities[e] + cross(w, centre - state.poses[e].position);
+        const Vec3 turning = worldInertia(own.inertia, state.poses[e].orientation) * w;
+        sum.momentum += own.mass * v;
+        sum.spin += cross(centre, own.mass * v) + turning;
+        sum.energy += 0.5 * own.mass * dot(v, v) + 0.5 * dot(w, turning);
+    }
+    return sum;
+}
+
+} // namespace
+
+TEST_CASE("a free tool that works its own joints keeps its momentum and its angular momentum")
+{
+    for (const double dt : {1e-3, 1e-4}) {
+        Stage stage;
+        physics::RigidBodyDef def = freeTool(JointForce{1e-4});
+        def.articulation.joints[0].axis = {0.3, 0.5, 1.0};
+        def.velocity = {0.1, 0.0, 0.05};
+        def.angularVelocity = {0.5, -1.0, 0.7};
+        stage.add(def);
+        stage.step(dt);
+        const Motion before = motionOf(stage);
+        stage.run(static_cast<int>(0.3 / dt), dt);
+        const Motion after = motionOf(stage);
+        CHECK(std::abs(joint(stage).now.velocity) > 0.5); // it has moved
+        CHECK(length(after.momentum - before.momentum) < 20.0 * dt * length(before.momentum));
+        CHECK(length(after.spin - before.spin) < 20.0 * dt * length(before.spin));
+    }
+}
+
+TEST_CASE("a free tool falls as its weight says, and a wrench on its base moves all of it")
+{
+    Stage stage;
+    physics::RigidBodyDef def = freeTool(JointForce{});
+    def.gravity = true;
+    stage.post(physics::SetGravity{{0, -kGravity, 0}});
+    stage.add(def);
+    stage.run(100, 1e-3);
+    CHECK(length(motionOf(stage).momentum - Vec3{0, -0.07 * kGravity * 0.1, 0}) < 1e-9);
+    CHECK(std::abs(joint(stage).now.velocity) < 1e-9);
+    stage.post(physics::SetGravity{});
+    stage.post(physics::SetPose{{1}, 0, {{0, 1, 0}, {}}}); // at once and at rest
+    stage.step(0.0);
+    CHECK(length(stage.world.state().rigidBodies[0].poses[1].position - Vec3{kArm, 1, 0}) < 1e-9);
+    stage.post(physics::SetWrench{{1}, 0, {0.07, 0, 0}, {}});
+    stage.run(10, 1e-3);
+    CHECK(motionOf(stage).momentum.x == Approx(0.07 * 0.01).epsilon(1e-3));
+    CHECK(motionOf(stage).energy > 0.0);
+}
+
+TEST_CASE("a jaw on a heavy free base, or on a light one that is held, swings as on one that is told")
+{
+    const auto swing = [](bool dynamic, double mass, bool held) {
+        physics::RigidBodyDef def = jawBody(JointForce{});
+        def.gravity = !dynamic || held;
+        def.articulation.joints[0].command = JointForce{dynamic && !held ? 2e-3 : 0.0};
+        if (!dynamic && mass > 0.0) {
+            def.gravity = false;
+            def.articulation.joints[0].command = JointForce{2e-3};
+        }
+        def.dynamic = dynamic;
+        const double moment = 0.01 * std::max(mass, 1.0);
+        def.mass = physics::GivenInertia{.mass = std::max(mass, 1e-3), .moments = {moment, moment, moment}};
+        if (held) def.attachments = {{.element = 0}};
+        Stage stage;
+        stage.post(physics::SetGravity{{0, -kGravity, 0}});
+        stage.add(def);
+        stage.run(100, 1e-3);
+        return joint(stage).now.position;
+    };
+    CHECK(swing(true, 1e4, false) == Approx(swing(false, 1e4, false)).epsilon(1e-4));
+    CHECK(swing(true, 0.0, true) == Approx(swing(false, 0.0, false)).epsilon(1e-3));
+}

@@ -43,6 +43,13 @@ LinkMotion childAcceleration(const LinkJoint& joint, const JointAxis& axis, std:
 
 } // namespace
 
+bool isOfBase(const LinkTree& tree, int joint) { return at(joint) >= tree.joints.size(); }
+
+bool slides(const LinkTree& tree, int joint)
+{
+    return isOfBase(tree, joint) ? at(joint) < tree.joints.size() + 3 : tree.joints[at(joint)].prismatic;
+}
+
 void placeLinks(const LinkTree& tree, std::span<const double> positions, std::span<Pose> poses)
 {
     for (int j : tree.order) {
@@ -61,11 +68,13 @@ std::vector<JointAxis> jointAxes(const LinkTree& tree, std::span<const Pose> pos
         const Pose frame = poses[at(joint.parent)] * joint.parentOffset; // its axis stays where the joint moves
         axes.push_back({rotate(frame.orientation, joint.axis), frame.position});
     }
+    for (int k = 0; k < kBaseJoints; ++k) axes.push_back({Mat3::identity()[k % 3], poses[0].position});
     return axes;
 }
 
 bool moves(const LinkTree& tree, int joint, int link)
 {
+    if (isOfBase(tree, joint)) return true;
     for (int j = tree.jointOf[at(link)]; j >= 0; j = tree.jointOf[at(tree.joints[at(j)].parent)])
         if (j == joint) return true;
     return false;
@@ -74,7 +83,7 @@ bool moves(const LinkTree& tree, int joint, int link)
 LinkMotion columnAt(const LinkTree& tree, std::span<const JointAxis> axes, int joint, Vec3 point)
 {
     const JointAxis& axis = axes[at(joint)];
-    if (tree.joints[at(joint)].prismatic) return {axis.direction, {}};
+    if (slides(tree, joint)) return {axis.direction, {}};
     return {cross(axis.direction, point - axis.origin), axis.direction};
 }
 
@@ -126,7 +135,7 @@ JointMatrix massMatrix(const LinkTree& tree, std::span<const JointAxis> axes, st
                        std::span<const int> joints)
 {
     JointMatrix matrix{joints.size(), std::vector<double>(joints.size() * joints.size())};
-    for (std::size_t link = 1; link < masses.size(); ++link) {
+    for (std::size_t link = 0; link < masses.size(); ++link) {
         const LinkMass& body = masses[link];
         if (body.mass == 0.0) continue;
         for (std::size_t r = 0; r < joints.size(); ++r) {
@@ -141,7 +150,7 @@ JointMatrix massMatrix(const LinkTree& tree, std::span<const JointAxis> axes, st
         }
     }
     for (std::size_t r = 0; r < joints.size(); ++r) {
-        matrix(r, r) += tree.joints[at(joints[r])].inertia;
+        if (!isOfBase(tree, joints[r])) matrix(r, r) += tree.joints[at(joints[r])].inertia;
         for (std::size_t c = 0; c < r; ++c) matrix(c, r) = matrix(r, c);
     }
     return matrix;
@@ -163,8 +172,9 @@ std::vector<double> inverseDynamics(const LinkTree& tree, std::span<const JointA
                               velocities[at(j)], accelerations[at(j)]);
     }
     std::vector<double> forces;
-    for (int joint : joints) forces.push_back(tree.joints[at(joint)].inertia * accelerations[at(joint)]);
-    for (std::size_t link = 1; link < masses.size(); ++link) {
+    for (int joint : joints)
+        forces.push_back(isOfBase(tree, joint) ? 0.0 : tree.joints[at(joint)].inertia * accelerations[at(joint)]);
+    for (std::size_t link = 0; link < masses.size(); ++link) {
         const LinkMass& body = masses[link];
         if (body.mass == 0.0) continue;
         const Vec3 arm = body.centre - poses[link].position, w = velocity[link].angular, a = acceleration[link].angular;

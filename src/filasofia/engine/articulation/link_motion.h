@@ -10,6 +10,9 @@
 /// The motion of a tree of links in reduced coordinates, one per joint (Featherstone, Rigid Body Dynamics Algorithms,
 /// 2008; his chapters 4 to 6, here with plain vectors in world axes). Trees of instruments are small: sums go over all
 /// pairs of joints.
+///
+/// A base that forces move is one with six joints more, three along the axes of the world and three about them, through
+/// its origin: wherever joints are numbered they follow on those of the tree.
 namespace filasofia::engine {
 
 /// A joint as it is now, in the world.
@@ -33,7 +36,11 @@ struct LinkMass {
 /// The poses of all links from that of the base, poses[0], and the positions of the joints.
 void placeLinks(const LinkTree& tree, std::span<const double> positions, std::span<Pose> poses);
 
-/// Where the joints are, from the poses of the links.
+inline constexpr int kBaseJoints = 6;
+bool isOfBase(const LinkTree& tree, int joint);
+bool slides(const LinkTree& tree, int joint); ///< else it turns
+
+/// Where the joints are, from the poses of the links; then those of the base.
 std::vector<JointAxis> jointAxes(const LinkTree& tree, std::span<const Pose> poses);
 
 /// Does a joint move a link: does the way from the base to the link lead over it.
