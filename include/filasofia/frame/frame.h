@@ -23,9 +23,9 @@ struct SoftBodyFrame {
 /// The state of one rigid body, per element.
 struct RigidBodyFrame {
     BodyId id = {};
-    std::vector<Pose> poses = {};             ///< from the element's coordinates to the world
-    std::vector<Vec3> velocities = {};        ///< [m/s], of the centre of mass; of the origin of a link, and of one that
-                                              ///< goes where it is told (0 in a step in which it jumped)
+    std::vector<Pose> poses = {};      ///< from the element's coordinates to the world
+    std::vector<Vec3> velocities = {}; ///< [m/s], of the centre of mass; of the origin of a link, and of one that
+                                       ///< goes where it is told (0 in a step in which it jumped)
     std::vector<Vec3> angularVelocities = {}; ///< [rad/s], in world axes
     std::vector<Joint> joints = {};           ///< of an articulated body, in the order of its Def
 };

@@ -132,6 +132,29 @@ void planFree(const RigidModel& model, const RigidState& state, const RigidPlanE
     multiply(out.inverse, impulses, out.change);
 }
 
+/// Which joints are free, and all velocities; `ends` [rad] or [m]: where those that are told are at the end.
+void planJoints(const RigidModel& model, const RigidState& now, double dt, std::vector<double>& ends,
+                ArticulationPlan& out)
+{
+    const LinkTree& tree = model.articulation.tree;
+    out.place.assign(tree.joints.size(), -1);
+    for (std::size_t j = 0; j < tree.joints.size(); ++j) {
+        if (isFree(now.joints[j])) {
+            out.place[j] = static_cast<int>(out.free.size());
+            out.free.push_back(static_cast<int>(j));
+            out.velocities.push_back(now.joints[j].now.velocity);
+        } else {
+            ends[j] = endOf(tree.joints[j], now.joints[j], dt);
+            out.velocities.push_back(dt > 0.0 ? (ends[j] - now.joints[j].now.position) / dt : 0.0);
+        }
+    }
+    out.freeBase = model.dynamic;
+    if (!out.freeBase) return;
+    for (int k = 0; k < kBaseJoints; ++k) out.free.push_back(static_cast<int>(tree.joints.size()) + k);
+    for (const Vec3& v : {now.velocities[0], now.angularVelocities[0]})
+        out.velocities.insert(out.velocities.end(), {v.x, v.y, v.z});
+}
+
 /// Of one body. `plans`: of those before.
 ArticulationPlan planBody(const Model& model, std::size_t body, std::size_t first, double dt, Vec3 gravity,
                           const State& state, const ArticulationPlans& plans, RigidPlan& plan)
@@ -144,24 +167,8 @@ ArticulationPlan planBody(const Model& model, std::size_t body, std::size_t firs
     out.first = first;
     out.baseEnd = baseEnd(model, state, plans, body);
     out.axes = jointAxes(tree, now.poses);
-    out.place.assign(tree.joints.size(), -1);
     std::vector<double> ends = positionsOf(now.joints);
-    for (std::size_t j = 0; j < tree.joints.size(); ++j) {
-        if (isFree(now.joints[j])) {
-            out.place[j] = static_cast<int>(out.free.size());
-            out.free.push_back(static_cast<int>(j));
-            out.velocities.push_back(now.joints[j].now.velocity);
-        } else {
-            ends[j] = endOf(tree.joints[j], now.joints[j], dt);
-            out.velocities.push_back(dt > 0.0 ? (ends[j] - now.joints[j].now.position) / dt : 0.0);
-        }
-    }
-    out.freeBase = rigid.dynamic;
-    if (out.freeBase) {
-        for (int k = 0; k < kBaseJoints; ++k) out.free.push_back(static_cast<int>(tree.joints.size()) + k);
-        for (const Vec3& v : {now.velocities[0], now.angularVelocities[0]})
-            out.velocities.insert(out.velocities.end(), {v.x, v.y, v.z});
-    }
+    planJoints(rigid, now, dt, ends, out);
     if (dt == 0.0) return out;
 
     std::vector<Pose> endPoses(now.poses.size(), out.baseEnd);
