@@ -3,6 +3,7 @@
 #include "filasofia/frame/attachment.h"
 #include "filasofia/frame/boundary.h"
 #include "filasofia/frame/contact.h"
+#include "filasofia/frame/joint.h"
 #include "filasofia/math/pose.h"
 
 #include <cstdint>
@@ -22,10 +23,11 @@ struct SoftBodyFrame {
 /// The state of one rigid body, per element.
 struct RigidBodyFrame {
     BodyId id = {};
-    std::vector<Pose> poses = {};             ///< from the element's coordinates to the world
-    std::vector<Vec3> velocities = {};        ///< [m/s], of the centre of mass, or of the origin of one that goes where
-                                              ///< it is told (0 in a step in which it jumped)
+    std::vector<Pose> poses = {};      ///< from the element's coordinates to the world
+    std::vector<Vec3> velocities = {}; ///< [m/s], of the centre of mass; of the origin of a link, and of one that
+                                       ///< goes where it is told (0 in a step in which it jumped)
     std::vector<Vec3> angularVelocities = {}; ///< [rad/s], in world axes
+    std::vector<Joint> joints = {};           ///< of an articulated body, in the order of its Def
 };
 
 /// The whole state after one step, as everyone outside the engine sees it. Immutable once published.

@@ -42,6 +42,12 @@ struct SetWrench {
     Vec3 force = {};  ///< [N], in world axes
     Vec3 torque = {}; ///< [N m], in world axes
 };
+/// What a joint of an articulated body does from now on: goes to a position, or is pushed.
+struct SetJoint {
+    BodyId id = {};
+    int joint = 0; ///< [-], in the order of its Def
+    JointCommand command = {};
+};
 struct SetGravity {
     Vec3 gravity = {}; ///< [m/s^2]
 };
@@ -123,6 +129,12 @@ constexpr auto fields(const SetWrench*)
                     field("force", &SetWrench::force, "N", finite(), "at its centre of mass"),
                     field("torque", &SetWrench::torque, "N m", finite(), "in world axes"));
 }
+constexpr auto fields(const SetJoint*)
+{
+    return describe("SetJoint", field("id", &SetJoint::id, "the articulated body"),
+                    field("joint", &SetJoint::joint, "-", nonNegative(), "of its joints"),
+                    field("command", &SetJoint::command, "where it goes, or what pushes it"));
+}
 constexpr auto fields(const SetGravity*)
 {
     return describe("SetGravity", field("gravity", &SetGravity::gravity, "m/s^2", finite(), "acts on every body"));
@@ -170,6 +182,6 @@ constexpr auto fields(const Pause*) { return describe("Pause", field("paused", &
 constexpr auto fields(const Tune*) { return describe("Tune"); } // a function cannot be written down
 
 using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench,
-                             Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune>;
+                             Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune, SetJoint>;
 
 } // namespace filasofia::physics

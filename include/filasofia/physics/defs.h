@@ -167,6 +167,12 @@ std::shared_ptr<const geometry::TriangleMesh> loadMesh(const TriangleMeshSource&
 SoftBodyDef loaded(SoftBodyDef def);
 RigidBodyDef loaded(RigidBodyDef def);
 
+/// How many elements it has: those listed, or the base and a link per joint.
+std::size_t elementCount(const RigidBodyDef& def);
+
+/// Where its elements are at the start: the poses listed, and links where their joints put them.
+std::vector<Pose> elementPoses(const RigidBodyDef& def);
+
 /// Throws an Error naming the body and the field for what one number's range cannot say: elements that are none, a
 /// mesh that is missing, moments of inertia that no body has. Does not look into meshes.
 void check(const BodyDef& def);
@@ -179,5 +185,12 @@ struct RigidInertia {
 };
 /// As the Def has it or its mesh and density say. Throws an Error naming the body, also for a mesh that is not closed.
 RigidInertia inertiaOf(const RigidBodyDef& def);
+
+/// The same of every link of an articulated body, the base included: of the joint that moves it, or as the body says.
+/// Zeros where nothing tells it: such a link goes where joints take it, and cannot be pushed.
+std::vector<RigidInertia> linkInertias(const RigidBodyDef& def);
+
+/// Can a force command a joint: is there something that resists.
+bool takesForce(const JointDef& joint, const RigidInertia& child);
 
 } // namespace filasofia::physics

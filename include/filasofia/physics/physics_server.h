@@ -31,9 +31,12 @@ public:
     void remove(BodyId id);
     /// Of a body that is not dynamic: where it is to be at the end of the next step. It goes there with constant
     /// velocity, but for a jump that would be faster than 20 m/s. Of a dynamic body: where it is from now on, at rest.
+    /// Of an articulated body: of its base, element 0.
     void setPose(BodyId rigid, const Pose& pose, int element = 0);
     /// Pushes a dynamic body at the centre of mass of one element, until changed: [N], [N m], in world axes.
     void setWrench(BodyId rigid, Vec3 force, Vec3 torque, int element = 0);
+    /// A joint goes to a position (JointPosition, within its limits), or is pushed (JointForce), until changed.
+    void setJoint(BodyId articulated, int joint, const JointCommand& command);
     void setGravity(Vec3 gravity); ///< [m/s^2]
     /// Holds nodes of a soft body, or an element of a rigid one, where they are when it takes effect. Where no node is
     /// in the regions then, nothing is held, and the step has StepFlag::NothingAttached.

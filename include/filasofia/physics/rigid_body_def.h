@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/math/pose.h"
+#include "filasofia/physics/articulation_def.h"
 #include "filasofia/physics/attachment_def.h"
 #include "filasofia/physics/collision_def.h"
 #include "filasofia/physics/mass_def.h"
@@ -14,7 +15,7 @@ inline constexpr double kFarthest = 1e4;
 /// A body of one or more elements that do not deform.
 struct RigidBodyDef {
     std::string name = "rigid body";
-    std::vector<Pose> elements = {Pose{}}; ///< one pose per element, at least one
+    std::vector<Pose> elements = {Pose{}}; ///< one pose per element, at least one; with joints the base alone will do
     TriangleMeshSource mesh = {}; ///< its surface, the same for every element, in the element's coordinates; needed by
                                   ///< collision models without a mesh of their own, and by a mass that is not given
     bool dynamic = false;         ///< moved by forces; else it goes where it is told (setPose), whatever is in its way
@@ -27,6 +28,7 @@ struct RigidBodyDef {
     std::vector<CollisionDef> collision = {}; ///< by what it is touched; none: nothing touches it
     double friction = 0.3; ///< [-], >= 0, mu; two bodies that touch have the root of the product of theirs
     std::vector<RigidAttachmentDef> attachments = {}; ///< what holds it
+    ArticulationDef articulation = {};                ///< joints between its elements
 };
 
 constexpr auto fields(const RigidBodyDef*)
@@ -44,7 +46,8 @@ constexpr auto fields(const RigidBodyDef*)
                     field("gravity", &T::gravity, "does gravity act on it"),
                     field("collision", &T::collision, "by what it is touched"),
                     field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
-                    field("attachments", &T::attachments, "what holds it"));
+                    field("attachments", &T::attachments, "what holds it"),
+                    field("articulation", &T::articulation, "joints between its elements"));
 }
 
 } // namespace filasofia::physics

@@ -170,7 +170,7 @@ void advance(const Model& model, double dt, const physics::StepBudget* budget, c
             }
             const CoupledLimits how = limitsOf(island, method, dt, limits.islands[i]);
             const CoupledReport solve = solveIsland(model, state, dt, island, how, systems, coupling.rigid,
-                                                    coupling.links, coupling.scratch, pool);
+                                                    coupling.articulations, coupling.links, coupling.scratch, pool);
             for (std::size_t b : island.soft) {
                 outcomes[b] = outcomeOf(model.softBodies[b].id, solve);
                 settle(b);
@@ -198,6 +198,7 @@ void advance(const Model& model, double dt, const physics::StepBudget* budget, c
         ++state.step;
     }
     moveRigid(model, dt, coupling.rigid, state, report);
+    moveArticulations(model, dt, coupling.articulations, coupling.rigid, state, report);
     report.step = state.step;
     report.time = state.time;
 }

@@ -1,6 +1,7 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
+#include "filasofia/engine/articulation_step.h"
 #include "filasofia/engine/attachments.h"
 #include "filasofia/engine/build_attachment.h"
 #include "filasofia/engine/build_body.h"
@@ -54,6 +55,7 @@ struct Apply {
             rigid.model.id = add.id;
             model.rigidBodies.push_back(std::move(rigid.model));
             state.rigidBodies.push_back(std::move(rigid.state));
+            placeLinks(model, model.rigidBodies.size() - 1, state);
         }
         addAttachments(add);
         add.body.reset(); // the command goes on into the log: its empty shell need not
@@ -81,6 +83,8 @@ struct Apply {
             eraseAt(model.rigidBodies, index);
             eraseAt(state.rigidBodies, index);
         }
+        for (RigidModel& body : model.rigidBodies) // a base that it took along stays where it is
+            if (body.articulation.to == remove.id) body.articulation.to = {};
     }
     void operator()(const physics::SetPose& set) const
     {
@@ -92,10 +96,17 @@ struct Apply {
         }
         body.poses[set.element] = set.pose;
         body.velocities[set.element] = body.angularVelocities[set.element] = {};
+        for (JointState& joint : body.joints) joint.now.velocity = 0.0;
+        placeLinks(model, index, state);
     }
     void operator()(const physics::SetWrench& set) const
     {
         state.rigidBodies[indexOf(model.rigidBodies, set.id)].wrenches[set.element] = {set.force, set.torque};
+    }
+    void operator()(const physics::SetJoint& set) const
+    {
+        RigidState& body = state.rigidBodies[indexOf(model.rigidBodies, set.id)];
+        body.joints[static_cast<std::size_t>(set.joint)].command = set.command;
     }
     void operator()(const physics::SetGravity& set) const { state.gravity = set.gravity; }
     void operator()(physics::SetMaterial& set) const
@@ -165,6 +176,7 @@ struct Apply {
             RigidState fresh = stateAtStart(model.rigidBodies[b]);
             fresh.wrenches = std::move(state.rigidBodies[b].wrenches);
             state.rigidBodies[b] = std::move(fresh);
+            placeLinks(model, b, state); // bodies that take others along come before them
         }
         state.contacts.clear();
         state.touching.clear();

@@ -1,3 +1,4 @@
+#include "filasofia/engine/articulation/link_motion.h"
 #include "filasofia/engine/build_body.h"
 #include "filasofia/engine/build_collision.h"
 #include "filasofia/engine/check_collision.h"
@@ -43,6 +44,68 @@ void checkInertia(const std::string& object, const RigidInertia& body)
     if (!(least(second) > -thinnest)) fail(object, ".inertia: no moment may be more than the sum of the other two");
 }
 
+void buildArticulation(const physics::RigidBodyDef& def, RigidModel& model)
+{
+    ArticulationModel& out = model.articulation;
+    std::vector<LinkJoint> joints;
+    for (const physics::JointDef& joint : def.articulation.joints) {
+        joints.push_back({.prismatic = joint.kind == physics::JointKind::Prismatic,
+                          .axis = normalized(joint.axis),
+                          .parent = joint.parent,
+                          .child = joint.child,
+                          .parentOffset = physics::unitPose(joint.parentOffset, "parentOffset"),
+                          .childOffset = physics::unitPose(joint.childOffset, "childOffset"),
+                          .lower = joint.lower,
+                          .upper = joint.upper,
+                          .start = joint.start,
+                          .speed = joint.speed,
+                          .damping = joint.damping,
+                          .friction = joint.friction,
+                          .inertia = joint.inertia});
+        out.commands.push_back(joint.command.value_or(physics::JointPosition{joint.start}));
+    }
+    out.tree = linkTree(std::move(joints));
+    out.to = def.articulation.to;
+    out.toElement = def.articulation.toElement;
+    out.offset = physics::unitPose(def.articulation.offset, "offset");
+    model.inertias = physics::linkInertias(def);
+    model.rest.resize(model.inertias.size());
+    std::vector<double> starts;
+    for (const LinkJoint& joint : out.tree.joints) starts.push_back(joint.start);
+    placeLinks(out.tree, starts, model.rest);
+}
+
+void checkJoints(const std::string& object, const RigidModel& model, const RigidState& state)
+{
+    const ArticulationModel& articulation = model.articulation;
+    const std::size_t joints = articulation.tree.joints.size();
+    checkSize(object, "commands of joints", articulation.commands.size(), joints);
+    checkSize(object, "joints", state.joints.size(), joints);
+    if (joints == 0) return;
+    checkSize(object, "elements", model.rest.size(), joints + 1);
+    checkTree(object, articulation.tree);
+    if (model.dynamic && articulation.to) fail(object, ": a dynamic body goes with no other");
+    for (std::size_t j = 0; j < joints; ++j) {
+        const LinkJoint& joint = articulation.tree.joints[j];
+        const std::string field = text(object, ": joints[", j, "]");
+        const physics::RigidInertia& link = model.inertias[static_cast<std::size_t>(joint.child)];
+        if (link.mass != 0.0) checkInertia(field + ": of its link", link);
+        for (const physics::JointCommand& command : {state.joints[j].command, articulation.commands[j]}) {
+            const bool force = std::holds_alternative<physics::JointForce>(command);
+            if (!std::isfinite(std::visit([](const auto& each) { return each.value; }, command)))
+                fail(field, ".command must be finite");
+            if (force && !(joint.inertia > 0.0 || link.mass > 0.0))
+                fail(field, ".command: a force needs a mass, or an inertia of the joint");
+        }
+        const frame::Joint& now = state.joints[j].now;
+        if (!(now.position >= joint.lower && now.position <= joint.upper && std::isfinite(now.position)))
+            fail(field, ".position must be within its limits, got ", now.position);
+        for (double each : {now.velocity, now.force, now.load, now.stop, state.joints[j].lowerStop,
+                            state.joints[j].upperStop, state.joints[j].dry})
+            if (!std::isfinite(each)) fail(field, " must be finite");
+    }
+}
+
 } // namespace
 
 std::unique_ptr<physics::BuiltBody> buildRigid(const physics::RigidBodyDef& def)
@@ -55,6 +118,7 @@ std::unique_ptr<physics::BuiltBody> buildRigid(const physics::RigidBodyDef& def)
         model.rest.push_back(
             physics::unitPose(def.elements[e], text("rigid body '", def.name, "': elements[", e, "]")));
     model.inertias.assign(model.rest.size(), inertia);
+    if (!def.articulation.joints.empty()) buildArticulation(def, model);
     model.dynamic = def.dynamic;
     model.gravity = def.gravity;
     model.linearDamping = def.linearDamping;
@@ -72,12 +136,17 @@ std::unique_ptr<physics::BuiltBody> buildRigid(const physics::RigidBodyDef& def)
 RigidState stateAtStart(const RigidModel& model)
 {
     const std::size_t count = model.rest.size();
+    std::vector<JointState> joints;
+    for (std::size_t j = 0; j < model.articulation.tree.joints.size(); ++j)
+        joints.push_back(
+            {.command = model.articulation.commands[j], .now = {.position = model.articulation.tree.joints[j].start}});
     const auto start = [&](Vec3 v) { return std::vector<Vec3>(count, model.dynamic ? v : Vec3{}); };
     return {.poses = model.rest,
             .velocities = start(model.startVelocity),
             .angularVelocities = start(model.startAngularVelocity),
             .wrenches = std::vector<Wrench>(count),
-            .targets = std::vector<std::optional<Pose>>(count)};
+            .targets = std::vector<std::optional<Pose>>(count),
+            .joints = std::move(joints)};
 }
 
 void check(const RigidModel& model, const RigidState& state)
@@ -95,6 +164,7 @@ void check(const RigidModel& model, const RigidState& state)
                                        {"angularDamping", model.angularDamping},
                                        {"friction", model.friction}})
         if (!nonNegative().contains(value)) fail(object, ": ", field, " must be >= 0, got ", value);
+    checkJoints(object, model, state);
     checkCollision(object, model);
     if (model.surface) geometry::check(*model.surface, object + ": surface");
     const Vec3 start[] = {model.startVelocity, model.startAngularVelocity};

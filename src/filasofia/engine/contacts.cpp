@@ -203,6 +203,7 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
                   Coupling& coupling, WorkerPool& pool)
 {
     planRigid(model, dt, state.gravity, state, coupling.rigid);
+    planArticulations(model, dt, state.gravity, state, coupling.rigid, coupling.articulations);
     coupling.links.clear();
     coupling.contacts.clear();
     if (dt == 0.0) return;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/engine/collision/find_proximities.h"
+#include "filasofia/engine/joint_links.h"
 #include "filasofia/engine/solve_island.h"
 
 #include <set>
@@ -18,6 +19,7 @@ struct FoundContact {
 /// What ties the bodies of a step together.
 struct Coupling {
     RigidPlan rigid; ///< how rigid elements move through the step
+    ArticulationPlans articulations;
 
     std::vector<CollisionSurface> surfaces; ///< every body's, in the order of softBodies and rigidBodies
     std::set<int> warnedGroups;             ///< of collision: the log has told that they are one body's alone
@@ -26,7 +28,8 @@ struct Coupling {
     std::vector<SideKept> sides; ///< those of the next step
     std::vector<FoundContact> contacts;
     std::vector<Vec3> normals; ///< of a surface's triangles
-    std::vector<Link> links;   ///< one per contact, then those of attachments
+    std::vector<Link> links;   ///< one per contact, then those of attachments, then those of joints
+    std::vector<JointLink> jointLinks;
 
     IslandScratch scratch;
 };

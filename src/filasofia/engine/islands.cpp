@@ -30,12 +30,20 @@ private:
 
 } // namespace
 
+std::optional<std::size_t> planPlace(const RigidPlan& plan, const BodyPoint& point)
+{
+    if (point.of == BodyPoint::Of::Joint) return point.body;
+    if (point.of != BodyPoint::Of::Rigid || !plan[point.body].dynamic) return std::nullopt;
+    return plan[point.body].articulation < 0 ? point.body : plan[point.body].base;
+}
+
 std::vector<Island> findIslands(const Model& model, const RigidPlan& plan, const std::vector<Link>& links)
 {
     const std::size_t soft = model.softBodies.size();
     const auto unitOf = [&](const BodyPoint& point) { // soft bodies, then the plan's elements
         if (point.of == BodyPoint::Of::Soft && point.count > 0) return point.body;
-        return point.of == BodyPoint::Of::Rigid && plan[point.body].dynamic ? soft + point.body : kNone;
+        const auto place = planPlace(plan, point);
+        return place ? soft + *place : kNone;
     };
     Sets sets(soft + plan.size());
     std::vector<bool> linked(soft + plan.size());

@@ -4,15 +4,17 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace filasofia::engine {
 
 /// A point of a body, or of space, where something takes hold of it.
 struct BodyPoint {
-    enum class Of { Space, Soft, Rigid };
+    enum class Of { Space, Soft, Rigid, Joint };
     Of of = Of::Space;
-    std::size_t body = 0; ///< place among the soft bodies, or in the rigid plan
+    std::size_t body = 0; ///< place among the soft bodies, or in the rigid plan; of a joint: of its body's base
+    int joint = 0;        ///< of an articulated body; its velocity is along x, times a length (JointLink::arm)
     int count = 0;        ///< soft: the nodes that it is a mean of, at most twelve
     std::array<int, 12> nodes{};
     std::array<double, 12> weights{};
@@ -31,8 +33,9 @@ struct Link {
     double friction = -1.0; ///< [-] negative: holding
     double slack = 0.0;     ///< [m/s] how far from that u + bias may be
     double give = 0.0;      ///< [kg] of a spring; 0: rigid
-    Vec3 impulse;           ///< [N s] in the frame, on the first. In: of the last step; out: of this one
-    Vec3 next;              ///< [N s] out: where the next step starts
+    double most = std::numeric_limits<double>::infinity(); ///< [N s] of a joint: what it can bear along the first
+    Vec3 impulse; ///< [N s] in the frame, on the first. In: of the last step; out: of this one
+    Vec3 next;    ///< [N s] out: where the next step starts
 };
 
 } // namespace filasofia::engine

@@ -27,11 +27,7 @@ void planTold(double dt, const RigidState& state, RigidPlanElement& out)
 {
     const std::size_t e = out.element;
     out.centre = state.poses[e].position;
-    if (!state.targets[e] || dt == 0.0) return;
-    const auto [linear, angular] = velocitiesBetween(state.poses[e], *state.targets[e], dt);
-    if (!(length(linear) <= kTeleport) || !(length(angular) * dt <= kTeleportTurn)) return;
-    out.velocity = linear;
-    out.angularVelocity = angular;
+    if (state.targets[e]) planWay(*state.targets[e], dt, out);
 }
 
 /// False where the new state is not one to go on with.
@@ -51,6 +47,15 @@ bool moveDynamic(const physics::RigidInertia& body, double dt, const RigidPlanEl
 
 } // namespace
 
+void planWay(const Pose& end, double dt, RigidPlanElement& out)
+{
+    if (dt == 0.0) return;
+    const auto [linear, angular] = velocitiesBetween(out.start, end, dt);
+    if (!(length(linear) <= kTeleport) || !(length(angular) * dt <= kTeleportTurn)) return;
+    out.velocity = linear;
+    out.angularVelocity = angular;
+}
+
 std::vector<std::size_t> firstElements(const Model& model)
 {
     std::vector<std::size_t> first;
@@ -65,23 +70,33 @@ std::vector<std::size_t> firstElements(const Model& model)
 void planRigid(const Model& model, double dt, Vec3 gravity, const State& state, RigidPlan& plan)
 {
     plan.clear();
-    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b)
+    int articulations = 0;
+    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) {
+        const bool links = !model.rigidBodies[b].articulation.tree.joints.empty();
+        const std::size_t first = plan.size();
         for (std::size_t e = 0; e < model.rigidBodies[b].rest.size(); ++e) {
             RigidPlanElement& out = plan.emplace_back();
             out.body = b;
             out.element = e;
             out.dynamic = model.rigidBodies[b].dynamic;
             out.start = state.rigidBodies[b].poses[e];
-            if (out.dynamic)
+            if (links) {
+                out.articulation = articulations;
+                out.base = first;
+                out.centre = out.start.position;
+            } else if (out.dynamic)
                 planDynamic(model.rigidBodies[b], dt, gravity, state.rigidBodies[b], out);
             else
                 planTold(dt, state.rigidBodies[b], out);
         }
+        articulations += links ? 1 : 0;
+    }
 }
 
 void moveRigid(const Model& model, double dt, const RigidPlan& plan, State& state, physics::StepReport& report)
 {
     for (const RigidPlanElement& planned : plan) {
+        if (planned.articulation >= 0) continue;
         RigidState& body = state.rigidBodies[planned.body];
         const std::size_t e = planned.element;
         if (!planned.dynamic) {

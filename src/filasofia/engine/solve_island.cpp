@@ -1,5 +1,6 @@
 #include "filasofia/engine/solve_island.h"
 
+#include "filasofia/engine/articulated_share.h"
 #include "filasofia/engine/contact/plain_share.h"
 #include "filasofia/engine/matrix_free_share.h"
 
@@ -13,6 +14,7 @@ namespace {
 struct Unit {
     CoupledBody* share = nullptr;
     std::unique_ptr<PlainShare> plain;
+    std::unique_ptr<ArticulatedShare> articulated;
     std::vector<Mat3> diagonal;
     std::vector<Vec3> rightHandSide;
 };
@@ -85,6 +87,15 @@ void makeRigid(const RigidModel& model, double dt, const RigidPlanElement& eleme
     unit.share = unit.plain.get();
 }
 
+void makeArticulated(const Model& model, const ArticulationPlan& articulation, const RigidPlan& plan, Unit& unit)
+{
+    const LinkTree& tree = model.rigidBodies[articulation.body].articulation.tree;
+    std::vector<Vec3> origins;
+    for (std::size_t e = 0; e < tree.jointOf.size(); ++e) origins.push_back(plan[articulation.first + e].centre);
+    unit.articulated = std::make_unique<ArticulatedShare>(tree, articulation, std::move(origins));
+    unit.share = unit.articulated.get();
+}
+
 /// Collects the grips of every body, and the constraints that pull at them.
 class Gripping {
 public:
@@ -124,6 +135,7 @@ private:
         c.friction = link.friction;
         c.slack = link.slack;
         c.give = link.give;
+        c.most = link.most;
         c.impulse = link.impulse;
         return c;
     }
@@ -145,10 +157,13 @@ private:
                 }
                 pulls_.push_back({constraint, unit, grip, sign * point.weights[k]});
             }
-        } else if (unit >= softCount && point.of == BodyPoint::Of::Rigid &&
-                   point.body == island_.rigid[unit - softCount]) {
+        } else if (unit >= softCount && planPlace(plan_, point) == island_.rigid[unit - softCount]) {
             pulls_.push_back({constraint, unit, static_cast<int>(grips[unit].size()), sign});
-            grips[unit].push_back({0, point.position - plan_[point.body].centre});
+            if (point.of == BodyPoint::Of::Joint)
+                grips[unit].push_back({0, {}, -1 - point.joint});
+            else
+                grips[unit].push_back(
+                    {0, point.position - plan_[point.body].centre, static_cast<int>(plan_[point.body].element)});
         }
     }
 
@@ -177,14 +192,19 @@ private:
 
 CoupledReport solveIsland(const Model& model, const State& state, double dt, const Island& island,
                           const CoupledLimits& limits, std::vector<SoftSystem>& systems, RigidPlan& plan,
-                          std::vector<Link>& links, IslandScratch& scratch, WorkerPool& pool)
+                          ArticulationPlans& articulations, std::vector<Link>& links, IslandScratch& scratch,
+                          WorkerPool& pool)
 {
     std::vector<Unit> units(island.soft.size() + island.rigid.size());
     std::vector<CoupledBody*> shares;
     for (std::size_t i = 0; i < units.size(); ++i) {
-        if (const std::size_t r = i - island.soft.size(); i >= island.soft.size())
-            makeRigid(model.rigidBodies[plan[island.rigid[r]].body], dt, plan[island.rigid[r]], units[i]);
-        else
+        if (const std::size_t r = i - island.soft.size(); i >= island.soft.size()) {
+            const RigidPlanElement& element = plan[island.rigid[r]];
+            if (element.articulation >= 0)
+                makeArticulated(model, articulations[static_cast<std::size_t>(element.articulation)], plan, units[i]);
+            else
+                makeRigid(model.rigidBodies[element.body], dt, element, units[i]);
+        } else
             makeSoft(model.softBodies[island.soft[i]], dt, state.softBodies[island.soft[i]], systems[island.soft[i]],
                      pool, units[i]);
         shares.push_back(units[i].share);
@@ -202,8 +222,15 @@ CoupledReport solveIsland(const Model& model, const State& state, double dt, con
             std::ranges::copy(units[i].plain->answer(), system.dv.begin());
     }
     for (std::size_t i = 0; i < island.rigid.size(); ++i) {
-        const std::span<const Vec3> change = units[island.soft.size() + i].plain->answer();
-        plan[island.rigid[i]].change = {change[0], change[1]};
+        const Unit& unit = units[island.soft.size() + i];
+        RigidPlanElement& element = plan[island.rigid[i]];
+        if (unit.articulated) {
+            setChange(model, unit.articulated->answer(), articulations[static_cast<std::size_t>(element.articulation)],
+                      plan);
+        } else {
+            const std::span<const Vec3> change = unit.plain->answer();
+            element.change = {change[0], change[1]};
+        }
     }
     for (std::size_t c = 0; c < island.links.size(); ++c) {
         const auto finite = [](Vec3 impulse) { return isFinite(impulse) ? impulse : Vec3{}; };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/engine/articulation_step.h"
 #include "filasofia/engine/contact/coupled_solve.h"
 #include "filasofia/engine/islands.h"
 #include "filasofia/engine/soft_system.h"
@@ -13,10 +14,11 @@ struct IslandScratch {
     std::vector<int> gripOf; ///< per node of the body being looked at: its grip, or -1
 };
 
-/// Solves the equations of an island: leaves the change of velocities in the systems (dv, leftover) and in the plan,
+/// Solves the equations of an island: leaves the change of velocities in the systems (dv, leftover) and in the plans,
 /// and the impulses in the links. Soft bodies are assembled for the step; the plan holds the free changes.
 CoupledReport solveIsland(const Model& model, const State& state, double dt, const Island& island,
                           const CoupledLimits& limits, std::vector<SoftSystem>& systems, RigidPlan& plan,
-                          std::vector<Link>& links, IslandScratch& scratch, WorkerPool& pool);
+                          ArticulationPlans& articulations, std::vector<Link>& links, IslandScratch& scratch,
+                          WorkerPool& pool);
 
 } // namespace filasofia::engine

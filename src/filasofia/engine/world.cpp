@@ -83,6 +83,17 @@ void addAttachments(Hasher& hash, const State& state)
     }
 }
 
+void addJoints(Hasher& hash, const RigidState& body)
+{
+    for (const JointState& joint : body.joints) {
+        hash.add(static_cast<std::uint64_t>(joint.command.index()));
+        hash.add(std::visit([](const auto& command) { return command.value; }, joint.command));
+        for (double each : {joint.now.position, joint.now.velocity, joint.now.force, joint.now.load, joint.now.stop,
+                            joint.lowerStop, joint.upperStop, joint.dry})
+            hash.add(each);
+    }
+}
+
 /// A mesh that was edited; one that was not leaves the hash as it was.
 void add(Hasher& hash, const BodyTopology& topology, const SoftModel& model)
 {
@@ -144,6 +155,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     report.times.commands = watch.lap();
     findContacts(model_, in.dt, contact_, state_, coupling_, *pool_); // 2 who touches whom
     linkAttachments(in.dt, model_, state_, coupling_, report);        //   who holds whom
+    linkJoints(model_, in.dt, state_, coupling_);                     //   what holds joints
     report.times.contacts = watch.lap();
     assemble(model_, in.dt, state_, systems_, *pool_); // 3 forces and stiffness
     report.times.assemble = watch.lap();
@@ -151,6 +163,7 @@ physics::StepReport World::step(const physics::StepInput& in)
             report);                                // 4 new velocities, places
     keepContacts(in.dt, coupling_, state_, report); // what they did to each other
     keepAttachments(in.dt, coupling_, systems_, model_, state_);
+    keepJoints(model_, in.dt, coupling_, state_);
     report.times.advance = watch.lap();
     cutBodies(model_, in.dt, coupling_.rigid, state_, ruptures_, report); // 5 what was cut
     applyEdits(period_, model_, state_, systems_, ruptures_, report);     // 6 the only writer of topology
@@ -180,6 +193,8 @@ void World::capture(frame::Frame& out) const
         out.rigidBodies[b].poses = state_.rigidBodies[b].poses;
         out.rigidBodies[b].velocities = state_.rigidBodies[b].velocities;
         out.rigidBodies[b].angularVelocities = state_.rigidBodies[b].angularVelocities;
+        out.rigidBodies[b].joints.clear();
+        for (const JointState& joint : state_.rigidBodies[b].joints) out.rigidBodies[b].joints.push_back(joint.now);
     }
 }
 
@@ -209,7 +224,9 @@ std::uint64_t World::hash() const
     for (std::size_t b = 0; b < model_.rigidBodies.size(); ++b) {
         const RigidState& body = state_.rigidBodies[b];
         for (const Pose& pose : body.poses) add(hash, pose);
-        if (!model_.rigidBodies[b].dynamic) continue; // between steps it is its poses, and no more
+        addJoints(hash, body);
+        if (!model_.rigidBodies[b].dynamic && body.joints.empty())
+            continue; // between steps it is its poses, and no more
         for (const auto* list : {&body.velocities, &body.angularVelocities})
             for (const Vec3& v : *list) add(hash, v);
         for (const Wrench& wrench : body.wrenches) {

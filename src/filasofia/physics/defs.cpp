@@ -3,6 +3,7 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/mesh_file.h"
+#include "filasofia/physics/articulation.h"
 #include "filasofia/physics/check_field.h"
 
 #include <algorithm>
@@ -23,6 +24,8 @@ void load(std::vector<CollisionDef>& collision, const std::string& object)
         load(collision[i].mesh, text(object, ": collision[", i, "].mesh"));
 }
 
+} // namespace
+
 void check(const GivenInertia& given, const std::string& object)
 {
     const Vec3 m = given.moments;
@@ -33,6 +36,8 @@ void check(const GivenInertia& given, const std::string& object)
         fail(object, ".moments: none may be more than the sum of the other two, got ", m.x, " ", m.y, " ", m.z);
     static_cast<void>(unitPose({{}, given.axes}, object + ".axes"));
 }
+
+namespace {
 
 void check(const SoftBodyDef& def)
 {
@@ -50,6 +55,7 @@ void check(const RigidBodyDef& def)
     const std::string object = text("rigid body '", def.name, "'");
     validate(def, object);
     if (def.elements.empty()) fail(object, ": elements must have at least one entry");
+    if (isArticulated(def)) checkArticulation(def, object);
     if (const auto* given = std::get_if<GivenInertia>(&def.mass))
         check(*given, object + ": mass");
     else if (def.dynamic && !isGiven(def.mesh))
@@ -58,12 +64,12 @@ void check(const RigidBodyDef& def)
         if (!(length(v) < kFarthest)) fail(object, ": ", field, " must be < ", kFarthest, " in all, got ", length(v));
     for (std::size_t i = 0; i < def.collision.size(); ++i) {
         const std::string field = text(object, ": collision[", i, "]");
-        checkElement(def.collision[i].element, def.elements.size(), field + ".element");
+        checkElement(def.collision[i].element, elementCount(def), field + ".element");
         if (!isGiven(def.collision[i].mesh) && !isGiven(def.mesh))
             fail(field, ".mesh must name a file or be a mesh: the body has none either");
     }
     for (std::size_t i = 0; i < def.attachments.size(); ++i)
-        checkElement(def.attachments[i].element, def.elements.size(), text(object, ": attachments[", i, "].element"));
+        checkElement(def.attachments[i].element, elementCount(def), text(object, ": attachments[", i, "].element"));
 }
 
 } // namespace
@@ -137,14 +143,17 @@ void check(const BodyDef& def)
     std::visit([](const auto& each) { check(each); }, def);
 }
 
+RigidInertia inertiaOf(const GivenInertia& given)
+{
+    const Mat3 axes = toMat3(normalized(given.axes));
+    return {given.mass, given.centre, axes * Mat3::diagonal(given.moments) * transpose(axes)};
+}
+
 RigidInertia inertiaOf(const RigidBodyDef& def)
 {
     check(def);
     if (!def.dynamic) return {};
-    if (const auto* given = std::get_if<GivenInertia>(&def.mass)) {
-        const Mat3 axes = toMat3(normalized(given->axes));
-        return {given->mass, given->centre, axes * Mat3::diagonal(given->moments) * transpose(axes)};
-    }
+    if (const auto* given = std::get_if<GivenInertia>(&def.mass)) return inertiaOf(*given);
     const std::string object = text("rigid body '", def.name, "': mesh");
     const geometry::MassProperties body = geometry::massProperties(*loadMesh(def.mesh, object), object);
     const auto* density = std::get_if<Density>(&def.mass);

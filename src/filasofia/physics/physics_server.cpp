@@ -168,6 +168,10 @@ BodyId PhysicsServer::add(RigidBodyDef def)
     def = loaded(std::move(def));
     for (std::size_t e = 0; e < def.elements.size(); ++e)
         def.elements[e] = unitPose(def.elements[e], text("rigid body '", def.name, "': elements[", e, "]"));
+    if (!def.articulation.joints.empty()) { // whoever shows the body finds its links where they are
+        check(BodyDef{def});
+        def.elements = elementPoses(def);
+    }
     return impl_->add(std::move(def));
 }
 
@@ -183,6 +187,10 @@ void PhysicsServer::setPressure(BodyId id, double pressure) { impl_->post(SetPre
 void PhysicsServer::setWrench(BodyId id, Vec3 force, Vec3 torque, int element)
 {
     impl_->post(SetWrench{id, element, force, torque});
+}
+void PhysicsServer::setJoint(BodyId id, int joint, const JointCommand& command)
+{
+    impl_->post(SetJoint{id, joint, command});
 }
 AttachmentId PhysicsServer::attach(BodyId soft, AttachmentDef def)
 {

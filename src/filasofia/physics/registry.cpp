@@ -2,6 +2,7 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/physics/articulation.h"
 #include "filasofia/physics/check_attachment.h"
 #include "filasofia/physics/check_field.h"
 
@@ -21,6 +22,7 @@ struct Registry::Check {
         if (add.id <= registry.last_)
             fail("body ", add.id.value, ": ids rise, and one up to ", registry.last_.value, " was given already");
         checkAttachments(registry, {{}, *add.def, add.body->nodeCount()});
+        if (const auto* rigid = std::get_if<RigidBodyDef>(add.def.get())) checkBase(registry, *rigid);
         if (const std::uint32_t count = attachmentCount(*add.def); count > 0) checkFresh(add.attachments, count);
     }
     void operator()(const RemoveBody& remove) const { static_cast<void>(registry.find(remove.id)); }
@@ -29,8 +31,14 @@ struct Registry::Check {
         const Body& body = find<RigidBodyDef>(set.id, "a pose can be set on a rigid body only");
         const std::string object = describeBody(*body.def);
         checkElement(set.element, static_cast<std::size_t>(body.nodeCount), object + ": element");
+        checkNotALink(registry, std::get<RigidBodyDef>(*body.def), set.element);
         validate(set.pose, object);
         static_cast<void>(unitPose(set.pose, object));
+    }
+    void operator()(const SetJoint& set) const
+    {
+        const Body& body = find<RigidBodyDef>(set.id, "only a rigid body has joints");
+        checkCommand(std::get<RigidBodyDef>(*body.def), body.takesForce, set);
     }
     void operator()(const SetWrench& set) const
     {
@@ -145,7 +153,7 @@ void Registry::check(const Command& command) const { std::visit(Check{*this}, co
 void Registry::note(const Command& command)
 {
     if (const auto* add = std::get_if<AddBody>(&command)) {
-        bodies_[add->id] = {add->def, add->body->nodeCount(), add->attachments};
+        bodies_[add->id] = {add->def, add->body->nodeCount(), add->attachments, forceable(*add->def)};
         last_ = add->id;
         if (const std::uint32_t count = attachmentCount(*add->def); count > 0)
             lastAttachment_ = {add->attachments.value + count - 1};
@@ -183,7 +191,8 @@ std::size_t Registry::dynamicElementCount() const
 {
     std::size_t count = 0;
     for (const auto& [id, body] : bodies_)
-        if (const auto* rigid = std::get_if<RigidBodyDef>(body.def.get()); rigid && rigid->dynamic)
+        if (const auto* rigid = std::get_if<RigidBodyDef>(body.def.get());
+            rigid && (rigid->dynamic || isArticulated(*rigid)))
             count += static_cast<std::size_t>(body.nodeCount);
     return count;
 }

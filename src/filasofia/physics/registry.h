@@ -16,6 +16,7 @@ public:
         std::shared_ptr<const BodyDef> def;
         int nodeCount = 0;
         AttachmentId firstAttachment = {}; ///< of those of its Def; the others follow
+        std::vector<bool> takesForce = {}; ///< of an articulated body, per joint
     };
 
     /// Throws an Error naming body, field, bound and value unless the command can be applied.
@@ -28,7 +29,7 @@ public:
     [[nodiscard]] bool has(BodyId id) const { return bodies_.contains(id); }
     [[nodiscard]] BodyId lastAdded() const { return last_; }
     [[nodiscard]] std::size_t softBodyCount() const;
-    [[nodiscard]] std::size_t dynamicElementCount() const; ///< of rigid bodies
+    [[nodiscard]] std::size_t dynamicElementCount() const; ///< of rigid bodies; links are counted with them
     [[nodiscard]] AttachmentId nextAttachment() const { return {lastAttachment_.value + 1}; }
 
 private:

@@ -13,8 +13,9 @@ std::array<Vec3, 3> frameOf(Vec3 normal)
 
 Projected project(const Constraint& constraint, Vec3 y)
 {
+    if (constraint.friction >= 0.0 && !(y.x > 0.0)) return {};
+    if (std::abs(y.x) > constraint.most) return {{std::copysign(constraint.most, y.x), 0.0, 0.0}, 0.0, false};
     if (constraint.friction < 0.0) return {y, 1.0, true};
-    if (!(y.x > 0.0)) return {};
     const double tangential = std::sqrt(y.y * y.y + y.z * y.z), most = constraint.friction * y.x;
     const double slip = tangential > most ? most / tangential : 1.0;
     return {{y.x, slip * y.y, slip * y.z}, slip, true};

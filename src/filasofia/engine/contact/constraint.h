@@ -3,6 +3,7 @@
 #include "filasofia/math/vec3.h"
 
 #include <array>
+#include <limits>
 #include <vector>
 
 namespace filasofia::engine {
@@ -27,8 +28,11 @@ struct Constraint {
     double friction = -1.0;    ///< [-] mu; negative: held
     double slack = 0.0;        ///< [m/s] of a rigid one: how far from what it wants bias + u may be at the end
     double give = 0.0;         ///< [kg] of a spring: impulse per velocity; 0: rigid
-    Vec3 impulse;              ///< [N s] in the frame. In: of the last step; out: what acted in this one
-    Vec3 next;                 ///< [N s] out: where the next step starts
+    /// [N s] that it bears along its first axis, where that is all that it has to say, as of a joint: beyond, it
+    /// slides.
+    double most = std::numeric_limits<double>::infinity();
+    Vec3 impulse; ///< [N s] in the frame. In: of the last step; out: what acted in this one
+    Vec3 next;    ///< [N s] out: where the next step starts
 };
 
 /// Some constraints, and the grips that they take hold of.

@@ -8,10 +8,12 @@
 namespace filasofia::engine {
 
 /// Where a constraint takes hold of a body: a node of a soft one, an element of a rigid one with the way from its
-/// centre of mass [m, world axes].
+/// centre of mass [m, world axes]; of an articulated one, whose links are all moved by the same unknowns (node 0), a
+/// link with the way from its origin, or a joint itself.
 struct Grip {
     int node = 0;
     Vec3 arm = {};
+    int link = 0; ///< of an articulated body; of joint j: -1 - j
 };
 
 /// One body's share of a solve that spans several. Whatever its integrator and its solver are, it has a symmetric

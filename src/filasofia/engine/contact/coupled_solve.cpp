@@ -10,6 +10,10 @@ namespace {
 // instead of growing numbers save a third of the iterations of a fast tool, and leave a smaller mismatch.
 constexpr int kIterationsPerRound = 3;
 
+// A link on a hinge can be pushed in some directions only. A contact whose normal is less than a milliradian away from
+// those in which it cannot would ask for forces without end.
+constexpr double kStiff = 1e-6;
+
 Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 Vec3 mixed(Vec3 a, Vec3 b, double t) { return a + t * (b - a); }
 
@@ -80,12 +84,15 @@ void CoupledSolve::chooseStiffness()
 {
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const Constraint& constraint = constraints_->list[c];
-        double compliance = 0.0;
+        double compliance = 0.0, anyDirection = 0.0;
         for (int g = 0; g < constraint.count; ++g) {
             const WeightedGrip& grip = constraints_->grips[static_cast<std::size_t>(constraint.first + g)];
             const Vec3 n = constraint.frame[0];
-            compliance += grip.weight * grip.weight * dot(n, compliance_[static_cast<std::size_t>(grip.grip)] * n);
+            const Mat3& give = compliance_[static_cast<std::size_t>(grip.grip)];
+            compliance += grip.weight * grip.weight * dot(n, give * n);
+            anyDirection += grip.weight * grip.weight * trace(give);
         }
+        if (constraint.friction >= 0.0 && !(compliance > kStiff * anyDirection)) compliance = 0.0;
         const bool spring = constraint.give > 0.0, held = constraint.friction < 0.0;
         const double kappa = held ? limits_->holding : limits_->stiffening;
         const double rigid = compliance > 0.0 ? kappa / compliance : 0.0;
@@ -285,6 +292,7 @@ bool CoupledSolve::raiseImpulses()
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const Constraint& constraint = constraints_->list[c];
         if (!isRigid(constraint) || rows_[c].stiffness.x == 0.0) continue;
+        if (std::abs(constraint.impulse.x) >= constraint.most) continue; // it bears no more
         const Vec3 missed = constraint.bias + rows_[c].u;
         needed =
             needed || (constraint.friction < 0.0 ? length(missed) > constraint.slack : missed.x < -constraint.slack);

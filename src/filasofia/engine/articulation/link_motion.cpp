@@ -1,0 +1,193 @@
+#include "filasofia/engine/articulation/link_motion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace filasofia::engine {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+Pose motionOf(const LinkJoint& joint, double q)
+{
+    return joint.prismatic ? Pose{q * joint.axis, {}} : Pose{{}, axisAngle(joint.axis, q)};
+}
+
+/// How velocities of a joint and of its parent make those of its child.
+LinkMotion childMotion(const LinkJoint& joint, const JointAxis& axis, std::span<const Pose> poses,
+                       const LinkMotion& parent, double velocity)
+{
+    const Vec3 from = poses[at(joint.parent)].position, to = poses[at(joint.child)].position;
+    const Vec3 along = velocity * axis.direction;
+    if (joint.prismatic) return {parent.linear + cross(parent.angular, to - from) + along, parent.angular};
+    const Vec3 spin = parent.angular + along;
+    return {parent.linear + cross(parent.angular, axis.origin - from) + cross(spin, to - axis.origin), spin};
+}
+
+/// The same of accelerations. `velocity` of the parent.
+LinkMotion childAcceleration(const LinkJoint& joint, const JointAxis& axis, std::span<const Pose> poses,
+                             const LinkMotion& velocity, const LinkMotion& parent, double speed, double acceleration)
+{
+    const Vec3 from = poses[at(joint.parent)].position, to = poses[at(joint.child)].position, w = velocity.angular;
+    const Vec3 moving = speed * axis.direction, gaining = acceleration * axis.direction;
+    const auto carried = [](const LinkMotion& a, Vec3 spin, Vec3 arm) {
+        return cross(a.angular, arm) + cross(spin, cross(spin, arm));
+    };
+    if (joint.prismatic)
+        return {parent.linear + carried(parent, w, to - from) + 2.0 * cross(w, moving) + gaining, parent.angular};
+    const LinkMotion turning{{}, parent.angular + gaining + cross(w, moving)};
+    const Vec3 atAxis = parent.linear + carried(parent, w, axis.origin - from);
+    return {atAxis + carried(turning, w + moving, to - axis.origin), turning.angular};
+}
+
+} // namespace
+
+bool isOfBase(const LinkTree& tree, int joint) { return at(joint) >= tree.joints.size(); }
+
+bool slides(const LinkTree& tree, int joint)
+{
+    return isOfBase(tree, joint) ? at(joint) < tree.joints.size() + 3 : tree.joints[at(joint)].prismatic;
+}
+
+void placeLinks(const LinkTree& tree, std::span<const double> positions, std::span<Pose> poses)
+{
+    for (int j : tree.order) {
+        const LinkJoint& joint = tree.joints[at(j)];
+        Pose& child = poses[at(joint.child)];
+        child = poses[at(joint.parent)] * joint.parentOffset * motionOf(joint, positions[at(j)]) *
+                inverse(joint.childOffset);
+        child.orientation = normalized(child.orientation);
+    }
+}
+
+std::vector<JointAxis> jointAxes(const LinkTree& tree, std::span<const Pose> poses)
+{
+    std::vector<JointAxis> axes;
+    for (const LinkJoint& joint : tree.joints) {
+        const Pose frame = poses[at(joint.parent)] * joint.parentOffset; // its axis stays where the joint moves
+        axes.push_back({rotate(frame.orientation, joint.axis), frame.position});
+    }
+    for (int k = 0; k < kBaseJoints; ++k) axes.push_back({Mat3::identity()[k % 3], poses[0].position});
+    return axes;
+}
+
+bool moves(const LinkTree& tree, int joint, int link)
+{
+    if (isOfBase(tree, joint)) return true;
+    for (int j = tree.jointOf[at(link)]; j >= 0; j = tree.jointOf[at(tree.joints[at(j)].parent)])
+        if (j == joint) return true;
+    return false;
+}
+
+LinkMotion columnAt(const LinkTree& tree, std::span<const JointAxis> axes, int joint, Vec3 point)
+{
+    const JointAxis& axis = axes[at(joint)];
+    if (slides(tree, joint)) return {axis.direction, {}};
+    return {cross(axis.direction, point - axis.origin), axis.direction};
+}
+
+void moveLinks(const LinkTree& tree, std::span<const JointAxis> axes, std::span<const Pose> poses,
+               std::span<const double> velocities, std::span<LinkMotion> motion)
+{
+    for (int j : tree.order) {
+        const LinkJoint& joint = tree.joints[at(j)];
+        motion[at(joint.child)] = childMotion(joint, axes[at(j)], poses, motion[at(joint.parent)], velocities[at(j)]);
+    }
+}
+
+void multiply(const JointMatrix& a, std::span<const double> x, std::span<double> out)
+{
+    for (std::size_t r = 0; r < a.size; ++r) {
+        double sum = 0.0;
+        for (std::size_t c = 0; c < a.size; ++c) sum += a(r, c) * x[c];
+        out[r] = sum;
+    }
+}
+
+JointMatrix inverse(const JointMatrix& a)
+{
+    const std::size_t n = a.size;
+    JointMatrix lower{n, std::vector<double>(n * n)}, out{n, std::vector<double>(n * n)};
+    for (std::size_t r = 0; r < n; ++r)
+        for (std::size_t c = 0; c <= r; ++c) {
+            double sum = a(r, c);
+            for (std::size_t k = 0; k < c; ++k) sum -= lower(r, k) * lower(c, k);
+            lower(r, c) = r == c ? std::sqrt(sum) : sum / lower(c, c);
+        }
+    for (std::size_t column = 0; column < n; ++column) {
+        std::vector<double> x(n);
+        x[column] = 1.0;
+        for (std::size_t r = 0; r < n; ++r) {
+            for (std::size_t k = 0; k < r; ++k) x[r] -= lower(r, k) * x[k];
+            x[r] /= lower(r, r);
+        }
+        for (std::size_t r = n; r-- > 0;) {
+            for (std::size_t k = r + 1; k < n; ++k) x[r] -= lower(k, r) * x[k];
+            x[r] /= lower(r, r);
+        }
+        for (std::size_t r = 0; r <= column; ++r) out(r, column) = out(column, r) = x[r]; // symmetric to the last bit
+    }
+    return out;
+}
+
+JointMatrix massMatrix(const LinkTree& tree, std::span<const JointAxis> axes, std::span<const LinkMass> masses,
+                       std::span<const int> joints)
+{
+    JointMatrix matrix{joints.size(), std::vector<double>(joints.size() * joints.size())};
+    for (std::size_t link = 0; link < masses.size(); ++link) {
+        const LinkMass& body = masses[link];
+        if (body.mass == 0.0) continue;
+        for (std::size_t r = 0; r < joints.size(); ++r) {
+            if (!moves(tree, joints[r], static_cast<int>(link))) continue;
+            const LinkMotion row = columnAt(tree, axes, joints[r], body.centre);
+            for (std::size_t c = 0; c <= r; ++c) {
+                if (!moves(tree, joints[c], static_cast<int>(link))) continue;
+                const LinkMotion column = columnAt(tree, axes, joints[c], body.centre);
+                matrix(r, c) +=
+                    body.mass * dot(row.linear, column.linear) + dot(row.angular, body.inertia * column.angular);
+            }
+        }
+    }
+    for (std::size_t r = 0; r < joints.size(); ++r) {
+        if (!isOfBase(tree, joints[r])) matrix(r, r) += tree.joints[at(joints[r])].inertia;
+        for (std::size_t c = 0; c < r; ++c) matrix(c, r) = matrix(r, c);
+    }
+    return matrix;
+}
+
+std::vector<double> inverseDynamics(const LinkTree& tree, std::span<const JointAxis> axes, std::span<const Pose> poses,
+                                    std::span<const LinkMass> masses, std::span<const double> velocities,
+                                    std::span<const double> accelerations, const std::array<LinkMotion, 2>& base,
+                                    Vec3 gravity, std::span<const int> joints)
+{
+    std::vector<LinkMotion> velocity(masses.size()), acceleration(masses.size());
+    velocity[0] = base[0];
+    acceleration[0] = base[1];
+    moveLinks(tree, axes, poses, velocities, velocity);
+    for (int j : tree.order) {
+        const LinkJoint& joint = tree.joints[at(j)];
+        acceleration[at(joint.child)] =
+            childAcceleration(joint, axes[at(j)], poses, velocity[at(joint.parent)], acceleration[at(joint.parent)],
+                              velocities[at(j)], accelerations[at(j)]);
+    }
+    std::vector<double> forces;
+    for (int joint : joints)
+        forces.push_back(isOfBase(tree, joint) ? 0.0 : tree.joints[at(joint)].inertia * accelerations[at(joint)]);
+    for (std::size_t link = 0; link < masses.size(); ++link) {
+        const LinkMass& body = masses[link];
+        if (body.mass == 0.0) continue;
+        const Vec3 arm = body.centre - poses[link].position, w = velocity[link].angular, a = acceleration[link].angular;
+        const Vec3 ofCentre = acceleration[link].linear + cross(a, arm) + cross(w, cross(w, arm));
+        const Vec3 force = body.mass * (ofCentre - gravity);
+        const Vec3 torque = body.inertia * a + cross(w, body.inertia * w);
+        for (std::size_t r = 0; r < joints.size(); ++r) {
+            if (!moves(tree, joints[r], static_cast<int>(link))) continue;
+            const LinkMotion column = columnAt(tree, axes, joints[r], body.centre);
+            forces[r] += dot(column.linear, force) + dot(column.angular, torque);
+        }
+    }
+    return forces;
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,64 @@
+#pragma once
+
+#include "filasofia/geometry/shapes.h"
+
+#include "engine/stage.h"
+
+/// What the tests of articulated bodies share.
+namespace filasofia::engine {
+
+inline constexpr double kArm = 0.03;        ///< [m] from the hinge to the jaw's middle
+inline constexpr double kJawMass = 0.02;    ///< [kg]
+inline constexpr double kJawInertia = 2e-6; ///< [kg m^2] about its middle
+
+/// A base at the origin, and a jaw that hangs on it by a hinge about z, along x at angle 0.
+inline physics::RigidBodyDef jawBody(const physics::JointCommand& command)
+{
+    physics::JointDef hinge{.childOffset = {{-kArm, 0, 0}, {}}, .command = command};
+    hinge.mass = physics::GivenInertia{.mass = kJawMass, .moments = {kJawInertia, kJawInertia, kJawInertia}};
+    physics::RigidBodyDef def{.name = "jaw", .gravity = false};
+    def.articulation.joints = {hinge};
+    return def;
+}
+
+/// [kg m^2] about the hinge.
+inline constexpr double kHingeInertia = kJawInertia + kJawMass * kArm * kArm;
+
+/// The same with a plate of 40 x 4 x 20 mm that touches.
+inline physics::RigidBodyDef touchingJaw(const physics::JointCommand& command)
+{
+    physics::RigidBodyDef def = jawBody(command);
+    def.collision = {{.mesh = geometry::shapes::box({0.04, 0.004, 0.02}), .element = 1}};
+    return def;
+}
+
+/// A cushion of tissue with its upper side at y = `top` below the jaw, held at its lower side.
+inline physics::SoftBodyDef cushion(double top)
+{
+    physics::SoftBodyDef def{.name = "cushion",
+                             .mesh = shared(boxMesh({4, 3, 3}, {0.04, 0.02, 0.03})),
+                             .material = physics::FemMaterial{.youngModulus = 20e3, .poissonRatio = 0.4},
+                             .gravity = false,
+                             .collision = {{}}};
+    def.pose.position = {0.012, top - 0.02, -0.015};
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, top - 0.0199, 1}}}};
+    return def;
+}
+
+inline JointState& joint(Stage& stage, std::size_t body = 0, std::size_t j = 0)
+{
+    return stage.world.state().rigidBodies[body].joints[j];
+}
+
+/// [N m] of all contacts on the body with that id about the z axis of the world's origin.
+inline double contactTorque(Stage& stage, BodyId id)
+{
+    double sum = 0.0;
+    for (const frame::Contact& each : stage.world.state().touching) {
+        const double sign = each.first == id ? 1.0 : each.second == id ? -1.0 : 0.0;
+        sum += sign * cross(each.point, each.normalForce * each.normal + each.friction).z;
+    }
+    return sum;
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,356 @@
+#include "engine/articulation/jaw.h"
+
+#include <numbers>
+
+using namespace filasofia;
+using namespace filasofia::engine;
+using physics::JointForce;
+using physics::JointPosition;
+using physics::SetJoint;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kGravity = 9.81;
+
+/// A jaw that swings under gravity, by the classical method of Runge and Kutta: angle and rate after `time` [s].
+std::array<double, 2> pendulum(double angle, double rate, double damping, double time)
+{
+    const int steps = 20000;
+    const double h = time / steps;
+    const auto gain = [&](double q, double w) {
+        return -(kJawMass * kGravity * kArm * std::cos(q) + damping * w) / kHingeInertia;
+    };
+    for (int i = 0; i < steps; ++i) {
+        const double k1 = gain(angle, rate), k2 = gain(angle + 0.5 * h * rate, rate + 0.5 * h * k1),
+                     k3 = gain(angle + 0.5 * h * (rate + 0.5 * h * k1), rate + 0.5 * h * k2),
+                     k4 = gain(angle + h * (rate + 0.5 * h * k2), rate + h * k3);
+        angle += h * rate + h * h / 6.0 * (k1 + k2 + k3);
+        rate += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+    }
+    return {angle, rate};
+}
+
+double swingError(double dt, double damping)
+{
+    physics::RigidBodyDef def = jawBody(JointForce{});
+    def.gravity = true;
+    def.articulation.joints[0].start = -0.3;
+    def.articulation.joints[0].damping = damping;
+    Stage stage;
+    stage.post(physics::SetGravity{{0, -kGravity, 0}});
+    stage.add(def);
+    stage.run(static_cast<int>(std::lround(0.5 / dt)), dt);
+    return std::abs(joint(stage).now.position - pendulum(-0.3, 0.0, damping, 0.5)[0]);
+}
+
+} // namespace
+
+TEST_CASE("a jaw that swings freely follows its equation of motion, the closer the shorter the step")
+{
+    for (const double damping : {0.0, 2e-5}) {
+        const double coarse = swingError(1e-3, damping), fine = swingError(2.5e-4, damping);
+        CHECK(coarse < 0.02);
+        CHECK(fine < 0.3 * coarse);
+        CHECK(swingError(1e-4, damping) < 2e-3);
+    }
+}
+
+TEST_CASE("a swinging jaw neither gains nor loses energy over many periods")
+{
+    physics::RigidBodyDef def = jawBody(JointForce{});
+    def.gravity = true;
+    Stage stage;
+    stage.post(physics::SetGravity{{0, -kGravity, 0}});
+    stage.add(def);
+    const auto energy = [&] {
+        const frame::Joint& now = joint(stage).now;
+        return 0.5 * kHingeInertia * now.velocity * now.velocity + kJawMass * kGravity * kArm * std::sin(now.position);
+    };
+    double lowest = 0.0, highest = 0.0;
+    for (int i = 0; i < 10000; ++i) {
+        stage.step(1e-3);
+        lowest = std::min(lowest, energy());
+        highest = std::max(highest, energy());
+    }
+    const double scale = kJawMass * kGravity * kArm;
+    CHECK(lowest > -0.02 * scale);
+    CHECK(highest < 0.02 * scale);
+}
+
+TEST_CASE("a joint goes to its commanded position at its speed, and is then there to the last bit")
+{
+    physics::RigidBodyDef def = jawBody(JointPosition{0.0});
+    def.articulation.joints[0].speed = 2.0;
+    Stage stage;
+    stage.add(def);
+    stage.post(SetJoint{{1}, 0, JointPosition{0.5}});
+    stage.step(1e-3);
+    CHECK(joint(stage).now.position == Approx(0.002));
+    CHECK(joint(stage).now.velocity == Approx(2.0));
+    const RigidState& body = stage.world.state().rigidBodies[0];
+    CHECK(length(body.velocities[1]) == Approx(2.0 * kArm).epsilon(1e-3));
+    CHECK(body.angularVelocities[1].z == Approx(2.0));
+    stage.run(250, 1e-3);
+    CHECK(joint(stage).now.position == 0.5);
+    CHECK(joint(stage).now.velocity == 0.0);
+    CHECK(length(body.poses[1].position - kArm * Vec3{std::cos(0.5), std::sin(0.5), 0}) < 1e-15);
+
+    stage.post(physics::SetPose{{1}, 0, {{0, 0.01, 0}, axisAngle({0, 0, 1}, 0.1)}}); // and the base takes it along
+    stage.step(1e-2);
+    CHECK(length(body.poses[1].position - Vec3{0, 0.01, 0} - kArm * Vec3{std::cos(0.6), std::sin(0.6), 0}) < 1e-15);
+    CHECK(body.angularVelocities[1].z == Approx(10.0));
+}
+
+TEST_CASE("a joint comes to rest at its stop, which bears what the force and the weight say")
+{
+    for (const bool upper : {false, true}) {
+        physics::RigidBodyDef def = jawBody(JointForce{upper ? 0.02 : -0.01});
+        def.gravity = true;
+        def.articulation.joints[0].lower = -0.4;
+        def.articulation.joints[0].upper = 0.7;
+        Stage stage;
+        stage.post(physics::SetGravity{{0, -kGravity, 0}});
+        stage.add(def);
+        for (int i = 0; i < 500; ++i) {
+            stage.step(1e-3);
+            CHECK(joint(stage).now.position >= -0.4);
+            CHECK(joint(stage).now.position <= 0.7);
+        }
+        const frame::Joint now = joint(stage).now;
+        CHECK(now.position == Approx(upper ? 0.7 : -0.4).epsilon(1e-6));
+        CHECK(now.velocity == Approx(0.0).margin(1e-6));
+        const double weight = -kJawMass * kGravity * kArm * std::cos(now.position);
+        CHECK(now.stop == Approx(-(now.force + weight)).epsilon(1e-4));
+        stage.post(SetJoint{{1}, 0, JointForce{upper ? -0.02 : 0.02}}); // and lets go at once
+        stage.run(30, 1e-3);
+        CHECK(joint(stage).now.stop == 0.0);
+        CHECK(std::abs(joint(stage).now.position - now.position) > 0.05);
+    }
+}
+
+TEST_CASE("dry friction holds a joint up to what it bears, and brakes by that much beyond")
+{
+    physics::RigidBodyDef def = jawBody(JointForce{0.004});
+    def.articulation.joints[0].friction = 0.005;
+    Stage stage;
+    stage.add(def);
+    stage.run(500, 1e-3);
+    CHECK(std::abs(joint(stage).now.position) < 1e-3);
+    CHECK(std::abs(joint(stage).now.velocity) < 1e-6);
+    stage.post(SetJoint{{1}, 0, JointForce{0.006}});
+    const double before = joint(stage).now.velocity;
+    stage.run(100, 1e-3);
+    CHECK(joint(stage).now.velocity - before == Approx(0.1 * 0.001 / kHingeInertia).epsilon(0.02));
+    stage.post(SetJoint{{1}, 0, JointForce{0.0}});
+    stage.run(200, 1e-3);
+    CHECK(std::abs(joint(stage).now.velocity) < 1e-6);
+}
+
+TEST_CASE("a base that is moved shakes the links that hang on it, and a joint that is told to move the others")
+{
+    // A jaw that hangs down from a base that gains a along x comes to rest, damped, where gravity and a add up.
+    physics::RigidBodyDef def = jawBody(JointForce{});
+    def.gravity = true;
+    def.articulation.joints[0].start = -kPi / 2;
+    def.articulation.joints[0].damping = 3e-4;
+    Stage stage;
+    stage.post(physics::SetGravity{{0, -kGravity, 0}});
+    stage.add(def);
+    const double a = 2.0, dt = 1e-3;
+    for (int i = 1; i <= 2000; ++i) {
+        stage.post(physics::SetPose{{1}, 0, {{0.5 * a * dt * dt * i * (i + 1), 0, 0}, {}}});
+        stage.step(dt);
+    }
+    CHECK(joint(stage).now.position == Approx(-kPi / 2 - std::atan2(a, kGravity)).epsilon(1e-3));
+
+    // A slide that carries the hinge does the same.
+    def.articulation.joints[0].parent = 1;
+    def.articulation.joints[0].child = 2;
+    def.articulation.joints.push_back({.kind = physics::JointKind::Prismatic, .axis = {1, 0, 0}, .speed = 100.0});
+    Stage sliding;
+    sliding.post(physics::SetGravity{{0, -kGravity, 0}});
+    sliding.add(def);
+    for (int i = 1; i <= 2000; ++i) {
+        sliding.post(SetJoint{{1}, 1, JointPosition{0.5 * a * dt * dt * i * (i + 1)}});
+        sliding.step(dt);
+    }
+    CHECK(joint(sliding).now.position == Approx(joint(stage).now.position).epsilon(1e-9));
+}
+
+TEST_CASE("reset brings joints back to where they were added, with the commands that they were added with")
+{
+    physics::RigidBodyDef def = jawBody(JointForce{0.003});
+    def.articulation.joints[0].start = 0.2;
+    Stage stage;
+    stage.add(def);
+    stage.step(1e-3);
+    const std::uint64_t first = stage.world.hash();
+    stage.post(SetJoint{{1}, 0, JointPosition{1.0}});
+    stage.post(physics::SetPose{{1}, 0, {{0, 0.1, 0}, {}}});
+    stage.run(100, 1e-3);
+    stage.post(physics::Reset{});
+    stage.step(0.0);
+    CHECK(joint(stage).now.position == 0.2);
+    CHECK(joint(stage).now.velocity == 0.0);
+    CHECK(std::get<JointForce>(joint(stage).command).value == 0.003);
+    const RigidState body = stage.world.state().rigidBodies[0];
+    CHECK(length(body.poses[1].position - kArm * Vec3{std::cos(0.2), std::sin(0.2), 0}) < 1e-15);
+    stage.world.state().step = 0;
+    stage.world.state().time = 0.0;
+    stage.step(1e-3);
+    CHECK(stage.world.hash() == first);
+}
+
+TEST_CASE("a base goes with the element that takes it along, and stays where it is when that is removed")
+{
+    Stage stage;
+    const BodyId arm = stage.add(physics::RigidBodyDef{.name = "arm", .elements = {Pose{}, Pose{{1, 0, 0}, {}}}});
+    physics::RigidBodyDef def = jawBody(JointPosition{0.0});
+    def.articulation.to = arm;
+    def.articulation.toElement = 1;
+    def.articulation.offset = {{0, 0, 0.1}, axisAngle({0, 0, 1}, kPi / 2)};
+    const BodyId jaw = stage.add(def);
+    physics::RigidBodyDef more = jawBody(JointPosition{0.0});
+    more.articulation.to = jaw;
+    more.articulation.offset = {{0, 0, 0.1}, {}};
+    stage.add(more);
+    stage.step(0.0);
+    const auto pose = [&](std::size_t body, std::size_t element) {
+        return stage.world.state().rigidBodies[body].poses[element];
+    };
+    CHECK(length(pose(1, 0).position - Vec3{1, 0, 0.1}) < 1e-15);
+    CHECK(length(pose(1, 1).position - Vec3{1, kArm, 0.1}) < 1e-15);
+    CHECK(length(pose(2, 1).position - Vec3{1, kArm, 0.2}) < 1e-15);
+
+    stage.post(physics::SetPose{arm, 1, {{1.002, 0, 0}, {}}});
+    stage.step(1e-3);
+    CHECK(length(pose(1, 1).position - Vec3{1.002, kArm, 0.1}) < 1e-15);
+    CHECK(length(pose(2, 1).position - Vec3{1.002, kArm, 0.2}) < 1e-15);
+    CHECK(stage.world.state().rigidBodies[2].velocities[1].x == Approx(2.0));
+
+    stage.post(physics::RemoveBody{arm});
+    stage.step(1e-3);
+    CHECK(length(pose(0, 1).position - Vec3{1.002, kArm, 0.1}) < 1e-15);
+    CHECK(length(stage.world.state().rigidBodies[0].velocities[1]) == 0.0);
+    stage.post(physics::SetPose{jaw, 0, {{1.003, 0, 0}, {}}}); // and takes orders
+    stage.step(1e-3);
+    CHECK(pose(0, 1).position.x == Approx(1.003 + kArm));
+    CHECK(pose(1, 1).position.x == Approx(1.003 + kArm)); // without its turn
+    stage.post(physics::Reset{});
+    stage.step(0.0);
+    CHECK(pose(1, 0).position == pose(0, 0).position + Vec3{0, 0, 0.1});
+}
+
+TEST_CASE("a joint that runs away is stopped and told")
+{
+    physics::RigidBodyDef def = jawBody(JointForce{1e9});
+    def.articulation.joints[0].kind = physics::JointKind::Prismatic;
+    def.articulation.joints[0].axis = {1, 0, 0};
+    Stage stage;
+    stage.add(def);
+    CHECK(stage.run(3, 1e-3).has(physics::StepFlag::Undone));
+    CHECK(std::isfinite(joint(stage).now.position));
+    CHECK(joint(stage).now.velocity == 0.0);
+    stage.post(SetJoint{{1}, 0, JointPosition{0.01}}); // and is of use again
+    CHECK_FALSE(stage.run(2000, 1e-3).has(physics::StepFlag::Undone));
+    CHECK(joint(stage).now.position == 0.01);
+}
+
+namespace {
+
+/// A jaw on a free base of 50 g, without gravity.
+physics::RigidBodyDef freeTool(const physics::JointCommand& command)
+{
+    physics::RigidBodyDef def = jawBody(command);
+    def.dynamic = true;
+    def.mass = physics::GivenInertia{.mass = 0.05, .centre = {-0.01, 0.002, 0.001}, .moments = {2e-5, 3e-5, 4e-5}};
+    return def;
+}
+
+/// Linear and angular momentum about the origin of all links of the first rigid body, and their energy.
+struct Motion {
+    Vec3 momentum, spin;
+    double energy = 0.0;
+};
+Motion motionOf(Stage& stage)
+{
+    const RigidModel& model = stage.world.model().rigidBodies[0];
+    const RigidState& state = stage.world.state().rigidBodies[0];
+    Motion sum;
+    for (std::size_t e = 0; e < state.poses.size(); ++e) {
+        const physics::RigidInertia& own = model.inertias[e];
+        const Vec3 w = state.angularVelocities[e], centre = transform(state.poses[e], own.centre);
+        const Vec3 v = state.velocities[e] + cross(w, centre - state.poses[e].position);
+        const Vec3 turning = worldInertia(own.inertia, state.poses[e].orientation) * w;
+        sum.momentum += own.mass * v;
+        sum.spin += cross(centre, own.mass * v) + turning;
+        sum.energy += 0.5 * own.mass * dot(v, v) + 0.5 * dot(w, turning);
+    }
+    return sum;
+}
+
+} // namespace
+
+TEST_CASE("a free tool that works its own joints keeps its momentum and its angular momentum")
+{
+    for (const double dt : {1e-3, 1e-4}) {
+        Stage stage;
+        physics::RigidBodyDef def = freeTool(JointForce{1e-4});
+        def.articulation.joints[0].axis = {0.3, 0.5, 1.0};
+        def.velocity = {0.1, 0.0, 0.05};
+        def.angularVelocity = {0.5, -1.0, 0.7};
+        stage.add(def);
+        stage.step(dt);
+        const Motion before = motionOf(stage);
+        stage.run(static_cast<int>(0.3 / dt), dt);
+        const Motion after = motionOf(stage);
+        CHECK(std::abs(joint(stage).now.velocity) > 0.5); // it has moved
+        CHECK(length(after.momentum - before.momentum) < 20.0 * dt * length(before.momentum));
+        CHECK(length(after.spin - before.spin) < 20.0 * dt * length(before.spin));
+    }
+}
+
+TEST_CASE("a free tool falls as its weight says, and a wrench on its base moves all of it")
+{
+    Stage stage;
+    physics::RigidBodyDef def = freeTool(JointForce{});
+    def.gravity = true;
+    stage.post(physics::SetGravity{{0, -kGravity, 0}});
+    stage.add(def);
+    stage.run(100, 1e-3);
+    CHECK(length(motionOf(stage).momentum - Vec3{0, -0.07 * kGravity * 0.1, 0}) < 1e-9);
+    CHECK(std::abs(joint(stage).now.velocity) < 1e-9);
+    stage.post(physics::SetGravity{});
+    stage.post(physics::SetPose{{1}, 0, {{0, 1, 0}, {}}}); // at once and at rest
+    stage.step(0.0);
+    CHECK(length(stage.world.state().rigidBodies[0].poses[1].position - Vec3{kArm, 1, 0}) < 1e-9);
+    stage.post(physics::SetWrench{{1}, 0, {0.07, 0, 0}, {}});
+    stage.run(10, 1e-3);
+    CHECK(motionOf(stage).momentum.x == Approx(0.07 * 0.01).epsilon(1e-3));
+    CHECK(motionOf(stage).energy > 0.0);
+}
+
+TEST_CASE("a jaw on a heavy free base, or on a light one that is held, swings as on one that is told")
+{
+    const auto swing = [](bool dynamic, double mass, bool held) {
+        physics::RigidBodyDef def = jawBody(JointForce{});
+        def.gravity = !dynamic || held;
+        def.articulation.joints[0].command = JointForce{dynamic && !held ? 2e-3 : 0.0};
+        if (!dynamic && mass > 0.0) {
+            def.gravity = false;
+            def.articulation.joints[0].command = JointForce{2e-3};
+        }
+        def.dynamic = dynamic;
+        const double moment = 0.01 * std::max(mass, 1.0);
+        def.mass = physics::GivenInertia{.mass = std::max(mass, 1e-3), .moments = {moment, moment, moment}};
+        if (held) def.attachments = {{.element = 0}};
+        Stage stage;
+        stage.post(physics::SetGravity{{0, -kGravity, 0}});
+        stage.add(def);
+        stage.run(100, 1e-3);
+        return joint(stage).now.position;
+    };
+    CHECK(swing(true, 1e4, false) == Approx(swing(false, 1e4, false)).epsilon(1e-4));
+    CHECK(swing(true, 0.0, true) == Approx(swing(false, 0.0, false)).epsilon(1e-3));
+}
