@@ -13,6 +13,7 @@
 #include "filasofia/geometry/embedding.h"
 #include "filasofia/geometry/triangle_mesh.h"
 #include "filasofia/physics/defs.h"
+#include "filasofia/physics/haptic_target.h"
 
 #include <cstdint>
 #include <limits>
@@ -108,6 +109,12 @@ struct Wrench {
     friend constexpr bool operator==(const Wrench&, const Wrench&) = default;
 };
 
+/// A hand that holds an element.
+struct Hand {
+    int element = 0;
+    physics::HapticTarget target;
+};
+
 /// Where a rigid body is, and what pushes it. All per element. The velocities of one that is not dynamic say how it
 /// moved in the last step, and nothing follows from them.
 struct RigidState {
@@ -117,6 +124,7 @@ struct RigidState {
     std::vector<Wrench> wrenches;        ///< given; zero unless dynamic
     /// Where an element of a body that is not dynamic was told to be at the end of the coming step; none: it stays.
     std::vector<std::optional<Pose>> targets;
+    std::vector<Hand> hands = {}; ///< of those that are held, ascending by element; none unless dynamic
 };
 
 struct Model {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/physics/defs.h"
+#include "filasofia/physics/haptic_target.h"
 
 #include "filasofia/core/attachment_id.h"
 #include "filasofia/core/body_id.h"
@@ -41,6 +42,13 @@ struct SetWrench {
     int element = 0;
     Vec3 force = {};  ///< [N], in world axes
     Vec3 torque = {}; ///< [N m], in world axes
+};
+/// Where the hand is that holds an element, until told anew: a dynamic body is pulled there by the coupling, another one
+/// goes there as with SetPose. Without any stiffness and damping it lets go.
+struct SetHaptic {
+    BodyId id = {};
+    int element = 0;
+    HapticTarget target = {};
 };
 struct SetGravity {
     Vec3 gravity = {}; ///< [m/s^2]
@@ -123,6 +131,12 @@ constexpr auto fields(const SetWrench*)
                     field("force", &SetWrench::force, "N", finite(), "at its centre of mass"),
                     field("torque", &SetWrench::torque, "N m", finite(), "in world axes"));
 }
+constexpr auto fields(const SetHaptic*)
+{
+    return describe("SetHaptic", field("id", &SetHaptic::id, "the rigid body"),
+                    field("element", &SetHaptic::element, "-", nonNegative(), "of its elements"),
+                    field("target", &SetHaptic::target, "the hand that holds it"));
+}
 constexpr auto fields(const SetGravity*)
 {
     return describe("SetGravity", field("gravity", &SetGravity::gravity, "m/s^2", finite(), "acts on every body"));
@@ -170,6 +184,6 @@ constexpr auto fields(const Pause*) { return describe("Pause", field("paused", &
 constexpr auto fields(const Tune*) { return describe("Tune"); } // a function cannot be written down
 
 using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench,
-                             Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune>;
+                             Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune, SetHaptic>;
 
 } // namespace filasofia::physics

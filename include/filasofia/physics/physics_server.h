@@ -34,6 +34,8 @@ public:
     void setPose(BodyId rigid, const Pose& pose, int element = 0);
     /// Pushes a dynamic body at the centre of mass of one element, until changed: [N], [N m], in world axes.
     void setWrench(BodyId rigid, Vec3 force, Vec3 torque, int element = 0);
+    /// Gives a rigid element into a hand: see HapticTarget and SetHaptic. Runtime does it for every haptic interface.
+    void setHaptic(BodyId rigid, const HapticTarget& target, int element = 0);
     void setGravity(Vec3 gravity); ///< [m/s^2]
     /// Holds nodes of a soft body, or an element of a rigid one, where they are when it takes effect. Where no node is
     /// in the regions then, nothing is held, and the step has StepFlag::NothingAttached.

@@ -6,6 +6,7 @@
 #include "filasofia/engine/build_body.h"
 #include "filasofia/engine/contact_memory.h"
 #include "filasofia/engine/find_body.h"
+#include "filasofia/engine/hand.h"
 #include "filasofia/engine/native.h"
 #include "filasofia/engine/remove_piece.h"
 #include "filasofia/engine/stages.h"
@@ -96,6 +97,14 @@ struct Apply {
     {
         state.rigidBodies[indexOf(model.rigidBodies, set.id)].wrenches[set.element] = {set.force, set.torque};
     }
+    void operator()(const physics::SetHaptic& set) const
+    {
+        const std::size_t index = indexOf(model.rigidBodies, set.id);
+        if (model.rigidBodies[index].dynamic)
+            hold({set.element, set.target}, state.rigidBodies[index]);
+        else
+            state.rigidBodies[index].targets[set.element] = set.target.pose;
+    }
     void operator()(const physics::SetGravity& set) const { state.gravity = set.gravity; }
     void operator()(physics::SetMaterial& set) const
     {
@@ -163,6 +172,7 @@ struct Apply {
         for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) {
             RigidState fresh = stateAtStart(model.rigidBodies[b]);
             fresh.wrenches = std::move(state.rigidBodies[b].wrenches);
+            fresh.hands = std::move(state.rigidBodies[b].hands);
             state.rigidBodies[b] = std::move(fresh);
         }
         state.contacts.clear();

@@ -18,6 +18,8 @@ struct RigidPlanElement {
     Vec3 centre;          ///< [m] in the world, at the start: of mass; the element's origin where it has none
     Vec3 velocity;        ///< [m/s] of the centre: at the start; of one that is not dynamic, throughout the step
     Vec3 angularVelocity; ///< [rad/s] the same
+    double heldMass = 0.0;    ///< [kg] that a hand's spring and damper add against impulses, as they are implicit
+    double heldInertia = 0.0; ///< [kg m^2] the same about any axis
     RigidChange change;   ///< the element moves through the step with velocity + change: contacts add theirs here
 };
 using RigidPlan = std::vector<RigidPlanElement>; ///< in the order of bodies and elements

@@ -91,6 +91,7 @@ struct PhysicsServer::Impl {
     {
         registry.check(command);
         if (auto* set = std::get_if<SetPose>(&command)) set->pose = unitPose(set->pose, "pose");
+        if (auto* set = std::get_if<SetHaptic>(&command)) set->target.pose = unitPose(set->target.pose, "target.pose");
         registry.note(command);
         inbox.push(std::move(command));
     }
@@ -183,6 +184,10 @@ void PhysicsServer::setPressure(BodyId id, double pressure) { impl_->post(SetPre
 void PhysicsServer::setWrench(BodyId id, Vec3 force, Vec3 torque, int element)
 {
     impl_->post(SetWrench{id, element, force, torque});
+}
+void PhysicsServer::setHaptic(BodyId id, const HapticTarget& target, int element)
+{
+    impl_->post(SetHaptic{id, element, target});
 }
 AttachmentId PhysicsServer::attach(BodyId soft, AttachmentDef def)
 {
