@@ -23,12 +23,14 @@ enum class EventType : std::uint8_t {
     Contact,
     Cut,
     Tear,
+    Device,
+    Controller,
     Custom1,
     Custom2,
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 15;
+inline constexpr std::size_t kEventTypes = 17;
 
 /// "PhysicsUpdate", as the enumerator is spelled.
 std::string_view name(EventType type);

@@ -29,6 +29,10 @@ std::string_view name(EventType type)
         return "Cut";
     case EventType::Tear:
         return "Tear";
+    case EventType::Device:
+        return "Device";
+    case EventType::Controller:
+        return "Controller";
     case EventType::Custom1:
         return "Custom1";
     case EventType::Custom2:
