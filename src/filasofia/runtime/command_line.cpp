@@ -51,6 +51,10 @@ int Simulation::run(int argc, const char* const* argv)
     addOption(app, "--fps", &RunDef::fps, def, "pictures per second of the video");
     addOption(app, "--log", &RunDef::log, def, "write a line per step to this CSV file");
     addOption(app, "--record", &RunDef::record, def, "write the run to this .rec file, for 'filasofia replay'");
+    addOption(app, "--device", &RunDef::device, def,
+              "hold the first haptic interface by NAME or NAME:LIBRARY, a driver and its vendor's library");
+    addOption(app, "--motion", &RunDef::motion, def, "play this motion file in place of a device");
+    addOption(app, "--record-motion", &RunDef::recordMotion, def, "write what the hand does to this motion file");
     try {
         app.parse(argc, argv);
         if (app.count("--fps") > 0 && def.video.empty()) fail("run: --fps needs --video FILE.mp4");
