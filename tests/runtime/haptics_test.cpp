@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <mutex>
 #include <numbers>
+#include <thread>
 
 using namespace filasofia;
 using device::DeviceNotice;
@@ -243,6 +244,43 @@ TEST_CASE("a device that is unplugged is an event and one line in the log, and t
         CHECK(tool->poses[0].position.x == Approx(4.99_mm).epsilon(0.01)); // aligned at the first of 500 readings
         CHECK(length(tool->velocities[0]) < 1e-3);
     }
+}
+
+TEST_CASE("while a device blocks, physics and picture go on")
+{
+    const LogLines log;
+    Simulation sim;
+    const BodyId body = sim.add(tool());
+    sim.show(body);
+    std::atomic<std::uint64_t> steps = 0, pictures = 0;
+    std::atomic<bool> blocked = false, released = false;
+    int reads = 0;
+    const HapticId hand =
+        sim.add(HapticInterfaceDef{.body = body}, std::make_unique<FakeDevice>([&](double) {
+                    if (++reads == 100) {
+                        const std::uint64_t step = steps, picture = pictures;
+                        blocked = true; // for a hundred steps and three pictures, and not for less than 100 ms
+                        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+                        while (steps < step + 100 || pictures < picture + 3) std::this_thread::yield();
+                        released = true;
+                    }
+                    return DeviceSample{};
+                }));
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) { steps = update.step; });
+    sim.on<VisualUpdateEvent>([&](const VisualUpdateEvent&) { ++pictures; });
+    std::vector<DeviceNotice> errors;
+    sim.on<DeviceEvent>([&](const DeviceEvent& event) {
+        if (event.notice.kind != DeviceNotice::Kind::Error) return;
+        errors.push_back(event.notice);
+        sim.finish("told");
+    });
+    sim.run({.backend = Backend::Null});
+    CHECK((blocked && released));
+    REQUIRE(errors.size() == 1);
+    CHECK(errors[0].problem.find("reading it took ") == 0);
+    CHECK(sim.haptic(hand).servo.longestCall >= 0.1);
+    const std::lock_guard lock(const_cast<LogLines&>(log).mutex);
+    CHECK(log.lines.size() == 1);
 }
 
 TEST_CASE("what a hand does is written to a motion file, and played back")
