@@ -129,6 +129,12 @@ TEST_CASE("force and torque are clamped, and keep their direction")
     CHECK(bench.tick(sample).onHand.torque == Vec3{});
     // The body is pulled no harder than the hand.
     CHECK(sceneCoupling(def).forceLimit == 3.0);
+    def.forceScale = 0.5;
+    def.scale = 2.0;
+    CHECK(sceneCoupling(def).forceLimit == 6.0);
+    CHECK(sceneCoupling(def).torqueLimit == Approx(0.2));
+    def.forceScale = 0.0; // it is followed, and not pushed
+    CHECK(sceneCoupling(def).forceLimit == 3.0);
 }
 
 TEST_CASE("the force ramps in, and begins anew after every interruption")

@@ -246,6 +246,23 @@ TEST_CASE("a device that is unplugged is an event and one line in the log, and t
     }
 }
 
+TEST_CASE("a device that comes again elsewhere takes the tool where it is, and does not pull it over")
+{
+    Simulation sim;
+    const BodyId body = sim.add(tool());
+    int reads = 0;
+    sim.add(HapticInterfaceDef{.body = body}, std::make_unique<FakeDevice>([&](double) {
+                DeviceSample s;
+                if (++reads > 100 && reads < 2000) s.status = DeviceStatus::Lost;
+                if (reads >= 2000) s.hand.pose = {{50_mm, 0, 0}, axisAngle({0, 0, 1}, 1.0)};
+                return s;
+            }));
+    sim.run({.headless = true, .steps = 3000});
+    const Pose pose = sim.physics().latest()->rigidBody(body)->poses[0];
+    CHECK(length(pose.position) < 1e-6);
+    CHECK(length(rotationVector(pose.orientation)) < 1e-6);
+}
+
 TEST_CASE("while a device blocks, physics and picture go on")
 {
     const LogLines log;

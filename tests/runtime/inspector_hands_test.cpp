@@ -27,7 +27,7 @@ TEST_CASE("the inspector shows a hand, and its button puts the hand where the bo
                                                 return device::DeviceSample{.hand = {{{0.02, 0, 0}, {}}}};
                                             }),
                                             parts.physics);
-    parts.haptics.begin({.headless = true}, 1e-3, parts.clock, [](auto) {});
+    parts.haptics.begin({.headless = true}, {.rate = 1000}, parts.clock, [](auto) {});
     const auto step = [&](int count) {
         for (int i = 0; i < count; ++i) {
             parts.beforeStep(1e-3);

@@ -85,9 +85,9 @@ std::string_view describe(ServoState state)
 HandCoupling sceneCoupling(const ServoDef& def)
 {
     HandCoupling coupling = def.coupling;
-    if (def.forceScale == 0.0) return coupling;
-    coupling.forceLimit = std::min(coupling.forceLimit, def.forceLimit / def.forceScale);
-    coupling.torqueLimit = std::min(coupling.torqueLimit, def.torqueLimit * def.scale / def.forceScale);
+    const double share = def.forceScale > 0.0 ? def.forceScale : 1.0; // a hand that is not pushed pushes all the same
+    coupling.forceLimit = std::min(coupling.forceLimit, def.forceLimit / share);
+    coupling.torqueLimit = std::min(coupling.torqueLimit, def.torqueLimit * def.scale / share);
     return coupling;
 }
 

@@ -62,6 +62,7 @@ struct Haptics::Interface {
     Quat grip;
     // And what the stepping thread is told of it.
     device::Latest<HandCoupling> coupling;
+    std::atomic<bool> aligns = false;       ///< it has no origin of its own
     std::atomic<std::uint64_t> placing = 0; ///< snapshots of an earlier one are of another place
 
     void tellPlace() // under the mutex
@@ -112,7 +113,7 @@ HapticId Haptics::add(const HapticInterfaceDef& def, std::unique_ptr<device::Hap
     const std::lock_guard lock(mutex_);
     if (running_) fail(object, ": to be added before a run, and one is going on");
     for (const auto& other : interfaces_)
-        if (other->def.body == def.body && other->def.element == def.element)
+        if (other->def.body == def.body)
             fail(object, ": body '", rigid->name, "' is controlled by '", other->def.name, "' already");
     auto made = std::make_unique<Interface>();
     made->device = own ? std::move(own) : device::makeDevice(def.device);
@@ -189,10 +190,11 @@ void Haptics::place(HapticId id, double scale, const Pose& origin)
     validate(def, text("haptic interface '", def.name, "'"));
     each.scale = scale;
     each.origin = *def.origin;
+    each.aligns.store(false); // somebody knows better
     each.tellPlace();
 }
 
-void Haptics::begin(const RunDef& run, double stepPeriod, const Clock& clock, Post post)
+void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& clock, Post post)
 {
     const std::lock_guard lock(mutex_);
     for (const auto& [field, value] :
@@ -200,6 +202,7 @@ void Haptics::begin(const RunDef& run, double stepPeriod, const Clock& clock, Po
         if (!value->empty() && interfaces_.empty())
             fail("run: ", field, " needs a haptic interface, and there is none");
     if (!run.device.empty() && !run.motion.empty()) fail("run: device and motion: only one of the two can be given");
+    const double stepPeriod = 1.0 / physics.rate;
     live_ = !run.headless;
     clock_ = clock;
     device::ServoClock servoClock{clock.now, clock.sleepUntil};
@@ -219,6 +222,7 @@ void Haptics::begin(const RunDef& run, double stepPeriod, const Clock& clock, Po
         each.servo.reset();
         each.other = std::exchange(asked, nullptr); // the first one's
         each.placed = each.def.origin.has_value();
+        each.aligns.store(!each.placed);
         each.holding = false;
         // Headless so many whole ticks to a step that the last is at its end.
         const double rate = live_ ? each.def.rate : std::min(ticksIn(stepPeriod, each.def.rate) / stepPeriod, 10000.0);
@@ -239,7 +243,7 @@ void Haptics::begin(const RunDef& run, double stepPeriod, const Clock& clock, Po
     running_ = true;
     for (auto& each : interfaces_)
         if (live_)
-            each->servo->start(true);
+            each->servo->start(physics.realTime);
         else
             each->servo->open();
 }
@@ -285,6 +289,8 @@ void Haptics::beforeStep(double dt, double end, physics::PhysicsServer& physics)
             align(each, seen, physics);
             continue; // the servo knows of it from its next tick on
         }
+        // One that comes again may lie elsewhere: the body is not to jump there.
+        if (seen.tick.state == device::ServoState::Lost && each.aligns.load()) each.placed = false;
         if (!heard && !std::exchange(each.holding, false)) continue;
         each.seen = heard ? seen.time : wake_;
         if (heard) {

@@ -371,11 +371,10 @@ RunReport Simulation::run(const RunDef& def)
     try {
         if (impl_->everMade > 0 && !def.record.empty())
             fail("run: record is for a simulation's first run, and this one has made ", impl_->everMade, " steps");
-        impl_->haptics.begin(def, 1.0 / impl_->def.physics.rate, impl_->clock,
-                             [this](std::unique_ptr<DeviceEvent> event) {
-                                 impl_->stamp(*event);
-                                 static_cast<void>(impl_->events.tryPost(std::move(event))); // full: the log has it
-                             });
+        impl_->haptics.begin(def, impl_->def.physics, impl_->clock, [this](std::unique_ptr<DeviceEvent> event) {
+            impl_->stamp(*event);
+            static_cast<void>(impl_->events.tryPost(std::move(event))); // full: the log has it
+        });
         RunReport report = def.headless ? runHeadless(*impl_, def) : runLive(*impl_, def);
         impl_->haptics.end();
         impl_->fill(report);
