@@ -43,8 +43,8 @@ struct SetWrench {
     Vec3 force = {};  ///< [N], in world axes
     Vec3 torque = {}; ///< [N m], in world axes
 };
-/// Where the hand is that holds an element, until told anew: a dynamic body is pulled there by the coupling, another one
-/// goes there as with SetPose. Without any stiffness and damping it lets go.
+/// Where the hand is that holds an element, until told anew: a dynamic body is pulled there by the coupling, another
+/// one goes there as with SetPose. Without any stiffness and damping it lets go.
 struct SetHaptic {
     BodyId id = {};
     int element = 0;

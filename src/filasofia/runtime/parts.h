@@ -32,7 +32,7 @@ struct Simulation::Impl {
     std::optional<Steering> steering;                   ///< the main thread's in a run
     std::vector<std::function<void(double)>> everyStep; ///< an empty one threw; the stepping thread's in a run
     ContactWatch contacts;                              ///< the stepping thread's in a run
-    Haptics haptics; ///< after physics and events, which its threads talk to
+    Haptics haptics;                                    ///< after physics and events, which its threads talk to
 
     StepFeed feed; ///< to the inspector
     std::mutex screenshotMutex;
