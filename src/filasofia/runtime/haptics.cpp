@@ -30,6 +30,14 @@ std::unique_ptr<device::HapticDevice> deviceOf(const std::string& word)
 int ticksIn(double dt, double rate) { return std::max(1, static_cast<int>(std::lround(dt * rate))); }
 Nanoseconds nanoseconds(double seconds) { return std::llround(1e9 * seconds); }
 
+/// Of a product of unit quaternions, which may be longer than one by a rounding: a step takes no component beyond it.
+Pose unitPose(Pose pose)
+{
+    Quat& q = pose.orientation = normalized(pose.orientation);
+    for (double* each : {&q.w, &q.x, &q.y, &q.z}) *each = std::clamp(*each, -1.0, 1.0);
+    return pose;
+}
+
 void logNotice(const std::string& who, const DeviceNotice& notice, bool wasWrong)
 {
     if (notice.kind == DeviceNotice::Kind::Lost || notice.kind == DeviceNotice::Kind::Error)
@@ -51,6 +59,7 @@ struct Haptics::Interface {
 
     // The stepping thread's in a run.
     bool placed = false;
+    bool refused = false;     ///< a sample was, and the log told
     bool holding = false;     ///< the last step was told where the hand is
     std::uint64_t states = 0; ///< of the body, told to the servo
     Nanoseconds seen = 0;     ///< when the hand was where the last step took it to be: that is the state's time
@@ -294,7 +303,7 @@ void Haptics::beforeStep(double dt, double end, physics::PhysicsServer& physics)
         if (!heard && !std::exchange(each.holding, false)) continue;
         each.seen = heard ? seen.time : wake_;
         if (heard) {
-            each.target = {seen.tick.hand.pose, seen.tick.hand.velocity, seen.tick.hand.angularVelocity};
+            each.target = {unitPose(seen.tick.hand.pose), seen.tick.hand.velocity, seen.tick.hand.angularVelocity};
             each.holding = true;
         } else { // it stays where the hand was last
             each.target.velocity = each.target.angularVelocity = {};
@@ -302,8 +311,10 @@ void Haptics::beforeStep(double dt, double end, physics::PhysicsServer& physics)
         static_cast<void>(each.coupling.read(each.target.coupling));
         try {
             physics.setHaptic(each.def.body, each.target, each.def.element);
-        } catch (const Error&) { // it was removed meanwhile, or the hand is at the end of the world
+        } catch (const Error& problem) { // it was removed meanwhile; else the hand is at the end of the world
             each.holding = false;
+            if (physics.has(each.def.body) && !std::exchange(each.refused, true))
+                logWarning(each.who(), ": a step cannot take it: ", problem.what());
         }
     }
 }
