@@ -19,6 +19,7 @@ endif()
 install(TARGETS ${rooms} filasofia_all EXPORT FilasofiaTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/filasofia DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.h)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/motions DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/fonts DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia) # its licence
 install(FILES ${PROJECT_SOURCE_DIR}/assets/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia) # the meshes' terms
 if(TARGET filasofia)

@@ -42,6 +42,10 @@ nlohmann::json benchContact(bool quick);
 /// before, during and after. `quick` leaves a small block.
 nlohmann::json benchCut(bool quick);
 
+/// How evenly a haptic servo ticks beside physics, `seconds` [s] of wall time per run; when it lets go of the hand
+/// where physics stands still; what energy it gives. `quick` leaves fewer walls.
+nlohmann::json benchHaptics(double seconds, bool quick);
+
 /// What the picture costs the main thread, for 5,000 and 50,000 vertices that move in every frame; how long new
 /// triangles take; what is left of physics beside a picture. `quick` leaves the smaller surface and fewer frames.
 nlohmann::json benchVisual(bool quick);

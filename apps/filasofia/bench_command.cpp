@@ -21,17 +21,18 @@ struct Options {
     bool quick = false;
 };
 
-constexpr double kSeconds = 10.0; ///< [s] of a cell
+constexpr double kSeconds = 10.0;     ///< [s] of a cell
+constexpr double kQuickSeconds = 2.0; ///< [s] of a quick run of haptics
 
 /// Refuses what it cannot do.
 void checkOptions(const Options& options)
 {
     if (options.scene != "bunny" && options.scene != "solver" && options.scene != "contact" && options.scene != "cut" &&
-        options.scene != "visual")
+        options.scene != "haptics" && options.scene != "visual")
         fail("bench: there is no scene '", shortened(options.scene),
-             "'; there are bunny, solver, contact, cut and visual");
-    if (!std::isnan(options.seconds) && options.scene != "bunny")
-        fail("bench: --seconds is for bunny; ", options.scene, " makes a fixed number of steps");
+             "'; there are bunny, solver, contact, cut, haptics and visual");
+    if (!std::isnan(options.seconds) && options.scene != "bunny" && options.scene != "haptics")
+        fail("bench: --seconds is for bunny and haptics; ", options.scene, " makes a fixed number of steps");
     if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak is for contact");
     if (!std::isnan(options.soak) && options.quick) fail("bench: --soak says how long it takes: no --quick");
 }
@@ -41,8 +42,10 @@ json measure(const Options& options)
     if (options.scene == "solver") return benchSolver(options.quick);
     if (options.scene == "cut") return benchCut(options.quick);
     if (options.scene == "visual") return benchVisual(options.quick);
-    if (options.scene == "bunny")
-        return benchBunny(std::isnan(options.seconds) ? kSeconds : options.seconds, options.quick);
+    const double seconds = std::isnan(options.seconds) ? kSeconds : options.seconds;
+    if (options.scene == "bunny") return benchBunny(seconds, options.quick);
+    if (options.scene == "haptics")
+        return benchHaptics(std::isnan(options.seconds) && options.quick ? kQuickSeconds : seconds, options.quick);
     return std::isnan(options.soak) ? benchContact(options.quick) : soakContact(options.soak, options.seed);
 }
 
@@ -101,14 +104,15 @@ Command benchCommand()
                 {{"SCENE",
                   &options.scene,
                   "bunny: the paper's table of tetrahedra x subdivision; solver: what a step costs; contact: what it "
-                  "costs where bodies touch; cut: what it costs while a blade cuts; visual: what a picture costs",
+                  "costs where bodies touch; cut: what it costs while a blade cuts; haptics: how evenly a hand is "
+                  "pushed; visual: what a picture costs",
                   "",
                   {},
                   true},
                  {"--json", &options.file, "Write every figure to this file", "FILE"},
                  {.name = "--seconds",
                   .target = &options.seconds,
-                  .meaning = "Wall time of each of bunny's cells",
+                  .meaning = "Wall time of each of bunny's cells, and of haptics' runs",
                   .type = "S",
                   .bound = {openClosed(0, 3600), "s"},
                   .standard = text(kSeconds)},

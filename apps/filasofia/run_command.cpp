@@ -2,6 +2,7 @@
 #include "apps/filasofia/command_line.h"
 #include "apps/filasofia/commands.h"
 #include "apps/filasofia/contact_scenes.h"
+#include "apps/filasofia/haptic_scene.h"
 #include "apps/filasofia/rupture_scenes.h"
 #include "filasofia/runtime/keys.h"
 
@@ -32,6 +33,7 @@ const Scene kScenes[] = {
     {"friction", kFrictionRoom, [](Simulation& sim, const BunnyDef&) { addFriction(sim); }},
     {"cut", kCutRoom, [](Simulation& sim, const BunnyDef& def) { addCut(sim, def.subdivision); }},
     {"tear", kTearRoom, [](Simulation& sim, const BunnyDef& def) { addTear(sim, def.subdivision); }},
+    {"haptics", kHapticsRoom, [](Simulation& sim, const BunnyDef& def) { addHaptics(sim, def.subdivision); }},
 };
 
 const Scene& sceneOf(const Options& options)
@@ -75,7 +77,7 @@ Command runCommand()
             .meaning = "Run a scene in a window (Space pauses, Escape ends; more below), or headless",
             .options = {{"SCENE",
                          &options.scene,
-                         "bunny (pinned at the head, falling under its own weight), poke, grasp, friction, cut or tear",
+                         "bunny (pinned at the head, falling by itself), poke, grasp, friction, cut, tear or haptics",
                          "",
                          {},
                          true},
@@ -121,6 +123,9 @@ Command runCommand()
                          .bound = boundOf(&RunDef::seed)},
                         {"--session", &options.run.session, "Told by the recording: what the run is called", "NAME"},
                         {"--trainee", &options.run.trainee, "Told by the recording: who is at it", "NAME"},
+                        {"--device", &options.run.device, "Of haptics: its device, NAME or NAME:LIBRARY", "NAME"},
+                        {"--motion", &options.run.motion, "Of haptics: play this motion file", "FILE"},
+                        {"--record-motion", &options.run.recordMotion, "Write the hand's way to it", "FILE"},
                         {.name = "--threads",
                          .target = &options.threads,
                          .meaning = "Threads within one step; 0: the cores but one, up to 8",

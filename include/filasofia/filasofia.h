@@ -17,6 +17,12 @@ namespace filasofia {
 
 namespace shapes = geometry::shapes;
 
+using device::ForceDimensionDevice;
+using device::GamepadDevice;
+using device::MouseDevice;
+using device::OpenHapticsDevice;
+using device::ScriptedDevice;
+using device::SpaceMouseDevice;
 using event::Event;
 using event::EventType;
 using event::KeyCode;
@@ -71,11 +77,15 @@ using prefab::TrackedBody;
 using runtime::asset;
 using runtime::ContactEvent;
 using runtime::CutEvent;
+using runtime::DeviceEvent;
 using runtime::FileFailedEvent;
 using runtime::FollowDef;
 using runtime::FollowElement;
 using runtime::FollowNearest;
 using runtime::FollowTriangle;
+using runtime::HapticId;
+using runtime::HapticInterfaceDef;
+using runtime::HapticState;
 using runtime::LookDef;
 using runtime::PaintDef;
 using runtime::PaintMode;

@@ -790,5 +790,52 @@ class BenchContact(Program):
         self.refused("bench", "solver", "--soak", "1", says=["--soak", "contact"])
 
 
+class Haptics(Program):
+    """`run haptics` and `bench haptics`."""
+
+    def test_a_session_with_a_device_is_recorded_played_back_and_made_again(self):
+        with tempfile.TemporaryDirectory() as folder:
+            record, motion = os.path.join(folder, "hand.rec"), os.path.join(folder, "hand.csv")
+            words = ("run", "haptics", "--headless", "--steps", "600")
+            said = self.output(*words, "--record", record, "--record-motion", motion)
+            row = re.search(r"(?m)^tissue, tool +(\d+) +([\d.]+)", said)
+            self.assertGreater(int(row[1]), 100)
+            self.assertIn("every step has the recorded hash\n", self.output("replay", record, "--check"))
+            lines = Path(motion).read_text().splitlines()
+            self.assertEqual(lines[0], "time,x,y,z,qw,qx,qy,qz,buttons")
+            self.assertEqual(len(lines), 601)
+            again = self.output(*words, "--motion", motion)
+            self.assertAlmostEqual(float(re.search(r"(?m)^tissue, tool +\d+ +([\d.]+)", again)[1]), float(row[2]),
+                                   delta=0.02)
+            Path(motion).write_text(lines[0] + "\n")
+            self.refused(*words, "--motion", motion, says=["hand.csv", "at least one sample"])
+
+    def test_devices_that_cannot_be_are_refused(self):
+        words = ("run", "haptics", "--headless", "--steps", "1")
+        self.refused(*words, "--device", "omega", says=["device", "mouse", "openhaptics", "'omega'"])
+        self.refused(*words, "--device", "openhaptics:/nowhere.so", says=["openhaptics", "/nowhere.so"])
+        self.refused(*words, "--device", "scripted", says=["scripted", "motion"])
+        self.refused("run", "poke", "--headless", "--steps", "1", "--device", "mouse", says=["haptic interface"])
+        self.refused("bench", "solver", "--seconds", "3", says=["haptics"])
+
+    def test_the_bench_has_every_run_and_wall_and_gives_no_energy(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "haptics.json")
+            said = self.output("bench", "haptics", "--quick", "--seconds", "0.5", "--json", str(path))
+            report = json.loads(path.read_text())
+        self.assertEqual([run_["name"] for run_ in report["runs"]],
+                         ["physics at 1 kHz", "physics at 20 Hz", "stalled for 1 s"])
+        for run_ in report["runs"]:  # how evenly is the machine's matter
+            self.assertGreater(run_["ticks"], 0)
+            self.assertEqual(sum(run_["jitter_s"]["counts"]), run_["ticks"])
+            self.assertLessEqual(run_["most_force_N"], 10.0 + 1e-9)
+        self.assertEqual(len(report["walls"]), 8)
+        for wall in report["walls"]:  # on a clock of its own
+            self.assertLessEqual(wall["most_energy_J"], 0)
+            self.assertGreater(wall["given_by_hand_J"], 1e-3)
+            self.assertLessEqual(wall["most_force_N"], 10.0 + 1e-9)
+        self.assertIn("met      every wall up to 10 kN/m", said)
+
+
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -107,6 +107,11 @@ TEST_CASE("every other kind of command comes back bit for bit")
     const auto wrench = roundTrip(SetWrench{BodyId{3}, 2, kVec, {kLarge, 0, kThird}});
     CHECK((wrench.id == BodyId{3} && wrench.element == 2));
     CHECK((sameBits(wrench.force, kVec) && sameBits(wrench.torque, {kLarge, 0, kThird})));
+    const HapticTarget hand{kPose, kVec, {kLarge, 0, kThird}, {.linearStiffness = kThird, .torqueLimit = 0.25}};
+    const auto held = roundTrip(SetHaptic{BodyId{3}, 2, hand});
+    CHECK((held.id == BodyId{3} && held.element == 2 && sameBits(held.target.pose, kPose)));
+    CHECK((sameBits(held.target.velocity, kVec) && sameBits(held.target.angularVelocity, {kLarge, 0, kThird})));
+    CHECK(held.target.coupling == hand.coupling); // its force limit is infinite
     CHECK(sameBits(roundTrip(SetGravity{kVec}).gravity, kVec));
     const auto material = roundTrip(SetMaterial{BodyId{3}, FemMaterial{.youngModulus = kThird}});
     CHECK(material.id == BodyId{3});
@@ -132,7 +137,7 @@ TEST_CASE("every other kind of command comes back bit for bit")
     CHECK(roundTrip(Pause{true}).paused);
     CHECK_FALSE(roundTrip(Pause{false}).paused);
     CHECK_FALSE(roundTrip(Tune{[](PhysicsEngine&) {}}).change); // that there was one is all that can be kept
-    STATIC_REQUIRE(std::variant_size_v<Command> == 17);
+    STATIC_REQUIRE(std::variant_size_v<Command> == 18);
 }
 
 TEST_CASE("a name that is no text does not end the recording")

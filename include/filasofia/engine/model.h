@@ -15,6 +15,7 @@
 #include "filasofia/geometry/embedding.h"
 #include "filasofia/geometry/triangle_mesh.h"
 #include "filasofia/physics/defs.h"
+#include "filasofia/physics/haptic_target.h"
 
 #include <cstdint>
 #include <limits>
@@ -137,6 +138,12 @@ struct JointState {
     double dry = 0.0;
 };
 
+/// A hand that holds an element.
+struct Hand {
+    int element = 0;
+    physics::HapticTarget target;
+};
+
 /// Where a rigid body is, and what pushes it. All per element. The velocities of one that is not dynamic say how it
 /// moved in the last step, and nothing follows from them but how its joints are shaken.
 struct RigidState {
@@ -147,6 +154,7 @@ struct RigidState {
     /// Where an element of a body that is not dynamic was told to be at the end of the coming step; none: it stays.
     std::vector<std::optional<Pose>> targets;
     std::vector<JointState> joints;
+    std::vector<Hand> hands = {}; ///< of those that are held, ascending by element; none unless dynamic
 };
 
 struct Model {

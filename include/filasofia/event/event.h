@@ -25,12 +25,14 @@ enum class EventType : std::uint8_t {
     Cut,
     Tear,
     FileFailed,
+    Device,
+    Controller,
     Custom1,
     Custom2,
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 16;
+inline constexpr std::size_t kEventTypes = 18;
 
 /// "PhysicsUpdate", as the enumerator is spelled.
 std::string_view name(EventType type);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/physics/defs.h"
+#include "filasofia/physics/haptic_target.h"
 
 #include "filasofia/core/attachment_id.h"
 #include "filasofia/core/body_id.h"
@@ -47,6 +48,13 @@ struct SetJoint {
     BodyId id = {};
     int joint = 0; ///< [-], in the order of its Def
     JointCommand command = {};
+};
+/// Where the hand is that holds an element, until told anew: a dynamic body is pulled there by the coupling, another
+/// one goes there as with SetPose. Without any stiffness and damping it lets go.
+struct SetHaptic {
+    BodyId id = {};
+    int element = 0;
+    HapticTarget target = {};
 };
 struct SetGravity {
     Vec3 gravity = {}; ///< [m/s^2]
@@ -135,6 +143,12 @@ constexpr auto fields(const SetJoint*)
                     field("joint", &SetJoint::joint, "-", nonNegative(), "of its joints"),
                     field("command", &SetJoint::command, "where it goes, or what pushes it"));
 }
+constexpr auto fields(const SetHaptic*)
+{
+    return describe("SetHaptic", field("id", &SetHaptic::id, "the rigid body"),
+                    field("element", &SetHaptic::element, "-", nonNegative(), "of its elements"),
+                    field("target", &SetHaptic::target, "the hand that holds it"));
+}
 constexpr auto fields(const SetGravity*)
 {
     return describe("SetGravity", field("gravity", &SetGravity::gravity, "m/s^2", finite(), "acts on every body"));
@@ -182,6 +196,6 @@ constexpr auto fields(const Pause*) { return describe("Pause", field("paused", &
 constexpr auto fields(const Tune*) { return describe("Tune"); } // a function cannot be written down
 
 using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench,
-                             Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune, SetJoint>;
+                             Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune, SetJoint, SetHaptic>;
 
 } // namespace filasofia::physics

@@ -37,6 +37,8 @@ public:
     void setWrench(BodyId rigid, Vec3 force, Vec3 torque, int element = 0);
     /// A joint goes to a position (JointPosition, within its limits), or is pushed (JointForce), until changed.
     void setJoint(BodyId articulated, int joint, const JointCommand& command);
+    /// Gives a rigid element into a hand: see HapticTarget and SetHaptic. Runtime does it for every haptic interface.
+    void setHaptic(BodyId rigid, const HapticTarget& target, int element = 0);
     void setGravity(Vec3 gravity); ///< [m/s^2]
     /// Holds nodes of a soft body, or an element of a rigid one, where they are when it takes effect. Where no node is
     /// in the regions then, nothing is held, and the step has StepFlag::NothingAttached.

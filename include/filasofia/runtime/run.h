@@ -20,10 +20,14 @@ struct RunDef {
     std::string record = {};   ///< a .rec file for `filasofia replay`, of a simulation's first run; empty: none
     bool freeRunning = false;  ///< a live run that does not wait between steps: measures what they cost
     std::string video = {};    ///< an MP4 file, made by the program ffmpeg; empty: none
-    double fps = 30.0;         ///< [1/s], in [1, 240], pictures of the video: simulated time headless, else wall time
-    int seed = 0;              ///< [-], >= 0, for the recording: of what your program draws by chance
-    std::string session = {};  ///< for the recording: what the run is called; any text
-    std::string trainee = {};  ///< for the recording: who is at it; any text
+    std::string device =
+        {}; ///< the first haptic interface's, in place of its own: NAME, or NAME:LIBRARY; empty: its own
+    std::string motion = {};       ///< a motion file that is played in place of that device; empty: none
+    std::string recordMotion = {}; ///< a motion file for what is done with the first haptic interface; empty: none
+    double fps = 30.0;        ///< [1/s], in [1, 240], pictures of the video: simulated time headless, else wall time
+    int seed = 0;             ///< [-], >= 0, for the recording: of what your program draws by chance
+    std::string session = {}; ///< for the recording: what the run is called; any text
+    std::string trainee = {}; ///< for the recording: who is at it; any text
 };
 constexpr auto fields(const RunDef*)
 {
@@ -38,6 +42,9 @@ constexpr auto fields(const RunDef*)
                     field("record", &T::record, "a file from which the run can be made again"),
                     field("freeRunning", &T::freeRunning, "does not wait between steps"),
                     field("video", &T::video, "an MP4 file"),
+                    field("device", &T::device, "the first haptic interface's"),
+                    field("motion", &T::motion, "a motion file played in place of a device"),
+                    field("recordMotion", &T::recordMotion, "a motion file for what is done"),
                     field("fps", &T::fps, "1/s", closed(1, 240), "pictures of the video"),
                     field("seed", &T::seed, "-", nonNegative(), "for the recording: of what is drawn by chance"),
                     field("session", &T::session, "for the recording: what the run is called"),

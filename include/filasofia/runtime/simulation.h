@@ -5,6 +5,7 @@
 #include "filasofia/event/input_events.h"
 #include "filasofia/physics/physics_server.h"
 #include "filasofia/runtime/contact_event.h"
+#include "filasofia/runtime/device_event.h"
 #include "filasofia/runtime/file_failed_event.h"
 #include "filasofia/runtime/follow.h"
 #include "filasofia/runtime/paint.h"
@@ -95,6 +96,14 @@ public:
 
     BodyId add(physics::SoftBodyDef def);
     BodyId add(physics::RigidBodyDef def);
+    /// Gives a rigid element into a hand: before a run. The second takes a driver of the caller's in place of the Def's
+    /// device.
+    HapticId add(const HapticInterfaceDef& def);
+    HapticId add(const HapticInterfaceDef& def, std::unique_ptr<device::HapticDevice> own);
+    /// How a haptic interface is doing now, or did in the last run.
+    [[nodiscard]] HapticState haptic(HapticId id) const;
+    /// Another place and size of its device in the scene; the force begins anew.
+    void placeHaptic(HapticId id, double scale, const Pose& origin);
     /// Draws a body; several times for several surfaces. Without a surface: a soft body's boundary, or every element of
     /// a rigid body as its own mesh (Error where it has none).
     ShownId show(BodyId id, const ShowDef& def = {});

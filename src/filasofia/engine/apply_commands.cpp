@@ -7,6 +7,7 @@
 #include "filasofia/engine/build_body.h"
 #include "filasofia/engine/contact_memory.h"
 #include "filasofia/engine/find_body.h"
+#include "filasofia/engine/hand.h"
 #include "filasofia/engine/loose_pieces.h"
 #include "filasofia/engine/native.h"
 #include "filasofia/engine/remove_piece.h"
@@ -108,6 +109,14 @@ struct Apply {
         RigidState& body = state.rigidBodies[indexOf(model.rigidBodies, set.id)];
         body.joints[static_cast<std::size_t>(set.joint)].command = set.command;
     }
+    void operator()(const physics::SetHaptic& set) const
+    {
+        const std::size_t index = indexOf(model.rigidBodies, set.id);
+        if (model.rigidBodies[index].dynamic)
+            hold({set.element, set.target}, state.rigidBodies[index]);
+        else
+            state.rigidBodies[index].targets[set.element] = set.target.pose;
+    }
     void operator()(const physics::SetGravity& set) const { state.gravity = set.gravity; }
     void operator()(physics::SetMaterial& set) const
     {
@@ -175,6 +184,7 @@ struct Apply {
         for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) {
             RigidState fresh = stateAtStart(model.rigidBodies[b]);
             fresh.wrenches = std::move(state.rigidBodies[b].wrenches);
+            fresh.hands = std::move(state.rigidBodies[b].hands);
             state.rigidBodies[b] = std::move(fresh);
             placeLinks(model, b, state); // bodies that take others along come before them
         }

@@ -3,6 +3,7 @@
 #include "filasofia/engine/build_collision.h"
 #include "filasofia/engine/check_collision.h"
 #include "filasofia/engine/check_size.h"
+#include "filasofia/engine/hand.h"
 
 #include <algorithm>
 #include <cmath>
@@ -180,6 +181,7 @@ void check(const RigidModel& model, const RigidState& state)
         if (!isFinite(state.wrenches[e].force) || !isFinite(state.wrenches[e].torque))
             fail(object, ": wrenches must be finite");
     }
+    checkHands(object, model, state);
 }
 
 } // namespace filasofia::engine

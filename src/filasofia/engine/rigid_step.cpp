@@ -1,5 +1,7 @@
 #include "filasofia/engine/rigid_step.h"
 
+#include "filasofia/engine/hand.h"
+
 namespace filasofia::engine {
 namespace {
 
@@ -21,6 +23,8 @@ void planDynamic(const RigidModel& model, double dt, Vec3 gravity, const RigidSt
                          .linearDamping = model.linearDamping,
                          .angularDamping = model.angularDamping};
     out.change = freeChange(load, pose.orientation, out.velocity, out.angularVelocity, dt);
+    for (const Hand& hand : state.hands)
+        if (static_cast<std::size_t>(hand.element) == e) planHand(hand, model, dt, pose, out);
 }
 
 void planTold(double dt, const RigidState& state, RigidPlanElement& out)

@@ -12,13 +12,15 @@ struct RigidPlanElement {
     std::size_t body = 0; ///< place in the model
     std::size_t element = 0;
     bool dynamic = false;
-    Pose start;            ///< at the start of the step
-    double mass = 0.0;     ///< [kg]
-    Mat3 inertia;          ///< [kg m^2] in world axes, at the start of the step
-    Vec3 centre;           ///< [m] in the world, at the start: of mass; the element's origin where it has none
-    Vec3 velocity;         ///< [m/s] of the centre: at the start; of one that is not dynamic, throughout the step
-    Vec3 angularVelocity;  ///< [rad/s] the same
-    RigidChange change;    ///< the element moves through the step with velocity + change: contacts add theirs here
+    Pose start;               ///< at the start of the step
+    double mass = 0.0;        ///< [kg]
+    Mat3 inertia;             ///< [kg m^2] in world axes, at the start of the step
+    Vec3 centre;              ///< [m] in the world, at the start: of mass; the element's origin where it has none
+    Vec3 velocity;            ///< [m/s] of the centre: at the start; of one that is not dynamic, throughout the step
+    Vec3 angularVelocity;     ///< [rad/s] the same
+    double heldMass = 0.0;    ///< [kg] that a hand's spring and damper add against impulses, as they are implicit
+    double heldInertia = 0.0; ///< [kg m^2] the same about any axis
+    RigidChange change;       ///< the element moves through the step with velocity + change: contacts add theirs here
     int articulation = -1; ///< of a link: its body's place among the articulations (articulation_step.h), which plan it
     std::size_t base = 0;  ///< of a link: the place of its body's first element in the plan
 };

@@ -76,11 +76,13 @@ void makeSoft(const SoftModel& model, double dt, const SoftState& state, SoftSys
     unit.share = unit.plain.get();
 }
 
-/// Damping is implicit: against an impulse it is as if the element were so much heavier.
+/// Damping is implicit, and so is what a hand's coupling does: against an impulse it is as if the element were so much
+/// heavier.
 void makeRigid(const RigidModel& model, double dt, const RigidPlanElement& element, Unit& unit)
 {
-    const double mass = (1.0 + dt * model.linearDamping) * element.mass;
+    const double mass = (1.0 + dt * model.linearDamping) * element.mass + element.heldMass;
     unit.diagonal = {mass * Mat3::identity(), (1.0 + dt * model.angularDamping) * element.inertia};
+    if (element.heldInertia > 0.0) unit.diagonal[1] += element.heldInertia * Mat3::identity();
     unit.rightHandSide = {unit.diagonal[0] * element.change.linear, unit.diagonal[1] * element.change.angular};
     unit.plain = std::make_unique<PlainShare>(
         PlainShareInput{.diagonal = unit.diagonal, .rightHandSide = unit.rightHandSide, .mass = mass, .turning = true});

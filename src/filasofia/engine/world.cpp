@@ -35,6 +35,21 @@ void add(Hasher& hash, const SurfaceName& name)
     hash.add(static_cast<std::uint64_t>(name.model));
 }
 
+void addHands(Hasher& hash, const RigidState& body)
+{
+    addCount(hash, body.hands.size());
+    for (const Hand& hand : body.hands) {
+        hash.add(static_cast<std::uint64_t>(hand.element));
+        add(hash, hand.target.pose);
+        add(hash, hand.target.velocity);
+        add(hash, hand.target.angularVelocity);
+        const auto& c = hand.target.coupling;
+        for (double each :
+             {c.linearStiffness, c.linearDamping, c.angularStiffness, c.angularDamping, c.forceLimit, c.torqueLimit})
+            hash.add(each);
+    }
+}
+
 void addContacts(Hasher& hash, const State& state)
 {
     addCount(hash, state.contacts.size());
@@ -233,6 +248,7 @@ std::uint64_t World::hash() const
             add(hash, wrench.force);
             add(hash, wrench.torque);
         }
+        addHands(hash, body);
     }
     addContacts(hash, state_);
     addAttachments(hash, state_);

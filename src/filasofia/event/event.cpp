@@ -31,6 +31,10 @@ std::string_view name(EventType type)
         return "Tear";
     case EventType::FileFailed:
         return "FileFailed";
+    case EventType::Device:
+        return "Device";
+    case EventType::Controller:
+        return "Controller";
     case EventType::Custom1:
         return "Custom1";
     case EventType::Custom2:

@@ -91,6 +91,7 @@ struct PhysicsServer::Impl {
     {
         registry.check(command);
         if (auto* set = std::get_if<SetPose>(&command)) set->pose = unitPose(set->pose, "pose");
+        if (auto* set = std::get_if<SetHaptic>(&command)) set->target.pose = unitPose(set->target.pose, "target.pose");
         registry.note(command);
         inbox.push(std::move(command));
     }
@@ -191,6 +192,10 @@ void PhysicsServer::setWrench(BodyId id, Vec3 force, Vec3 torque, int element)
 void PhysicsServer::setJoint(BodyId id, int joint, const JointCommand& command)
 {
     impl_->post(SetJoint{id, joint, command});
+}
+void PhysicsServer::setHaptic(BodyId id, const HapticTarget& target, int element)
+{
+    impl_->post(SetHaptic{id, element, target});
 }
 AttachmentId PhysicsServer::attach(BodyId soft, AttachmentDef def)
 {

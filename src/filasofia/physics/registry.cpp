@@ -49,6 +49,24 @@ struct Registry::Check {
         checkElement(set.element, static_cast<std::size_t>(body.nodeCount), object + ": element");
         validate(set, object);
     }
+    void operator()(const SetHaptic& set) const
+    {
+        const Body& body = find<RigidBodyDef>(set.id, "a hand can hold a rigid body only");
+        const std::string object = describeBody(*body.def);
+        checkElement(set.element, static_cast<std::size_t>(body.nodeCount), object + ": element");
+        validate(set, object);
+        if (const auto& def = std::get<RigidBodyDef>(*body.def); !def.articulation.joints.empty()) {
+            if (def.dynamic)
+                fail(object, ": a hand cannot hold a body with joints that forces move: attach its base to a body that "
+                             "it holds");
+            if (set.element != 0)
+                fail(object, ": a hand can hold the base of a body with joints only, element 0, got ", set.element);
+        }
+        static_cast<void>(unitPose(set.target.pose, object + ": target.pose"));
+        for (const Vec3 v : {set.target.velocity, set.target.angularVelocity})
+            if (!(length(v) < kFarthest))
+                fail(object, ": target: velocities must be < ", kFarthest, " m/s and rad/s, got ", length(v));
+    }
     void operator()(const SetGravity& set) const
     {
         const Vec3 g = set.gravity;

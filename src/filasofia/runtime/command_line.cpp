@@ -55,6 +55,10 @@ int Simulation::run(int argc, const char* const* argv)
     addOption(app, "--seed", &RunDef::seed, def, "told by the recording: of what is drawn by chance");
     addOption(app, "--session", &RunDef::session, def, "told by the recording: what the run is called");
     addOption(app, "--trainee", &RunDef::trainee, def, "told by the recording: who is at it");
+    addOption(app, "--device", &RunDef::device, def,
+              "hold the first haptic interface by NAME or NAME:LIBRARY, a driver and its vendor's library");
+    addOption(app, "--motion", &RunDef::motion, def, "play this motion file in place of a device");
+    addOption(app, "--record-motion", &RunDef::recordMotion, def, "write what the hand does to this motion file");
     try {
         app.parse(argc, argv);
         if (app.count("--fps") > 0 && def.video.empty()) fail("run: --fps needs --video FILE.mp4");

@@ -100,6 +100,7 @@ RunReport runHeadless(Simulation::Impl& parts, const RunDef& def)
         const std::uint32_t flags = parts.afterStep(step);
         parts.events.deliverAll(); // before the next step begins: observers' commands come at the same step every time
         files.keepUp();
+        parts.haptics.drain();
         pictures.afterStep(step.time);
         if (StopSignal::received()) parts.finish("interrupted");
         return flags;

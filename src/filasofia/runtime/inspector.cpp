@@ -10,7 +10,7 @@
 namespace filasofia::runtime {
 
 Inspector::Inspector(Simulation::Impl& parts, visual::VisualServer& visual)
-    : parts_(parts), visual_(visual), rates_(parts), bodies_(parts), scene_(parts)
+    : parts_(parts), visual_(visual), rates_(parts), bodies_(parts), hands_(parts), scene_(parts)
 {
 }
 
@@ -75,6 +75,7 @@ void Inspector::drawPanel()
         drawRun();
         if (ImGui::CollapsingHeader("Rates", ImGuiTreeNodeFlags_DefaultOpen)) rates_.draw();
         if (ImGui::CollapsingHeader("Show", ImGuiTreeNodeFlags_DefaultOpen)) drawShow();
+        if (hands_.any() && ImGui::CollapsingHeader("Hands", ImGuiTreeNodeFlags_DefaultOpen)) hands_.draw();
         if (ImGui::CollapsingHeader("Bodies", ImGuiTreeNodeFlags_DefaultOpen)) bodies_.draw();
         ImGui::PopItemWidth();
     }

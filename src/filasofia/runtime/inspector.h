@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/runtime/inspector_bodies.h"
+#include "filasofia/runtime/inspector_hands.h"
 #include "filasofia/runtime/inspector_rates.h"
 #include "filasofia/runtime/inspector_scene.h"
 
@@ -50,6 +51,7 @@ private:
     visual::Gui* gui_ = nullptr; ///< made when it is first opened
     InspectorRates rates_;
     InspectorBodies bodies_;
+    InspectorHands hands_;
     InspectorScene scene_;
     bool open_ = false;
     bool screenshotAsked_ = false;

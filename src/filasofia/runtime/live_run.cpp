@@ -139,7 +139,7 @@ private:
     {
         // What is for a Gui is for nobody else; observers hear of all else, also of what keys and camera act on.
         if (inspector_->handle(*event) || visual_->handle(*event)) return;
-        if (!act(*event)) steer(*event);
+        if (!parts_.haptics.handle(*event) && !act(*event)) steer(*event);
         post(std::move(event));
     }
 
@@ -207,6 +207,7 @@ void loop(Simulation::Impl& parts, const RunDef& def, Screen& screen)
     for (Nanoseconds next = start; !parts.stop.load();) {
         screen.input();
         screen.draw(toSeconds(parts.clock.now() - start));
+        parts.haptics.drain();
         if (StopSignal::received()) parts.finish("interrupted");
         if (def.seconds > 0.0 && parts.clock.now() >= end) parts.finish(text("ran ", def.seconds, " s"));
         next = std::max(next + period, parts.clock.now());

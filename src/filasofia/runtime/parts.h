@@ -3,6 +3,7 @@
 #include "filasofia/runtime/bindings.h"
 #include "filasofia/runtime/clock.h"
 #include "filasofia/runtime/contact_watch.h"
+#include "filasofia/runtime/haptics.h"
 #include "filasofia/runtime/scene_journal.h"
 #include "filasofia/runtime/simulation.h"
 #include "filasofia/runtime/step_feed.h"
@@ -32,6 +33,7 @@ struct Simulation::Impl {
     std::optional<Steering> steering;                   ///< the main thread's in a run
     std::vector<std::function<void(double)>> everyStep; ///< an empty one threw; the stepping thread's in a run
     ContactWatch contacts;                              ///< the stepping thread's in a run
+    Haptics haptics;                                    ///< after physics and events, which its threads talk to
 
     StepFeed feed;        ///< to the inspector
     SceneJournal journal; ///< for the recording of the first run

@@ -51,6 +51,7 @@ void check(const RunDef& def)
     checkFile("run", def.log, "log", ".csv");
     checkFile("run", def.record, "record", ".rec");
     checkFile("run", def.video, "video", ".mp4");
+    checkFile("run", def.recordMotion, "recordMotion", ".csv");
     if (def.pictureEvery > 0.0 && def.pictureEvery < 1e-3)
         fail("run: pictureEvery must be 0 or >= 0.001 s, got ", def.pictureEvery);
     if (def.pictureEvery > 0.0 && def.picture.empty()) fail("run: pictureEvery needs picture");
@@ -136,6 +137,7 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     notConverged += report.has(physics::StepFlag::NotConverged);
     outOfTime += report.has(physics::StepFlag::OutOfTime);
     feed.write(report);
+    haptics.afterStep(report, physics);
     // First: who hears of the step has heard of what happened in it.
     const std::uint32_t flags = tellContacts(report) | tellRuptures(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
@@ -151,8 +153,9 @@ void Simulation::Impl::beforeStep(double dt)
         physics.pause(false);
         stepping = true;
     }
-    if (everyStep.empty() || (stands && !stepping)) return;
+    if (stands && !stepping) return;
     const double end = time.load(std::memory_order_relaxed) + dt;
+    haptics.beforeStep(dt, end, physics);
     for (auto& callback : everyStep) {
         if (!callback) continue;
         try {
@@ -308,6 +311,13 @@ Simulation::~Simulation() = default;
 
 BodyId Simulation::add(physics::SoftBodyDef def) { return impl_->physics.add(std::move(def)); }
 BodyId Simulation::add(physics::RigidBodyDef def) { return impl_->physics.add(std::move(def)); }
+HapticId Simulation::add(const HapticInterfaceDef& def) { return add(def, nullptr); }
+HapticId Simulation::add(const HapticInterfaceDef& def, std::unique_ptr<device::HapticDevice> own)
+{
+    return impl_->haptics.add(def, std::move(own), impl_->physics);
+}
+HapticState Simulation::haptic(HapticId id) const { return impl_->haptics.state(id); }
+void Simulation::placeHaptic(HapticId id, double scale, const Pose& origin) { impl_->haptics.place(id, scale, origin); }
 ShownId Simulation::show(BodyId id, const ShowDef& def)
 {
     const std::string object = text("show ", physics::describeBody(*impl_->physics.def(id)));
@@ -395,12 +405,18 @@ RunReport Simulation::run(const RunDef& def)
     try {
         if (impl_->everMade > 0 && !def.record.empty())
             fail("run: record is for a simulation's first run, and this one has made ", impl_->everMade, " steps");
+        impl_->haptics.begin(def, impl_->def.physics, impl_->clock, [this](std::unique_ptr<DeviceEvent> event) {
+            impl_->stamp(*event);
+            static_cast<void>(impl_->events.tryPost(std::move(event))); // full: the log has it
+        });
         RunReport report = def.headless ? runHeadless(*impl_, def) : runLive(*impl_, def);
+        impl_->haptics.end();
         impl_->fill(report);
         impl_->readyAgain();
         warn(report);
         return report;
     } catch (...) {
+        impl_->haptics.abandon();
         impl_->readyAgain();
         throw;
     }

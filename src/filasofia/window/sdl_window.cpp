@@ -3,6 +3,7 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/window/sdl_controllers.h"
 #include "filasofia/window/sdl_events.h"
 
 #include <SDL_syswm.h>
@@ -17,6 +18,7 @@ namespace {
 
 // SDL has one queue of events for all windows; each finds its own here. One thread (see SdlVideo).
 std::vector<SdlWindow*> openWindows;
+std::unique_ptr<SdlControllers> controllers; // while there is a window
 
 } // namespace
 
@@ -29,11 +31,13 @@ SdlWindow::SdlWindow(const WindowDef& def)
                                def.height, flags);
     if (!window_) fail("SDL cannot make it: ", std::string_view(SDL_GetError()));
     openWindows.push_back(this);
+    if (!controllers) controllers = std::make_unique<SdlControllers>();
 }
 
 SdlWindow::~SdlWindow()
 {
     std::erase(openWindows, this);
+    if (openWindows.empty()) controllers.reset();
     SDL_DestroyWindow(window_);
 }
 
@@ -78,6 +82,12 @@ void SdlWindow::pump()
 {
     SDL_Event event;
     while (SDL_PollEvent(&event)) {
+        if (auto done = controllers->take(event); done && !openWindows.empty()) {
+            const auto focused = std::ranges::find_if(openWindows, [](const SdlWindow* window) {
+                return (SDL_GetWindowFlags(window->window_) & SDL_WINDOW_INPUT_FOCUS) != 0;
+            });
+            (focused == openWindows.end() ? openWindows.front() : *focused)->waiting_.push_back(std::move(done));
+        }
         const Uint32 id = windowOf(event);
         for (SdlWindow* window : openWindows)
             if (id == 0 || id == SDL_GetWindowID(window->window_)) window->take(event);

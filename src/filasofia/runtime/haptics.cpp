@@ -1,0 +1,403 @@
+#include "filasofia/runtime/haptics.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/core/word.h"
+#include "filasofia/physics/physics_server.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace filasofia::runtime {
+namespace {
+
+using device::DeviceNotice;
+using device::HapticServo;
+using device::Nanoseconds;
+
+constexpr std::size_t kTape = 1 << 16; // a minute at 1 kHz, while the main thread is away
+
+/// "NAME" or "NAME:LIBRARY".
+std::unique_ptr<device::HapticDevice> deviceOf(const std::string& word)
+{
+    const auto colon = word.find(':');
+    const device::DeviceDef def = device::deviceNamed(word.substr(0, colon));
+    if (std::holds_alternative<device::ScriptedDevice>(def)) fail("run: device scripted is asked for by its motion");
+    return device::makeDevice(def, colon == std::string::npos ? "" : word.substr(colon + 1));
+}
+
+int ticksIn(double dt, double rate) { return std::max(1, static_cast<int>(std::lround(dt * rate))); }
+Nanoseconds nanoseconds(double seconds) { return std::llround(1e9 * seconds); }
+
+/// Of a product of unit quaternions, which may be longer than one by a rounding: a step takes no component beyond it.
+Pose unitPose(Pose pose)
+{
+    Quat& q = pose.orientation = normalized(pose.orientation);
+    for (double* each : {&q.w, &q.x, &q.y, &q.z}) *each = std::clamp(*each, -1.0, 1.0);
+    return pose;
+}
+
+void logNotice(const std::string& who, const DeviceNotice& notice, bool wasWrong)
+{
+    if (notice.kind == DeviceNotice::Kind::Lost || notice.kind == DeviceNotice::Kind::Error)
+        logWarning(who, ": ", notice.problem, "; it gets no force until it is right again");
+    else if (notice.kind == DeviceNotice::Kind::Connected && wasWrong)
+        logInfo(who, ": it is right again");
+}
+
+} // namespace
+
+struct Haptics::Interface {
+    HapticId id;
+    HapticInterfaceDef def;
+    bool dynamic = false;
+    Vec3 centre;                                  ///< [m] of mass, in the element's coordinates
+    std::unique_ptr<device::HapticDevice> device; ///< the Def's, or the caller's
+    std::unique_ptr<device::HapticDevice> other;  ///< the run's
+    std::unique_ptr<HapticServo> servo;           ///< stays after a run, for who asks how it went
+
+    // The stepping thread's in a run.
+    bool placed = false;
+    bool refused = false;     ///< a sample was, and the log told
+    bool holding = false;     ///< the last step was told where the hand is
+    std::uint64_t states = 0; ///< of the body, told to the servo
+    Nanoseconds seen = 0;     ///< when the hand was where the last step took it to be: that is the state's time
+    physics::HapticTarget target = {}; ///< of the last step
+    device::Latest<CouplingForce> onBody;
+    // Where the device is in the scene: under the mutex.
+    double scale = 1.0;
+    Pose origin;
+    Quat grip;
+    // And what the stepping thread is told of it.
+    device::Latest<HandCoupling> coupling;
+    std::atomic<bool> aligns = false;       ///< it has no origin of its own
+    std::atomic<std::uint64_t> placing = 0; ///< snapshots of an earlier one are of another place
+
+    void tellPlace() // under the mutex
+    {
+        coupling.write(device::sceneCoupling(servoDef(def.rate, 1e-3)));
+        if (servo) placing.store(servo->place(scale, origin, grip));
+    }
+    [[nodiscard]] std::string who() const
+    {
+        return text("haptic interface '", def.name, "': device ", (other ? other : device)->name());
+    }
+    /// The device, where a person's input moves it.
+    [[nodiscard]] device::PersonDevice* person() const
+    {
+        return dynamic_cast<device::PersonDevice*>((other ? other : device).get());
+    }
+    [[nodiscard]] device::ServoDef servoDef(double rate, double stepPeriod) const
+    {
+        return {.rate = rate,
+                .scale = scale,
+                .origin = origin,
+                .grip = grip,
+                .coupling = def.coupling,
+                .forceScale = dynamic ? def.forceScale : 0.0,
+                .forceLimit = def.forceLimit,
+                .torqueLimit = def.torqueLimit,
+                .rampIn = def.rampIn,
+                .energyLimit = def.energyLimit,
+                .stepPeriod = stepPeriod};
+    }
+};
+
+Haptics::Haptics() = default;
+Haptics::~Haptics() = default;
+
+HapticId Haptics::add(const HapticInterfaceDef& def, std::unique_ptr<device::HapticDevice> own,
+                      const physics::PhysicsServer& physics)
+{
+    const std::string object = text("haptic interface '", def.name, "'");
+    validate(def, object);
+    if (def.origin) static_cast<void>(physics::unitPose(*def.origin, object + ": origin"));
+    const auto body = physics.def(def.body);
+    const auto* rigid = std::get_if<physics::RigidBodyDef>(body.get());
+    if (!rigid) fail(object, ": body must be a rigid one, got '", std::get<physics::SoftBodyDef>(*body).name, "'");
+    if (def.element >= static_cast<int>(rigid->elements.size()))
+        fail(object, ": element must be in [0, ", rigid->elements.size(), "), got ", def.element);
+
+    const std::lock_guard lock(mutex_);
+    if (running_) fail(object, ": to be added before a run, and one is going on");
+    for (const auto& other : interfaces_)
+        if (other->def.body == def.body)
+            fail(object, ": body '", rigid->name, "' is controlled by '", other->def.name, "' already");
+    auto made = std::make_unique<Interface>();
+    made->device = own ? std::move(own) : device::makeDevice(def.device);
+    made->id = {static_cast<std::uint32_t>(interfaces_.size()) + 1};
+    made->def = def;
+    made->dynamic = rigid->dynamic;
+    if (rigid->dynamic) made->centre = physics::inertiaOf(*rigid).centre;
+    made->scale = def.scale;
+    made->origin = def.origin.value_or(Pose{});
+    made->origin.orientation = normalized(made->origin.orientation);
+    made->placed = def.origin.has_value();
+    static_cast<void>(device::ServoLoop(made->servoDef(def.rate, 1e-3)));
+    interfaces_.push_back(std::move(made));
+    return interfaces_.back()->id;
+}
+
+Haptics::Interface& Haptics::find(HapticId id) const
+{
+    if (id.value == 0 || id.value > interfaces_.size()) fail("haptic interface ", id.value, ": there is none");
+    return *interfaces_[id.value - 1];
+}
+
+std::vector<HapticId> Haptics::ids() const
+{
+    const std::lock_guard lock(mutex_);
+    std::vector<HapticId> all;
+    for (const auto& each : interfaces_) all.push_back(each->id);
+    return all;
+}
+
+HapticInterfaceDef Haptics::def(HapticId id) const
+{
+    const std::lock_guard lock(mutex_);
+    const Interface& each = find(id);
+    HapticInterfaceDef now = each.def;
+    now.scale = each.scale;
+    now.origin = each.origin;
+    return now;
+}
+
+Moving Haptics::deviceHand(HapticId id) const
+{
+    const std::lock_guard lock(mutex_);
+    device::ServoSnapshot seen;
+    const Interface& each = find(id);
+    return each.servo && each.servo->latest(seen) ? seen.sample.hand : Moving{};
+}
+
+HapticState Haptics::state(HapticId id) const
+{
+    const std::lock_guard lock(mutex_);
+    const Interface& each = find(id);
+    HapticState out;
+    static_cast<void>(each.onBody.read(out.onBody));
+    if (!each.servo) return out;
+    out.servo = each.servo->statistics();
+    device::ServoSnapshot seen;
+    if (!each.servo->latest(seen)) return out;
+    const Quat turn = each.origin.orientation;
+    out.state = seen.tick.state;
+    out.hand = seen.tick.hand;
+    out.buttons = seen.sample.buttons;
+    out.onHand = {rotate(turn, seen.tick.onHand.force), rotate(turn, seen.tick.onHand.torque)};
+    return out;
+}
+
+void Haptics::place(HapticId id, double scale, const Pose& origin)
+{
+    const std::lock_guard lock(mutex_);
+    Interface& each = find(id);
+    HapticInterfaceDef def = each.def;
+    def.scale = scale;
+    def.origin = physics::unitPose(origin, text("haptic interface '", def.name, "': origin"));
+    validate(def, text("haptic interface '", def.name, "'"));
+    each.scale = scale;
+    each.origin = *def.origin;
+    each.aligns.store(false); // somebody knows better
+    each.tellPlace();
+}
+
+void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& clock, Post post)
+{
+    const std::lock_guard lock(mutex_);
+    for (const auto& [field, value] :
+         {std::pair{"device", &run.device}, {"motion", &run.motion}, {"recordMotion", &run.recordMotion}})
+        if (!value->empty() && interfaces_.empty())
+            fail("run: ", field, " needs a haptic interface, and there is none");
+    if (!run.device.empty() && !run.motion.empty()) fail("run: device and motion: only one of the two can be given");
+    const double stepPeriod = 1.0 / physics.rate;
+    live_ = !run.headless;
+    clock_ = clock;
+    device::ServoClock servoClock{clock.now, clock.sleepUntil};
+    if (!live_) {
+        simulated_.store(0);
+        servoClock.now = [this] { return simulated_.load(std::memory_order_relaxed); };
+    }
+    std::unique_ptr<device::HapticDevice> asked;
+    if (!run.device.empty()) asked = deviceOf(run.device);
+    if (!run.motion.empty()) asked = device::makeDevice(device::ScriptedDevice{.motion = run.motion});
+    if (!run.recordMotion.empty()) {
+        motion_.emplace(run.recordMotion);
+        tape_ = std::make_unique<SpscRing<device::MotionSample>>(kTape);
+    }
+    for (auto& held : interfaces_) {
+        Interface& each = *held;
+        each.servo.reset();
+        each.other = std::exchange(asked, nullptr); // the first one's
+        each.placed = each.def.origin.has_value();
+        each.aligns.store(!each.placed);
+        each.holding = false;
+        // Headless so many whole ticks to a step that the last is at its end.
+        const double rate = live_ ? each.def.rate : std::min(ticksIn(stepPeriod, each.def.rate) / stepPeriod, 10000.0);
+        const auto notice = [&each, post, wrong = false](const DeviceNotice& what) mutable {
+            logNotice(each.who(), what, wrong);
+            if (what.kind != DeviceNotice::Kind::Button) wrong = what.kind != DeviceNotice::Kind::Connected;
+            auto event = std::make_unique<DeviceEvent>();
+            event->interface = each.id;
+            event->notice = what;
+            post(std::move(event));
+        };
+        each.servo = std::make_unique<HapticServo>(each.other ? *each.other : *each.device,
+                                                   each.servoDef(rate, stepPeriod), servoClock, notice);
+        each.placing.store(0);
+        each.coupling.write(device::sceneCoupling(each.servoDef(rate, stepPeriod)));
+        if (tape_ && each.id.value == 1) each.servo->record(tape_.get());
+    }
+    running_ = true;
+    for (auto& each : interfaces_)
+        if (live_)
+            each->servo->start(physics.realTime);
+        else
+            each->servo->open();
+}
+
+void Haptics::tickThrough(Interface& each, double dt, double end)
+{
+    const int count = ticksIn(dt, each.def.rate);
+    for (int k = 1; k <= count; ++k) {
+        const double time = k == count ? end : end - dt + k * dt / count;
+        simulated_.store(nanoseconds(time), std::memory_order_relaxed);
+        each.servo->tick(time);
+    }
+}
+
+// The body stays as it is, and the hand takes it where it is: whatever the device's place and orientation at first.
+void Haptics::align(Interface& each, const device::ServoSnapshot& seen, physics::PhysicsServer& physics)
+{
+    const frame::FrameRef frame = physics.latest();
+    if (!frame) return;
+    const frame::RigidBodyFrame* body = frame->rigidBody(each.def.body);
+    if (!body) return;
+    const Pose& pose = body->poses[static_cast<std::size_t>(each.def.element)];
+    const Pose& hand = seen.sample.hand.pose;
+    const std::lock_guard lock(mutex_);
+    each.origin = {pose.position - each.scale * hand.position, {}};
+    each.grip = conjugate(hand.orientation) * pose.orientation;
+    each.tellPlace();
+    each.placed = true;
+}
+
+void Haptics::beforeStep(double dt, double end, physics::PhysicsServer& physics)
+{
+    if (interfaces_.empty()) return;
+    wake_ = live_ ? clock_.now() : nanoseconds(end);
+    for (auto& held : interfaces_) {
+        Interface& each = *held;
+        if (!live_) tickThrough(each, dt, end);
+        if (!physics.has(each.def.body)) continue;
+        device::ServoSnapshot seen;
+        const bool heard = each.servo->latest(seen) && isGood(seen.tick.state) && seen.placing >= each.placing.load() &&
+                           wake_ - seen.time <= static_cast<Nanoseconds>(1e9 * device::watchdogOf(1e-3));
+        if (heard && !each.placed) {
+            align(each, seen, physics);
+            continue; // the servo knows of it from its next tick on
+        }
+        // One that comes again may lie elsewhere: the body is not to jump there.
+        if (seen.tick.state == device::ServoState::Lost && each.aligns.load()) each.placed = false;
+        if (!heard && !std::exchange(each.holding, false)) continue;
+        each.seen = heard ? seen.time : wake_;
+        if (heard) {
+            each.target = {unitPose(seen.tick.hand.pose), seen.tick.hand.velocity, seen.tick.hand.angularVelocity};
+            each.holding = true;
+        } else { // it stays where the hand was last
+            each.target.velocity = each.target.angularVelocity = {};
+        }
+        static_cast<void>(each.coupling.read(each.target.coupling));
+        try {
+            physics.setHaptic(each.def.body, each.target, each.def.element);
+        } catch (const Error& problem) { // it was removed meanwhile; else the hand is at the end of the world
+            each.holding = false;
+            if (physics.has(each.def.body) && !std::exchange(each.refused, true))
+                logWarning(each.who(), ": a step cannot take it: ", problem.what());
+        }
+    }
+}
+
+void Haptics::afterStep(const physics::StepReport& report, physics::PhysicsServer& physics)
+{
+    if (interfaces_.empty() || report.dt == 0.0) return; // paused: the servos hear nothing, and let go
+    const frame::FrameRef frame = physics.latest();
+    if (!frame || frame->step != report.step) return;
+    for (auto& held : interfaces_) {
+        Interface& each = *held;
+        const frame::RigidBodyFrame* body = frame->rigidBody(each.def.body);
+        if (!body || !each.placed) continue;
+        const auto e = static_cast<std::size_t>(each.def.element);
+        const Vec3 arm = rotate(body->poses[e].orientation, each.centre);
+        const Vec3 turning = body->angularVelocities[e];
+        const Moving now{body->poses[e], body->velocities[e] - cross(turning, arm), turning};
+        each.servo->setBody({++each.states, each.seen, now, each.centre});
+        const physics::HapticTarget& t = each.target;
+        if (each.dynamic && each.states > 1)
+            each.onBody.write(couplingForce(t.coupling, atPoint({t.pose, t.velocity, t.angularVelocity}, each.centre),
+                                            atPoint(now, each.centre)));
+    }
+}
+
+void Haptics::drain()
+{
+    if (!motion_) return;
+    for (; const device::MotionSample* sample = tape_->beginRead(); tape_->release()) motion_->write(*sample);
+}
+
+void Haptics::end()
+{
+    {
+        const std::lock_guard lock(mutex_);
+        running_ = false;
+        for (auto& each : interfaces_)
+            if (each->servo) {
+                each->servo->stop();
+                each->servo->close();
+            }
+    }
+    drain();
+    if (!motion_) return;
+    device::MotionWriter writer = std::move(*motion_);
+    motion_.reset();
+    writer.close();
+}
+
+void Haptics::abandon() noexcept
+{
+    try {
+        end();
+    } catch (const std::exception&) { // what went wrong before is what is told
+        motion_.reset();
+    }
+}
+
+bool Haptics::handleController(const event::ControllerEvent& event)
+{
+    const char* kind = event.kind == event::ControllerEvent::Kind::Gamepad ? "gamepad" : "spacemouse";
+    const auto vector = [](const std::array<double, 3>& v) { return Vec3{v[0], v[1], v[2]}; };
+    bool any = false;
+    for (const auto& each : interfaces_) {
+        auto* person = each->person();
+        if (!person || person->name() != kind) continue;
+        person->feed({.push = vector(event.push), .twist = vector(event.twist), .buttons = event.buttons});
+        any = true;
+    }
+    return any;
+}
+
+bool Haptics::handle(const event::Event& event)
+{
+    if (const auto* controller = dynamic_cast<const event::ControllerEvent*>(&event))
+        return handleController(*controller);
+    const auto isMouse = [](const auto& each) { return each->person() && each->person()->name() == "mouse"; };
+    if (std::ranges::none_of(interfaces_, isMouse)) return false;
+    const std::optional<device::PersonInput> input = person_.read(event);
+    if (!input) return false;
+    for (const auto& each : interfaces_)
+        if (isMouse(each)) each->person()->feed(*input);
+    return dynamic_cast<const event::WindowEvent*>(&event) == nullptr; // that one is for everybody
+}
+
+} // namespace filasofia::runtime

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "filasofia/device/devices.h"
+#include "filasofia/event/input_events.h"
+
+#include <set>
+
+namespace filasofia::runtime {
+
+/// Turns what a person does in the window into the input of devices that have no driver of their own. The mouse moves
+/// the hand while its right button is held, the wheel then towards the screen and back; the arrow keys, Page Up and
+/// Page Down move it too.
+class PersonInputReader {
+public:
+    /// Nothing where the event is for somebody else.
+    std::optional<device::PersonInput> read(const event::Event& event);
+
+private:
+    std::optional<device::PersonInput> readKey(const event::KeyEvent& key);
+
+    bool held_ = false; ///< the right button
+    std::uint32_t buttons_ = 0;
+    std::set<event::KeyCode> keys_; ///< held
+};
+
+} // namespace filasofia::runtime

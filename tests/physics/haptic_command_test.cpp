@@ -1,0 +1,54 @@
+#include "physics/fake_engine.h"
+
+#include <limits>
+
+using namespace filasofia;
+using namespace filasofia::physics;
+
+TEST_CASE(
+    "a hand arrives as it was given, its orientation of unit length; one that cannot be is an error at the caller")
+{
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    Told told;
+    PhysicsServer server = fakeServer(told);
+    const BodyId tool = server.add(RigidBodyDef{.name = "tool", .elements = {Pose{}, Pose{}}}),
+                 soft = server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()});
+    const HapticTarget good{.pose = {{1, 2, 3}, {0.5, 0, 0, 0}}, .velocity = {4, 5, 6}};
+    server.setHaptic(tool, good, 1);
+    server.step(0.1);
+    const SetHaptic& arrived = command<SetHaptic>(told, 3);
+    CHECK((arrived.id == tool && arrived.element == 1));
+    CHECK(arrived.target.pose == Pose{{1, 2, 3}, {}});
+    CHECK(arrived.target.velocity == Vec3{4, 5, 6});
+
+    const auto with = [&](auto&& change) {
+        HapticTarget bad = good;
+        change(bad);
+        return [&server, tool, bad] { server.setHaptic(tool, bad); };
+    };
+    checkError([&] { server.setHaptic(soft, good); }, {"soft body 'liver'", "a hand can hold a rigid body only"});
+    checkError([&] { server.setHaptic(BodyId{99}, good); }, {"body 99", "no such body"});
+    checkError([&] { server.setHaptic(tool, good, 2); }, {"rigid body 'tool'", "element", "[0, 2)", "got 2"});
+    checkError(with([](HapticTarget& t) { t.pose.position.x = nan; }), {"tool", "target.pose.position.x", "got nan"});
+    checkError(with([](HapticTarget& t) {
+                   t.pose.orientation = {0, 0, 0, 0};
+               }),
+               {"tool", "target.pose", "orientation"});
+    checkError(with([](HapticTarget& t) { t.velocity.y = nan; }), {"tool", "target.velocity.y", "got nan"});
+    checkError(with([](HapticTarget& t) { t.angularVelocity.y = 1e9; }),
+               {"tool", "target", "velocities must be < 10000"});
+    checkError(with([](HapticTarget& t) { t.coupling.linearStiffness = -1; }), {"linearStiffness", "must be >= 0 N/m"});
+    checkError(with([](HapticTarget& t) { t.coupling.forceLimit = 0; }), {"forceLimit", "must be > 0 N", "got 0"});
+    RigidBodyDef forceps{.name = "forceps", .articulation = {.joints = {{.lower = -1, .upper = 1}}}};
+    const BodyId told1 = server.add(forceps);
+    forceps.dynamic = true;
+    forceps.mass = GivenInertia{.mass = 0.1};
+    const BodyId free = server.add(forceps);
+    checkError([&] { server.setHaptic(told1, good, 1); }, {"forceps", "the base of a body with joints only", "got 1"});
+    checkError([&] { server.setHaptic(free, good); },
+               {"forceps", "a hand cannot hold a body with joints that forces move"});
+    server.step(0.1);
+    told.commands.clear();
+    server.step(0.1);
+    CHECK(told.commands.empty());
+}

@@ -1,0 +1,58 @@
+#include "filasofia/runtime/person_input.h"
+
+using namespace filasofia;
+using namespace filasofia::event;
+using filasofia::runtime::PersonInputReader;
+
+namespace {
+
+template <class E> E with(auto&& change)
+{
+    E event;
+    change(event);
+    return event;
+}
+
+KeyEvent key(KeyCode code, bool pressed)
+{
+    return with<KeyEvent>([&](KeyEvent& e) { e.key = code, e.pressed = pressed; });
+}
+MouseButtonEvent button(MouseButton which, bool pressed)
+{
+    return with<MouseButtonEvent>([&](MouseButtonEvent& e) { e.button = which, e.pressed = pressed; });
+}
+
+} // namespace
+
+TEST_CASE("the mouse moves the hand while its right button is held, and only then")
+{
+    PersonInputReader reader;
+    const auto move = with<MouseMoveEvent>([](MouseMoveEvent& e) { e.dx = 3, e.dy = 4; });
+    const auto wheel = with<MouseWheelEvent>([](MouseWheelEvent& e) { e.dy = 2; });
+    CHECK_FALSE(reader.read(move));
+    CHECK_FALSE(reader.read(wheel)); // the camera's
+    CHECK_FALSE(reader.read(button(MouseButton::Left, true)));
+    CHECK(reader.read(button(MouseButton::Right, true)));
+    CHECK(reader.read(move)->moved == Vec3{3, -4, 0});
+    CHECK(reader.read(wheel)->moved == Vec3{0, 0, -20}); // away from the person
+    CHECK(reader.read(button(MouseButton::Left, true))->buttons == 1u);
+    CHECK(reader.read(button(MouseButton::Left, false))->buttons == 0u);
+    CHECK_FALSE(reader.read(button(MouseButton::Middle, true)));
+    CHECK(reader.read(button(MouseButton::Right, false)));
+    CHECK_FALSE(reader.read(move));
+}
+
+TEST_CASE("keys push as long as they are held, and a window that is left lets go")
+{
+    PersonInputReader reader;
+    CHECK(reader.read(key(KeyCode::Left, true))->push == Vec3{-1, 0, 0});
+    CHECK(reader.read(key(KeyCode::PageUp, true))->push == Vec3{-1, 0, -1});
+    CHECK(reader.read(key(KeyCode::Left, false))->push == Vec3{0, 0, -1});
+    CHECK_FALSE(reader.read(key(KeyCode::Space, true)));
+    auto withControl = key(KeyCode::Right, true);
+    withControl.modifiers.control = true;
+    CHECK_FALSE(reader.read(withControl));
+    const auto left = with<WindowEvent>([](WindowEvent& e) { e.kind = WindowEvent::Kind::FocusLost; });
+    CHECK(reader.read(left)->push == Vec3{});
+    CHECK_FALSE(reader.read(left));
+}
