@@ -3,6 +3,7 @@
 #include "filasofia/math/vec3.h"
 
 #include <limits>
+#include <span>
 
 namespace filasofia::geometry {
 
@@ -21,6 +22,14 @@ constexpr bool isEmpty(const Box& a) { return !(a.low.x <= a.high.x && a.low.y <
 /// The smallest box around both.
 constexpr Box merged(const Box& a, const Box& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
 constexpr Box merged(const Box& a, Vec3 p) { return {min(a.low, p), max(a.high, p)}; }
+
+/// The smallest box around all points; empty where there are none.
+constexpr Box boxAround(std::span<const Vec3> points)
+{
+    Box box;
+    for (const Vec3& point : points) box = merged(box, point);
+    return box;
+}
 
 /// The box with `margin` [m] added on every side.
 constexpr Box grown(const Box& a, double margin)

@@ -1,7 +1,8 @@
 #include "filasofia/engine/topology.h"
 
-#include "filasofia/engine/rupture/tet_shape.h"
-#include "filasofia/geometry/surface.h"
+#include "filasofia/core/sorted.h"
+#include "filasofia/engine/elements.h"
+#include "filasofia/engine/follow_surface.h"
 
 #include <algorithm>
 #include <map>
@@ -11,16 +12,6 @@ namespace filasofia::engine {
 namespace {
 
 using frame::TopologyEdit;
-
-std::size_t elementCount(const SoftModel& model) { return model.elements.size() + model.tetrahedra.size(); }
-geometry::Tetrahedron& nodesOf(SoftModel& model, std::size_t e)
-{
-    return model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
-}
-const geometry::Tetrahedron& nodesOf(const SoftModel& model, std::size_t e)
-{
-    return model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
-}
 
 /// [kg m/s] of nodes that were there already
 Vec3 momentumOf(const SoftModel& model, const SoftState& state, const std::vector<int>& nodes)
@@ -41,12 +32,6 @@ void keepMomentum(Vec3 before, const std::vector<int>& nodes, const SoftModel& m
     const Vec3 change = 1.0 / mass * (before - momentumOf(model, state, nodes));
     for (int node : nodes)
         if (!model.pins.hard[static_cast<std::size_t>(node)]) state.v[static_cast<std::size_t>(node)] += change;
-}
-
-void sortUnique(std::vector<int>& list)
-{
-    std::ranges::sort(list);
-    list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
 /// Elements that are new, have other nodes or another shape, ascending: besides those that the edit names, those around
@@ -75,7 +60,8 @@ std::vector<int> reachedNodes(const std::vector<int>& elements, const MeshTopolo
     for (int element : elements) {
         const auto e = static_cast<std::size_t>(element);
         nodes.insert(nodes.end(), mesh.tetrahedra[e].begin(), mesh.tetrahedra[e].end());
-        if (e < elementCount(model)) nodes.insert(nodes.end(), nodesOf(model, e).begin(), nodesOf(model, e).end());
+        if (e < elementCount(model))
+            nodes.insert(nodes.end(), elementNodes(model, e).begin(), elementNodes(model, e).end());
     }
     sortUnique(nodes);
     return nodes;
@@ -130,12 +116,11 @@ void followState(const TopologyEdit& edit, const MeshTopology& mesh, SoftModel& 
         if (model.pins.hard[i]) state.v[i] = state.dv[i] = {};
 }
 
+/// Adds the element's mass to its nodes, or takes it away.
 void weigh(const SoftModel& model, std::size_t element, double sign, std::vector<double>& masses)
 {
-    const geometry::Tetrahedron& nodes = nodesOf(model, element);
-    Corners rest;
-    for (std::size_t k = 0; k < 4; ++k) rest[k] = model.rest[static_cast<std::size_t>(nodes[k])];
-    const double share = 0.25 * model.density * geometry::signedVolume(rest[0], rest[1], rest[2], rest[3]);
+    const geometry::Tetrahedron& nodes = elementNodes(model, element);
+    const double share = 0.25 * model.density * volumeOf(cornersOf(nodes, model.rest));
     for (int node : nodes) masses[static_cast<std::size_t>(node)] += sign * share;
 }
 
@@ -163,100 +148,11 @@ void followElements(const TopologyEdit& edit, const std::vector<int>& reached, c
     addElements(edit, model, state);
     for (int element : reached) {
         const auto e = static_cast<std::size_t>(element);
-        nodesOf(model, e) = mesh.tetrahedra[e];
+        elementNodes(model, e) = mesh.tetrahedra[e];
         weigh(model, e, 1.0, model.masses);
-        if (model.elements.empty()) continue;
-        FemElement& now = model.elements[e];
-        Corners rest;
-        for (std::size_t k = 0; k < 4; ++k) rest[k] = model.rest[static_cast<std::size_t>(now.nodes[k])];
-        now.gradients = shapeGradients(rest);
-        now.volume = geometry::signedVolume(rest[0], rest[1], rest[2], rest[3]);
+        if (!model.elements.empty()) shapeElement(model.rest, model.elements[e]);
     }
     if (model.elements.empty()) makeSprings(model);
-}
-
-/// Takes out what stands at these places, ascending; the rest keeps its order.
-template <class Value> void eraseAt(const std::vector<int>& places, std::vector<Value>& list)
-{
-    std::size_t kept = 0;
-    for (std::size_t i = 0, next = 0; i < list.size(); ++i) {
-        if (next < places.size() && static_cast<std::size_t>(places[next]) == i)
-            ++next;
-        else
-            list[kept++] = list[i];
-    }
-    list.resize(kept);
-}
-
-/// The number of a node among the surface's vertices; a new one where it has none yet.
-int vertexOf(int node, const SoftModel& model, BodyTopology& topology, OwnSurfaceEdit& out)
-{
-    int& vertex = topology.vertices[static_cast<std::size_t>(node)];
-    if (vertex < 0) {
-        vertex = topology.vertexCount++;
-        out.nodes.push_back(node);
-        out.surface.vertices.push_back(model.rest[static_cast<std::size_t>(node)]);
-    }
-    return vertex;
-}
-
-/// What is told of the surface, by nodes and by vertices: triangles that are gone, others that have other nodes, new
-/// ones behind.
-OwnSurfaceEdit followSurface(const TopologyEdit& edit, BodyTopology& topology, SoftModel& model)
-{
-    using Kind = frame::BoundaryChange::Kind;
-    topology.vertices.resize(model.rest.size(), -1);
-    topology.boundaryPlaces.resize(static_cast<std::size_t>(edit.tetrahedra), {-1, -1, -1, -1});
-    auto boundary = std::make_shared<frame::Boundary>();
-    boundary->opened = topology.boundary->opened;
-    const auto placeOf = [&](const frame::BoundaryChange& change) -> int& {
-        return topology
-            .boundaryPlaces[static_cast<std::size_t>(change.tetrahedron)][static_cast<std::size_t>(change.face)];
-    };
-    OwnSurfaceEdit out;
-    std::vector<std::pair<int, const frame::BoundaryChange*>> changed;
-    for (const frame::BoundaryChange& change : edit.boundary) {
-        if (change.kind == Kind::Removed) out.surface.removed.push_back(std::exchange(placeOf(change), -1));
-        if (change.kind == Kind::Changed) changed.emplace_back(placeOf(change), &change);
-    }
-    std::ranges::sort(out.surface.removed);
-    std::ranges::sort(changed, {}, &std::pair<int, const frame::BoundaryChange*>::first);
-
-    const auto inVertices = [&](geometry::Triangle triangle) {
-        for (int& node : triangle) node = vertexOf(node, model, topology, out);
-        return triangle;
-    };
-    const auto behind = [&](const frame::BoundaryChange& change) { // face f lies opposite corner f
-        return topology.mesh->data()
-            .tetrahedra[static_cast<std::size_t>(change.tetrahedron)][static_cast<std::size_t>(change.face)];
-    };
-    for (const auto& [place, change] : changed) {
-        model.surface[static_cast<std::size_t>(place)] = change->nodes;
-        boundary->opened[static_cast<std::size_t>(place)] = change->opened ? 1 : 0;
-        out.surface.changed.emplace_back(place, inVertices(change->nodes));
-        out.behind.push_back(behind(*change));
-    }
-    eraseAt(out.surface.removed, model.surface);
-    eraseAt(out.surface.removed, boundary->opened);
-    eraseAt(out.surface.removed, topology.boundaryFaces);
-    for (const frame::BoundaryChange& change : edit.boundary) {
-        if (change.kind != Kind::Added) continue;
-        model.surface.push_back(change.nodes);
-        boundary->opened.push_back(change.opened ? 1 : 0);
-        topology.boundaryFaces.push_back({change.tetrahedron, change.face});
-        out.surface.added.push_back(inVertices(change.nodes));
-        out.behind.push_back(behind(change));
-    }
-    for (std::size_t t = 0; t < topology.boundaryFaces.size(); ++t) {
-        const auto [element, face] = topology.boundaryFaces[t];
-        topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)] =
-            static_cast<int>(t);
-    }
-    boundary->revision = topology.boundary->revision + 1;
-    boundary->triangles = model.surface;
-    boundary->rest = model.rest;
-    topology.boundary = std::move(boundary);
-    return out;
 }
 
 MeshEdit meshEdit(const TopologyEdit& edit, std::vector<int> elements)
@@ -321,8 +217,10 @@ BodyTopology makeTopology(const SoftModel& model)
                 faces[key(faceNodes(data.tetrahedra[static_cast<std::size_t>(e)], f))] = {e, f};
     topology.boundaryPlaces.assign(mesh.tetrahedra.size(), {-1, -1, -1, -1});
     topology.vertices.assign(model.rest.size(), -1);
-    for (int node : geometry::extractSurface(mesh).nodes)
-        topology.vertices[static_cast<std::size_t>(node)] = topology.vertexCount++;
+    for (const geometry::Triangle& triangle : model.surface) // by rising node, as extractSurface numbers them
+        for (int node : triangle) topology.vertices[static_cast<std::size_t>(node)] = 0;
+    for (int& vertex : topology.vertices)
+        if (vertex == 0) vertex = topology.vertexCount++;
     for (const geometry::Triangle& triangle : model.surface) {
         const auto [element, face] = faces.at(key(triangle));
         topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)] =

@@ -1,5 +1,7 @@
 #include "filasofia/engine/assembled_system.h"
 
+#include "filasofia/core/sorted.h"
+#include "filasofia/engine/elements.h"
 #include "filasofia/math/polar.h"
 
 #include <algorithm>
@@ -8,11 +10,6 @@ namespace filasofia::engine {
 namespace {
 
 RayleighDamping damping(const SoftModel& model) { return {model.rayleigh.mass, model.rayleigh.stiffness}; }
-
-Corners gather(const std::vector<Vec3>& values, const std::array<int, 4>& nodes)
-{
-    return {values[nodes[0]], values[nodes[1]], values[nodes[2]], values[nodes[3]]};
-}
 
 void scatterAdd(const Corners& from, const std::array<int, 4>& nodes, std::vector<Vec3>& to)
 {
@@ -24,13 +21,13 @@ void addElements(const SoftModel& model, ImplicitWeights weights, SoftState& sta
     const bool implicit = system.solver != nullptr;
     for (std::size_t e = 0; e < model.elements.size(); ++e) {
         const FemElement& element = model.elements[e];
-        const Mat3 f = gradient(element, gather(state.x, element.nodes));
+        const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
         const Quat turned = polarRotation(f, rotationOf(state.rotations, e));
         setRotation(state.rotations, e, turned);
         const Mat3 rotation = toMat3(turned);
         const Lame material = lameAt(element, f);
         scatterAdd(corotationalForces(element, f, rotation), element.nodes, system.forces);
-        scatterAdd(warpedStiffnessTimes(element, material, rotation, gather(state.v, element.nodes)), element.nodes,
+        scatterAdd(warpedStiffnessTimes(element, material, rotation, cornersOf(element.nodes, state.v)), element.nodes,
                    system.stiffnessTimesVelocity);
         if (!implicit) continue;
 
@@ -100,8 +97,7 @@ std::vector<std::vector<int>> blockColumns(const SoftModel& model)
     for (const FemElement& element : model.elements) connect(element.nodes);
     for (const Spring& spring : model.springs) connect(spring.nodes);
     for (auto& row : columns) {
-        std::sort(row.begin(), row.end());
-        row.erase(std::unique(row.begin(), row.end()), row.end());
+        sortUnique(row);
     }
     return columns;
 }

@@ -1,6 +1,7 @@
 #include "filasofia/engine/build_attachment.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/core/sorted.h"
 #include "filasofia/engine/collision/feature_normals.h"
 #include "filasofia/engine/find_body.h"
 #include "filasofia/geometry/bvh.h"
@@ -17,13 +18,6 @@ using geometry::Box;
 
 // Without a region a node is held that lies inside the other body, or so near to its surface, as a share of its size.
 constexpr double kNearby = 0.01;
-
-Box boxOf(std::span<const Vec3> points)
-{
-    Box box;
-    for (Vec3 p : points) box = geometry::merged(box, p);
-    return box;
-}
 
 /// A surface, to ask how far points are from it.
 class NearSurface {
@@ -158,19 +152,13 @@ void addNodesNear(const physics::AttachmentDef& def, std::span<const Vec3> x, co
     }
 }
 
-void sortOut(std::vector<int>& nodes)
-{
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-}
-
 /// [m] how far the mass of a rigid element is from its centre, as the root of the mean square; 0 where nobody knows.
 double gyration(const RigidModel& model, int element)
 {
     const physics::RigidInertia& body = model.inertias[static_cast<std::size_t>(element)];
     if (body.mass > 0.0) return std::sqrt(0.5 * trace(body.inertia) / body.mass);
     if (!model.surface) return 0.0;
-    const Box box = boxOf(model.surface->vertices);
+    const Box box = geometry::boxAround(model.surface->vertices);
     return 0.25 * length(box.high - box.low);
 }
 
@@ -182,7 +170,7 @@ std::vector<Vec3> pointsAround(const physics::RigidAttachmentDef& def, const Rig
     double radius = body.dynamic ? gyration(body, def.element) : 0.0;
     if (const auto holder = findBody(model, def.to); holder && radius == 0.0) {
         if (holder->soft) {
-            const Box box = boxOf(state.softBodies[holder->index].x);
+            const Box box = geometry::boxAround(state.softBodies[holder->index].x);
             radius = 0.25 * length(box.high - box.low);
         } else {
             radius = gyration(model.rigidBodies[holder->index], def.toElement);
@@ -211,7 +199,7 @@ std::vector<int> nodesOf(const physics::AttachmentDef& def, std::span<const Vec3
         const bool inBall = def.ball && length(x[i] - def.ball->centre) <= def.ball->radius;
         if (inBox || inBall) nodes.push_back(static_cast<int>(i));
     }
-    sortOut(nodes);
+    sortUnique(nodes);
     return nodes;
 }
 
@@ -221,7 +209,7 @@ AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const
     std::vector<int> nodes = nodesOf(def, x);
     if (def.within || (def.nodes.empty() && !def.box && !def.ball)) {
         addNodesNear(def, x, model, state, nodes);
-        sortOut(nodes);
+        sortUnique(nodes);
     }
     std::vector<AttachedPoint> held;
     std::vector<Vec3> places;

@@ -1,6 +1,7 @@
 #include "filasofia/engine/build_body.h"
 #include "filasofia/engine/build_attachment.h"
 #include "filasofia/engine/build_collision.h"
+#include "filasofia/engine/elements.h"
 
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
@@ -22,11 +23,9 @@ void addElements(const TetMesh& mesh, SoftModel& model)
     for (const geometry::Tetrahedron& t : mesh.tetrahedra)
         centres.push_back(0.25 * (mesh.nodes[t[0]] + mesh.nodes[t[1]] + mesh.nodes[t[2]] + mesh.nodes[t[3]]));
     for (int each : geometry::orderAlongCurve(centres)) {
-        const geometry::Tetrahedron& t = mesh.tetrahedra[each];
-        const Corners rest{mesh.nodes[t[0]], mesh.nodes[t[1]], mesh.nodes[t[2]], mesh.nodes[t[3]]};
-        model.elements.push_back({.nodes = t,
-                                  .gradients = shapeGradients(rest),
-                                  .volume = geometry::signedVolume(rest[0], rest[1], rest[2], rest[3])});
+        FemElement& element = model.elements.emplace_back();
+        element.nodes = mesh.tetrahedra[each];
+        shapeElement(mesh.nodes, element);
     }
 }
 

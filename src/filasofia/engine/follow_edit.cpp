@@ -1,6 +1,6 @@
 #include "filasofia/engine/follow_edit.h"
 
-#include "filasofia/engine/rupture/tet_shape.h"
+#include "filasofia/engine/elements.h"
 
 #include <algorithm>
 #include <functional>
@@ -45,12 +45,11 @@ public:
     }
     [[nodiscard]] const geometry::Tetrahedron& nodes(int element) const
     {
-        const auto e = static_cast<std::size_t>(element);
-        return model_.elements.empty() ? model_.tetrahedra[e] : model_.elements[e].nodes;
+        return elementNodes(model_, static_cast<std::size_t>(element));
     }
 
 private:
-    [[nodiscard]] std::size_t count() const { return model_.elements.size() + model_.tetrahedra.size(); }
+    [[nodiscard]] std::size_t count() const { return elementCount(model_); }
 
     const MeshTopology& mesh_;
     const SoftModel& model_;

@@ -1,25 +1,18 @@
 // How a MatrixFreeSystem follows an edit of its body's mesh: what the edit did not reach stays as it is.
 #include "filasofia/engine/matrix_free_system.h"
 
+#include "filasofia/core/sorted.h"
+
 #include <algorithm>
-#include <cmath>
 
 namespace filasofia::engine {
 namespace {
-
-using linalg::NodeArray;
 
 /// The element whose corner is said at a place of the gather list.
 int elementAt(int place)
 {
     const int offset = place % 64, lane = offset / kBlock + 4 * (offset % kBlock / 4);
     return place / 256 * kBlock + lane;
-}
-
-void sortUnique(std::vector<int>& list)
-{
-    std::ranges::sort(list);
-    list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
 /// What a node between two others follows: what they do, or where that is more than four coarse nodes the four that

@@ -1,14 +1,10 @@
 #include "filasofia/engine/attachments.h"
+#include "filasofia/engine/elements.h"
 
 #include <algorithm>
 
 namespace filasofia::engine {
 namespace {
-
-Corners gather(const std::vector<Vec3>& values, const std::array<int, 4>& nodes)
-{
-    return {values[nodes[0]], values[nodes[1]], values[nodes[2]], values[nodes[3]]};
-}
 
 /// What the body's own parts do to its nodes at the end of the step, as the step saw it: with the rotations of its
 /// start. Right where a hard pin holds a node, and nowhere else.
@@ -17,11 +13,11 @@ void addOwnForces(const SoftModel& model, const HeldParts& held, const SoftState
     const double beta = model.rayleigh.stiffness;
     for (int e : held.elements) {
         const FemElement& element = model.elements[e];
-        const Mat3 f = gradient(element, gather(state.x, element.nodes));
+        const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
         const Mat3 rotation = toMat3(rotationOf(state.rotations, static_cast<std::size_t>(e)));
         const Corners elastic = corotationalForces(element, f, rotation);
         const Corners damping =
-            warpedStiffnessTimes(element, lameAt(element, f), rotation, gather(state.v, element.nodes));
+            warpedStiffnessTimes(element, lameAt(element, f), rotation, cornersOf(element.nodes, state.v));
         for (int i = 0; i < 4; ++i) forces[element.nodes[i]] += elastic[i] - beta * damping[i];
     }
     for (int s : held.springs) {

@@ -1,43 +1,11 @@
 #include "filasofia/engine/remove_piece.h"
 
 #include "filasofia/engine/attachments.h"
+#include "filasofia/engine/follow_surface.h"
 
 #include <algorithm>
 
 namespace filasofia::engine {
-namespace {
-
-/// Takes the triangles of these elements off the surface.
-OwnSurfaceEdit takeOff(const std::vector<char>& goes, BodyTopology& topology, SoftModel& model)
-{
-    OwnSurfaceEdit edit;
-    auto boundary = std::make_shared<frame::Boundary>(*topology.boundary);
-    std::vector<geometry::Triangle> surface;
-    std::vector<std::array<int, 2>> faces;
-    boundary->opened.clear();
-    for (std::size_t t = 0; t < model.surface.size(); ++t) {
-        const auto [element, face] = topology.boundaryFaces[t];
-        int& place = topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)];
-        if (goes[static_cast<std::size_t>(element)] != 0) {
-            edit.surface.removed.push_back(static_cast<int>(t));
-            place = -1;
-            continue;
-        }
-        place = static_cast<int>(surface.size());
-        surface.push_back(model.surface[t]);
-        faces.push_back(topology.boundaryFaces[t]);
-        boundary->opened.push_back(topology.boundary->opened[t]);
-    }
-    model.surface = std::move(surface);
-    topology.boundaryFaces = std::move(faces);
-    boundary->triangles = model.surface;
-    ++boundary->revision;
-    topology.boundary = std::move(boundary);
-    return edit;
-}
-
-} // namespace
-
 bool removePiece(int piece, BodyTopology& topology, SoftModel& model, SoftState& body, State& state)
 {
     if (!topology.mesh) return false;
@@ -67,9 +35,7 @@ bool removePiece(int piece, BodyTopology& topology, SoftModel& model, SoftState&
     const auto isGone = [&](int node) { return static_cast<bool>(gone[static_cast<std::size_t>(node)]); };
     for (PinGroup& group : model.pins.groups) std::erase_if(group.nodes, isGone);
     std::erase_if(model.pins.springs, [&](const PinSpring& pin) { return isGone(pin.node); });
-    const OwnSurfaceEdit edit = takeOff(goes, topology, model);
-    for (int m = 0; m < static_cast<int>(model.collision.size()); ++m)
-        if (!model.collision[static_cast<std::size_t>(m)].behind.empty()) editCollision(edit, m, model, state);
+    editOwnCollision(takeOffSurface(goes, topology, model), model, state);
     const auto lost = [&](const NodeWeight& each) { return gone[static_cast<std::size_t>(each.node)]; };
     for (std::size_t a = state.attachments.size(); a-- > 0;) {
         const Attachment& each = state.attachments[a];

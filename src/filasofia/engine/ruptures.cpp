@@ -1,6 +1,8 @@
 #include "filasofia/engine/ruptures.h"
 
+#include "filasofia/engine/elements.h"
 #include "filasofia/engine/follow_edit.h"
+#include "filasofia/engine/follow_surface.h"
 #include "filasofia/engine/tear_body.h"
 
 #include <algorithm>
@@ -59,20 +61,6 @@ void moveBlades(const Model& model, const RigidPlan& rigid, const State& state, 
     blades = std::move(next);
 }
 
-geometry::Box around(std::span<const Vec3> points)
-{
-    geometry::Box box;
-    for (const Vec3& point : points) box = geometry::merged(box, point);
-    return box;
-}
-
-bool meet(const geometry::Box& a, const geometry::Box& b)
-{
-    for (int k = 0; k < 3; ++k)
-        if (a.low[k] > b.high[k] || b.low[k] > a.high[k]) return false;
-    return true;
-}
-
 /// All blades of one rigid body that are near a soft one: both jaws of scissors cut one surface.
 struct Tool {
     BodyId body;
@@ -91,10 +79,13 @@ std::vector<Tool> toolsNear(const SoftModel& model, const SoftState& state, cons
         if (geometry::isEmpty(box)) {
             for (const geometry::Triangle& triangle : model.surface)
                 for (int node : triangle) box = geometry::merged(box, state.x[static_cast<std::size_t>(node)]);
-            const Vec3 more{margin, margin, margin};
-            box = {box.low - more, box.high + more};
+            box = geometry::grown(box, margin);
         }
-        if (!meet(around(blade.now), box) && !meet(around(blade.before), box)) continue;
+        const auto isNear = [&](const std::vector<Vec3>& vertices) {
+            const geometry::Box around = geometry::boxAround(vertices);
+            return overlap(around, box) || isEmpty(around); // no numbers: the stroke refuses them, and says so
+        };
+        if (!isNear(blade.now) && !isNear(blade.before)) continue;
         if (tools.empty() || tools.back().body != blade.name.body) tools.push_back({blade.name.body, {}});
         Tool& tool = tools.back();
         for (const auto& [a, b] : blade.lines) {
@@ -204,14 +195,13 @@ void applyEdits(double period, Model& model, State& state, Systems& systems, Rup
         SoftModel& body = model.softBodies[b];
         const frame::TopologyEdit edit = topology.mesh->takeEdit(body.id);
         const auto nodes = static_cast<int>(body.rest.size());
-        const auto elements = static_cast<int>(body.elements.size() + body.tetrahedra.size());
+        const auto elements = static_cast<int>(elementCount(body));
         if (!std::exchange(topology.edited, true)) topology.startAttachments = state.attachments;
         followRiders(edit, *topology.mesh, body, state.attachments);
         const OwnSurfaceEdit surface = applyEdit(edit, period, topology, body, state.softBodies[b], systems[b]);
         std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);
         if (edit.boundary.empty()) continue;
-        for (int m = 0; m < static_cast<int>(body.collision.size()); ++m)
-            if (!body.collision[static_cast<std::size_t>(m)].behind.empty()) editCollision(surface, m, body, state);
+        editOwnCollision(surface, body, state);
 
         std::vector<Rupture>& told = report.topology.ruptures;
         const std::size_t before = told.size();

@@ -1,6 +1,7 @@
 #include "filasofia/engine/tear_body.h"
 
 #include "filasofia/core/worker_pool.h"
+#include "filasofia/engine/elements.h"
 #include "filasofia/engine/rupture/stress.h"
 #include "filasofia/math/polar.h"
 
@@ -12,17 +13,9 @@ namespace {
 
 constexpr int kElementsPerPart = 256;
 
-/// Of the nodes as they are now.
-Corners cornersOf(const std::vector<Vec3>& x, const geometry::Tetrahedron& nodes)
-{
-    Corners corners;
-    for (std::size_t k = 0; k < 4; ++k) corners[k] = x[static_cast<std::size_t>(nodes[k])];
-    return corners;
-}
-
 Mat3 stressOf(const FemElement& element, const SoftState& state, std::size_t e, double threshold)
 {
-    const Mat3 f = gradient(element, cornersOf(state.x, element.nodes));
+    const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
     const auto [mu, lambda] = lame(element.youngModulus, element.poissonRatio);
     // The rotation is that of the step's start: near enough to tell what is far from tearing.
     const Quat before = rotationOf(state.rotations, e);
@@ -34,7 +27,7 @@ Mat3 stressOf(const FemElement& element, const SoftState& state, std::size_t e, 
 
 Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, const SpringsOfElements& springs)
 {
-    const Corners corners = cornersOf(state.x, model.tetrahedra[e]);
+    const Corners corners = cornersOf(model.tetrahedra[e], state.x);
     std::array<double, 6> tensions{};
     for (std::size_t k = 0; k < 6; ++k) {
         const auto s = static_cast<std::size_t>(springs.ofElement[e][k]);
@@ -48,8 +41,8 @@ Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, con
 
 bool allHeld(const SoftModel& model, std::size_t e)
 {
-    const geometry::Tetrahedron& nodes = model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
-    return std::ranges::all_of(nodes, [&](int node) { return model.pins.hard[static_cast<std::size_t>(node)]; });
+    return std::ranges::all_of(elementNodes(model, e),
+                               [&](int node) { return model.pins.hard[static_cast<std::size_t>(node)]; });
 }
 
 } // namespace
@@ -58,7 +51,7 @@ bool findStresses(const SoftModel& model, const SoftState& state, double thresho
                   WorkerPool& pool, std::vector<Mat3>& stresses)
 {
     const bool fem = !model.elements.empty();
-    stresses.resize(fem ? model.elements.size() : model.tetrahedra.size());
+    stresses.resize(elementCount(model));
     const linalg::Parts parts{static_cast<int>(stresses.size()), kElementsPerPart};
     std::vector<char> above(static_cast<std::size_t>(parts.count()));
     pool.run(parts.count(), [&](int part) {

@@ -1,6 +1,7 @@
 #include "filasofia/geometry/adjacency.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/core/sorted.h"
 #include "filasofia/geometry/face_list.h"
 
 #include <algorithm>
@@ -37,8 +38,7 @@ std::vector<std::array<int, 2>> edges(const TetMesh& mesh)
     all.reserve(6 * mesh.tetrahedra.size());
     for (const Tetrahedron& t : mesh.tetrahedra)
         for (auto [i, j] : kTetrahedronEdges) all.push_back({std::min(t[i], t[j]), std::max(t[i], t[j])});
-    std::ranges::sort(all);
-    all.erase(std::unique(all.begin(), all.end()), all.end());
+    sortUnique(all);
     return all;
 }
 

@@ -1,5 +1,6 @@
 #include "filasofia/runtime/inspector_scene.h"
 
+#include "filasofia/core/sorted.h"
 #include "filasofia/visual/visual_server.h"
 
 #include <algorithm>
@@ -71,8 +72,7 @@ InspectorScene::Edges InspectorScene::edgesOf(std::span<const geometry::Triangle
     for (const geometry::Triangle& t : triangles)
         for (std::size_t k = 0; k < 3; ++k)
             edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    sortUnique(edges);
     return edges;
 }
 

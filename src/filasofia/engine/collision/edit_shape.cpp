@@ -1,6 +1,7 @@
 #include "filasofia/engine/collision/edit_shape.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/core/sorted.h"
 #include "filasofia/engine/collision/shape_parts.h"
 
 #include <algorithm>
@@ -65,8 +66,7 @@ void editTriangles(const CollisionShape& before, const SurfaceEdit& edit, Collis
         now.triangles.push_back(each);
     }
     for (const int t : change.fresh) touch(now, t);
-    std::ranges::sort(change.touched);
-    change.touched.erase(std::unique(change.touched.begin(), change.touched.end()), change.touched.end());
+    sortUnique(change.touched);
 }
 
 /// The uses of edges, ascending: those of the old triangles that are left as they were lie in order already.

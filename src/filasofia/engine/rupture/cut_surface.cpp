@@ -1,5 +1,6 @@
 #include "filasofia/engine/rupture/cut_surface.h"
 
+#include "filasofia/core/sorted.h"
 #include "filasofia/engine/rupture/tet_shape.h"
 
 #include <algorithm>
@@ -231,8 +232,7 @@ private:
     {
         std::vector<int> candidates, near;
         for (int node : fresh_) near.insert(near.end(), data_.around[node].begin(), data_.around[node].end());
-        std::ranges::sort(near);
-        near.erase(std::unique(near.begin(), near.end()), near.end());
+        sortUnique(near);
         for (int t : near) {
             const unsigned mask = members(t);
             const int side = sideOf(t, mask);

@@ -1,6 +1,7 @@
 #include "filasofia/engine/rupture/editable_mesh.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/core/sorted.h"
 #include "filasofia/engine/rupture/tet_shape.h"
 #include "filasofia/geometry/adjacency.h"
 #include "filasofia/geometry/box.h"
@@ -402,8 +403,7 @@ frame::TopologyEdit EditableMesh::takeEdit(BodyId body)
     if (!edited()) return edit;
     edit.revision = ++revision_;
     edit.ops.swap(ops_);
-    std::ranges::sort(dirty_);
-    dirty_.erase(std::unique(dirty_.begin(), dirty_.end()), dirty_.end());
+    sortUnique(dirty_);
     for (int t : dirty_) publish(t, edit);
     dirty_.clear();
     return edit;

@@ -1,5 +1,6 @@
 #include "filasofia/engine/rupture/open_faces.h"
 
+#include "filasofia/core/sorted.h"
 #include "filasofia/engine/rupture/manifold.h"
 #include "filasofia/engine/rupture/tet_shape.h"
 
@@ -14,12 +15,6 @@ using Edge = std::array<int, 2>;
 
 /// Rounds of repair after which the gentler ways are given up, one after another.
 constexpr int kBisectRounds = 20, kFlipRounds = 25, kLoopRounds = 30;
-
-template <class T> void makeUnique(std::vector<T>& list)
-{
-    std::ranges::sort(list);
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-}
 
 bool has(std::uint8_t mask, int face) { return (mask >> face & 1) != 0; }
 
@@ -42,7 +37,7 @@ public:
     {
         ++report_.edits;
         candidates_ = std::move(candidates);
-        makeUnique(candidates_);
+        sortUnique(candidates_);
         if (!alone) retryDeferred();
         for (int round = 0;; ++round) {
             for (int node : candidates_) mesh_.split(node);
@@ -59,7 +54,7 @@ public:
             if (round < kFlipRounds) flipCones();
             for (const BadVertex& bad : badVertices_)
                 if ((bad.cone.empty() || round >= kFlipRounds) && !joinLoops(bad)) retract(bad, round);
-            makeUnique(candidates_);
+            sortUnique(candidates_);
         }
         tell();
         mesh_.commit();
@@ -90,7 +85,7 @@ private:
                     mesh_.setFlagged(t, f, true);
                     addNodesOf(t, f);
                 }
-        makeUnique(candidates_);
+        sortUnique(candidates_);
     }
 
     void findFaults()
@@ -110,15 +105,15 @@ private:
                     edges_.push_back({std::min(a, b), std::max(a, b)});
                 }
             }
-        makeUnique(openedSides_);
-        makeUnique(edges_);
-        makeUnique(vertices_);
+        sortUnique(openedSides_);
+        sortUnique(edges_);
+        sortUnique(vertices_);
         for (const Edge& e : edges_)
             if (!isOneFan(data_, e[0], e[1])) {
                 const int a = mesh_.originOf(e[0]), b = mesh_.originOf(e[1]);
                 badEdges_.push_back({std::min(a, b), std::max(a, b)});
             }
-        makeUnique(badEdges_);
+        sortUnique(badEdges_);
         // Loops mean something once every edge is in order.
         if (!badEdges_.empty()) return;
         for (int v : vertices_) {
@@ -142,7 +137,7 @@ private:
         for (auto [t, f] : *best)
             for (int n : faceNodes(data_.tetrahedra[t], f))
                 if (n != v) bad.loop.push_back(mesh_.originOf(n));
-        makeUnique(bad.loop);
+        sortUnique(bad.loop);
         // The node across all faces of the loop: where it is one, its elements are the cone.
         int tip = -1;
         for (auto [t, f] : *best) {

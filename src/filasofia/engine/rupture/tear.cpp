@@ -1,6 +1,7 @@
 #include "filasofia/engine/rupture/tear.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/core/sorted.h"
 #include "filasofia/engine/rupture/stress.h"
 #include "filasofia/engine/rupture/tet_shape.h"
 
@@ -112,8 +113,7 @@ void Tearing::findCandidates(const EditableMesh& mesh, std::span<const Mat3> str
     std::vector<int> nodes;
     for (const auto& [stress, t] : above)
         for (int n : data.tetrahedra[t]) nodes.push_back(n);
-    std::ranges::sort(nodes);
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    sortUnique(nodes);
     candidates_.clear();
     for (int node : nodes) {
         if (!mayTear(node)) continue;

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+namespace filasofia {
+
+/// Ascending, each value once.
+template <class Value> void sortUnique(std::vector<Value>& list)
+{
+    std::ranges::sort(list);
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+} // namespace filasofia
