@@ -38,6 +38,7 @@ struct Command {
 Command runCommand();    ///< a scene in a window, or headless
 Command replayCommand(); ///< makes a recorded run again
 Command benchCommand();  ///< tables and JSON
+Command reportCommand(); ///< what an instructor reads of a session
 Command fuzzCommand();   ///< does things at random and checks everything after each
 Command doctorCommand(); ///< what this machine can do for the simulation, and what is missing
 

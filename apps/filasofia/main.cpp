@@ -4,5 +4,6 @@
 int main(int argc, char** argv)
 {
     using namespace filasofia::app;
-    return runCommandLine(argc, argv, {runCommand(), replayCommand(), benchCommand(), fuzzCommand(), doctorCommand()});
+    return runCommandLine(
+        argc, argv, {runCommand(), replayCommand(), reportCommand(), benchCommand(), fuzzCommand(), doctorCommand()});
 }

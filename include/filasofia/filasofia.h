@@ -5,6 +5,7 @@
 #include "filasofia/core/units.h"
 #include "filasofia/event/input_events.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/simulation.h"
 
@@ -25,12 +26,15 @@ using event::MouseMoveEvent;
 using event::MouseWheelEvent;
 using event::PhysicsUpdateEvent;
 using event::TextInputEvent;
+using event::TroubleEvent;
 using event::VisualUpdateEvent;
 using event::WindowEvent;
 using frame::FrameRef;
 using geometry::Box;
 using geometry::TetMesh;
 using geometry::TriangleMesh;
+using metric::EventKind;
+using metric::Role;
 using physics::AttachmentDef;
 using physics::AttachMode;
 using physics::Ball;
@@ -56,6 +60,9 @@ using physics::Rupture;
 using physics::SoftBodyDef;
 using physics::TetMeshSource;
 using physics::TotalMass;
+using prefab::MetricTracker;
+using prefab::MetricTrackerDef;
+using prefab::TrackedBody;
 using runtime::asset;
 using runtime::ContactEvent;
 using runtime::CutEvent;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace filasofia::event {
@@ -23,12 +24,13 @@ enum class EventType : std::uint8_t {
     Contact,
     Cut,
     Tear,
+    Trouble,
     Custom1,
     Custom2,
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 15;
+inline constexpr std::size_t kEventTypes = 16;
 
 /// "PhysicsUpdate", as the enumerator is spelled.
 std::string_view name(EventType type);
@@ -82,6 +84,16 @@ public:
     static constexpr EventType kType = EventType::VisualUpdate;
     VisualUpdateEvent() : Event(kType) {}
     [[nodiscard]] std::optional<MergeKey> mergeKey() const override { return MergeKey{type}; }
+};
+
+/// Something beside the simulation gave up, and the simulation goes on without it: a record whose disk is full. The log
+/// has the same line.
+class TroubleEvent final : public Event {
+public:
+    static constexpr EventType kType = EventType::Trouble;
+    TroubleEvent() : Event(kType) {}
+
+    std::string what = {};
 };
 
 } // namespace filasofia::event

@@ -29,6 +29,8 @@ std::string_view name(EventType type)
         return "Cut";
     case EventType::Tear:
         return "Tear";
+    case EventType::Trouble:
+        return "Trouble";
     case EventType::Custom1:
         return "Custom1";
     case EventType::Custom2:

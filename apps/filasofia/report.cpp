@@ -1,0 +1,143 @@
+#include "apps/filasofia/report.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/word.h"
+#include "filasofia/metric/session_file.h"
+
+#include <algorithm>
+#include <map>
+#include <numbers>
+
+namespace filasofia::app {
+namespace {
+
+/// Of the sessions of a cohort those of a case; Error where there is none.
+void keepCase(std::vector<Attempt>& cohort, const std::string& task)
+{
+    std::map<std::string, int> cases;
+    for (const Attempt& attempt : cohort) ++cases[attempt.task];
+    std::erase_if(cohort, [&](const Attempt& attempt) { return attempt.task != task; });
+    if (!cohort.empty()) return;
+    std::string list;
+    for (const auto& [name, count] : cases)
+        list += text(list.empty() ? "" : ", ", count, " of '", shortened(name), "'");
+    fail("report: the cohort has no session of the case '", shortened(task), "'; it has ", list);
+}
+
+} // namespace
+
+Attempt attemptOf(const metric::Session& session)
+{
+    return {session.trainee, session.task, session.date, metric::measure(session)};
+}
+
+Report makeReport(metric::Session session, std::string origin, std::vector<Attempt> cohort)
+{
+    Report report{.session = std::move(session), .origin = std::move(origin)};
+    report.values = metric::measure(report.session);
+    const bool compared = !cohort.empty();
+    if (compared) keepCase(cohort, report.session.task);
+    report.own = {{report.session.trainee, report.session.task, report.session.date, report.values, true}};
+    for (Attempt& attempt : cohort)
+        (attempt.trainee == report.session.trainee ? report.own : report.others).push_back(std::move(attempt));
+    std::ranges::stable_sort(report.own, {}, &Attempt::date);
+    if (!compared) return report;
+    for (std::size_t i = 0; i < report.values.size(); ++i) {
+        std::vector<double> numbers;
+        for (const Attempt& other : report.others)
+            if (other.values[i].value) numbers.push_back(*other.values[i].value);
+        report.comparisons.push_back(metric::compare(report.values[i], numbers));
+    }
+    return report;
+}
+
+std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::filesystem::path& except)
+{
+    namespace fs = std::filesystem;
+    std::error_code problem;
+    const std::string name = shortened(folder.string());
+    if (!fs::is_directory(folder, problem))
+        fail("report: --cohort ", name, fs::exists(folder, problem) ? ": is no folder" : ": there is no such folder");
+    std::vector<fs::path> files;
+    fs::directory_iterator each(folder, problem);
+    if (problem) fail("report: --cohort ", name, ": ", problem.message());
+    for (; each != fs::directory_iterator(); each.increment(problem)) {
+        if (problem) break;
+        std::error_code gone;
+        if (each->path().extension() == ".jsonl" &&
+            !(fs::exists(except, gone) && fs::equivalent(each->path(), except, gone)))
+            files.push_back(each->path());
+    }
+    if (problem) fail("report: --cohort ", name, ": ", problem.message());
+    if (files.empty()) fail("report: --cohort ", name, ": holds no other session (a file that ends in .jsonl)");
+    std::ranges::sort(files); // a folder's order is nobody's
+    std::vector<Attempt> cohort;
+    for (const fs::path& file : files) cohort.push_back(attemptOf(metric::readSession(file)));
+    return cohort;
+}
+
+namespace {
+
+struct Shown {
+    std::string_view unit, shown;
+    double scale;
+};
+/// The units that people read, beside the SI units that files have.
+constexpr Shown kShown[] = {
+    {"m", "mm", 1e3},
+    {"m/s", "mm/s", 1e3},
+    {"m^2", "mm²", 1e6},
+    {"m^3", "ml", 1e6},
+    {"rad", "°", 180.0 / std::numbers::pi},
+    {"N s", "N s", 1.0},
+    {"-", "", 1.0},
+};
+
+} // namespace
+
+std::string shownUnit(std::string_view unit)
+{
+    for (const Shown& each : kShown)
+        if (each.unit == unit) return std::string(each.shown);
+    return std::string(unit);
+}
+
+std::string shownNumber(double value, std::string_view unit)
+{
+    for (const Shown& each : kShown)
+        if (each.unit == unit) value *= each.scale;
+    const double size = std::abs(value);
+    if (value == std::round(value) && size < 1e6) return text(value);
+    const char* format = size >= 100.0  ? "%.0f"
+                         : size >= 10.0 ? "%.1f"
+                         : size >= 1.0  ? "%.2f"
+                         : size >= 0.01 ? "%.3f"
+                                        : "%.2g";
+    char buffer[400]; // %.0f of the largest double has 309 digits
+    std::snprintf(buffer, sizeof buffer, size >= 1e6 ? "%.3g" : format, value);
+    return buffer;
+}
+
+std::string shownTime(double seconds)
+{
+    char buffer[64];
+    if (!(std::abs(seconds) < 1e7)) return text(seconds, " s");
+    const auto minutes = static_cast<long>(seconds / 60.0);
+    if (minutes < 1)
+        std::snprintf(buffer, sizeof buffer, "%.2f s", seconds);
+    else
+        std::snprintf(buffer, sizeof buffer, "%ld:%05.2f", minutes, seconds - 60.0 * static_cast<double>(minutes));
+    return buffer;
+}
+
+std::string shownName(const std::string& name)
+{
+    constexpr std::size_t longest = 120;
+    std::string line = oneLine(name);
+    if (line.size() <= longest) return line;
+    std::size_t end = longest; // not within a character of UTF-8
+    while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xc0) == 0x80) --end;
+    return line.substr(0, end) + "…";
+}
+
+} // namespace filasofia::app

@@ -1,0 +1,115 @@
+#include "apps/filasofia/command_line.h"
+#include "apps/filasofia/commands.h"
+#include "apps/filasofia/report.h"
+#include "apps/filasofia/report_files.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/metric/session_file.h"
+
+#include <fstream>
+#include <iostream>
+
+namespace filasofia::app {
+namespace {
+
+struct Options {
+    std::string file, cohort, html, json, csv, tool;
+    int threads = 0;
+    bool example = false, definitions = false;
+};
+
+constexpr const char* kPage = "filasofia_report.html"; // where nothing else is asked for
+
+metric::Session sessionOf(const Options& options)
+{
+    const std::filesystem::path file(options.file);
+    if (file.extension() == ".rec") return replayedSession(file, options.tool, options.threads);
+    if (!options.tool.empty()) fail("report: --tool is for recordings (.rec)");
+    if (file.extension() == ".jsonl") return metric::readSession(file);
+    fail("report: ", shortened(options.file), " must be a session (.jsonl) or a recording (.rec)");
+}
+
+Report reportOf(const Options& options)
+{
+    if (options.example) {
+        if (!options.file.empty()) fail("report: --example needs no file, got ", shownWord(options.file));
+        if (!options.cohort.empty()) fail("report: --example brings its own cohort");
+        return exampleReport();
+    }
+    if (options.file.empty()) fail("report: names no session; --example shows what a report is");
+    metric::Session session = sessionOf(options);
+    std::vector<Attempt> cohort;
+    if (!options.cohort.empty()) cohort = readCohort(options.cohort, options.file);
+    return makeReport(std::move(session), std::filesystem::path(options.file).filename().string(), std::move(cohort));
+}
+
+/// "-" is standard output.
+void write(const std::string& file, const std::string& content)
+{
+    if (file.empty()) return;
+    if (file == "-") {
+        std::cout << content;
+        return;
+    }
+    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+    stream << content;
+    if (!stream.flush()) fail("report: ", file, ": cannot be written");
+    std::cerr << "wrote " << oneLine(file) << '\n';
+}
+
+int report(Options options)
+{
+    if (options.definitions) {
+        std::cout << metric::catalogMarkdown();
+        return 0;
+    }
+    const Report report = reportOf(options);
+    const bool piped = options.html == "-" || options.json == "-" || options.csv == "-";
+    if (options.html.empty() && options.json.empty() && options.csv.empty()) options.html = kPage;
+    if (!piped) std::cout << reportText(report);
+    if (!options.html.empty()) {
+        write(options.html, reportPage(report));
+        if (chartLibrary().empty())
+            std::cerr << "filasofia: this program was built without uPlot: the page has no plots (scripts/setup.sh)\n";
+    }
+    if (!options.json.empty()) write(options.json, reportJson(report));
+    if (!options.csv.empty()) write(options.csv, reportCsv(report));
+    return 0;
+}
+
+} // namespace
+
+Command reportCommand()
+{
+    static Options options; // there is one command line, and it outlives this function
+    return {
+        .name = "report",
+        .meaning = "Measure a session and write what an instructor reads: a page, JSON, CSV",
+        .options = {{"FILE", &options.file, "A session (.jsonl, of a MetricTracker) or a recording (.rec)", "FILE"},
+                    {"--example", &options.example,
+                     "Report a session that is made by formulas, to see what a report is"},
+                    {"--cohort", &options.cohort,
+                     "A folder of sessions (.jsonl): the trainee's own make a learning curve, those of others z-scores",
+                     "DIR"},
+                    {.name = "--html",
+                     .target = &options.html,
+                     .meaning = "The page; - is standard output",
+                     .type = "FILE",
+                     .standard = std::string(kPage) + ", where no other file is asked for"},
+                    {"--json", &options.json, "The same for programs; - is standard output", "FILE"},
+                    {"--csv", &options.csv, "The same for spreadsheets; - is standard output", "FILE"},
+                    {.name = "--tool",
+                     .target = &options.tool,
+                     .meaning = "Of a recording: the rigid body to measure",
+                     .type = "NAME",
+                     .standard = "the first that is moved from outside"},
+                    {.name = "--threads",
+                     .target = &options.threads,
+                     .meaning = "Of a recording: threads within one step; 0: the cores but one, up to 8",
+                     .bound = kThreads},
+                    {"--definitions", &options.definitions, "Print the table of all measures (docs/metrics.md)"}},
+        .run = [] { return report(options); },
+        .footer = "docs/report.md says how to read it."};
+}
+
+} // namespace filasofia::app

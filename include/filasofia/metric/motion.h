@@ -1,0 +1,27 @@
+#pragma once
+
+#include "filasofia/metric/catalog.h"
+
+namespace filasofia::metric {
+
+/// How a track moved for a time without gaps, evenly sampled.
+struct Motion {
+    double start = 0.0;               ///< [s]
+    double interval = 0.0;            ///< [s], > 0
+    std::vector<Vec3> positions = {}; ///< [m], low-passed
+    std::vector<double> speeds = {};  ///< [m/s], one per position; empty where there are fewer than kFewest
+
+    [[nodiscard]] double timeAt(std::size_t i) const { return start + interval * static_cast<double>(i); }
+    [[nodiscard]] double duration() const { return timeAt(positions.empty() ? 0 : positions.size() - 1) - start; }
+};
+
+/// Derivatives are of polynomials through so many samples.
+inline constexpr int kFewest = 7;
+
+/// The samples with finite time and position, by rising time, cut where they are further apart than maximumGap.
+/// Unevenly sampled ones are brought to the median interval by cubics through four neighbours; positions are then
+/// low-passed (Butterworth of second order, forwards and backwards: no delay), and speeds are the slopes of polynomials
+/// through seven neighbours.
+std::vector<Motion> motionsOf(const Track& track, const MeasureDef& def = {});
+
+} // namespace filasofia::metric

@@ -1,0 +1,190 @@
+#include "filasofia/metric/measure.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::metric {
+namespace {
+
+const char* const kTouchedNothing = "the tool touched nothing";
+
+struct Force {
+    double time, size;
+    int contacts;
+};
+
+/// The samples that have a force, by rising time. Forces are not filtered: a short blow is a blow.
+std::vector<Force> forcesOf(const Material& m)
+{
+    std::vector<Force> forces;
+    if (m.tool && m.tool->force)
+        for (const Sample& sample : m.tool->samples)
+            if (std::isfinite(sample.time) && isFinite(sample.force) &&
+                (forces.empty() || sample.time > forces.back().time))
+                forces.push_back({sample.time, length(sample.force), sample.contacts});
+    return forces;
+}
+
+std::string noForces(const Material& m, const std::vector<Force>& forces)
+{
+    if (!m.tool) return "no tool was observed";
+    if (!m.tool->force) return "forces were not observed";
+    return forces.size() < 2 ? "needs two samples with a force" : "";
+}
+
+/// Calls take(before, after) for every two samples between which there is no gap.
+template <class Take> void forEachPair(const Material& m, const std::vector<Force>& forces, Take&& take)
+{
+    for (std::size_t i = 1; i < forces.size(); ++i)
+        if (forces[i].time - forces[i - 1].time <= m.def.maximumGap) take(forces[i - 1], forces[i]);
+}
+
+/// The integral of the force's power [N^p s] over the time [s] in contact.
+struct Sum {
+    double value = 0.0, time = 0.0;
+};
+Sum sumOf(const Material& m, const std::vector<Force>& forces, int power)
+{
+    Sum sum;
+    forEachPair(m, forces, [&](const Force& a, const Force& b) {
+        if (b.contacts <= 0) return; // a sample tells of the step that ends with it
+        const double dt = b.time - a.time;
+        sum.value += 0.5 * dt * (std::pow(a.size, power) + std::pow(b.size, power));
+        sum.time += dt;
+    });
+    return sum;
+}
+
+Value average(const Material& m, int power)
+{
+    const std::vector<Force> forces = forcesOf(m);
+    if (std::string reason = noForces(m, forces); !reason.empty()) return none(reason);
+    const Sum sum = sumOf(m, forces, power);
+    if (sum.time <= 0.0) return none(kTouchedNothing);
+    return found(std::pow(sum.value / sum.time, 1.0 / power));
+}
+
+/// The times above the limit; the force between samples lies on the line between them.
+struct Excess {
+    double time = 0.0;
+    int times = 0;
+    std::optional<double> first = {};
+};
+Excess excessOf(const Material& m, const std::vector<Force>& forces, double limit)
+{
+    Excess excess;
+    double end = -1e300; // of the last time above
+    forEachPair(m, forces, [&](const Force& a, const Force& b) {
+        if (a.size <= limit && b.size <= limit) return;
+        const double crossing = a.time + (b.time - a.time) * (limit - a.size) / (b.size - a.size);
+        const double from = a.size > limit ? a.time : crossing, to = b.size > limit ? b.time : crossing;
+        if (from > end) ++excess.times;
+        if (!excess.first) excess.first = from;
+        excess.time += to - from;
+        end = to;
+    });
+    return excess;
+}
+
+Value overLimit(const Material& m, double (*of)(const Excess&))
+{
+    if (!m.session.forceLimit) return none("the case names no force that the tissue stands");
+    const std::vector<Force> forces = forcesOf(m);
+    if (std::string reason = noForces(m, forces); !reason.empty()) return none(reason);
+    const Excess excess = excessOf(m, forces, *m.session.forceLimit);
+    return found(of(excess), excess.first);
+}
+
+struct Contact {
+    double start = 0.0, end = 0.0, peak = 0.0;
+};
+
+/// A contact begins at the sample before the first that has one.
+std::vector<Contact> contactsOf(const Material& m, const std::vector<Force>& forces)
+{
+    std::vector<Contact> contacts;
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+        const Force& force = forces[i];
+        if (force.contacts <= 0) continue;
+        const bool gap = i == 0 || force.time - forces[i - 1].time > m.def.maximumGap;
+        const double start = gap ? force.time : forces[i - 1].time;
+        if (contacts.empty() || start > contacts.back().end + m.def.contactPause)
+            contacts.push_back({start, start, 0.0});
+        contacts.back().end = force.time;
+        contacts.back().peak = std::max(contacts.back().peak, force.size);
+    }
+    return contacts;
+}
+
+Value ofContacts(const Material& m, Value (*of)(const std::vector<Contact>&))
+{
+    const std::vector<Force> forces = forcesOf(m);
+    if (std::string reason = noForces(m, forces); !reason.empty()) return none(reason);
+    return of(contactsOf(m, forces));
+}
+
+} // namespace
+
+Value maxForce(const Material& m)
+{
+    const std::vector<Force> forces = forcesOf(m);
+    if (std::string reason = noForces(m, forces); !reason.empty()) return none(reason);
+    const auto largest = std::ranges::max_element(forces, {}, &Force::size);
+    return largest->size > 0.0 ? found(largest->size, largest->time) : found(0.0);
+}
+
+Value meanForce(const Material& m) { return average(m, 1); }
+Value rmsForce(const Material& m) { return average(m, 2); }
+
+Value forceImpulse(const Material& m)
+{
+    const std::vector<Force> forces = forcesOf(m);
+    if (std::string reason = noForces(m, forces); !reason.empty()) return none(reason);
+    return found(sumOf(m, forces, 1).value);
+}
+
+Value timeAboveLimit(const Material& m)
+{
+    return overLimit(m, [](const Excess& excess) { return excess.time; });
+}
+Value timesAboveLimit(const Material& m)
+{
+    return overLimit(m, [](const Excess& excess) { return static_cast<double>(excess.times); });
+}
+
+Value contactCount(const Material& m)
+{
+    return ofContacts(m, [](const std::vector<Contact>& contacts) {
+        return contacts.empty() ? found(0.0) : found(static_cast<double>(contacts.size()), contacts.front().start);
+    });
+}
+
+Value contactTime(const Material& m)
+{
+    const std::vector<Force> forces = forcesOf(m);
+    if (std::string reason = noForces(m, forces); !reason.empty()) return none(reason);
+    return found(sumOf(m, forces, 1).time);
+}
+
+Value longestContact(const Material& m)
+{
+    return ofContacts(m, [](const std::vector<Contact>& contacts) {
+        Value longest = found(0.0);
+        for (const Contact& contact : contacts)
+            if (contact.end - contact.start > *longest.value)
+                longest = found(contact.end - contact.start, contact.start);
+        return longest;
+    });
+}
+
+Value meanContactPeak(const Material& m)
+{
+    return ofContacts(m, [](const std::vector<Contact>& contacts) {
+        if (contacts.empty()) return none(kTouchedNothing);
+        double sum = 0.0;
+        for (const Contact& contact : contacts) sum += contact.peak;
+        return found(sum / static_cast<double>(contacts.size()));
+    });
+}
+
+} // namespace filasofia::metric

@@ -1,0 +1,45 @@
+#include "filasofia/metric/sampling.h"
+
+#include <limits>
+
+namespace filasofia::metric {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr Vec3 kNowhere = {kNan, kNan, kNan};
+
+void findPose(const frame::Frame& frame, const Observed& observed, Sample& sample)
+{
+    if (const auto* rigid = frame.rigidBody(observed.body)) {
+        if (observed.element < 0 || observed.element >= static_cast<int>(rigid->poses.size())) return;
+        sample.pose = rigid->poses[static_cast<std::size_t>(observed.element)] * Pose{observed.tip, {}};
+    } else if (const auto* soft = frame.softBody(observed.body); soft && !soft->positions.empty()) {
+        Vec3 sum = {};
+        for (const Vec3& position : soft->positions) sum += position;
+        sample.pose = {sum / static_cast<double>(soft->positions.size()), {}};
+    }
+}
+
+} // namespace
+
+Sample sampleOf(const frame::Frame& frame, const Observed& observed)
+{
+    Sample sample{.time = frame.time, .pose = {kNowhere, {}}, .force = kNowhere, .point = kNowhere};
+    findPose(frame, observed, sample);
+    if (!observed.force || !isFinite(sample.pose.position)) return sample;
+    sample.force = {};
+    double strongest = 0.0;
+    for (const frame::Contact& contact : frame.contacts) {
+        const bool first = contact.first == observed.body, second = contact.second == observed.body;
+        if (first == second || contact.normalForce == 0.0) continue; // of others, of itself, or it does not push
+        const Vec3 force = contact.normalForce * contact.normal + contact.friction;
+        sample.force += first ? force : -force;
+        ++sample.contacts;
+        if (length(force) <= strongest) continue;
+        strongest = length(force);
+        sample.point = contact.point;
+    }
+    return sample;
+}
+
+} // namespace filasofia::metric

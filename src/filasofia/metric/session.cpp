@@ -1,0 +1,62 @@
+#include "filasofia/metric/session.h"
+
+#include <array>
+
+namespace filasofia::metric {
+namespace {
+
+struct KindName {
+    EventKind kind;
+    std::string_view name;
+};
+constexpr std::array kKinds = {
+    KindName{EventKind::Grasp, "grasp"},
+    KindName{EventKind::Release, "release"},
+    KindName{EventKind::Tear, "tear"},
+    KindName{EventKind::Cut, "cut"},
+    KindName{EventKind::Perforation, "perforation"},
+    KindName{EventKind::Removed, "removed"},
+    KindName{EventKind::Seen, "seen"},
+    KindName{EventKind::Residual, "residual"},
+    KindName{EventKind::Step, "step"},
+    KindName{EventKind::Mistake, "mistake"},
+    KindName{EventKind::Note, "note"},
+};
+
+} // namespace
+
+std::string_view name(Role role)
+{
+    switch (role) {
+    case Role::Tool:
+        return "tool";
+    case Role::Scope:
+        return "scope";
+    case Role::Other:
+        break;
+    }
+    return "other";
+}
+
+std::string_view name(EventKind kind)
+{
+    for (const KindName& each : kKinds)
+        if (each.kind == kind) return each.name;
+    return "note";
+}
+
+std::optional<EventKind> eventKind(std::string_view name)
+{
+    for (const KindName& each : kKinds)
+        if (each.name == name) return each.kind;
+    return std::nullopt;
+}
+
+const Track* findTrack(const Session& session, Role role, int skip)
+{
+    for (const Track& track : session.tracks)
+        if (track.role == role && skip-- == 0) return &track;
+    return nullptr;
+}
+
+} // namespace filasofia::metric

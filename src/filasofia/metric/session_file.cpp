@@ -1,0 +1,345 @@
+#include "filasofia/metric/session_file.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/word.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+namespace filasofia::metric {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kFormat = "filasofia session";
+// A file may come from anybody: nothing in it makes the reader take more memory than this.
+constexpr std::size_t kLongestLine = 1 << 20;
+constexpr std::size_t kMostTracks = 64;
+constexpr std::size_t kMostSamples = 50'000'000;
+constexpr std::size_t kMostEvents = 1'000'000;
+constexpr std::size_t kNumbersOfPose = 7, kNumbers = 14;
+
+void appendNumber(std::string& out, double value)
+{
+    if (std::isfinite(value)) {
+        detail::append(out, value);
+    } else {
+        out += "null"; // JSON knows no NaN
+    }
+}
+
+void appendSample(std::string& out, const Sample& sample, bool force)
+{
+    const Vec3 &p = sample.pose.position, &f = sample.force, &c = sample.point;
+    const Quat& q = sample.pose.orientation;
+    out += '[';
+    for (const double value : {p.x, p.y, p.z, q.w, q.x, q.y, q.z}) {
+        appendNumber(out, value);
+        out += ',';
+    }
+    if (force) {
+        for (const double value : {f.x, f.y, f.z}) {
+            appendNumber(out, value);
+            out += ',';
+        }
+        detail::append(out, sample.contacts);
+        out += ',';
+        if (sample.contacts > 0) // else there is no point
+            for (const double value : {c.x, c.y, c.z}) {
+                appendNumber(out, value);
+                out += ',';
+            }
+    }
+    out.back() = ']';
+}
+
+/// Names are whatever somebody typed: bytes that are no UTF-8 become the replacement character.
+std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json vector(Vec3 v) { return {v.x, v.y, v.z}; }
+
+/// What a line says is wrong goes to the user with file and line.
+class Reader {
+public:
+    explicit Reader(const std::filesystem::path& file) : name_(file.string())
+    {
+        std::error_code problem;
+        if (!std::filesystem::is_regular_file(file, problem))
+            fail(name_, std::filesystem::exists(file, problem) ? ": is no regular file" : ": there is no such file");
+        stream_.open(file, std::ios::binary);
+        if (!stream_) fail(name_, ": cannot be read");
+    }
+
+    Session read()
+    {
+        if (!nextLine()) fail(name_, ": is empty");
+        readHead(parsed());
+        session_.complete = false;
+        while (nextLine()) {
+            // A line that broke off is the end of a session that broke off.
+            if (broken_) break;
+            if (session_.complete) wrong("comes after the end");
+            readLine(parsed());
+        }
+        if (!stream_.eof()) fail(name_, ": cannot be read to its end");
+        return std::move(session_);
+    }
+
+private:
+    [[noreturn]] void wrong(std::string_view what) const { fail(name_, ", line ", line_, ": ", what); }
+
+    bool nextLine()
+    {
+        text_.clear();
+        for (int letter = 0; (letter = stream_.get()) != std::ifstream::traits_type::eof();) {
+            if (letter == '\n') return ++line_, true;
+            text_ += static_cast<char>(letter);
+            if (text_.size() > kLongestLine) return ++line_, wrong("is longer than any line of a session"), false;
+        }
+        broken_ = true;
+        return ++line_, !text_.empty();
+    }
+
+    Json parsed() const
+    {
+        Json json = Json::parse(text_, nullptr, false);
+        if (json.is_discarded() || !json.is_object()) wrong("is no line of a session");
+        return json;
+    }
+
+    static const Json* find(const Json& json, const char* key)
+    {
+        const auto found = json.find(key);
+        return found == json.end() || found->is_null() ? nullptr : &*found;
+    }
+
+    double number(const Json& json, const char* what) const
+    {
+        if (!json.is_number()) wrong(text("'", what, "' must be a number"));
+        return json.get<double>();
+    }
+    std::string word(const Json& json, const char* what) const
+    {
+        if (!json.is_string()) wrong(text("'", what, "' must be a text"));
+        return json.get<std::string>();
+    }
+    void take(const Json& json, const char* key, std::string& target) const
+    {
+        if (const Json* found = find(json, key)) target = word(*found, key);
+    }
+    void take(const Json& json, const char* key, std::optional<double>& target) const
+    {
+        const Json* found = find(json, key);
+        if (!found) return;
+        target = number(*found, key);
+        if (!(*target > 0.0)) wrong(text("'", key, "' must be > 0, got ", *target));
+    }
+    void take(const Json& json, const char* key, Vec3& target) const
+    {
+        const Json* found = find(json, key);
+        if (!found) return;
+        if (!found->is_array() || found->size() != 3) wrong(text("'", key, "' must be three numbers"));
+        target = {number((*found)[0], key), number((*found)[1], key), number((*found)[2], key)};
+        if (!(length(target) > 0.0)) wrong(text("'", key, "' must have a length > 0"));
+    }
+    template <class Take> void forEach(const Json& json, const char* key, Take&& take) const
+    {
+        const Json* found = find(json, key);
+        if (!found) return;
+        if (!found->is_array()) wrong(text("'", key, "' must be a list"));
+        for (const Json& each : *found) take(each);
+    }
+
+    void readHead(const Json& json)
+    {
+        const Json* format = find(json, "format");
+        if (!format || *format != kFormat) wrong("this is no session of Filasofia");
+        const Json* version = find(json, "version");
+        if (!version || *version != kSessionVersion)
+            wrong(text("is a session of version ", version ? shortened(version->dump()) : "unknown",
+                       ", and this program reads ", kSessionVersion));
+        take(json, "trainee", session_.trainee);
+        take(json, "case", session_.task);
+        take(json, "date", session_.date);
+        take(json, "software", session_.software);
+        if (const Json* seed = find(json, "seed")) {
+            if (!seed->is_number_unsigned()) wrong("'seed' must be a whole number >= 0");
+            session_.seed = seed->get<std::uint64_t>();
+        }
+        take(json, "idealPath", session_.idealPath);
+        take(json, "forceLimit", session_.forceLimit);
+        take(json, "fieldOfView", session_.fieldOfView);
+        take(json, "up", session_.up);
+        forEach(json, "targets", [&](const Json& each) { session_.targets.push_back(word(each, "targets")); });
+        forEach(json, "steps", [&](const Json& each) { session_.steps.push_back(word(each, "steps")); });
+        forEach(json, "watched", [&](const Json& each) { session_.watched.push_back(kindOf(word(each, "watched"))); });
+        forEach(json, "tracks", [&](const Json& each) { readTrack(each); });
+        if (session_.tracks.size() > kMostTracks) wrong(text("has more than ", kMostTracks, " tracks"));
+    }
+
+    EventKind kindOf(const std::string& word) const
+    {
+        const auto kind = eventKind(word);
+        if (!kind) wrong(text("there is no kind of event '", shortened(word), "'"));
+        return *kind;
+    }
+
+    void readTrack(const Json& json)
+    {
+        if (!json.is_object()) wrong("a track must have a name");
+        Track track;
+        take(json, "name", track.name);
+        std::string role = std::string(name(track.role));
+        take(json, "role", role);
+        for (const Role each : {Role::Tool, Role::Scope, Role::Other})
+            if (role == name(each)) track.role = each;
+        if (role != name(track.role)) wrong(text("there is no role '", shortened(role), "'"));
+        if (const Json* force = find(json, "force")) {
+            if (!force->is_boolean()) wrong("'force' must be true or false");
+            track.force = force->get<bool>();
+        }
+        take(json, "axis", track.axis);
+        take(json, "up", track.up);
+        session_.tracks.push_back(std::move(track));
+    }
+
+    void readLine(const Json& json)
+    {
+        if (const Json* lost = find(json, "end")) {
+            if (!lost->is_number_unsigned()) wrong("'end' must be how many samples were lost");
+            session_.lost = lost->get<std::uint64_t>();
+            session_.complete = true;
+        } else if (const Json* kind = find(json, "event")) {
+            readEvent(json, word(*kind, "event"));
+        } else {
+            readSamples(json);
+        }
+    }
+
+    double time(const Json& json) const
+    {
+        const Json* found = find(json, "t");
+        if (!found) wrong("has no time 't'");
+        return number(*found, "t");
+    }
+
+    void readEvent(const Json& json, const std::string& kind)
+    {
+        if (session_.events.size() >= kMostEvents) wrong(text("has more than ", kMostEvents, " events"));
+        Event event{.time = time(json), .kind = kindOf(kind)};
+        take(json, "what", event.what);
+        if (const Json* amount = find(json, "amount")) event.amount = number(*amount, "amount");
+        // Events are told by another thread than samples, and may come a little late.
+        const auto later = std::upper_bound(session_.events.begin(), session_.events.end(), event.time,
+                                            [](double when, const Event& each) { return when < each.time; });
+        session_.events.insert(later, std::move(event));
+    }
+
+    void readSamples(const Json& json)
+    {
+        const double when = time(json);
+        const Json* list = find(json, "s");
+        if (!list || !list->is_array() || list->size() != session_.tracks.size())
+            wrong(text("must have samples 's' of ", session_.tracks.size(), " tracks"));
+        if ((samples_ += list->size()) > kMostSamples) wrong(text("has more than ", kMostSamples, " samples"));
+        for (std::size_t i = 0; i < list->size(); ++i) session_.tracks[i].samples.push_back(sampleOf(when, (*list)[i]));
+    }
+
+    Sample sampleOf(double when, const Json& json) const
+    {
+        constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+        double numbers[kNumbers];
+        std::fill(std::begin(numbers), std::end(numbers), nan);
+        if (!json.is_array() || json.size() < kNumbersOfPose || json.size() > kNumbers)
+            wrong("a sample must be 7, 11 or 14 numbers");
+        for (std::size_t i = 0; i < json.size(); ++i)
+            if (!json[i].is_null()) numbers[i] = number(json[i], "s");
+        const double* n = numbers;
+        const double contacts = json.size() > 10 ? n[10] : 0.0;
+        if (!(contacts >= 0.0 && contacts <= 1e9)) wrong("the number of contacts must be in [0, 1e9]");
+        return {.time = when,
+                .pose = {{n[0], n[1], n[2]}, {n[3], n[4], n[5], n[6]}},
+                .force = {n[7], n[8], n[9]},
+                .contacts = static_cast<int>(contacts),
+                .point = {n[11], n[12], n[13]}};
+    }
+
+    std::string name_;
+    std::ifstream stream_;
+    std::string text_;
+    std::size_t line_ = 0, samples_ = 0;
+    bool broken_ = false; ///< the line has no end
+    Session session_;
+};
+
+} // namespace
+
+std::string headLine(const Session& session)
+{
+    Json json = {{"format", kFormat},      {"version", kSessionVersion}, {"trainee", session.trainee},
+                 {"case", session.task},   {"date", session.date},       {"software", session.software},
+                 {"seed", session.seed},   {"up", vector(session.up)},   {"targets", session.targets},
+                 {"steps", session.steps}, {"watched", Json::array()},   {"tracks", Json::array()}};
+    if (session.idealPath) json["idealPath"] = *session.idealPath;
+    if (session.forceLimit) json["forceLimit"] = *session.forceLimit;
+    if (session.fieldOfView) json["fieldOfView"] = *session.fieldOfView;
+    for (const EventKind kind : session.watched) json["watched"].push_back(std::string(name(kind)));
+    for (const Track& track : session.tracks)
+        json["tracks"].push_back({{"name", track.name},
+                                  {"role", std::string(name(track.role))},
+                                  {"force", track.force},
+                                  {"axis", vector(track.axis)},
+                                  {"up", vector(track.up)}});
+    return dumped(json);
+}
+
+void appendSampleLine(std::string& out, const Session& session, std::span<const Sample> samples)
+{
+    out += "{\"t\":";
+    appendNumber(out, samples.empty() ? 0.0 : samples.front().time);
+    out += ",\"s\":[";
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        if (i > 0) out += ',';
+        appendSample(out, samples[i], session.tracks[i].force);
+    }
+    out += "]}\n";
+}
+
+std::string eventLine(const Event& event)
+{
+    Json json = {{"t", event.time}, {"event", std::string(name(event.kind))}, {"what", event.what}};
+    if (event.amount) json["amount"] = *event.amount;
+    return dumped(json);
+}
+
+std::string endLine(std::uint64_t lost) { return text("{\"end\":", lost, "}\n"); }
+
+void writeSession(const std::filesystem::path& file, const Session& session)
+{
+    const std::size_t count = session.tracks.empty() ? 0 : session.tracks.front().samples.size();
+    for (const Track& track : session.tracks)
+        if (track.samples.size() != count) fail(file.string(), ": the tracks have different numbers of samples");
+    std::ofstream out(file, std::ios::binary | std::ios::trunc);
+    out << headLine(session);
+    std::size_t next = 0; // event
+    std::vector<Sample> row(session.tracks.size());
+    std::string line;
+    for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t k = 0; k < row.size(); ++k) row[k] = session.tracks[k].samples[i];
+        for (; next < session.events.size() && session.events[next].time <= row.front().time; ++next)
+            out << eventLine(session.events[next]);
+        line.clear();
+        appendSampleLine(line, session, row);
+        out << line;
+    }
+    for (; next < session.events.size(); ++next) out << eventLine(session.events[next]);
+    if (session.complete) out << endLine(session.lost);
+    if (!out.flush()) fail(file.string(), ": cannot be written");
+}
+
+Session readSession(const std::filesystem::path& file) { return Reader(file).read(); }
+
+} // namespace filasofia::metric

@@ -1,0 +1,304 @@
+#include "filasofia/prefab/metric_tracker.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/core/mpsc_queue.h"
+#include "filasofia/core/spsc_ring.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/metric/sampling.h"
+#include "filasofia/prefab/session_writer.h"
+
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <ctime>
+#include <mutex>
+#include <thread>
+
+namespace filasofia::prefab {
+namespace {
+
+using metric::Event;
+using metric::EventKind;
+using metric::Sample;
+
+constexpr std::size_t kMostBodies = 64;
+constexpr int kMostEvents = 100'000;    ///< [-] that wait
+constexpr std::size_t kChunk = 1 << 16; ///< [bytes] that are written at once
+constexpr std::chrono::milliseconds kRest = std::chrono::milliseconds(20);
+
+std::string now()
+{
+    const std::time_t time = std::time(nullptr);
+    std::tm local = {};
+    localtime_r(&time, &local);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &local);
+    return text;
+}
+
+std::string nameOf(runtime::Simulation& simulation, BodyId body)
+{
+    return std::visit([](const auto& def) { return def.name; }, *simulation.physics().def(body));
+}
+
+void check(const MetricTrackerDef& def)
+{
+    validate(def, "metric tracker");
+    if (def.bodies.empty() || def.bodies.size() > kMostBodies)
+        fail("metric tracker: bodies must be in [1, ", kMostBodies, "], got ", def.bodies.size());
+    for (std::size_t i = 0; i < def.bodies.size(); ++i) {
+        const TrackedBody& body = def.bodies[i];
+        for (const auto& [vector, field] : {std::pair{body.axis, "axis"}, {body.up, "up"}})
+            if (length(vector) == 0.0)
+                fail("metric tracker: bodies[", i, "].", field, " must have a length > 0, got 0 0 0");
+    }
+    const auto positive = [](const std::optional<double>& value, const char* field) {
+        if (value && !(*value > 0.0)) fail("metric tracker: session.", field, " must be > 0, got ", *value);
+    };
+    positive(def.session.idealPath, "idealPath");
+    positive(def.session.forceLimit, "forceLimit");
+    positive(def.session.fieldOfView, "fieldOfView");
+}
+
+/// The session before its first sample.
+metric::Session begun(runtime::Simulation& simulation, const MetricTrackerDef& def)
+{
+    metric::Session session = def.session;
+    session.tracks.clear();
+    session.events.clear();
+    session.lost = 0;
+    session.complete = true;
+    if (session.date.empty()) session.date = now();
+    for (const EventKind kind : {EventKind::Tear, EventKind::Cut})
+        if (std::find(session.watched.begin(), session.watched.end(), kind) == session.watched.end())
+            session.watched.push_back(kind);
+    for (const TrackedBody& body : def.bodies)
+        session.tracks.push_back({.name = body.name.empty() ? nameOf(simulation, body.body) : body.name,
+                                  .role = body.role,
+                                  .force = body.force,
+                                  .axis = body.axis,
+                                  .up = body.up});
+    return session;
+}
+
+std::size_t rowsOf(const MetricTrackerDef& def)
+{
+    return static_cast<std::size_t>(std::ceil(def.buffer * def.rate)) + 1;
+}
+
+} // namespace
+
+struct MetricTracker::Impl {
+    using Row = std::vector<Sample>; ///< of one moment, one per body
+
+    Impl(runtime::Simulation& sim, MetricTrackerDef asked)
+        : simulation(sim), def(std::move(asked)), session(begun(sim, def)), rows(rowsOf(def)),
+          writer(def.file, def.write)
+    {
+        for (const TrackedBody& body : def.bodies) observed.push_back({body.body, body.element, body.tip, body.force});
+        writer.head(session);
+        thread = std::thread([this] { run(); });
+    }
+    ~Impl() { end(); }
+
+    // The stepping thread.
+
+    /// Before a step that will end at `time`: the newest frame is that of the step before, unless readers hold all.
+    void observe(double time)
+    {
+        const std::unique_lock lock(sampling, std::try_to_lock);
+        if (!lock || closed) return;
+        take();
+        stepEnd = time;
+    }
+
+    /// Samples the newest state where a sample is due. Called with the lock.
+    void take()
+    {
+        const frame::FrameRef frame = simulation.physics().latest();
+        if (stepEnd && (!frame || frame->time < *stepEnd) && due(*stepEnd))
+            lost.fetch_add(1, std::memory_order_relaxed);
+        if (!frame || !due(frame->time)) return;
+        Row* row = rows.beginWrite();
+        if (!row) {
+            lost.fetch_add(1, std::memory_order_relaxed);
+            return;
+        }
+        row->resize(observed.size());
+        for (std::size_t i = 0; i < observed.size(); ++i) (*row)[i] = metric::sampleOf(*frame, observed[i]);
+        rows.publish();
+        taken.fetch_add(1, std::memory_order_relaxed);
+    }
+
+    /// Is a sample due at this time [s]; the next one is so in the next period of the rate.
+    bool due(double time)
+    {
+        const double period = std::floor(time * def.rate + 1e-6);
+        if (period <= lastPeriod) return false;
+        lastPeriod = period;
+        return true;
+    }
+
+    // Any thread.
+
+    void add(Event event)
+    {
+        if (waiting.fetch_add(1, std::memory_order_relaxed) >= kMostEvents) {
+            waiting.fetch_sub(1, std::memory_order_relaxed);
+            lost.fetch_add(1, std::memory_order_relaxed);
+            return;
+        }
+        events.push(std::move(event));
+    }
+
+    void end()
+    {
+        {
+            const std::lock_guard lock(sampling);
+            if (!std::exchange(closed, true)) take();
+        }
+        for (const event::ObserverId id : observers) simulation.events().detach(id);
+        observers.clear();
+        {
+            const std::lock_guard lock(resting);
+            stopping = true;
+        }
+        wake.notify_all();
+        if (thread.joinable()) thread.join();
+    }
+
+    // The writing thread. Nobody wakes it for a sample: that would be a system call of the stepping thread's.
+
+    void run()
+    {
+        for (bool last = false; !last;) {
+            {
+                std::unique_lock lock(resting);
+                wake.wait_for(lock, kRest, [this] { return stopping; });
+                last = stopping;
+            }
+            drain();
+        }
+        session.lost = lost.load();
+        attempt([this] {
+            writer.end(session.lost);
+            writer.close();
+        });
+    }
+
+    void drain()
+    {
+        while (std::optional<Event> event = events.pop()) {
+            waiting.fetch_sub(1, std::memory_order_relaxed);
+            attempt([&] { writer.event(session, *event); });
+            if (def.keep) keep(std::move(*event));
+        }
+        for (; Row* row = rows.beginRead(); rows.release()) {
+            attempt([&] {
+                writer.samples(session, *row);
+                if (writer.gathered() > kChunk) writer.flush();
+            });
+            if (def.keep)
+                for (std::size_t i = 0; i < row->size(); ++i) session.tracks[i].samples.push_back((*row)[i]);
+        }
+        attempt([this] { writer.flush(); });
+    }
+
+    void keep(Event event)
+    {
+        const auto later = std::upper_bound(session.events.begin(), session.events.end(), event.time,
+                                            [](double time, const Event& each) { return time < each.time; });
+        session.events.insert(later, std::move(event));
+    }
+
+    /// What cannot be written is not tried again.
+    void attempt(const std::function<void()>& write)
+    {
+        if (failed.load()) return;
+        try {
+            write();
+        } catch (const std::exception& problem) {
+            failed.store(true);
+            event::TroubleEvent trouble;
+            trouble.what = text("metric tracker: ", problem.what(), "; the session goes on unrecorded");
+            logError(trouble.what);
+            try {
+                simulation.post(std::move(trouble));
+            } catch (const Error&) { // the queue is full: the log has told
+            }
+        }
+    }
+
+    runtime::Simulation& simulation;
+    const MetricTrackerDef def;
+    std::vector<metric::Observed> observed;
+    metric::Session session;
+    SpscRing<Row> rows;
+    MpscQueue<Event> events;
+    std::atomic<int> waiting = 0; ///< [-] events
+    std::atomic<std::uint64_t> taken = 0, lost = 0;
+    std::atomic<bool> failed = false;
+    SessionWriter writer;
+    std::vector<event::ObserverId> observers;
+
+    std::mutex sampling; ///< held by whoever samples: the stepping thread, which never waits for it, or the end
+    bool closed = false;
+    std::optional<double> stepEnd; ///< [s], of the last step that began
+    double lastPeriod = -1.0;
+
+    std::mutex resting;
+    std::condition_variable wake;
+    bool stopping = false;
+    std::thread thread; // last: it uses all of the above
+};
+
+MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef def)
+{
+    check(def);
+    impl_ = std::make_shared<Impl>(simulation, std::move(def));
+    const std::weak_ptr<Impl> weak = impl_;
+    simulation.everyStep([weak](double time) {
+        if (const auto impl = weak.lock()) impl->observe(time);
+    });
+    const auto opened = [weak, &simulation](EventKind kind, const auto& event) {
+        const auto impl = weak.lock();
+        if (!impl) return;
+        std::string what;
+        try {
+            what = nameOf(simulation, event.rupture.body);
+        } catch (const Error&) { // gone meanwhile
+        }
+        impl->add({event.time, kind, std::move(what), event.rupture.area});
+    };
+    impl_->observers = {
+        simulation.on<runtime::TearEvent>([opened](const runtime::TearEvent& tear) { opened(EventKind::Tear, tear); }),
+        simulation.on<runtime::CutEvent>([opened](const runtime::CutEvent& cut) { opened(EventKind::Cut, cut); })};
+}
+
+MetricTracker::~MetricTracker() { close(); }
+
+void MetricTracker::mark(EventKind kind, std::string what, std::optional<double> amount)
+{
+    const frame::FrameRef frame = impl_->simulation.physics().latest();
+    impl_->add({frame ? frame->time : 0.0, kind, std::move(what), amount});
+}
+
+void MetricTracker::close() { impl_->end(); }
+
+const metric::Session& MetricTracker::session() const
+{
+    if (!impl_->def.keep) fail("metric tracker: session() needs `keep`");
+    if (impl_->thread.joinable()) fail("metric tracker: session() is to be asked for after close()");
+    return impl_->session;
+}
+
+std::uint64_t MetricTracker::taken() const { return impl_->taken.load(); }
+std::uint64_t MetricTracker::lost() const { return impl_->lost.load(); }
+bool MetricTracker::failed() const { return impl_->failed.load(); }
+
+std::size_t MetricTracker::memory(const MetricTrackerDef& def)
+{
+    return rowsOf(def) * (sizeof(Impl::Row) + def.bodies.size() * sizeof(Sample));
+}
+
+} // namespace filasofia::prefab

@@ -1,0 +1,68 @@
+#include "filasofia/prefab/session_writer.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/metric/csv.h"
+#include "filasofia/metric/session_file.h"
+
+#include <filesystem>
+#include <utility>
+
+namespace filasofia::prefab {
+
+SessionWriter::SessionWriter(const std::string& file, std::function<void(std::string_view)> function)
+    : name_(file), function_(std::move(function))
+{
+    if (file.empty()) return;
+    const std::string extension = std::filesystem::path(file).extension().string();
+    csv_ = extension == ".csv";
+    if (!csv_ && extension != ".jsonl") fail("metric tracker: file must end in .jsonl or .csv, got '", file, "'");
+    file_ = std::fopen(file.c_str(), "we");
+    if (!file_) fail("metric tracker: ", file, ": cannot be written");
+}
+
+SessionWriter::~SessionWriter()
+{
+    if (file_) std::fclose(file_); // somebody closed before, or heard already that it failed
+}
+
+void SessionWriter::head(const metric::Session& session)
+{
+    if (function_ || !csv_) lines_ += metric::headLine(session);
+    if (csv_) table_ += metric::csvHead(session);
+}
+
+void SessionWriter::samples(const metric::Session& session, std::span<const metric::Sample> samples)
+{
+    if (function_ || (file_ && !csv_)) metric::appendSampleLine(lines_, session, samples);
+    if (file_ && csv_) metric::appendCsvLine(table_, session, samples);
+}
+
+void SessionWriter::event(const metric::Session& session, const metric::Event& event)
+{
+    if (function_ || (file_ && !csv_)) lines_ += metric::eventLine(event);
+    if (file_ && csv_) table_ += metric::csvLine(session, event);
+}
+
+void SessionWriter::end(std::uint64_t lost)
+{
+    if (function_ || (file_ && !csv_)) lines_ += metric::endLine(lost);
+}
+
+void SessionWriter::flush()
+{
+    if (function_ && !lines_.empty()) function_(lines_);
+    const std::string& text = csv_ ? table_ : lines_;
+    if (file_ && (std::fwrite(text.data(), 1, text.size(), file_) != text.size() || std::fflush(file_) != 0))
+        fail(name_, ": cannot be written (disk full?)");
+    lines_.clear();
+    table_.clear();
+}
+
+void SessionWriter::close()
+{
+    flush();
+    if (std::FILE* file = std::exchange(file_, nullptr); file && std::fclose(file) != 0)
+        fail(name_, ": cannot be written (disk full?)");
+}
+
+} // namespace filasofia::prefab

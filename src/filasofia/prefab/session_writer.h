@@ -1,0 +1,39 @@
+#pragma once
+
+#include "filasofia/metric/session.h"
+
+#include <cstdio>
+#include <functional>
+#include <span>
+#include <string>
+
+namespace filasofia::prefab {
+
+/// Where the lines of a session go: a file, a function, both or neither. Throws Error where one does not take them.
+class SessionWriter {
+public:
+    /// `file` ends in .jsonl or .csv, or is empty.
+    SessionWriter(const std::string& file, std::function<void(std::string_view)> function);
+    ~SessionWriter();
+    SessionWriter(const SessionWriter&) = delete;
+    SessionWriter& operator=(const SessionWriter&) = delete;
+
+    // Lines are gathered; flush() sends them off.
+    void head(const metric::Session& session);
+    void samples(const metric::Session& session, std::span<const metric::Sample> samples);
+    void event(const metric::Session& session, const metric::Event& event);
+    void end(std::uint64_t lost);
+    [[nodiscard]] std::size_t gathered() const { return lines_.size() + table_.size(); }
+    void flush();
+    void close();
+
+private:
+    std::string name_;
+    std::function<void(std::string_view)> function_;
+    std::FILE* file_ = nullptr;
+    bool csv_ = false;
+    std::string lines_; ///< JSON, for the function and a .jsonl file
+    std::string table_; ///< for a .csv file
+};
+
+} // namespace filasofia::prefab

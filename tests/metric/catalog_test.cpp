@@ -1,0 +1,48 @@
+#include "trajectories.h"
+
+#include <fstream>
+#include <set>
+
+using namespace filasofia;
+using namespace filasofia::metric;
+
+TEST_CASE("every metric has a definition, a unit, a source and its evidence, and a name of its own")
+{
+    std::set<std::string_view> ids, names;
+    for (const MetricInfo& info : catalog()) {
+        INFO(info.id);
+        CHECK(ids.insert(info.id).second);
+        CHECK(names.insert(info.name).second);
+        CHECK(info.definition.ends_with('.'));
+        CHECK_FALSE(info.unit.empty());
+        CHECK_FALSE(info.source.empty());
+        CHECK_FALSE(info.found.empty());
+        CHECK(info.id.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string_view::npos);
+    }
+}
+
+TEST_CASE("docs/metrics.md has the table of the code (filasofia report --definitions writes it)")
+{
+    std::ifstream file(FILASOFIA_SOURCE_DIR "/docs/metrics.md");
+    const std::string page{std::istreambuf_iterator<char>(file), {}};
+    CHECK(page.find(catalogMarkdown()) != std::string::npos);
+}
+
+TEST_CASE("a number is compared with those of others")
+{
+    const std::vector<double> others = {2, 4, 4, 4, 5, 5, 7, 9};
+    const Comparison comparison = compare({.value = 9.0}, others);
+    CHECK(comparison.others == 8);
+    CHECK(comparison.mean == exactly(5.0));
+    CHECK(comparison.deviation == exactly(std::sqrt(32.0 / 7.0)));
+    CHECK(*comparison.z == exactly(4.0 / std::sqrt(32.0 / 7.0)));
+}
+
+TEST_CASE("few others, others all alike, or no number: no z, and a reason")
+{
+    CHECK(compare({.value = 1.0}, std::vector{1.0, 2.0}).reason == "needs 3 other sessions, has 2");
+    CHECK(compare({.value = 1.0}, {}).reason == "needs 3 other sessions, has 0");
+    CHECK(compare({.value = 1.0}, std::vector{2.0, 2.0, 2.0}).reason == "all others have the same number");
+    CHECK(compare({.reason = "no tool"}, std::vector{1.0, 2.0, 3.0}).reason == "no tool");
+    CHECK_FALSE(compare({.reason = "no tool"}, std::vector{1.0, 2.0, 3.0}).z);
+}

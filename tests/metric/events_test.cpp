@@ -1,0 +1,108 @@
+#include "trajectories.h"
+
+using namespace filasofia;
+using namespace filasofia::metric;
+
+namespace {
+
+Session withEvents(std::vector<Event> events)
+{
+    Session session = sampled(100, 10.0, minimumJerk(0.1, 10.0));
+    session.watched = {EventKind::Tear, EventKind::Cut, EventKind::Perforation, EventKind::Removed, EventKind::Mistake};
+    session.targets = {"polyp"};
+    session.events = std::move(events);
+    return session;
+}
+
+/// A scope at the origin that looks along -z and turns about it, and a tool before it.
+Session scoped(const std::function<double(double)>& roll, const std::function<Vec3(double)>& tool)
+{
+    Session session = sampled(1000, 2.0, tool);
+    Session scope = sampled(
+        1000, 2.0, [](double) { return Vec3{}; }, [](double) { return Vec3{}; });
+    scope.tracks[0].role = Role::Scope;
+    for (Sample& sample : scope.tracks[0].samples) sample.pose.orientation = axisAngle({0, 0, 1}, roll(sample.time));
+    session.tracks.push_back(scope.tracks[0]);
+    session.fieldOfView = kPi / 2;
+    return session;
+}
+
+} // namespace
+
+TEST_CASE("what opens the target is meant, anything else is not")
+{
+    const Session session = withEvents({{1.0, EventKind::Tear, "polyp", 2e-5},
+                                        {2.0, EventKind::Tear, "uterus", 3e-5},
+                                        {3.0, EventKind::Cut, "uterus", 4e-5},
+                                        {4.0, EventKind::Cut, "polyp", 5e-5},
+                                        {5.0, EventKind::Tear, "uterus", {}}});
+    CHECK(number("tears_unintended", session) == 2);
+    CHECK(*measured("tears_unintended", session).moment == 2.0);
+    CHECK(number("cuts_unintended", session) == 1);
+    CHECK(number("area_unintended", session) == exactly(7e-5));
+    CHECK(number("perforations", session) == 0);
+}
+
+TEST_CASE("events that nobody watched for are not none")
+{
+    Session session = withEvents({});
+    session.watched.clear();
+    CHECK(reason("perforations", session) == "the session was not watched for events 'perforation'");
+    for (const char* id : {"tears_unintended", "cuts_unintended", "area_unintended", "volume_removed", "mistakes"})
+        CHECK(reason(id, session).starts_with("the session was not watched for events '"));
+}
+
+TEST_CASE("what the simulator tells is taken: volume, share seen, what is left, mistakes, steps")
+{
+    Session session = withEvents({{1.0, EventKind::Seen, "", 0.3},
+                                  {2.0, EventKind::Removed, "polyp", 1.5e-7},
+                                  {3.0, EventKind::Removed, "polyp", 0.5e-7},
+                                  {4.0, EventKind::Residual, "", 0.4},
+                                  {5.0, EventKind::Step, "enter"},
+                                  {5.5, EventKind::Step, "enter"},
+                                  {6.0, EventKind::Seen, "", 0.9},
+                                  {7.0, EventKind::Mistake, "wall"},
+                                  {8.0, EventKind::Residual, "", 0.05}});
+    CHECK(number("volume_removed", session) == exactly(2e-7));
+    CHECK(number("share_seen", session) == 0.9);
+    CHECK(*measured("share_seen", session).moment == 6.0);
+    CHECK(number("residual", session) == 0.05);
+    CHECK(number("mistakes", session) == 1);
+    CHECK(reason("steps_done", session) == "the case names no steps");
+    session.steps = {"enter", "see both ostia", "take it out", "leave"};
+    CHECK(number("steps_done", session) == 0.25);
+    CHECK(reason("share_seen", withEvents({})) == "no event 'seen' told of it");
+}
+
+TEST_CASE("the horizon error is the mean roll of the picture")
+{
+    const auto before = [](double) { return Vec3{0, 0, -0.1}; };
+    CHECK(number("horizon_error", scoped([](double) { return 0.3; }, before)) == exactly(0.3));
+    CHECK(number("horizon_error", scoped([](double) { return -0.3; }, before)) == exactly(0.3));
+    CHECK(number("horizon_error", scoped([](double t) { return 0.5 * std::sin(kPi * t); }, before)) ==
+          exactly(0.5 * 2.0 / kPi));
+    CHECK(reason("horizon_error", sampled(100, 1.0, before)) == "no scope was observed");
+}
+
+TEST_CASE("a tool beyond the cone of view is out of view for that time")
+{
+    const auto upright = [](double) { return 0.0; };
+    // Out where x > 0.1 in a cone of 45 degrees to each side: half of the time, less its first moment.
+    const Session session = scoped(upright, [](double t) { return Vec3{0.2 * std::sin(kPi * t), 0, -0.1}; });
+    const double share = 4.0 * (0.5 - std::asin(0.5) / kPi);
+    CHECK(number("out_of_view", session) == Approx(share).margin(4e-3)); // four ends, each within a sample
+    CHECK(*measured("out_of_view", session).moment == Approx(1.0 / 6.0).margin(1e-3));
+    CHECK(number("out_of_view", scoped(upright, [](double) { return Vec3{0, 0, 0.1}; })) == exactly(2.0)); // behind
+}
+
+TEST_CASE("only a contact near the lens is one of the lens")
+{
+    Session session = scoped([](double) { return 0.0; }, [](double) { return Vec3{0, 0, -0.1}; });
+    for (Sample& sample : session.tracks[1].samples) {
+        const bool lens = sample.time > 0.5 && sample.time <= 1.25;
+        sample.contacts = 1;
+        sample.point = {0, lens ? 0.004 : 0.03, 0};
+    }
+    CHECK(number("lens_contact", session) == exactly(0.75));
+    CHECK(*measured("lens_contact", session).moment == exactly(0.5));
+}

@@ -1,0 +1,83 @@
+#include "trajectories.h"
+
+using namespace filasofia;
+using namespace filasofia::metric;
+
+namespace {
+
+Vec3 still(double) { return {}; }
+
+/// Pushes of half a sine wave, `peak` [N] high and 1 s long, with a pause of 1 s after each.
+Session pushes(std::vector<double> peaks, double rate = 2000)
+{
+    return sampled(rate, 2.0 * static_cast<double>(peaks.size()), still, [=](double t) {
+        const auto i = static_cast<std::size_t>(t / 2.0);
+        const double within = t - 2.0 * static_cast<double>(i);
+        if (i >= peaks.size() || within <= 0.0 || within > 1.0) return Vec3{};
+        return Vec3{0, 0.6 * peaks[i] * std::sin(kPi * within), 0.8 * peaks[i] * std::sin(kPi * within)};
+    });
+}
+
+} // namespace
+
+TEST_CASE("a half-sine push has its peak, mean, root mean square and impulse")
+{
+    const Session session = pushes({3.0});
+    CHECK(number("force_max", session) == exactly(3.0));
+    CHECK(*measured("force_max", session).moment == exactly(0.5));
+    CHECK(number("force_mean", session) == exactly(3.0 * 2.0 / kPi));
+    CHECK(number("force_rms", session) == exactly(3.0 / std::sqrt(2.0)));
+    CHECK(number("force_impulse", session) == exactly(3.0 * 2.0 / kPi));
+}
+
+TEST_CASE("the time above a limit is that of the wave, and each rise counts once")
+{
+    Session session = pushes({2.0, 0.5, 4.0});
+    CHECK(reason("force_over_time", session) == "the case names no force that the tissue stands");
+    session.forceLimit = 1.0;
+    // Of a half-sine of peak p: 1 - 2 asin(1 / p) / pi.
+    CHECK(number("force_over_time", session) == exactly(2.0 / 3.0 + 1.0 - 2.0 * std::asin(0.25) / kPi));
+    CHECK(number("force_over_count", session) == 2);
+    CHECK(*measured("force_over_time", session).moment == Approx(1.0 / 6.0).epsilon(1e-5));
+    session.forceLimit = 4.5;
+    CHECK(number("force_over_time", session) == 0.0);
+    CHECK_FALSE(measured("force_over_count", session).moment);
+}
+
+TEST_CASE("contacts are counted, timed and told by their peaks")
+{
+    const Session session = pushes({2.0, 1.0, 6.0});
+    CHECK(number("contact_count", session) == 3);
+    CHECK(number("contact_time", session) == exactly(3.0));
+    CHECK(number("contact_longest", session) == exactly(1.0));
+    CHECK(number("contact_peak_mean", session) == exactly(3.0));
+    CHECK(*measured("contact_count", session).moment == exactly(0.0));
+}
+
+TEST_CASE("who lets go for a moment only has not let go")
+{
+    const auto touching = [](double pause) {
+        return sampled(1000, 1.0, still, [=](double t) { return Vec3{0, t > 0.4 && t < 0.4 + pause ? 0.0 : 1.0, 0}; });
+    };
+    CHECK(number("contact_count", touching(0.03)) == 1);
+    CHECK(number("contact_count", touching(0.10)) == 2);
+    CHECK(number("contact_time", touching(0.10)) == Approx(0.9).margin(2e-3));
+}
+
+TEST_CASE("a session that touches nothing has zeros, and no mean of nothing")
+{
+    const Session session = sampled(200, 1.0, minimumJerk(0.1, 1.0), [](double) { return Vec3{}; });
+    CHECK(number("force_max", session) == 0.0);
+    CHECK_FALSE(measured("force_max", session).moment);
+    CHECK(number("force_impulse", session) == 0.0);
+    CHECK(number("contact_count", session) == 0.0);
+    for (const char* id : {"force_mean", "force_rms", "contact_peak_mean"})
+        CHECK(reason(id, session) == "the tool touched nothing");
+}
+
+TEST_CASE("where forces were not observed there is no force")
+{
+    const Session session = sampled(200, 1.0, minimumJerk(0.1, 1.0));
+    for (const char* id : {"force_max", "force_mean", "force_impulse", "contact_count", "contact_time"})
+        CHECK(reason(id, session) == "forces were not observed");
+}

@@ -1,0 +1,191 @@
+#include "trajectories.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/metric/sampling.h"
+#include "filasofia/metric/session_file.h"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <limits>
+
+using namespace filasofia;
+using namespace filasofia::metric;
+
+namespace {
+
+/// A file of the test's own, gone with it.
+struct TemporaryFile {
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("filasofia_session_test_" + std::to_string(getpid()) + ".jsonl");
+    ~TemporaryFile() { std::filesystem::remove(path); }
+    void write(std::string_view text) const { std::ofstream(path, std::ios::binary) << text; }
+    [[nodiscard]] std::string read() const
+    {
+        std::ifstream file(path, std::ios::binary);
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+};
+
+Session little()
+{
+    Session session = sampled(100, 0.1, minimumJerk(0.1, 0.1), [](double t) { return Vec3{t, 1.0 / 3.0, 0}; });
+    session.trainee = "=<script>\"Åsa\"\n";
+    session.task = "polypectomy";
+    session.date = "2026-11-20 18:05";
+    session.seed = 18446744073709551615u;
+    session.idealPath = 0.1;
+    session.forceLimit = 2.0;
+    session.targets = {"polyp"};
+    session.steps = {"enter", "leave"};
+    session.watched = {EventKind::Tear, EventKind::Perforation};
+    session.events = {{0.02, EventKind::Tear, "polyp", 1e-5}, {0.05, EventKind::Step, "enter"}};
+    session.tracks.push_back(session.tracks[0]);
+    session.tracks[1].role = Role::Scope;
+    session.tracks[1].force = false;
+    return session;
+}
+
+std::string refusal(const TemporaryFile& file)
+{
+    try {
+        readSession(file.path);
+    } catch (const Error& error) {
+        const std::string line = error.what();
+        CHECK(line.starts_with(file.path.string()));
+        return line.substr(file.path.string().size());
+    }
+    return "read";
+}
+
+} // namespace
+
+TEST_CASE("a session reads back as it was, to the bit")
+{
+    const TemporaryFile file;
+    const Session session = little();
+    writeSession(file.path, session);
+    const Session back = readSession(file.path);
+    CHECK(back.trainee == session.trainee);
+    CHECK(back.task == session.task);
+    CHECK(back.date == session.date);
+    CHECK(back.seed == session.seed);
+    CHECK(back.idealPath == session.idealPath);
+    CHECK(back.forceLimit == session.forceLimit);
+    CHECK_FALSE(back.fieldOfView);
+    CHECK(back.targets == session.targets);
+    CHECK(back.steps == session.steps);
+    CHECK(back.watched == session.watched);
+    CHECK(back.complete);
+    REQUIRE(back.events.size() == 2);
+    CHECK(back.events[0].kind == EventKind::Tear);
+    CHECK(back.events[0].amount == 1e-5);
+    CHECK(back.events[1].what == "enter");
+    REQUIRE(back.tracks.size() == 2);
+    CHECK(back.tracks[1].role == Role::Scope);
+    REQUIRE(back.tracks[0].samples.size() == session.tracks[0].samples.size());
+    for (std::size_t i = 0; i < back.tracks[0].samples.size(); ++i) {
+        const Sample &a = back.tracks[0].samples[i], &b = session.tracks[0].samples[i];
+        CHECK(a.time == b.time);
+        CHECK(a.pose == b.pose);
+        CHECK(a.force == b.force);
+        CHECK(a.contacts == b.contacts);
+        CHECK(std::isnan(back.tracks[1].samples[i].force.x)); // was not observed
+    }
+    writeSession(file.path, back);
+    const std::string once = file.read();
+    writeSession(file.path, readSession(file.path));
+    CHECK(file.read() == once);
+}
+
+TEST_CASE("what is no number is none when it comes back")
+{
+    const TemporaryFile file;
+    Session session = little();
+    session.tracks[0].samples[3].pose.position.y = std::numeric_limits<double>::quiet_NaN();
+    session.tracks[0].samples[4].force.x = std::numeric_limits<double>::infinity();
+    writeSession(file.path, session);
+    const Session back = readSession(file.path);
+    CHECK(std::isnan(back.tracks[0].samples[3].pose.position.y));
+    CHECK(std::isnan(back.tracks[0].samples[4].force.x));
+}
+
+TEST_CASE("cut off at any byte a session is read up to there, or refused in one line")
+{
+    const TemporaryFile file;
+    writeSession(file.path, little());
+    const std::string whole = file.read();
+    const std::size_t head = whole.find('\n') + 1;
+    std::size_t before = 0;
+    for (std::size_t size = 0; size < whole.size(); ++size) {
+        file.write(whole.substr(0, size));
+        if (size + 1 < head) { // without its line break a head is still whole
+            CHECK(refusal(file) != "read");
+            continue;
+        }
+        const Session part = readSession(file.path);
+        CHECK_FALSE(part.complete);
+        CHECK(part.tracks[0].samples.size() >= before);
+        before = part.tracks[0].samples.size();
+    }
+    CHECK(before == little().tracks[0].samples.size());
+}
+
+TEST_CASE("what is no session is refused by file and line")
+{
+    const TemporaryFile file;
+    CHECK(refusal(file) == ": there is no such file");
+    file.write("");
+    CHECK(refusal(file) == ": is empty");
+    file.write("hello\n");
+    CHECK(refusal(file) == ", line 1: is no line of a session");
+    file.write("{}\n");
+    CHECK(refusal(file) == ", line 1: this is no session of Filasofia");
+    file.write("{\"format\":\"filasofia session\",\"version\":2}\n");
+    CHECK(refusal(file) == ", line 1: is a session of version 2, and this program reads 1");
+    const std::string head = headLine(little());
+    const auto second = [&](const std::string& line) {
+        file.write(head + line + "\n");
+        return refusal(file);
+    };
+    CHECK(second("{\"t\":0}") == ", line 2: must have samples 's' of 2 tracks");
+    CHECK(second("{\"s\":[]}") == ", line 2: has no time 't'");
+    CHECK(second("{\"t\":0,\"s\":[[1],[2]]}") == ", line 2: a sample must be 7, 11 or 14 numbers");
+    CHECK(second("{\"t\":0,\"event\":\"party\"}") == ", line 2: there is no kind of event 'party'");
+    CHECK(second(endLine(0) + eventLine({})) == ", line 3: comes after the end");
+    CHECK(second(std::string(200'000, '[')) == ", line 2: is no line of a session");
+    CHECK(second(std::string(2'000'000, ' ')) == ", line 2: is longer than any line of a session");
+    CHECK(second("{\"t\":1e999,\"s\":[]}") == ", line 2: is no line of a session");
+}
+
+TEST_CASE("events that come a little late are put where they belong")
+{
+    const TemporaryFile file;
+    file.write(headLine({}) + eventLine({2.0, EventKind::Note, "b"}) + eventLine({1.0, EventKind::Note, "a"}) +
+               endLine(3));
+    const Session session = readSession(file.path);
+    REQUIRE(session.events.size() == 2);
+    CHECK(session.events[0].what == "a");
+    CHECK(session.lost == 3);
+}
+
+TEST_CASE("a frame tells where a body is and what pushes it")
+{
+    frame::Frame frame;
+    frame.time = 1.5;
+    frame.rigidBodies = {{.id = {1}, .poses = {{{1, 0, 0}, axisAngle({0, 0, 1}, kPi / 2)}}}};
+    frame.softBodies = {{.id = {2}, .positions = {{0, 0, 0}, {2, 0, 0}}}};
+    frame.contacts = {{.first = {1}, .second = {2}, .point = {1, 1, 0}, .normal = {0, 1, 0}, .normalForce = 2.0},
+                      {.first = {2}, .second = {1}, .point = {1, 2, 0}, .normal = {0, 1, 0}, .normalForce = 5.0},
+                      {.first = {2}, .second = {2}, .normal = {1, 0, 0}, .normalForce = 9.0}};
+    const Sample tool = sampleOf(frame, {.body = {1}, .tip = {0.5, 0, 0}});
+    CHECK(tool.time == 1.5);
+    CHECK(distance(tool.pose.position, {1, 0.5, 0}) < 1e-15);
+    CHECK(tool.force == Vec3{0, -3, 0});
+    CHECK(tool.contacts == 2);
+    CHECK(tool.point == Vec3{1, 2, 0}); // the stronger
+    CHECK(sampleOf(frame, {.body = {2}}).pose.position == Vec3{1, 0, 0});
+    CHECK(sampleOf(frame, {.body = {2}}).force == Vec3{0, 3, 0}); // its own fold is no force on it
+    CHECK(std::isnan(sampleOf(frame, {.body = {7}}).pose.position.x));
+    CHECK(std::isnan(sampleOf(frame, {.body = {1}, .element = 4}).force.x));
+}

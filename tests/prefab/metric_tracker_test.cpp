@@ -1,0 +1,289 @@
+#include "filasofia/filasofia.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/metric/catalog.h"
+#include "filasofia/metric/session_file.h"
+
+#include <unistd.h>
+
+#include <condition_variable>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <thread>
+
+using namespace filasofia;
+
+namespace {
+
+std::string temporary(const std::string& ending)
+{
+    return (std::filesystem::temp_directory_path() / text("filasofia_tracker_test_", getpid(), ending)).string();
+}
+
+Vec3 pathAt(double time) { return {0.01 * std::sin(6.0 * time), 0.02 * time, 0}; }
+
+/// Probes that a script moves, each a metre beside the last.
+std::vector<TrackedBody> addProbes(Simulation& sim, int count)
+{
+    std::vector<TrackedBody> bodies;
+    for (int i = 0; i < count; ++i) {
+        const Vec3 place = {static_cast<double>(i), 0, 0};
+        const BodyId id = sim.add(RigidBodyDef{.name = text("probe ", i), .elements = {{place, {}}}});
+        sim.everyStep([&sim, id, place](double time) { sim.physics().setPose(id, {place + pathAt(time), {}}); });
+        bodies.push_back({.body = id});
+    }
+    return bodies;
+}
+
+/// The lines of a log while it lives.
+class Log {
+public:
+    Log()
+    {
+        setLogSink([this](LogLevel, std::string_view line) { lines.emplace_back(line); });
+    }
+    ~Log() { setLogSink({}); }
+    std::vector<std::string> lines;
+};
+
+/// A disk that takes nothing until it is let go.
+struct StuckDisk {
+    void write(std::string_view text)
+    {
+        std::unique_lock lock(mutex);
+        free.wait(lock, [this] { return open; });
+        written += text;
+    }
+    void release()
+    {
+        const std::lock_guard lock(mutex);
+        open = true;
+        free.notify_all();
+    }
+    std::mutex mutex;
+    std::condition_variable free;
+    bool open = false;
+    std::string written;
+};
+
+metric::Session parsed(const std::string& lines)
+{
+    const std::string file = temporary("_parsed.jsonl");
+    std::ofstream(file) << lines;
+    metric::Session session = metric::readSession(file);
+    std::filesystem::remove(file);
+    return session;
+}
+
+} // namespace
+
+TEST_CASE("every step of a run is sampled, the last one too, where and when it was")
+{
+    for (const bool headless : {true, false}) {
+        Simulation sim;
+        MetricTracker tracker(sim, {.bodies = addProbes(sim, 2), .rate = 1_kHz, .keep = true});
+        const RunReport report = sim.run({.headless = headless, .backend = Backend::Null, .steps = 300});
+        tracker.close();
+        const metric::Session& session = tracker.session();
+        REQUIRE(session.tracks.size() == 2);
+        CHECK(session.tracks[1].name == "probe 1");
+        // In a live run two steps may share a period of the rate: late, then on time.
+        if (headless) REQUIRE(session.tracks[0].samples.size() == 300);
+        CHECK(session.tracks[0].samples.back().time == report.time);
+        CHECK(tracker.lost() == 0);
+        for (const metric::Sample& sample : session.tracks[0].samples)
+            CHECK(distance(sample.pose.position, pathAt(sample.time)) < 1e-12);
+    }
+}
+
+TEST_CASE("four bodies at 1 kHz: while writes are blocked for a second no sample is lost and physics does not wait")
+{
+    StuckDisk disk;
+    Simulation sim;
+    MetricTracker tracker(
+        sim, {.bodies = addProbes(sim, 4), .rate = 1_kHz, .write = [&](std::string_view lines) { disk.write(lines); }});
+    // The run ends though nothing was written of it: physics has not waited.
+    CHECK(sim.run({.headless = true, .steps = 1000}).steps == 1000);
+    CHECK(disk.written.empty());
+    disk.release();
+    CHECK(sim.run({.headless = true, .steps = 500}).steps == 1500);
+    tracker.close();
+    CHECK(tracker.lost() == 0);
+    CHECK(tracker.taken() == 1500);
+    const metric::Session session = parsed(disk.written);
+    CHECK(session.complete);
+    REQUIRE(session.tracks.size() == 4);
+    for (const metric::Track& track : session.tracks) {
+        REQUIRE(track.samples.size() == 1500);
+        for (std::size_t i = 0; i < 1500; ++i)
+            CHECK(track.samples[i].time == Approx(1e-3 * static_cast<double>(i + 1)).epsilon(1e-9));
+    }
+}
+
+TEST_CASE("blocked for longer than its buffer it loses samples, counts them, and says so in the session")
+{
+    StuckDisk disk;
+    Simulation sim;
+    const MetricTrackerDef def = {.bodies = addProbes(sim, 1),
+                                  .rate = 1_kHz,
+                                  .buffer = 0.25,
+                                  .write = [&](std::string_view lines) { disk.write(lines); }};
+    CHECK(MetricTracker::memory(def) < 64'000);
+    MetricTracker tracker(sim, def);
+    sim.run({.headless = true, .steps = 1000});
+    CHECK(tracker.lost() > 0);
+    CHECK(tracker.taken() + tracker.lost() >= 999);
+    disk.release();
+    tracker.close();
+    const metric::Session session = parsed(disk.written);
+    CHECK(session.lost == tracker.lost());
+    CHECK(session.tracks[0].samples.size() == tracker.taken());
+}
+
+TEST_CASE("a lower rate takes every fifth step")
+{
+    Simulation sim;
+    MetricTracker tracker(sim, {.bodies = addProbes(sim, 1), .rate = 200, .keep = true});
+    sim.run({.headless = true, .steps = 1000});
+    tracker.close();
+    const auto& samples = tracker.session().tracks[0].samples;
+    REQUIRE(samples.size() >= 200);
+    CHECK(samples.size() <= 201);
+    for (std::size_t i = 2; i < samples.size(); ++i) CHECK(samples[i].time - samples[i - 1].time == Approx(5e-3));
+}
+
+TEST_CASE("a full disk is one line in the log and an event, and the session goes on")
+{
+    const std::string file = temporary(".jsonl");
+    std::filesystem::create_symlink("/dev/full", file);
+    Log log;
+    Simulation sim;
+    std::atomic<int> troubles = 0;
+    sim.on<TroubleEvent>([&](const TroubleEvent&) { ++troubles; });
+    {
+        MetricTracker tracker(sim, {.bodies = addProbes(sim, 1), .rate = 1_kHz, .file = file, .keep = true});
+        CHECK(sim.run({.headless = true, .steps = 500}).steps == 500);
+        tracker.close();
+        CHECK(tracker.failed());
+        CHECK(tracker.lost() == 0);
+        CHECK(tracker.session().tracks[0].samples.size() == 500); // the memory's copy is whole
+    }
+    sim.run({.headless = true, .steps = 1}); // delivers what was posted
+    CHECK(troubles == 1);
+    REQUIRE(log.lines.size() == 1);
+    CHECK(log.lines[0] ==
+          text("metric tracker: ", file, ": cannot be written (disk full?); the session goes on unrecorded"));
+    std::filesystem::remove(file);
+}
+
+TEST_CASE("forces of contact, tears and what the simulator marks are in the session")
+{
+    Simulation sim;
+    const BodyId block = sim.add(SoftBodyDef{.name = "liver",
+                                             .mesh = shapes::block({20_mm, 20_mm, 20_mm}, {2, 2, 2}),
+                                             .attachments = {{.box = Box{{-1, -1, -1}, {1, -9.9_mm, 1}}}},
+                                             .collision = {{}}});
+    const BodyId ball = sim.add(RigidBodyDef{
+        .name = "ball", .elements = {{{0, 16_mm, 0}, {}}}, .mesh = shapes::sphere(5_mm), .collision = {{}}});
+    sim.everyStep([&](double time) { sim.physics().setPose(ball, {{0, 16_mm - 0.02 * time, 0}, {}}); });
+    MetricTracker tracker(sim, {.bodies = {{.body = ball, .name = "probe"}, {.body = block, .role = Role::Other}},
+                                .rate = 1_kHz,
+                                .keep = true,
+                                .session = {.trainee = "Ada", .steps = {"touch"}}});
+    double largest = 0.0;
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
+        for (const auto& pair : frame::contactPairs(sim.physics().latest()->contacts))
+            largest = std::max(largest, length(pair.force));
+        if (update.step == 150) tracker.mark(EventKind::Step, "touch");
+        if (update.step == 160) {
+            auto tear = std::make_unique<TearEvent>();
+            tear->rupture = {.kind = Rupture::Kind::Tear, .body = block, .area = 1e-5};
+            sim.post(std::move(tear));
+        }
+    });
+    sim.run({.headless = true, .steps = 200});
+    tracker.close();
+    const metric::Session& session = tracker.session();
+    CHECK_FALSE(session.date.empty());
+    CHECK(session.tracks[0].name == "probe");
+    CHECK(session.tracks[1].name == "liver");
+    REQUIRE(session.events.size() == 2);
+    CHECK(session.events[0].what == "touch");
+    CHECK(session.events[0].time == Approx(0.150));
+    CHECK(session.events[1].kind == EventKind::Tear);
+    CHECK(session.events[1].what == "liver");
+    CHECK(session.events[1].amount == 1e-5);
+    const auto values = metric::measure(session);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (metric::catalog()[i].id == "force_max") {
+            CHECK(largest > 0.01);
+            CHECK(*values[i].value == Approx(largest));
+        }
+        if (metric::catalog()[i].id == "steps_done") CHECK(*values[i].value == 1.0);
+        if (metric::catalog()[i].id == "tears_unintended") CHECK(*values[i].value == 1.0);
+    }
+    // Action and reaction: what pushes the ball pushes the block the other way.
+    const metric::Sample &tool = session.tracks[0].samples.back(), &organ = session.tracks[1].samples.back();
+    CHECK(length(tool.force + organ.force) < 1e-12);
+    CHECK(tool.contacts > 0);
+}
+
+TEST_CASE("a file for spreadsheets has a row per moment, and names that are no formulas")
+{
+    const std::string file = temporary(".csv");
+    Simulation sim;
+    auto bodies = addProbes(sim, 1);
+    bodies[0].name = "=cmd|' /C calc'!A0";
+    {
+        MetricTracker tracker(sim, {.bodies = bodies, .rate = 100, .file = file});
+        sim.run({.headless = true, .steps = 100});
+        tracker.mark(EventKind::Note, "+\"quoted\"");
+        sim.run({.headless = true, .steps = 100});
+    }
+    std::ifstream stream(file);
+    std::string line;
+    std::getline(stream, line);
+    CHECK(line.starts_with("time [s],\"'=cmd|' /C calc'!A0 x [m]\","));
+    const auto commas = std::count(line.begin(), line.end(), ',');
+    int rows = 0, notes = 0;
+    while (std::getline(stream, line)) {
+        CHECK(std::count(line.begin(), line.end(), ',') == commas);
+        line.find("\"note\",\"'+\"\"quoted\"\"\",") != std::string::npos ? ++notes : ++rows;
+    }
+    CHECK(rows == 21); // at 0.001 s, the first step, and then every 0.01 s
+    CHECK(notes == 1);
+    std::filesystem::remove(file);
+}
+
+TEST_CASE("a tracker may end before the run, and the simulation goes on")
+{
+    Simulation sim;
+    const auto bodies = addProbes(sim, 1);
+    {
+        MetricTracker tracker(sim, {.bodies = bodies, .keep = true});
+        sim.run({.headless = true, .steps = 10});
+    }
+    CHECK(sim.run({.headless = true, .steps = 10}).steps == 20);
+}
+
+TEST_CASE("what is asked of a tracker is checked")
+{
+    Simulation sim;
+    const auto bodies = addProbes(sim, 1);
+    using Def = MetricTrackerDef;
+    CHECK_THROWS_WITH(MetricTracker(sim, {}), "metric tracker: bodies must be in [1, 64], got 0");
+    CHECK_THROWS_WITH(MetricTracker(sim, (Def{.bodies = bodies, .rate = 0})),
+                      "metric tracker: rate must be in [1, 100000] Hz, got 0");
+    CHECK_THROWS_WITH(MetricTracker(sim, (Def{.bodies = bodies, .file = "session.txt"})),
+                      "metric tracker: file must end in .jsonl or .csv, got 'session.txt'");
+    CHECK_THROWS_WITH(MetricTracker(sim, (Def{.bodies = bodies, .file = "/nowhere/s.jsonl"})),
+                      "metric tracker: /nowhere/s.jsonl: cannot be written");
+    CHECK_THROWS_AS(MetricTracker(sim, (Def{.bodies = {{.body = BodyId{77}}}})), Error);
+    CHECK_THROWS_WITH(MetricTracker(sim, (Def{.bodies = {{.body = bodies[0].body, .axis = {}}}})),
+                      "metric tracker: bodies[0].axis must have a length > 0, got 0 0 0");
+    CHECK_THROWS_WITH(MetricTracker(sim, (Def{.bodies = bodies, .session = {.forceLimit = -1.0}})),
+                      "metric tracker: session.forceLimit must be > 0, got -1");
+    MetricTracker tracker(sim, {.bodies = bodies});
+    CHECK_THROWS_WITH(tracker.session(), "metric tracker: session() needs `keep`");
+}
