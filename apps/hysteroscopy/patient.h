@@ -5,36 +5,27 @@
 #include <string>
 #include <vector>
 
-/// The patient: a uterus, and a polyp in a place that the seed chooses.
+/// A uterus, and a polyp in a place that the seed chooses.
 namespace hysteroscopy {
 
-/// Where a polyp may grow.
-struct Site {
-    filasofia::Vec3 at = {};     ///< [m], in the wall's surface
-    filasofia::Vec3 normal = {}; ///< unit, into the cavity
-    double free = 0.0;           ///< [m], to the wall opposite
-};
-
-struct Polyp {
-    std::string name = {};
-    double height = 0.0;        ///< [m]
-    double width = 0.0;         ///< [m]
-    std::vector<int> base = {}; ///< nodes of its root
-};
-
 struct Patient {
-    Polyp polyp = {};
-    Site site = {};
-    filasofia::Pose pose = {};   ///< of the polyp
+    std::string polyp = {};      ///< the name of its files
+    double height = 0.0;         ///< [m], of the polyp
+    double width = 0.0;          ///< [m]
+    std::vector<int> base = {};  ///< nodes of its root
+    filasofia::Pose pose = {};   ///< of the polyp: its root in the wall, +Y out of it
+    filasofia::Vec3 normal = {}; ///< unit, out of the wall
+    double free = 0.0;           ///< [m], to the wall opposite
     filasofia::Vec3 middle = {}; ///< [m], of its head
     std::string problem = {};    ///< why nobody could treat it; empty: somebody could
 };
 
 /// The axis of the scope goes through this point, whatever it looks at: the canal holds it. [m]
 inline constexpr filasofia::Vec3 kFulcrum = {0.0, 0.024, 0.0};
+/// Who touches whom: scope and forceps never each other, nor the polyp its wall.
+enum Group { ScopeWall, ForcepsWall, ScopePolyp, ForcepsPolyp };
 
-/// The names of the cases.
-std::vector<std::string> cases();
+inline const std::vector<std::string> kCases = {"small", "medium", "lobed"};
 /// The patient of a case and seed: always the same. Throws Error where there is no such case.
 Patient makePatient(const std::string& caseName, std::uint64_t seed);
 
