@@ -1,15 +1,11 @@
 #include "apps/hysteroscopy/patient.h"
 
 #include <filasofia/core/word.h>
-#include <filasofia/prefab/overlays.h>
-#include <filasofia/prefab/scope_hands.h>
-#include <filasofia/prefab/screens.h>
 
 #include <filesystem>
 #include <map>
 
 using namespace filasofia;
-using namespace filasofia::prefab;
 using namespace hysteroscopy;
 
 namespace {
@@ -59,7 +55,7 @@ Options parse(int argc, char** argv)
 
 int checkSeeds(const Options& options)
 {
-    const int count = wholeNumber("hysteroscopy: --check-seeds", options.checkSeeds, {closed(1, 1e6), "-"});
+    const int count = wholeNumber("hysteroscopy: --check-seeds", options.checkSeeds, {closed(1, 1'000'000), "-"});
     int bad = 0;
     for (int seed = 1; seed <= count; ++seed) {
         const std::string problem = makePatient(options.caseName, static_cast<std::uint64_t>(seed)).problem;
@@ -106,29 +102,36 @@ double rollFor(const Patient& patient, const ScopeHands& hands)
     return roll > 90_deg ? roll - 180_deg : roll < -90_deg ? roll + 180_deg : roll;
 }
 
-/// Enters, looks around, grasps the polyp, tears it off and brings it out.
+/// Enters, looks around, grasps the polyp, tears it off and brings it out. `middle` tells where the polyp's head is
+/// now.
 std::vector<HandMove> expertMotion(const Patient& patient, const ScopeHands& hands, ArticulatedInstrument& forceps,
+                                   const std::function<Vec3()>& middle,
                                    const std::function<std::function<void()>(const char*)>& picture)
 {
     const auto axial = [](double y, double roll = 0.0, double reach = -6_mm) {
         return ScopeHand{{0, 1, 0}, y - kFulcrum.y, roll, reach};
     };
-    const auto near = [&](double shortOf, double reach) {
-        return hands.at(patient.middle, shortOf, rollFor(patient, hands), reach);
+    // Tissue gives: before every move it looks again.
+    const auto before = [&hands, middle, roll = rollFor(patient, hands)](double away, bool sheathed = false) {
+        return [=, &hands] {
+            ScopeHand hand = hands.at(middle(), away, roll, 8_mm);
+            if (sheathed) hand.reach = -6_mm;
+            return hand;
+        };
     };
-    ScopeHand sheathed = near(10_mm, 8_mm);
-    sheathed.reach = -6_mm;
     return {{.seconds = 0.6, .to = axial(-6_mm), .end = picture("os")},
             {.seconds = 1.4, .to = axial(12_mm), .end = picture("canal")},
             {.seconds = 1.6, .to = axial(37_mm), .end = picture("cavity")},
             {.seconds = 0.5, .to = axial(37_mm, 50_deg)},
             {.seconds = 0.8, .to = axial(37_mm, -50_deg)},
-            {.seconds = 1.0, .to = sheathed, .end = picture("polyp")},
-            {.seconds = 0.5, .to = near(10_mm, 8_mm)},
-            {.seconds = 0.8, .to = near(10_mm, 8_mm), .begin = [&] { forceps.open(); }},
-            {.seconds = 0.8, .to = near(3_mm, 8_mm)},
-            {.seconds = 0.9, .to = near(3_mm, 8_mm), .begin = [&] { forceps.close(); }, .end = picture("grasped")},
-            {.seconds = 1.6, .to = near(15_mm, 8_mm), .end = picture("torn")},
+            {.seconds = 0.8, .aim = before(12_mm, true)},
+            {.seconds = 0.4, .aim = before(11_mm, true), .end = picture("polyp")},
+            {.seconds = 0.5, .aim = before(10_mm)},
+            {.seconds = 0.8, .aim = before(9_mm), .begin = [&] { forceps.open(); }},
+            {.seconds = 0.5, .aim = before(5.5_mm)},
+            {.seconds = 0.5, .aim = before(2.5_mm)},
+            {.seconds = 0.9, .aim = before(2.5_mm), .begin = [&] { forceps.close(); }, .end = picture("grasped")},
+            {.seconds = 1.6, .to = axial(32_mm, 0.0, 8_mm), .end = picture("torn")},
             {.seconds = 2.2, .to = axial(-25_mm, 0.0, 8_mm)}};
 }
 
@@ -202,7 +205,7 @@ int train(const Options& options, int seed)
                         .fieldOfView = EndoscopeDef{}.fieldOfView,
                         .targets = {"polyp"},
                         .watched = {EventKind::Grasp, EventKind::Release}};
-    const auto& nodes = physics::worldMesh(std::get<SoftBodyDef>(*sim.physics().def(bodies.polyp))).nodes;
+    const auto nodes = physics::worldMesh(std::get<SoftBodyDef>(*sim.physics().def(bodies.polyp))).nodes;
     const auto height = [&](Vec3 node) { return dot(node - patient.pose.position, patient.normal); };
     const auto top = static_cast<std::size_t>(std::ranges::max_element(nodes, {}, height) - nodes.begin());
     std::vector<TaskStep> steps = stepsOf(patient, bodies, scope.body(), forceps, top);
@@ -250,7 +253,10 @@ int train(const Options& options, int seed)
             if (options.pictures.empty()) return {};
             return [&sim, name = text(options.pictures, "/", name, ".png")] { sim.screenshot(name); };
         };
-        const auto moves = expertMotion(patient, hands, forceps, picture);
+        const auto from = [&](Vec3 node) { return distance(node, patient.middle); };
+        const auto inside = static_cast<std::size_t>(std::ranges::min_element(nodes, {}, from) - nodes.begin());
+        const auto middle = [&, inside] { return sim.physics().latest()->softBody(bodies.polyp)->positions[inside]; };
+        const auto moves = expertMotion(patient, hands, forceps, middle, picture);
         if (whole) words.insert(words.end(), {"--steps", text(std::lround(1000 * durationOf(moves)) + 200)});
         hands.play(moves);
     }
@@ -274,7 +280,7 @@ try {
     Options options = parse(argc, argv);
     if (!options.checkSeeds.empty()) return checkSeeds(options);
     if (options.has("--help")) std::puts(kHelp);
-    const auto seed = [&] { return wholeNumber("hysteroscopy: --seed", options.seed, {closed(0, 1e9), "-"}); };
+    const auto seed = [&] { return wholeNumber("hysteroscopy: --seed", options.seed, {closed(0, 999'999'999), "-"}); };
     makePatient(options.caseName, static_cast<std::uint64_t>(seed())); // a wrong case is told before any window opens
     const bool asks = options.motion == "hand" && !options.has("--headless") && !options.has("--help");
     if (asks && !askAtStart(options, seed())) return 0;

@@ -54,8 +54,10 @@ constexpr auto fields(const ScopeHandsDef*)
 struct HandMove {
     double seconds = 1.0; ///< [s], > 0
     ScopeHand to = {};
-    std::function<void()> begin = {}; ///< on the stepping thread, as it begins: opens jaws
-    std::function<void()> end = {};   ///< and when it has been made
+    /// In place of `to`: asked for as it begins, on the stepping thread, as all here: for who looks before moving.
+    std::function<ScopeHand()> aim = {};
+    std::function<void()> begin = {}; ///< as it begins: opens jaws
+    std::function<void()> end = {};   ///< when it has been made
 };
 
 /// Moves an endoscope and an instrument before every step: by a script, or by a person's mouse and keys. With the right

@@ -75,24 +75,28 @@ struct ScopeHands::Impl {
     /// The script: moves that end within this step are ended, and the next ones begun.
     void follow(double before, double dt)
     {
-        if (!begun) begin(before);
-        while (move < moves.size() && before + dt >= moveStart + moves[move].seconds) {
-            moveStart += moves[move].seconds;
-            from = now = moves[move].to;
-            if (moves[move].end) moves[move].end();
-            ++move;
-            if (move < moves.size() && moves[move].begin) moves[move].begin();
+        if (move < 0) next(before);
+        while (current() != nullptr && before + dt >= moveStart + current()->seconds) {
+            now = current()->to;
+            if (current()->end) current()->end();
+            next(moveStart + current()->seconds);
         }
-        if (move == moves.size()) return;
-        const double t = (before + dt - moveStart) / moves[move].seconds;
-        now = between(from, moves[move].to, t * t * (3.0 - 2.0 * t));
+        if (current() == nullptr) return;
+        const double t = (before + dt - moveStart) / current()->seconds;
+        now = between(from, current()->to, t * t * (3.0 - 2.0 * t));
     }
-    void begin(double time)
+    [[nodiscard]] HandMove* current()
     {
-        begun = true;
+        return move < std::ssize(moves) ? &moves[static_cast<std::size_t>(move)] : nullptr;
+    }
+    void next(double time)
+    {
+        ++move;
         moveStart = time;
         from = now;
-        if (moves.front().begin) moves.front().begin();
+        if (current() == nullptr) return;
+        if (current()->aim) current()->to = current()->aim();
+        if (current()->begin) current()->begin();
     }
 
     // A person: events tell where the hands are to be, and every step goes some of the way.
@@ -143,8 +147,7 @@ struct ScopeHands::Impl {
     double upward = 0.0;   ///< [rad]
     double last = 0.0;     ///< [s], when the last step ended
     std::vector<HandMove> moves;
-    bool begun = false;
-    std::size_t move = 0;
+    std::ptrdiff_t move = -1; ///< under way; -1: before the first
     double moveStart = 0.0;
     ScopeHand from;
 };
@@ -189,8 +192,7 @@ void ScopeHands::play(std::vector<HandMove> moves)
             fail("scope hands: moves[", i, "].seconds must be > 0 s, got ", moves[i].seconds);
     const std::lock_guard lock(impl_->mutex);
     impl_->moves = std::move(moves);
-    impl_->begun = false;
-    impl_->move = 0;
+    impl_->move = -1;
 }
 
 double durationOf(const std::vector<HandMove>& moves)
