@@ -16,12 +16,14 @@ constexpr auto kHelp = R"(A hysteroscopy trainer: through the cervical canal, fi
   --seed N                    where it grows (1)
   --motion hand|expert        who moves: you, or a plan (hand)
   --trainee NAME              in the session
-  --session FILE.jsonl        what happened, for 'filasofia report' (hysteroscopy_CASE_SEED.jsonl)
+  --session FILE.jsonl        what happened, for 'filasofia report' (hysteroscopy_CASE_SEED_NUMBER.jsonl)
   --pictures FOLDER           pictures of the expert's motion
   --check-seeds N             tell whether the patients of seeds 1 to N can be treated, and end
 
 Mouse: right drag turns the scope about the cervix, the wheel moves it. Keys: up and down move the scope, left and right
-roll it, W and S move the forceps, G closes and opens them, T switches guidance. All other options are every simulation's:
+roll it, W and S move the forceps, G closes and opens them, T switches guidance, Space pauses, Escape ends.
+
+All other options are every simulation's:
 )";
 
 struct Options {
@@ -67,39 +69,29 @@ int checkSeeds(const Options& options)
     return bad == 0 ? 0 : 1;
 }
 
-/// The window before a session: who, which case, which seed. False: it was closed.
-bool askAtStart(Options& options, int seed)
+/// Asks who, which case, which seed. False: the window was closed.
+bool ask(Options& options, int seed)
 {
-    Simulation lobby({.window = {"Hysteroscopy", 720, 720}});
-    bool started = false;
-    StartScreenDef def;
-    def.title = "Hysteroscopy";
-    def.cases = kCases;
+    StartScreenDef def{.title = "Hysteroscopy", .cases = kCases};
     def.choice.trainee = options.trainee;
     def.choice.caseIndex = static_cast<int>(std::ranges::find(kCases, options.caseName) - kCases.begin());
     def.choice.seed = static_cast<std::uint64_t>(seed);
-    def.start = [&](const StartChoice& choice) {
-        options.trainee = choice.trainee;
-        options.caseName = kCases[static_cast<std::size_t>(choice.caseIndex)];
-        options.seed = text(choice.seed % 1'000'000'000);
-        started = true;
-        lobby.finish("started");
-    };
-    const StartScreen screen(lobby, def);
-    lobby.dress([](VisualServer& server) { addEndoscopeLook(server, Box{{-1, -1, -1}, {1, 1, 1}}, Quality::Low); });
-    lobby.run({});
-    return started;
+    const auto chosen = askAtStart(def, {"Hysteroscopy", 720, 720});
+    if (!chosen) return false;
+    options.trainee = chosen->trainee;
+    options.caseName = kCases[static_cast<std::size_t>(chosen->caseIndex)];
+    options.seed = text(chosen->seed % 1'000'000'000);
+    return true;
 }
 
-/// Jaws open up and down in the scope's picture. They take the polyp from its sides, so that neither has to get between
-/// it and its wall: the scope is rolled until they open across the stalk.
-double rollFor(const Patient& patient, const ScopeHands& hands)
+/// Nobody's session is written over: the next name that is free.
+std::string sessionFile(const Options& options, int seed)
 {
-    const Pose tip = hands.tip(hands.at(patient.middle, 3_mm, 0.0, 8_mm));
-    const Vec3 stalk = rotate(conjugate(tip.orientation), patient.normal);
-    if (std::hypot(stalk.x, stalk.y) < 0.4) return 0.0; // it grows towards the scope
-    const double roll = std::atan2(stalk.y, stalk.x);
-    return roll > 90_deg ? roll - 180_deg : roll < -90_deg ? roll + 180_deg : roll;
+    if (!options.session.empty()) return options.session;
+    for (int number = 1;; ++number) {
+        const std::string file = text("hysteroscopy_", options.caseName, "_", seed, "_", number, ".jsonl");
+        if (!std::filesystem::exists(file)) return file;
+    }
 }
 
 /// Enters, looks around, grasps the polyp, tears it off and brings it out. `middle` tells where the polyp's head is
@@ -112,27 +104,40 @@ std::vector<HandMove> expertMotion(const Patient& patient, const ScopeHands& han
         return ScopeHand{{0, 1, 0}, y - kFulcrum.y, roll, reach};
     };
     // Tissue gives: before every move it looks again.
-    const auto before = [&hands, middle, roll = rollFor(patient, hands)](double away, bool sheathed = false) {
+    const auto before = [&hands, middle](double away, double roll, double sheathed = 0.0) {
         return [=, &hands] {
             ScopeHand hand = hands.at(middle(), away, roll, 8_mm);
-            if (sheathed) hand.reach = -6_mm;
+            hand.reach -= sheathed;
             return hand;
         };
     };
-    return {{.seconds = 0.6, .to = axial(-6_mm), .end = picture("os")},
-            {.seconds = 1.4, .to = axial(12_mm), .end = picture("canal")},
-            {.seconds = 1.6, .to = axial(37_mm), .end = picture("cavity")},
-            {.seconds = 0.5, .to = axial(37_mm, 50_deg)},
-            {.seconds = 0.8, .to = axial(37_mm, -50_deg)},
-            {.seconds = 0.8, .aim = before(12_mm, true)},
-            {.seconds = 0.4, .aim = before(11_mm, true), .end = picture("polyp")},
-            {.seconds = 0.5, .aim = before(10_mm)},
-            {.seconds = 0.8, .aim = before(9_mm), .begin = [&] { forceps.open(); }},
-            {.seconds = 0.5, .aim = before(5.5_mm)},
-            {.seconds = 0.5, .aim = before(2.5_mm)},
-            {.seconds = 0.9, .aim = before(2.5_mm), .begin = [&] { forceps.close(); }, .end = picture("grasped")},
-            {.seconds = 1.6, .to = axial(32_mm, 0.0, 8_mm), .end = picture("torn")},
-            {.seconds = 2.2, .to = axial(-25_mm, 0.0, 8_mm)}};
+    const double roll = hands.rollAcross(patient.normal, patient.middle);
+    std::vector<HandMove> moves = {{.seconds = 0.6, .to = axial(-6_mm), .end = picture("os")},
+                                   {.seconds = 1.4, .to = axial(12_mm), .end = picture("canal")},
+                                   {.seconds = 1.6, .to = axial(37_mm), .end = picture("cavity")},
+                                   {.seconds = 0.5, .to = axial(37_mm, 50_deg)},
+                                   {.seconds = 0.8, .to = axial(37_mm, -50_deg)},
+                                   {.seconds = 0.8, .aim = before(12_mm, roll, 14_mm)},
+                                   {.seconds = 0.4, .aim = before(11_mm, roll, 14_mm), .end = picture("polyp")}};
+    // Soft tissue slips out of closing jaws: up to four times, each from another side.
+    const auto holds = [&forceps] { return static_cast<bool>(forceps.holding()); };
+    for (const double turned : {0_deg, 60_deg, -60_deg, 0_deg}) {
+        const double close = std::max(2.5_mm, 0.5 * patient.width - 0.5_mm); // jaws do not reach around a large one
+        const double side = roll + turned;
+        const auto open = [&forceps] { forceps.open(); };
+        moves.insert(moves.end(), {{.seconds = 0.6, .aim = before(close + 6_mm, side), .skip = holds, .begin = open},
+                                   {.seconds = 0.5, .aim = before(close + 5_mm, side), .skip = holds},
+                                   {.seconds = 0.5, .aim = before(close + 2_mm, side), .skip = holds},
+                                   {.seconds = 0.5, .aim = before(close, side), .skip = holds},
+                                   {.seconds = 0.9,
+                                    .aim = before(close - 0.5_mm, side),
+                                    .skip = holds,
+                                    .begin = [&] { forceps.close(); },
+                                    .end = picture("grasped")}});
+    }
+    moves.insert(moves.end(), {{.seconds = 1.6, .to = axial(32_mm, 0.0, 8_mm), .end = picture("torn")},
+                               {.seconds = 2.2, .to = axial(-25_mm, 0.0, 8_mm)}});
+    return moves;
 }
 
 std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, BodyId scope,
@@ -171,7 +176,7 @@ int train(const Options& options, int seed)
     const bool expert = options.motion == "expert";
     Simulation sim({.physics = {.gravity = {}, .contact = ExactContact{.tolerance = 2e-2}}, // it floats in the fluid
                     .window = {"Hysteroscopy", 720, 720},
-                    .look = {.mouse = false}});
+                    .look = {.mouse = false, .keys = false}});
     const Bodies bodies = addPatient(sim, patient);
     Endoscope scope(
         sim, {.name = "hysteroscope", .pose = {{0, -0.1, 0}, {}}, .groups = {ScopeWall, ScopePolyp}, .intensity = 2.8});
@@ -192,8 +197,7 @@ int train(const Options& options, int seed)
                       .leastDepth = -60_mm,
                       .mostDepth = 36_mm});
 
-    const std::string file =
-        options.session.empty() ? text("hysteroscopy_", options.caseName, "_", seed, ".jsonl") : options.session;
+    const std::string file = sessionFile(options, seed);
     MetricTrackerDef observed{.bodies = {{.body = forceps.body(), .tip = {0, 0, -4.5_mm}},
                                          {.body = scope.body(), .role = Role::Scope, .element = Endoscope::kCamera}},
                               .file = file};
@@ -201,7 +205,7 @@ int train(const Options& options, int seed)
                         .task = "hysteroscopy " + options.caseName,
                         .software = "Filasofia",
                         .seed = static_cast<std::uint64_t>(seed),
-                        .forceLimit = 2.0,
+                        .forceLimit = 3.0,
                         .fieldOfView = EndoscopeDef{}.fieldOfView,
                         .targets = {"polyp"},
                         .watched = {EventKind::Grasp, EventKind::Release}};
@@ -216,7 +220,7 @@ int train(const Options& options, int seed)
     EndScreen end(sim);
     end.onClose([&] { sim.finish("closed"); });
     const ForceBar bar(sim,
-                       {.name = "Force on tissue", .bodies = {scope.body(), forceps.body()}, .warning = 2, .full = 4});
+                       {.name = "Force on tissue", .bodies = {scope.body(), forceps.body()}, .warning = 3, .full = 5});
     const auto over = [&](bool done) {
         if (expert) return sim.finish(done ? "the polyp is out" : "time is up");
         end.show(done ? "The polyp is out" : "Time is up",
@@ -230,7 +234,10 @@ int train(const Options& options, int seed)
     std::atomic<bool> guided = !expert;
     guidance.setOn(guided);
     sim.on<KeyEvent>([&](const KeyEvent& key) {
-        if (key.key == KeyCode::T && key.pressed && !key.repeat) guidance.setOn(guided = !guided);
+        if (!key.pressed || key.repeat) return;
+        if (key.key == KeyCode::T) guidance.setOn(guided = !guided);
+        if (key.key == KeyCode::Space) sim.pause(!sim.paused());
+        if (key.key == KeyCode::Escape) sim.finish("ended");
     });
     sim.on<TearEvent>([&](const TearEvent& tear) {
         for (const BodyId body : {bodies.uterus, bodies.polyp})
@@ -239,11 +246,6 @@ int train(const Options& options, int seed)
     sim.dress([&](VisualServer& server) {
         scope.dress(server);
         guidance.dress(server);
-        server.setEnvironment({.intensity = 300,
-                               .above = {0.55, 0.36, 0.32},
-                               .below = {0.45, 0.25, 0.21},
-                               .lampStrength = 1,
-                               .background = {0.03, 0.006, 0.005}});
     });
 
     std::vector<std::string> words = options.rest;
@@ -264,7 +266,6 @@ int train(const Options& options, int seed)
     for (const std::string& word : words) arguments.push_back(word.c_str());
     if (const int problem = sim.run(static_cast<int>(arguments.size()), arguments.data())) return problem;
     tracker.close();
-    if (options.has("--help")) return 0;
     const TaskProgress progress = task.progress();
     const bool done = progress.state == TaskProgress::State::Done;
     std::printf("%s: %d of %zu steps in %.1f s; highest force %.2f N, %d warnings; session: %s\n",
@@ -279,12 +280,16 @@ int main(int argc, char** argv)
 try {
     Options options = parse(argc, argv);
     if (!options.checkSeeds.empty()) return checkSeeds(options);
-    if (options.has("--help")) std::puts(kHelp);
+    if (options.has("--help") || options.has("-h")) {
+        std::puts(kHelp);
+        return Simulation().run(argc, argv);
+    }
     const auto seed = [&] { return wholeNumber("hysteroscopy: --seed", options.seed, {closed(0, 999'999'999), "-"}); };
     makePatient(options.caseName, static_cast<std::uint64_t>(seed())); // a wrong case is told before any window opens
-    const bool asks = options.motion == "hand" && !options.has("--headless") && !options.has("--help");
-    if (asks && !askAtStart(options, seed())) return 0;
-    return train(options, seed());
+    if (options.motion == "expert" || options.has("--headless")) return train(options, seed());
+    while (ask(options, seed()))
+        if (const int problem = train(options, seed()); problem != 0 || !options.session.empty()) return problem;
+    return 0;
 } catch (const Error& error) {
     return report(error);
 }

@@ -86,7 +86,8 @@ public:
     [[nodiscard]] Pose camera() const;  ///< looks along -Z; +Y is up in the picture
     [[nodiscard]] Pose channel() const; ///< of the working channel's mouth
 
-    /// Makes the endoscope's picture in the whole window: from inside Simulation::dress.
+    /// Makes the endoscope's picture in the whole window, and surroundings as a cavity of tissue has them, lit by its
+    /// own walls: from inside Simulation::dress.
     EndoscopeView dress(visual::VisualServer& server);
 
 private:

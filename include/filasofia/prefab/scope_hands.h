@@ -56,6 +56,7 @@ struct HandMove {
     ScopeHand to = {};
     /// In place of `to`: asked for as it begins, on the stepping thread, as all here: for who looks before moving.
     std::function<ScopeHand()> aim = {};
+    std::function<bool()> skip = {};  ///< asked before that: true leaves it out, with all that follows here
     std::function<void()> begin = {}; ///< as it begins: opens jaws
     std::function<void()> end = {};   ///< when it has been made
 };
@@ -74,6 +75,9 @@ public:
 
     /// The hands that have the instrument's pivot `shortOf` before a target [m], coming from the fulcrum.
     [[nodiscard]] ScopeHand at(Vec3 target, double shortOf, double roll, double reach) const;
+    /// The roll in [-90, 90] degrees by which the instrument's jaws, which open up and down in the picture, open across
+    /// `stalk` at the target; 0 where it points along the view.
+    [[nodiscard]] double rollAcross(Vec3 stalk, Vec3 target) const;
     /// Where the scope's tip is then, with its roll.
     [[nodiscard]] Pose tip(const ScopeHand& hand) const;
 

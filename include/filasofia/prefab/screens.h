@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ private:
     struct Impl;
     std::shared_ptr<Impl> impl_;
 };
+
+/// A window with nothing but a start screen: what was chosen, or nothing where it was closed. Main thread.
+std::optional<StartChoice> askAtStart(StartScreenDef def, const window::WindowDef& window = {});
 
 /// A number on an end screen.
 struct ResultLine {

@@ -147,6 +147,13 @@ EndoscopeView Endoscope::dress(visual::VisualServer& server)
     lamp.position.x += 0.8e-3;
     impl_->simulation.follow(*out.light, impl_->body, {.at = runtime::FollowElement{kShaft}, .offset = lamp});
 
+    // Walls send light back, red from tissue: without it instruments are black and shadows have no end.
+    server.setEnvironment({.intensity = 300.0,
+                           .above = {0.55, 0.36, 0.32},
+                           .below = {0.45, 0.25, 0.21},
+                           .lampStrength = 1.0,
+                           .background = {0.03, 0.006, 0.005}});
+
     visual::Effects effects = visual::effectsOf(def.quality, 2e-3);
     effects.endoscope = def.optics;
     effects.vignette = {}; // the optics have their own

@@ -92,6 +92,7 @@ struct ScopeHands::Impl {
     void next(double time)
     {
         ++move;
+        while (current() != nullptr && current()->skip && current()->skip()) ++move;
         moveStart = time;
         from = now;
         if (current() == nullptr) return;
@@ -181,6 +182,15 @@ ScopeHand ScopeHands::at(Vec3 target, double shortOf, double roll, double reach)
         hand.depth = length(way) - shortOf - reach + mouth.z;
     }
     return hand;
+}
+
+double ScopeHands::rollAcross(Vec3 stalk, Vec3 target) const
+{
+    const Pose unrolled = tip(at(target, 0.0, 0.0, 0.0));
+    const Vec3 seen = rotate(conjugate(unrolled.orientation), normalized(stalk));
+    if (std::hypot(seen.x, seen.y) < 0.4) return 0.0; // within 24 degrees of the view
+    const double roll = std::atan2(seen.y, seen.x);
+    return roll > 90_deg ? roll - 180_deg : roll < -90_deg ? roll + 180_deg : roll;
 }
 
 Pose ScopeHands::tip(const ScopeHand& hand) const { return tipOf(impl_->def, hand); }

@@ -80,6 +80,23 @@ StartScreen::StartScreen(runtime::Simulation& simulation, StartScreenDef def)
     simulation.show(visual::GuiDef{.name = "start", .renderCallback = [impl = impl_] { impl->draw(); }});
 }
 
+std::optional<StartChoice> askAtStart(StartScreenDef def, const window::WindowDef& window)
+{
+    runtime::Simulation lobby({.window = window, .look = {.mouse = false, .keys = false}});
+    std::optional<StartChoice> chosen;
+    def.start = [&, start = std::move(def.start)](const StartChoice& choice) {
+        chosen = choice;
+        if (start) start(choice);
+        lobby.finish("started");
+    };
+    const StartScreen screen(lobby, std::move(def));
+    lobby.dress([](visual::VisualServer& server) {
+        visual::addEndoscopeLook(server, {{-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}}, visual::Quality::Low);
+    });
+    lobby.run({});
+    return chosen;
+}
+
 struct EndScreen::Impl {
     void draw()
     {
