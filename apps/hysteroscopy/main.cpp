@@ -111,6 +111,7 @@ std::vector<HandMove> expertMotion(const Patient& patient, const ScopeHands& han
             return hand;
         };
     };
+    constexpr double close = 2.5_mm; // of the pivot before what the jaws take
     const double roll = hands.rollAcross(patient.normal, patient.middle);
     std::vector<HandMove> moves = {{.seconds = 0.6, .to = axial(-6_mm), .end = picture("os")},
                                    {.seconds = 1.4, .to = axial(12_mm), .end = picture("canal")},
@@ -122,7 +123,6 @@ std::vector<HandMove> expertMotion(const Patient& patient, const ScopeHands& han
     // Soft tissue slips out of closing jaws: up to four times, each from another side.
     const auto holds = [&forceps] { return static_cast<bool>(forceps.holding()); };
     for (const double turned : {0_deg, 60_deg, -60_deg, 0_deg}) {
-        const double close = std::max(2.5_mm, 0.5 * patient.width - 0.5_mm); // jaws do not reach around a large one
         const double side = roll + turned;
         const auto open = [&forceps] { forceps.open(); };
         moves.insert(moves.end(), {{.seconds = 0.6, .aim = before(close + 6_mm, side), .skip = holds, .begin = open},
@@ -179,7 +179,7 @@ int train(const Options& options, int seed)
                     .look = {.mouse = false, .keys = false}});
     const Bodies bodies = addPatient(sim, patient);
     Endoscope scope(
-        sim, {.name = "hysteroscope", .pose = {{0, -0.1, 0}, {}}, .groups = {ScopeWall, ScopePolyp}, .intensity = 2.8});
+        sim, {.name = "hysteroscope", .pose = {{0, -0.1, 0}, {}}, .groups = {ScopeWall, ScopePolyp}, .intensity = 2.0});
     MetricTracker* marks = nullptr;
     const auto onGrasp = [&](BodyId body, bool on) {
         marks->mark(on ? EventKind::Grasp : EventKind::Release, body == bodies.polyp ? "polyp" : "uterus");
@@ -241,7 +241,7 @@ int train(const Options& options, int seed)
     });
     sim.on<TearEvent>([&](const TearEvent& tear) {
         for (const BodyId body : {bodies.uterus, bodies.polyp})
-            sim.paint(body, {.place = tear.rupture.place, .radius = 3.5_mm, .state = {.blood = 0.7, .wetness = 1.0}});
+            sim.paint(body, {.place = tear.rupture.place, .radius = 2.5_mm, .state = {.blood = 0.6, .wetness = 1.0}});
     });
     sim.dress([&](VisualServer& server) {
         scope.dress(server);

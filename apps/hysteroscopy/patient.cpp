@@ -78,7 +78,9 @@ Patient makePatient(const std::string& caseName, std::uint64_t seed)
         const Vec3 up = {0, 1, 0}, across = cross(up, patient.normal);
         const Quat lean = axisAngle(across, std::atan2(length(across), dot(up, patient.normal)));
         patient.pose = {vec(site.at("at")), lean * axisAngle(up, 1_deg * static_cast<double>(random() % 360))};
-        patient.middle = patient.pose.position + (patient.height - 0.5 * patient.width) * patient.normal;
+        // By its head, or where jaws do not reach around that, by its neck.
+        const double above = patient.width < 8_mm ? patient.height - 0.5 * patient.width : 0.4 * patient.height;
+        patient.middle = patient.pose.position + above * patient.normal;
         patient.problem = problemOf(patient, uterus.at("centreline"));
         if (patient.problem.empty()) break;
     }
@@ -100,7 +102,9 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
         uterus.attachments.push_back({.box = held, .stiffness = 100.0});
     Bodies bodies;
     bodies.uterus = sim.add(uterus);
-    sim.show(bodies.uterus, {.surface = asset(kFolder + "uterus.obj"), .material = MucosaMaterial{.noiseScale = 600}});
+    const MucosaMaterial lining{
+        .baseColor = {0.62, 0.17, 0.13}, .subsurfaceColor = {0.66, 0.10, 0.07}, .noiseScale = 850, .pits = 0.45};
+    sim.show(bodies.uterus, {.surface = asset(kFolder + "uterus.obj"), .material = lining});
 
     SoftBodyDef polyp{.name = "polyp", .mesh = asset(kFolder + patient.polyp + ".msh"), .pose = patient.pose};
     polyp.material = FemMaterial{.youngModulus = 8_kPa, .poissonRatio = 0.4, .tearingThreshold = 9_kPa};
@@ -112,7 +116,7 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
     polyp.attachments = {{.nodes = patient.base, .stiffness = 200.0, .to = bodies.uterus}};
     bodies.polyp = sim.add(polyp);
     sim.show(bodies.polyp, {.subdivision = 1,
-                            .material = MucosaMaterial{.baseColor = {0.74, 0.27, 0.22}, .noiseScale = 600},
+                            .material = MucosaMaterial{.baseColor = {0.72, 0.20, 0.16}, .noiseScale = 700},
                             .interior = TissueMaterial{.baseColor = {0.42, 0.02, 0.015}, .wetness = 1}});
     return bodies;
 }

@@ -16,7 +16,7 @@ struct Patient {
     filasofia::Pose pose = {};   ///< of the polyp: its root in the wall, +Y out of it
     filasofia::Vec3 normal = {}; ///< unit, out of the wall
     double free = 0.0;           ///< [m], to the wall opposite
-    filasofia::Vec3 middle = {}; ///< [m], of its head
+    filasofia::Vec3 middle = {}; ///< [m], where forceps take it
     std::string problem = {};    ///< why nobody could treat it; empty: somebody could
 };
 

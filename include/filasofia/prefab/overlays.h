@@ -46,7 +46,8 @@ public:
     // Any thread.
     [[nodiscard]] double force() const;   ///< [N], smoothed
     [[nodiscard]] double highest() const; ///< [N], smoothed, since the start
-    [[nodiscard]] int warnings() const;   ///< [-], times that it rose above the warning
+    [[nodiscard]] int
+    warnings() const; ///< [-], times that it rose above the warning, after it had been below 80 % of it
 
 private:
     struct Impl;

@@ -15,6 +15,8 @@ namespace {
 constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar |
                                     ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoFocusOnAppearing;
 
+constexpr double kCalm = 0.8; ///< [-], of the warning, below which it is over
+
 void line(const std::string& text) { ImGui::TextUnformatted(text.c_str(), text.c_str() + text.size()); }
 
 } // namespace
@@ -88,7 +90,9 @@ struct ForceBar::Impl {
         const double before = mean;
         mean = before + share * (sum - before);
         most = std::max(most.load(), mean.load());
-        if (before <= def.warning && mean > def.warning) ++warnings;
+        // A force that trembles about the threshold is one warning, not a hundred.
+        if (mean > def.warning && !warned) ++warnings;
+        warned = mean > (warned ? kCalm : 1.0) * def.warning;
     }
 
     void draw() const
@@ -111,7 +115,8 @@ struct ForceBar::Impl {
 
     runtime::Simulation& simulation;
     const ForceBarDef def;
-    double time = 0.0; // of the stepping thread
+    double time = 0.0;   // of the stepping thread
+    bool warned = false; // of the same
     std::atomic<double> mean = 0.0;
     std::atomic<double> most = 0.0;
     std::atomic<int> warnings = 0;
