@@ -184,8 +184,12 @@ int train(const Options& options, int seed)
     const auto onGrasp = [&](BodyId body, bool on) {
         marks->mark(on ? EventKind::Grasp : EventKind::Release, body == bodies.polyp ? "polyp" : "uterus");
     };
+    // Of the shaft only what can leave the channel touches tissue.
+    TriangleMesh shaft = *shapes::cylinder(0.83_mm, 10_mm, 2);
+    for (Vec3& vertex : shaft.vertices) vertex = {vertex.x, -vertex.z, vertex.y + 5_mm};
     ArticulatedInstrument forceps(sim, {.name = "forceps",
                                         .pose = scope.channel(),
+                                        .shaftCollision = std::make_shared<const TriangleMesh>(shaft),
                                         .groups = {ForcepsWall, ForcepsPolyp},
                                         .closingTorque = 0.15e-3,
                                         .material = MetalMaterial{.roughness = 0.5},
@@ -195,7 +199,8 @@ int train(const Options& options, int seed)
                       .up = {0, 0, 1},
                       .start = {{0, 1, 0}, -39_mm, 0, -6_mm},
                       .leastDepth = -60_mm,
-                      .mostDepth = 36_mm});
+                      .mostDepth = 36_mm,
+                      .mostReach = 12_mm});
 
     const std::string file = sessionFile(options, seed);
     MetricTrackerDef observed{.bodies = {{.body = forceps.body(), .tip = {0, 0, -4.5_mm}},
