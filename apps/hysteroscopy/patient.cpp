@@ -92,7 +92,7 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
     SoftBodyDef uterus{.name = "uterus", .mesh = asset(kFolder + "uterus_1702.msh")};
     uterus.material = FemMaterial{.youngModulus = 12_kPa, .poissonRatio = 0.42};
     uterus.rayleigh = {.mass = 5.0, .stiffness = 0.02};
-    uterus.solver = ConjugateGradient{.tolerance = 2e-2};
+    uterus.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
     uterus.collision = {{.proximity = 0.2_mm, .group = ScopeWall}, {.proximity = 0.2_mm, .group = ForcepsWall}};
     uterus.friction = 0.05;
     // Ligaments hold the cervix and the horns.
@@ -109,7 +109,7 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
     SoftBodyDef polyp{.name = "polyp", .mesh = asset(kFolder + patient.polyp + ".msh"), .pose = patient.pose};
     polyp.material = FemMaterial{.youngModulus = 8_kPa, .poissonRatio = 0.4, .tearingThreshold = 9_kPa};
     polyp.rayleigh = {.mass = 10.0, .stiffness = 0.02};
-    polyp.solver = ConjugateGradient{.tolerance = 2e-2};
+    polyp.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
     polyp.collision = {{.proximity = 0.1_mm, .group = ScopePolyp}, {.proximity = 0.1_mm, .group = ForcepsPolyp}};
     polyp.friction = 0.8;
     polyp.dynamicTopology = true;
