@@ -193,6 +193,7 @@ int train(const Options& options, int seed)
                                         .shaftCollision = std::make_shared<const TriangleMesh>(shaft),
                                         .groups = {ForcepsWall, ForcepsPolyp},
                                         .closingTorque = 0.15e-3,
+                                        .gripStiffness = 300.0,
                                         .material = MetalMaterial{.roughness = 0.5},
                                         .onGrasp = onGrasp});
     ScopeHands hands(sim, scope, forceps,

@@ -7,6 +7,7 @@
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/prefab/overlays.h"
 #include "filasofia/prefab/screens.h"
+#include "filasofia/window/null_window.h"
 
 #include <catch2/catch.hpp>
 
@@ -169,12 +170,55 @@ TEST_CASE("guidance, bar and screens draw names of any length and content withou
     CHECK(lines.empty());
 }
 
-TEST_CASE("a start screen holds the simulation until Start is pressed")
+TEST_CASE("a start screen holds the simulation until Start is pressed, and an end screen waits for its button")
 {
-    Simulation sim;
-    const StartScreen start(
-        sim, {.title = "T", .cases = {"a", "b"}, .choice = {.trainee = std::string(10'000, 'x'), .caseIndex = 7}});
-    draw(sim);
-    CHECK(sim.paused());
-    CHECK(sim.physics().latest()->time == 0.0);
+    Simulation sim({.window = {.title = "T", .width = 720, .height = 480}});
+    window::NullWindow* person = nullptr;
+    sim.useWindow([&](const window::WindowDef& def) {
+        auto opened = std::make_unique<window::NullWindow>(def);
+        person = opened.get();
+        return opened;
+    });
+    const auto click = [&](double x, double y) {
+        auto move = std::make_unique<event::MouseMoveEvent>();
+        move->x = x;
+        move->y = y;
+        person->inject(std::move(move));
+        for (const bool pressed : {true, false}) {
+            auto button = std::make_unique<event::MouseButtonEvent>();
+            button->pressed = pressed;
+            button->x = x;
+            button->y = y;
+            person->inject(std::move(button));
+        }
+    };
+    const std::string longName(10'000, 'x');
+    std::vector<StartChoice> chosen;
+    const StartScreen start(sim, {.title = "T",
+                                  .cases = {"a", "b"},
+                                  .difficulties = {"easy", "hard"},
+                                  .choice = {.trainee = longName, .caseIndex = 7, .difficulty = 0, .seed = 5},
+                                  .start = [&](const StartChoice& choice) { chosen.push_back(choice); }});
+    EndScreen end(sim);
+    end.onClose([&] { sim.finish("closed"); });
+    double pausedAt = -1.0;
+    sim.show(visual::GuiDef{.name = "script", .renderCallback = [&, pictures = 0]() mutable {
+                                ++pictures;
+                                if (pictures == 8) {
+                                    pausedAt = sim.physics().latest()->time;
+                                    click(230, 311); // Start, as the panel lies in this window
+                                }
+                                if (pictures == 20)
+                                    end.show("Done", {{"a", "1"}, {"b", "2"}, {"c", "3"}}, "file.jsonl");
+                                if (pictures > 30 && pictures % 10 == 0)
+                                    for (double x = 280; x <= 360; x += 20) click(x, 295); // Close, wherever it begins
+                            }});
+    const auto report = sim.run({.backend = visual::Backend::Null, .seconds = 60});
+    CHECK(report.finished == "closed");
+    CHECK(pausedAt == 0.0);
+    CHECK(report.time > 0.0);
+    REQUIRE(chosen.size() == 1);
+    CHECK(chosen[0].trainee == longName); // longer than its field, and not edited: whole
+    CHECK(chosen[0].caseIndex == 1);      // the last there is
+    CHECK(chosen[0].seed == 5);
 }

@@ -56,8 +56,9 @@ struct ArticulatedInstrumentDef {
     double proximity = 0.1e-3;                       ///< [m], >= 0
     double friction = 0.8;                           ///< [-], >= 0
     bool grasps = true;                              ///< may its closed jaws hold tissue; those of scissors never do
-    double gripForce = 0.02;             ///< [N], > 0, on each side of the mouth, at which tissue counts as grasped
-    double breakForce = physics::kNever; ///< [N], in (0, inf], beyond which it slips out
+    double gripForce = 0.02;               ///< [N], > 0, on each side of the mouth, at which tissue counts as grasped
+    double gripStiffness = physics::kHard; ///< [N/m], in (0, inf], of each point that it holds
+    double breakForce = physics::kNever;   ///< [N], in (0, inf], beyond which it slips out
     visual::Material material = visual::MetalMaterial{};
     /// Told on the stepping thread when it begins (true) and ceases to hold a body; not a field of files.
     std::function<void(BodyId, bool)> onGrasp = {};
@@ -65,28 +66,31 @@ struct ArticulatedInstrumentDef {
 constexpr auto fields(const ArticulatedInstrumentDef*)
 {
     using T = ArticulatedInstrumentDef;
-    return describe("ArticulatedInstrumentDef", field("name", &T::name, "what errors and reports call it"),
-                    field("kind", &T::kind, "whose meshes it has where none are given"),
-                    field("pose", &T::pose, "of the pivot at the start"),
-                    field("shaft", &T::shaft, "what is drawn of the shaft"),
-                    field("shaftCollision", &T::shaftCollision, "by what the shaft touches"),
-                    field("jaws", &T::jaws, "one or two"), field("groups", &T::groups, "of its collision models"),
-                    field("opening", &T::opening, "-", closed(0, 1), "at the start"),
-                    field("closingTorque", &T::closingTorque, "N m", positive(), "of each jaw, closing"),
-                    field("speed", &T::speed, "rad/s", positive(), "of a jaw at most"),
-                    field("proximity", &T::proximity, "m", nonNegative(), "from where on contacts are found"),
-                    field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
-                    field("grasps", &T::grasps, "may its jaws hold tissue"),
-                    field("gripForce", &T::gripForce, "N", positive(), "on each side, at which tissue is grasped"),
-                    field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "beyond which it slips out"),
-                    field("material", &T::material, "what it looks like"));
+    return describe(
+        "ArticulatedInstrumentDef", field("name", &T::name, "what errors and reports call it"),
+        field("kind", &T::kind, "whose meshes it has where none are given"),
+        field("pose", &T::pose, "of the pivot at the start"), field("shaft", &T::shaft, "what is drawn of the shaft"),
+        field("shaftCollision", &T::shaftCollision, "by what the shaft touches"), field("jaws", &T::jaws, "one or two"),
+        field("groups", &T::groups, "of its collision models"),
+        field("opening", &T::opening, "-", closed(0, 1), "at the start"),
+        field("closingTorque", &T::closingTorque, "N m", positive(), "of each jaw, closing"),
+        field("speed", &T::speed, "rad/s", positive(), "of a jaw at most"),
+        field("proximity", &T::proximity, "m", nonNegative(), "from where on contacts are found"),
+        field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
+        field("grasps", &T::grasps, "may its jaws hold tissue"),
+        field("gripForce", &T::gripForce, "N", positive(), "on each side, at which tissue is grasped"),
+        field("gripStiffness", &T::gripStiffness, "N/m", positiveOrInfinite(), "at each point it holds"),
+        field("gripStiffness", &T::gripStiffness, "N/m", positiveOrInfinite(), "at each point that it holds"),
+        field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "beyond which it slips out"),
+        field("material", &T::material, "what it looks like"));
 }
 
 /// An instrument that is moved as a whole and opened and closed, by key, device button or script: all the same calls.
 ///
 /// Closing presses with a torque, so tissue between the jaws stops them. When a soft body pushes both sides of the
 /// mouth with `gripForce` or more, it is held: tied to the jaws as they are, which then stay (a ratchet), until open()
-/// or until `breakForce` is exceeded. Every function may be called from any thread and takes effect at the next step.
+/// or until `breakForce` is exceeded. A reset of the simulation leaves it held: open() before. Every function may be
+/// called from any thread and takes effect at the next step.
 class ArticulatedInstrument {
 public:
     static constexpr int kShaft = 0; ///< element of the body; moving jaws follow from 1 on

@@ -208,7 +208,8 @@ struct ArticulatedInstrument::Impl {
         for (const frame::SoftBodyFrame& soft : frame.softBodies) {
             const auto sides = squeezed(frame, body, soft.id, opens);
             if (sides[0] < def.gripForce || sides[1] < def.gripForce) continue;
-            grip = simulation.physics().grasp(body, soft.id, {.breakForce = def.breakForce});
+            grip = simulation.physics().grasp(body, soft.id,
+                                              {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
             tell([&](std::size_t joint, const JawDef& each) {
                 const double position = std::clamp(now.joints[joint].position, 0.0, each.opensBy);
                 return physics::JointCommand(JointPosition{position});
