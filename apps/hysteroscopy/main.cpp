@@ -111,7 +111,6 @@ std::vector<HandMove> expertMotion(const Patient& patient, const ScopeHands& han
             return hand;
         };
     };
-    constexpr double close = 2.5_mm; // of the pivot before what the jaws take
     const double roll = hands.rollAcross(patient.normal, patient.middle);
     std::vector<HandMove> moves = {{.seconds = 0.6, .to = axial(-6_mm), .end = picture("os")},
                                    {.seconds = 1.4, .to = axial(12_mm), .end = picture("canal")},
@@ -120,9 +119,9 @@ std::vector<HandMove> expertMotion(const Patient& patient, const ScopeHands& han
                                    {.seconds = 0.8, .to = axial(37_mm, -50_deg)},
                                    {.seconds = 0.8, .aim = before(12_mm, roll, 14_mm)},
                                    {.seconds = 0.4, .aim = before(11_mm, roll, 14_mm), .end = picture("polyp")}};
-    // Soft tissue slips out of closing jaws: up to four times, each from another side.
+    // Soft tissue slips out of closing jaws: up to four times, from other sides and with the pivot elsewhere before it.
     const auto holds = [&forceps] { return static_cast<bool>(forceps.holding()); };
-    for (const double turned : {0_deg, 60_deg, -60_deg, 0_deg}) {
+    for (const auto& [turned, close] : {std::pair{0_deg, 3_mm}, {60_deg, 2.5_mm}, {-60_deg, 3.5_mm}, {0_deg, 2_mm}}) {
         const double side = roll + turned;
         const auto open = [&forceps] { forceps.open(); };
         moves.insert(moves.end(), {{.seconds = 0.6, .aim = before(close + 6_mm, side), .skip = holds, .begin = open},
