@@ -79,7 +79,7 @@ Patient makePatient(const std::string& caseName, std::uint64_t seed)
         const Quat lean = axisAngle(across, std::atan2(length(across), dot(up, patient.normal)));
         patient.pose = {vec(site.at("at")), lean * axisAngle(up, 1_deg * static_cast<double>(random() % 360))};
         // By its head, or where jaws do not reach around that, by its neck.
-        const double above = patient.width < 8_mm ? patient.height - 0.5 * patient.width : 0.4 * patient.height;
+        const double above = patient.width < 6_mm ? patient.height - 0.5 * patient.width : 0.4 * patient.height;
         patient.middle = patient.pose.position + above * patient.normal;
         patient.problem = problemOf(patient, uterus.at("centreline"));
         if (patient.problem.empty()) break;
