@@ -58,15 +58,14 @@ Options parse(int argc, char** argv)
 int checkSeeds(const Options& options)
 {
     const int count = wholeNumber("hysteroscopy: --check-seeds", options.checkSeeds, {closed(1, 1'000'000), "-"});
-    int bad = 0;
+    int good = 0;
     for (int seed = 1; seed <= count; ++seed) {
         const std::string problem = makePatient(options.caseName, static_cast<std::uint64_t>(seed)).problem;
-        if (problem.empty()) continue;
-        std::printf("seed %d: %s\n", seed, problem.c_str());
-        ++bad;
+        good += problem.empty();
+        if (!problem.empty()) std::printf("seed %d: %s\n", seed, problem.c_str());
     }
-    std::printf("%d of %d patients can be treated\n", count - bad, count);
-    return bad == 0 ? 0 : 1;
+    std::printf("%d of %d patients can be treated\n", good, count);
+    return good == count ? 0 : 1;
 }
 
 /// Asks who, which case, which seed. False: the window was closed.

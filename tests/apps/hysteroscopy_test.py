@@ -66,5 +66,14 @@ class Expert(Trainer):
             self.assertIn(word, text)
 
 
+class Pictures(Trainer):
+    def test_the_expert_takes_pictures_on_the_way(self):
+        done = run("--motion", "expert", "--headless", "--steps", "700", "--session", self.session,
+                   "--pictures", self.folder.name)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        picture = Path(self.folder.name) / "os.png"
+        self.assertGreater(picture.stat().st_size, 100_000)  # a black one, or one of one colour, is far smaller
+
+
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[2:]])
