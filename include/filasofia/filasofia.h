@@ -6,6 +6,9 @@
 #include "filasofia/event/input_events.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/prefab/metric_tracker.h"
+#include "filasofia/prefab/overlays.h"
+#include "filasofia/prefab/scope_hands.h"
+#include "filasofia/prefab/screens.h"
 #include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/simulation.h"
 
@@ -71,8 +74,25 @@ using physics::Rupture;
 using physics::SoftBodyDef;
 using physics::TetMeshSource;
 using physics::TotalMass;
+using prefab::ArticulatedInstrument;
+using prefab::ArticulatedInstrumentDef;
+using prefab::Endoscope;
+using prefab::EndoscopeDef;
+using prefab::EndScreen;
+using prefab::ForceBar;
+using prefab::Guidance;
+using prefab::HandMove;
+using prefab::InstrumentKind;
 using prefab::MetricTracker;
 using prefab::MetricTrackerDef;
+using prefab::ScopeHand;
+using prefab::ScopeHands;
+using prefab::StartChoice;
+using prefab::StartScreen;
+using prefab::StartScreenDef;
+using prefab::Task;
+using prefab::TaskProgress;
+using prefab::TaskStep;
 using prefab::TrackedBody;
 using runtime::asset;
 using runtime::ContactEvent;

@@ -1,0 +1,124 @@
+#include "apps/hysteroscopy/patient.h"
+
+#include <filasofia/core/word.h>
+
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <random>
+
+using namespace filasofia;
+
+namespace hysteroscopy {
+namespace {
+
+const std::string kFolder = "meshes/hysteroscopy/";
+const std::vector<std::string> kPolyps = {"polyp_pedunculated_8", "polyp_pedunculated_12", "polyp_lobed_13"};
+
+nlohmann::json read(const std::string& name)
+{
+    const std::string file = asset(kFolder + name);
+    try {
+        return nlohmann::json::parse(std::ifstream(file));
+    } catch (const nlohmann::json::exception& problem) {
+        fail(file, ": ", problem.what());
+    }
+}
+
+Vec3 vec(const nlohmann::json& json) { return {json.at(0), json.at(1), json.at(2)}; }
+
+/// How far out a point is from the cavity's axis, relative to the wall: below 1 it is in the hollow.
+double outwards(const nlohmann::json& axis, Vec3 p)
+{
+    for (std::size_t i = 1; i < axis.size(); ++i) {
+        const Vec3 a = vec(axis[i - 1].at("at")), b = vec(axis[i].at("at"));
+        if (p.y < a.y || p.y > b.y) continue;
+        const auto mixed = [&, t = (p.y - a.y) / (b.y - a.y)](const char* what) {
+            return (1.0 - t) * axis[i - 1].at(what).get<double>() + t * axis[i].at(what).get<double>();
+        };
+        return std::hypot(p.x / mixed("halfWidth"), p.z / mixed("halfDepth"));
+    }
+    return 2.0;
+}
+
+/// Nobody could treat a polyp that does not fit, or that a straight instrument from the canal cannot get at.
+std::string problemOf(const Patient& patient, const nlohmann::json& axis)
+{
+    if (patient.free < patient.height + 0.5_mm) return "it touches the wall opposite";
+    if (outwards(axis, patient.middle) >= 1.0) return "its head is inside the wall";
+    const Vec3 way = patient.middle - kFulcrum;
+    if (std::acos(normalized(way).y) > 30_deg) return "it lies too far aside";
+    for (double t = 0.2; t < 1.0; t += 0.05)
+        if (outwards(axis, kFulcrum + t * way) >= 1.0) return "the wall is in the way";
+    return {};
+}
+
+} // namespace
+
+Patient makePatient(const std::string& caseName, std::uint64_t seed)
+{
+    const auto chosen = std::ranges::find(kCases, caseName) - kCases.begin();
+    if (chosen == std::ssize(kCases))
+        fail("hysteroscopy: --case must be small, medium or lobed, got ", shownWord(caseName));
+    Patient patient{.polyp = kPolyps[static_cast<std::size_t>(chosen)]};
+    const nlohmann::json polyps = read("polyps.json"), uterus = read("uterus.json");
+    for (const auto& each : polyps.at("polyps"))
+        if (each.at("name") == patient.polyp) {
+            patient.height = each.at("height");
+            patient.width = each.at("width");
+            patient.base = each.at("base").get<std::vector<int>>();
+        }
+    // Sites are tried until one suits; what mt19937_64 gives is the same everywhere.
+    std::mt19937_64 random(seed);
+    for (int attempt = 0; attempt < 200; ++attempt) {
+        const auto& site = uterus.at("sites").at(random() % uterus.at("sites").size());
+        patient.normal = normalized(vec(site.at("normal")));
+        patient.free = site.at("free");
+        // +Y goes to the normal, after a turn about itself.
+        const Vec3 up = {0, 1, 0}, across = cross(up, patient.normal);
+        const Quat lean = axisAngle(across, std::atan2(length(across), dot(up, patient.normal)));
+        patient.pose = {vec(site.at("at")), lean * axisAngle(up, 1_deg * static_cast<double>(random() % 360))};
+        // By its head, or where jaws do not reach around that, by its neck.
+        const double above = patient.width < 6_mm ? patient.height - 0.5 * patient.width : 0.4 * patient.height;
+        patient.middle = patient.pose.position + above * patient.normal;
+        patient.problem = problemOf(patient, uterus.at("centreline"));
+        if (patient.problem.empty()) break;
+    }
+    return patient;
+}
+
+Bodies addPatient(Simulation& sim, const Patient& patient)
+{
+    SoftBodyDef uterus{.name = "uterus", .mesh = asset(kFolder + "uterus_1702.msh")};
+    uterus.material = FemMaterial{.youngModulus = 12_kPa, .poissonRatio = 0.42};
+    uterus.rayleigh = {.mass = 5.0, .stiffness = 0.02};
+    uterus.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
+    uterus.collision = {{.proximity = 0.2_mm, .group = ScopeWall}, {.proximity = 0.2_mm, .group = ForcepsWall}};
+    uterus.friction = 0.05;
+    // Ligaments hold the cervix and the horns.
+    for (const Box& held : {Box{{-1, 2_mm, 9_mm}, {1, 26_mm, 1}}, Box{{-1, 2_mm, -1}, {1, 26_mm, -9_mm}},
+                            Box{{9_mm, 2_mm, -1}, {1, 26_mm, 1}}, Box{{-1, 2_mm, -1}, {-9_mm, 26_mm, 1}},
+                            Box{{20_mm, 40_mm, -1}, {1, 1, 1}}, Box{{-1, 40_mm, -1}, {-20_mm, 1, 1}}})
+        uterus.attachments.push_back({.box = held, .stiffness = 100.0});
+    Bodies bodies;
+    bodies.uterus = sim.add(uterus);
+    const MucosaMaterial lining{
+        .baseColor = {0.62, 0.17, 0.13}, .subsurfaceColor = {0.66, 0.10, 0.07}, .noiseScale = 850, .pits = 0.45};
+    sim.show(bodies.uterus, {.surface = asset(kFolder + "uterus.obj"), .material = lining});
+
+    SoftBodyDef polyp{.name = "polyp", .mesh = asset(kFolder + patient.polyp + ".msh"), .pose = patient.pose};
+    polyp.material = FemMaterial{.youngModulus = 8_kPa, .poissonRatio = 0.4, .tearingThreshold = 9_kPa};
+    polyp.rayleigh = {.mass = 10.0, .stiffness = 0.02};
+    polyp.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
+    polyp.collision = {{.proximity = 0.1_mm, .group = ScopePolyp}, {.proximity = 0.1_mm, .group = ForcepsPolyp}};
+    polyp.friction = 0.8;
+    polyp.dynamicTopology = true;
+    polyp.attachments = {{.nodes = patient.base, .stiffness = 200.0, .to = bodies.uterus}};
+    bodies.polyp = sim.add(polyp);
+    sim.show(bodies.polyp, {.subdivision = 1,
+                            .material = MucosaMaterial{.baseColor = {0.72, 0.20, 0.16}, .noiseScale = 700},
+                            .interior = TissueMaterial{.baseColor = {0.42, 0.02, 0.015}, .wetness = 1}});
+    return bodies;
+}
+
+} // namespace hysteroscopy

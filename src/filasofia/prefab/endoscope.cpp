@@ -1,0 +1,165 @@
+#include "filasofia/prefab/endoscope.h"
+
+#include "filasofia/core/text.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/runtime/assets.h"
+
+#include <cmath>
+#include <mutex>
+
+namespace filasofia::prefab {
+namespace {
+
+constexpr Vec3 kSideways = {1.0, 0.0, 0.0};
+constexpr Vec3 kBackwards = {0.0, 0.0, 1.0};
+
+std::string part(std::string_view name) { return runtime::asset(text("meshes/hysteroscopy/hysteroscope_", name)); }
+
+EndoscopeDef completed(EndoscopeDef def)
+{
+    const std::string object = text("endoscope '", def.name, "'");
+    validate(def, object);
+    def.pose = physics::unitPose(def.pose, text(object, ": pose"));
+    def.channel = physics::unitPose(def.channel, text(object, ": channel"));
+    if (def.surfaces.empty()) def.surfaces = {part("sheath.obj"), part("optic.obj"), part("handle.obj")};
+    if (const auto* file = std::get_if<std::string>(&def.collision); file && file->empty())
+        def.collision = part("collision.obj");
+    return def;
+}
+
+/// The camera in the tip's coordinates: -Z of the identity is the shaft's direction, a turn by -inclination about +X
+/// takes it towards -Y, and the camera's own roll is about what is then its view.
+Pose mounted(const EndoscopeDef& def, double cameraRoll)
+{
+    return {def.lens, axisAngle(kSideways, -def.inclination) * axisAngle(kBackwards, cameraRoll)};
+}
+
+} // namespace
+
+struct Endoscope::Impl {
+    Impl(runtime::Simulation& sim, const EndoscopeDef& asked)
+        : simulation(sim), def(completed(asked)), told(def.pose), body(addBody())
+    {
+        // What is drawn of it throws no shadow: its own light sits within.
+        for (const runtime::SurfaceSource& surface : def.surfaces)
+            simulation.show(body, {.surface = surface,
+                                   .element = kShaft,
+                                   .material = visual::MetalMaterial{.roughness = 0.35},
+                                   .castShadows = false});
+    }
+
+    BodyId addBody()
+    {
+        physics::RigidBodyDef rigid{.name = def.name, .elements = {tip(), camera()}, .friction = def.friction};
+        for (const int group : def.groups)
+            rigid.collision.push_back(
+                {.mesh = def.collision, .element = kShaft, .proximity = def.proximity, .group = group});
+        return simulation.add(rigid);
+    }
+
+    [[nodiscard]] Pose tip() const { return told * Pose{{}, axisAngle(kBackwards, rolled)}; }
+    [[nodiscard]] Pose camera() const { return tip() * mounted(def, cameraRolled); }
+
+    void send()
+    {
+        simulation.physics().setPose(body, tip(), kShaft);
+        simulation.physics().setPose(body, camera(), kCamera);
+    }
+
+    void checkAngle(double angle, std::string_view what) const
+    {
+        if (!std::isfinite(angle)) fail("endoscope '", def.name, "': ", what, " must be finite, got ", angle, " rad");
+    }
+
+    runtime::Simulation& simulation;
+    const EndoscopeDef def;
+    mutable std::mutex mutex; // of what follows, and of the order of commands
+    Pose told;
+    double rolled = 0.0;
+    double cameraRolled = 0.0;
+    const BodyId body; // made of all above
+};
+
+Endoscope::Endoscope(runtime::Simulation& simulation, const EndoscopeDef& def)
+    : impl_(std::make_unique<Impl>(simulation, def))
+{
+}
+Endoscope::~Endoscope() = default;
+
+BodyId Endoscope::body() const { return impl_->body; }
+
+void Endoscope::move(const Pose& tip)
+{
+    const Pose unit = physics::unitPose(tip, text("endoscope '", impl_->def.name, "'"));
+    const std::lock_guard lock(impl_->mutex);
+    impl_->told = unit;
+    impl_->send();
+}
+
+void Endoscope::roll(double angle)
+{
+    impl_->checkAngle(angle, "roll");
+    const std::lock_guard lock(impl_->mutex);
+    impl_->rolled = angle;
+    impl_->send();
+}
+
+void Endoscope::cameraRoll(double angle)
+{
+    impl_->checkAngle(angle, "cameraRoll");
+    const std::lock_guard lock(impl_->mutex);
+    impl_->cameraRolled = angle;
+    impl_->send();
+}
+
+Pose Endoscope::tip() const
+{
+    const std::lock_guard lock(impl_->mutex);
+    return impl_->tip();
+}
+
+Pose Endoscope::camera() const
+{
+    const std::lock_guard lock(impl_->mutex);
+    return impl_->camera();
+}
+
+Pose Endoscope::channel() const { return tip() * impl_->def.channel; }
+
+EndoscopeView Endoscope::dress(visual::VisualServer& server)
+{
+    const EndoscopeDef& def = impl_->def;
+    EndoscopeView out;
+    out.camera = &server.add(visual::CameraDef{.name = text(def.name, " camera"),
+                                               .verticalFieldOfView = def.fieldOfView,
+                                               .near = 0.2e-3,
+                                               .far = 0.5,
+                                               .focusDistance = 0.02});
+    impl_->simulation.follow(*out.camera, impl_->body, {.at = runtime::FollowElement{kCamera}});
+
+    // A ring of fibres around the lens shines wider than the picture; beside the lens it models what it lights.
+    const visual::SpotLight spot{.intensity = def.intensity,
+                                 .innerAngle = 0.15,
+                                 .outerAngle = std::min(1.4, 0.75 * def.fieldOfView),
+                                 .range = 0.3};
+    out.light = &server.add(visual::LightDef{.name = text(def.name, " light"), .kind = spot, .color = def.lightColor});
+    Pose lamp = mounted(def, 0.0);
+    lamp.position.x += 0.8e-3;
+    impl_->simulation.follow(*out.light, impl_->body, {.at = runtime::FollowElement{kShaft}, .offset = lamp});
+
+    // Walls send light back, red from tissue: without it instruments are black and shadows have no end.
+    server.setEnvironment({.intensity = 300.0,
+                           .above = {0.55, 0.36, 0.32},
+                           .below = {0.45, 0.25, 0.21},
+                           .lampStrength = 1.0,
+                           .background = {0.03, 0.006, 0.005}});
+
+    visual::Effects effects = visual::effectsOf(def.quality, 2e-3);
+    effects.endoscope = def.optics;
+    effects.vignette = {}; // the optics have their own
+    out.view = &server.add(visual::ViewDef{.name = text(def.name, " view"), .quality = def.quality, .effects = effects},
+                           *out.camera);
+    return out;
+}
+
+} // namespace filasofia::prefab

@@ -1,0 +1,136 @@
+#include "filasofia/prefab/overlays.h"
+
+#include "filasofia/core/text.h"
+#include "filasofia/core/validate.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace filasofia::prefab {
+namespace {
+
+constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar |
+                                    ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoFocusOnAppearing;
+
+constexpr double kCalm = 0.8; ///< [-], of the warning, below which it is over
+
+void line(const std::string& text) { ImGui::TextUnformatted(text.c_str(), text.c_str() + text.size()); }
+
+} // namespace
+
+struct Guidance::Impl {
+    explicit Impl(const Task& of) : task(of) {}
+
+    void draw()
+    {
+        if (!on) return;
+        const TaskProgress now = task.progress();
+        ImGui::SetNextWindowPos({12, 12});
+        if (ImGui::Begin("guidance", nullptr, kPlain)) {
+            if (now.state == TaskProgress::State::Running)
+                line(text(now.step + 1, "/", task.def().steps.size(), "  ", shown(task.instruction())));
+            else
+                line(now.state == TaskProgress::State::Done ? "Done" : "Time is up");
+        }
+        ImGui::End();
+        if (server != nullptr && now.target) point(*now.target);
+    }
+
+    /// From the middle of what is seen to the target, drawn through everything.
+    void point(Vec3 target)
+    {
+        const visual::DebugStyle style{.color = {0.2, 0.9, 0.4}, .width = 2.5, .onTop = true};
+        if (server->views().empty()) return;
+        const Pose eye = server->views().front()->camera().worldPose();
+        const Vec3 ahead = transform(eye, {0.0, 0.0, -12e-3});
+        const double far = distance(ahead, target);
+        if (far > 4e-3)
+            server->debug().arrow(ahead, ahead + (3e-3 / far) * (target - ahead), style);
+        else
+            server->debug().point(target, {.color = style.color, .width = 10.0, .onTop = true});
+    }
+
+    const Task task; // shares the task's state
+    visual::VisualServer* server = nullptr;
+    std::atomic<bool> on = true;
+};
+
+Guidance::Guidance(runtime::Simulation& simulation, const Task& task) : impl_(std::make_shared<Impl>(task))
+{
+    simulation.show(visual::GuiDef{.name = "guidance", .renderCallback = [impl = impl_] { impl->draw(); }});
+}
+void Guidance::dress(visual::VisualServer& server) { impl_->server = &server; }
+void Guidance::setOn(bool on) { impl_->on = on; }
+
+struct ForceBar::Impl {
+    Impl(runtime::Simulation& sim, const ForceBarDef& asked) : simulation(sim), def(asked)
+    {
+        validate(def, "force bar");
+        if (def.bodies.empty()) fail("force bar: bodies must be at least one, got none");
+        if (!(def.full > def.warning))
+            fail("force bar: full must be > warning (", def.warning, " N), got ", def.full, " N");
+    }
+
+    [[nodiscard]] bool counts(BodyId id) const { return std::ranges::find(def.bodies, id) != def.bodies.end(); }
+
+    /// Before every step: the forces of the last one, as a mean that forgets with `smoothing`.
+    void watch()
+    {
+        const frame::FrameRef frame = simulation.physics().latest();
+        if (!frame) return;
+        double sum = 0.0;
+        for (const frame::Contact& contact : frame->contacts)
+            if (counts(contact.first) != counts(contact.second)) sum += contact.normalForce;
+        const double passed = std::max(0.0, frame->time - time);
+        time = frame->time;
+        const double share = 1.0 - std::exp(-passed / def.smoothing);
+        const double before = mean;
+        mean = before + share * (sum - before);
+        most = std::max(most.load(), mean.load());
+        // A force that trembles about the threshold is one warning, not a hundred.
+        if (mean > def.warning && !warned) ++warnings;
+        warned = mean > (warned ? kCalm : 1.0) * def.warning;
+    }
+
+    void draw() const
+    {
+        const float now = static_cast<float>(mean), full = static_cast<float>(def.full);
+        const bool high = mean > def.warning;
+        const ImVec2 screen = ImGui::GetIO().DisplaySize;
+        ImGui::SetNextWindowPos({12.0F, screen.y - 12.0F}, ImGuiCond_Always, {0.0F, 1.0F});
+        if (ImGui::Begin("force", nullptr, kPlain)) {
+            char value[32];
+            std::snprintf(value, sizeof value, "%.2f N", static_cast<double>(now));
+            line(text(shown(def.name, 30), high ? ": too much" : ""));
+            ImGui::PushStyleColor(ImGuiCol_PlotHistogram,
+                                  high ? ImVec4(0.85F, 0.15F, 0.1F, 1.0F) : ImVec4(0.2F, 0.65F, 0.35F, 1.0F));
+            ImGui::ProgressBar(std::clamp(now / full, 0.0F, 1.0F), {160.0F, 0.0F}, value);
+            ImGui::PopStyleColor();
+        }
+        ImGui::End();
+    }
+
+    runtime::Simulation& simulation;
+    const ForceBarDef def;
+    double time = 0.0;   // of the stepping thread
+    bool warned = false; // of the same
+    std::atomic<double> mean = 0.0;
+    std::atomic<double> most = 0.0;
+    std::atomic<int> warnings = 0;
+};
+
+ForceBar::ForceBar(runtime::Simulation& simulation, const ForceBarDef& def)
+    : impl_(std::make_shared<Impl>(simulation, def))
+{
+    simulation.everyStep([impl = impl_](double) { impl->watch(); });
+    simulation.show(visual::GuiDef{.name = "force", .renderCallback = [impl = impl_] { impl->draw(); }});
+}
+
+double ForceBar::force() const { return impl_->mean; }
+double ForceBar::highest() const { return impl_->most; }
+int ForceBar::warnings() const { return impl_->warnings; }
+
+} // namespace filasofia::prefab

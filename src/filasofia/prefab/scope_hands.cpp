@@ -1,0 +1,215 @@
+#include "filasofia/prefab/scope_hands.h"
+
+#include "filasofia/core/units.h"
+#include "filasofia/core/validate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <utility>
+
+namespace filasofia::prefab {
+namespace {
+
+constexpr double kFollow = 0.06; ///< [s] in which a hand makes most of the way to where its person wants it
+
+ScopeHandsDef checked(ScopeHandsDef def)
+{
+    validate(def, "scope hands");
+    if (length(def.start.aim) == 0.0) fail("scope hands: start.aim must have a length > 0, got 0 0 0");
+    if (def.mostDepth < def.leastDepth)
+        fail("scope hands: mostDepth must be >= leastDepth (", def.leastDepth, " m), got ", def.mostDepth, " m");
+    if (def.mostReach < def.leastReach)
+        fail("scope hands: mostReach must be >= leastReach (", def.leastReach, " m), got ", def.mostReach, " m");
+    def.start.aim = normalized(def.start.aim);
+    return def;
+}
+
+ScopeHand between(const ScopeHand& a, const ScopeHand& b, double t)
+{
+    const auto mix = [t](double from, double to) { return from + t * (to - from); };
+    const Vec3 from = normalized(a.aim), to = normalized(b.aim);
+    return {normalized(from + t * (to - from)), mix(a.depth, b.depth), mix(a.roll, b.roll), mix(a.reach, b.reach)};
+}
+
+Pose tipOf(const ScopeHandsDef& def, const ScopeHand& hand)
+{
+    const Vec3 aim = normalized(hand.aim);
+    const Vec3 tip = def.fulcrum + hand.depth * aim;
+    return visual::lookAt(tip, tip + aim, def.up) * Pose{{}, axisAngle({0.0, 0.0, 1.0}, hand.roll)};
+}
+
+} // namespace
+
+struct ScopeHands::Impl {
+    Impl(Endoscope& endoscope, ArticulatedInstrument& tool, const ScopeHandsDef& asked)
+        : scope(endoscope), instrument(tool), def(checked(asked)), now(def.start), wanted(def.start)
+    {
+        const Pose unrolled = tipOf(def, {.aim = def.start.aim});
+        right = rotate(unrolled.orientation, {1.0, 0.0, 0.0});
+        upwards = rotate(unrolled.orientation, {0.0, 1.0, 0.0});
+        const Pose tip = scope.tip();
+        channel = inverse(tip) * scope.channel();
+        apply();
+    }
+
+    void apply()
+    {
+        const Pose tip = tipOf(def, now);
+        scope.move(tip);
+        instrument.move(tip * channel * Pose{{0.0, 0.0, -now.reach}, {}});
+    }
+
+    /// Before a step that ends at `time`.
+    void step(double time)
+    {
+        const std::lock_guard lock(mutex);
+        const double dt = time - std::exchange(last, time);
+        if (moves.empty())
+            now = between(now, wanted, 1.0 - std::exp(-dt / kFollow));
+        else
+            follow(time - dt, dt);
+        apply();
+    }
+
+    /// The script: moves that end within this step are ended, and the next ones begun.
+    void follow(double before, double dt)
+    {
+        if (move < 0) next(before);
+        while (current() != nullptr && before + dt >= moveStart + current()->seconds) {
+            now = current()->to;
+            if (current()->end) current()->end();
+            next(moveStart + current()->seconds);
+        }
+        if (current() == nullptr) return;
+        const double t = (before + dt - moveStart) / current()->seconds;
+        now = between(from, current()->to, t * t * (3.0 - 2.0 * t));
+    }
+    [[nodiscard]] HandMove* current()
+    {
+        return move < std::ssize(moves) ? &moves[static_cast<std::size_t>(move)] : nullptr;
+    }
+    void next(double time)
+    {
+        ++move;
+        while (current() != nullptr && current()->skip && current()->skip()) ++move;
+        moveStart = time;
+        from = now;
+        if (current() == nullptr) return;
+        if (current()->aim) current()->to = current()->aim();
+        if (current()->begin) current()->begin();
+    }
+
+    // A person: events tell where the hands are to be, and every step goes some of the way.
+    void turn(const event::MouseMoveEvent& moved)
+    {
+        if (!moved.buttons.right) return;
+        const std::lock_guard lock(mutex);
+        sideways = std::clamp(sideways + 0.002 * moved.dx, -def.mostTurn, def.mostTurn);
+        upward = std::clamp(upward - 0.002 * moved.dy, -def.mostTurn, def.mostTurn);
+        wanted.aim = normalized(def.start.aim + std::tan(sideways) * right + std::tan(upward) * upwards);
+    }
+    void shift(double depth, double roll, double reach)
+    {
+        const std::lock_guard lock(mutex);
+        wanted.depth = std::clamp(wanted.depth + depth, def.leastDepth, def.mostDepth);
+        wanted.roll += roll;
+        wanted.reach = std::clamp(wanted.reach + reach, def.leastReach, def.mostReach);
+    }
+    void press(const event::KeyEvent& key)
+    {
+        using event::KeyCode;
+        if (!key.pressed) return;
+        if (key.key == KeyCode::Up) shift(1_mm, 0.0, 0.0);
+        if (key.key == KeyCode::Down) shift(-1_mm, 0.0, 0.0);
+        if (key.key == KeyCode::Left) shift(0.0, 5_deg, 0.0);
+        if (key.key == KeyCode::Right) shift(0.0, -5_deg, 0.0);
+        if (key.key == KeyCode::W) shift(0.0, 0.0, 0.7_mm);
+        if (key.key == KeyCode::S) shift(0.0, 0.0, -0.7_mm);
+        if (key.key != KeyCode::G || key.repeat) return;
+        closed = !closed;
+        if (closed)
+            instrument.close();
+        else
+            instrument.open();
+    }
+
+    Endoscope& scope;
+    ArticulatedInstrument& instrument;
+    const ScopeHandsDef def;
+    Pose channel = {}; ///< in the tip's coordinates
+    Vec3 right = {};   ///< of the start
+    Vec3 upwards = {};
+    bool closed = true; ///< of the thread that delivers events
+    std::mutex mutex;   // of what follows
+    ScopeHand now;
+    ScopeHand wanted;
+    double sideways = 0.0; ///< [rad]
+    double upward = 0.0;   ///< [rad]
+    double last = 0.0;     ///< [s], when the last step ended
+    std::vector<HandMove> moves;
+    std::ptrdiff_t move = -1; ///< under way; -1: before the first
+    double moveStart = 0.0;
+    ScopeHand from;
+};
+
+ScopeHands::ScopeHands(runtime::Simulation& simulation, Endoscope& scope, ArticulatedInstrument& instrument,
+                       const ScopeHandsDef& def)
+    : impl_(std::make_shared<Impl>(scope, instrument, def))
+{
+    const auto when = [weak = std::weak_ptr(impl_)](auto act) {
+        return [weak, act](const auto& what) {
+            if (const auto impl = weak.lock()) act(*impl, what);
+        };
+    };
+    simulation.everyStep(when([](Impl& impl, double time) { impl.step(time); }));
+    simulation.on<event::MouseMoveEvent>(when([](Impl& impl, const event::MouseMoveEvent& e) { impl.turn(e); }));
+    simulation.on<event::MouseWheelEvent>(
+        when([](Impl& impl, const event::MouseWheelEvent& e) { impl.shift(1.5_mm * e.dy, 0.0, 0.0); }));
+    simulation.on<event::KeyEvent>(when([](Impl& impl, const event::KeyEvent& e) { impl.press(e); }));
+}
+ScopeHands::~ScopeHands() = default;
+
+ScopeHand ScopeHands::at(Vec3 target, double shortOf, double roll, double reach) const
+{
+    const Vec3 mouth = impl_->channel.position;
+    ScopeHand hand{.aim = impl_->def.start.aim, .roll = roll, .reach = reach};
+    // The channel lies beside the axis, and turns with the direction that is looked for: five rounds are plenty.
+    for (int i = 0; i < 5; ++i) {
+        const Vec3 beside = rotate(tipOf(impl_->def, hand).orientation, {mouth.x, mouth.y, 0.0});
+        const Vec3 way = target - beside - impl_->def.fulcrum;
+        hand.aim = normalized(way);
+        hand.depth = length(way) - shortOf - reach + mouth.z;
+    }
+    return hand;
+}
+
+double ScopeHands::rollAcross(Vec3 stalk, Vec3 target) const
+{
+    const Pose unrolled = tip(at(target, 0.0, 0.0, 0.0));
+    const Vec3 seen = rotate(conjugate(unrolled.orientation), normalized(stalk));
+    if (std::hypot(seen.x, seen.y) < 0.4) return 0.0; // within 24 degrees of the view
+    const double roll = std::atan2(seen.y, seen.x);
+    return roll > 90_deg ? roll - 180_deg : roll < -90_deg ? roll + 180_deg : roll;
+}
+
+Pose ScopeHands::tip(const ScopeHand& hand) const { return tipOf(impl_->def, hand); }
+
+void ScopeHands::play(std::vector<HandMove> moves)
+{
+    for (std::size_t i = 0; i < moves.size(); ++i)
+        if (!(moves[i].seconds > 0.0))
+            fail("scope hands: moves[", i, "].seconds must be > 0 s, got ", moves[i].seconds);
+    const std::lock_guard lock(impl_->mutex);
+    impl_->moves = std::move(moves);
+    impl_->move = -1;
+}
+
+double durationOf(const std::vector<HandMove>& moves)
+{
+    double sum = 0.0;
+    for (const HandMove& move : moves) sum += move.seconds;
+    return sum;
+}
+
+} // namespace filasofia::prefab

@@ -1,0 +1,155 @@
+#include "filasofia/prefab/screens.h"
+
+#include "filasofia/prefab/task.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <mutex>
+
+namespace filasofia::prefab {
+namespace {
+
+constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
+                                    ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings;
+
+void line(const std::string& text) { ImGui::TextUnformatted(text.c_str(), text.c_str() + text.size()); }
+
+/// In the middle of the picture. What somebody typed is no title: ImGui reads ids in those.
+bool beginPanel(const char* id)
+{
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({0.5F * screen.x, 0.5F * screen.y}, ImGuiCond_Always, {0.5F, 0.5F});
+    return ImGui::Begin(id, nullptr, kPanel | ImGuiWindowFlags_NoTitleBar);
+}
+
+void choose(const char* label, const std::vector<std::string>& from, int& chosen)
+{
+    if (from.empty()) return;
+    chosen = std::clamp(chosen, 0, static_cast<int>(from.size()) - 1);
+    if (!ImGui::BeginCombo(label, shown(from[static_cast<std::size_t>(chosen)], 40).c_str())) return;
+    for (int i = 0; i < static_cast<int>(from.size()); ++i) {
+        ImGui::PushID(i); // two may read the same
+        if (ImGui::Selectable(shown(from[static_cast<std::size_t>(i)], 40).c_str(), i == chosen)) chosen = i;
+        ImGui::PopID();
+    }
+    ImGui::EndCombo();
+}
+
+} // namespace
+
+struct StartScreen::Impl {
+    Impl(runtime::Simulation& sim, StartScreenDef asked) : simulation(sim), def(std::move(asked)), choice(def.choice)
+    {
+        // A name that is longer than the field stays whole unless it is edited.
+        const std::size_t size = std::min(choice.trainee.size(), typed.size() - 1);
+        std::copy_n(choice.trainee.begin(), size, typed.begin());
+    }
+
+    void draw()
+    {
+        if (started) return;
+        if (beginPanel("start")) {
+            line(shown(def.title, 60));
+            ImGui::Separator();
+            if (ImGui::InputText("Trainee", typed.data(), typed.size())) choice.trainee = typed.data();
+            choose("Case", def.cases, choice.caseIndex);
+            choose("Difficulty", def.difficulties, choice.difficulty);
+            ImGui::InputScalar("Seed", ImGuiDataType_U64, &choice.seed);
+            if (ImGui::Button("Start")) {
+                started = true;
+                if (def.start) def.start(choice);
+                simulation.pause(false);
+            }
+        }
+        ImGui::End();
+    }
+
+    runtime::Simulation& simulation;
+    const StartScreenDef def;
+    StartChoice choice; // of the main thread, as all here
+    std::array<char, 256> typed = {};
+    bool started = false;
+};
+
+StartScreen::StartScreen(runtime::Simulation& simulation, StartScreenDef def)
+    : impl_(std::make_shared<Impl>(simulation, std::move(def)))
+{
+    simulation.pause(true);
+    simulation.show(visual::GuiDef{.name = "start", .renderCallback = [impl = impl_] { impl->draw(); }});
+}
+
+std::optional<StartChoice> askAtStart(StartScreenDef def, const window::WindowDef& window)
+{
+    runtime::Simulation lobby({.window = window, .look = {.mouse = false, .keys = false}});
+    std::optional<StartChoice> chosen;
+    def.start = [&, start = std::move(def.start)](const StartChoice& choice) {
+        chosen = choice;
+        if (start) start(choice);
+        lobby.finish("started");
+    };
+    const StartScreen screen(lobby, std::move(def));
+    lobby.dress([](visual::VisualServer& server) {
+        visual::addEndoscopeLook(server, {{-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}}, visual::Quality::Low);
+    });
+    lobby.run({});
+    return chosen;
+}
+
+struct EndScreen::Impl {
+    void draw()
+    {
+        const std::lock_guard lock(mutex);
+        if (!visible) return;
+        bool pressed = false;
+        if (beginPanel("end")) {
+            line(shown(title, 60));
+            ImGui::Separator();
+            if (!results.empty() && ImGui::BeginTable("results", 2, ImGuiTableFlags_SizingFixedFit)) {
+                for (const ResultLine& result : results) {
+                    ImGui::TableNextColumn();
+                    line(shown(result.name, 40));
+                    ImGui::TableNextColumn();
+                    line(shown(result.value, 40));
+                }
+                ImGui::EndTable();
+            }
+            if (!file.empty()) line("Session: " + shown(file, 100));
+            pressed = ImGui::Button("Close");
+        }
+        ImGui::End();
+        if (!pressed) return;
+        visible = false;
+        if (close) close();
+    }
+
+    std::mutex mutex;
+    bool visible = false;
+    std::string title;
+    std::vector<ResultLine> results;
+    std::string file;
+    std::function<void()> close;
+};
+
+EndScreen::EndScreen(runtime::Simulation& simulation) : impl_(std::make_shared<Impl>())
+{
+    simulation.show(visual::GuiDef{.name = "end", .renderCallback = [impl = impl_] { impl->draw(); }});
+}
+
+void EndScreen::show(std::string title, std::vector<ResultLine> results, std::string sessionFile)
+{
+    const std::lock_guard lock(impl_->mutex);
+    impl_->title = std::move(title);
+    impl_->results = std::move(results);
+    impl_->file = std::move(sessionFile);
+    impl_->visible = true;
+}
+
+void EndScreen::onClose(std::function<void()> close)
+{
+    const std::lock_guard lock(impl_->mutex);
+    impl_->close = std::move(close);
+}
+
+} // namespace filasofia::prefab

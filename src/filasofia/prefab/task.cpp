@@ -1,0 +1,118 @@
+#include "filasofia/prefab/task.h"
+
+#include "filasofia/core/text.h"
+#include "filasofia/core/validate.h"
+
+#include <mutex>
+
+namespace filasofia::prefab {
+namespace {
+
+TaskDef checked(TaskDef def)
+{
+    const std::string object = text("task '", shown(def.name), "'");
+    validate(def, object);
+    if (def.steps.empty()) fail(object, ": steps must be at least one, got none");
+    for (std::size_t i = 0; i < def.steps.size(); ++i)
+        if (!def.steps[i].done) fail(object, ": steps[", i, "].done must be a function, got nothing");
+    return def;
+}
+
+} // namespace
+
+struct Task::Impl {
+    Impl(runtime::Simulation& sim, TaskDef asked) : simulation(sim), def(checked(std::move(asked))) {}
+
+    [[nodiscard]] const TaskStep* next() const
+    {
+        return progress.step < static_cast<int>(def.steps.size()) ? &def.steps[static_cast<std::size_t>(progress.step)]
+                                                                  : nullptr;
+    }
+
+    /// Before every step: the newest state, and what it means.
+    void watch()
+    {
+        const frame::FrameRef frame = simulation.physics().latest();
+        if (!frame) return;
+        const std::lock_guard lock(mutex);
+        if (!began) began = stepBegan = frame->time;
+        if (progress.state != TaskProgress::State::Running) return;
+        progress.time = frame->time - *began;
+        advance(*frame);
+    }
+
+    void advance(const frame::Frame& frame)
+    {
+        if (const TaskStep* step = next(); step->done(frame)) {
+            if (def.tracker != nullptr) def.tracker->mark(metric::EventKind::Step, step->name);
+            progress.doneAt.push_back(progress.time);
+            ++progress.step;
+            stepBegan = frame.time;
+            late = false;
+        } else if (!late && frame.time - stepBegan > step->timeLimit) {
+            late = true;
+            if (def.tracker != nullptr) def.tracker->mark(metric::EventKind::Mistake, text(step->name, ": too slow"));
+        }
+        const TaskStep* step = next();
+        progress.target = step != nullptr && step->target ? step->target(frame) : std::nullopt;
+        if (step == nullptr)
+            end(true);
+        else if (progress.time > def.timeLimit)
+            end(false);
+    }
+
+    void end(bool done)
+    {
+        progress.state = done ? TaskProgress::State::Done : TaskProgress::State::Failed;
+        progress.target = {};
+        if (def.over) def.over(done);
+    }
+
+    runtime::Simulation& simulation;
+    const TaskDef def;
+    mutable std::recursive_mutex mutex; // of what follows; `over` may ask
+    TaskProgress progress;
+    std::optional<double> began;
+    double stepBegan = 0.0;
+    bool late = false;
+};
+
+Task::Task(runtime::Simulation& simulation, TaskDef def) : impl_(std::make_shared<Impl>(simulation, std::move(def)))
+{
+    simulation.everyStep([weak = std::weak_ptr(impl_)](double) {
+        if (const auto impl = weak.lock()) impl->watch();
+    });
+}
+
+TaskProgress Task::progress() const
+{
+    const std::lock_guard lock(impl_->mutex);
+    return impl_->progress;
+}
+
+const TaskDef& Task::def() const { return impl_->def; }
+
+std::string Task::instruction() const
+{
+    const std::lock_guard lock(impl_->mutex);
+    const TaskStep* step = impl_->next();
+    return step != nullptr ? step->instruction : std::string();
+}
+
+void Task::restart()
+{
+    const std::lock_guard lock(impl_->mutex);
+    impl_->progress = {};
+    impl_->began.reset();
+    impl_->late = false;
+}
+
+std::string shown(std::string_view text, std::size_t most)
+{
+    if (text.size() <= most) return oneLine(std::string(text));
+    std::size_t end = most;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end; // inside a UTF-8 letter
+    return oneLine(std::string(text.substr(0, end))) + "\u2026";
+}
+
+} // namespace filasofia::prefab

@@ -1,0 +1,153 @@
+#include "filasofia/prefab/articulated_instrument.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/units.h"
+#include "filasofia/geometry/shapes.h"
+
+#include <catch2/catch.hpp>
+
+using namespace filasofia;
+using prefab::ArticulatedInstrument;
+using prefab::ArticulatedInstrumentDef;
+using prefab::InstrumentKind;
+using runtime::Simulation;
+
+namespace {
+
+runtime::SimulationDef weightless() { return {.physics = {.gravity = {}}}; }
+
+/// Where closed jaws reach: a block of 2 x 2 x 4 mm, held at its far end.
+BodyId addBlock(Simulation& sim, bool cut = false)
+{
+    physics::SoftBodyDef def{.name = "block",
+                             .mesh = geometry::shapes::block({2_mm, 2_mm, 4_mm}, {2, 2, 4}),
+                             .pose = {{0, 0, -4.5_mm}, {}},
+                             .material = physics::FemMaterial{.youngModulus = 30_kPa},
+                             .collision = {{.proximity = 0.1_mm}},
+                             .friction = 0.8,
+                             .dynamicTopology = cut};
+    def.rayleigh.mass = 10.0;
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, -6.4_mm}}}};
+    return sim.add(def);
+}
+
+void run(Simulation& sim, int steps) { sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps}); }
+
+/// The mean of the nodes at the block's near end.
+Vec3 nearEnd(Simulation& sim, BodyId block)
+{
+    const auto frame = sim.physics().latest();
+    const auto& nodes = frame->softBody(block)->positions;
+    static const auto rest = geometry::shapes::block({2_mm, 2_mm, 4_mm}, {2, 2, 4});
+    Vec3 sum = {};
+    int count = 0;
+    for (std::size_t i = 0; i < rest->nodes.size(); ++i)
+        if (rest->nodes[i].z > 1.9_mm) {
+            sum += nodes[i];
+            ++count;
+        }
+    return sum / count;
+}
+
+} // namespace
+
+TEST_CASE("jaws close on a soft block and hold it, it follows, and opening lets it go")
+{
+    Simulation sim(weightless());
+    const BodyId block = addBlock(sim);
+    std::vector<std::pair<BodyId, bool>> told;
+    ArticulatedInstrument forceps(sim, {.name = "forceps", .opening = 1.0, .onGrasp = [&](BodyId body, bool on) {
+                                            told.emplace_back(body, on);
+                                        }});
+    run(sim, 20);
+    CHECK(forceps.opening() == Approx(1.0).epsilon(1e-6));
+    CHECK_FALSE(forceps.holding());
+
+    forceps.close();
+    run(sim, 800);
+    REQUIRE(forceps.holding() == block);
+    REQUIRE(told == std::vector<std::pair<BodyId, bool>>{{block, true}});
+    CHECK(forceps.opening() > 0.05); // the block is between them
+    const Vec3 before = nearEnd(sim, block);
+
+    // Moved by 1 mm aside the near end goes along; the far end is held, so the block pulls back.
+    double start = sim.physics().latest()->time;
+    sim.everyStep([&](double time) { forceps.move({{1_mm * std::clamp((time - start) / 0.2, 0.0, 1.0), 0, 0}, {}}); });
+    run(sim, 400);
+    CHECK(nearEnd(sim, block).x - before.x > 0.5_mm);
+    CHECK(forceps.pull() > 1_mN);
+
+    forceps.open();
+    CHECK_FALSE(forceps.holding());
+    CHECK(told.back() == std::pair{block, false});
+    run(sim, 600);
+    CHECK(forceps.opening() == Approx(1.0).epsilon(1e-6));
+    CHECK(sim.physics().latest()->attachments.size() == 1); // the block's own
+    CHECK(std::abs(nearEnd(sim, block).x - before.x) < 0.3_mm);
+}
+
+TEST_CASE("a grip gives way beyond its break force, and holds again only after it was opened")
+{
+    Simulation sim(weightless());
+    const BodyId block = addBlock(sim);
+    ArticulatedInstrument forceps(sim, {.opening = 1.0, .breakForce = 20_mN});
+    forceps.close();
+    run(sim, 800);
+    REQUIRE(forceps.holding() == block);
+    const double start = sim.physics().latest()->time;
+    sim.everyStep([&](double time) { forceps.move({{0, 0, 8_mm * std::clamp((time - start) / 0.4, 0.0, 1.0)}, {}}); });
+    run(sim, 500);
+    CHECK_FALSE(forceps.holding());
+}
+
+TEST_CASE("closed jaws with nothing between them meet and hold nothing")
+{
+    for (const auto kind : {InstrumentKind::Forceps, InstrumentKind::Grasper, InstrumentKind::Scissors}) {
+        Simulation sim(weightless());
+        ArticulatedInstrument tool(sim, {.kind = kind, .opening = 0.5});
+        tool.close();
+        run(sim, 800);
+        CHECK(tool.opening() == Approx(0.0).margin(1e-3));
+        CHECK_FALSE(tool.holding());
+    }
+}
+
+TEST_CASE("the blades of scissors cut what may be cut")
+{
+    Simulation sim(weightless());
+    addBlock(sim, true);
+    int cuts = 0;
+    sim.on<runtime::CutEvent>([&](const runtime::CutEvent& cut) { cuts += cut.rupture.area > 0.0; });
+    ArticulatedInstrument scissors(sim, {.kind = InstrumentKind::Scissors, .opening = 1.0});
+    scissors.close();
+    run(sim, 900);
+    CHECK(cuts > 0);
+    CHECK_FALSE(scissors.holding());
+}
+
+TEST_CASE("a jaw that is fixed to the shaft stays with it")
+{
+    Simulation sim(weightless());
+    ArticulatedInstrumentDef def{.name = "one jaw", .opening = 1.0};
+    def.jaws = {{.opensBy = 30_deg}, {.axis = {-1, 0, 0}, .opensBy = 0.0}};
+    ArticulatedInstrument tool(sim, def);
+    run(sim, 2);
+    CHECK(sim.physics().latest()->rigidBody(tool.body())->poses.size() == 2);
+}
+
+TEST_CASE("an instrument that cannot be is refused with its name, the field and the bound")
+{
+    Simulation sim;
+    using Def = ArticulatedInstrumentDef;
+    const auto refused = [&](const Def& def, const char* why) {
+        CHECK_THROWS_WITH(ArticulatedInstrument(sim, def), Catch::Contains(why));
+    };
+    refused({.name = "tool", .opening = 1.5}, "instrument 'tool': opening must be in [0, 1], got 1.5");
+    refused({.closingTorque = 0.0}, "closingTorque must be > 0 N m, got 0");
+    refused({.jaws = {{}, {}, {}}}, "jaws must be one or two, got 3");
+    refused({.jaws = {{.opensBy = 0.0}}}, "at least one must have opensBy > 0");
+    refused({.jaws = {{.axis = {}}}}, "jaws[0].axis must have a length > 0");
+    ArticulatedInstrument tool(sim, {.name = "tool"});
+    CHECK_THROWS_WITH(tool.open(-0.1), Catch::Contains("open must be in [0, 1], got -0.1"));
+    CHECK_THROWS_WITH(tool.close(0.0), Catch::Contains("torque must be > 0 N m, got 0"));
+}

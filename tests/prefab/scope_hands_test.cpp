@@ -1,0 +1,128 @@
+#include "filasofia/prefab/scope_hands.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/units.h"
+
+#include <catch2/catch.hpp>
+
+using namespace filasofia;
+using namespace filasofia::prefab;
+using runtime::Simulation;
+
+namespace {
+
+/// A scope and forceps that touch nothing, and their hands, about a fulcrum off the origin.
+struct Scene {
+    Simulation sim;
+    Endoscope scope{sim, {.groups = {}}};
+    ArticulatedInstrument forceps{sim, {.groups = {}}};
+    ScopeHandsDef def{.fulcrum = {1_mm, 20_mm, -2_mm}, .up = {0, 0, 1}, .start = {.aim = {0, 1, 0}, .depth = -30_mm}};
+    ScopeHands hands{sim, scope, forceps, def};
+
+    void run(int steps) { sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps}); }
+    [[nodiscard]] Pose element(BodyId body) { return sim.physics().latest()->rigidBody(body)->poses[0]; }
+};
+
+/// The least distance of a point from the axis of a pose.
+double fromAxis(const Pose& pose, Vec3 point)
+{
+    return length(cross(point - pose.position, rotate(pose.orientation, {0, 0, -1})));
+}
+
+} // namespace
+
+TEST_CASE("hands that are to reach a target have the instrument before it, and the shaft through the fulcrum")
+{
+    Scene scene;
+    const Vec3 target = {6_mm, 50_mm, 3_mm};
+    for (const double roll : {0.0, 40_deg, -80_deg}) {
+        const ScopeHand hand = scene.hands.at(target, 3_mm, roll, 8_mm);
+        scene.hands.play({{.seconds = 0.05, .to = hand}});
+        scene.run(60);
+        const Pose tip = scene.element(scene.scope.body());
+        const Pose pivot = scene.element(scene.forceps.body());
+        CHECK(fromAxis(tip, scene.def.fulcrum) < 1e-9);
+        CHECK(distance(transform(pivot, {0, 0, -3_mm}), target) < 1e-7);
+        CHECK(distance(scene.hands.tip(hand).position, tip.position) < 1e-9);
+        CHECK(distance(scene.scope.channel().position, pivot.position) == Approx(8_mm).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("a script is played move by move, each begun and ended once, at its time")
+{
+    Scene scene;
+    std::vector<std::pair<std::string, double>> told;
+    const auto tell = [&](const char* what) {
+        return [&, what] {
+            const auto frame = scene.sim.physics().latest(); // none before the first step
+            told.emplace_back(what, frame ? frame->time : 0.0);
+        };
+    };
+    const ScopeHand in{.aim = {0, 1, 0}, .depth = 10_mm};
+    scene.hands.play({{.seconds = 0.02, .to = in, .begin = tell("in"), .end = tell("is in")},
+                      {.seconds = 0.01, .to = in, .begin = tell("rest"), .end = tell("has rested")}});
+    scene.run(100);
+    REQUIRE(told.size() == 4);
+    CHECK(told[0].first == "in");
+    CHECK(told[1].first == "is in");
+    CHECK(told[2].first == "rest");
+    CHECK(told[3].first == "has rested");
+    CHECK(told[1].second - told[0].second == Approx(19e-3).margin(1.1e-3));
+    CHECK(told[3].second - told[2].second == Approx(10e-3).margin(1.1e-3));
+    CHECK(scene.element(scene.scope.body()).position.y == Approx(30_mm).epsilon(1e-9));
+    CHECK(durationOf({{.seconds = 1.5}, {.seconds = 2.0}}) == 3.5);
+}
+
+TEST_CASE("a move that looks first goes where it is told as it begins")
+{
+    Scene scene;
+    double depth = 1_mm;
+    int asked = 0;
+    const auto look = [&] {
+        ++asked;
+        return ScopeHand{.aim = {0, 1, 0}, .depth = depth};
+    };
+    scene.hands.play(
+        {{.seconds = 0.02, .to = {.aim = {0, 1, 0}}, .end = [&] { depth = 7_mm; }}, {.seconds = 0.02, .aim = look}});
+    scene.run(60);
+    CHECK(asked == 1);
+    CHECK(scene.element(scene.scope.body()).position.y == Approx(27_mm).epsilon(1e-9));
+}
+
+TEST_CASE("a person's wheel and keys move the hands smoothly and within their bounds")
+{
+    Scene scene;
+    event::MouseWheelEvent wheel;
+    wheel.dy = 10.0;
+    scene.sim.post(wheel);
+    event::KeyEvent key;
+    key.key = event::KeyCode::G;
+    key.pressed = true;
+    scene.sim.post(key); // opens
+    scene.run(1000);
+    CHECK(scene.element(scene.scope.body()).position.y == Approx(20_mm - 30_mm + 15_mm).epsilon(1e-4));
+    CHECK(scene.forceps.opening() == Approx(1.0).epsilon(1e-6));
+    wheel.dy = 1e6;
+    scene.sim.post(wheel);
+    scene.run(2000);
+    CHECK(scene.element(scene.scope.body()).position.y == Approx(20_mm + scene.def.mostDepth).epsilon(1e-4));
+    event::MouseMoveEvent drag;
+    drag.dx = 100.0;
+    drag.buttons.right = true;
+    scene.sim.post(drag);
+    scene.run(1000);
+    const Pose tip = scene.element(scene.scope.body());
+    CHECK(fromAxis(tip, scene.def.fulcrum) < 1e-9);
+    const double angle = std::acos(rotate(tip.orientation, {0, 0, -1}).y);
+    CHECK(angle == Approx(0.2).epsilon(1e-3));
+}
+
+TEST_CASE("hands that cannot be are refused with the field and the bound")
+{
+    Scene scene;
+    const auto make = [&](const ScopeHandsDef& def) { ScopeHands(scene.sim, scene.scope, scene.forceps, def); };
+    CHECK_THROWS_WITH(make({.start = {.aim = {}}}), Catch::Contains("start.aim must have a length > 0"));
+    CHECK_THROWS_WITH(make({.leastDepth = 1.0}), Catch::Contains("mostDepth must be >= leastDepth (1 m)"));
+    CHECK_THROWS_WITH(make({.mostTurn = 2.0}), Catch::Contains("mostTurn must be in (0, 1.5]"));
+    CHECK_THROWS_WITH(scene.hands.play({{.seconds = 0.0}}), Catch::Contains("moves[0].seconds must be > 0 s, got 0"));
+}
