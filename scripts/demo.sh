@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
-# From a fresh clone to the bunny: in a window where there is a display, else in pictures under out/.
+# From a fresh clone to the trainer: in a window where there is a display, else as pictures and a report under out/.
 set -euo pipefail
-usage='Usage: demo.sh [--headless] [options of filasofia run bunny]'
+usage='Usage: demo.sh [--headless] [options of hysteroscopy]
+       demo.sh --bunny [--headless] [options of filasofia run bunny]'
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-headless=no options=()
+headless=no bunny=no options=()
 for word in "$@"; do
   case $word in
     --headless) headless=yes ;;
+    --bunny) bunny=yes ;;
     -h | --help) echo "$usage"; exit 0 ;;
     *) options+=("$word") ;;
   esac
@@ -16,8 +18,9 @@ done
 "$root/scripts/setup.sh" --run
 headline "build"
 configure release
-build release --target filasofia
+build release --target filasofia hysteroscopy
 program=$root/build/release/bin/filasofia
+trainer=$root/build/release/bin/hysteroscopy
 
 # A display may be named and not answer (ssh, sudo), and the renderer needs an X11 one.
 window_opens() {
@@ -26,14 +29,30 @@ window_opens() {
 }
 [ $headless = yes ] || window_opens || headless=yes
 
-if [ $headless = no ]; then
+if [ $headless = no ] && [ $bunny = yes ]; then
   headline "the bunny, in a window (Escape ends it)"
   exec "$program" run bunny "${options[@]}"
+elif [ $headless = no ]; then
+  headline "the hysteroscopy trainer, in a window (Escape ends it; hysteroscopy --help tells the keys)"
+  exec "$trainer" "${options[@]}"
+fi
+
+hint="'build/release/bin/filasofia doctor' says what this machine lacks"
+mkdir -p "$root/out"
+shopt -s nullglob
+
+if [ $bunny = no ]; then
+  headline "the hysteroscopy trainer, without a window: a planned motion finds the polyp and takes it out"
+  rm -f "$root"/out/hysteroscopy.jsonl "$root"/out/report.html
+  "$trainer" --motion expert --headless --pictures "$root/out" --session "$root/out/hysteroscopy.jsonl" "${options[@]}" ||
+    die "the trainer did not run to its end, for the reason above; $hint"
+  "$program" report "$root/out/hysteroscopy.jsonl" --html "$root/out/report.html"
+  headline "written"
+  ls -l "$root"/out/{os,canal,cavity,polyp,grasped,torn}.png "$root/out/report.html"
+  exit 0
 fi
 
 headline "the bunny, in pictures (no window): 2 s of falling under its own weight"
-hint="'build/release/bin/filasofia doctor' says what this machine lacks"
-mkdir -p "$root/out"
 rm -f "$root"/out/bunny_*.png
 "$program" run bunny --headless --rate 200 --steps 401 --picture "$root/out/bunny.png" --picture-every 0.5 "${options[@]}" ||
   die "the bunny did not run, for the reason above; $hint"
@@ -47,7 +66,6 @@ for tets in 756 1492 3004; do
 done
 
 headline "written"
-shopt -s nullglob
 pictures=("$root"/out/bunny_*.png)
 ((${#pictures[@]} > 0)) || die "no picture was written; $hint"
 ls -l "${pictures[@]}"

@@ -253,7 +253,9 @@ int train(const Options& options, int seed)
         guidance.dress(server);
     });
 
-    std::vector<std::string> words = options.rest;
+    std::vector<std::string> words = options.rest; // and what a recording tells of the session
+    words.insert(words.end(), {text("--seed=", seed), "--session=hysteroscopy " + options.caseName});
+    if (!options.trainee.empty()) words.push_back("--trainee=" + options.trainee);
     const bool whole = expert && !options.has("--steps");
     if (expert) {
         const auto picture = [&](const char* name) -> std::function<void()> {
