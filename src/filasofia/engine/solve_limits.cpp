@@ -18,6 +18,10 @@ namespace {
 // Rigid bodies and direct solvers are exact, as far as nobody beside them is not.
 constexpr double kExact = 1e-7;
 constexpr int kRigidIterations = 1000;
+// What bodies do to each other takes some iterations to be found. Cut short before, contacts throw bodies about:
+// measured, a held polyp and a scope in a canal, every step cut short: with 4, 12 and 24 iterations hundreds of
+// newtons, with 40 about as many as with enough.
+constexpr int kCoupledIterations = 40;
 
 /// The first to end ends them all; they share what iterations they have.
 linalg::SolveLimits limitsOf(const Model& model, const Island& island)
@@ -35,6 +39,7 @@ linalg::SolveLimits limitsOf(const Model& model, const Island& island)
         shared.minIterations = std::max(shared.minIterations, limits.minIterations);
     }
     if (shared.tolerance == 1.0) shared.tolerance = kExact;
+    shared.minIterations = std::max(shared.minIterations, kCoupledIterations);
     return shared;
 }
 
