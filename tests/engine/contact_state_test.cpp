@@ -224,7 +224,7 @@ TEST_CASE("rigid bodies among themselves end at the deadline too, and the step c
         Stage stage;
         stage.post(physics::SetGravity{{0, -9.81, 0}});
         stage.add(told("floor", geometry::shapes::box({0.1, 0.02, 0.1}), {0, -0.01, 0}));
-        for (int k = 0; k < 6; ++k) stage.add(smallBox({1e-4 * k, 0.00201 + 0.00401 * k, 0}, true));
+        for (int k = 0; k < 16; ++k) stage.add(smallBox({1e-4 * k, 0.00201 + 0.00401 * k, 0}, true));
         return stage;
     };
     Stage free = tower(), hurried = tower(), again = tower();
@@ -240,7 +240,7 @@ TEST_CASE("rigid bodies among themselves end at the deadline too, and the step c
         hurried.commands.clear();
         for (const physics::BodySolve& solve : report.solves) {
             CHECK(solve.body.value >= 2);
-            CHECK(solve.iterations <= 4 + 10);
+            CHECK(solve.iterations <= 40 + 10);
         }
         cut += report.has(physics::StepFlag::OutOfTime) ? 1 : 0;
 
@@ -251,6 +251,6 @@ TEST_CASE("rigid bodies among themselves end at the deadline too, and the step c
         again.commands.clear();
         REQUIRE(again.world.hash() == hurried.world.hash());
     }
-    CHECK(most > 14);
+    CHECK(most > 50);
     CHECK(cut > 10);
 }

@@ -27,9 +27,7 @@ constexpr int kCoupledIterations = 40;
 linalg::SolveLimits limitsOf(const Model& model, const Island& island)
 {
     if (island.soft.empty())
-        return {.tolerance = kExact,
-                .maxIterations = kRigidIterations,
-                .minIterations = physics::ConjugateGradient{}.minIterations};
+        return {.tolerance = kExact, .maxIterations = kRigidIterations, .minIterations = kCoupledIterations};
     linalg::SolveLimits shared{.tolerance = 1.0, .maxIterations = 0};
     for (std::size_t b : island.soft) {
         const linalg::SolveLimits limits = limitsOf(model.softBodies[b]);
