@@ -1,9 +1,8 @@
 #include "filasofia/device/haptic_servo.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/real_time.h"
 
-#include <pthread.h>
-#include <sched.h>
 #include <time.h>
 
 #include <algorithm>
@@ -22,15 +21,6 @@ double seconds(Nanoseconds time) { return 1e-9 * static_cast<double>(time); }
 template <class T> void raise(std::atomic<T>& most, T value) // one writer
 {
     if (value > most.load(std::memory_order_relaxed)) most.store(value, std::memory_order_relaxed);
-}
-
-/// Before physics, which is at the lowest real-time priority: a tick takes microseconds.
-void requestRealTime()
-{
-    cpu_set_t usable;
-    if (sched_getaffinity(0, sizeof usable, &usable) != 0 || CPU_COUNT(&usable) < 2) return;
-    const sched_param priority{.sched_priority = sched_get_priority_min(SCHED_FIFO) + 1};
-    static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority)); // else as an ordinary thread
 }
 
 } // namespace
@@ -213,7 +203,7 @@ void HapticServo::countWake(Nanoseconds late)
 
 void HapticServo::run(bool realTime)
 {
-    if (realTime) requestRealTime();
+    if (realTime) requestRealTime(1); // before physics: a tick takes microseconds
     const auto period = static_cast<Nanoseconds>(1e9 / loop_.def().rate);
     open();
     const Nanoseconds start = clock_.now();

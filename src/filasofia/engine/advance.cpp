@@ -66,7 +66,8 @@ std::vector<char> linkedNodes(std::size_t body, std::size_t nodes, const std::ve
 void finishPieces(const SoftModel& model, std::size_t body, double dt, const std::vector<Link>& links,
                   const SoftState& state, SoftSystem& system)
 {
-    if (model.pieces.empty() || !system.matrixFree || model.elements.empty() ||
+    const auto isCrumb = [](const BodyPiece& piece) { return !piece.elements.empty(); };
+    if (std::ranges::none_of(model.pieces, isCrumb) || !system.matrixFree || model.elements.empty() ||
         !std::holds_alternative<physics::ImplicitEuler>(model.integrator))
         return;
     const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness});

@@ -1,24 +1,13 @@
 #include "filasofia/engine/articulated_share.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace filasofia::engine {
-namespace {
-
-double product(const std::vector<double>& a, const std::vector<double>& b)
-{
-    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0); // in the order of the joints
-}
-
-} // namespace
-
 ArticulatedShare::ArticulatedShare(const LinkTree& tree, const ArticulationPlan& plan, std::vector<Vec3> origins)
-    : tree_(tree), plan_(plan), origins_(std::move(origins))
+    : DenseShare(plan.free.size()), tree_(tree), plan_(plan), origins_(std::move(origins)),
+      rightHandSide_(plan.free.size())
 {
-    for (auto* vector : {&rightHandSide_, &x_, &r_, &p_, &q_, &w_, &z_, &xSaved_, &rSaved_})
-        vector->resize(plan.free.size());
     engine::multiply(plan.matrix, plan.change, rightHandSide_); // so that without constraints it does what it would
 }
 
@@ -66,51 +55,12 @@ double ArticulatedShare::multiply()
     return product(p_, q_);
 }
 
-double ArticulatedShare::slope() { return product(p_, r_); }
-
-void ArticulatedShare::descend(double alpha)
-{
-    for (std::size_t i = 0; i < x_.size(); ++i) {
-        x_[i] += alpha * p_[i];
-        r_[i] -= alpha * q_[i];
-    }
-}
-
-void ArticulatedShare::turn(double beta)
-{
-    for (std::size_t i = 0; i < p_.size(); ++i) p_[i] = z_[i] + beta * p_[i];
-}
-
 void ArticulatedShare::smooth() { engine::multiply(plan_.inverse, r_, w_); }
 
 double ArticulatedShare::spread()
 {
     z_ = w_;
     return product(r_, z_);
-}
-
-void ArticulatedShare::save()
-{
-    xSaved_ = x_;
-    rSaved_ = r_;
-}
-
-std::array<double, 2> ArticulatedShare::rise()
-{
-    std::array<double, 2> sums{};
-    for (std::size_t i = 0; i < x_.size(); ++i) {
-        sums[0] += (x_[i] - xSaved_[i]) * rSaved_[i];
-        sums[1] += (x_[i] - xSaved_[i]) * r_[i];
-    }
-    return sums;
-}
-
-void ArticulatedShare::goBack(double t)
-{
-    for (std::size_t i = 0; i < x_.size(); ++i) {
-        x_[i] = xSaved_[i] + t * (x_[i] - xSaved_[i]);
-        r_[i] = rSaved_[i] + t * (r_[i] - rSaved_[i]);
-    }
 }
 
 void ArticulatedShare::subtractSmoothed(std::span<const Vec3> impulses)

@@ -1,43 +1,13 @@
 #include "filasofia/engine/loose_pieces.h"
 
 #include "filasofia/engine/elements.h"
+#include "filasofia/engine/rigid_motion.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace filasofia::engine {
 namespace {
-
-/// How points move as a whole.
-struct RigidMotion {
-    Vec3 centre;   ///< [m] of mass
-    Vec3 velocity; ///< [m/s]
-    Vec3 spin;     ///< [rad/s] with which they would have the same angular momentum if they were rigid
-};
-
-RigidMotion motionOf(const std::vector<int>& nodes, const std::vector<double>& masses, const SoftState& state)
-{
-    RigidMotion motion;
-    double mass = 0.0;
-    for (int node : nodes) {
-        const auto i = static_cast<std::size_t>(node);
-        mass += masses[i];
-        motion.centre += masses[i] * state.x[i];
-        motion.velocity += masses[i] * state.v[i];
-    }
-    motion.centre = 1.0 / mass * motion.centre;
-    motion.velocity = 1.0 / mass * motion.velocity;
-    Vec3 angularMomentum;
-    Mat3 inertia;
-    for (int node : nodes) {
-        const auto i = static_cast<std::size_t>(node);
-        const Vec3 arm = state.x[i] - motion.centre;
-        angularMomentum += masses[i] * cross(arm, state.v[i] - motion.velocity);
-        inertia += masses[i] * (lengthSquared(arm) * Mat3::identity() - outer(arm, arm));
-    }
-    motion.spin = inverse(inertia) * angularMomentum;
-    return motion;
-}
 
 bool isHeld(const SoftModel& model, const BodyPiece& piece)
 {
@@ -168,12 +138,15 @@ void slowSpin(const SoftModel& model, double mostTurn, double dt, SoftState& sta
 {
     for (const BodyPiece& piece : model.pieces) {
         if (isHeld(model, piece)) continue;
-        const RigidMotion motion = motionOf(piece.nodes, model.masses, state);
-        const double turn = dt * length(motion.spin);
-        if (!(turn > mostTurn) || !isFinite(motion.spin)) continue;
-        const Vec3 tooMuch = (1.0 - mostTurn / turn) * motion.spin;
-        for (int each : piece.nodes) {
-            const auto i = static_cast<std::size_t>(each);
+        const auto at = [&](int i) { return static_cast<std::size_t>(piece.nodes[static_cast<std::size_t>(i)]); };
+        const RigidMotion motion = rigidMotionOf(
+            static_cast<int>(piece.nodes.size()), [&](int i) { return model.masses[at(i)]; },
+            [&](int i) { return state.x[at(i)]; }, [&](int i) { return model.masses[at(i)] * state.v[at(i)]; });
+        const double turn = dt * length(motion.angular);
+        if (!(turn > mostTurn) || !isFinite(motion.angular)) continue;
+        const Vec3 tooMuch = (1.0 - mostTurn / turn) * motion.angular;
+        for (int node : piece.nodes) {
+            const auto i = static_cast<std::size_t>(node);
             state.v[i] -= cross(tooMuch, state.x[i] - motion.centre);
         }
     }

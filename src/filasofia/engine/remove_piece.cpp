@@ -26,6 +26,7 @@ bool removePiece(int piece, BodyTopology& topology, SoftModel& model, SoftState&
     if (elements.empty() || left == 0) return false;
 
     model.removed.insert(piece);
+    std::erase_if(model.pieces, [&](const BodyPiece& each) { return each.number == piece; });
     for (std::size_t i = 0; i < gone.size(); ++i) {
         if (!gone[i]) continue;
         model.pins.hard[i] = true;

@@ -181,7 +181,6 @@ void removeLostPieces(double period, Model& model, State& state, Systems& system
             lost += removePiece(piece, topologies[b], body, state.softBodies[b], state) ? 1 : 0;
         if (lost == 0) continue;
         report.topology.lost += lost;
-        body.pieces = findPieces(body, *topologies[b].pieces);
         systems[b] = makeSystem(body, period);
         systems[b].tuned = true; // it is no longer what its Def says
     }

@@ -1,5 +1,7 @@
 #include "filasofia/metric/hull.h"
 
+#include "filasofia/core/sorted.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,8 +32,7 @@ std::vector<Vec3> furthest(const std::vector<Vec3>& points)
             if (const double far = dot(direction, points[i]); far > most) most = far, best = i;
         chosen.push_back(best);
     }
-    std::sort(chosen.begin(), chosen.end());
-    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+    sortUnique(chosen);
     std::vector<Vec3> kept;
     for (const std::size_t i : chosen) kept.push_back(points[i]);
     return kept;

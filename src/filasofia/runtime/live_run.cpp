@@ -1,6 +1,7 @@
 #include "filasofia/runtime/parts.h"
 
 #include "filasofia/core/log.h"
+#include "filasofia/core/real_time.h"
 #include "filasofia/runtime/inspector.h"
 #include "filasofia/runtime/key_overlay.h"
 #include "filasofia/runtime/physics_loop.h"

@@ -2,9 +2,6 @@
 
 #include "filasofia/physics/physics_server.h"
 
-#include <pthread.h>
-#include <sched.h>
-
 #include <limits>
 
 namespace filasofia::runtime {
@@ -58,14 +55,6 @@ RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, 
     }
     timing.wallSeconds = toSeconds(clock.now() - start);
     return timing;
-}
-
-bool requestRealTime()
-{
-    cpu_set_t usable; // not the cores there are, but those this process may use
-    if (sched_getaffinity(0, sizeof usable, &usable) != 0 || CPU_COUNT(&usable) < 2) return false;
-    const sched_param priority{.sched_priority = sched_get_priority_min(SCHED_FIFO)};
-    return pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
 }
 
 } // namespace filasofia::runtime

@@ -33,8 +33,4 @@ using BeforeStep = std::function<void(double)>;
 RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, const Clock& clock,
                      const std::atomic<bool>& stop, const AfterStep& afterStep, const BeforeStep& beforeStep = {});
 
-/// Asks the system to schedule the calling thread before ordinary ones (SCHED_FIFO, lowest priority); false where it
-/// may not, or where it would starve the only core.
-bool requestRealTime();
-
 } // namespace filasofia::runtime

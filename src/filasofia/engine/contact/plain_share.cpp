@@ -3,21 +3,9 @@
 #include <algorithm>
 
 namespace filasofia::engine {
-namespace {
-
-double product(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
-{
-    double sum = 0.0; // in the order of the unknowns
-    for (std::size_t i = 0; i < a.size(); ++i) sum += dot(a[i], b[i]);
-    return sum;
-}
-
-} // namespace
-
-PlainShare::PlainShare(const PlainShareInput& in) : in_(in)
+PlainShare::PlainShare(const PlainShareInput& in) : DenseShare(in.diagonal.size()), in_(in), s_(in.diagonal.size())
 {
     for (const Mat3& block : in.diagonal) inverse_.push_back(inverse(block));
-    for (auto* vector : {&x_, &r_, &p_, &q_, &w_, &s_, &z_, &xSaved_, &rSaved_}) vector->resize(inverse_.size());
 }
 
 void PlainShare::begin(std::span<const Grip> grips)
@@ -47,21 +35,6 @@ double PlainShare::multiply()
     return product(p_, q_);
 }
 
-double PlainShare::slope() { return product(p_, r_); }
-
-void PlainShare::descend(double alpha)
-{
-    for (std::size_t i = 0; i < x_.size(); ++i) {
-        x_[i] += alpha * p_[i];
-        r_[i] -= alpha * q_[i];
-    }
-}
-
-void PlainShare::turn(double beta)
-{
-    for (std::size_t i = 0; i < p_.size(); ++i) p_[i] = z_[i] + beta * p_[i];
-}
-
 void PlainShare::smooth()
 {
     for (std::size_t i = 0; i < r_.size(); ++i) w_[i] = inverse_[i] * r_[i];
@@ -76,30 +49,6 @@ double PlainShare::spread()
     return product(r_, z_);
 }
 
-void PlainShare::save()
-{
-    xSaved_ = x_;
-    rSaved_ = r_;
-}
-
-std::array<double, 2> PlainShare::rise()
-{
-    std::array<double, 2> sums{};
-    for (std::size_t i = 0; i < x_.size(); ++i) {
-        sums[0] += dot(x_[i] - xSaved_[i], rSaved_[i]);
-        sums[1] += dot(x_[i] - xSaved_[i], r_[i]);
-    }
-    return sums;
-}
-
-void PlainShare::goBack(double t)
-{
-    for (std::size_t i = 0; i < x_.size(); ++i) {
-        x_[i] = xSaved_[i] + t * (x_[i] - xSaved_[i]);
-        r_[i] = rSaved_[i] + t * (r_[i] - rSaved_[i]);
-    }
-}
-
 void PlainShare::addToSpread(std::span<const Vec3> impulses) { add(impulses, s_); }
 
 void PlainShare::subtractSmoothed(std::span<const Vec3> impulses)
@@ -109,7 +58,7 @@ void PlainShare::subtractSmoothed(std::span<const Vec3> impulses)
     for (std::size_t i = 0; i < w_.size(); ++i) z_[i] -= inverse_[i] * w_[i];
 }
 
-void PlainShare::read(const std::vector<Vec3>& from, std::span<Vec3> out) const
+void PlainShare::read(const Vector& from, std::span<Vec3> out) const
 {
     for (std::size_t g = 0; g < grips_.size(); ++g) {
         const std::size_t i = unknownOf(grips_[g]);
@@ -117,7 +66,7 @@ void PlainShare::read(const std::vector<Vec3>& from, std::span<Vec3> out) const
     }
 }
 
-void PlainShare::add(std::span<const Vec3> impulses, std::vector<Vec3>& to) const
+void PlainShare::add(std::span<const Vec3> impulses, Vector& to) const
 {
     for (std::size_t g = 0; g < grips_.size(); ++g) {
         const std::size_t i = unknownOf(grips_[g]);

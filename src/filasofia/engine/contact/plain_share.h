@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/engine/contact/coupled_body.h"
+#include "filasofia/engine/contact/dense_share.h"
 #include "filasofia/linalg/block_sparse_matrix.h"
 #include "filasofia/linalg/linear_solver.h"
 
@@ -21,24 +21,16 @@ struct PlainShareInput {
 
 /// The share of a body whose matrix is written out, or is just its masses: explicit bodies, rigid ones, and those
 /// with a solver of their own choice.
-class PlainShare final : public CoupledBody {
+class PlainShare final : public DenseShare<Vec3> {
 public:
     explicit PlainShare(const PlainShareInput& in);
-
-    [[nodiscard]] std::span<const Vec3> answer() const { return x_; }
 
     void begin(std::span<const Grip> grips) override;
     [[nodiscard]] Mat3 compliance(int grip) const override;
     [[nodiscard]] double mass() const override { return in_.mass; }
     double multiply() override;
-    double slope() override;
-    void descend(double alpha) override;
-    void turn(double beta) override;
     void smooth() override;
     double spread() override;
-    void save() override;
-    std::array<double, 2> rise() override;
-    void goBack(double t) override;
     void readDirection(std::span<Vec3> p) const override { read(p_, p); }
     void readSmoothed(std::span<Vec3> w) const override { read(w_, w); }
     void readSpread(std::span<Vec3> z) const override { read(z_, z); }
@@ -48,8 +40,8 @@ public:
     void subtractSmoothed(std::span<const Vec3> impulses) override;
 
 private:
-    void read(const std::vector<Vec3>& from, std::span<Vec3> out) const;
-    void add(std::span<const Vec3> impulses, std::vector<Vec3>& to) const;
+    void read(const Vector& from, std::span<Vec3> out) const;
+    void add(std::span<const Vec3> impulses, Vector& to) const;
     [[nodiscard]] std::size_t unknownOf(const Grip& grip) const
     {
         return static_cast<std::size_t>(in_.turning ? 2 * grip.node : grip.node);
@@ -58,7 +50,7 @@ private:
     PlainShareInput in_;
     std::vector<Mat3> inverse_; ///< D^-1
     std::vector<Grip> grips_;
-    std::vector<Vec3> x_, r_, p_, q_, w_, s_, z_, xSaved_, rSaved_;
+    Vector s_;
 };
 
 } // namespace filasofia::engine

@@ -1,0 +1,74 @@
+#pragma once
+
+#include "filasofia/engine/contact/coupled_body.h"
+#include "filasofia/math/vec3.h"
+
+#include <vector>
+
+namespace filasofia::engine {
+
+/// The vectors of a coupled solve in double, one Value (a number, or a Vec3) per unknown, and what conjugate gradients
+/// do with them whatever the matrix is.
+template <class Value> class DenseShare : public CoupledBody {
+public:
+    [[nodiscard]] std::span<const Value> answer() const { return x_; }
+
+    double slope() override { return product(p_, r_); }
+    void descend(double alpha) override
+    {
+        for (std::size_t i = 0; i < x_.size(); ++i) {
+            x_[i] += alpha * p_[i];
+            r_[i] -= alpha * q_[i];
+        }
+    }
+    void turn(double beta) override
+    {
+        for (std::size_t i = 0; i < p_.size(); ++i) p_[i] = z_[i] + beta * p_[i];
+    }
+    void save() override
+    {
+        xSaved_ = x_;
+        rSaved_ = r_;
+    }
+    std::array<double, 2> rise() override
+    {
+        std::array<double, 2> sums{};
+        for (std::size_t i = 0; i < x_.size(); ++i) {
+            sums[0] += times(x_[i] - xSaved_[i], rSaved_[i]);
+            sums[1] += times(x_[i] - xSaved_[i], r_[i]);
+        }
+        return sums;
+    }
+    void goBack(double t) override
+    {
+        for (std::size_t i = 0; i < x_.size(); ++i) {
+            x_[i] = xSaved_[i] + t * (x_[i] - xSaved_[i]);
+            r_[i] = rSaved_[i] + t * (r_[i] - rSaved_[i]);
+        }
+    }
+
+protected:
+    using Vector = std::vector<Value>;
+    explicit DenseShare(std::size_t unknowns)
+    {
+        for (Vector* vector : {&x_, &r_, &p_, &q_, &w_, &z_, &xSaved_, &rSaved_}) vector->resize(unknowns);
+    }
+
+    /// In the order of the unknowns.
+    static double product(const Vector& a, const Vector& b)
+    {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < a.size(); ++i) sum += times(a[i], b[i]);
+        return sum;
+    }
+
+    Vector x_, r_, p_, q_, w_, z_;
+
+private:
+    static double times(double a, double b) { return a * b; }
+    static double times(Vec3 a, Vec3 b) { return dot(a, b); }
+
+    Vector xSaved_, rSaved_;
+};
+
+} // namespace filasofia::engine
