@@ -95,6 +95,8 @@ json benchHaptics(double seconds, bool quick)
     std::printf("a scripted hand pokes a wall; jitter: how late the servo's thread wakes, in ms; energy given to the "
                 "hand in J\n\n%-18s %8s %8s %8s %8s %8s %8s %9s %7s\n",
                 "run", "physics", "servo", "median", "p99", "p99.9", "max", "energy", "others");
+    const ServoTimes alone = timeClock(seconds);
+    print(alone);
     std::vector<ServoTimes> runs;
     for (const ServoScene& scene : {ServoScene{.name = "physics at 1 kHz", .physicsRate = 1000.0, .seconds = seconds},
                                     ServoScene{.name = "physics at 20 Hz", .physicsRate = 20.0, .seconds = seconds},
@@ -123,6 +125,7 @@ json benchHaptics(double seconds, bool quick)
     for (const WallEnergy& wall : walls) allWalls.push_back(toJson(wall));
     return {{"bench", "haptics"},
             {"quick", quick},
+            {"clock_alone", toJson(alone)},
             {"runs", allRuns},
             {"walls", allWalls},
             {"limits", printVerdicts(judge(runs, walls))}};

@@ -1,6 +1,7 @@
 #include "apps/filasofia/bench_haptics_run.h"
 
 #include "apps/filasofia/bench_load.h"
+#include "filasofia/core/real_time.h"
 #include "filasofia/filasofia.h"
 #include "filasofia/runtime/clock.h"
 
@@ -108,6 +109,31 @@ ServoTimes timeServo(const ServoScene& scene)
     for (const auto& push : watched.pushes) out.mostForce = std::max(out.mostForce, push.force);
     out.zeroWithin = device::watchdogOf(1.0 / scene.physicsRate);
     if (begin != 0) readStall(watched.pushes, begin, end, out);
+    return out;
+}
+
+ServoTimes timeClock(double seconds)
+{
+    ServoTimes out{.scene = {.name = "the clock alone", .physicsRate = 0.0, .seconds = seconds}};
+    const OthersLoad others;
+    std::thread([&] {
+        requestRealTime(1);
+        const device::ServoClock clock = device::steadyServoClock();
+        constexpr Nanoseconds kPeriod = 1'000'000;
+        constexpr auto kBin = static_cast<Nanoseconds>(1e9 * device::JitterHistogram::kWidth);
+        const Nanoseconds start = clock.now(), end = start + static_cast<Nanoseconds>(1e9 * seconds);
+        for (Nanoseconds next = start + kPeriod; next < end; next += kPeriod) {
+            clock.sleepUntil(next);
+            const Nanoseconds late = std::max<Nanoseconds>(0, clock.now() - next);
+            ++out.servo.jitter.counts[static_cast<std::size_t>(
+                std::min<Nanoseconds>(late / kBin, device::JitterHistogram::kBins - 1))];
+            ++out.servo.ticks;
+            out.servo.latest = std::max(out.servo.latest, 1e-9 * static_cast<double>(late));
+            if (late > kPeriod) next += late; // as a servo: the grid begins anew
+        }
+        out.servo.rate = static_cast<double>(out.servo.ticks) / (1e-9 * static_cast<double>(clock.now() - start));
+    }).join();
+    out.others = others.cores();
     return out;
 }
 

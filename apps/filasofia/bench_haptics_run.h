@@ -28,6 +28,8 @@ struct ServoTimes {
 };
 
 ServoTimes timeServo(const ServoScene& scene);
+/// A thread of the same priority that does nothing but wake, alone: how even the machine itself is.
+ServoTimes timeClock(double seconds);
 
 /// A hand that pokes a wall for 20 s on a clock of its own making: no machine's speed is in it.
 struct WallEnergy {

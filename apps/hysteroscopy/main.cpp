@@ -1,142 +1,18 @@
-#include "apps/hysteroscopy/patient.h"
-
-#include <filasofia/core/word.h>
-
-#include <filesystem>
-#include <map>
+#include "apps/hysteroscopy/motion.h"
 
 using namespace filasofia;
 using namespace hysteroscopy;
 
 namespace {
 
-constexpr auto kHelp = R"(A hysteroscopy trainer: through the cervical canal, find the polyp, tear it off, bring it out.
-
-  --case small|medium|lobed   which polyp (small)
-  --seed N                    where it grows (1)
-  --motion hand|expert        who moves: you, or a plan (hand)
-  --trainee NAME              in the session
-  --session FILE.jsonl        what happened, for 'filasofia report' (hysteroscopy_CASE_SEED_NUMBER.jsonl)
-  --pictures FOLDER           pictures of the expert's motion
-  --check-seeds N             tell whether the patients of seeds 1 to N can be treated, and end
-
-Mouse: right drag turns the scope about the cervix, the wheel moves it. Keys: up and down move the scope, left and right
-roll it, W and S move the forceps, G closes and opens them, T switches guidance, Space pauses, Escape ends.
-
-All other options are every simulation's:
-)";
-
-struct Options {
-    std::string caseName = "small", motion = "hand", trainee, session, pictures, seed = "1", checkSeeds;
-    std::vector<std::string> rest; ///< for Simulation::run
-    [[nodiscard]] bool has(const char* word) const { return std::ranges::find(rest, word) != rest.end(); }
+struct Difficulty {
+    const char* name;
+    bool guided;    ///< arrow and instructions from the start
+    double minutes; ///< for all of it
+    double warning; ///< [N], of the force bar
 };
-
-Options parse(int argc, char** argv)
-{
-    Options options;
-    const std::map<std::string, std::string*> values = {
-        {"--case", &options.caseName},         {"--motion", &options.motion},     {"--trainee", &options.trainee},
-        {"--session", &options.session},       {"--pictures", &options.pictures}, {"--seed", &options.seed},
-        {"--check-seeds", &options.checkSeeds}};
-    for (int i = 0; i < argc; ++i) {
-        const auto found = values.find(argv[i]);
-        if (found == values.end()) {
-            options.rest.emplace_back(argv[i]);
-            continue;
-        }
-        if (++i == argc) fail("hysteroscopy: ", found->first, " needs a value");
-        *found->second = argv[i];
-    }
-    if (options.motion != "hand" && options.motion != "expert")
-        fail("hysteroscopy: --motion must be hand or expert, got ", shownWord(options.motion));
-    if (!options.pictures.empty() && !std::filesystem::is_directory(options.pictures))
-        fail("hysteroscopy: --pictures must be a folder, got ", shownWord(options.pictures));
-    return options;
-}
-
-int checkSeeds(const Options& options)
-{
-    const int count = wholeNumber("hysteroscopy: --check-seeds", options.checkSeeds, {closed(1, 1'000'000), "-"});
-    int good = 0;
-    for (int seed = 1; seed <= count; ++seed) {
-        const std::string problem = makePatient(options.caseName, static_cast<std::uint64_t>(seed)).problem;
-        good += problem.empty();
-        if (!problem.empty()) std::printf("seed %d: %s\n", seed, problem.c_str());
-    }
-    std::printf("%d of %d patients can be treated\n", good, count);
-    return good == count ? 0 : 1;
-}
-
-/// Asks who, which case, which seed. False: the window was closed.
-bool ask(Options& options, int seed)
-{
-    StartScreenDef def{.title = "Hysteroscopy", .cases = kCases};
-    def.choice.trainee = options.trainee;
-    def.choice.caseIndex = static_cast<int>(std::ranges::find(kCases, options.caseName) - kCases.begin());
-    def.choice.seed = static_cast<std::uint64_t>(seed);
-    const auto chosen = askAtStart(def, {"Hysteroscopy", 720, 720});
-    if (!chosen) return false;
-    options.trainee = chosen->trainee;
-    options.caseName = kCases[static_cast<std::size_t>(chosen->caseIndex)];
-    options.seed = text(chosen->seed % 1'000'000'000);
-    return true;
-}
-
-/// Nobody's session is written over: the next name that is free.
-std::string sessionFile(const Options& options, int seed)
-{
-    if (!options.session.empty()) return options.session;
-    for (int number = 1;; ++number) {
-        const std::string file = text("hysteroscopy_", options.caseName, "_", seed, "_", number, ".jsonl");
-        if (!std::filesystem::exists(file)) return file;
-    }
-}
-
-/// Enters, looks around, grasps the polyp, tears it off and brings it out. `middle` tells where the polyp's head is
-/// now.
-std::vector<HandMove> expertMotion(const Patient& patient, const ScopeHands& hands, ArticulatedInstrument& forceps,
-                                   const std::function<Vec3()>& middle,
-                                   const std::function<std::function<void()>(const char*)>& picture)
-{
-    const auto axial = [](double y, double roll = 0.0, double reach = -6_mm) {
-        return ScopeHand{{0, 1, 0}, y - kFulcrum.y, roll, reach};
-    };
-    // Tissue gives: before every move it looks again.
-    const auto before = [&hands, middle](double away, double roll, double sheathed = 0.0) {
-        return [=, &hands] {
-            ScopeHand hand = hands.at(middle(), away, roll, 8_mm);
-            hand.reach -= sheathed;
-            return hand;
-        };
-    };
-    const double roll = hands.rollAcross(patient.normal, patient.middle);
-    std::vector<HandMove> moves = {{.seconds = 0.6, .to = axial(-6_mm), .end = picture("os")},
-                                   {.seconds = 1.4, .to = axial(12_mm), .end = picture("canal")},
-                                   {.seconds = 1.6, .to = axial(37_mm), .end = picture("cavity")},
-                                   {.seconds = 0.5, .to = axial(37_mm, 50_deg)},
-                                   {.seconds = 0.8, .to = axial(37_mm, -50_deg)},
-                                   {.seconds = 0.8, .aim = before(12_mm, roll, 14_mm)},
-                                   {.seconds = 0.4, .aim = before(11_mm, roll, 14_mm), .end = picture("polyp")}};
-    // Soft tissue slips out of closing jaws: up to four times, from other sides and with the pivot elsewhere before it.
-    const auto holds = [&forceps] { return static_cast<bool>(forceps.holding()); };
-    for (const auto& [turned, close] : {std::pair{0_deg, 3_mm}, {60_deg, 2.5_mm}, {-60_deg, 3.5_mm}, {0_deg, 2_mm}}) {
-        const double side = roll + turned;
-        const auto open = [&forceps] { forceps.open(); };
-        moves.insert(moves.end(), {{.seconds = 0.6, .aim = before(close + 6_mm, side), .skip = holds, .begin = open},
-                                   {.seconds = 0.5, .aim = before(close + 5_mm, side), .skip = holds},
-                                   {.seconds = 0.5, .aim = before(close + 2_mm, side), .skip = holds},
-                                   {.seconds = 0.5, .aim = before(close, side), .skip = holds},
-                                   {.seconds = 0.9,
-                                    .aim = before(close - 0.5_mm, side),
-                                    .skip = holds,
-                                    .begin = [&] { forceps.close(); },
-                                    .end = picture("grasped")}});
-    }
-    moves.insert(moves.end(), {{.seconds = 1.6, .to = axial(32_mm, 0.0, 8_mm), .end = picture("torn")},
-                               {.seconds = 2.2, .to = axial(-25_mm, 0.0, 8_mm)}});
-    return moves;
-}
+constexpr Difficulty kDifficulties[] = {{"easy", true, 10, 3}, {"normal", false, 10, 3}, {"hard", false, 5, 2}};
+constexpr double kPerforation = 8; ///< [N] on the uterus at which it counts as pierced
 
 std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, BodyId scope,
                               const ArticulatedInstrument& forceps, std::size_t top)
@@ -144,6 +20,7 @@ std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, Body
     using frame::Frame;
     const auto tip = [=](const Frame& now) { return now.rigidBody(scope)->poses[0].position; };
     const auto head = [=](const Frame& now) { return now.softBody(bodies.polyp)->positions[top]; };
+    const auto held = [=, &forceps] { return forceps.holding() == bodies.polyp; };
     const auto to = [](Vec3 place) { return [place](const Frame&) { return std::optional(place); }; };
     const auto done = [&](std::string name, std::string instruction, auto when, auto target) {
         return TaskStep{.name = std::move(name), .instruction = std::move(instruction), .done = when, .target = target};
@@ -158,20 +35,20 @@ std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, Body
                 "find", "Find the polyp and come up to it",
                 [=](const Frame& now) { return distance(tip(now), patient.middle) < 20_mm; }, to(patient.middle)),
             done(
-                "grasp", "Open the forceps, take the polyp and close them",
-                [=, &forceps](const Frame&) { return forceps.holding() == bodies.polyp; },
+                "grasp", "Open the forceps, take the polyp and close them", [=](const Frame&) { return held(); },
                 [=](const Frame& now) { return std::optional(head(now)); }),
             done(
                 "tear", "Pull until it comes off",
                 [=](const Frame& now) { return distance(head(now), root) > 1.8 * patient.height; }, to({0, 32_mm, 0})),
             done(
-                "bring out", "Bring it out", [=](const Frame& now) { return head(now).y < -1_mm; }, to({}))};
+                "bring out", "Bring it out", [=](const Frame& now) { return held() && head(now).y < -1_mm; }, to({}))};
 }
 
-int train(const Options& options, int seed)
+int train(const Training& training)
 {
-    const Patient patient = makePatient(options.caseName, static_cast<std::uint64_t>(seed));
-    const bool expert = options.motion == "expert";
+    const std::string& caseName = kCases[static_cast<std::size_t>(training.caseIndex)];
+    const Patient patient = makePatient(caseName, static_cast<std::uint64_t>(training.seed));
+    const Difficulty& difficulty = kDifficulties[training.difficulty];
     // In the fluid all floats. A step may take longer than it lasts: tissue that is solved badly tears by that alone.
     Simulation sim({.physics = {.gravity = {}, .contact = ExactContact{.tolerance = 2e-2}, .deadline = 5e-3},
                     .window = {"Hysteroscopy", 720, 720},
@@ -200,103 +77,105 @@ int train(const Options& options, int seed)
                       .start = {{0, 1, 0}, -39_mm, 0, -6_mm},
                       .leastDepth = -60_mm,
                       .mostDepth = 36_mm,
-                      .mostReach = 12_mm});
+                      .mostReach = 12_mm,
+                      .handle = training.device});
+    if (training.device) sim.add(HapticInterfaceDef{.name = "hand", .body = hands.handle()});
 
-    const std::string file = sessionFile(options, seed);
     MetricTrackerDef observed{.bodies = {{.body = forceps.body(), .tip = {0, 0, -4.5_mm}},
                                          {.body = scope.body(), .role = Role::Scope, .element = Endoscope::kCamera}},
-                              .file = file};
-    observed.session = {.trainee = options.trainee,
-                        .task = "hysteroscopy " + options.caseName,
+                              .file = training.file};
+    observed.session = {.trainee = training.trainee,
+                        .task = text("hysteroscopy ", caseName, " ", difficulty.name),
                         .software = "Filasofia",
-                        .seed = static_cast<std::uint64_t>(seed),
-                        .forceLimit = 3.0,
+                        .seed = static_cast<std::uint64_t>(training.seed),
+                        .forceLimit = difficulty.warning,
                         .fieldOfView = EndoscopeDef{}.fieldOfView,
                         .targets = {"polyp"},
-                        .watched = {EventKind::Grasp, EventKind::Release}};
+                        .watched = {EventKind::Grasp, EventKind::Release, EventKind::Perforation}};
     const auto nodes = physics::worldMesh(std::get<SoftBodyDef>(*sim.physics().def(bodies.polyp))).nodes;
     const auto height = [&](Vec3 node) { return dot(node - patient.pose.position, patient.normal); };
     const auto top = static_cast<std::size_t>(std::ranges::max_element(nodes, {}, height) - nodes.begin());
-    std::vector<TaskStep> steps = stepsOf(patient, bodies, scope.body(), forceps, top);
-    for (const TaskStep& step : steps) observed.session.steps.push_back(step.name);
+    const std::vector<TaskStep> taskSteps = stepsOf(patient, bodies, scope.body(), forceps, top);
+    for (const TaskStep& step : taskSteps) observed.session.steps.push_back(step.name);
     MetricTracker tracker(sim, observed);
     marks = &tracker;
 
-    EndScreen end(sim);
-    end.onClose([&] { sim.finish("closed"); });
-    const ForceBar bar(sim,
-                       {.name = "Force on tissue", .bodies = {scope.body(), forceps.body()}, .warning = 3, .full = 5});
-    const auto over = [&](bool done) {
-        if (expert) return sim.finish(done ? "the polyp is out" : "time is up");
-        end.show(done ? "The polyp is out" : "Time is up",
-                 {{"Trainee", options.trainee},
-                  {"Highest force", text(std::lround(1000 * bar.highest()), " mN")},
-                  {"Warnings", text(bar.warnings())}},
-                 file);
+    const auto bleed = [&](BodyId body, Vec3 place, double radius) {
+        sim.paint(body, {.place = place, .radius = radius, .state = {.blood = 0.6, .wetness = 1.0}});
     };
-    const Task task(sim, {.name = "hysteroscopy", .steps = steps, .timeLimit = 600, .tracker = &tracker, .over = over});
+    const ForceBar bar(sim, {.name = "Force on tissue",
+                             .bodies = {scope.body(), forceps.body()},
+                             .warning = difficulty.warning,
+                             .full = 5});
+    const PerforationWatch perforations(
+        sim, {.wall = bodies.uterus,
+              .tools = {{.body = scope.body(), .tip = {0, 0, 1_mm}}, {.body = forceps.body()}},
+              .force = kPerforation,
+              .tracker = &tracker,
+              .perforated = [&](Vec3 place, double) { bleed(bodies.uterus, place, 5_mm); }});
+    TrainingSession session(sim, training);
+    const auto over = [&](bool done) {
+        session.over(done ? "The polyp is out" : "Time is up", [&] {
+            return std::vector<ResultLine>{{"Highest force", text(std::lround(1000 * bar.highest()), " mN")},
+                                           {"Warnings", text(bar.warnings())},
+                                           {"Perforations", text(perforations.count())}};
+        });
+    };
+    const Task task(sim, {.name = "hysteroscopy",
+                          .steps = taskSteps,
+                          .timeLimit = 60 * difficulty.minutes,
+                          .tracker = &tracker,
+                          .over = over});
     Guidance guidance(sim, task);
-    std::atomic<bool> guided = !expert;
-    guidance.setOn(guided);
-    sim.on<KeyEvent>([&](const KeyEvent& key) {
-        if (!key.pressed || key.repeat) return;
-        if (key.key == KeyCode::T) guidance.setOn(guided = !guided);
-        if (key.key == KeyCode::Space) sim.pause(!sim.paused());
-        if (key.key == KeyCode::Escape) sim.finish("ended");
-    });
+    session.guide(guidance, difficulty.guided && training.motion.empty());
     sim.on<TearEvent>([&](const TearEvent& tear) {
-        for (const BodyId body : {bodies.uterus, bodies.polyp})
-            sim.paint(body, {.place = tear.rupture.place, .radius = 2.5_mm, .state = {.blood = 0.6, .wetness = 1.0}});
+        for (const BodyId body : {bodies.uterus, bodies.polyp}) bleed(body, tear.rupture.place, 2.5_mm);
     });
     sim.dress([&](VisualServer& server) {
         scope.dress(server);
         guidance.dress(server);
     });
 
-    std::vector<std::string> words = options.rest; // and what a recording tells of the session
-    words.insert(words.end(), {text("--seed=", seed), "--session=hysteroscopy " + options.caseName});
-    if (!options.trainee.empty()) words.push_back("--trainee=" + options.trainee);
-    const bool whole = expert && !options.has("--steps");
-    if (expert) {
-        const auto picture = [&](const char* name) -> std::function<void()> {
-            if (options.pictures.empty()) return {};
-            return [&sim, name = text(options.pictures, "/", name, ".png")] { sim.screenshot(name); };
-        };
-        const auto from = [&](Vec3 node) { return distance(node, patient.middle); };
-        const auto inside = static_cast<std::size_t>(std::ranges::min_element(nodes, {}, from) - nodes.begin());
-        const auto middle = [&, inside] { return sim.physics().latest()->softBody(bodies.polyp)->positions[inside]; };
-        const auto moves = expertMotion(patient, hands, forceps, middle, picture);
-        if (whole) words.insert(words.end(), {"--steps", text(std::lround(1000 * durationOf(moves)) + 200)});
-        hands.play(moves);
-    }
-    std::vector<const char*> arguments;
-    for (const std::string& word : words) arguments.push_back(word.c_str());
-    if (const int problem = sim.run(static_cast<int>(arguments.size()), arguments.data())) return problem;
+    const auto from = [&](Vec3 node) { return distance(node, patient.middle); };
+    const auto inside = static_cast<std::size_t>(std::ranges::min_element(nodes, {}, from) - nodes.begin());
+    const Motion with{patient, hands, forceps,
+                      [&, inside] { return sim.physics().latest()->softBody(bodies.polyp)->positions[inside]; },
+                      [&](const char* name) { return session.picture(name); }};
+    std::vector<HandMove> moves;
+    if (training.motion == "expert") moves = expertMotion(with);
+    if (training.motion == "clumsy") moves = clumsyMotion(with, static_cast<std::uint64_t>(training.seed));
+    if (!moves.empty()) hands.play(moves);
+    const int steps = static_cast<int>(1000 * durationOf(moves));
+    if (const int problem = session.run(steps > 0 ? steps + 200 : 0)) return problem;
     tracker.close();
     const TaskProgress progress = task.progress();
     const bool done = progress.state == TaskProgress::State::Done;
-    std::printf("%s: %d of %zu steps in %.1f s; highest force %.2f N, %d warnings; session: %s\n",
-                done ? "done" : "not done", progress.step, steps.size(), progress.time, bar.highest(), bar.warnings(),
-                file.c_str());
-    return whole && !done ? 1 : 0;
+    std::printf("%s: %d of %zu steps in %.1f s; highest force %.2f N, %d warnings, %d perforations; session: %s\n",
+                done ? "done" : "not done", progress.step, taskSteps.size(), progress.time, bar.highest(),
+                bar.warnings(), perforations.count(), training.file.c_str());
+    return training.motion == "expert" && !session.cutShort() && !done ? 1 : 0;
 }
 
 } // namespace
 
 int main(int argc, char** argv)
-try {
-    Options options = parse(argc, argv);
-    if (!options.checkSeeds.empty()) return checkSeeds(options);
-    if (options.has("--help") || options.has("-h")) {
-        std::puts(kHelp);
-        return Simulation().run(argc, argv);
-    }
-    const auto seed = [&] { return wholeNumber("hysteroscopy: --seed", options.seed, {closed(0, 999'999'999), "-"}); };
-    makePatient(options.caseName, static_cast<std::uint64_t>(seed())); // a wrong case is told before any window opens
-    if (options.motion == "expert" || options.has("--headless")) return train(options, seed());
-    while (ask(options, seed()))
-        if (const int problem = train(options, seed()); problem != 0 || !options.session.empty()) return problem;
-    return 0;
-} catch (const Error& error) {
-    return report(error);
+{
+    return runTrainer(
+        argc, argv,
+        {.name = "hysteroscopy",
+         .about = "A hysteroscopy trainer: through the cervical canal, find the polyp, tear it off, bring it out.",
+         .hands =
+             "Right drag turns the scope about the cervix, wheel, up and down move it, left and right roll it.\n"
+             "W and S move the forceps, G closes and opens them. A haptic device (--device) holds the scope's outer\n"
+             "end: its first button is G; while the second is held, in and out move the forceps.\n",
+         .cases = kCases,
+         .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
+         .motions = {"expert", "clumsy"},
+         .window = {"Hysteroscopy", 720, 720},
+         .problem =
+             [](int caseIndex, int seed) {
+                 return makePatient(kCases[static_cast<std::size_t>(caseIndex)], static_cast<std::uint64_t>(seed))
+                     .problem;
+             }},
+        train);
 }

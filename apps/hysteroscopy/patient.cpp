@@ -58,8 +58,7 @@ std::string problemOf(const Patient& patient, const nlohmann::json& axis)
 Patient makePatient(const std::string& caseName, std::uint64_t seed)
 {
     const auto chosen = std::ranges::find(kCases, caseName) - kCases.begin();
-    if (chosen == std::ssize(kCases))
-        fail("hysteroscopy: --case must be small, medium or lobed, got ", shownWord(caseName));
+    if (chosen == std::ssize(kCases)) fail("hysteroscopy: no case ", shownWord(caseName));
     Patient patient{.polyp = kPolyps[static_cast<std::size_t>(chosen)]};
     const nlohmann::json polyps = read("polyps.json"), uterus = read("uterus.json");
     for (const auto& each : polyps.at("polyps"))

@@ -7,9 +7,12 @@
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/overlays.h"
+#include "filasofia/prefab/perforation.h"
 #include "filasofia/prefab/scope_hands.h"
 #include "filasofia/prefab/screens.h"
+#include "filasofia/prefab/trainer.h"
 #include "filasofia/runtime/assets.h"
+#include "filasofia/runtime/options.h"
 #include "filasofia/runtime/simulation.h"
 
 #include <algorithm>
@@ -85,6 +88,9 @@ using prefab::HandMove;
 using prefab::InstrumentKind;
 using prefab::MetricTracker;
 using prefab::MetricTrackerDef;
+using prefab::PerforationWatch;
+using prefab::ResultLine;
+using prefab::runTrainer;
 using prefab::ScopeHand;
 using prefab::ScopeHands;
 using prefab::StartChoice;
@@ -94,6 +100,9 @@ using prefab::Task;
 using prefab::TaskProgress;
 using prefab::TaskStep;
 using prefab::TrackedBody;
+using prefab::TrainerDef;
+using prefab::Training;
+using prefab::TrainingSession;
 using runtime::asset;
 using runtime::ContactEvent;
 using runtime::CutEvent;
@@ -107,16 +116,20 @@ using runtime::HapticId;
 using runtime::HapticInterfaceDef;
 using runtime::HapticState;
 using runtime::LookDef;
+using runtime::optionHelp;
+using runtime::OwnOption;
 using runtime::PaintDef;
 using runtime::PaintMode;
 using runtime::PhysicsDef;
 using runtime::report;
+using runtime::run;
 using runtime::RunDef;
 using runtime::RunReport;
 using runtime::ShowDef;
 using runtime::ShownId;
 using runtime::Simulation;
 using runtime::SimulationDef;
+using runtime::takeOptions;
 using runtime::TearEvent;
 using visual::addEndoscopeLook;
 using visual::Backend;

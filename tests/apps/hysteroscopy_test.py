@@ -1,5 +1,9 @@
-"""Runs the hysteroscopy trainer as a user does. Usage: hysteroscopy_test.py PROGRAM [CLASS]"""
+"""Runs the hysteroscopy trainer as a user does. Usage: hysteroscopy_test.py PROGRAM [CLASS]
+
+TRAINER_STEPS in the environment cuts the planned motions short: a sanitizer takes minutes for one."""
 import json
+import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -7,6 +11,8 @@ import unittest
 from pathlib import Path
 
 PROGRAM = sys.argv[1]
+STEPS = os.environ.get("TRAINER_STEPS")
+SEEDS = ("1",) if STEPS else ("1", "2", "3")
 
 
 def run(*words, timeout=500):
@@ -38,7 +44,9 @@ class Words(Trainer):
         self.refused("--case", "a\nb", says="--case must be")
         self.refused("--seed", "-1", says="--seed must be a whole number in [0, 999999999]")
         self.refused("--seed", "one", says="--seed must be a whole number")
-        self.refused("--motion", "clumsy", says="--motion must be hand or expert")
+        self.refused("--difficulty", "brutal", says="--difficulty must be easy, normal or hard, got 'brutal'")
+        self.refused("--motion", "fast", says="--motion must be hand, expert, clumsy or a motion file, got 'fast'")
+        self.refused("--device", "tricorder", says="device: must be one of")
         self.refused("--check-seeds", "0", says="--check-seeds must be a whole number in [1, 1000000]")
         self.refused("--seed", says="--seed needs a value")
         self.refused("--pictures", "/nowhere/at/all", says="--pictures must be a folder")
@@ -57,13 +65,44 @@ class Words(Trainer):
 
 
 class Expert(Trainer):
+    """docs/hysteroscopy.md has twenty seeds."""
+
     def test_the_expert_brings_the_polyp_out(self):
-        done = run("--motion", "expert", "--headless", "--session", self.session)
+        for seed in SEEDS:
+            words = ["--motion", "expert", "--seed", seed, "--headless", "--session", self.session]
+            done = run(*words, *(["--steps", STEPS] if STEPS else []))
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            self.assertIn("0 perforations", done.stdout)
+            if not STEPS:
+                self.assertIn("done: 6 of 6 steps", done.stdout)
+                text = Path(self.session).read_text()
+                for word in ("grasp", "tear", "bring out"):
+                    self.assertIn(word, text)
+
+
+class Clumsy(Trainer):
+    """docs/hysteroscopy.md has a hundred."""
+
+    def test_clumsy_hands_press_harder_and_nothing_breaks(self):
+        for seed in SEEDS:
+            done = run("--motion", "clumsy", "--seed", seed, "--headless", "--session", self.session,
+                       *(["--steps", STEPS] if STEPS else []))
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            found = re.search(r"highest force ([\d.]+) N, (\d+) warnings, (\d+) perforations", done.stdout)
+            self.assertIsNotNone(found, done.stdout)
+            if not STEPS:
+                self.assertGreater(float(found[1]), 3.0)
+                self.assertGreater(int(found[2]), 0)
+
+
+class Hand(Trainer):
+    def test_a_recorded_hand_moves_the_scope_by_its_handle(self):
+        motion = Path(self.folder.name) / "in.csv"
+        motion.write_text("time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n0.2,0,0,0,1,0,0,0,0\n"
+                          "0.8,0,0.03,0,1,0,0,0,0\n1.2,0,0.03,0,1,0,0,0,0\n")
+        done = run("--motion", str(motion), "--headless", "--steps", "1200", "--session", self.session)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("done: 6 of 6 steps", done.stdout)
-        text = Path(self.session).read_text()
-        for word in ("grasp", "tear", "bring out"):
-            self.assertIn(word, text)
+        self.assertIn("1 of 6 steps", done.stdout)  # from 15 mm before the os to 15 mm beyond
 
 
 class Pictures(Trainer):

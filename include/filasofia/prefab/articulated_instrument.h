@@ -79,7 +79,6 @@ constexpr auto fields(const ArticulatedInstrumentDef*)
         field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
         field("grasps", &T::grasps, "may its jaws hold tissue"),
         field("gripForce", &T::gripForce, "N", positive(), "on each side, at which tissue is grasped"),
-        field("gripStiffness", &T::gripStiffness, "N/m", positiveOrInfinite(), "at each point it holds"),
         field("gripStiffness", &T::gripStiffness, "N/m", positiveOrInfinite(), "at each point that it holds"),
         field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "beyond which it slips out"),
         field("material", &T::material, "what it looks like"));

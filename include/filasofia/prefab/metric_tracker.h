@@ -88,4 +88,7 @@ private:
     std::shared_ptr<Impl> impl_; // the simulation's callbacks have it too, and may outlive this
 };
 
+/// The first of "<stem>_1.jsonl", "<stem>_2.jsonl", … that is not there: nobody's session is written over.
+std::string unusedSessionFile(const std::string& stem);
+
 } // namespace filasofia::prefab

@@ -37,6 +37,7 @@ struct ScopeHandsDef {
     double leastReach = -0.01; ///< [m]
     double mostReach = 0.03;   ///< [m], >= leastReach
     double mostTurn = 0.6;     ///< [rad], in (0, 1.5], of the shaft against where it starts
+    bool handle = false;       ///< held by a haptic device: see ScopeHands::handle()
 };
 constexpr auto fields(const ScopeHandsDef*)
 {
@@ -47,7 +48,8 @@ constexpr auto fields(const ScopeHandsDef*)
                     field("mostDepth", &T::mostDepth, "m", finite(), "of a person's hand"),
                     field("leastReach", &T::leastReach, "m", finite(), "of a person's hand"),
                     field("mostReach", &T::mostReach, "m", finite(), "of a person's hand"),
-                    field("mostTurn", &T::mostTurn, "rad", openClosed(0, 1.5), "against where it starts"));
+                    field("mostTurn", &T::mostTurn, "rad", openClosed(0, 1.5), "against where it starts"),
+                    field("handle", &T::handle, "held by a haptic device"));
 }
 
 /// One movement of a script; it starts and ends at rest.
@@ -63,7 +65,8 @@ struct HandMove {
 
 /// Moves an endoscope and an instrument before every step: by a script, or by a person's mouse and keys. With the right
 /// button dragged the shaft turns, the wheel and the up and down keys move it in and out, left and right roll it; W and
-/// S move the instrument, G closes and opens it.
+/// S move the instrument, G closes and opens it. Or by a haptic device that holds the handle: its first button opens
+/// and closes the jaws; while the second is held, in and out move the instrument in place of the scope.
 class ScopeHands {
 public:
     /// Before a run; Error where the Def is wrong. Scope and instrument are to live as long.
@@ -80,6 +83,10 @@ public:
     [[nodiscard]] double rollAcross(Vec3 stalk, Vec3 target) const;
     /// Where the scope's tip is then, with its roll.
     [[nodiscard]] Pose tip(const ScopeHand& hand) const;
+
+    /// With ScopeHandsDef::handle: the body for a HapticInterfaceDef, the scope's outer end, 0.2 m from the fulcrum. It
+    /// moves scope and instrument as a lever about the fulcrum does, and feels what they are pushed by. Else none.
+    [[nodiscard]] BodyId handle() const;
 
     /// From the next step on, in place of the person. Error where a move lasts no time.
     void play(std::vector<HandMove> moves);

@@ -17,6 +17,7 @@ struct StartChoice {
     std::string trainee = {};
     int caseIndex = 0;  ///< [-], of the cases
     int difficulty = 0; ///< [-], of the difficulties
+    int device = 0;     ///< [-], of the devices
     std::uint64_t seed = 1;
 };
 
@@ -24,6 +25,7 @@ struct StartScreenDef {
     std::string title = "Filasofia";
     std::vector<std::string> cases = {};                ///< to choose from; none: no choice
     std::vector<std::string> difficulties = {};         ///< the same
+    std::vector<std::string> devices = {};              ///< the same
     StartChoice choice = {};                            ///< what stands there at first
     std::function<void(const StartChoice&)> start = {}; ///< on the main thread, when Start is pressed
 };
@@ -53,8 +55,10 @@ public:
     explicit EndScreen(runtime::Simulation& simulation); ///< before a run
     /// Any thread.
     void show(std::string title, std::vector<ResultLine> results, std::string sessionFile = {});
-    /// Is pressed on its button; on the main thread. To be set before a run.
+    /// Its button was pressed; on the main thread. To be set before a run.
     void onClose(std::function<void()> close);
+    /// The same for a second button, for another patient at once; not set: there is none.
+    void onAgain(std::function<void()> again);
 
 private:
     struct Impl;

@@ -3,6 +3,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/core/mpsc_queue.h"
 #include "filasofia/core/spsc_ring.h"
+#include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/metric/sampling.h"
 #include "filasofia/prefab/session_writer.h"
@@ -12,6 +13,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <ctime>
+#include <filesystem>
 #include <mutex>
 #include <thread>
 
@@ -338,6 +340,12 @@ bool MetricTracker::failed() const { return impl_->failed.load(); }
 std::size_t MetricTracker::memory(const MetricTrackerDef& def)
 {
     return rowsOf(def) * (sizeof(Impl::Row) + def.bodies.size() * sizeof(Sample));
+}
+
+std::string unusedSessionFile(const std::string& stem)
+{
+    for (int number = 1;; ++number)
+        if (std::string file = text(stem, "_", number, ".jsonl"); !std::filesystem::exists(file)) return file;
 }
 
 } // namespace filasofia::prefab

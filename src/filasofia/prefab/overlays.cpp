@@ -2,12 +2,12 @@
 
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/prefab/smoothed.h"
 
 #include <imgui.h>
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 
 namespace filasofia::prefab {
 namespace {
@@ -66,7 +66,7 @@ void Guidance::dress(visual::VisualServer& server) { impl_->server = &server; }
 void Guidance::setOn(bool on) { impl_->on = on; }
 
 struct ForceBar::Impl {
-    Impl(runtime::Simulation& sim, const ForceBarDef& asked) : simulation(sim), def(asked)
+    Impl(runtime::Simulation& sim, const ForceBarDef& asked) : simulation(sim), def(asked), smoothed(def.smoothing)
     {
         validate(def, "force bar");
         if (def.bodies.empty()) fail("force bar: bodies must be at least one, got none");
@@ -84,11 +84,7 @@ struct ForceBar::Impl {
         double sum = 0.0;
         for (const frame::Contact& contact : frame->contacts)
             if (counts(contact.first) != counts(contact.second)) sum += contact.normalForce;
-        const double passed = std::max(0.0, frame->time - time);
-        time = frame->time;
-        const double share = 1.0 - std::exp(-passed / def.smoothing);
-        const double before = mean;
-        mean = before + share * (sum - before);
+        mean = smoothed.follow(frame->time, sum);
         most = std::max(most.load(), mean.load());
         // A force that trembles about the threshold is one warning, not a hundred.
         if (mean > def.warning && !warned) ++warnings;
@@ -115,7 +111,7 @@ struct ForceBar::Impl {
 
     runtime::Simulation& simulation;
     const ForceBarDef def;
-    double time = 0.0;   // of the stepping thread
+    Smoothed smoothed;   // of the stepping thread
     bool warned = false; // of the same
     std::atomic<double> mean = 0.0;
     std::atomic<double> most = 0.0;

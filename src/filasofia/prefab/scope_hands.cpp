@@ -2,10 +2,13 @@
 
 #include "filasofia/core/units.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/prefab/scope_handle.h"
+#include "filasofia/prefab/scope_tip.h"
 
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 namespace filasofia::prefab {
@@ -32,6 +35,8 @@ ScopeHand between(const ScopeHand& a, const ScopeHand& b, double t)
     return {normalized(from + t * (to - from)), mix(a.depth, b.depth), mix(a.roll, b.roll), mix(a.reach, b.reach)};
 }
 
+} // namespace
+
 Pose tipOf(const ScopeHandsDef& def, const ScopeHand& hand)
 {
     const Vec3 aim = normalized(hand.aim);
@@ -39,12 +44,11 @@ Pose tipOf(const ScopeHandsDef& def, const ScopeHand& hand)
     return visual::lookAt(tip, tip + aim, def.up) * Pose{{}, axisAngle({0.0, 0.0, 1.0}, hand.roll)};
 }
 
-} // namespace
-
 struct ScopeHands::Impl {
-    Impl(Endoscope& endoscope, ArticulatedInstrument& tool, const ScopeHandsDef& asked)
-        : scope(endoscope), instrument(tool), def(checked(asked)), now(def.start), wanted(def.start)
+    Impl(runtime::Simulation& sim, Endoscope& endoscope, ArticulatedInstrument& tool, const ScopeHandsDef& asked)
+        : simulation(sim), scope(endoscope), instrument(tool), def(checked(asked)), now(def.start), wanted(def.start)
     {
+        if (def.handle) handle.emplace(simulation, def);
         const Pose unrolled = tipOf(def, {.aim = def.start.aim});
         right = rotate(unrolled.orientation, {1.0, 0.0, 0.0});
         upwards = rotate(unrolled.orientation, {0.0, 1.0, 0.0});
@@ -65,11 +69,24 @@ struct ScopeHands::Impl {
     {
         const std::lock_guard lock(mutex);
         const double dt = time - std::exchange(last, time);
-        if (moves.empty())
+        if (moves.empty() && handle)
+            feelOurWay();
+        else if (moves.empty())
             now = between(now, wanted, 1.0 - std::exp(-dt / kFollow));
         else
             follow(time - dt, dt);
         apply();
+    }
+
+    /// A device holds the handle.
+    void feelOurWay()
+    {
+        const frame::FrameRef frame = simulation.physics().latest();
+        if (!frame) return;
+        now = handle->hand(*frame);
+        // The keys' way comes on top.
+        now.reach = std::clamp(now.reach + wanted.reach - def.start.reach, def.leastReach, def.mostReach);
+        handle->feel(*frame, scope.body(), instrument.body());
     }
 
     /// The script: moves that end within this step are ended, and the next ones begun.
@@ -103,7 +120,7 @@ struct ScopeHands::Impl {
     // A person: events tell where the hands are to be, and every step goes some of the way.
     void turn(const event::MouseMoveEvent& moved)
     {
-        if (!moved.buttons.right) return;
+        if (!moved.buttons.right || handle) return;
         const std::lock_guard lock(mutex);
         sideways = std::clamp(sideways + 0.002 * moved.dx, -def.mostTurn, def.mostTurn);
         upward = std::clamp(upward - 0.002 * moved.dy, -def.mostTurn, def.mostTurn);
@@ -126,7 +143,16 @@ struct ScopeHands::Impl {
         if (key.key == KeyCode::Right) shift(0.0, -5_deg, 0.0);
         if (key.key == KeyCode::W) shift(0.0, 0.0, 0.7_mm);
         if (key.key == KeyCode::S) shift(0.0, 0.0, -0.7_mm);
-        if (key.key != KeyCode::G || key.repeat) return;
+        if (key.key == KeyCode::G && !key.repeat) openOrClose();
+    }
+    void press(const runtime::DeviceEvent& device)
+    {
+        if (!handle || device.notice.kind != device::DeviceNotice::Kind::Button) return;
+        if (device.notice.button == 0 && device.notice.pressed) openOrClose();
+        if (device.notice.button == 1) handle->clutch(device.notice.pressed);
+    }
+    void openOrClose()
+    {
         closed = !closed;
         if (closed)
             instrument.close();
@@ -134,9 +160,11 @@ struct ScopeHands::Impl {
             instrument.open();
     }
 
+    runtime::Simulation& simulation;
     Endoscope& scope;
     ArticulatedInstrument& instrument;
     const ScopeHandsDef def;
+    std::optional<ScopeHandle> handle;
     Pose channel = {}; ///< in the tip's coordinates
     Vec3 right = {};   ///< of the start
     Vec3 upwards = {};
@@ -155,7 +183,7 @@ struct ScopeHands::Impl {
 
 ScopeHands::ScopeHands(runtime::Simulation& simulation, Endoscope& scope, ArticulatedInstrument& instrument,
                        const ScopeHandsDef& def)
-    : impl_(std::make_shared<Impl>(scope, instrument, def))
+    : impl_(std::make_shared<Impl>(simulation, scope, instrument, def))
 {
     const auto when = [weak = std::weak_ptr(impl_)](auto act) {
         return [weak, act](const auto& what) {
@@ -167,8 +195,11 @@ ScopeHands::ScopeHands(runtime::Simulation& simulation, Endoscope& scope, Articu
     simulation.on<event::MouseWheelEvent>(
         when([](Impl& impl, const event::MouseWheelEvent& e) { impl.shift(1.5_mm * e.dy, 0.0, 0.0); }));
     simulation.on<event::KeyEvent>(when([](Impl& impl, const event::KeyEvent& e) { impl.press(e); }));
+    simulation.on<runtime::DeviceEvent>(when([](Impl& impl, const runtime::DeviceEvent& e) { impl.press(e); }));
 }
 ScopeHands::~ScopeHands() = default;
+
+BodyId ScopeHands::handle() const { return impl_->handle ? impl_->handle->body() : BodyId{}; }
 
 ScopeHand ScopeHands::at(Vec3 target, double shortOf, double roll, double reach) const
 {

@@ -56,6 +56,7 @@ struct StartScreen::Impl {
             if (ImGui::InputText("Trainee", typed.data(), typed.size())) choice.trainee = typed.data();
             choose("Case", def.cases, choice.caseIndex);
             choose("Difficulty", def.difficulties, choice.difficulty);
+            choose("Device", def.devices, choice.device);
             ImGui::InputScalar("Seed", ImGuiDataType_U64, &choice.seed);
             if (ImGui::Button("Start")) {
                 started = true;
@@ -102,7 +103,7 @@ struct EndScreen::Impl {
     {
         const std::lock_guard lock(mutex);
         if (!visible) return;
-        bool pressed = false;
+        const std::function<void()>* pressed = nullptr;
         if (beginPanel("end")) {
             line(shown(title, 60));
             ImGui::Separator();
@@ -116,12 +117,16 @@ struct EndScreen::Impl {
                 ImGui::EndTable();
             }
             if (!file.empty()) line("Session: " + shown(file, 100));
-            pressed = ImGui::Button("Close");
+            if (ImGui::Button("Close")) pressed = &close;
+            if (again) {
+                ImGui::SameLine();
+                if (ImGui::Button("Next patient")) pressed = &again;
+            }
         }
         ImGui::End();
-        if (!pressed) return;
+        if (pressed == nullptr) return;
         visible = false;
-        if (close) close();
+        if (*pressed) (*pressed)();
     }
 
     std::mutex mutex;
@@ -130,6 +135,7 @@ struct EndScreen::Impl {
     std::vector<ResultLine> results;
     std::string file;
     std::function<void()> close;
+    std::function<void()> again;
 };
 
 EndScreen::EndScreen(runtime::Simulation& simulation) : impl_(std::make_shared<Impl>())
@@ -150,6 +156,12 @@ void EndScreen::onClose(std::function<void()> close)
 {
     const std::lock_guard lock(impl_->mutex);
     impl_->close = std::move(close);
+}
+
+void EndScreen::onAgain(std::function<void()> again)
+{
+    const std::lock_guard lock(impl_->mutex);
+    impl_->again = std::move(again);
 }
 
 } // namespace filasofia::prefab

@@ -43,6 +43,9 @@ int Simulation::run(int argc, const char* const* argv)
     CLI::App app("A Filasofia simulation");
     app.footer("Mouse and keys in the window:\n" + keyHelp());
     app.add_flag("--headless", def.headless, "a plain loop without window or clock, the same every time");
+    bool blind = false;
+    app.add_flag("--no-picture", blind,
+                 "a live run that draws nothing and opens no window: physics on its own thread, by the clock");
     addOption(app, "--steps", &RunDef::steps, def, "end after as many steps; 0: no end (headless: 1000)");
     addOption(app, "--seconds", &RunDef::seconds, def, "end after as many seconds of wall time; 0: no end");
     addOption(app, "--picture", &RunDef::picture, def, "write the last state to this PNG file");
@@ -62,6 +65,9 @@ int Simulation::run(int argc, const char* const* argv)
     try {
         app.parse(argc, argv);
         if (app.count("--fps") > 0 && def.video.empty()) fail("run: --fps needs --video FILE.mp4");
+        if (blind) def.backend = visual::Backend::Null;
+        if (blind && !(def.picture.empty() && def.video.empty()))
+            fail("run: --no-picture draws nothing for --picture or --video");
         if (def.headless && def.steps == 0) def.steps = 1000; // nobody could close it
         const RunReport report = run(def);
         std::cout << summary(report);

@@ -1,0 +1,82 @@
+#include "filasofia/prefab/scope_handle.h"
+
+#include "filasofia/prefab/scope_tip.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::prefab {
+namespace {
+
+constexpr double kMass = 0.15;       ///< [kg], of a scope with its camera, as far as a hand feels it
+constexpr double kRadius = 0.02;     ///< [m], of the ball whose inertia it has
+constexpr double kForceLimit = 20.0; ///< [N], what it feels at most: a tool that is driven by hands never gives way
+constexpr double kLever = 0.2;       ///< [m], from the fulcrum to the handle where the tip is at the fulcrum
+
+/// [rad] by which `turned` is turned about `base`'s -Z.
+double rollOf(Quat base, Quat turned)
+{
+    const Quat relative = conjugate(base) * turned;
+    return 2.0 * std::atan2(relative.z, relative.w);
+}
+
+} // namespace
+
+ScopeHandle::ScopeHandle(runtime::Simulation& simulation, const ScopeHandsDef& def)
+    : simulation_(simulation), def_(def), hand_(def.start)
+{
+    depth_ = def.start.depth;
+    const double inertia = 0.4 * kMass * kRadius * kRadius;
+    body_ = simulation.add(physics::RigidBodyDef{
+        .name = "scope handle",
+        .elements = {{def.fulcrum - (kLever - depth_) * def.start.aim, tipOf(def, def.start).orientation}},
+        .dynamic = true,
+        .mass = physics::GivenInertia{.mass = kMass, .moments = {inertia, inertia, inertia}},
+        .angularDamping = 5.0,
+        .gravity = false});
+}
+
+ScopeHand ScopeHandle::hand(const frame::Frame& now)
+{
+    const frame::RigidBodyFrame* handle = now.rigidBody(body_);
+    if (handle == nullptr) return hand_;
+    const Vec3 inwards = def_.fulcrum - handle->poses[0].position;
+    const double far = length(inwards);
+    if (far < 0.25 * kLever) return hand_; // pushed through the fulcrum: no direction to look into
+    hand_.aim = (1.0 / far) * inwards;
+    const double depth = kLever - far, moved = depth - depth_;
+    depth_ = depth;
+    double& goes = clutched_ ? hand_.reach : hand_.depth;
+    goes += moved;
+    hand_.depth = std::clamp(hand_.depth, def_.leastDepth, def_.mostDepth);
+    hand_.reach = std::clamp(hand_.reach, def_.leastReach, def_.mostReach);
+    ScopeHand unrolled = hand_;
+    unrolled.roll = 0.0;
+    hand_.roll = rollOf(tipOf(def_, unrolled).orientation, handle->poses[0].orientation);
+    return hand_;
+}
+
+void ScopeHandle::feel(const frame::Frame& now, BodyId scope, BodyId instrument) const
+{
+    const frame::RigidBodyFrame* handle = now.rigidBody(body_);
+    if (handle == nullptr) return;
+    const auto isTool = [&](BodyId id) { return id == scope || id == instrument; };
+    const Vec3 inwards = def_.fulcrum - handle->poses[0].position;
+    const double lever = length(inwards);
+    if (lever == 0.0) return;
+    const Vec3 aim = (1.0 / lever) * inwards;
+    // Virtual work: pushed across the aim by d, the handle moves what lies s beyond the fulcrum by -d s / lever.
+    Vec3 force = {}, torque = {};
+    for (const frame::Contact& contact : now.contacts) {
+        if (isTool(contact.first) == isTool(contact.second)) continue;
+        const double sign = isTool(contact.first) ? 1.0 : -1.0;
+        const Vec3 onTool = sign * (contact.normalForce * contact.normal + contact.friction);
+        const Vec3 arm = contact.point - def_.fulcrum;
+        const Vec3 along = dot(onTool, aim) * aim;
+        force += along - (dot(arm, aim) / lever) * (onTool - along);
+        torque += dot(cross(arm, onTool), aim) * aim;
+    }
+    simulation_.physics().setWrench(body_, weakened(length(force), kForceLimit) * force, torque);
+}
+
+} // namespace filasofia::prefab

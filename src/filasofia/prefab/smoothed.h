@@ -1,0 +1,26 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::prefab {
+
+/// A mean that forgets: contact forces jump from step to step, this does not.
+class Smoothed {
+public:
+    explicit Smoothed(double seconds) : seconds_(seconds) {}
+    /// The mean after `value` has lasted until `time` [s].
+    double follow(double time, double value)
+    {
+        const double passed = std::max(0.0, time - time_);
+        time_ = time;
+        return mean_ += (1.0 - std::exp(-passed / seconds_)) * (value - mean_);
+    }
+
+private:
+    double seconds_;
+    double time_ = 0.0;
+    double mean_ = 0.0;
+};
+
+} // namespace filasofia::prefab

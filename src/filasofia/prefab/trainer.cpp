@@ -1,0 +1,244 @@
+#include "filasofia/prefab/trainer.h"
+
+#include "filasofia/core/text.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/core/word.h"
+#include "filasofia/prefab/metric_tracker.h"
+#include "filasofia/runtime/options.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+namespace filasofia::prefab {
+namespace {
+
+constexpr int kMostSeeds = 1'000'000'000;
+/// What a start screen offers to hold, and the drivers' names; the first is no device.
+const std::vector<std::string> kDevices = {"mouse and keys", "forcedimension", "openhaptics"};
+
+int placeOf(const std::vector<std::string>& words, const std::string& word)
+{
+    return static_cast<int>(std::ranges::find(words, word) - words.begin());
+}
+const std::string& at(const std::vector<std::string>& words, int place)
+{
+    return words[static_cast<std::size_t>(place)];
+}
+
+} // namespace
+
+struct TrainerProgram {
+    TrainerDef def;
+    std::string caseName, difficulty, motion = "hand", trainee, session, pictures, seed = "1", checkSeeds;
+    std::vector<std::string> rest; ///< for Simulation::run
+    bool another = false;          ///< the trainee asked for the next patient
+
+    [[nodiscard]] std::vector<runtime::OwnOption> options()
+    {
+        std::string motions = "who moves: hand";
+        for (const std::string& planned : def.motions) motions += ", " + planned;
+        return {{"--case", &caseName, "which case", def.cases},
+                {"--difficulty", &difficulty, "how difficult", def.difficulties},
+                {"--seed", &seed, "chooses the patient"},
+                {"--motion", &motion, motions + ", or a device's motion file"},
+                {"--trainee", &trainee, "a name, for the session"},
+                {"--session", &session,
+                 "a .jsonl file for 'filasofia report'; else " + def.name + "_CASE_SEED_NUMBER.jsonl"},
+                {"--pictures", &pictures, "a folder for pictures of a planned motion"},
+                {"--check-seeds", &checkSeeds, "tell whether the patients of seeds 1 to N can be treated, and end"}};
+    }
+    [[nodiscard]] bool has(const char* word) const
+    {
+        return std::ranges::any_of(
+            rest, [&](const std::string& each) { return each == word || each.starts_with(text(word, "=")); });
+    }
+    [[nodiscard]] bool wantsHelp() const { return has("--help") || has("-h"); }
+    [[nodiscard]] bool planned() const { return std::ranges::find(def.motions, motion) != def.motions.end(); }
+    [[nodiscard]] int seedNumber() const
+    {
+        return wholeNumber(def.name + ": --seed", seed, {closed(0, kMostSeeds - 1), "-"});
+    }
+
+    void parse(int argc, const char* const* argv)
+    {
+        rest = runtime::takeOptions(def.name, argc, argv, options());
+        if (wantsHelp()) return;
+        static_cast<void>(seedNumber()); // what is wrong is told before any window opens
+        if (motion != "hand" && !planned()) {
+            std::string all = "hand";
+            for (const std::string& planned : def.motions) all += ", " + planned;
+            if (!std::filesystem::is_regular_file(motion))
+                fail(def.name, ": --motion must be ", all, " or a motion file, got ", shownWord(motion));
+            rest.insert(rest.end(), {"--motion", motion});
+        }
+        if (!pictures.empty() && !std::filesystem::is_directory(pictures))
+            fail(def.name, ": --pictures must be a folder, got ", shownWord(pictures));
+    }
+
+    [[nodiscard]] int help()
+    {
+        std::printf("%s\n\n%s\n%sT switches guidance, Space pauses, R takes the next patient, Escape ends.\n\n"
+                    "All other options are every simulation's:\n\n",
+                    def.about.c_str(), runtime::optionHelp(options()).c_str(), def.hands.c_str());
+        std::fflush(stdout);
+        runtime::Simulation simulation;
+        return runtime::run(simulation, rest);
+    }
+
+    [[nodiscard]] int check() const
+    {
+        const int count = wholeNumber(def.name + ": --check-seeds", checkSeeds, {closed(1, 1'000'000), "-"});
+        int good = 0;
+        for (int each = 1; each <= count; ++each) {
+            const std::string problem = def.problem ? def.problem(placeOf(def.cases, caseName), each) : std::string();
+            good += problem.empty();
+            if (!problem.empty()) std::printf("seed %d: %s\n", each, problem.c_str());
+        }
+        std::printf("%d of %d patients can be treated\n", good, count);
+        return good == count ? 0 : 1;
+    }
+
+    /// Who, which case, which seed. False: the window was closed.
+    bool ask()
+    {
+        const bool choosesDevice = !has("--device") && !has("--motion");
+        const auto chosen = askAtStart({.title = def.window.title,
+                                        .cases = def.cases,
+                                        .difficulties = def.difficulties,
+                                        .devices = choosesDevice ? kDevices : std::vector<std::string>{},
+                                        .choice = {.trainee = trainee,
+                                                   .caseIndex = placeOf(def.cases, caseName),
+                                                   .difficulty = placeOf(def.difficulties, difficulty),
+                                                   .device = device,
+                                                   .seed = static_cast<std::uint64_t>(seedNumber())}},
+                                       def.window);
+        if (!chosen) return false;
+        trainee = chosen->trainee;
+        caseName = at(def.cases, chosen->caseIndex);
+        difficulty = at(def.difficulties, chosen->difficulty);
+        device = chosen->device;
+        seed = text(chosen->seed % kMostSeeds);
+        return true;
+    }
+    int device = 0; ///< of kDevices, as chosen on the screen
+};
+
+struct TrainingSession::Impl {
+    Impl(runtime::Simulation& sim, const Training& asked)
+        : simulation(sim), training(asked), program(*asked.program), end(sim)
+    {
+    }
+
+    void press(const event::KeyEvent& key)
+    {
+        using event::KeyCode;
+        if (!key.pressed || key.repeat) return;
+        if (key.key == KeyCode::T && guidance != nullptr) guidance->setOn(guided = !guided);
+        if (key.key == KeyCode::Space) simulation.pause(!simulation.paused());
+        if (key.key == KeyCode::R) next();
+        if (key.key == KeyCode::Escape) simulation.finish("ended");
+    }
+    void next()
+    {
+        program.another = true;
+        simulation.finish("next patient");
+    }
+
+    runtime::Simulation& simulation;
+    const Training training;
+    TrainerProgram& program;
+    EndScreen end;
+    Guidance* guidance = nullptr;
+    bool guided = false; // of the thread that delivers events
+};
+
+TrainingSession::TrainingSession(runtime::Simulation& simulation, const Training& training)
+    : impl_(std::make_shared<Impl>(simulation, training))
+{
+    const auto weak = std::weak_ptr(impl_);
+    impl_->end.onClose([&simulation] { simulation.finish("closed"); });
+    impl_->end.onAgain([weak] {
+        if (const auto impl = weak.lock()) impl->next();
+    });
+    simulation.on<event::KeyEvent>([weak](const event::KeyEvent& key) {
+        if (const auto impl = weak.lock()) impl->press(key);
+    });
+}
+
+void TrainingSession::guide(Guidance& guidance, bool on)
+{
+    impl_->guidance = &guidance;
+    guidance.setOn(impl_->guided = on);
+}
+
+void TrainingSession::over(const std::string& how, const std::function<std::vector<ResultLine>()>& results)
+{
+    if (!impl_->training.motion.empty()) return impl_->simulation.finish(how);
+    std::vector<ResultLine> lines = {{"Trainee", impl_->training.trainee}};
+    for (ResultLine& line : results()) lines.push_back(std::move(line));
+    lines.push_back({"Report", text("filasofia report ", impl_->training.file)});
+    impl_->end.show(how, std::move(lines), impl_->training.file);
+}
+
+std::function<void()> TrainingSession::picture(const std::string& name) const
+{
+    if (impl_->program.pictures.empty()) return {};
+    return [&simulation = impl_->simulation, file = text(impl_->program.pictures, "/", name, ".png")] {
+        simulation.screenshot(file);
+    };
+}
+
+int TrainingSession::run(int steps)
+{
+    const TrainerProgram& program = impl_->program;
+    std::vector<std::string> words = program.rest;
+    if (program.device > 0) words.insert(words.end(), {"--device", at(kDevices, program.device)});
+    // What a recording tells of the session.
+    words.insert(words.end(),
+                 {text("--seed=", program.seed), text("--session=", program.def.name, " ", program.caseName)});
+    if (!program.trainee.empty()) words.push_back("--trainee=" + program.trainee);
+    if (steps > 0 && !cutShort()) words.insert(words.end(), {"--steps", text(steps)});
+    return runtime::run(impl_->simulation, words);
+}
+
+bool TrainingSession::cutShort() const { return impl_->program.has("--steps"); }
+
+int runTrainer(int argc, const char* const* argv, const TrainerDef& def,
+               const std::function<int(const Training&)>& train)
+try {
+    const auto program = std::make_shared<TrainerProgram>();
+    validate(def, "trainer");
+    if (def.cases.empty() || def.difficulties.empty())
+        fail("trainer: cases and difficulties must be at least one each");
+    program->def = def;
+    program->caseName = def.cases.front();
+    program->difficulty = def.difficulties.front();
+    program->parse(argc, argv);
+    if (program->wantsHelp()) return program->help();
+    if (!program->checkSeeds.empty()) return program->check();
+    const auto session = [&] {
+        program->another = false;
+        const int seed = program->seedNumber();
+        return train({.trainee = program->trainee,
+                      .caseIndex = placeOf(def.cases, program->caseName),
+                      .difficulty = placeOf(def.difficulties, program->difficulty),
+                      .seed = seed,
+                      .motion = program->planned() ? program->motion : std::string(),
+                      .device = program->device > 0 || program->has("--device") || program->has("--motion"),
+                      .file = program->session.empty()
+                                  ? unusedSessionFile(text(def.name, "_", program->caseName, "_", seed))
+                                  : program->session,
+                      .program = program});
+    };
+    if (program->planned() || program->has("--headless")) return session();
+    while (program->another || program->ask()) {
+        if (const int problem = session(); problem != 0 || !program->session.empty()) return problem;
+        if (program->another) program->seed = text((program->seedNumber() + 1) % kMostSeeds);
+    }
+    return 0;
+} catch (const Error& error) {
+    return runtime::report(error);
+}
+
+} // namespace filasofia::prefab

@@ -1,0 +1,66 @@
+#include "filasofia/runtime/options.h"
+
+#include "filasofia/core/text.h"
+#include "filasofia/core/word.h"
+
+#include <algorithm>
+#include <string_view>
+
+namespace filasofia::runtime {
+namespace {
+
+/// "small, medium or lobed".
+std::string listed(const std::vector<std::string>& words)
+{
+    std::string all;
+    for (std::size_t i = 0; i < words.size(); ++i)
+        all += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+    return all;
+}
+
+} // namespace
+
+std::vector<std::string> takeOptions(const std::string& program, int argc, const char* const* argv,
+                                     const std::vector<OwnOption>& options)
+{
+    std::vector<std::string> rest;
+    std::vector<const OwnOption*> given;
+    for (int i = 0; i < argc; ++i) {
+        const std::string_view word = argv[i];
+        const std::size_t equals = word.find('=');
+        const auto found = std::ranges::find(options, word.substr(0, equals), &OwnOption::name);
+        if (i == 0 || found == options.end()) {
+            rest.emplace_back(word);
+            continue;
+        }
+        if (std::ranges::find(given, &*found) != given.end())
+            fail(program, ": ", found->name, " must be given once, with one value");
+        given.push_back(&*found);
+        if (equals == std::string_view::npos && ++i == argc) fail(program, ": ", found->name, " needs a value");
+        const std::string value(equals == std::string_view::npos ? std::string_view(argv[i]) : word.substr(equals + 1));
+        if (!found->choices.empty() && std::ranges::find(found->choices, value) == found->choices.end())
+            fail(program, ": ", found->name, " must be ", listed(found->choices), ", got ", shownWord(value));
+        *found->value = value;
+    }
+    return rest;
+}
+
+std::string optionHelp(const std::vector<OwnOption>& options)
+{
+    std::string help;
+    for (const OwnOption& option : options) {
+        std::string name = "  " + option.name + " " + (option.choices.empty() ? "WORD" : listed(option.choices));
+        name.resize(std::max<std::size_t>(name.size() + 2, 34), ' ');
+        help += name + option.meaning + (option.value->empty() ? "" : " (" + *option.value + ")") + "\n";
+    }
+    return help;
+}
+
+int run(Simulation& simulation, const std::vector<std::string>& words)
+{
+    std::vector<const char*> arguments;
+    for (const std::string& word : words) arguments.push_back(word.c_str());
+    return simulation.run(static_cast<int>(arguments.size()), arguments.data());
+}
+
+} // namespace filasofia::runtime

@@ -1,0 +1,114 @@
+#include "filasofia/prefab/perforation.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/units.h"
+#include "filasofia/geometry/shapes.h"
+
+#include <catch2/catch.hpp>
+
+using namespace filasofia;
+using namespace filasofia::prefab;
+using runtime::Simulation;
+namespace shapes = geometry::shapes;
+
+namespace {
+
+/// A wall 10 mm thick on a hard floor, and a rod above it that goes where the test says: at height(time) is its end.
+struct Scene {
+    explicit Scene(bool touching = true)
+    {
+        wall = sim.add(physics::SoftBodyDef{
+            .name = "wall",
+            .mesh = shapes::block({40_mm, 10_mm, 40_mm}, {6, 2, 6}),
+            .material = physics::FemMaterial{.youngModulus = 20_kPa, .poissonRatio = 0.4},
+            .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, -4.9_mm, 1}}}},
+            .collision = touching ? std::vector<physics::CollisionDef>{{}} : std::vector<physics::CollisionDef>{}});
+        rod = sim.add(physics::RigidBodyDef{
+            .name = "rod", .elements = {{{0, 30_mm, 0}}}, .mesh = shapes::capsule(3_mm, 20_mm), .collision = {{}}});
+    }
+    PerforationWatch watch(PerforationDef def)
+    {
+        def.wall = wall;
+        def.tools = {{.body = rod, .tip = {0, -12_mm, 0}}}; // 1 mm behind its end
+        def.perforated = [this](Vec3 place, double force) { told.emplace_back(place, force); };
+        return {sim, def};
+    }
+    void run(const std::function<double(double)>& height, int steps)
+    {
+        sim.everyStep([=, this](double time) { sim.physics().setPose(rod, {{0, height(time) + 13_mm, 0}}); });
+        sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps});
+    }
+
+    Simulation sim;
+    BodyId wall, rod;
+    std::vector<std::pair<Vec3, double>> told;
+};
+
+} // namespace
+
+TEST_CASE(
+    "a tool that presses harder than the wall stands has perforated it: once, until it was away for half a second")
+{
+    Scene scene;
+    const PerforationWatch watch = scene.watch({.force = 0.5});
+    // From 8 mm (the wall's top is at 5 mm) down to 1 mm within 50 ms; away from 0.4 to 1.1 s; again.
+    scene.run(
+        [](double time) {
+            const double in = std::clamp(std::min(time - 0.1, 0.4 - time) / 0.05, 0.0, 1.0);
+            const double again = std::clamp((time - 1.1) / 0.05, 0.0, 1.0);
+            return 8_mm - (in + again) * 7_mm;
+        },
+        1400);
+    REQUIRE(scene.told.size() == 2);
+    CHECK(watch.count() == 2);
+    CHECK(scene.told[0].second > 0.5);
+    CHECK(scene.told[0].first.y == Approx(3_mm).margin(2.1_mm)); // where the rod's end was
+}
+
+TEST_CASE("a touch is no perforation")
+{
+    Scene scene;
+    const PerforationWatch watch = scene.watch({.force = 50.0});
+    scene.run([](double time) { return 8_mm - std::min(time, 0.2) * 20_mm; }, 400); // 1 mm in
+    CHECK(scene.told.empty());
+    CHECK(watch.count() == 0);
+}
+
+TEST_CASE("a tip inside the tissue has perforated it, whatever the force")
+{
+    Scene scene(false);
+    const PerforationWatch watch = scene.watch({.force = 1e3});
+    scene.run([](double time) { return 8_mm - std::min(time, 0.5) * 16_mm; }, 500); // its end comes to 0
+    REQUIRE(scene.told.size() == 1);
+    CHECK(scene.told[0].first.y == Approx(5_mm).margin(0.2_mm)); // the watched point is seen as it enters
+    CHECK(scene.told[0].second == 0.0);
+}
+
+TEST_CASE("a tracker notes a perforation, with its force")
+{
+    Scene scene(false);
+    MetricTrackerDef observed{.bodies = {{.body = scene.rod}}, .keep = true};
+    observed.session.watched = {metric::EventKind::Perforation};
+    MetricTracker tracker(scene.sim, observed);
+    const PerforationWatch watch = scene.watch({.tracker = &tracker});
+    scene.run([](double) { return 0.0; }, 20);
+    tracker.close();
+    REQUIRE(tracker.session().events.size() == 1);
+    CHECK(tracker.session().events[0].kind == metric::EventKind::Perforation);
+    CHECK(tracker.session().events[0].amount == 0.0);
+}
+
+TEST_CASE("a watch that cannot be is refused with its field")
+{
+    Scene scene;
+    const auto make = [&](const PerforationDef& def) { PerforationWatch(scene.sim, def); };
+    CHECK_THROWS_WITH(make({.wall = scene.wall}), Catch::Contains("perforation: tools must be at least one"));
+    CHECK_THROWS_WITH(make({.wall = scene.rod, .tools = {{.body = scene.rod}}}),
+                      Catch::Contains("wall must be a soft"));
+    CHECK_THROWS_WITH(make({.wall = scene.wall, .tools = {{.body = scene.wall}}}),
+                      Catch::Contains("tools[0].body must be a rigid"));
+    CHECK_THROWS_WITH(make({.wall = scene.wall, .tools = {{.body = scene.rod, .element = 1}}}),
+                      Catch::Contains("tools[0].element must be in [0, 0], got 1"));
+    CHECK_THROWS_WITH(make({.wall = scene.wall, .tools = {{.body = scene.rod}}, .force = 0.0}),
+                      Catch::Contains("force must be > 0 N"));
+}
