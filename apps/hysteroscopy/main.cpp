@@ -78,6 +78,7 @@ int train(const Training& training)
                       .leastDepth = -60_mm,
                       .mostDepth = 36_mm,
                       .mostReach = 12_mm,
+                      .strength = 15,
                       .handle = training.device});
     if (training.device) sim.add(HapticInterfaceDef{.name = "hand", .body = hands.handle()});
 

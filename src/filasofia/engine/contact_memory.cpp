@@ -75,6 +75,7 @@ private:
     std::vector<Tree> trees_; ///< ascending by bodies
 };
 
+constexpr double kOpposite = -0.9;  ///< [-] cosine between normals
 constexpr double kSamePlace = 1e-3; ///< [m] besides the way that the two may have gone since
 
 } // namespace
@@ -91,6 +92,28 @@ void inheritForces(double dt, const std::vector<ContactMemory>& memories, Coupli
         if (ContactMemory& memory = coupling.contacts[c].memory; memory.force == Vec3{})
             inheritance.byPlace(kSamePlace + way, memory);
     }
+}
+
+std::vector<bool> contradicted(const Coupling& coupling)
+{
+    std::vector<bool> contradicted(coupling.contacts.size());
+    std::vector<std::size_t> deep; // those that push and are inside each other, ascending by x
+    for (std::size_t c = 0; c < coupling.contacts.size(); ++c)
+        if (coupling.contacts[c].gap < 0.0 && coupling.links[c].next.x > 0.0) deep.push_back(c);
+    const auto at = [&](std::size_t c) { return coupling.contacts[c].memory.point; };
+    std::ranges::sort(deep, {}, [&](std::size_t c) { return std::pair(at(c).x, c); });
+    double deepest = 0.0;
+    for (const std::size_t c : deep) deepest = std::max(deepest, -coupling.contacts[c].gap);
+    for (std::size_t i = 0; i < deep.size(); ++i)
+        for (std::size_t j = i + 1; j < deep.size() && at(deep[j]).x - at(deep[i]).x < 2.0 * deepest; ++j) {
+            const FoundContact& a = coupling.contacts[deep[i]];
+            const FoundContact& b = coupling.contacts[deep[j]];
+            if (bodiesOf(a.memory) != bodiesOf(b.memory)) continue;
+            if (dot(coupling.links[deep[i]].frame[0], coupling.links[deep[j]].frame[0]) > kOpposite) continue;
+            if (distance(a.memory.point, b.memory.point) > -a.gap - b.gap) continue;
+            contradicted[deep[i]] = contradicted[deep[j]] = true;
+        }
+    return contradicted;
 }
 
 void sortMemories(std::vector<ContactMemory>& memories)

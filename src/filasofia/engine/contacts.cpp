@@ -253,6 +253,7 @@ void keepContacts(double dt, const Coupling& coupling, State& state, physics::St
     state.contacts.clear();
     state.touching.clear();
     report.contacts.found = static_cast<int>(coupling.contacts.size());
+    const std::vector<bool> noWayOut = contradicted(coupling);
     for (std::size_t c = 0; c < coupling.contacts.size(); ++c) {
         const FoundContact& contact = coupling.contacts[c];
         const Link& link = coupling.links[c];
@@ -266,7 +267,7 @@ void keepContacts(double dt, const Coupling& coupling, State& state, physics::St
                                   .friction = force.y * link.frame[1] + force.z * link.frame[2]});
         report.contacts.active += force.x != 0.0 ? 1 : 0;
         report.contacts.penetration = std::max(report.contacts.penetration, -contact.gap);
-        if (!(link.next.x > 0.0)) continue;
+        if (!(link.next.x > 0.0) || noWayOut[c]) continue;
         ContactMemory& memory = state.contacts.emplace_back(contact.memory);
         memory.force = 1.0 / dt * inWorld(link.frame, link.next);
     }

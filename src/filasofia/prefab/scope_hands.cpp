@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -14,7 +15,8 @@
 namespace filasofia::prefab {
 namespace {
 
-constexpr double kFollow = 0.06; ///< [s] in which a hand makes most of the way to where its person wants it
+constexpr double kFollow = 0.06;  ///< [s] in which a hand makes most of the way to where its person wants it
+constexpr double kFastest = 0.25; ///< [m/s] by which one that was held up catches up
 
 ScopeHandsDef checked(ScopeHandsDef def)
 {
@@ -35,6 +37,18 @@ ScopeHand between(const ScopeHand& a, const ScopeHand& b, double t)
     return {normalized(from + t * (to - from)), mix(a.depth, b.depth), mix(a.roll, b.roll), mix(a.reach, b.reach)};
 }
 
+/// [N] by which everything together pushes a body.
+Vec3 pushOn(const frame::Frame& frame, BodyId body)
+{
+    Vec3 sum = {};
+    for (const frame::Contact& contact : frame.contacts) {
+        if (contact.first != body && contact.second != body) continue;
+        const Vec3 force = contact.normalForce * contact.normal + contact.friction;
+        sum += contact.first == body ? force : -force;
+    }
+    return sum;
+}
+
 } // namespace
 
 Pose tipOf(const ScopeHandsDef& def, const ScopeHand& hand)
@@ -46,7 +60,8 @@ Pose tipOf(const ScopeHandsDef& def, const ScopeHand& hand)
 
 struct ScopeHands::Impl {
     Impl(runtime::Simulation& sim, Endoscope& endoscope, ArticulatedInstrument& tool, const ScopeHandsDef& asked)
-        : simulation(sim), scope(endoscope), instrument(tool), def(checked(asked)), now(def.start), wanted(def.start)
+        : simulation(sim), scope(endoscope), instrument(tool), def(checked(asked)), now(def.start), wanted(def.start),
+          goal(def.start)
     {
         if (def.handle) handle.emplace(simulation, def);
         const Pose unrolled = tipOf(def, {.aim = def.start.aim});
@@ -57,11 +72,34 @@ struct ScopeHands::Impl {
         apply();
     }
 
+    [[nodiscard]] Pose pivotOf(const ScopeHand& hand) const
+    {
+        return tipOf(def, hand) * channel * Pose{{0.0, 0.0, -hand.reach}, {}};
+    }
     void apply()
     {
-        const Pose tip = tipOf(def, now);
-        scope.move(tip);
-        instrument.move(tip * channel * Pose{{0.0, 0.0, -now.reach}, {}});
+        scope.move(tipOf(def, now));
+        instrument.move(pivotOf(now));
+    }
+
+    /// From now to where the hand is to be, as far as its strength allows: no hand pushes on against more.
+    void go(const ScopeHand& to, double dt)
+    {
+        const Vec3 tip = tipOf(def, to).position - tipOf(def, now).position;
+        const Vec3 pivot = pivotOf(to).position - pivotOf(now).position;
+        const double way = std::max(length(tip), length(pivot));
+        if (def.strength < std::numeric_limits<double>::infinity()) {
+            const frame::FrameRef frame = simulation.physics().latest();
+            const Vec3 onScope = frame ? pushOn(*frame, scope.body()) : Vec3{};
+            const Vec3 onInstrument = frame ? pushOn(*frame, instrument.body()) : Vec3{};
+            const bool against = dot(onScope, tip) + dot(onInstrument, pivot) < 0.0;
+            if (against && length(onScope) + length(onInstrument) > def.strength) return;
+            if (way > kFastest * dt) {
+                now = between(now, to, kFastest * dt / way);
+                return;
+            }
+        }
+        now = to;
     }
 
     /// Before a step that ends at `time`.
@@ -70,37 +108,38 @@ struct ScopeHands::Impl {
         const std::lock_guard lock(mutex);
         const double dt = time - std::exchange(last, time);
         if (moves.empty() && handle)
-            feelOurWay();
+            go(feelOurWay(), dt);
         else if (moves.empty())
-            now = between(now, wanted, 1.0 - std::exp(-dt / kFollow));
+            go(between(now, wanted, 1.0 - std::exp(-dt / kFollow)), dt);
         else
-            follow(time - dt, dt);
+            go(follow(time - dt, dt), dt);
         apply();
     }
 
     /// A device holds the handle.
-    void feelOurWay()
+    ScopeHand feelOurWay()
     {
         const frame::FrameRef frame = simulation.physics().latest();
-        if (!frame) return;
-        now = handle->hand(*frame);
+        if (!frame) return now;
+        ScopeHand hand = handle->hand(*frame);
         // The keys' way comes on top.
-        now.reach = std::clamp(now.reach + wanted.reach - def.start.reach, def.leastReach, def.mostReach);
+        hand.reach = std::clamp(hand.reach + wanted.reach - def.start.reach, def.leastReach, def.mostReach);
         handle->feel(*frame, scope.body(), instrument.body());
+        return hand;
     }
 
     /// The script: moves that end within this step are ended, and the next ones begun.
-    void follow(double before, double dt)
+    ScopeHand follow(double before, double dt)
     {
         if (move < 0) next(before);
         while (current() != nullptr && before + dt >= moveStart + current()->seconds) {
-            now = current()->to;
+            goal = current()->to;
             if (current()->end) current()->end();
             next(moveStart + current()->seconds);
         }
-        if (current() == nullptr) return;
+        if (current() == nullptr) return goal;
         const double t = (before + dt - moveStart) / current()->seconds;
-        now = between(from, current()->to, t * t * (3.0 - 2.0 * t));
+        return goal = between(from, current()->to, t * t * (3.0 - 2.0 * t));
     }
     [[nodiscard]] HandMove* current()
     {
@@ -111,7 +150,7 @@ struct ScopeHands::Impl {
         ++move;
         while (current() != nullptr && current()->skip && current()->skip()) ++move;
         moveStart = time;
-        from = now;
+        from = goal;
         if (current() == nullptr) return;
         if (current()->aim) current()->to = current()->aim();
         if (current()->begin) current()->begin();
@@ -178,7 +217,8 @@ struct ScopeHands::Impl {
     std::vector<HandMove> moves;
     std::ptrdiff_t move = -1; ///< under way; -1: before the first
     double moveStart = 0.0;
-    ScopeHand from;
+    ScopeHand from; ///< where the move began
+    ScopeHand goal; ///< where the script has the hands now, if nothing holds them up
 };
 
 ScopeHands::ScopeHands(runtime::Simulation& simulation, Endoscope& scope, ArticulatedInstrument& instrument,
@@ -234,6 +274,7 @@ void ScopeHands::play(std::vector<HandMove> moves)
     const std::lock_guard lock(impl_->mutex);
     impl_->moves = std::move(moves);
     impl_->move = -1;
+    impl_->goal = impl_->now;
 }
 
 double durationOf(const std::vector<HandMove>& moves)
