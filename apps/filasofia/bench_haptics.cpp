@@ -123,12 +123,8 @@ json benchHaptics(double seconds, bool quick)
     json allRuns = json::array(), allWalls = json::array();
     for (const ServoTimes& run : runs) allRuns.push_back(toJson(run));
     for (const WallEnergy& wall : walls) allWalls.push_back(toJson(wall));
-    return {{"bench", "haptics"},
-            {"quick", quick},
-            {"clock_alone", toJson(alone)},
-            {"runs", allRuns},
-            {"walls", allWalls},
-            {"limits", printVerdicts(judge(runs, walls))}};
+    return {{"bench", "haptics"}, {"quick", quick},    {"clock_alone", toJson(alone)},
+            {"runs", allRuns},    {"walls", allWalls}, {"limits", printVerdicts(judge(runs, walls))}};
 }
 
 } // namespace filasofia::app

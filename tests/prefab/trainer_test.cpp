@@ -82,7 +82,10 @@ TEST_CASE("a planned motion takes as long as it takes, unless --steps says less"
 TEST_CASE("a device's motion file is handed on, and a device is to be held")
 {
     Program program;
-    CHECK(program.run({"--headless", "--motion", "CMakeCache.txt"}) == 2); // a file, but there is no haptic interface
+    const std::string file = (std::filesystem::temp_directory_path() / "filasofia_no_motion.csv").string();
+    std::ofstream(file) << "x";
+    CHECK(program.run({"--headless", "--motion", file.c_str()}) == 2); // there is no haptic interface for it
+    std::filesystem::remove(file);
     REQUIRE(program.trained.size() == 1);
     CHECK(program.trained[0].device);
     CHECK(program.trained[0].motion.empty());

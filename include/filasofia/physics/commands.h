@@ -34,7 +34,7 @@ struct RemoveBody {
 struct SetPose {
     BodyId id = {};
     int element = 0;
-    Pose pose = {};
+    Pose pose = {}; ///< its orientation of any length > 1e-6: the engine makes it unit
 };
 /// What pushes an element of a dynamic body at its centre of mass, in place of what did.
 struct SetWrench {

@@ -91,11 +91,12 @@ struct Apply {
     {
         const std::size_t index = indexOf(model.rigidBodies, set.id);
         RigidState& body = state.rigidBodies[index];
+        const Pose pose = physics::unitPose(set.pose, "pose");
         if (!model.rigidBodies[index].dynamic) { // moveRigid takes it there
-            body.targets[set.element] = set.pose;
+            body.targets[set.element] = pose;
             return;
         }
-        body.poses[set.element] = set.pose;
+        body.poses[set.element] = pose;
         body.velocities[set.element] = body.angularVelocities[set.element] = {};
         for (JointState& joint : body.joints) joint.now.velocity = 0.0;
         placeLinks(model, index, state);
@@ -112,10 +113,12 @@ struct Apply {
     void operator()(const physics::SetHaptic& set) const
     {
         const std::size_t index = indexOf(model.rigidBodies, set.id);
+        physics::HapticTarget target = set.target;
+        target.pose = physics::unitPose(target.pose, "target.pose");
         if (model.rigidBodies[index].dynamic)
-            hold({set.element, set.target}, state.rigidBodies[index]);
+            hold({set.element, target}, state.rigidBodies[index]);
         else
-            state.rigidBodies[index].targets[set.element] = set.target.pose;
+            state.rigidBodies[index].targets[set.element] = target.pose;
     }
     void operator()(const physics::SetGravity& set) const { state.gravity = set.gravity; }
     void operator()(physics::SetMaterial& set) const

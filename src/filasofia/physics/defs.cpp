@@ -88,7 +88,9 @@ Pose unitPose(const Pose& pose, std::string_view object)
     const Vec3 p = pose.position;
     if (!(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest))
         fail(object, ": position must lie within ", kFarthest, " m of the origin, got ", p.x, " ", p.y, " ", p.z);
-    return {p, normalized(q)};
+    constexpr double kUnit =
+        1e-15; // as near to one as rounding lets a product of unit quaternions be: it stays as it is
+    return {p, std::abs(size - 1.0) < kUnit ? q : normalized(q)};
 }
 
 std::shared_ptr<const geometry::TetMesh> loadMesh(const SoftBodyDef& def)

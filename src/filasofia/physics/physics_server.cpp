@@ -90,8 +90,6 @@ struct PhysicsServer::Impl {
     void push(Command command)
     {
         registry.check(command);
-        if (auto* set = std::get_if<SetPose>(&command)) set->pose = unitPose(set->pose, "pose");
-        if (auto* set = std::get_if<SetHaptic>(&command)) set->target.pose = unitPose(set->target.pose, "target.pose");
         registry.note(command);
         inbox.push(std::move(command));
     }

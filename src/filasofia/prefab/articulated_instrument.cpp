@@ -2,6 +2,7 @@
 
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/math/rounded.h"
 #include "filasofia/runtime/assets.h"
 
 #include <algorithm>
@@ -269,7 +270,7 @@ void ArticulatedInstrument::move(const Pose& pivot)
     const Pose unit = physics::unitPose(pivot, text("instrument '", impl_->def.name, "'"));
     const std::lock_guard lock(impl_->mutex);
     impl_->told = unit;
-    impl_->simulation.physics().setPose(impl_->body, unit, kShaft);
+    impl_->simulation.physics().setPose(impl_->body, rounded(unit), kShaft);
 }
 
 void ArticulatedInstrument::open(double opening)

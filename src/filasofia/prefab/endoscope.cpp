@@ -2,6 +2,7 @@
 
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/math/rounded.h"
 #include "filasofia/runtime/assets.h"
 
 #include <cmath>
@@ -62,8 +63,8 @@ struct Endoscope::Impl {
 
     void send()
     {
-        simulation.physics().setPose(body, tip(), kShaft);
-        simulation.physics().setPose(body, camera(), kCamera);
+        simulation.physics().setPose(body, rounded(tip()), kShaft);
+        simulation.physics().setPose(body, rounded(camera()), kCamera);
     }
 
     void checkAngle(double angle, std::string_view what) const

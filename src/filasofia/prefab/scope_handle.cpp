@@ -1,5 +1,6 @@
 #include "filasofia/prefab/scope_handle.h"
 
+#include "filasofia/math/rounded.h"
 #include "filasofia/prefab/scope_tip.h"
 
 #include <algorithm>
@@ -76,7 +77,9 @@ void ScopeHandle::feel(const frame::Frame& now, BodyId scope, BodyId instrument)
         force += along - (dot(arm, aim) / lever) * (onTool - along);
         torque += dot(cross(arm, onTool), aim) * aim;
     }
-    simulation_.physics().setWrench(body_, weakened(length(force), kForceLimit) * force, torque);
+    constexpr double kForces = 1e5, kTorques = 1e7; // in [N], [N m]: for the recording's size
+    simulation_.physics().setWrench(body_, rounded(weakened(length(force), kForceLimit) * force, kForces),
+                                    rounded(torque, kTorques));
 }
 
 } // namespace filasofia::prefab

@@ -3,6 +3,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/core/word.h"
+#include "filasofia/math/rounded.h"
 #include "filasofia/physics/physics_server.h"
 
 #include <algorithm>
@@ -303,7 +304,9 @@ void Haptics::beforeStep(double dt, double end, physics::PhysicsServer& physics)
         if (!heard && !std::exchange(each.holding, false)) continue;
         each.seen = heard ? seen.time : wake_;
         if (heard) {
-            each.target = {unitPose(seen.tick.hand.pose), seen.tick.hand.velocity, seen.tick.hand.angularVelocity};
+            constexpr double kSpeeds = 1e5; // in [m/s], [rad/s]
+            each.target = {rounded(unitPose(seen.tick.hand.pose)), rounded(seen.tick.hand.velocity, kSpeeds),
+                           rounded(seen.tick.hand.angularVelocity, kSpeeds)};
             each.holding = true;
         } else { // it stays where the hand was last
             each.target.velocity = each.target.angularVelocity = {};

@@ -126,9 +126,9 @@ private:
         if (bit(mesh_.opened[a.tetrahedron], a.face) || bit(mesh_.opened[b.tetrahedron], b.face))
             add(TopologyFault::Masks, "closed face of element ", a.tetrahedron, " counts as opened");
         const auto& x = mesh_.rest;
-        const auto [p, q, r] = a.nodes;
         const auto side = [&](const Side& s) {
-            return geometry::signedVolume(x[p], x[q], x[r], x[mesh_.tetrahedra[s.tetrahedron][s.face]]);
+            return geometry::signedVolume(x[a.nodes[0]], x[a.nodes[1]], x[a.nodes[2]],
+                                          x[mesh_.tetrahedra[s.tetrahedron][s.face]]);
         };
         if ((side(a) > 0.0) == (side(b) > 0.0))
             add(TopologyFault::Overlap, "elements ", a.tetrahedron, " and ", b.tetrahedron);
