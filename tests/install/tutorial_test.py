@@ -5,6 +5,7 @@
 
 What the page promises its reader about its blocks is what is done here: see its chapter 1.
 """
+import copy
 import os
 import re
 import shlex
@@ -33,8 +34,8 @@ class Program:
 
     def changed(self, block, where):
         """The program with a block of the page in it, and whether it stays so."""
-        out = Program.__new__(Program)
-        out.mark, out.last, out.sections = self.mark, self.last, dict(self.sections)
+        out = copy.copy(self)
+        out.sections = dict(self.sections)
         name, stays = None, True
         for line in block:
             head = self.mark.match(line)
@@ -44,7 +45,7 @@ class Program:
             elif name is None:
                 fail(where, "the block begins without a section:", line)
             out.sections[name].append(line)
-        out.sections = {n: lines for n, lines in out.sections.items() if any(l.strip() for l in lines[1:])}
+        out.sections = {each: lines for each, lines in out.sections.items() if any(l.strip() for l in lines[1:])}
         return out, stays
 
     def place(self, name):
