@@ -30,7 +30,8 @@ void addOption(CLI::App& app, const std::string& name, Value RunDef::*member, Ru
     };
     CLI::Option* added = app.add_option_function<std::string>(name, take, meaning);
     if constexpr (std::is_same_v<Value, std::string>)
-        added->type_name(name == "--session" || name == "--trainee" ? "NAME" : "FILE")->default_str("none");
+        added->type_name(name == "--session" || name == "--trainee" || name == "--device" ? "NAME" : "FILE")
+            ->default_str("none");
     else
         added->type_name("N")->default_str(text(def.*member));
 }
