@@ -52,6 +52,7 @@ struct Scene {
         all.bladeNotFinite += report.topology.bladeNotFinite;
         all.bladeNoLength += report.topology.bladeNoLength;
         all.bladeJump += report.topology.bladeJump;
+        all.bladeTooFast += report.topology.bladeTooFast;
     }
     void checkUnchanged()
     {
@@ -98,7 +99,32 @@ TEST_CASE("a blade that goes further in one step than the body is long cuts noth
         Scene::add(scene.stage.step(z < 0 ? 2e-2 : 1e-3), all);
     }
     CHECK(all.bladeJump == 1);
+    CHECK(all.bladeTooFast == 0);
     scene.checkUnchanged();
+}
+
+TEST_CASE("a blade that is told to jump is counted where it would have cut, and only there")
+{
+    const auto jump = [](Pose from, Pose to, double dt, bool dynamicTopology = true) {
+        Scene scene(rectangle(0.06, 0.05), dynamicTopology);
+        TopologyReport there, all;
+        for (const Pose& pose : {from, to, to}) {
+            scene.stage.post(SetPose{scene.blade, 0, pose});
+            Scene::add(scene.stage.step(dt), pose == from ? there : all);
+        }
+        scene.checkUnchanged();
+        return all;
+    };
+    const Pose above = Scene::at(0.035), below = Scene::at(-0.06), far = Scene::at(1.0), farther = Scene::at(2.0);
+    CHECK(jump(above, below, 1e-3).bladeTooFast == 1); // 95 m/s, across the block
+    CHECK(jump(above, below, 1e-3).refused() == 1);
+    CHECK(jump(above, below, 1e-3, false).refused() == 0);
+    CHECK(jump(far, farther, 1e-3).refused() == 0); // nothing is there
+    Pose turned = above; // and down through the block, about its lower edge: slow enough but for the turn
+    turned.orientation = axisAngle({0, 1, 0}, 2.0);
+    CHECK(jump(above, turned, 1e-3).bladeTooFast == 1);
+    turned.orientation = axisAngle({0, 1, 0}, 0.2);
+    CHECK(jump(above, turned, 1e-3).bladeTooFast == 0);
 }
 
 TEST_CASE("cutting a body without dynamicTopology is no error: nothing happens")

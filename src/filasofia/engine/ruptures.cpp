@@ -35,7 +35,7 @@ std::vector<std::array<int, 2>> linesOf(const CollisionShape& shape)
     return !open.empty() ? open : !sharp.empty() ? sharp : shape.edges;
 }
 
-/// Where every blade is now and was a step ago. One that jumped cuts nothing on its way.
+/// Where every blade is now and was a step ago. One that jumped has no way, and cuts nothing on it.
 void moveBlades(const Model& model, const RigidPlan& rigid, const State& state, std::vector<Blade>& blades)
 {
     std::vector<Blade> next;
@@ -46,18 +46,20 @@ void moveBlades(const Model& model, const RigidPlan& rigid, const State& state, 
             if (!each.shape->cutting) continue;
             const auto known = std::ranges::find(blades, name, &Blade::name);
             const bool same = known != blades.end() && known->shape == each.shape;
-            Blade& blade =
-                next.emplace_back(same ? std::move(*known) : Blade{name, each.shape, linesOf(*each.shape), {}, {}});
+            Blade& blade = next.emplace_back(same ? std::move(*known) : Blade{name, each.shape, linesOf(*each.shape)});
             const auto element = static_cast<std::size_t>(each.element);
             const RigidPlanElement& plan = rigid[first[b] + element];
             const bool moved = plan.velocity + plan.change.linear != Vec3{} ||
                                plan.angularVelocity + plan.change.angular != Vec3{}; // else it stands, or jumped
             const Pose& pose = state.rigidBodies[b].poses[element];
+            blade.jumped = !moved && plan.start != pose;
             blade.before.clear();
             blade.now.clear();
+            blade.swept = {};
             for (const Vec3& vertex : each.shape->rest) {
                 blade.now.push_back(transform(pose, vertex));
                 blade.before.push_back(transform(moved ? plan.start : pose, vertex));
+                blade.swept = merged(merged(blade.swept, blade.now.back()), transform(plan.start, vertex));
             }
         }
     blades = std::move(next);
@@ -72,7 +74,7 @@ struct Tool {
 
 /// Ascending.
 std::vector<Tool> toolsNear(const SoftModel& model, const SoftState& state, const std::vector<Blade>& blades,
-                            double margin)
+                            double margin, physics::TopologyReport& report)
 {
     std::vector<Tool> tools;
     geometry::Box box; // of what is there: removed pieces have no surface
@@ -87,6 +89,7 @@ std::vector<Tool> toolsNear(const SoftModel& model, const SoftState& state, cons
             const geometry::Box around = geometry::boxAround(vertices);
             return overlap(around, box) || isEmpty(around); // no numbers: the stroke refuses them, and says so
         };
+        if (blade.jumped && overlap(blade.swept, box)) ++report.bladeTooFast;
         if (!isNear(blade.now) && !isNear(blade.before)) continue;
         if (tools.empty() || tools.back().body != blade.name.body) tools.push_back({blade.name.body, {}});
         Tool& tool = tools.back();
@@ -129,7 +132,7 @@ void cutBody(const SoftModel& model, const SoftState& state, const std::vector<B
 {
     EditableMesh& mesh = *topology.mesh;
     std::vector<Stroke>& strokes = topology.strokes;
-    const std::vector<Tool> tools = toolsNear(model, state, blades, mesh.meanEdge());
+    const std::vector<Tool> tools = toolsNear(model, state, blades, mesh.meanEdge(), report);
     for (const Tool& tool : tools) {
         const auto isItsOwn = [&](const Stroke& stroke) { return stroke.tool == tool.body && !stroke.leaving; };
         if (std::ranges::none_of(strokes, isItsOwn)) strokes.push_back({tool.body, BladeStroke(mesh.newSheet())});

@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/rigid_step.h"
 #include "filasofia/engine/topology.h"
+#include "filasofia/geometry/box.h"
 
 namespace filasofia::engine {
 
@@ -9,8 +10,10 @@ namespace filasofia::engine {
 struct Blade {
     SurfaceName name;
     std::shared_ptr<const CollisionShape> shape;
-    std::vector<std::array<int, 2>> lines; ///< its edges, by vertices
-    std::vector<Vec3> before, now;         ///< [m]
+    std::vector<std::array<int, 2>> lines;   ///< its edges, by vertices
+    std::vector<Vec3> before = {}, now = {}; ///< [m]
+    bool jumped = false;                     ///< farther than is believed: it has no way
+    geometry::Box swept = {};                ///< where it was told to go from, and to
 };
 
 /// What is kept of ruptures from step to step. Blades are kept for their lines only.
