@@ -1,3 +1,7 @@
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/physics/physics_engine.h"
+#include "filasofia/physics/physics_server.h"
+
 #include "engine/stage.h"
 
 #include <limits>
@@ -125,6 +129,45 @@ TEST_CASE("a blade that is told to jump is counted where it would have cut, and 
     CHECK(jump(above, turned, 1e-3).bladeTooFast == 1);
     turned.orientation = axisAngle({0, 1, 0}, 0.2);
     CHECK(jump(above, turned, 1e-3).bladeTooFast == 0);
+}
+
+TEST_CASE("a blade told through the server to go where no number says is refused with one error, and goes on cutting")
+{
+    PhysicsServer server{makeNativeEngine({.threads = 1})};
+    const BodyId tissue = server.add(SoftBodyDef{.name = "tissue",
+                                                 .mesh = shared(boxMesh({5, 4, 3}, {0.05, 0.04, 0.03}, 0.2)),
+                                                 .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, 1e-6}}}},
+                                                 .dynamicTopology = true});
+    const BodyId blade =
+        server.add(RigidBodyDef{.name = "scalpel",
+                                .elements = {Scene::at(0.035)},
+                                .collision = {{.mesh = rectangle(0.06, 0.05), .proximity = 0, .cutting = true}}});
+    for (int i = 0; i < 3; ++i) server.step(1e-3);
+    const std::uint64_t hash = server.hash();
+
+    Pose nowhere = Scene::at(0.03), nohow = Scene::at(0.03);
+    nowhere.position.x = kNaN;
+    nohow.orientation.y = kNaN;
+    CHECK_THROWS_WITH(server.setPose(blade, nowhere), Catch::Contains("scalpel") && Catch::Contains("position.x") &&
+                                                          Catch::Contains("must be finite") &&
+                                                          Catch::Contains("got nan"));
+    CHECK_THROWS_WITH(server.setPose(blade, nohow),
+                      Catch::Contains("scalpel") && Catch::Contains("orientation.y") && Catch::Contains("got nan"));
+    server.pause(true);
+    CHECK(server.step(1e-3).topology.refused() == 0);
+    CHECK(server.hash() == hash);
+    server.pause(false);
+
+    int opened = 0;
+    for (int i = 0; i <= 40; ++i) {
+        server.setPose(blade, Scene::at(0.035 - 5e-4 * i));
+        const StepReport report = server.step(1e-3);
+        CHECK(report.flags == 0);
+        CHECK(report.topology.refused() == 0);
+        opened += static_cast<int>(report.topology.ruptures.size());
+    }
+    CHECK(opened > 0);
+    for (const Vec3& x : server.latest()->softBody(tissue)->positions) CHECK(isFinite(x));
 }
 
 TEST_CASE("cutting a body without dynamicTopology is no error: nothing happens")
