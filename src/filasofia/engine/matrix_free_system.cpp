@@ -2,6 +2,7 @@
 
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/assembled_system.h"
+#include "filasofia/engine/elastic/stress_bound.h"
 #include "filasofia/geometry/coarse_lattice.h"
 #include "filasofia/geometry/space_order.h"
 #include "filasofia/linalg/node_parts.h"
@@ -163,6 +164,7 @@ void MatrixFreeSystem::makeElements(const SoftModel& model)
 }
 
 void MatrixFreeSystem::writeElement(const FemElement& e, int element, bool real)
+    stiffest_ = {std::max(stiffest_.mu, mu), std::max(stiffest_.lambda, std::abs(lambda))};
 {
     ElementBlock& block = elements_[element / kBlock];
     WarpedBlock& warped = warped_[element / kBlock];
@@ -307,6 +309,19 @@ double MatrixFreeSystem::multiply(const NodeArray& p, NodeArray& q, WorkerPool& 
 double MatrixFreeSystem::precondition(const NodeArray& r, NodeArray& z, WorkerPool& pool)
 {
     return preconditioner_.apply(r, z, pool);
+}
+
+bool MatrixFreeSystem::findStressed(const SoftState& state, double limit, WorkerPool& pool,
+                                    std::vector<std::uint16_t>& stressed)
+{
+    load(state.x, state.x[static_cast<std::size_t>(std::max(nodeOf_.front(), 0))], scratch_, pool);
+    stressed.resize(elements_.size());
+    const StressLimit at{asFloat(limit), asFloat(stiffest_.mu), asFloat(stiffest_.lambda)};
+    const Parts parts = elementParts(elements_.size());
+    pool.run(parts.count(), [&](int part) {
+        engine::findStressed(elements_, scratch_, state.rotations, at, stressed, parts[part].begin, parts[part].end);
+    });
+    return std::ranges::any_of(stressed, [](std::uint16_t bits) { return bits != 0; });
 }
 
 linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limits, std::span<Vec3> dv,

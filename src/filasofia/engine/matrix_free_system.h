@@ -1,11 +1,14 @@
 #pragma once
 
+#include "filasofia/engine/elastic/corotational.h"
 #include "filasofia/engine/elastic/element_blocks.h"
 #include "filasofia/engine/integrate/euler.h"
 #include "filasofia/engine/mesh_edit.h"
 #include "filasofia/engine/model.h"
 #include "filasofia/engine/rigid_motion.h"
 #include "filasofia/linalg/matrix_free_cg.h"
+
+#include <cstdint>
 
 namespace filasofia::engine {
 
@@ -43,6 +46,9 @@ public:
 
     double multiply(const linalg::NodeArray& p, linalg::NodeArray& q, WorkerPool& pool) override;
 
+    /// Per block of sixteen elements, bits for those that may have a principal stress of `limit` [Pa] or more, with the
+    /// rotations of the step's start; false where none has.
+    bool findStressed(const SoftState& state, double limit, WorkerPool& pool, std::vector<std::uint16_t>& stressed);
     /// z = M^-1 r, M close to the matrix; returns r . z
     double precondition(const linalg::NodeArray& r, linalg::NodeArray& z, WorkerPool& pool);
     /// A vector of unknowns, zero.
@@ -109,6 +115,7 @@ private:
     linalg::Gather turns_;                       ///< some of the element corners, for the node rotations
     std::vector<linalg::NodeBlock> corners_;     ///< what elements and springs say to their nodes, sixteen to a block
     std::vector<linalg::NodeBlock> quaternions_; ///< of the elements
+    Lame stiffest_;               ///< of all elements that there ever were
 
     double massWeight_ = 1.0;  ///< of the masses in the step's matrix
     double elasticLoss_ = 0.5; ///< (h^2 / 2 + h b) / (h^2 + h b)

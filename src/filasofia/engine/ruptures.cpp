@@ -199,13 +199,14 @@ void cutBodies(const Model& model, double dt, const RigidPlan& rigid, const Stat
             cutBody(model.softBodies[b], state.softBodies[b], ruptures.blades, ruptures.topologies[b], report.topology);
 }
 
-void tearBodies(const Model& model, double dt, const State& state, Ruptures& ruptures, WorkerPool& pool,
-                physics::StepReport& report)
+void tearBodies(const Model& model, double dt, const State& state, Systems& systems, Ruptures& ruptures,
+                WorkerPool& pool, physics::StepReport& report)
 {
     if (dt == 0.0) return;
     for (std::size_t b = 0; b < model.softBodies.size(); ++b)
         if (model.softBodies[b].dynamicTopology)
-            tearBody(model.softBodies[b], state.softBodies[b], pool, ruptures.topologies[b], report.topology);
+            tearBody(model.softBodies[b], state.softBodies[b], systems[b], pool, ruptures.topologies[b],
+                     report.topology);
 }
 
 void applyEdits(double period, Model& model, State& state, Systems& systems, Ruptures& ruptures,

@@ -30,8 +30,8 @@ void removeLostPieces(double period, Model& model, State& state, Systems& system
 void cutBodies(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
                physics::StepReport& report);
 /// The same for what stress tears. Bodies must have followed the cuts.
-void tearBodies(const Model& model, double dt, const State& state, Ruptures& ruptures, WorkerPool& pool,
-                physics::StepReport& report);
+void tearBodies(const Model& model, double dt, const State& state, Systems& systems, Ruptures& ruptures,
+                WorkerPool& pool, physics::StepReport& report);
 
 /// 6. The only writer of topology: everything that is kept of a body follows the edits of its mesh.
 void applyEdits(double period, Model& model, State& state, Systems& systems, Ruptures& ruptures,

@@ -180,9 +180,9 @@ physics::StepReport World::step(const physics::StepInput& in)
     keepAttachments(in.dt, coupling_, systems_, model_, state_);
     keepJoints(model_, in.dt, coupling_, state_);
     report.times.advance = watch.lap();
-    cutBodies(model_, in.dt, coupling_.rigid, state_, ruptures_, report); // 5 what was cut
-    applyEdits(period_, model_, state_, systems_, ruptures_, report);     // 6 the only writer of topology
-    tearBodies(model_, in.dt, state_, ruptures_, *pool_, report);         //   what tore
+    cutBodies(model_, in.dt, coupling_.rigid, state_, ruptures_, report);   // 5 what was cut
+    applyEdits(period_, model_, state_, systems_, ruptures_, report);       // 6 the only writer of topology
+    tearBodies(model_, in.dt, state_, systems_, ruptures_, *pool_, report); //   what tore
     applyEdits(period_, model_, state_, systems_, ruptures_, report);
     removeLostPieces(period_, model_, state_, systems_, ruptures_.topologies, report);
     report.times.topology = watch.lap();
