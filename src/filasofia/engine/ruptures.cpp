@@ -238,4 +238,11 @@ void applyEdits(double period, Model& model, State& state, Systems& systems, Rup
     }
 }
 
+void followPartings(const Model& model, double dt, Systems& systems, BackgroundThread& meanwhile)
+{
+    if (dt == 0.0) return;
+    for (std::size_t b = 0; b < model.softBodies.size(); ++b)
+        if (systems[b].matrixFree) systems[b].matrixFree->followParting(model.softBodies[b], meanwhile);
+}
+
 } // namespace filasofia::engine

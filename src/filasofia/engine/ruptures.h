@@ -37,4 +37,7 @@ void tearBodies(const Model& model, double dt, const State& state, Systems& syst
 void applyEdits(double period, Model& model, State& state, Systems& systems, Ruptures& ruptures,
                 physics::StepReport& report);
 
+/// Solvers of bodies that were parted learn of it: begun in the step that parted them, known some steps later.
+void followPartings(const Model& model, double dt, Systems& systems, BackgroundThread& meanwhile);
+
 } // namespace filasofia::engine

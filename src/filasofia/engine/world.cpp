@@ -155,7 +155,8 @@ private:
 
 World::World(const NativeEngineDef& def)
     : period_(def.period), contact_(def.contact),
-      pool_(std::make_unique<WorkerPool>(def.threads.value_or(std::clamp(usableCores() - 1, 1, 8))))
+      pool_(std::make_unique<WorkerPool>(def.threads.value_or(std::clamp(usableCores() - 1, 1, 8)))),
+      background_(std::make_unique<BackgroundThread>())
 {
 }
 
@@ -185,6 +186,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     tearBodies(model_, in.dt, state_, systems_, ruptures_, *pool_, report); //   what tore
     applyEdits(period_, model_, state_, systems_, ruptures_, report);
     removeLostPieces(period_, model_, state_, systems_, ruptures_.topologies, report);
+    followPartings(model_, in.dt, systems_, *background_);
     report.times.topology = watch.lap();
     return report;
 }
