@@ -1,3 +1,7 @@
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/physics/physics_engine.h"
+#include "filasofia/physics/physics_server.h"
+
 #include "engine/stage.h"
 
 #include <limits>
@@ -52,6 +56,7 @@ struct Scene {
         all.bladeNotFinite += report.topology.bladeNotFinite;
         all.bladeNoLength += report.topology.bladeNoLength;
         all.bladeJump += report.topology.bladeJump;
+        all.bladeTooFast += report.topology.bladeTooFast;
     }
     void checkUnchanged()
     {
@@ -98,7 +103,71 @@ TEST_CASE("a blade that goes further in one step than the body is long cuts noth
         Scene::add(scene.stage.step(z < 0 ? 2e-2 : 1e-3), all);
     }
     CHECK(all.bladeJump == 1);
+    CHECK(all.bladeTooFast == 0);
     scene.checkUnchanged();
+}
+
+TEST_CASE("a blade that is told to jump is counted where it would have cut, and only there")
+{
+    const auto jump = [](Pose from, Pose to, double dt, bool dynamicTopology = true) {
+        Scene scene(rectangle(0.06, 0.05), dynamicTopology);
+        TopologyReport there, all;
+        for (const Pose& pose : {from, to, to}) {
+            scene.stage.post(SetPose{scene.blade, 0, pose});
+            Scene::add(scene.stage.step(dt), pose == from ? there : all);
+        }
+        scene.checkUnchanged();
+        return all;
+    };
+    const Pose above = Scene::at(0.035), below = Scene::at(-0.06), far = Scene::at(1.0), farther = Scene::at(2.0);
+    CHECK(jump(above, below, 1e-3).bladeTooFast == 1); // 95 m/s, across the block
+    CHECK(jump(above, below, 1e-3).refused() == 1);
+    CHECK(jump(above, below, 1e-3, false).refused() == 0);
+    CHECK(jump(far, farther, 1e-3).refused() == 0); // nothing is there
+    Pose turned = above; // and down through the block, about its lower edge: slow enough but for the turn
+    turned.orientation = axisAngle({0, 1, 0}, 2.0);
+    CHECK(jump(above, turned, 1e-3).bladeTooFast == 1);
+    turned.orientation = axisAngle({0, 1, 0}, 0.2);
+    CHECK(jump(above, turned, 1e-3).bladeTooFast == 0);
+}
+
+TEST_CASE("a blade told through the server to go where no number says is refused with one error, and goes on cutting")
+{
+    PhysicsServer server{makeNativeEngine({.threads = 1})};
+    const BodyId tissue = server.add(SoftBodyDef{.name = "tissue",
+                                                 .mesh = shared(boxMesh({5, 4, 3}, {0.05, 0.04, 0.03}, 0.2)),
+                                                 .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, 1e-6}}}},
+                                                 .dynamicTopology = true});
+    const BodyId blade =
+        server.add(RigidBodyDef{.name = "scalpel",
+                                .elements = {Scene::at(0.035)},
+                                .collision = {{.mesh = rectangle(0.06, 0.05), .proximity = 0, .cutting = true}}});
+    for (int i = 0; i < 3; ++i) server.step(1e-3);
+    const std::uint64_t hash = server.hash();
+
+    Pose nowhere = Scene::at(0.03), nohow = Scene::at(0.03);
+    nowhere.position.x = kNaN;
+    nohow.orientation.y = kNaN;
+    CHECK_THROWS_WITH(server.setPose(blade, nowhere), Catch::Contains("scalpel") && Catch::Contains("position.x") &&
+                                                          Catch::Contains("must be finite") &&
+                                                          Catch::Contains("got nan"));
+    CHECK_THROWS_WITH(server.setPose(blade, nohow),
+                      Catch::Contains("scalpel") && Catch::Contains("orientation.y") && Catch::Contains("got nan"));
+    server.pause(true);
+    CHECK(server.step(1e-3).topology.refused() == 0);
+    CHECK(server.hash() == hash);
+    server.pause(false);
+
+    int opened = 0;
+    for (int i = 0; i <= 40; ++i) {
+        server.setPose(blade, Scene::at(0.035 - 5e-4 * i));
+        const StepReport report = server.step(1e-3);
+        CHECK(report.flags == 0);
+        CHECK(report.topology.refused() == 0);
+        opened += static_cast<int>(report.topology.ruptures.size());
+    }
+    CHECK(opened > 0);
+    for (const Vec3& x : server.latest()->softBody(tissue)->positions) CHECK(isFinite(x));
 }
 
 TEST_CASE("cutting a body without dynamicTopology is no error: nothing happens")

@@ -94,7 +94,7 @@ TEST_CASE("a uniform strain of springs has the stress that pulls at their ends")
     const SoftModel& model = strip.stage.model();
     WorkerPool pool(1);
     std::vector<Mat3> stresses;
-    findStresses(model, strip.stage.soft(), 1e3, springsOfElements(model), pool, stresses);
+    findStresses(model, strip.stage.soft(), 1e3, springsOfElements(model), {}, pool, stresses);
     // The mean over the volume, times the cross section, is the force at the ends.
     double volume = 0.0, pulled = 0.0;
     const std::vector<Vec3>& x = strip.stage.soft().x;
@@ -115,6 +115,46 @@ TEST_CASE("a mass-spring strip tears")
     CHECK(strip.pull(0.2, 1.0, 1e-3) > 0.0);
     strip.stage.run(200, 1e-3);
     check(strip.stage.model(), strip.stage.soft());
+}
+
+TEST_CASE("looking only at what may be near tearing finds the same stresses as looking at all, bit by bit")
+{
+    // Slow and fast, small strains and large, until it has torn apart and after.
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> number(-1.0, 1.0);
+    int looks = 0, skipped = 0, above = 0, tears = 0;
+    for (const double poissonRatio : {0.0, 0.3, 0.47})
+        for (const double speed : {0.2, 2.0}) {
+            PulledStrip strip(
+                FemMaterial{.youngModulus = 10e3, .poissonRatio = poissonRatio, .tearingThreshold = kThreshold}, 0.05,
+                {10, 3, 3});
+            WorkerPool pool(2);
+            std::vector<std::uint16_t> stressed;
+            std::vector<Mat3> all, some;
+            for (int i = 0; i < (speed < 1.0 ? 1500 : 300); ++i) {
+                strip.at += speed * strip.start * 1e-3;
+                strip.stage.post(SetPose{strip.clamp, 0, Pose{.position = {strip.at, 1e-3 * number(random), 0}}});
+                tears += static_cast<int>(strip.stage.step(1e-3).topology.ruptures.size());
+                if (i % 10 != 0) continue;
+                const SoftModel& model = strip.stage.model();
+                const SoftState& state = strip.stage.soft();
+                MatrixFreeSystem system(model, 1e-3);
+                const bool torn = findStresses(model, state, kThreshold, {}, {}, pool, all);
+                const bool any = system.findStressed(state, kStressNear * kThreshold, pool, stressed);
+                const bool found = findStresses(model, state, kThreshold, {}, stressed, pool, some);
+                REQUIRE(found == torn);
+                REQUIRE((any || !torn));
+                REQUIRE(some == all);
+                for (std::size_t e = 0; e < model.elements.size(); ++e)
+                    skipped += (stressed[e / kBlock] >> e % kBlock & 1) == 0 ? 1 : 0;
+                looks += static_cast<int>(model.elements.size());
+                above += torn ? 1 : 0;
+            }
+        }
+    CHECK(tears > 10);
+    CHECK(above > 10);
+    CHECK(skipped > looks / 4);
+    CHECK(skipped < looks);
 }
 
 TEST_CASE("a threshold without dynamicTopology is an error that names body and value")

@@ -77,6 +77,7 @@ struct TopologyReport {
     int bladeNotFinite = 0;             ///< refused: a blade's place is no number
     int bladeNoLength = 0;              ///< refused: a blade without any length
     int bladeJump = 0;                  ///< refused: in one step further than the body is long
+    int bladeTooFast = 0;               ///< refused: a jump across a body, faster than 20 m/s or by more than 1 rad
     int edgeGone = 0;                   ///< refused: what was to be cut had been cut meanwhile
     int tearClosed = 0;                 ///< refused: a tear that would have opened nothing, or left no proper surface
     int noPiece = 0;                    ///< refused: a piece to be removed that there is not, or that is all there is
@@ -85,7 +86,7 @@ struct TopologyReport {
     int pending = 0;                    ///< crossings and tears that wait for the next step
     [[nodiscard]] int refused() const
     {
-        return bladeNotFinite + bladeNoLength + bladeJump + edgeGone + tearClosed + noPiece;
+        return bladeNotFinite + bladeNoLength + bladeJump + bladeTooFast + edgeGone + tearClosed + noPiece;
     }
 };
 

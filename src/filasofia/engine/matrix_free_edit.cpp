@@ -2,6 +2,7 @@
 #include "filasofia/engine/matrix_free_system.h"
 
 #include "filasofia/core/sorted.h"
+#include "filasofia/engine/coarse_remake.h"
 
 #include <algorithm>
 
@@ -57,6 +58,8 @@ bool MatrixFreeSystem::edit(const SoftModel& model, const MeshEdit& edit)
     const bool grown = reserve(model, edit);
     const int known = static_cast<int>(slotOf_.size());
     for (std::size_t i = 0; i < edit.nodes.size(); ++i) addNode(model, known + static_cast<int>(i), edit.nodes[i]);
+    if (remake_) remake_->add(edit.nodes);
+    parted_ = parted_ || std::ranges::any_of(edit.nodes, [](const auto& each) { return each.first == each.second; });
     std::vector<int> reached; // slots of nodes that lost or won an element, or have one of another shape
     for (int element : edit.elements) moveElement(model, element, reached);
     sortUnique(reached);
@@ -114,7 +117,11 @@ void MatrixFreeSystem::addNode(const SoftModel& model, int node, const MeshEdit:
     const int slot = freeNodes_++;
     slotOf_.push_back(slot);
     nodeOf_[static_cast<std::size_t>(slot)] = node;
-    if (!preconditioned_) return;
+    if (preconditioned_) interpolate(slot, made);
+}
+
+void MatrixFreeSystem::interpolate(int slot, const MeshEdit::Node& made)
+{
     const auto followed = [&](int parent) { // one that is held follows nothing
         const int at = slotOf_[static_cast<std::size_t>(parent)];
         return at < freeNodes_ ? preconditioner_.interpolation(at) : linalg::Interpolation{};
@@ -122,6 +129,23 @@ void MatrixFreeSystem::addNode(const SoftModel& model, int node, const MeshEdit:
     preconditioner_.interpolate(slot, made.first == made.second
                                           ? followed(made.first)
                                           : between(followed(made.first), followed(made.second), made.share));
+}
+
+void MatrixFreeSystem::followParting(const SoftModel& model, BackgroundThread& meanwhile)
+{
+    if (!preconditioned_) return;
+    if (remake_ && remake_->isDue()) {
+        preconditioner_.takeCoarseLevel(remake_->take());
+        // Nodes that came meanwhile follow their parents, as ever.
+        const std::vector<MeshEdit::Node>& since = remake_->since();
+        for (std::size_t i = 0; i < since.size(); ++i)
+            if (const int slot = slotOf_[slotOf_.size() - since.size() + i]; slot < freeNodes_)
+                interpolate(slot, since[i]);
+        remake_.reset();
+    }
+    if (remake_ || !parted_) return;
+    parted_ = false;
+    remake_ = std::make_unique<CoarseRemake>(model, plan(), meanwhile);
 }
 
 void MatrixFreeSystem::moveElement(const SoftModel& model, int element, std::vector<int>& reached)

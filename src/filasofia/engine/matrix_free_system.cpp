@@ -2,7 +2,8 @@
 
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/assembled_system.h"
-#include "filasofia/geometry/coarse_lattice.h"
+#include "filasofia/engine/coarse_remake.h"
+#include "filasofia/engine/elastic/stress_bound.h"
 #include "filasofia/geometry/space_order.h"
 #include "filasofia/linalg/node_parts.h"
 
@@ -63,24 +64,6 @@ std::span<float> floats(std::vector<linalg::NodeBlock>& blocks)
     return {blocks.data()->values[0], 4 * kBlock * blocks.size()};
 }
 
-std::vector<std::array<int, 2>> connections(const SoftModel& model)
-{
-    std::vector<std::array<int, 2>> edges;
-    for (const FemElement& e : model.elements)
-        for (std::size_t i = 0; i < 4; ++i)
-            for (std::size_t j = 0; j < i; ++j) edges.push_back({e.nodes[i], e.nodes[j]});
-    for (const Spring& spring : model.springs) edges.push_back(spring.nodes);
-    return edges;
-}
-
-/// How many coarse nodes pay: the product with the inverse of their matrix, which grows with the square of their
-/// number, should cost less than the elements do. Measured on meshes of 3000 to 30000 elements; half or twice as many
-/// cost up to a tenth more.
-int coarseTarget(int freeNodes)
-{
-    return std::clamp(static_cast<int>(0.37 * std::pow(static_cast<double>(freeNodes), 0.72)), 12, 400);
-}
-
 } // namespace
 
 MatrixFreeSystem::MatrixFreeSystem(const SoftModel& model, double period)
@@ -91,7 +74,15 @@ MatrixFreeSystem::MatrixFreeSystem(const SoftModel& model, double period)
     makeElements(model);
     makeSprings(model);
     makeGather(model);
-    if (preconditioned_) makePreconditioner(model);
+    if (preconditioned_)
+        preconditioner_ = preconditionerAtRest(model, plan(), coarseTarget(static_cast<std::size_t>(freeNodes_)));
+}
+
+MatrixFreeSystem::~MatrixFreeSystem() = default;
+
+PreconditionerPlan MatrixFreeSystem::plan() const
+{
+    return {std::span(nodeOf_).first(static_cast<std::size_t>(freeNodes_)), scale_, period_, freeBlocks_};
 }
 
 bool MatrixFreeSystem::fits(const SoftModel& model, double period)
@@ -173,6 +164,7 @@ void MatrixFreeSystem::writeElement(const FemElement& e, int element, bool real)
     const double weight = real ? scale_ * e.volume : 0.0;
     block.mu[l] = asFloat(weight * mu);
     block.ratio[l] = asFloat(lambda / mu);
+    stiffest_ = {std::max(stiffest_.mu, mu), std::max(stiffest_.lambda, std::abs(lambda))};
 }
 
 void MatrixFreeSystem::makeSprings(const SoftModel& model)
@@ -210,26 +202,6 @@ void MatrixFreeSystem::makeGather(const SoftModel& model)
         for (std::size_t i = 0; i < 2; ++i)
             add(model.springs[s].nodes[i], 4 * elements_.size() + 2 * (s / kBlock) + i, static_cast<int>(s % kBlock));
     gather_ = linalg::Gather(places);
-}
-
-void MatrixFreeSystem::makePreconditioner(const SoftModel& model)
-{
-    AssembledSystem rest(model);
-    SoftState state = stateAtRest(model);
-    assembleMatrix(model, std::vector<Vec3>(model.rest.size()), period_, 1.0, state, rest);
-
-    std::vector<bool> active(model.rest.size());
-    for (std::size_t i = 0; i < active.size(); ++i) active[i] = !model.pins.hard[i];
-    const geometry::CoarseLattice lattice =
-        geometry::coarseLattice(model.rest, connections(model), active, coarseTarget(freeNodes_));
-    preconditioner_ =
-        linalg::TwoLevelPreconditioner({.matrix = rest.matrix,
-                                        .rows = std::span(nodeOf_).first(static_cast<std::size_t>(freeNodes_)),
-                                        .scale = scale_,
-                                        .coarseNodes = lattice.nodeCount,
-                                        .corners = lattice.corners,
-                                        .weights = lattice.weights,
-                                        .blocks = freeBlocks_});
 }
 
 void MatrixFreeSystem::load(std::span<const Vec3> from, Vec3 origin, NodeArray& to, WorkerPool& pool) const
@@ -337,6 +309,19 @@ void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, std::span<V
             if (held > 0.0) dv[node] -= held * (vectorAt(v_, slot) + change - rigid.at(vectorAt(x_, slot)));
         }
     });
+}
+
+bool MatrixFreeSystem::findStressed(const SoftState& state, double limit, WorkerPool& pool,
+                                    std::vector<std::uint16_t>& stressed)
+{
+    load(state.x, state.x[static_cast<std::size_t>(std::max(nodeOf_.front(), 0))], scratch_, pool);
+    stressed.resize(elements_.size());
+    const StressLimit at{asFloat(limit), asFloat(stiffest_.mu), asFloat(stiffest_.lambda)};
+    const Parts parts = elementParts(elements_.size());
+    pool.run(parts.count(), [&](int part) {
+        engine::findStressed(elements_, scratch_, state.rotations, at, stressed, parts[part].begin, parts[part].end);
+    });
+    return std::ranges::any_of(stressed, [](std::uint16_t bits) { return bits != 0; });
 }
 
 Vec3 MatrixFreeSystem::undone(int node) const

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/engine/elastic/corotational.h"
 #include "filasofia/engine/elastic/element_blocks.h"
 #include "filasofia/engine/integrate/euler.h"
 #include "filasofia/engine/mesh_edit.h"
@@ -7,7 +8,17 @@
 #include "filasofia/engine/rigid_motion.h"
 #include "filasofia/linalg/matrix_free_cg.h"
 
+#include <cstdint>
+#include <memory>
+
+namespace filasofia {
+class BackgroundThread;
+}
+
 namespace filasofia::engine {
+
+class CoarseRemake;
+struct PreconditionerPlan;
 
 /// The equations of one step as they are solved by default: in float, element by element, without a matrix.
 ///
@@ -18,6 +29,7 @@ class MatrixFreeSystem final : public linalg::NodeOperator {
 public:
     /// `period` [s]: the step that the preconditioner is made for.
     MatrixFreeSystem(const SoftModel& model, double period);
+    ~MatrixFreeSystem() override;
 
     /// True where float holds all numbers of the model; extreme ones need the assembled system.
     static bool fits(const SoftModel& model, double period);
@@ -32,6 +44,9 @@ public:
                                   WorkerPool& pool);
     /// What follows when dv and the residual were found elsewhere, together with other bodies'.
     void finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> leftover, WorkerPool& pool);
+    /// Per block of sixteen elements, bits for those that may have a principal stress of `limit` [Pa] or more, with the
+    /// rotations of the step's start; false where none has.
+    bool findStressed(const SoftState& state, double limit, WorkerPool& pool, std::vector<std::uint16_t>& stressed);
     /// [N s] that the last solve left undone of a node; zero where it is held.
     [[nodiscard]] Vec3 undone(int node) const;
     /// The same where the masses are all there is in the matrix.
@@ -40,6 +55,9 @@ public:
     /// Follows an edit of the mesh that the model has already; of bodies with elements only. True where vectors of
     /// unknowns have another size from now on.
     bool edit(const SoftModel& model, const MeshEdit& edit);
+    /// Once in every step, after the edits: where one parted tissue, the coarse level is made anew meanwhile, from the
+    /// body as it is now, and taken over some steps later.
+    void followParting(const SoftModel& model, BackgroundThread& meanwhile);
 
     double multiply(const linalg::NodeArray& p, linalg::NodeArray& q, WorkerPool& pool) override;
 
@@ -60,10 +78,11 @@ private:
     void makeElements(const SoftModel& model);
     void makeSprings(const SoftModel& model);
     void makeGather(const SoftModel& model);
-    void makePreconditioner(const SoftModel& model);
+    [[nodiscard]] PreconditionerPlan plan() const;
 
     bool reserve(const SoftModel& model, const MeshEdit& edit);
     void addNode(const SoftModel& model, int node, const MeshEdit::Node& made);
+    void interpolate(int slot, const MeshEdit::Node& made);
     void moveElement(const SoftModel& model, int element, std::vector<int>& reached);
     void refreshNode(const SoftModel& model, int slot);
 
@@ -94,6 +113,7 @@ private:
     int freeNodes_ = 0;           ///< they are in slots [0, freeNodes_)
     int heldNodes_ = 0;
     int elementCount_ = 0;
+    Lame stiffest_;               ///< of all elements that there ever were
     int freeBlocks_ = 0;          ///< blocks of sixteen slots that vectors of unknowns have; edits need room
     std::vector<int> nodeOf_;     ///< per slot: the model's node, or -1
     std::vector<int> slotOf_;     ///< per node of the model
@@ -116,6 +136,8 @@ private:
     double size_ = 0.0; ///< square of the right-hand side
     std::vector<double> sums_;
     linalg::TwoLevelPreconditioner preconditioner_;
+    bool parted_ = false;                  ///< since the coarse level, or the one being made, knew the mesh
+    std::unique_ptr<CoarseRemake> remake_; ///< of the coarse level being made
     linalg::MatrixFreeCg cg_;
 };
 

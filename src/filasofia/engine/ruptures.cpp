@@ -35,7 +35,7 @@ std::vector<std::array<int, 2>> linesOf(const CollisionShape& shape)
     return !open.empty() ? open : !sharp.empty() ? sharp : shape.edges;
 }
 
-/// Where every blade is now and was a step ago. One that jumped cuts nothing on its way.
+/// Where every blade is now and was a step ago. One that jumped has no way, and cuts nothing on it.
 void moveBlades(const Model& model, const RigidPlan& rigid, const State& state, std::vector<Blade>& blades)
 {
     std::vector<Blade> next;
@@ -46,18 +46,20 @@ void moveBlades(const Model& model, const RigidPlan& rigid, const State& state, 
             if (!each.shape->cutting) continue;
             const auto known = std::ranges::find(blades, name, &Blade::name);
             const bool same = known != blades.end() && known->shape == each.shape;
-            Blade& blade =
-                next.emplace_back(same ? std::move(*known) : Blade{name, each.shape, linesOf(*each.shape), {}, {}});
+            Blade& blade = next.emplace_back(same ? std::move(*known) : Blade{name, each.shape, linesOf(*each.shape)});
             const auto element = static_cast<std::size_t>(each.element);
             const RigidPlanElement& plan = rigid[first[b] + element];
             const bool moved = plan.velocity + plan.change.linear != Vec3{} ||
                                plan.angularVelocity + plan.change.angular != Vec3{}; // else it stands, or jumped
             const Pose& pose = state.rigidBodies[b].poses[element];
+            blade.jumped = !moved && plan.start != pose;
             blade.before.clear();
             blade.now.clear();
+            blade.swept = {};
             for (const Vec3& vertex : each.shape->rest) {
                 blade.now.push_back(transform(pose, vertex));
                 blade.before.push_back(transform(moved ? plan.start : pose, vertex));
+                blade.swept = merged(merged(blade.swept, blade.now.back()), transform(plan.start, vertex));
             }
         }
     blades = std::move(next);
@@ -72,7 +74,7 @@ struct Tool {
 
 /// Ascending.
 std::vector<Tool> toolsNear(const SoftModel& model, const SoftState& state, const std::vector<Blade>& blades,
-                            double margin)
+                            double margin, physics::TopologyReport& report)
 {
     std::vector<Tool> tools;
     geometry::Box box; // of what is there: removed pieces have no surface
@@ -87,6 +89,7 @@ std::vector<Tool> toolsNear(const SoftModel& model, const SoftState& state, cons
             const geometry::Box around = geometry::boxAround(vertices);
             return overlap(around, box) || isEmpty(around); // no numbers: the stroke refuses them, and says so
         };
+        if (blade.jumped && overlap(blade.swept, box)) ++report.bladeTooFast;
         if (!isNear(blade.now) && !isNear(blade.before)) continue;
         if (tools.empty() || tools.back().body != blade.name.body) tools.push_back({blade.name.body, {}});
         Tool& tool = tools.back();
@@ -129,7 +132,7 @@ void cutBody(const SoftModel& model, const SoftState& state, const std::vector<B
 {
     EditableMesh& mesh = *topology.mesh;
     std::vector<Stroke>& strokes = topology.strokes;
-    const std::vector<Tool> tools = toolsNear(model, state, blades, mesh.meanEdge());
+    const std::vector<Tool> tools = toolsNear(model, state, blades, mesh.meanEdge(), report);
     for (const Tool& tool : tools) {
         const auto isItsOwn = [&](const Stroke& stroke) { return stroke.tool == tool.body && !stroke.leaving; };
         if (std::ranges::none_of(strokes, isItsOwn)) strokes.push_back({tool.body, BladeStroke(mesh.newSheet())});
@@ -196,13 +199,14 @@ void cutBodies(const Model& model, double dt, const RigidPlan& rigid, const Stat
             cutBody(model.softBodies[b], state.softBodies[b], ruptures.blades, ruptures.topologies[b], report.topology);
 }
 
-void tearBodies(const Model& model, double dt, const State& state, Ruptures& ruptures, WorkerPool& pool,
-                physics::StepReport& report)
+void tearBodies(const Model& model, double dt, const State& state, Systems& systems, Ruptures& ruptures,
+                WorkerPool& pool, physics::StepReport& report)
 {
     if (dt == 0.0) return;
     for (std::size_t b = 0; b < model.softBodies.size(); ++b)
         if (model.softBodies[b].dynamicTopology)
-            tearBody(model.softBodies[b], state.softBodies[b], pool, ruptures.topologies[b], report.topology);
+            tearBody(model.softBodies[b], state.softBodies[b], systems[b], pool, ruptures.topologies[b],
+                     report.topology);
 }
 
 void applyEdits(double period, Model& model, State& state, Systems& systems, Ruptures& ruptures,
@@ -232,6 +236,13 @@ void applyEdits(double period, Model& model, State& state, Systems& systems, Rup
         told[before].elements = edit.tetrahedra - elements;
         told.back().detached = std::move(loose);
     }
+}
+
+void followPartings(const Model& model, double dt, Systems& systems, BackgroundThread& meanwhile)
+{
+    if (dt == 0.0) return;
+    for (std::size_t b = 0; b < model.softBodies.size(); ++b)
+        if (systems[b].matrixFree) systems[b].matrixFree->followParting(model.softBodies[b], meanwhile);
 }
 
 } // namespace filasofia::engine

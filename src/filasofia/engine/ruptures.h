@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/rigid_step.h"
 #include "filasofia/engine/topology.h"
+#include "filasofia/geometry/box.h"
 
 namespace filasofia::engine {
 
@@ -9,8 +10,10 @@ namespace filasofia::engine {
 struct Blade {
     SurfaceName name;
     std::shared_ptr<const CollisionShape> shape;
-    std::vector<std::array<int, 2>> lines; ///< its edges, by vertices
-    std::vector<Vec3> before, now;         ///< [m]
+    std::vector<std::array<int, 2>> lines;   ///< its edges, by vertices
+    std::vector<Vec3> before = {}, now = {}; ///< [m]
+    bool jumped = false;                     ///< farther than is believed: it has no way
+    geometry::Box swept = {};                ///< where it was told to go from, and to
 };
 
 /// What is kept of ruptures from step to step. Blades are kept for their lines only.
@@ -27,11 +30,14 @@ void removeLostPieces(double period, Model& model, State& state, Systems& system
 void cutBodies(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
                physics::StepReport& report);
 /// The same for what stress tears. Bodies must have followed the cuts.
-void tearBodies(const Model& model, double dt, const State& state, Ruptures& ruptures, WorkerPool& pool,
-                physics::StepReport& report);
+void tearBodies(const Model& model, double dt, const State& state, Systems& systems, Ruptures& ruptures,
+                WorkerPool& pool, physics::StepReport& report);
 
 /// 6. The only writer of topology: everything that is kept of a body follows the edits of its mesh.
 void applyEdits(double period, Model& model, State& state, Systems& systems, Ruptures& ruptures,
                 physics::StepReport& report);
+
+/// Solvers of bodies that were parted learn of it: begun in the step that parted them, known some steps later.
+void followPartings(const Model& model, double dt, Systems& systems, BackgroundThread& meanwhile);
 
 } // namespace filasofia::engine

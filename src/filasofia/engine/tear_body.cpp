@@ -17,11 +17,9 @@ Mat3 stressOf(const FemElement& element, const SoftState& state, std::size_t e, 
 {
     const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
     const auto [mu, lambda] = lame(element.youngModulus, element.poissonRatio);
-    // The rotation is that of the step's start: near enough to tell what is far from tearing.
     const Quat before = rotationOf(state.rotations, e);
     const Mat3 near = cauchyStress(f, toMat3(before), mu, lambda);
-    constexpr double kNear = 0.5;
-    if (principalStressBound(near) < kNear * threshold) return {};
+    if (principalStressBound(near) < kStressNear * threshold) return {};
     return cauchyStress(f, toMat3(polarRotation(f, before)), mu, lambda);
 }
 
@@ -48,7 +46,7 @@ bool allHeld(const SoftModel& model, std::size_t e)
 } // namespace
 
 bool findStresses(const SoftModel& model, const SoftState& state, double threshold, const SpringsOfElements& springs,
-                  WorkerPool& pool, std::vector<Mat3>& stresses)
+                  std::span<const std::uint16_t> stressed, WorkerPool& pool, std::vector<Mat3>& stresses)
 {
     const bool fem = !model.elements.empty();
     stresses.resize(elementCount(model));
@@ -57,7 +55,8 @@ bool findStresses(const SoftModel& model, const SoftState& state, double thresho
     pool.run(parts.count(), [&](int part) {
         const linalg::Blocks range = parts[part];
         for (auto e = static_cast<std::size_t>(range.begin); e < static_cast<std::size_t>(range.end); ++e) {
-            if (allHeld(model, e)) { // at rest, or removed
+            const bool isNear = stressed.empty() || (stressed[e / kBlock] >> e % kBlock & 1) != 0;
+            if (!isNear || allHeld(model, e)) { // at rest, or removed
                 stresses[e] = {};
                 continue;
             }
@@ -85,17 +84,22 @@ SpringsOfElements springsOfElements(const SoftModel& model)
     return out;
 }
 
-void tearBody(const SoftModel& model, const SoftState& state, WorkerPool& pool, BodyTopology& topology,
-              physics::TopologyReport& report)
+void tearBody(const SoftModel& model, const SoftState& state, SoftSystem& system, WorkerPool& pool,
+              BodyTopology& topology, physics::TopologyReport& report)
 {
-    if (!(model.tearingThreshold < std::numeric_limits<double>::infinity())) return;
-    if (!findStresses(model, state, model.tearingThreshold, topology.springs, pool, topology.stresses)) return;
+    const double threshold = model.tearingThreshold;
+    if (!(threshold < std::numeric_limits<double>::infinity())) return;
+    std::vector<std::uint16_t>& stressed = topology.stressed;
+    stressed.clear();
+    if (system.matrixFree && !model.elements.empty() &&
+        !system.matrixFree->findStressed(state, kStressNear * threshold, pool, stressed))
+        return;
+    if (!findStresses(model, state, threshold, topology.springs, stressed, pool, topology.stresses)) return;
     EditableMesh& mesh = *topology.mesh;
     if (!topology.followed) mesh.placeAt(state.x); // else the blades' turn has moved it already
     topology.held.assign(model.rest.size(), 0);
     for (std::size_t i = 0; i < model.rest.size(); ++i) topology.held[i] = model.pins.hard[i] ? 1 : 0;
-    const RuptureReport done =
-        topology.tearing.step(mesh, topology.stresses, topology.held, {.threshold = model.tearingThreshold});
+    const RuptureReport done = topology.tearing.step(mesh, topology.stresses, topology.held, {.threshold = threshold});
     topology.torn += done;
     add(done, report);
 }

@@ -43,6 +43,7 @@ struct BodyTopology {
     Tearing tearing;
     SpringsOfElements springs;
     std::vector<Mat3> stresses;               ///< [Pa] of the last step that looked, per element
+    std::vector<std::uint16_t> stressed;      ///< per block of elements, bits of those that may be near tearing
     std::vector<std::uint8_t> held;           ///< per node
     RuptureReport cut, torn;                  ///< of the step: what it opened
     std::vector<Attachment> startAttachments; ///< what held it then

@@ -155,7 +155,8 @@ private:
 
 World::World(const NativeEngineDef& def)
     : period_(def.period), contact_(def.contact),
-      pool_(std::make_unique<WorkerPool>(def.threads.value_or(std::clamp(usableCores() - 1, 1, 8))))
+      pool_(std::make_unique<WorkerPool>(def.threads.value_or(std::clamp(usableCores() - 1, 1, 8)))),
+      background_(std::make_unique<BackgroundThread>())
 {
 }
 
@@ -180,11 +181,12 @@ physics::StepReport World::step(const physics::StepInput& in)
     keepAttachments(in.dt, coupling_, systems_, model_, state_);
     keepJoints(model_, in.dt, coupling_, state_);
     report.times.advance = watch.lap();
-    cutBodies(model_, in.dt, coupling_.rigid, state_, ruptures_, report); // 5 what was cut
-    applyEdits(period_, model_, state_, systems_, ruptures_, report);     // 6 the only writer of topology
-    tearBodies(model_, in.dt, state_, ruptures_, *pool_, report);         //   what tore
+    cutBodies(model_, in.dt, coupling_.rigid, state_, ruptures_, report);   // 5 what was cut
+    applyEdits(period_, model_, state_, systems_, ruptures_, report);       // 6 the only writer of topology
+    tearBodies(model_, in.dt, state_, systems_, ruptures_, *pool_, report); //   what tore
     applyEdits(period_, model_, state_, systems_, ruptures_, report);
     removeLostPieces(period_, model_, state_, systems_, ruptures_.topologies, report);
+    followPartings(model_, in.dt, systems_, *background_);
     report.times.topology = watch.lap();
     return report;
 }

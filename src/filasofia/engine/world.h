@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/core/background.h"
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/engine/ruptures.h"
@@ -24,6 +25,7 @@ private:
     double period_;
     physics::ContactMethod contact_;
     std::unique_ptr<WorkerPool> pool_;
+    std::unique_ptr<BackgroundThread> background_; ///< for what a step needs not, but a later one
     Model model_;
     State state_;
     Systems systems_;

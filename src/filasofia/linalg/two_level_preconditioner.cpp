@@ -53,7 +53,15 @@ TwoLevelPreconditioner::TwoLevelPreconditioner(const PreconditionerInput& in)
     grow(std::max(in.blocks, blocksFor(static_cast<int>(in.rows.size()))));
     for (std::size_t i = 0; i < in.rows.size(); ++i)
         setDiagonal(static_cast<int>(i), in.scale * in.matrix.block(in.matrix.find(in.rows[i], in.rows[i])));
-    if (in.coarseNodes > 0) makeCoarseLevel(in);
+    if (in.coarseNodes > 0) makeCoarseLevel(galerkin(in), {{}, in.coarseNodes, in.rows, in.corners, in.weights});
+}
+
+TwoLevelPreconditioner::TwoLevelPreconditioner(const CoarseInput& in)
+{
+    rotations_.resize(static_cast<std::size_t>(blocksFor(static_cast<int>(in.rows.size()))));
+    const Eigen::Index unknowns = 3 * in.coarseNodes;
+    Eigen::MatrixXd coarse = Eigen::Map<const Eigen::MatrixXd>(in.matrix.data(), unknowns, unknowns).transpose();
+    makeCoarseLevel(std::move(coarse), in);
 }
 
 void TwoLevelPreconditioner::grow(int blocks)
@@ -97,9 +105,8 @@ void TwoLevelPreconditioner::interpolate(int node, const Interpolation& how)
     }
 }
 
-void TwoLevelPreconditioner::makeCoarseLevel(const PreconditionerInput& in)
+template <class Matrix> void TwoLevelPreconditioner::makeCoarseLevel(Matrix coarse, const CoarseInput& in)
 {
-    Eigen::MatrixXd coarse = galerkin(in);
     const double largest = coarse.diagonal().maxCoeff();
     for (Eigen::Index i = 0; i < coarse.rows(); ++i) coarse(i, i) += kShift * coarse(i, i) + 1e-12 * largest;
     const Eigen::LLT<Eigen::MatrixXd> factor(coarse);
@@ -128,6 +135,18 @@ void TwoLevelPreconditioner::makeCoarseLevel(const PreconditionerInput& in)
             if (weight != 0.0f) entries[corner].push_back({static_cast<int>(i), weight});
         }
     restriction_ = Restriction(entries);
+}
+
+void TwoLevelPreconditioner::takeCoarseLevel(TwoLevelPreconditioner&& from)
+{
+    if (from.coarseNodes_ == 0) return;
+    coarseNodes_ = from.coarseNodes_;
+    interpolation_ = std::move(from.interpolation_);
+    interpolation_.resize(rotations_.size());
+    restriction_ = std::move(from.restriction_);
+    coarseInverse_ = std::move(from.coarseInverse_);
+    coarseResidual_ = std::move(from.coarseResidual_);
+    coarse_ = std::move(from.coarse_);
 }
 
 double TwoLevelPreconditioner::apply(const NodeArray& r, NodeArray& z, WorkerPool& pool)

@@ -23,6 +23,15 @@ struct PreconditionerInput {
     int blocks = 0;                                ///< of nodes, where more are wanted than the rows need
 };
 
+/// The coarse level of one alone, where the coarse matrix is known.
+struct CoarseInput {
+    std::span<const double> matrix;              ///< A_c, dense, of three rows per coarse node; its lower half is read
+    int coarseNodes = 0;                         ///< > 0
+    std::span<const int> rows;                   ///< as in PreconditionerInput
+    std::span<const std::array<int, 4>> corners; ///< as in PreconditionerInput
+    std::span<const std::array<float, 4>> weights; ///< as in PreconditionerInput
+};
+
 /// How a node follows the coarse ones: four of them at most, one may stand there twice with weight 0.
 struct Interpolation {
     std::array<int, 4> corners = {};
@@ -40,6 +49,8 @@ class TwoLevelPreconditioner {
 public:
     TwoLevelPreconditioner() = default;
     explicit TwoLevelPreconditioner(const PreconditionerInput& in);
+    /// Without a smoother: for another one to take over.
+    explicit TwoLevelPreconditioner(const CoarseInput& in);
 
     /// The rotation of each node, in blocks; who owns the elements writes them. The identity at first.
     [[nodiscard]] std::vector<RotationBlock>& rotations() { return rotations_; }
@@ -55,6 +66,9 @@ public:
     void setDiagonal(int node, const Mat3& block);
     [[nodiscard]] Interpolation interpolation(int node) const;
     void interpolate(int node, const Interpolation& how);
+    /// Takes over how another one, with fewer blocks or as many, follows the coarse nodes and what these answer; where
+    /// it has none, nothing changes. Nodes that the other has not interpolate nothing from then on.
+    void takeCoarseLevel(TwoLevelPreconditioner&& from);
 
     // The same in two halves, for who changes something between them: R D^-1 R^T r, and z from that and the coarse
     // level's answer to r.
@@ -66,7 +80,7 @@ public:
 
 private:
     [[nodiscard]] Mat3 rotation(int node) const;
-    void makeCoarseLevel(const PreconditionerInput& in);
+    template <class Matrix> void makeCoarseLevel(Matrix coarse, const CoarseInput& in); ///< Eigen's, in place
 
     std::vector<RotationBlock> rotations_;
     std::vector<SymmetricBlock> inverseDiagonal_;

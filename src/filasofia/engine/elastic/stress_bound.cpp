@@ -1,0 +1,89 @@
+#include "filasofia/engine/elastic/stress_bound.h"
+
+#include "filasofia/linalg/simd_targets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "filasofia/engine/elastic/stress_bound.cpp"
+#include <hwy/foreach_target.h>
+
+#include "filasofia/engine/elastic/element_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace filasofia::engine::HWY_NAMESPACE {
+
+HWY_INLINE V sizeOf(V3 a) { return hn::Add(hn::Abs(a.x), hn::Add(hn::Abs(a.y), hn::Abs(a.z))); }
+HWY_INLINE V largestOf(V3 a) { return hn::Max(hn::Abs(a.x), hn::Max(hn::Abs(a.y), hn::Abs(a.z))); }
+
+/// What rounding may do to the Frobenius norms of F and R. With the unit roundoff u = 2^-24, coordinates up to X and
+/// the sum S of the gradients' sizes, an entry of F is off by at most 12 u X times its column's share of S: positions
+/// and gradients are rounded, then differences, products and sums. That is 21 u X S for all; R adds less than 48 u.
+HWY_INLINE V roundingOf(const float* HWY_RESTRICT x, const ElementBlock& element, std::size_t part, const V3 (&g)[3])
+{
+    const Lanes d;
+    constexpr float kUnit = 5.9604645e-8f;
+    V far = hn::Zero(d);
+    for (int k = 0; k < 4; ++k) far = hn::Max(far, largestOf(gatherNodes(x, element.nodes[k] + part)));
+    const V gradients = hn::Add(sizeOf(g[0]), hn::Add(sizeOf(g[1]), sizeOf(g[2])));
+    return hn::MulAdd(hn::Set(d, 32.0f * kUnit), hn::Mul(far, gradients), hn::Set(d, 64.0f * kUnit));
+}
+
+HWY_ATTR void findStressedBlocks(const ElementBlock* HWY_RESTRICT elements, const float* HWY_RESTRICT x,
+                                 const ElementRotations* HWY_RESTRICT rotations, StressLimit limit,
+                                 std::uint16_t* HWY_RESTRICT stressed, int begin, int end)
+{
+    const Lanes d;
+    const V one = hn::Set(d, 1.0f);
+    // 1e-3 more for the roundings that are relative: of the norms, of what is computed from them, of unit quaternions.
+    const V shear = hn::Set(d, 1.001f * 2.0f * limit.mu), bulk = hn::Set(d, 1.001f * 1.7320509f * limit.lambda);
+    for (int block = begin; block < end; ++block) {
+        std::uint32_t bits = 0;
+        for (std::size_t part = 0; part < kBlock; part += kLanes) {
+            const ElementBlock& element = elements[block];
+            V3 edges[3], g[3];
+            loadEdges(x, element.nodes, part, edges);
+            loadGradients(element.gradients, part, g);
+            const M3 f = gradientOf(edges, g);
+            const ElementRotations& turn = rotations[block];
+            const M3 r = matrixOf({hn::Load(d, turn.x + part), hn::Load(d, turn.y + part), hn::Load(d, turn.z + part),
+                                   hn::Load(d, turn.w + part)});
+            const V rounding = roundingOf(x, element, part, g);
+
+            V strain2 = hn::Zero(d), stretch = hn::Set(d, -3.0f);
+            for (int k = 0; k < 9; ++k) {
+                const V e = hn::Sub(f.m[k / 3][k % 3], r.m[k / 3][k % 3]);
+                strain2 = hn::MulAdd(e, e, strain2);
+                stretch = hn::MulAdd(r.m[k / 3][k % 3], f.m[k / 3][k % 3], stretch);
+            }
+            const V strain = hn::Add(hn::Sqrt(strain2), rounding);
+            const V volumetric = hn::MulAdd(hn::Set(d, 8.0f), rounding, hn::Abs(stretch));
+            const V det = hn::NegMulAdd(hn::Set(d, 16.0f), rounding, determinant(f)); // less what may be rounding
+            const V stress = hn::Mul(hn::MulAdd(shear, strain, hn::Mul(bulk, volumetric)), hn::Add(one, strain));
+            // Beyond a strain of 1 the roundings above are not bounded by these multiples. What is no number is near.
+            const auto far = hn::And(hn::And(hn::Lt(strain, one), hn::Gt(det, hn::Set(d, 0.1f))),
+                                     hn::Lt(stress, hn::Mul(hn::Set(d, limit.most), det)));
+            std::uint8_t mask[8] = {};
+            hn::StoreMaskBits(d, hn::Not(far), mask);
+            bits |= (mask[0] | static_cast<std::uint32_t>(mask[1]) << 8) << part;
+        }
+        stressed[block] = static_cast<std::uint16_t>(bits);
+    }
+}
+
+} // namespace filasofia::engine::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace filasofia::engine {
+
+HWY_EXPORT(findStressedBlocks);
+
+void findStressed(std::span<const ElementBlock> elements, const linalg::NodeArray& x,
+                  std::span<const ElementRotations> rotations, StressLimit limit, std::span<std::uint16_t> stressed,
+                  int begin, int end)
+{
+    HWY_DYNAMIC_DISPATCH(findStressedBlocks)
+    (elements.data(), x.data(), rotations.data(), limit, stressed.data(), begin, end);
+}
+
+} // namespace filasofia::engine
+#endif
