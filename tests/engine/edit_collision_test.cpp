@@ -62,7 +62,7 @@ using Faces = std::set<std::array<int, 3>>;
 /// Faces by nodes, turned so that the least comes first.
 std::array<int, 3> turned(std::array<int, 3> face)
 {
-    std::ranges::rotate(face, std::ranges::min_element(face));
+    std::rotate(face.begin(), std::ranges::min_element(face), face.end());
     return face;
 }
 

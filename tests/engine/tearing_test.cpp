@@ -96,13 +96,11 @@ TEST_CASE("a uniform strain of springs has the stress that pulls at their ends")
     std::vector<Mat3> stresses;
     findStresses(model, strip.stage.soft(), 1e3, springsOfElements(model), {}, pool, stresses);
     // The mean over the volume, times the cross section, is the force at the ends.
-    double volume = 0.0, pulled = 0.0;
+    double pulled = 0.0;
     const std::vector<Vec3>& x = strip.stage.soft().x;
     for (std::size_t e = 0; e < stresses.size(); ++e) {
         const geometry::Tetrahedron& t = model.tetrahedra[e];
-        const double v = geometry::signedVolume(x[t[0]], x[t[1]], x[t[2]], x[t[3]]);
-        volume += v;
-        pulled += v * stresses[e][0].x;
+        pulled += geometry::signedVolume(x[t[0]], x[t[1]], x[t[2]], x[t[3]]) * stresses[e][0].x;
     }
     const double force = std::abs(strip.stage.world.state().held.at(0).force.x);
     CHECK(pulled / (0.05 * 1.1) == Approx(force).epsilon(0.05));
