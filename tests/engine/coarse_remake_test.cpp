@@ -81,7 +81,7 @@ TEST_CASE("a coarse level made anew is the one that the body would be made with"
         Block block;
         if (cut) block.cut();
         linalg::TwoLevelPreconditioner fresh = preconditionerAtRest(block.model(), block.plan,
-                                                                    remadeCoarseTarget(block.nodes.size())),
+                                                                    remadeCoarseChoice(block.nodes.size())),
                                        other = fresh;
         BackgroundThread thread;
         CoarseRemake remake(block.model(), block.plan, thread);
@@ -110,7 +110,7 @@ TEST_CASE("a coarse level made anew has the same bits whoever makes it")
         if (busy) thread.give(std::make_shared<BackgroundJob>([&] { hold.wait(); }));
         CoarseRemake remake(block.model(), block.plan, thread);
         linalg::TwoLevelPreconditioner preconditioner =
-            preconditionerAtRest(block.model(), block.plan, remadeCoarseTarget(block.nodes.size()));
+            preconditionerAtRest(block.model(), block.plan, remadeCoarseChoice(block.nodes.size()));
         preconditioner.takeCoarseLevel(remake.take()); // made here where the thread has something else to do
         hold.count_down();
         results.push_back(applied(preconditioner, block.nodes.size()));

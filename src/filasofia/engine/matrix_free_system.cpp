@@ -75,7 +75,7 @@ MatrixFreeSystem::MatrixFreeSystem(const SoftModel& model, double period)
     makeSprings(model);
     makeGather(model);
     if (preconditioned_)
-        preconditioner_ = preconditionerAtRest(model, plan(), coarseTarget(static_cast<std::size_t>(freeNodes_)));
+        preconditioner_ = preconditionerAtRest(model, plan(), coarseChoice(static_cast<std::size_t>(freeNodes_)));
 }
 
 MatrixFreeSystem::~MatrixFreeSystem() = default;

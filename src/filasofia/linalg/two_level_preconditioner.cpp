@@ -46,6 +46,48 @@ Eigen::MatrixXd galerkin(const PreconditionerInput& in)
     return coarse;
 }
 
+/// Of a positive definite matrix whose lower half is given, made a little larger so that it is well conditioned.
+Eigen::LLT<Eigen::MatrixXd> factorOf(Eigen::MatrixXd coarse)
+{
+    const double largest = coarse.diagonal().maxCoeff();
+    for (Eigen::Index i = 0; i < coarse.rows(); ++i) coarse(i, i) += kShift * coarse(i, i) + 1e-12 * largest;
+    return Eigen::LLT<Eigen::MatrixXd>(coarse);
+}
+
+/// Empty where the matrix is not positive definite to rounding: the smoother alone will do.
+Eigen::MatrixXd inverseOf(Eigen::MatrixXd coarse)
+{
+    const Eigen::LLT<Eigen::MatrixXd> factor = factorOf(std::move(coarse));
+    if (factor.info() != Eigen::Success) return {};
+    Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(factor.rows(), factor.cols()));
+    return inverse.allFinite() ? inverse : Eigen::MatrixXd();
+}
+
+/// The same in a third of the time, without what is known to be zero: A^-1 = L^-T L^-1, in blocks of columns. Not the
+/// same to the last bit, and the motion of every body that was never cut hangs on those of the other.
+Eigen::MatrixXd quickInverseOf(Eigen::MatrixXd coarse)
+{
+    constexpr Eigen::Index kColumns = 48;
+    const Eigen::LLT<Eigen::MatrixXd> factor = factorOf(std::move(coarse));
+    if (factor.info() != Eigen::Success) return {};
+    const Eigen::Index n = factor.rows();
+    Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(n, n), inverse(n, n); // L^-1
+    for (Eigen::Index j = 0; j < n; j += kColumns) {
+        const Eigen::Index left = n - j, columns = std::min(kColumns, left);
+        lower.block(j, j, left, columns) = factor.matrixLLT()
+                                               .bottomRightCorner(left, left)
+                                               .triangularView<Eigen::Lower>()
+                                               .solve(Eigen::MatrixXd::Identity(left, columns));
+    }
+    for (Eigen::Index i = 0; i < n; i += kColumns) {
+        const Eigen::Index left = n - i, rows = std::min(kColumns, left), columns = i + rows;
+        inverse.block(i, 0, rows, columns).noalias() =
+            lower.block(i, i, left, rows).transpose() * lower.block(i, 0, left, columns);
+        inverse.block(0, i, columns, rows) = inverse.block(i, 0, rows, columns).transpose().eval();
+    }
+    return inverse.allFinite() ? inverse : Eigen::MatrixXd();
+}
+
 } // namespace
 
 TwoLevelPreconditioner::TwoLevelPreconditioner(const PreconditionerInput& in)
@@ -53,7 +95,8 @@ TwoLevelPreconditioner::TwoLevelPreconditioner(const PreconditionerInput& in)
     grow(std::max(in.blocks, blocksFor(static_cast<int>(in.rows.size()))));
     for (std::size_t i = 0; i < in.rows.size(); ++i)
         setDiagonal(static_cast<int>(i), in.scale * in.matrix.block(in.matrix.find(in.rows[i], in.rows[i])));
-    if (in.coarseNodes > 0) makeCoarseLevel(galerkin(in), {{}, in.coarseNodes, in.rows, in.corners, in.weights});
+    if (in.coarseNodes > 0)
+        makeCoarseLevel(inverseOf(galerkin(in)), {{}, in.coarseNodes, in.rows, in.corners, in.weights});
 }
 
 TwoLevelPreconditioner::TwoLevelPreconditioner(const CoarseInput& in)
@@ -61,7 +104,7 @@ TwoLevelPreconditioner::TwoLevelPreconditioner(const CoarseInput& in)
     rotations_.resize(static_cast<std::size_t>(blocksFor(static_cast<int>(in.rows.size()))));
     const Eigen::Index unknowns = 3 * in.coarseNodes;
     Eigen::MatrixXd coarse = Eigen::Map<const Eigen::MatrixXd>(in.matrix.data(), unknowns, unknowns).transpose();
-    makeCoarseLevel(std::move(coarse), in);
+    makeCoarseLevel(quickInverseOf(std::move(coarse)), in);
 }
 
 void TwoLevelPreconditioner::grow(int blocks)
@@ -105,15 +148,9 @@ void TwoLevelPreconditioner::interpolate(int node, const Interpolation& how)
     }
 }
 
-template <class Matrix> void TwoLevelPreconditioner::makeCoarseLevel(Matrix coarse, const CoarseInput& in)
+template <class Matrix> void TwoLevelPreconditioner::makeCoarseLevel(const Matrix& inverse, const CoarseInput& in)
 {
-    const double largest = coarse.diagonal().maxCoeff();
-    for (Eigen::Index i = 0; i < coarse.rows(); ++i) coarse(i, i) += kShift * coarse(i, i) + 1e-12 * largest;
-    const Eigen::LLT<Eigen::MatrixXd> factor(coarse);
-    if (factor.info() != Eigen::Success) return; // not positive definite to rounding: the smoother alone will do
-    const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(coarse.rows(), coarse.rows()));
-    if (!inverse.allFinite()) return;
-
+    if (inverse.size() == 0) return;
     coarseNodes_ = in.coarseNodes;
     const int unknowns = 3 * coarseNodes_, panels = blocksFor(unknowns), rows = (unknowns + 3) / 4 * 4;
     coarseResidual_.assign(static_cast<std::size_t>(rows), 0.0f);

@@ -80,7 +80,7 @@ public:
 
 private:
     [[nodiscard]] Mat3 rotation(int node) const;
-    template <class Matrix> void makeCoarseLevel(Matrix coarse, const CoarseInput& in); ///< Eigen's, in place
+    template <class Matrix> void makeCoarseLevel(const Matrix& inverse, const CoarseInput& in); ///< Eigen's
 
     std::vector<RotationBlock> rotations_;
     std::vector<SymmetricBlock> inverseDiagonal_;
