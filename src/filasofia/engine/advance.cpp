@@ -128,19 +128,24 @@ CoupledLimits limitsOf(const Island& island, const physics::ContactMethod& metho
     // Rigid bodies in a tower sway as one, with more inertia than each has by itself. And for so few unknowns it costs
     // nothing to be exact.
     constexpr double rigidStiffening = 100.0, rigidHolding = 1000.0; // friction does not bear more
-    constexpr int rigidRounds = 4, rigidRaises = 10;
+    // Soft ones follow from step to step what they lack: stiffer contacts only cost iterations, above all where many
+    // stand. Measured: 16 instead of 26 for 110 contacts on 30000 elements. With rigid bodies among them they must bear
+    // more inertia than theirs.
+    constexpr double softStiffening = 3.0;
+    constexpr int perRound = 5, rigidRounds = 4, rigidRaises = 10;
     constexpr double rigidTolerance = 0.01;
     constexpr double smallAcceleration = 1.0; // [m/s^2] what nothing in particular does to a body, for a scale
 
     CoupledLimits how{.linear = limits, .smallChange = smallAcceleration * dt};
     if (const auto* exact = std::get_if<physics::ExactContact>(&method)) {
-        how.rounds = exact->rounds;
+        how.following = perRound * exact->rounds;
         how.tolerance = exact->tolerance;
     }
+    if (island.rigid.empty()) how.stiffening = softStiffening;
     if (island.soft.empty()) {
         how.stiffening = rigidStiffening;
         how.holding = rigidHolding;
-        how.rounds *= rigidRounds;
+        how.following *= rigidRounds;
         how.raises = rigidRaises;
         how.tolerance *= rigidTolerance;
     }
