@@ -11,7 +11,9 @@ constexpr double kFlatEnough = 0.3;
 constexpr int kLooks = 6;
 constexpr double kSteepEnough = 0.1; // a direction's slope over that of z: less steep ones are left for z
 
-// By so much the share of friction that a contact's cone leaves may change before the filter is made anew.
+// The filter is made anew where one in so many contacts has begun or ended, or its cone leaves another share of
+// friction.
+constexpr std::size_t kOthers = 64;
 constexpr double kOtherSlip = 1.5;
 
 // A link on a hinge can be pushed in some directions only. A contact whose normal is less than a milliradian away from
@@ -150,7 +152,7 @@ void CoupledSolve::makeFilter()
     };
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
-        row.state = law(c, row.u);
+        row.state = row.now;
         row.sigma = row.state.active ? times(row.stiffness, {1.0, row.state.slip, row.state.slip}) : Vec3{};
         row.filter = {};
         const auto [first, end] = gripsOf(c);
@@ -170,11 +172,12 @@ void CoupledSolve::makeFilter()
 
 void CoupledSolve::renewFilter()
 {
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        const Projected now = law(c, rows_[c].u), &then = rows_[c].state;
-        if (now.active != then.active || now.slip > kOtherSlip * then.slip || then.slip > kOtherSlip * now.slip)
-            return makeFilter();
-    }
+    const auto isOther = [](const Row& row) {
+        const Projected &now = row.now, &then = row.state;
+        return now.active != then.active || now.slip > kOtherSlip * then.slip || then.slip > kOtherSlip * now.slip;
+    };
+    const auto others = static_cast<std::size_t>(std::ranges::count_if(rows_, isOther));
+    if (others * kOthers > rows_.size()) makeFilter();
 }
 
 void CoupledSolve::gather(Read read)
@@ -338,14 +341,11 @@ void CoupledSolve::advance()
     }
     energy_ += way_ * way_ * std::max(0.0, own_);
     for (CoupledBody* body : *bodies_) body->descend(way_);
-    endNow_ = end_;
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        Row& row = rows_[c];
-        row.u += way_ * row.along;
-        if (!statesKept_) endNow_ += dot(row.along, law(c, row.u).impulse - row.impulse - row.change);
-    }
-    lastSlope_ = slope_;
+    for (Row& row : rows_) row.u += way_ * row.along;
     obey();
+    endNow_ = end_;
+    for (const Row& row : rows_) endNow_ += dot(row.along, row.probe - row.change);
+    lastSlope_ = slope_;
     if (!statesKept_) renewFilter();
 }
 
@@ -353,9 +353,10 @@ void CoupledSolve::obey()
 {
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
-        const Vec3 now = statesKept_ ? lawAlong(c, row.u) : law(c, row.u).impulse;
-        row.probe = now - row.impulse;
-        row.impulse = now;
+        if (!statesKept_) row.now = law(c, row.u);
+        const Vec3 lawful = statesKept_ ? lawAlong(c, row.u) : row.now.impulse;
+        row.probe = lawful - row.impulse;
+        row.impulse = lawful;
     }
     giveImpulses(&CoupledBody::addToResidual, [&](std::size_t c) { return rows_[c].probe; });
 }

@@ -63,6 +63,7 @@ private:
         Vec3 step, along;  ///< [m/s] of z; of the direction
         Vec3 change;       ///< [N s] of the impulse along the direction, the cone as wide as it was
         double cone = 0.0; ///< [N s] that it bears across
+        Projected now;     ///< what the law says
         Projected state;   ///< that the filter was made for
         Vec3 sigma;        ///< [kg] in that state: zero where inactive, less where it slides
         Mat3 filter;       ///< M
@@ -87,7 +88,7 @@ private:
     bool impulsesSettled() const;
     bool turn(double rz); ///< false where there is nowhere to go
     void advance();
-    void obey(); ///< the impulses become lawful
+    void obey(); ///< the impulses become lawful; `probe`: by how much they change
     void keepStates();
     bool raiseImpulses(); ///< false where there is no need
     [[nodiscard]] double mismatch() const;
