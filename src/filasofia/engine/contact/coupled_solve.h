@@ -13,7 +13,7 @@ struct CoupledLimits {
     linalg::SolveLimits linear; ///< of all iterations together
     int following = 40;         ///< iterations by which the law is followed; then what touches and slides stays
     int raises = 3;             ///< of impulses that would miss what constraints want by more than their slack
-    double tolerance = 5e-3;    ///< [-] of impulses, relative to the largest
+    double tolerance = 5e-3;    ///< [-] of impulses, relative to all of them
     double stiffening = 10.0;   ///< [-] kappa: penalty over what the grips give by themselves
     double holding = 10.0;      ///< [-] the same of what is held
     double smallChange = 1e-3;  ///< [m/s] a change of velocity whose energy errors are measured by, when nothing moves
