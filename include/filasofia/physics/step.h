@@ -47,8 +47,8 @@ struct StageTimes {
 struct ContactReport {
     int found = 0;            ///< places where surfaces were near each other
     int active = 0;           ///< of these, that pushed
-    int rounds = 0;           ///< of finding out which, at most [of the groups of bodies that touch]
-    double mismatch = 0.0;    ///< [-] forces short of the law, relative to the largest
+    int rounds = 0;           ///< 1, more where forces were raised, at most [of the groups of bodies that touch]
+    double mismatch = 0.0;    ///< [-] forces short of the law, relative to the largest; 0 where it was followed
     double penetration = 0.0; ///< [m], >= 0, the deepest at the start of the step
 };
 

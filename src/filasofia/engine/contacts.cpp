@@ -150,7 +150,8 @@ BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, 
 // is plain which side is out: were it 0, half of them would be inside.
 constexpr double kSkin = 0.01;
 
-constexpr double kSlack = 1e-6; ///< [m] that a surface may go too far in a step, whatever its proximity
+constexpr double kSlack = 1e-6;     ///< [m] that a surface may go too far in a step, whatever its proximity
+constexpr double kSoftSlack = 0.02; ///< of the proximity: tissue may go so much farther and come back in the next step
 
 /// The law of a contact with a gap.
 void setLaw(const physics::ContactMethod& method, double dt, const FoundContact& contact, Link& link)
@@ -168,7 +169,9 @@ void setLaw(const physics::ContactMethod& method, double dt, const FoundContact&
     const double shallow = std::clamp(gap, -contact.skin, resting), deep = std::min(0.0, gap + contact.skin);
     const double back = std::max(kShallowRecovery * shallow + kRecovery * deep, -kRecoverySpeed * dt);
     link.bias.x = (back + std::max(0.0, gap - resting)) / dt;
-    link.slack = std::max({kShallowRecovery * contact.skin, contact.gap - dt * link.bias.x, kSlack}) / dt;
+    const auto isSoft = [](const BodyPoint& point) { return point.of == BodyPoint::Of::Soft; };
+    const double soft = std::ranges::any_of(link.sides, isSoft) ? kSoftSlack * contact.proximity : 0.0;
+    link.slack = std::max({kShallowRecovery * contact.skin, contact.gap - dt * link.bias.x, soft, kSlack}) / dt;
 }
 
 double frictionOf(const Model& model, const Owner& owner)

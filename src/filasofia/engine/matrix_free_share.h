@@ -22,13 +22,10 @@ public:
     void turn(double beta) override;
     void smooth() override;
     double spread() override;
-    void save() override;
-    std::array<double, 2> rise() override;
-    void goBack(double t) override;
+    double bent() override { return product(z_, q_); }
     void readDirection(std::span<Vec3> p) const override { read(p_, p); }
     void readSmoothed(std::span<Vec3> w) const override;
     void readSpread(std::span<Vec3> z) const override { read(z_, z); }
-    void addToProduct(std::span<const Vec3> impulses) override { add(impulses, q_); }
     void addToResidual(std::span<const Vec3> impulses) override { add(impulses, system_.residual_); }
     void addToSpread(std::span<const Vec3> impulses) override;
     void subtractSmoothed(std::span<const Vec3> impulses) override;
@@ -41,8 +38,9 @@ private:
     MatrixFreeSystem& system_;
     WorkerPool* pool_ = nullptr;
     double mass_ = 0.0;
-    std::vector<int> slots_; ///< per grip
-    linalg::NodeArray z_, p_, q_, xSaved_, rSaved_;
+    std::vector<int> slots_;    ///< per grip
+    std::vector<Mat3> inverse_; ///< D^-1 there, scaled
+    linalg::NodeArray z_, p_, q_;
 };
 
 } // namespace filasofia::engine

@@ -50,21 +50,10 @@ public:
         if (coarse_) z_ += 0.5 * (inverse_ * s_);
         return r_.dot(z_);
     }
-    void save() override
-    {
-        xSaved_ = x;
-        rSaved_ = r_;
-    }
-    std::array<double, 2> rise() override { return {(x - xSaved_).dot(rSaved_), (x - xSaved_).dot(r_)}; }
-    void goBack(double t) override
-    {
-        x = xSaved_ + t * (x - xSaved_);
-        r_ = rSaved_ + t * (r_ - rSaved_);
-    }
+    double bent() override { return z_.dot(q_); }
     void readDirection(std::span<Vec3> p) const override { read(p_, p); }
     void readSmoothed(std::span<Vec3> w) const override { read(w_, w); }
     void readSpread(std::span<Vec3> z) const override { read(z_, z); }
-    void addToProduct(std::span<const Vec3> impulses) override { q_ += scattered(impulses); }
     void addToResidual(std::span<const Vec3> impulses) override { r_ += scattered(impulses); }
     void addToSpread(std::span<const Vec3> impulses) override { s_ += scattered(impulses); }
     void subtractSmoothed(std::span<const Vec3> impulses) override { z_ -= smoothed(scattered(impulses)); }
@@ -97,7 +86,7 @@ private:
 
     std::vector<Grip> grips_;
     Eigen::MatrixXd inverse_;
-    Eigen::VectorXd r_, p_, q_, w_, s_, z_, xSaved_, rSaved_;
+    Eigen::VectorXd r_, p_, q_, w_, s_, z_;
     bool coarse_;
 };
 

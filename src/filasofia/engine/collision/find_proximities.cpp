@@ -116,9 +116,14 @@ void meetElements(const Meeting& meeting, std::array<int, 2> pair, ProximityScra
     meetPoints(meeting, meeting.self() ? 0 : 1, pair[1], pair[0], out.points);
     const CollisionShape &one = *meeting.sides[0]->shape, &two = *meeting.sides[1]->shape;
     if (!one.lines || !two.lines) return;
-    for (const int a : one.elements[pair[0]].ownEdges)
+    const Bounds& other = meeting.sides[1]->elementBounds[pair[1]];
+    for (const int a : one.elements[pair[0]].ownEdges) {
+        if (a < 0) continue;
+        const std::vector<Bounds>& at = meeting.sides[0]->vertexBounds;
+        if (!meet(merged(at[one.edges[a][0]], at[one.edges[a][1]]), other)) continue;
         for (const int b : two.elements[pair[1]].ownEdges)
-            if (a >= 0 && b >= 0) meetEdges(meeting, a, b, out.edges);
+            if (b >= 0) meetEdges(meeting, a, b, out.edges);
+    }
 }
 
 void meetAll(const Meeting& meeting, WorkerPool& pool, ProximityScratch& scratch)

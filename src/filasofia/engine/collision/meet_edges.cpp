@@ -26,8 +26,10 @@ inline bool crossing(Vec3 a, Vec3 u, Vec3 b, Vec3 v, Crossing& out)
     const Vec3 across = cross(u, v);
     const double area = lengthSquared(across);
     if (!(area > kParallel * uu * vv)) return false;
-    out.s = (uv * vr - ur * vv) / area;
-    out.t = (uu * vr - uv * ur) / area;
+    const double s = uv * vr - ur * vv, t = uu * vr - uv * ur;
+    if (!(s > 0.0 && s < area && t > 0.0 && t < area)) return false; // most: before any division
+    out.s = s / area;
+    out.t = t / area;
     if (!(out.s > 0.0 && out.s < 1.0 && out.t > 0.0 && out.t < 1.0)) return false;
     out.between = r + out.s * u - out.t * v;
     out.across = across / std::sqrt(area);

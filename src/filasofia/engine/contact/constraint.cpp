@@ -11,13 +11,15 @@ std::array<Vec3, 3> frameOf(Vec3 normal)
     return {normal, tangent, cross(normal, tangent)};
 }
 
-Projected project(const Constraint& constraint, Vec3 y)
+Projected project(const Constraint& constraint, Vec3 y) { return project(constraint, y, constraint.friction * y.x); }
+
+Projected project(const Constraint& constraint, Vec3 y, double cone)
 {
     if (constraint.friction >= 0.0 && !(y.x > 0.0)) return {};
     if (std::abs(y.x) > constraint.most) return {{std::copysign(constraint.most, y.x), 0.0, 0.0}, 0.0, false};
     if (constraint.friction < 0.0) return {y, 1.0, true};
-    const double tangential = std::sqrt(y.y * y.y + y.z * y.z), most = constraint.friction * y.x;
-    const double slip = tangential > most ? most / tangential : 1.0;
+    const double tangential = std::sqrt(y.y * y.y + y.z * y.z);
+    const double slip = tangential > cone ? cone / tangential : 1.0;
     return {{y.x, slip * y.y, slip * y.z}, slip, true};
 }
 

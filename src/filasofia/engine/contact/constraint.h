@@ -60,5 +60,7 @@ struct Projected {
     bool active = false;
 };
 Projected project(const Constraint& constraint, Vec3 y);
+/// The same where a contact bears `cone` [N s] across, whatever its normal impulse is.
+Projected project(const Constraint& constraint, Vec3 y, double cone);
 
 } // namespace filasofia::engine

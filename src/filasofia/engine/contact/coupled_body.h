@@ -2,7 +2,6 @@
 
 #include "filasofia/math/mat3.h"
 
-#include <array>
 #include <span>
 
 namespace filasofia::engine {
@@ -33,21 +32,18 @@ public:
     [[nodiscard]] virtual Mat3 compliance(int grip) const = 0;
     [[nodiscard]] virtual double mass() const = 0; ///< [kg] of what moves
 
-    virtual double multiply() = 0;            ///< q = A p; returns p . q
-    virtual double slope() = 0;               ///< p . r
-    virtual void descend(double alpha) = 0;   ///< x += alpha p, r -= alpha q
-    virtual void turn(double beta) = 0;       ///< p = z + beta p
-    virtual void smooth() = 0;                ///< w = D^-1 r
-    virtual double spread() = 0;              ///< z = w + B (r + what was added); returns r . z
-    virtual void save() = 0;                  ///< remembers x and r
-    virtual std::array<double, 2> rise() = 0; ///< d . (r saved) and d . r, d the way of x since
-    virtual void goBack(double t) = 0;        ///< x and r to what was saved and t of the way since
+    virtual double multiply() = 0;          ///< q = A p; returns p . q
+    virtual double slope() = 0;             ///< p . r
+    virtual void descend(double alpha) = 0; ///< x += alpha p, r -= alpha q
+    virtual void turn(double beta) = 0;     ///< p = z + beta p
+    virtual void smooth() = 0;              ///< w = D^-1 r
+    virtual double spread() = 0;            ///< z = w + B (r + what was added); returns r . z
+    virtual double bent() = 0;              ///< z . q
 
     // At the grips.
     virtual void readDirection(std::span<Vec3> p) const = 0;
     virtual void readSmoothed(std::span<Vec3> w) const = 0;
     virtual void readSpread(std::span<Vec3> z) const = 0;
-    virtual void addToProduct(std::span<const Vec3> impulses) = 0;     ///< to q
     virtual void addToResidual(std::span<const Vec3> impulses) = 0;    ///< to r
     virtual void addToSpread(std::span<const Vec3> impulses) = 0;      ///< to what B will be applied to, r left alone
     virtual void subtractSmoothed(std::span<const Vec3> impulses) = 0; ///< z -= D^-1 impulses

@@ -6,16 +6,21 @@
 namespace filasofia::engine {
 namespace {
 
-// In every round but the last: more of them for a law that the next round will change do not pay. Measured: three
-// instead of growing numbers save a third of the iterations of a fast tool, and leave a smaller mismatch.
-constexpr int kIterationsPerRound = 3;
+// A direction is followed to where its slope is this share of what it was, or less; looked for so many times at most.
+constexpr double kFlatEnough = 0.3;
+constexpr int kLooks = 6;
+constexpr double kSteepEnough = 0.1; // a direction's slope over that of z: less steep ones are left for z
+
+// The filter is made anew where one in so many contacts has begun or ended, or its cone leaves another share of
+// friction.
+constexpr std::size_t kOthers = 64;
+constexpr double kOtherSlip = 1.5;
 
 // A link on a hinge can be pushed in some directions only. A contact whose normal is less than a milliradian away from
 // those in which it cannot would ask for forces without end.
 constexpr double kStiff = 1e-6;
 
 Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-Vec3 mixed(Vec3 a, Vec3 b, double t) { return a + t * (b - a); }
 
 } // namespace
 
@@ -28,27 +33,39 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     begin(gripsOf);
     chooseStiffness();
     firstGuess();
+    makeFilter();
 
+    const linalg::SolveLimits& linear = limits.linear;
     CoupledReport report;
-    int raises = 0;
-    for (int round = 1;; ++round) {
-        const bool last = round == limits.rounds;
-        makeFilter();
-        report.converged = iterate(last ? limits.linear.maxIterations : kIterationsPerRound, report);
-        ++report.rounds;
-        const bool solved = agree(report) && report.converged;
-        if (report.outOfTime || !(report.residual < 1.0)) break; // not a number: whoever moves the bodies will see it
-        if (solved && (raises == limits.raises || !raiseImpulses())) break;
-        if (!solved && last) break;
-        if (solved) {
+    report.rounds = 1;
+    for (int raises = 0, followed = 0;; ++report.iterations, ++followed) {
+        const double rz = precondition(); // the energy of the error, as the preconditioner sees it
+        const bool number = rz >= 0.0 && std::isfinite(rz);
+        report.residual = rz == 0.0 ? 0.0 : number ? std::sqrt(rz / (rz + energy_)) : 1.0;
+        report.converged = report.residual <= linear.tolerance && impulsesSettled();
+        if (report.converged && !statesKept_ && raises < limits.raises && raiseImpulses()) {
             ++raises;
-            round = 0; // a new problem, from this one's answer
+            ++report.rounds;
+            followed = -1; // a new problem, from this one's answer
+            --report.iterations;
+            continue;
         }
-        shorten();
+        if (report.converged || !number || report.iterations >= linear.maxIterations) break;
+        report.outOfTime = report.iterations == linear.stopAt ||
+                           (report.iterations >= linear.minIterations && linear.outOfTime && linear.outOfTime());
+        if (report.outOfTime) break;
+        if (followed == limits.following) {
+            keepStates();
+            ++report.rounds;
+        }
+        report.converged = !turn(rz); // where nothing bends, what we have is the best there is
+        if (report.converged) break;
+        advance();
     }
+    report.mismatch = mismatch();
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         constraints.list[c].next = law(c, rows_[c].u).impulse;
-        constraints.list[c].impulse = rows_[c].linear;
+        constraints.list[c].impulse = rows_[c].impulse;
     }
     return report;
 }
@@ -78,19 +95,23 @@ void CoupledSolve::begin(const std::vector<std::vector<Grip>>& gripsOf)
     rows_.assign(constraints_->list.size(), {});
     smallest_ = mass * limits_->smallChange;
     energy_ = smallest_ * limits_->smallChange;
+    statesKept_ = false;
+    restart_ = true;
 }
 
 void CoupledSolve::chooseStiffness()
 {
+    give_.resize(constraints_->grips.size());
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const Constraint& constraint = constraints_->list[c];
+        const Mat3 turn{constraint.frame[0], constraint.frame[1], constraint.frame[2]};
         double compliance = 0.0, anyDirection = 0.0;
-        for (int g = 0; g < constraint.count; ++g) {
-            const WeightedGrip& grip = constraints_->grips[static_cast<std::size_t>(constraint.first + g)];
-            const Vec3 n = constraint.frame[0];
-            const Mat3& give = compliance_[static_cast<std::size_t>(grip.grip)];
-            compliance += grip.weight * grip.weight * dot(n, give * n);
+        for (int g = constraint.first; g < constraint.first + constraint.count; ++g) {
+            const WeightedGrip& grip = constraints_->grips[static_cast<std::size_t>(g)];
+            const Mat3 give = turn * compliance_[static_cast<std::size_t>(grip.grip)] * transpose(turn);
+            compliance += grip.weight * grip.weight * give[0].x;
             anyDirection += grip.weight * grip.weight * trace(give);
+            give_[static_cast<std::size_t>(g)] = std::abs(grip.weight) * give;
         }
         if (constraint.friction >= 0.0 && !(compliance > kStiff * anyDirection)) compliance = 0.0;
         const bool spring = constraint.give > 0.0, held = constraint.friction < 0.0;
@@ -103,42 +124,60 @@ void CoupledSolve::chooseStiffness()
     }
 }
 
-Projected CoupledSolve::law(std::size_t c, Vec3 u) const
+Vec3 CoupledSolve::reaction(std::size_t c, Vec3 u) const
 {
     const Constraint& constraint = constraints_->list[c];
-    return project(constraint, constraint.impulse - times(rows_[c].stiffness, constraint.bias + u));
+    return constraint.impulse - times(rows_[c].stiffness, constraint.bias + u);
+}
+
+Projected CoupledSolve::law(std::size_t c, Vec3 u) const { return project(constraints_->list[c], reaction(c, u)); }
+
+Vec3 CoupledSolve::lawAlong(std::size_t c, Vec3 u) const
+{
+    const Row& row = rows_[c];
+    if (!statesKept_) return project(constraints_->list[c], reaction(c, u), row.cone).impulse;
+    return row.state.active ? times({1.0, row.state.slip, row.state.slip}, reaction(c, u)) : row.state.impulse;
 }
 
 void CoupledSolve::makeFilter()
 {
     shares_.assign(sharing_.size(), 0.0);
-    const auto gripsAt = [&](const Constraint& constraint) {
-        return std::span(constraints_->grips)
-            .subspan(static_cast<std::size_t>(constraint.first), static_cast<std::size_t>(constraint.count));
+    const auto gripsOf = [&](std::size_t c) {
+        const Constraint& constraint = constraints_->list[c];
+        return std::pair(static_cast<std::size_t>(constraint.first),
+                         static_cast<std::size_t>(constraint.first + constraint.count));
+    };
+    const auto shareOf = [&](std::size_t g) -> double& {
+        return shares_[static_cast<std::size_t>(sharing_[static_cast<std::size_t>(constraints_->grips[g].grip)])];
     };
     for (std::size_t c = 0; c < rows_.size(); ++c) {
-        const Constraint& constraint = constraints_->list[c];
-        const Projected now = law(c, rows_[c].u);
-        rows_[c].sigma = now.active ? times(rows_[c].stiffness, {1.0, now.slip, now.slip}) : Vec3{};
-        if (!now.active) continue;
-        for (const WeightedGrip& grip : gripsAt(constraint))
-            shares_[static_cast<std::size_t>(sharing_[static_cast<std::size_t>(grip.grip)])] += std::abs(grip.weight);
+        Row& row = rows_[c];
+        row.state = row.now;
+        row.sigma = row.state.active ? times(row.stiffness, {1.0, row.state.slip, row.state.slip}) : Vec3{};
+        row.filter = {};
+        const auto [first, end] = gripsOf(c);
+        for (std::size_t g = first; row.state.active && g < end; ++g)
+            shareOf(g) += std::abs(constraints_->grips[g].weight);
     }
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
-        row.filter = {};
         if (row.sigma.x == 0.0) continue;
-        const Constraint& constraint = constraints_->list[c];
-        const Mat3 turn{constraint.frame[0], constraint.frame[1], constraint.frame[2]};
+        const auto [first, end] = gripsOf(c);
         Mat3 give;
-        for (const WeightedGrip& grip : gripsAt(constraint)) {
-            const auto g = static_cast<std::size_t>(grip.grip);
-            const double share = std::abs(grip.weight) * shares_[static_cast<std::size_t>(sharing_[g])];
-            give += share * (turn * compliance_[g] * transpose(turn));
-        }
+        for (std::size_t g = first; g < end; ++g) give += shareOf(g) * give_[g];
         const Mat3 sigma{{{row.sigma.x, 0.0, 0.0}, {0.0, row.sigma.y, 0.0}, {0.0, 0.0, row.sigma.z}}};
         row.filter = inverse(Mat3::identity() + sigma * give) * sigma;
     }
+}
+
+void CoupledSolve::renewFilter()
+{
+    const auto isOther = [](const Row& row) {
+        const Projected &now = row.now, &then = row.state;
+        return now.active != then.active || now.slip > kOtherSlip * then.slip || then.slip > kOtherSlip * now.slip;
+    };
+    const auto others = static_cast<std::size_t>(std::ranges::count_if(rows_, isOther));
+    if (others * kOthers > rows_.size()) makeFilter();
 }
 
 void CoupledSolve::gather(Read read)
@@ -164,7 +203,9 @@ template <class ImpulseOf> void CoupledSolve::giveImpulses(Add add, const Impuls
     std::fill(at_.begin(), at_.end(), Vec3{});
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const Constraint& constraint = constraints_->list[c];
-        const Vec3 impulse = inWorld(constraint.frame, impulseOf(c));
+        const Vec3 inFrame = impulseOf(c);
+        if (inFrame == Vec3{}) continue; // most are near, and do not push
+        const Vec3 impulse = inWorld(constraint.frame, inFrame);
         for (int g = constraint.first; g < constraint.first + constraint.count; ++g) {
             const WeightedGrip& grip = constraints_->grips[static_cast<std::size_t>(g)];
             at_[static_cast<std::size_t>(grip.grip)] += grip.weight * impulse;
@@ -182,15 +223,6 @@ double CoupledSolve::multiply()
     gather(&CoupledBody::readDirection);
     for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].along = velocityOf(c);
     return bend;
-}
-
-void CoupledSolve::descend(double alpha)
-{
-    for (CoupledBody* body : *bodies_) body->descend(alpha);
-    for (Row& row : rows_) {
-        row.u += alpha * row.along;
-        row.linear -= alpha * times(row.sigma, row.along);
-    }
 }
 
 void CoupledSolve::firstGuess()
@@ -212,10 +244,10 @@ void CoupledSolve::firstGuess()
         if (!(std::abs(atOne) <= 0.5 * -atStart)) t = std::clamp(atStart / (atStart - atOne), 0.0, 2.0);
         if (atOne < atStart) t = 0.0;
     }
-    descend(t); // sigma is still zero
+    for (CoupledBody* body : *bodies_) body->descend(t);
+    for (Row& row : rows_) row.u += t * row.along;
     energy_ += t * t * std::max(0.0, bend);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].linear = law(c, rows_[c].u).impulse;
-    giveImpulses(&CoupledBody::addToResidual, [&](std::size_t c) { return rows_[c].linear; });
+    obey();
 }
 
 double CoupledSolve::precondition()
@@ -234,55 +266,117 @@ double CoupledSolve::precondition()
         row.probe = filtered;
     }
     giveImpulses(&CoupledBody::subtractSmoothed, [&](std::size_t c) { return rows_[c].probe; });
+    gather(&CoupledBody::readSpread);
+    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].step = velocityOf(c);
     return rz;
 }
 
-bool CoupledSolve::iterate(int cap, CoupledReport& report)
+bool CoupledSolve::impulsesSettled() const
 {
-    const linalg::SolveLimits& limits = limits_->linear;
-    for (CoupledBody* body : *bodies_) body->save();
-    for (Row& row : rows_) {
-        row.uSaved = row.u;
-        row.linearSaved = row.linear;
+    // What z would still change: a good guess at the error, as the preconditioner is one at the matrix.
+    double change = 0.0, all = 0.0;
+    for (const Row& row : rows_) {
+        change += lengthSquared(times(row.sigma, row.step));
+        all += lengthSquared(row.impulse);
     }
-    double rz = 0.0;
-    for (int made = 0;; ++made, ++report.iterations) {
-        const double rzNew = precondition(); // the energy of the error, as the preconditioner sees it
-        const bool number = rzNew >= 0.0 && std::isfinite(rzNew);
-        report.residual = rzNew == 0.0 ? 0.0 : number ? std::sqrt(rzNew / (rzNew + energy_)) : 1.0;
-        if (report.residual <= limits.tolerance) return true;
-        if (!number || report.iterations >= limits.maxIterations) return false;
-        if (made >= cap) { // what touches may have changed: where it has not, go on
-            if (!agree(report)) return false;
-            cap = limits.maxIterations;
-        }
-        report.outOfTime = report.iterations == limits.stopAt ||
-                           (report.iterations >= limits.minIterations && limits.outOfTime && limits.outOfTime());
-        if (report.outOfTime) return false;
-
-        const double beta = made == 0 ? 0.0 : rzNew / rz;
-        rz = rzNew;
-        for (CoupledBody* body : *bodies_) body->turn(beta);
-        const double own = multiply();
-        double bend = own;
-        for (const Row& row : rows_) bend += dot(row.along, times(row.sigma, row.along));
-        giveImpulses(&CoupledBody::addToProduct, [&](std::size_t c) { return times(rows_[c].sigma, rows_[c].along); });
-        if (!(bend > 0.0)) return true; // what we have is the best there is
-        descend(rz / bend);
-        energy_ += rz / bend * (rz / bend) * std::max(0.0, own);
-    }
+    const double small = 0.01 * smallest_;
+    return change <= limits_->tolerance * limits_->tolerance * std::max(all, small * small);
 }
 
-bool CoupledSolve::agree(CoupledReport& report)
+bool CoupledSolve::turn(double rz)
+{
+    double beta = 0.0;
+    slope_ = rz;
+    if (!restart_) {
+        double bent = 0.0;
+        for (CoupledBody* body : *bodies_) bent += body->bent();
+        bent *= way_;
+        for (const Row& row : rows_) bent -= dot(row.step, row.change);
+        beta = -bent / (lastSlope_ - end_);
+        slope_ = rz + beta * endNow_;
+        if (!std::isfinite(beta) || !(slope_ > kSteepEnough * rz)) {
+            beta = 0.0;
+            slope_ = rz;
+        }
+    }
+    restart_ = false;
+    for (CoupledBody* body : *bodies_) body->turn(beta);
+    own_ = 0.0;
+    for (CoupledBody* body : *bodies_) own_ += body->multiply();
+    bend_ = own_;
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        Row& row = rows_[c];
+        row.along = row.step + beta * row.along;
+        row.cone = std::max(0.0, constraints_->list[c].friction * row.impulse.x);
+        bend_ += dot(row.along, times(row.sigma, row.along));
+    }
+    return bend_ > 0.0;
+}
+
+void CoupledSolve::advance()
+{
+    const auto slopeAt = [&](double way) {
+        double sum = slope_ - way * own_;
+        for (std::size_t c = 0; c < rows_.size(); ++c) {
+            Row& row = rows_[c];
+            row.change = lawAlong(c, row.u + way * row.along) - row.impulse;
+            sum += dot(row.along, row.change);
+        }
+        return sum;
+    };
+    way_ = slope_ / bend_;
+    end_ = slopeAt(way_);
+    double low = 0.0, atLow = slope_, high = 0.0, atHigh = 0.0; // the slope falls all the way
+    for (int look = 1; look < kLooks && std::abs(end_) > kFlatEnough * slope_; ++look) {
+        (end_ > 0.0 ? low : high) = way_;
+        (end_ > 0.0 ? atLow : atHigh) = end_;
+        if (high > 0.0) {
+            const double share = atLow / (atLow - atHigh);
+            way_ = low + std::clamp(share, 0.1, 0.9) * (high - low);
+        } else {
+            const double straight = slope_ / (slope_ - end_);
+            way_ *= straight > 1.0 && straight < 4.0 ? straight : 4.0;
+        }
+        end_ = slopeAt(way_);
+    }
+    energy_ += way_ * way_ * std::max(0.0, own_);
+    for (CoupledBody* body : *bodies_) body->descend(way_);
+    for (Row& row : rows_) row.u += way_ * row.along;
+    obey();
+    endNow_ = end_;
+    for (const Row& row : rows_) endNow_ += dot(row.along, row.probe - row.change);
+    lastSlope_ = slope_;
+    if (!statesKept_) renewFilter();
+}
+
+void CoupledSolve::obey()
+{
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        Row& row = rows_[c];
+        if (!statesKept_) row.now = law(c, row.u);
+        const Vec3 lawful = statesKept_ ? lawAlong(c, row.u) : row.now.impulse;
+        row.probe = lawful - row.impulse;
+        row.impulse = lawful;
+    }
+    giveImpulses(&CoupledBody::addToResidual, [&](std::size_t c) { return rows_[c].probe; });
+}
+
+void CoupledSolve::keepStates()
+{
+    makeFilter();
+    statesKept_ = true;
+    restart_ = true;
+}
+
+double CoupledSolve::mismatch() const
 {
     double worst = 0.0, largest = 0.01 * smallest_;
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const Vec3 lawful = law(c, rows_[c].u).impulse;
-        worst = std::max(worst, length(lawful - rows_[c].linear));
+        worst = std::max(worst, length(lawful - rows_[c].impulse));
         largest = std::max(largest, length(lawful));
     }
-    report.mismatch = worst / largest;
-    return worst <= limits_->tolerance * largest;
+    return worst / largest;
 }
 
 bool CoupledSolve::raiseImpulses()
@@ -297,46 +391,13 @@ bool CoupledSolve::raiseImpulses()
         needed =
             needed || (constraint.friction < 0.0 ? length(missed) > constraint.slack : missed.x < -constraint.slack);
     }
-    for (std::size_t c = 0; needed && c < rows_.size(); ++c)
+    if (!needed) return false;
+    for (std::size_t c = 0; c < rows_.size(); ++c)
         if (isRigid(constraints_->list[c])) constraints_->list[c].impulse = law(c, rows_[c].u).impulse;
-    return needed;
-}
-
-void CoupledSolve::shorten()
-{
-    // The energy's slope along the way of this round: linear in what the bodies have, piecewise in what constraints do.
-    double atSaved = 0.0, atEnd = 0.0;
-    for (CoupledBody* body : *bodies_) {
-        const auto [saved, now] = body->rise();
-        atSaved -= saved;
-        atEnd -= now;
-    }
-    for (Row& row : rows_) {
-        row.along = row.u - row.uSaved;
-        atSaved += dot(row.along, row.linearSaved);
-        atEnd += dot(row.along, row.linear);
-    }
-    const auto slope = [&](double t) {
-        double sum = atSaved + t * (atEnd - atSaved);
-        for (std::size_t c = 0; c < rows_.size(); ++c)
-            sum -= dot(rows_[c].along, law(c, rows_[c].uSaved + t * rows_[c].along).impulse);
-        return sum;
-    };
-    double t = 1.0;
-    const double first = slope(0.0), last = slope(1.0);
-    if (first < 0.0 && last > 0.1 * -first) {
-        double low = 0.0, high = 1.0;
-        for (int k = 0; k < 8; ++k) (slope(t = 0.5 * (low + high)) > 0.0 ? high : low) = t;
-        for (CoupledBody* body : *bodies_) body->goBack(t);
-    }
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        Row& row = rows_[c];
-        row.u = mixed(row.uSaved, row.u, t);
-        row.linear = mixed(row.linearSaved, row.linear, t);
-        row.probe = law(c, row.u).impulse - row.linear;
-        row.linear += row.probe;
-    }
-    giveImpulses(&CoupledBody::addToResidual, [&](std::size_t c) { return rows_[c].probe; });
+    obey();
+    makeFilter();
+    restart_ = true;
+    return true;
 }
 
 } // namespace filasofia::engine

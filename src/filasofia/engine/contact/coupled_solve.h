@@ -10,31 +10,40 @@ namespace filasofia::engine {
 
 /// How a coupled solve is made.
 struct CoupledLimits {
-    linalg::SolveLimits linear; ///< of all rounds' iterations together
-    int rounds = 8;             ///< of finding out what touches and what slides
+    linalg::SolveLimits linear; ///< of all iterations together
+    int following = 40;         ///< iterations by which the law is followed; then what touches and slides stays
     int raises = 3;             ///< of impulses that would miss what constraints want by more than their slack
-    double tolerance = 5e-3;    ///< [-] of impulses, relative to the largest
+    double tolerance = 5e-3;    ///< [-] of impulses, relative to all of them
     double stiffening = 10.0;   ///< [-] kappa: penalty over what the grips give by themselves
     double holding = 10.0;      ///< [-] the same of what is held
     double smallChange = 1e-3;  ///< [m/s] a change of velocity whose energy errors are measured by, when nothing moves
 };
 
-/// `residual` as for one body; `converged`: of the equations of motion.
+/// `residual` as for one body.
 struct CoupledReport : linalg::NodeSolveReport {
-    int rounds = 0;
-    double mismatch = 0.0; ///< [-] impulses short of the law, relative to the largest
+    int rounds = 0;        ///< one, another after each raise, and one where the law could not be followed to the end
+    double mismatch = 0.0; ///< [-] impulses short of the law, relative to the largest; 0 where it was followed
 };
 
 /// Solves, for all bodies together,
 ///
 ///     A dv = b + J^T impulse,   impulse as the constraints' law has it for the velocities v + dv,
 ///
-/// by an augmented Lagrangian inside the conjugate gradients (Alart and Curnier 1991; a semi-smooth Newton method):
-/// with y = impulse_before - Sigma (bias + u), a constraint is active where y pushes, slides where y leaves the cone,
-/// and for given states the law is linear: the matrix gains J^T Sigma J. Sigma = kappa over the compliance of the
-/// grips. Rounds go on until the linear law and the true one agree; where they do not, the way is shortened to where
-/// the energy (convex, piecewise quadratic) is least. The multipliers are carried to the next step by the caller;
-/// where that would be too late, as in an impact, impulse_before is raised to what was found, and rounds begin again.
+/// an augmented Lagrangian (Alart and Curnier 1991): with y = impulse_before - Sigma (bias + u), a constraint is active
+/// where y pushes, slides where y leaves the cone. Sigma = kappa over the compliance of the grips.
+///
+/// By conjugate gradients that follow the law: the impulses are the lawful ones after every iteration, so that the
+/// residual is that of the problem itself and tells when it is solved, touching, sliding and all. Along a direction the
+/// cones of friction stay as wide as they were (Tresca's law): so there is an energy, convex and piecewise quadratic,
+/// whose least is looked for at no more cost than the law at the contacts. Only then the cones become what the normal
+/// impulses say. The next direction is conjugate to the last one under the change of forces that it has met (Hestenes
+/// and Stiefel 1952), whatever has begun to touch or to slide meanwhile. What Coulomb's law has no symmetry for is left
+/// to the iteration: it converges, as long as friction does not feed back more than it takes, and where it does not
+/// for `following` iterations the law is replaced by its linear form, once, which conjugate gradients solve in any
+/// case.
+///
+/// The multipliers are carried to the next step by the caller; where that would be too late, as in an impact,
+/// impulse_before is raised to what was found, and the solve goes on.
 ///
 /// The preconditioner filters the stiff contact directions out of the smoother and the coarse level: with
 /// N = sum |w| s F D^-1 F^T per contact, s the weights that share a grip, and M = (1 + Sigma N)^-1 Sigma,
@@ -47,13 +56,18 @@ public:
                         const std::vector<std::vector<Grip>>& gripsOf, Constraints& constraints);
 
 private:
-    struct Row {                  ///< of a constraint, in the order of the list
-        Vec3 stiffness;           ///< [kg] Sigma of an active constraint
-        Vec3 sigma;               ///< [kg] as it is now: zero where inactive, less where it slides
-        Mat3 filter;              ///< M
-        Vec3 u, uSaved, along;    ///< [m/s] velocity, before the round, of the direction
-        Vec3 linear, linearSaved; ///< [N s] the impulse of the linear law
-        Vec3 probe;               ///< of the filter
+    struct Row {           ///< of a constraint, in the order of the list
+        Vec3 stiffness;    ///< [kg] Sigma of an active constraint
+        Vec3 u;            ///< [m/s] velocity
+        Vec3 impulse;      ///< [N s] what acts
+        Vec3 step, along;  ///< [m/s] of z; of the direction
+        Vec3 change;       ///< [N s] of the impulse along the direction, the cone as wide as it was
+        double cone = 0.0; ///< [N s] that it bears across
+        Projected now;     ///< what the law says
+        Projected state;   ///< that the filter was made for
+        Vec3 sigma;        ///< [kg] in that state: zero where inactive, less where it slides
+        Mat3 filter;       ///< M
+        Vec3 probe;        ///< of the filter
     };
     using Read = void (CoupledBody::*)(std::span<Vec3>) const;
     using Add = void (CoupledBody::*)(std::span<const Vec3>);
@@ -61,18 +75,23 @@ private:
     void begin(const std::vector<std::vector<Grip>>& gripsOf);
     void chooseStiffness();
     void makeFilter();
+    void renewFilter();                                 ///< where states have changed since it was made
     void gather(Read read);                             ///< at_ = what the bodies say at the grips
     [[nodiscard]] Vec3 velocityOf(std::size_t c) const; ///< F J at_
     template <class ImpulseOf> void giveImpulses(Add add, const ImpulseOf& impulseOf); ///< J^T F^T of them
-    double multiply();
-    double precondition();
-    void descend(double alpha);
+    [[nodiscard]] Vec3 reaction(std::size_t c, Vec3 u) const;                          ///< Sigma's: y
     [[nodiscard]] Projected law(std::size_t c, Vec3 u) const;
+    [[nodiscard]] Vec3 lawAlong(std::size_t c, Vec3 u) const; ///< along a direction: one that has an energy
+    double multiply();
     void firstGuess();
-    bool iterate(int cap, CoupledReport& report);
-    bool agree(CoupledReport& report);
+    double precondition();
+    bool impulsesSettled() const;
+    bool turn(double rz); ///< false where there is nowhere to go
+    void advance();
+    void obey(); ///< the impulses become lawful; `probe`: by how much they change
+    void keepStates();
     bool raiseImpulses(); ///< false where there is no need
-    void shorten();
+    [[nodiscard]] double mismatch() const;
 
     const CoupledLimits* limits_ = nullptr;
     const std::vector<CoupledBody*>* bodies_ = nullptr;
@@ -82,8 +101,19 @@ private:
     std::vector<int> sharing_; ///< per grip: the first one with the same unknowns
     std::vector<double> shares_;
     std::vector<Mat3> compliance_; ///< per grip
+    std::vector<Mat3> give_;       ///< [1/kg] per grip of a constraint: compliance in its frame, times |weight|
     std::vector<Row> rows_;
     double energy_ = 0.0, smallest_ = 0.0;
+
+    bool statesKept_ = false; ///< the law is linear from now on
+    bool restart_ = true;     ///< the next direction is conjugate to none
+    double own_ = 0.0;        ///< p . A p
+    double bend_ = 0.0;       ///< the same with J^T Sigma J
+    double slope_ = 0.0;      ///< of the direction, where it begins
+    double lastSlope_ = 0.0;  ///< of the direction before
+    double way_ = 0.0;        ///< made along it
+    double end_ = 0.0;        ///< slope there, the cones as wide as they were
+    double endNow_ = 0.0;     ///< the same with the cones that there are now
 };
 
 } // namespace filasofia::engine

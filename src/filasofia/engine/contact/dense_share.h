@@ -25,33 +25,13 @@ public:
     {
         for (std::size_t i = 0; i < p_.size(); ++i) p_[i] = z_[i] + beta * p_[i];
     }
-    void save() override
-    {
-        xSaved_ = x_;
-        rSaved_ = r_;
-    }
-    std::array<double, 2> rise() override
-    {
-        std::array<double, 2> sums{};
-        for (std::size_t i = 0; i < x_.size(); ++i) {
-            sums[0] += times(x_[i] - xSaved_[i], rSaved_[i]);
-            sums[1] += times(x_[i] - xSaved_[i], r_[i]);
-        }
-        return sums;
-    }
-    void goBack(double t) override
-    {
-        for (std::size_t i = 0; i < x_.size(); ++i) {
-            x_[i] = xSaved_[i] + t * (x_[i] - xSaved_[i]);
-            r_[i] = rSaved_[i] + t * (r_[i] - rSaved_[i]);
-        }
-    }
+    double bent() override { return product(z_, q_); }
 
 protected:
     using Vector = std::vector<Value>;
     explicit DenseShare(std::size_t unknowns)
     {
-        for (Vector* vector : {&x_, &r_, &p_, &q_, &w_, &z_, &xSaved_, &rSaved_}) vector->resize(unknowns);
+        for (Vector* vector : {&x_, &r_, &p_, &q_, &w_, &z_}) vector->resize(unknowns);
     }
 
     /// In the order of the unknowns.
@@ -67,8 +47,6 @@ protected:
 private:
     static double times(double a, double b) { return a * b; }
     static double times(Vec3 a, Vec3 b) { return dot(a, b); }
-
-    Vector xSaved_, rSaved_;
 };
 
 } // namespace filasofia::engine

@@ -34,7 +34,6 @@ public:
     void readDirection(std::span<Vec3> p) const override { read(p_, p); }
     void readSmoothed(std::span<Vec3> w) const override { read(w_, w); }
     void readSpread(std::span<Vec3> z) const override { read(z_, z); }
-    void addToProduct(std::span<const Vec3> impulses) override { add(impulses, q_); }
     void addToResidual(std::span<const Vec3> impulses) override { add(impulses, r_); }
     void addToSpread(std::span<const Vec3> impulses) override;
     void subtractSmoothed(std::span<const Vec3> impulses) override;

@@ -1,0 +1,221 @@
+// Friction while something slides: what it is against Coulomb's law, and against the same steps solved to the end.
+#include "filasofia/geometry/shapes.h"
+
+#include "verification/verification.h"
+
+using namespace filasofia;
+using namespace filasofia::engine;
+
+namespace {
+
+constexpr double kG = 9.81, kMu = 0.4, kDt = 1e-3;
+constexpr std::size_t kWindow = 5; // steps: forces are judged by means over 5 ms
+
+/// What all contacts did in a step, or in the mean of some.
+struct Forces {
+    Vec3 sum;              ///< [N] on the body whose id is the smaller one
+    double normal = 0.0;   ///< [N] sums of sizes
+    double friction = 0.0; ///< [N]
+};
+
+Forces contactForces(Stage& stage)
+{
+    Forces all;
+    for (const frame::Contact& c : stage.world.state().touching) {
+        all.sum += c.normalForce * c.normal + c.friction;
+        all.normal += c.normalForce;
+        all.friction += length(c.friction);
+    }
+    return all;
+}
+
+std::vector<Forces> meansOf(const std::vector<Forces>& steps)
+{
+    std::vector<Forces> means(steps.size() / kWindow);
+    for (std::size_t i = 0; i < means.size() * kWindow; ++i) {
+        Forces& mean = means[i / kWindow];
+        mean.sum += 1.0 / kWindow * steps[i].sum;
+        mean.normal += 1.0 / kWindow * steps[i].normal;
+        mean.friction += 1.0 / kWindow * steps[i].friction;
+    }
+    return means;
+}
+
+/// How far friction is from mu N in any mean, relative to that.
+double offCoulomb(const std::vector<Forces>& steps)
+{
+    double worst = 0.0;
+    for (const Forces& mean : meansOf(steps))
+        worst = std::max(worst, std::abs(mean.friction / (kMu * mean.normal) - 1.0));
+    return worst;
+}
+
+physics::SoftBodyDef softBlock(std::array<int, 3> cells, Vec3 size, Vec3 corner)
+{
+    physics::SoftBodyDef def{.mesh = shared(boxMesh(cells, size)), .rayleigh = {0.0, 1e-3}};
+    def.pose.position = corner;
+    def.collision = {{}};
+    def.friction = kMu;
+    return def;
+}
+
+physics::RigidBodyDef rigidBox(Vec3 size, Vec3 place, bool dynamic)
+{
+    physics::RigidBodyDef def{.name = "box", .elements = {{place, {}}}, .mesh = geometry::shapes::box(size)};
+    def.dynamic = dynamic;
+    def.collision = {{}};
+    def.friction = kMu;
+    return def;
+}
+
+/// Gravity as on a slope of that tangent, which goes down along x.
+physics::SetGravity slope(double tangent)
+{
+    const double angle = std::atan(tangent);
+    return {kG * Vec3{std::sin(angle), -std::cos(angle), 0.0}};
+}
+
+/// A slab of tissue held at its floor, its top at height 0.
+physics::SoftBodyDef slab()
+{
+    physics::SoftBodyDef def = softBlock({24, 3, 12}, {0.16, 0.02, 0.08}, {-0.06, -0.02, -0.04});
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, -0.02 + 1e-6, 1}}}};
+    return def;
+}
+
+} // namespace
+
+TEST_CASE("a rigid block slides on a soft slab with the friction mu N, and all forces balance its momentum")
+{
+    constexpr Vec3 size{0.04, 0.02, 0.04};
+    constexpr double mass = 0.04 * 0.02 * 0.04 * 1000;
+    Stage stage;
+    const physics::SetGravity gravity = slope(0.8);
+    stage.post(gravity);
+    stage.add(slab());
+    stage.add(rigidBox(size, {-0.033, 0.0101, 0.0012}, true));
+    stage.run(150, kDt);
+    std::vector<Forces> steps;
+    std::vector<Vec3> velocities{stage.world.state().rigidBodies[0].velocities[0]};
+    for (int i = 0; i < 100; ++i) {
+        stage.step(kDt);
+        steps.push_back(contactForces(stage));
+        velocities.push_back(stage.world.state().rigidBodies[0].velocities[0]);
+    }
+    CHECK(velocities.back().x > 0.2);
+    verify("rigid block sliding on a soft slab: friction over mu N, less one, means over 5 ms", offCoulomb(steps),
+           0.01);
+    double unbalanced = 0.0;
+    const std::vector<Forces> means = meansOf(steps);
+    for (std::size_t i = 0; i < means.size(); ++i) { // the slab is the first of each pair
+        const Vec3 change = mass / (kWindow * kDt) * (velocities[(i + 1) * kWindow] - velocities[i * kWindow]);
+        unbalanced = std::max(unbalanced, length(change - mass * gravity.gravity + means[i].sum));
+    }
+    verify("rigid block sliding on a soft slab: momentum gained less all forces, over the weight, means over 5 ms",
+           unbalanced / (mass * kG), 0.01);
+}
+
+TEST_CASE("a soft block slides on a rigid floor as fast as mu says, and all forces balance its momentum")
+{
+    Stage stage;
+    const physics::SetGravity gravity = slope(0.8);
+    stage.post(gravity);
+    stage.add(softBlock({8, 4, 8}, {0.04, 0.02, 0.04}, {-0.02, 4e-4, -0.02}));
+    stage.add(rigidBox({1.0, 0.1, 1.0}, {0, -0.05, 0}, false));
+    stage.run(200, kDt);
+    constexpr double mass = 0.04 * 0.02 * 0.04 * 1000;
+    const auto momentum = [&] {
+        Vec3 sum;
+        for (std::size_t i = 0; i < stage.soft().v.size(); ++i) sum += stage.model().masses[i] * stage.soft().v[i];
+        return sum;
+    };
+    std::vector<Forces> steps;
+    std::vector<Vec3> momenta{momentum()};
+    for (int i = 0; i < 100; ++i) {
+        stage.step(kDt);
+        steps.push_back(contactForces(stage));
+        momenta.push_back(momentum());
+    }
+    verify("soft block sliding on a rigid floor: friction over mu N, less one, means over 5 ms", offCoulomb(steps),
+           0.01);
+    const std::vector<Forces> means = meansOf(steps);
+    double unbalanced = 0.0;
+    for (std::size_t i = 0; i < means.size(); ++i) {
+        const Vec3 change = 1.0 / (kWindow * kDt) * (momenta[(i + 1) * kWindow] - momenta[i * kWindow]);
+        unbalanced = std::max(unbalanced, length(change - mass * gravity.gravity - means[i].sum));
+    }
+    verify("soft block sliding on a rigid floor: momentum gained less all forces, over the weight, means over 5 ms",
+           unbalanced / (mass * kG), 0.01);
+    const double gained = (momenta.back().x - momenta.front().x) / (mass * 100 * kDt);
+    const double angle = std::atan(0.8), expected = kG * (std::sin(angle) - kMu * std::cos(angle));
+    verify("soft block on a slope of tangent 0.8, mu 0.4: acceleration over theory, less one",
+           std::abs(gained / expected - 1.0), 0.01);
+}
+
+namespace {
+
+/// A plate that is told to go: pressed 2 mm into the slab, and scraped along it to and fro at up to 1 m/s.
+struct Scrape {
+    Stage stage;
+    BodyId plate;
+    double time = 0.0;
+    static constexpr double press = 0.05; ///< [s] it takes
+
+    explicit Scrape(const physics::ExactContact& contact, const physics::ConjugateGradient& solver)
+        : stage({.threads = 1, .contact = contact})
+    {
+        physics::SoftBodyDef def = slab();
+        def.solver = solver;
+        stage.add(def);
+        plate = stage.add(rigidBox({0.05, 0.01, 0.05}, place(), false));
+    }
+    [[nodiscard]] Vec3 place() const
+    {
+        constexpr double depth = 2e-3, reach = 0.015, speed = 1.0;
+        const double along = std::max(0.0, time - press);
+        return {reach * std::sin(speed / reach * along), 0.0051 - (depth + 1e-4) * std::min(1.0, time / press), 1e-3};
+    }
+    physics::StepReport step()
+    {
+        time += kDt;
+        stage.post(physics::SetPose{plate, 0, Pose{place(), {}}});
+        return stage.step(kDt);
+    }
+};
+
+} // namespace
+
+TEST_CASE("a plate scraped over tissue at 1 m/s feels what it would feel were every step solved to the end")
+{
+    Scrape scrape({}, {}), exact({.rounds = 100, .tolerance = 1e-6}, {.maxIterations = 5000, .tolerance = 1e-4});
+    std::vector<Forces> steps, wanted;
+    exact.step(); // bodies are added in a step
+    exact.time = 0.0;
+    for (int i = 1; i <= 200; ++i) {
+        if (i > 1) exact.stage.world.state() = scrape.stage.world.state();
+        CHECK(scrape.step().flags == 0);
+        const physics::StepReport report = exact.step(); // from the same state
+        if (scrape.time < 1.2 * Scrape::press) continue;
+        CHECK(report.contacts.mismatch == 0.0); // it was solved to the end
+        steps.push_back(contactForces(scrape.stage));
+        wanted.push_back(contactForces(exact.stage));
+    }
+    double off = 0.0, sides = 0.0, largest = 0.0, size = 0.0;
+    const std::vector<Forces> means = meansOf(steps), exactMeans = meansOf(wanted);
+    for (std::size_t i = 0; i < means.size(); ++i) {
+        const double friction = std::abs(means[i].friction - exactMeans[i].friction);
+        off = std::max(off, length(means[i].sum - exactMeans[i].sum) / exactMeans[i].normal);
+        sides = std::max(sides, friction / (kMu * exactMeans[i].normal));
+    }
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        largest = std::max(largest, wanted[i].normal);
+        size = std::max(size, length(steps[i].sum - wanted[i].sum));
+    }
+    CHECK(largest > 1.0);
+    verify("plate scraped at 1 m/s: force less that of the same step solved to the end, over N, means over 5 ms", off,
+           0.01);
+    verify("plate scraped at 1 m/s: friction less that of the same step solved to the end, over mu N, means over 5 ms",
+           sides, 0.01);
+    tell("plate scraped at 1 m/s: force less that of the same step solved to the end, over the largest N, any step",
+         size / largest);
+}
