@@ -40,8 +40,8 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
 /// is now: parts that no longer hang together near by share no coarse nodes.
 ///
 /// It is taken over in a step that is known beforehand, whoever made it and however long that took: the same motion
-/// every time, for any number of threads. Who needs it then waits for it, or makes it. There is time for about 2.5 times
-/// what it takes, so that a body that is cut all the time takes 40 % of a core beside its steps at most.
+/// every time, for any number of threads. Who needs it then waits for it, or makes it. There is time for about 2.5
+/// times what it takes, so that a body that is cut all the time takes 40 % of a core beside its steps at most.
 class CoarseRemake {
 public:
     CoarseRemake(const SoftModel& model, const PreconditionerPlan& plan, BackgroundThread& meanwhile);
