@@ -63,7 +63,7 @@ Eigen::MatrixXd inverseOf(Eigen::MatrixXd coarse)
     return inverse.allFinite() ? inverse : Eigen::MatrixXd();
 }
 
-/// The same in a third of the time, without what is known to be zero: A^-1 = L^-T L^-1, in blocks of columns. Not the
+/// The same in less than half of the operations, leaving out zeros: A^-1 = L^-T L^-1, in blocks of columns. Not the
 /// same to the last bit, and the motion of every body that was never cut hangs on those of the other.
 Eigen::MatrixXd quickInverseOf(Eigen::MatrixXd coarse)
 {
