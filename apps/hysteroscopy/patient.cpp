@@ -112,7 +112,7 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
     polyp.collision = {{.proximity = 0.1_mm, .group = ScopePolyp}, {.proximity = 0.1_mm, .group = ForcepsPolyp}};
     polyp.friction = 0.8;
     polyp.dynamicTopology = true;
-    polyp.attachments = {{.nodes = patient.base, .stiffness = 200.0, .to = bodies.uterus}};
+    polyp.attachments = {{.nodes = patient.base, .stiffness = 40.0, .to = bodies.uterus}};
     bodies.polyp = sim.add(polyp);
     sim.show(bodies.polyp, {.subdivision = 1,
                             .material = MucosaMaterial{.baseColor = {0.72, 0.20, 0.16}, .noiseScale = 700},
