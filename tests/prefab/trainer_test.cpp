@@ -1,5 +1,6 @@
 #include "filasofia/prefab/trainer.h"
 
+#include "filasofia/core/error.h"
 #include "filasofia/prefab/metric_tracker.h"
 
 #include <catch2/catch.hpp>
@@ -108,6 +109,25 @@ TEST_CASE("what a trainer does not know is refused in one line, before any sessi
     CHECK(program.trained.empty());
     program.def.cases = {};
     refused({}, "trainer: cases and difficulties must be at least one each");
+}
+
+TEST_CASE("a session that is refused leaves no file behind, unless it was named or holds something")
+{
+    const TrainerDef def = Program().def;
+    const auto leaves = [&](std::vector<const char*> words, int steps) {
+        std::string file;
+        CHECK(runTrainer(static_cast<int>(words.size()), words.data(), def, [&](const Training& training) -> int {
+                  Simulation sim;
+                  const BodyId body = sim.add(physics::RigidBodyDef{});
+                  MetricTracker tracker(sim, {.bodies = {{.body = body}}, .file = file = training.file});
+                  if (steps > 0) sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps});
+                  throw Error("drill: no bone");
+              }) == 2);
+        return std::filesystem::remove(file);
+    };
+    CHECK_FALSE(leaves({"drill", "--headless"}, 0));
+    CHECK(leaves({"drill", "--headless"}, 20));
+    CHECK(leaves({"drill", "--headless", "--session", "named.jsonl"}, 0));
 }
 
 TEST_CASE("patients of many seeds are checked without a session")

@@ -3,6 +3,7 @@
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/core/word.h"
+#include "filasofia/metric/session_file.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/runtime/options.h"
 
@@ -24,6 +25,33 @@ int placeOf(const std::vector<std::string>& words, const std::string& word)
 const std::string& at(const std::vector<std::string>& words, int place)
 {
     return words[static_cast<std::size_t>(place)];
+}
+
+/// Was anything seen of it.
+bool isEmptySession(const std::string& file)
+{
+    try {
+        const metric::Session session = metric::readSession(file);
+        return session.events.empty() &&
+               std::ranges::all_of(session.tracks, [](const metric::Track& track) { return track.samples.empty(); });
+    } catch (const Error&) {
+        return false; // whatever it is, it stays
+    }
+}
+
+/// A session that was refused before it began leaves no file behind that nobody asked for.
+int trainOnce(const std::function<int(const Training&)>& train, const Training& training, bool ownName)
+{
+    constexpr int kRefused = 2;
+    int code = kRefused;
+    try {
+        code = train(training);
+    } catch (const Error& error) {
+        runtime::report(error);
+    }
+    std::error_code none;
+    if (code == kRefused && ownName && isEmptySession(training.file)) std::filesystem::remove(training.file, none);
+    return code;
 }
 
 } // namespace
@@ -220,16 +248,17 @@ try {
     const auto session = [&] {
         program->another = false;
         const int seed = program->seedNumber();
-        return train({.trainee = program->trainee,
-                      .caseIndex = placeOf(def.cases, program->caseName),
-                      .difficulty = placeOf(def.difficulties, program->difficulty),
-                      .seed = seed,
-                      .motion = program->planned() ? program->motion : std::string(),
-                      .device = program->device > 0 || program->has("--device") || program->has("--motion"),
-                      .file = program->session.empty()
-                                  ? unusedSessionFile(text(def.name, "_", program->caseName, "_", seed))
-                                  : program->session,
-                      .program = program});
+        const Training training{.trainee = program->trainee,
+                                .caseIndex = placeOf(def.cases, program->caseName),
+                                .difficulty = placeOf(def.difficulties, program->difficulty),
+                                .seed = seed,
+                                .motion = program->planned() ? program->motion : std::string(),
+                                .device = program->device > 0 || program->has("--device") || program->has("--motion"),
+                                .file = program->session.empty()
+                                            ? unusedSessionFile(text(def.name, "_", program->caseName, "_", seed))
+                                            : program->session,
+                                .program = program};
+        return trainOnce(train, training, program->session.empty());
     };
     if (program->planned() || program->has("--headless")) return session();
     while (program->another || program->ask()) {
