@@ -115,7 +115,7 @@ TEST_CASE("libdhd: no device, one that is gone, not calibrated or failing")
     CHECK(device->read(0).status == DeviceStatus::Ready);
 }
 
-TEST_CASE("libHD: place, velocity, buttons and force come through its own servo loop; two devices share it")
+TEST_CASE("libHD: place, velocity, buttons and force come through its own servo loop, two devices share it")
 {
     const Vendor vendor(STANDIN_HD);
     vendor.with([](Standin& all) {

@@ -42,7 +42,7 @@ TEST_CASE("gravity is mass times acceleration, on the bodies that ask for it")
         CHECK(distance(forces[i], stage.model(1).masses[i] * Vec3{1, -9.81, 2}) < 1e-9);
 }
 
-TEST_CASE("given forces act on their nodes; several on one node add up")
+TEST_CASE("given forces act on their nodes, several on one node add up")
 {
     Stage stage;
     SoftBodyDef def = explicitBox();

@@ -67,7 +67,7 @@ TEST_CASE("a region without a node is told, and nothing is held")
     CHECK_FALSE(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
 }
 
-TEST_CASE("nodes held by the nearest node of another body are drawn to it; those held where they are stay apart")
+TEST_CASE("nodes held by the nearest node of another body are drawn to it, those held where they are stay apart")
 {
     for (const physics::AttachMode mode : {physics::AttachMode::Nearest, physics::AttachMode::Barycentric}) {
         AttachmentScene scene;
@@ -137,7 +137,7 @@ TEST_CASE("a grasp where nothing is touched is told, and waits for no later cont
     CHECK_FALSE(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
 }
 
-TEST_CASE("contacts that a hard attachment holds leave it to that; a spring and they work together")
+TEST_CASE("contacts that a hard attachment holds leave it to that, a spring and they work together")
 {
     for (const double stiffness : {physics::kHard, 100.0}) {
         physics::SoftBodyDef def = cube();

@@ -139,7 +139,7 @@ TEST_CASE("rigid bodies with no element or a pose that is none are refused")
           "rigid body 'forceps': elements[0]: orientation must have a length > 1e-06, got 0");
 }
 
-TEST_CASE("density times volume is the mass; a total mass is spread by volume")
+TEST_CASE("density times volume is the mass, a total mass is spread by volume")
 {
     SoftBodyDef def{.mesh = shared(boxMesh({3, 2, 4}, {0.3, 0.2, 0.1}, 0.2)), .mass = Density{1200}};
     CHECK(totalMass(def) == Approx(1200 * 0.3 * 0.2 * 0.1).epsilon(1e-12));
@@ -154,7 +154,7 @@ TEST_CASE("density times volume is the mass; a total mass is spread by volume")
     for (double mass : stage.model().masses) CHECK(mass == Approx(0.25)); // a quarter of 6 kg/m^3 times 1/6 m^3
 }
 
-TEST_CASE("a pose moves the body; boxes of attachments are in world coordinates")
+TEST_CASE("a pose moves the body, boxes of attachments are in world coordinates")
 {
     Stage stage;
     SoftBodyDef def = someBody();

@@ -46,7 +46,7 @@ TEST_CASE("the deformation gradient of an affine map is its matrix, however far 
     CHECK(frobeniusNorm(gradient(someElement(), mapped(a, {1e6, 0, 0})) - a) < 1e-8);
 }
 
-TEST_CASE("an element at rest pulls at nobody; in every deformation its forces sum to zero")
+TEST_CASE("an element at rest pulls at nobody, in every deformation its forces sum to zero")
 {
     std::mt19937 random(2);
     const FemElement element = someElement();

@@ -193,7 +193,7 @@ TEST_CASE("what an attachment and a collision mesh ride on follows a cut")
     checkAttachments(scene.stage.world.model(), scene.stage.world.state());
 }
 
-TEST_CASE("a piece that came loose can be taken out, and the rest goes on; what is no piece is counted")
+TEST_CASE("a piece that came loose can be taken out, and the rest goes on, what is no piece is counted")
 {
     SoftBodyDef def = tissueBlock();
     def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}};
@@ -264,7 +264,7 @@ TEST_CASE("scissors: two jaws that close on a strip cut it through")
     CHECK(tissue.value == 1);
 }
 
-TEST_CASE("a body that may be cut needs a surface that is a manifold; its mesh is not a tune's to change")
+TEST_CASE("a body that may be cut needs a surface that is a manifold, its mesh is not a tune's to change")
 {
     Stage stage;
     geometry::TetMesh touching = boxMesh({1, 1, 1}, {1, 1, 1});

@@ -235,7 +235,7 @@ TEST_CASE("instruction sets with fused multiply-add give the same bits, also whe
     });
 }
 
-TEST_CASE("a position that is not finite spoils its own element, and no bit of another; its rotation stays")
+TEST_CASE("a position that is not finite spoils its own element, and no bit of another, its rotation stays")
 {
     onEveryTarget([](const std::string&) {
         for (const double bad : {std::numeric_limits<double>::quiet_NaN(), kInfinity, -kInfinity, 3e38}) {

@@ -185,7 +185,7 @@ TEST_CASE("a dynamic body is placed by a pose command, at once and at rest")
     CHECK(rigidState(stage).angularVelocities[0] == Vec3{});
 }
 
-TEST_CASE("reset puts rigid bodies back with the velocities they started with; what pushes them stays")
+TEST_CASE("reset puts rigid bodies back with the velocities they started with, what pushes them stays")
 {
     Stage stage;
     RigidBodyDef def = boxBody();

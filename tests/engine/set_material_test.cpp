@@ -157,7 +157,7 @@ TEST_CASE("leftover impulse, first guess and rotations stay when the material ch
         CHECK(rotationOf(after.rotations, e) == rotationOf(before.rotations, e));
 }
 
-TEST_CASE("after a tune the step builds the solver of what the tune left; a rejected one changes nothing")
+TEST_CASE("after a tune the step builds the solver of what the tune left, a rejected one changes nothing")
 {
     const Logged logged;
     Scene tuned(hangingBox()), plain(hangingBox()), rejected(hangingBox());

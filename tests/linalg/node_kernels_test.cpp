@@ -197,7 +197,7 @@ TEST_CASE("nodes gather their corners, many, one or none, with their own masses 
     });
 }
 
-TEST_CASE("instruction sets with fused multiply-add give the same bits; those without are held to the tolerances above")
+TEST_CASE("instruction sets with fused multiply-add give the same bits, those without are held to the tolerances above")
 {
     checkSameBitsWhereFused([] {
         std::mt19937 random(9);

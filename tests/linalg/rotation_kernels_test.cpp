@@ -72,7 +72,7 @@ TEST_CASE("a residual is turned into the rest frame and smoothed there")
     });
 }
 
-TEST_CASE("what the coarse nodes say is added, turned back and multiplied by the residual; without them only turned")
+TEST_CASE("what the coarse nodes say is added, turned back and multiplied by the residual, without them only turned")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(4);

@@ -132,7 +132,7 @@ TEST_CASE("an articulated body's elements, base and carrier are refused where th
         {"articulation.joints", "at least one entry"});
 }
 
-TEST_CASE("joints are told from outside; a wrong command is an error at the caller")
+TEST_CASE("joints are told from outside, a wrong command is an error at the caller")
 {
     Told told;
     PhysicsServer server = fakeServer(told);

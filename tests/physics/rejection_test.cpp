@@ -114,7 +114,7 @@ TEST_CASE("a server def out of its range is an error")
     checkError([&] { fakeServer(told, {.logLength = 0}); }, {"physics server", "logLength", "[1, 1000000]", "got 0"});
 }
 
-TEST_CASE_METHOD(Fixture, "others may go on while a material is built; one whose body went meanwhile is an error")
+TEST_CASE_METHOD(Fixture, "others may go on while a material is built, one whose body went meanwhile is an error")
 {
     const BodyId gone = server.add(SoftBodyDef{.name = "bile", .mesh = oneTetrahedron()});
     told.build = [&] { server.remove(gone); };

@@ -92,7 +92,7 @@ TEST_CASE("a dynamic body needs a mesh or an inertia")
     CHECK_NOTHROW(server.add(RigidBodyDef{}));
 }
 
-TEST_CASE("moments of inertia that no body has are refused; those of a rod and of a plate are not")
+TEST_CASE("moments of inertia that no body has are refused, those of a rod and of a plate are not")
 {
     const auto refused = [](GivenInertia given, const std::vector<std::string>& parts) {
         checkRefused([&](RigidBodyDef& def) { def.mass = given; }, parts);
@@ -188,7 +188,7 @@ TEST_CASE("the inertia of a surface that is open or inside out is refused")
     checkError([&] { static_cast<void>(inertiaOf(def)); }, {"rigid body 'forceps': mesh", "turned inside out"});
 }
 
-TEST_CASE("a wrench arrives as it was given; one for no dynamic body's element is an error at the caller")
+TEST_CASE("a wrench arrives as it was given, one for no dynamic body's element is an error at the caller")
 {
     Told told;
     PhysicsServer server = fakeServer(told);

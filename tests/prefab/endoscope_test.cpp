@@ -38,11 +38,11 @@ TEST_CASE("an endoscope's camera looks as far down from its shaft as its inclina
         CHECK(near(viewOf(scope.camera()), expected));
         CHECK(near(upOf(scope.camera()), up));
         CHECK(near(scope.camera().position, transform(kTip, EndoscopeDef{}.lens)));
-        CHECK(near(viewOf(cameraAfter(sim, scope, 2)), expected));
+        CHECK(near(viewOf(cameraAfter(sim, scope, 2)), expected, 1e-5)); // rounded on its way to the engine
     }
 }
 
-TEST_CASE("rolling an endoscope sweeps its view about the shaft; rolling its camera turns the picture alone")
+TEST_CASE("rolling an endoscope sweeps its view about the shaft, rolling its camera turns the picture alone")
 {
     Simulation sim;
     Endoscope scope(sim, {.pose = kTip, .groups = {}, .inclination = 30_deg});
@@ -58,7 +58,7 @@ TEST_CASE("rolling an endoscope sweeps its view about the shaft; rolling its cam
     scope.cameraRoll(0.9);
     CHECK(near(viewOf(scope.camera()), swept));
     CHECK(dot(upOf(scope.camera()), before) == Approx(std::cos(0.9)).epsilon(1e-9));
-    CHECK(near(viewOf(cameraAfter(sim, scope, 2)), swept));
+    CHECK(near(viewOf(cameraAfter(sim, scope, 2)), swept, 1e-5));
 }
 
 TEST_CASE("a straight endoscope's camera rolled back as far as the scope was rolled keeps its picture upright")

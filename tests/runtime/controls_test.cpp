@@ -119,7 +119,7 @@ TEST_CASE("Escape ends a live run, unless its keys are switched off")
     CHECK(live.run().finished == "mine");
 }
 
-TEST_CASE("a key held, released, or with Control does nothing to the run; observers hear of every key")
+TEST_CASE("a key held, released, or with Control does nothing to the run, observers hear of every key")
 {
     KeyEvent event;
     event.key = KeyCode::Space;
@@ -235,7 +235,7 @@ TEST_CASE("a person turns the camera that was put into his hand, and observers h
 }
 
 #ifdef FILASOFIA_HAS_FILAMENT
-TEST_CASE("the look of a live run turns with the mouse and comes back; not where that is switched off")
+TEST_CASE("the look of a live run turns with the mouse and comes back, not where that is switched off")
 {
     const OwnFolder folder;
     const auto read = [](const std::string& name) {
@@ -307,7 +307,7 @@ TEST_CASE("screenshots come from the program and from the key, without overwriti
     CHECK_THROWS_WITH(live.sim.screenshot("mine.jpg"), Catch::Contains("must end in .png"));
 }
 
-TEST_CASE("who asks for a screenshot and ends the run gets it; one that cannot be written ends nothing")
+TEST_CASE("who asks for a screenshot and ends the run gets it, one that cannot be written ends nothing")
 {
     const OwnFolder folder;
     fs::create_directory("gone");

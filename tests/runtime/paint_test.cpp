@@ -38,7 +38,7 @@ TEST_CASE("a mark is full up to half of its radius, fades to its rim, and reache
     for (std::size_t i = 1; i < states.size(); ++i) CHECK(states[i].blood <= states[i - 1].blood);
 }
 
-TEST_CASE("added marks come out the same in any order and number; a replacing one washes off")
+TEST_CASE("added marks come out the same in any order and number, a replacing one washes off")
 {
     const std::vector<Vec3> rest{{0, 0, 0}, {0.003, 0, 0}, {0.006, 0, 0}};
     std::vector<SurfaceState> one(3), other(3);
@@ -93,7 +93,7 @@ TEST_CASE("blood on a soft body stays where it was painted while the body moves,
     CHECK(blood(*all[0]) == red);
 }
 
-TEST_CASE("a place at rest is in the body's coordinates; before the first step the body is at rest")
+TEST_CASE("a place at rest is in the body's coordinates, before the first step the body is at rest")
 {
     ShownStage stage;
     const BodyId block = stage.addBlock({{3, 0, 0}, {}});

@@ -206,7 +206,7 @@ TEST_CASE("a body that was cut before it is shown is shown cut")
     CHECK(same(stage.only().geometry, expected.geometry()));
 }
 
-TEST_CASE("a body that is shown as another surface keeps it; one removed while its triangles are made is forgotten")
+TEST_CASE("a body that is shown as another surface keeps it, one removed while its triangles are made is forgotten")
 {
     auto gate = std::make_shared<Gate>();
     ShownStage stage([gate](const MeshJob& job) { return (*gate)(job); });

@@ -277,7 +277,7 @@ TEST_CASE("a simulation's command line refuses what it does not know with exit c
     CHECK(sim.run(4, good) == 0);
 }
 
-TEST_CASE("what a user's dress throws ends the run with one line; --fps without a video is told")
+TEST_CASE("what a user's dress throws ends the run with one line, --fps without a video is told")
 {
     Simulation sim;
     sim.dress([](visual::VisualServer&) { throw std::runtime_error("no lamp"); });

@@ -51,7 +51,7 @@ TEST_CASE("1, 2, 3 and 8 threads make the same hash")
     CHECK(hashAfter(10000, 1, 10, 0.001) == hashAfter(10000, 3, 10, 0.001));
 }
 
-TEST_CASE("every instruction set with fused multiply-add makes the same hash; others come close")
+TEST_CASE("every instruction set with fused multiply-add makes the same hash, others come close")
 {
     Stage best = standingBunny(1492, ConjugateGradient{});
     best.run(50, 0.001);

@@ -152,7 +152,7 @@ TEST_CASE("F shows all of the scene and no more, in a wide picture and in a narr
     }
 }
 
-TEST_CASE("F frames the scene where it is now; a scene that is none changes nothing")
+TEST_CASE("F frames the scene where it is now, a scene that is none changes nothing")
 {
     OrbitCamera camera(cube());
     camera.setScene({{9, -1, -1}, {11, 1, 1}});

@@ -122,7 +122,7 @@ TEST_CASE("an off-screen view shows the same as the window does")
     }
 }
 
-TEST_CASE("endoscope optics: black outside the mask, whatever its shape; the first frame already")
+TEST_CASE("endoscope optics: black outside the mask, whatever its shape, the first frame already")
 {
     if (!hasBackend(Backend::Headless)) return;
     LittleScene scene;
