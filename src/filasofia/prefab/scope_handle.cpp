@@ -70,8 +70,7 @@ void ScopeHandle::feel(const frame::Frame& now, BodyId scope, BodyId instrument)
     Vec3 force = {}, torque = {};
     for (const frame::Contact& contact : now.contacts) {
         if (isTool(contact.first) == isTool(contact.second)) continue;
-        const double sign = isTool(contact.first) ? 1.0 : -1.0;
-        const Vec3 onTool = sign * (contact.normalForce * contact.normal + contact.friction);
+        const Vec3 onTool = forceOn(isTool(contact.first) ? contact.first : contact.second, contact);
         const Vec3 arm = contact.point - def_.fulcrum;
         const Vec3 along = dot(onTool, aim) * aim;
         force += along - (dot(arm, aim) / lever) * (onTool - along);

@@ -41,11 +41,8 @@ ScopeHand between(const ScopeHand& a, const ScopeHand& b, double t)
 Vec3 pushOn(const frame::Frame& frame, BodyId body)
 {
     Vec3 sum = {};
-    for (const frame::Contact& contact : frame.contacts) {
-        if (contact.first != body && contact.second != body) continue;
-        const Vec3 force = contact.normalForce * contact.normal + contact.friction;
-        sum += contact.first == body ? force : -force;
-    }
+    for (const frame::Contact& contact : frame.contacts)
+        if (contact.first == body || contact.second == body) sum += forceOn(body, contact);
     return sum;
 }
 
@@ -85,21 +82,19 @@ struct ScopeHands::Impl {
     /// From now to where the hand is to be, as far as its strength allows: no hand pushes on against more.
     void go(const ScopeHand& to, double dt)
     {
+        if (def.strength == std::numeric_limits<double>::infinity()) {
+            now = to;
+            return;
+        }
         const Vec3 tip = tipOf(def, to).position - tipOf(def, now).position;
         const Vec3 pivot = pivotOf(to).position - pivotOf(now).position;
-        const double way = std::max(length(tip), length(pivot));
-        if (def.strength < std::numeric_limits<double>::infinity()) {
-            const frame::FrameRef frame = simulation.physics().latest();
-            const Vec3 onScope = frame ? pushOn(*frame, scope.body()) : Vec3{};
-            const Vec3 onInstrument = frame ? pushOn(*frame, instrument.body()) : Vec3{};
+        if (const frame::FrameRef frame = simulation.physics().latest()) {
+            const Vec3 onScope = pushOn(*frame, scope.body()), onInstrument = pushOn(*frame, instrument.body());
             const bool against = dot(onScope, tip) + dot(onInstrument, pivot) < 0.0;
             if (against && length(onScope) + length(onInstrument) > def.strength) return;
-            if (way > kFastest * dt) {
-                now = between(now, to, kFastest * dt / way);
-                return;
-            }
         }
-        now = to;
+        const double way = std::max(length(tip), length(pivot)), most = kFastest * dt;
+        now = way > most ? between(now, to, most / way) : to;
     }
 
     /// Before a step that ends at `time`.

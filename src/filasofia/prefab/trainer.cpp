@@ -60,16 +60,22 @@ struct TrainerProgram {
     TrainerDef def;
     std::string caseName, difficulty, motion = "hand", trainee, session, pictures, seed = "1", checkSeeds;
     std::vector<std::string> rest; ///< for Simulation::run
+    int device = 0;                ///< of kDevices, as chosen on the screen
     bool another = false;          ///< the trainee asked for the next patient
 
+    /// "hand, expert, clumsy".
+    [[nodiscard]] std::string motions() const
+    {
+        std::string all = "hand";
+        for (const std::string& planned : def.motions) all += ", " + planned;
+        return all;
+    }
     [[nodiscard]] std::vector<runtime::OwnOption> options()
     {
-        std::string motions = "who moves: hand";
-        for (const std::string& planned : def.motions) motions += ", " + planned;
         return {{"--case", &caseName, "which case", def.cases},
                 {"--difficulty", &difficulty, "how difficult", def.difficulties},
                 {"--seed", &seed, "chooses the patient"},
-                {"--motion", &motion, motions + ", or a device's motion file"},
+                {"--motion", &motion, "who moves: " + motions() + ", or a device's motion file"},
                 {"--trainee", &trainee, "a name, for the session"},
                 {"--session", &session,
                  "a .jsonl file for 'filasofia report'; else " + def.name + "_CASE_SEED_NUMBER.jsonl"},
@@ -94,10 +100,8 @@ struct TrainerProgram {
         if (wantsHelp()) return;
         static_cast<void>(seedNumber()); // what is wrong is told before any window opens
         if (motion != "hand" && !planned()) {
-            std::string all = "hand";
-            for (const std::string& planned : def.motions) all += ", " + planned;
             if (!std::filesystem::is_regular_file(motion))
-                fail(def.name, ": --motion must be ", all, " or a motion file, got ", shownWord(motion));
+                fail(def.name, ": --motion must be ", motions(), " or a motion file, got ", shownWord(motion));
             rest.insert(rest.end(), {"--motion", motion});
         }
         if (!pictures.empty() && !std::filesystem::is_directory(pictures))
@@ -149,7 +153,6 @@ struct TrainerProgram {
         seed = text(chosen->seed % kMostSeeds);
         return true;
     }
-    int device = 0; ///< of kDevices, as chosen on the screen
 };
 
 struct TrainingSession::Impl {
