@@ -1,10 +1,10 @@
 #include "apps/filasofia/bench.h"
 #include "apps/filasofia/commands.h"
+#include "apps/filasofia/json_file.h"
 #include "filasofia/core/error.h"
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <limits>
 
 namespace filasofia::app {
@@ -49,26 +49,11 @@ json measure(const Options& options)
     return std::isnan(options.soak) ? benchContact(options.quick) : soakContact(options.soak, options.seed);
 }
 
-/// Opened before the minutes of measuring, not after.
-std::ofstream open(const std::string& file)
-{
-    std::ofstream out;
-    if (file.empty()) return out;
-    out.open(file);
-    if (!out) fail(file, ": cannot be written");
-    return out;
-}
-
 int bench(const Options& options)
 {
     checkOptions(options);
-    std::ofstream out = open(options.file);
-    const json all = measure(options);
-    if (!out.is_open()) return 0;
-    out << all.dump(-1, ' ', false, json::error_handler_t::replace) << '\n'; // a driver's words may hold any bytes
-    out.close();                                                             // what is still on its way may fail too
-    if (!out) fail(options.file, ": cannot be written (disk full?)");
-    std::printf("wrote %s\n", options.file.c_str());
+    JsonFile file(options.file);
+    file.write(measure(options));
     return 0;
 }
 

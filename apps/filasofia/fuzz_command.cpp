@@ -1,5 +1,6 @@
 #include "apps/filasofia/command_line.h"
 #include "apps/filasofia/commands.h"
+#include "apps/filasofia/json_file.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
 #include "filasofia/engine/rupture/fuzz.h"
@@ -9,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdio>
-#include <fstream>
 
 namespace filasofia::app {
 namespace {
@@ -90,11 +90,7 @@ void print(const engine::CutFuzzReport& r)
 int fuzz(const Options& options)
 {
     if (options.what != "cut") fail("fuzz: there is nothing called '", shortened(options.what), "'; there is cut");
-    std::ofstream out; // opened before the minutes of cutting, not after
-    if (!options.file.empty()) {
-        out.open(options.file);
-        if (!out) fail(options.file, ": cannot be written");
-    }
+    JsonFile file(options.file);
     engine::CutFuzzDef def{.seed = static_cast<std::uint64_t>(options.seed),
                            .cuts = options.cuts,
                            .meshes = engine::cutFuzzShapes(),
@@ -104,11 +100,7 @@ int fuzz(const Options& options)
             {text("bunny ", size), geometry::loadTetMesh(runtime::asset(text("meshes/bunny_", size, ".msh")))});
     const engine::CutFuzzReport report = engine::fuzzCuts(def);
     print(report);
-    if (out.is_open()) {
-        out << toJson(options, report).dump() << '\n';
-        out.close(); // what is still on its way may fail too
-        if (!out) fail(options.file, ": cannot be written (disk full?)");
-    }
+    file.write(toJson(options, report));
     return report.sound() ? 0 : kFailed;
 }
 

@@ -4,6 +4,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/units.h"
 #include "filasofia/event/input_events.h"
+#include "filasofia/geometry/mesh_file.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/overlays.h"
@@ -40,8 +41,12 @@ using event::PhysicsUpdateEvent;
 using event::TextInputEvent;
 using event::VisualUpdateEvent;
 using event::WindowEvent;
+using frame::Contact;
+using frame::forceOn;
 using frame::FrameRef;
 using geometry::Box;
+using geometry::loadTetMesh;
+using geometry::loadTriangleMesh;
 using geometry::TetMesh;
 using geometry::TriangleMesh;
 using metric::EventKind;

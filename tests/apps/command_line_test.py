@@ -86,6 +86,8 @@ class Words(Program):
         self.refused("doctor", "--json", says=["--json must be given once, with one value"])
         self.refused("doctor", "--json", "-", "--json", "-", says=["--json must be given once, with one value"])
         self.refused("doctor", "--json", "", says=["doctor: --json must not be empty"])
+        for command in (("bench", "solver"), ("fuzz", "cut")):
+            self.refused(*command, "--json", "-", says=["--json -: standard output has the table"])
 
     NUMBERS = {"run bunny --headless": {"--threads": "must be a whole number in [0, 256]",
                                         "--steps": "must be a whole number in [0, 2147483647]",

@@ -1,6 +1,7 @@
 #include "filasofia/engine/build_body.h"
 
 #include "engine/stage.h"
+#include "filasofia/core/log.h"
 
 #include <limits>
 #include <numeric>
@@ -193,4 +194,19 @@ TEST_CASE("a file and the mesh read from it make the same body")
     a.run(3, 0.005);
     b.run(3, 0.005);
     CHECK(a.world.hash() == b.world.hash());
+}
+
+TEST_CASE("a body of more than ten metres is told of: a mesh in millimetres")
+{
+    const auto said = [](double size) {
+        std::string logged;
+        setLogSink([&](LogLevel, std::string_view line) { logged += line; });
+        SoftBodyDef def = someBody();
+        def.mesh = shared(boxMesh({2, 2, 2}, {size, 1, 1}));
+        buildBody(def, 1e-3);
+        setLogSink({});
+        return logged;
+    };
+    CHECK(said(9.0).empty());
+    CHECK(said(120.0).find("soft body 'liver': is 120.008 m large") != std::string::npos);
 }

@@ -114,9 +114,7 @@ TEST_CASE("a held element that is blocked presses with the coupling's force")
     stage.post(SetHaptic{BodyId{2}, 0, hand});
     stage.run(1000, 1e-3);
     const double apart = rigidState(stage, 1).poses[0].position.y + 0.01;
-    Vec3 pressed;
-    for (const frame::Contact& c : stage.world.state().touching)
-        pressed += (c.first == BodyId{2} ? 1.0 : -1.0) * (c.normalForce * c.normal + c.friction);
+    const Vec3 pressed = frame::forceOn(BodyId{2}, stage.world.state().touching);
     CHECK(apart == Approx(0.01).epsilon(0.1)); // it rests on the floor
     CHECK(pressed.y == Approx(400 * apart).epsilon(1e-3));
 }

@@ -19,3 +19,17 @@ TEST_CASE("an empty frame holds no body")
     CHECK(Frame{}.softBody(BodyId{1}) == nullptr);
     CHECK(Frame{}.rigidBody(BodyId{1}) == nullptr);
 }
+
+TEST_CASE("the force of contacts on a body: its own side of each; one with itself adds nothing")
+{
+    constexpr BodyId a{1}, b{2}, c{3};
+    const Contact ab{.first = a, .second = b, .normal = {0, 1, 0}, .normalForce = 2.0, .friction = {0.5, 0, 0}};
+    const Contact ca{.first = c, .second = a, .normal = {0, 0, 1}, .normalForce = 3.0};
+    const Contact aa{.first = a, .second = a, .normal = {1, 0, 0}, .normalForce = 7.0};
+    CHECK(forceOn(a, ab) == Vec3{0.5, 2, 0});
+    CHECK(forceOn(b, ab) == Vec3{-0.5, -2, 0});
+    CHECK(forceOn(a, aa) == Vec3{7, 0, 0});
+    CHECK(forceOn(a, std::vector{ab, ca, aa}) == Vec3{0.5, 2, -3});
+    CHECK(forceOn(b, std::vector{ab, ca, aa}) == Vec3{-0.5, -2, 0});
+    CHECK(forceOn(BodyId{9}, std::vector{ab, ca, aa}) == Vec3{});
+}

@@ -1,5 +1,6 @@
 #include "filasofia/core/log.h"
 #include "filasofia/geometry/mesh_file.h"
+#include "geometry/gmsh_writer.h"
 #include "geometry/sample_meshes.h"
 
 using namespace filasofia;
@@ -277,4 +278,20 @@ TEST_CASE("a surface file that announces more than it can hold is refused before
     CHECK_THAT(errorFor("h.gltf", gltf(R"({"mesh":0})", "4000000000")),
                Contains("h.gltf: byte ") && Contains("\"count\" must be in [0, "));
     CHECK_THAT(errorFor("h.gltf", gltf(R"({"mesh":0})", "5")), Contains("h.gltf"));
+}
+
+TEST_CASE("a file in another unit is read in metres, and a scale that is no length is refused")
+{
+    const TemporaryFile surface("t.obj", obj()), volume("t.msh", writeGmsh(unitTetrahedron(), {}));
+    const TriangleMesh triangles = loadTriangleMesh(surface.path()), small = loadTriangleMesh(surface.path(), 1e-3);
+    REQUIRE(small.vertices.size() == triangles.vertices.size());
+    for (std::size_t i = 0; i < small.vertices.size(); ++i) CHECK(small.vertices[i] == 1e-3 * triangles.vertices[i]);
+    CHECK(small.triangles == triangles.triangles);
+    const TetMesh tetrahedra = loadTetMesh(volume.path()), large = loadTetMesh(volume.path(), 25.4);
+    REQUIRE(large.nodes.size() == tetrahedra.nodes.size());
+    for (std::size_t i = 0; i < large.nodes.size(); ++i) CHECK(large.nodes[i] == 25.4 * tetrahedra.nodes[i]);
+    for (const double scale : {0.0, -1.0, std::numeric_limits<double>::infinity()}) {
+        CHECK_THAT(errorOf([&] { loadTetMesh(volume.path(), scale); }), Contains("t.msh: scale must be in (0, inf)"));
+        CHECK_THAT(errorOf([&] { loadTriangleMesh(surface.path(), scale); }), Contains("t.obj: scale must be in"));
+    }
 }

@@ -150,7 +150,8 @@ TEST_CASE("a force bar shows the weight of what lies on a body, and counts warni
 TEST_CASE("guidance, bar and screens draw names of any length and content without a complaint")
 {
     Simulation sim;
-    const std::string nasty = std::string(10'000, 'n') + "##%s\n<b>\xff\xfe";
+    std::string nasty(10'000, 'n');
+    nasty += "##%s\n<b>\xff\xfe";
     const BodyId weight = addWeight(sim);
     TaskStep step = after(1.0, nasty);
     step.instruction = nasty;

@@ -36,11 +36,7 @@ struct Poke {
     }
     Vec3 pressed() const
     {
-        Vec3 sum;
-        const auto frame = const_cast<physics::PhysicsServer&>(server).latest();
-        for (const frame::Contact& c : frame->contacts)
-            sum += (c.first == probe ? 1.0 : -1.0) * (c.normalForce * c.normal + c.friction);
-        return sum;
+        return frame::forceOn(probe, const_cast<physics::PhysicsServer&>(server).latest()->contacts);
     }
     Moving probeNow() const
     {

@@ -195,6 +195,24 @@ TEST_CASE("a run that fails leaves a simulation that can run")
     CHECK(report.visual.bodies == 1);
 }
 
+TEST_CASE("several dress a scene, in their order, and none from inside a run")
+{
+    Simulation sim;
+    std::string order, refused;
+    sim.dress([&](visual::VisualServer&) { order += 'a'; });
+    sim.dress([&](visual::VisualServer&) {
+        order += 'b';
+        try {
+            sim.dress({});
+        } catch (const Error& error) {
+            refused = error.what();
+        }
+    });
+    sim.run({.backend = visual::Backend::Null, .steps = 3});
+    CHECK(order == "ab");
+    CHECK(refused == "simulation: dress is to be set before a run, and one is going on");
+}
+
 TEST_CASE("a kinematic rigid body goes where it was put")
 {
     Simulation sim;

@@ -36,13 +36,7 @@ physics::SoftBodyDef softBlock(std::array<int, 3> cells, Vec3 size, Vec3 corner)
 
 Vec3 forceOn(const Stage& stage, BodyId body)
 {
-    Vec3 sum;
-    for (const frame::Contact& c : const_cast<Stage&>(stage).world.state().touching) {
-        const Vec3 force = c.normalForce * c.normal + c.friction;
-        if (c.first == body) sum += force;
-        if (c.second == body) sum -= force;
-    }
-    return sum;
+    return frame::forceOn(body, const_cast<Stage&>(stage).world.state().touching);
 }
 
 struct Means {

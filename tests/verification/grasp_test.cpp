@@ -87,12 +87,8 @@ TEST_CASE("a block squeezed by two jaws that both grasp it is held for long with
         for (const frame::Contact& each : stage.world.state().touching) most = std::max(most, each.normalForce);
         largest.push_back(most);
     }
-    const Vec3 sum = held(stage, grasps[0]).force + held(stage, grasps[1]).force + [&] {
-        Vec3 contacts;
-        for (const frame::Contact& c : stage.world.state().touching)
-            contacts += (c.first == BodyId{1} ? 1.0 : -1.0) * (c.normalForce * c.normal + c.friction);
-        return contacts;
-    }();
+    const Vec3 sum = held(stage, grasps[0]).force + held(stage, grasps[1]).force +
+                     frame::forceOn(BodyId{1}, stage.world.state().touching);
     verify("block held by two jaws: largest force at a point after 10 s over that after 1 s, less one",
            std::abs(largest.back() / largest.front() - 1.0), 0.05);
     verify("block held by two jaws: sum of the forces over its weight, less one",

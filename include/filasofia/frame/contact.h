@@ -19,6 +19,15 @@ struct Contact {
     Vec3 friction = {};       ///< [N] on the first body across the normal, on the second the opposite
 };
 
+/// [N] By which a contact pushes `body`, one of its two. Of a contact with itself: its first side.
+inline Vec3 forceOn(BodyId body, const Contact& contact)
+{
+    const Vec3 onFirst = contact.normalForce * contact.normal + contact.friction;
+    return contact.first == body ? onFirst : -onFirst;
+}
+/// [N] By which all its contacts with others push `body`.
+Vec3 forceOn(BodyId body, const std::vector<Contact>& contacts);
+
 /// What two bodies do to each other by all their contacts.
 struct ContactPair {
     BodyId first = {};

@@ -139,8 +139,8 @@ public:
     void reset();
 
     /// Called on the main thread as soon as there is a visual server, in place of the look of the Def: makes lights,
-    /// cameras and views.
-    /// To be set before a run.
+    /// cameras and views. To be set before a run (Error during one); several are called in their order, and {} forgets
+    /// them all.
     void dress(std::function<void(visual::VisualServer&)> scene);
     /// A Gui over the whole window, whatever the look. To be set before a run; several lie in their order. Throws an
     /// Error where the Def is wrong.

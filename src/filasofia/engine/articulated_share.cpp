@@ -57,7 +57,7 @@ double ArticulatedShare::multiply()
 
 void ArticulatedShare::smooth() { engine::multiply(plan_.inverse, r_, w_); }
 
-double ArticulatedShare::spread()
+double ArticulatedShare::spread(std::span<const double>)
 {
     z_ = w_;
     return product(r_, z_);

@@ -88,12 +88,23 @@ void checkForCuts(const std::string& object, const EditableMesh& mesh)
                    " (1: regular); near such ones cuts follow the faces that are there");
 }
 
+/// Most meshes of organs come in millimetres, and one read as metres does nothing wrong but hang like a bridge.
+void warnOfSize(const std::string& object, const TetMesh& mesh)
+{
+    constexpr double kLargest = 10.0; // [m]
+    const geometry::Box box = geometry::boxAround(mesh.nodes);
+    const double size = length(box.high - box.low);
+    if (size > kLargest)
+        logWarning(object, ": is ", size, " m large; should its coordinates be millimetres: loadTetMesh(file, 1e-3)");
+}
+
 std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, double period)
 {
     const std::string object = text("soft body '", def.name, "'");
     validate(def, object);
     const TetMesh mesh = physics::worldMesh(def);
     if (!usable(mesh.nodes)) fail(object, ": nodes must lie within ", physics::kFarthest, " m of the origin");
+    warnOfSize(object, mesh);
 
     auto built = std::make_unique<BuiltSoftBody>();
     SoftModel& model = built->model;

@@ -32,6 +32,7 @@ void MatrixFreeShare::begin(std::span<const Grip> grips)
         inverse_.push_back(system_.preconditioner_.inverseDiagonal(slots_.back()));
     }
     system_.dv_.setZero();
+    system_.preconditioner_.clearPulls();
 }
 
 Mat3 MatrixFreeShare::compliance(int grip) const { return system_.scale_ * inverse_[static_cast<std::size_t>(grip)]; }
@@ -61,9 +62,29 @@ void MatrixFreeShare::turn(double beta)
 }
 
 void MatrixFreeShare::smooth() { system_.preconditioner_.smooth(system_.residual_, *pool_); }
-double MatrixFreeShare::spread()
+double MatrixFreeShare::spread(std::span<const double> shares)
 {
-    return system_.preconditioner_.spread(system_.residual_, z_, *pool_) / system_.scale_;
+    return system_.preconditioner_.spread(system_.residual_, z_, *pool_, shares) / system_.scale_;
+}
+
+void MatrixFreeShare::addPull(std::span<const Vec3> impulses)
+{
+    pull_.clear();
+    for (std::size_t g = 0; g < slots_.size(); ++g)
+        if (impulses[g] != Vec3{}) pull_.push_back({slots_[g], system_.scale_ * impulses[g]});
+    system_.preconditioner_.addPull(pull_);
+}
+
+void MatrixFreeShare::answers(int pull, std::span<double> out) const
+{
+    system_.preconditioner_.answers(pull, out);
+    for (double& each : out) each /= system_.scale_;
+}
+
+void MatrixFreeShare::weigh(std::span<double> sums)
+{
+    system_.preconditioner_.weigh(sums, *pool_);
+    for (double& each : sums) each /= system_.scale_;
 }
 
 void MatrixFreeShare::read(const NodeArray& from, std::span<Vec3> out) const

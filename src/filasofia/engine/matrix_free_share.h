@@ -21,7 +21,7 @@ public:
     void descend(double alpha) override;
     void turn(double beta) override;
     void smooth() override;
-    double spread() override;
+    double spread(std::span<const double> shares) override;
     double bent() override { return product(z_, q_); }
     void readDirection(std::span<Vec3> p) const override { read(p_, p); }
     void readSmoothed(std::span<Vec3> w) const override;
@@ -29,6 +29,11 @@ public:
     void addToResidual(std::span<const Vec3> impulses) override { add(impulses, system_.residual_); }
     void addToSpread(std::span<const Vec3> impulses) override;
     void subtractSmoothed(std::span<const Vec3> impulses) override;
+    [[nodiscard]] bool correctable() const override { return system_.coarseNodes() > 0; }
+    void clearPulls() override { system_.preconditioner_.clearPulls(); }
+    void addPull(std::span<const Vec3> impulses) override;
+    void answers(int pull, std::span<double> out) const override;
+    void weigh(std::span<double> sums) override;
 
 private:
     void read(const linalg::NodeArray& from, std::span<Vec3> out) const;
@@ -38,8 +43,9 @@ private:
     MatrixFreeSystem& system_;
     WorkerPool* pool_ = nullptr;
     double mass_ = 0.0;
-    std::vector<int> slots_;    ///< per grip
-    std::vector<Mat3> inverse_; ///< D^-1 there, scaled
+    std::vector<int> slots_;             ///< per grip
+    std::vector<Mat3> inverse_;          ///< D^-1 there, scaled
+    std::vector<linalg::NodePull> pull_; ///< scratch
     linalg::NodeArray z_, p_, q_;
 };
 

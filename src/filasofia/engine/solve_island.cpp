@@ -131,6 +131,7 @@ private:
     static Constraint constraintOf(const Link& link)
     {
         Constraint c;
+        c.point = link.sides[0].position;
         c.frame = link.frame;
         c.start = inFrame(link.frame, link.sides[0].velocity - link.sides[1].velocity);
         c.bias = link.bias;

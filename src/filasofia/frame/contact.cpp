@@ -5,6 +5,14 @@
 
 namespace filasofia::frame {
 
+Vec3 forceOn(BodyId body, const std::vector<Contact>& contacts)
+{
+    Vec3 sum = {};
+    for (const Contact& contact : contacts)
+        if ((contact.first == body) != (contact.second == body)) sum += forceOn(body, contact);
+    return sum;
+}
+
 std::vector<ContactPair> contactPairs(const std::vector<Contact>& contacts)
 {
     std::map<std::pair<BodyId, BodyId>, ContactPair> sums;
@@ -13,7 +21,7 @@ std::vector<ContactPair> contactPairs(const std::vector<Contact>& contacts)
         pair.first = contact.first;
         pair.second = contact.second;
         pair.contacts += contact.normalForce != 0.0 ? 1 : 0;
-        pair.force += contact.normalForce * contact.normal + contact.friction;
+        pair.force += forceOn(contact.first, contact);
         pair.normalForce += contact.normalForce;
         pair.frictionForce += length(contact.friction);
     }

@@ -8,6 +8,7 @@
 #include "filasofia/geometry/tetgen_reader.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace filasofia::geometry {
 namespace {
@@ -29,9 +30,7 @@ TetMesh loadTetGen(std::filesystem::path file)
     return parseTetGen({nodeBytes, nodes.string()}, {elementBytes, elements.string()});
 }
 
-} // namespace
-
-TetMesh loadTetMesh(const std::filesystem::path& file)
+TetMesh readTetMesh(const std::filesystem::path& file)
 {
     const std::string extension = extensionOf(file);
     if (extension == ".msh") return parseGmsh(readFile(file), file.string());
@@ -39,7 +38,7 @@ TetMesh loadTetMesh(const std::filesystem::path& file)
     fail(file.string(), ": a tetrahedral mesh must be a .msh, .node or .ele file, got '", extension, "'");
 }
 
-TriangleMesh loadTriangleMesh(const std::filesystem::path& file)
+TriangleMesh readTriangleMesh(const std::filesystem::path& file)
 {
     static constexpr std::string_view kExtensions[] = {".obj", ".stl", ".ply", ".gltf", ".glb"};
     const std::string extension = extensionOf(file);
@@ -47,6 +46,34 @@ TriangleMesh loadTriangleMesh(const std::filesystem::path& file)
         fail(file.string(), ": a triangle mesh must be an .obj, .stl, .ply, .gltf or .glb file, got '", extension, "'");
     checkAnnouncedSizes(file, extension, readFile(file));
     return readWithAssimp(file);
+}
+
+void multiply(std::vector<Vec3>& points, double scale)
+{
+    for (Vec3& point : points) point = scale * point;
+}
+
+void checkScale(const std::filesystem::path& file, double scale)
+{
+    if (!(scale > 0.0 && std::isfinite(scale))) fail(file.string(), ": scale must be in (0, inf), got ", scale);
+}
+
+} // namespace
+
+TetMesh loadTetMesh(const std::filesystem::path& file, double scale)
+{
+    checkScale(file, scale);
+    TetMesh mesh = readTetMesh(file);
+    multiply(mesh.nodes, scale);
+    return mesh;
+}
+
+TriangleMesh loadTriangleMesh(const std::filesystem::path& file, double scale)
+{
+    checkScale(file, scale);
+    TriangleMesh mesh = readTriangleMesh(file);
+    multiply(mesh.vertices, scale);
+    return mesh;
 }
 
 } // namespace filasofia::geometry

@@ -199,20 +199,77 @@ void TwoLevelPreconditioner::smooth(const NodeArray& r, WorkerPool& pool)
              [&](int part) { warpAndSmooth(rotations_, inverseDiagonal_, r, rest_, smoothed_, nodes[part]); });
 }
 
-double TwoLevelPreconditioner::spread(const NodeArray& r, NodeArray& z, WorkerPool& pool)
+void TwoLevelPreconditioner::restrictResidual(WorkerPool& pool)
+{
+    const Parts coarse = coarseNodeParts(coarseNodes_);
+    pool.run(coarse.count(),
+             [&](int part) { restrictTo(restriction_, rest_, coarseResidual_, coarse[part].begin, coarse[part].end); });
+}
+
+double TwoLevelPreconditioner::spread(const NodeArray& r, NodeArray& z, WorkerPool& pool,
+                                      std::span<const double> shares)
 {
     if (coarseNodes_ > 0) {
-        const Parts coarse = coarseNodeParts(coarseNodes_), panels = panelParts(blocksFor(3 * coarseNodes_));
-        pool.run(coarse.count(), [&](int part) {
-            restrictTo(restriction_, rest_, coarseResidual_, coarse[part].begin, coarse[part].end);
-        });
+        const Parts panels = panelParts(blocksFor(3 * coarseNodes_));
+        if (shares.empty()) restrictResidual(pool); // else weigh() has done it
         pool.run(panels.count(), [&](int part) {
             multiplyPanels(coarseInverse_, coarseResidual_, coarse_, panels[part].begin, panels[part].end);
         });
+        const float* answered = answered_.data();
+        for (std::size_t p = 0; p < shares.size(); ++p, answered += coarse_.size())
+            for (std::size_t k = 0; k < coarse_.size(); ++k) coarse_[k] -= static_cast<float>(shares[p]) * answered[k];
     }
     return sumOfParts(pool, nodeParts(r.blocks()), sums_, [&](Blocks blocks) {
         return prolongAndUnwarp(rotations_, interpolation_, coarse_, smoothed_, r, z, blocks);
     });
+}
+
+void TwoLevelPreconditioner::clearPulls()
+{
+    pulls_ = 0;
+    felt_.clear();
+    answered_.clear();
+    answeredRows_.clear();
+}
+
+void TwoLevelPreconditioner::addPull(std::span<const NodePull> pull)
+{
+    const std::size_t rows = coarseResidual_.size(), entries = coarse_.size();
+    felt_.resize(felt_.size() + rows);
+    answered_.resize(answered_.size() + entries);
+    const std::span<float> felt = std::span(felt_).last(rows), answered = std::span(answered_).last(entries);
+    for (const NodePull& each : pull) {
+        const Vec3 rest = transposeTimes(rotation(each.node), each.pull);
+        const InterpolationBlock& block = interpolation_[static_cast<std::size_t>(each.node / kBlock)];
+        for (int k = 0; k < 4; ++k)
+            for (int i = 0; i < 3; ++i)
+                felt[static_cast<std::size_t>(block.at[each.node % kBlock][k] + i)] +=
+                    block.weights[each.node % kBlock][k] * static_cast<float>(rest[i]);
+    }
+    multiplyPanels(coarseInverse_, felt, answered, 0, blocksFor(3 * coarseNodes_));
+
+    const auto place = static_cast<std::size_t>(pulls_ % kBlock);
+    if (place == 0) answeredRows_.resize(answeredRows_.size() + rows);
+    const std::span<PanelRow> panel = std::span(answeredRows_).last(rows);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(3 * coarseNodes_); ++k) panel[k].values[place] = answered[k];
+    ++pulls_;
+}
+
+void TwoLevelPreconditioner::answers(int pull, std::span<double> out) const
+{
+    const std::size_t rows = coarseResidual_.size();
+    std::vector<float> sums(static_cast<std::size_t>(blocksFor(pulls_) * kBlock));
+    multiplyPanels(answeredRows_, std::span(felt_).subspan(static_cast<std::size_t>(pull) * rows, rows), sums, 0,
+                   blocksFor(pulls_));
+    std::copy_n(sums.begin(), out.size(), out.begin());
+}
+
+void TwoLevelPreconditioner::weigh(std::span<double> sums, WorkerPool& pool)
+{
+    restrictResidual(pool);
+    weighed_.resize(static_cast<std::size_t>(blocksFor(pulls_) * kBlock));
+    multiplyPanels(answeredRows_, coarseResidual_, weighed_, 0, blocksFor(pulls_));
+    std::copy_n(weighed_.begin(), sums.size(), sums.begin());
 }
 
 Mat3 TwoLevelPreconditioner::rotation(int node) const

@@ -38,6 +38,12 @@ struct Interpolation {
     std::array<float, 4> weights = {};
 };
 
+/// Something that pulls at a node: three numbers of the residual's kind.
+struct NodePull {
+    int node = 0;
+    Vec3 pull;
+};
+
 /// An approximate inverse of a matrix of elasticity that was known at rest and has since been turned, node by node:
 ///
 ///     z = R ( D^-1 + P A_c^-1 P^T ) R^T r,    A_c = P^T A_rest P,
@@ -73,12 +79,21 @@ public:
     // The same in two halves, for who changes something between them: R D^-1 R^T r, and z from that and the coarse
     // level's answer to r.
     void smooth(const NodeArray& r, WorkerPool& pool);
-    double spread(const NodeArray& r, NodeArray& z, WorkerPool& pool);
+    /// The coarse level does not answer to `shares` of the pulls, if any.
+    double spread(const NodeArray& r, NodeArray& z, WorkerPool& pool, std::span<const double> shares = {});
     [[nodiscard]] Vec3 smoothedAt(int node) const;      ///< R D^-1 R^T r
     void addToSpread(int node, Vec3 change);            ///< to the r that the coarse level answers to
     [[nodiscard]] Mat3 inverseDiagonal(int node) const; ///< R D^-1 R^T
 
+    // Pulls at the nodes, f, for who knows of more that holds the body there than the matrix does, and corrects the
+    // coarse level by it: with Y = A_c^-1 P^T R^T f.
+    void clearPulls();
+    void addPull(std::span<const NodePull> pull);
+    void answers(int pull, std::span<double> out) const;  ///< per pull: f . R P Y of that pull
+    void weigh(std::span<double> sums, WorkerPool& pool); ///< per pull: Y . P^T R^T (r + what was added)
+
 private:
+    void restrictResidual(WorkerPool& pool);
     [[nodiscard]] Mat3 rotation(int node) const;
     template <class Matrix> void makeCoarseLevel(const Matrix& inverse, const CoarseInput& in); ///< Eigen's
 
@@ -90,6 +105,10 @@ private:
     std::vector<PanelRow> coarseInverse_;           ///< A_c^-1
     NodeArray rest_, smoothed_;
     std::vector<float> coarseResidual_, coarse_;
+    int pulls_ = 0;
+    std::vector<float> felt_, answered_; ///< P^T R^T f and Y, pull after pull
+    std::vector<PanelRow> answeredRows_; ///< Y, sixteen pulls side by side
+    std::vector<float> weighed_;
     std::vector<double> sums_;
 };
 

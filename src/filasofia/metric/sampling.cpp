@@ -34,8 +34,8 @@ Sample sampleOf(const frame::Frame& frame, const Observed& observed)
     for (const frame::Contact& contact : frame.contacts) {
         const bool first = contact.first == observed.body, second = contact.second == observed.body;
         if (first == second || contact.normalForce == 0.0) continue; // of others, of itself, or it does not push
-        const Vec3 force = contact.normalForce * contact.normal + contact.friction;
-        sample.force += first ? force : -force;
+        const Vec3 force = forceOn(observed.body, contact);
+        sample.force += force;
         ++sample.contacts;
         if (length(force) <= strongest) continue;
         strongest = length(force);

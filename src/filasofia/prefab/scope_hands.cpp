@@ -37,15 +37,6 @@ ScopeHand between(const ScopeHand& a, const ScopeHand& b, double t)
     return {normalized(from + t * (to - from)), mix(a.depth, b.depth), mix(a.roll, b.roll), mix(a.reach, b.reach)};
 }
 
-/// [N] by which everything together pushes a body.
-Vec3 pushOn(const frame::Frame& frame, BodyId body)
-{
-    Vec3 sum = {};
-    for (const frame::Contact& contact : frame.contacts)
-        if (contact.first == body || contact.second == body) sum += forceOn(body, contact);
-    return sum;
-}
-
 } // namespace
 
 Pose tipOf(const ScopeHandsDef& def, const ScopeHand& hand)
@@ -89,7 +80,8 @@ struct ScopeHands::Impl {
         const Vec3 tip = tipOf(def, to).position - tipOf(def, now).position;
         const Vec3 pivot = pivotOf(to).position - pivotOf(now).position;
         if (const frame::FrameRef frame = simulation.physics().latest()) {
-            const Vec3 onScope = pushOn(*frame, scope.body()), onInstrument = pushOn(*frame, instrument.body());
+            const Vec3 onScope = frame::forceOn(scope.body(), frame->contacts);
+            const Vec3 onInstrument = frame::forceOn(instrument.body(), frame->contacts);
             const bool against = dot(onScope, tip) + dot(onInstrument, pivot) < 0.0;
             if (against && length(onScope) + length(onInstrument) > def.strength) return;
         }

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kNotWhole = 1; ///< exit code: the run went on, but a file of it ends before
 constexpr int kRefused = 2;  ///< exit code: the user's words or files were wrong
+constexpr int kHeadlessSteps = 1000;
 
 /// An option that sets a field of the RunDef. CLI11 hands us the words as they are: what we say of them is in our own.
 template <class Value>
@@ -47,7 +48,8 @@ int Simulation::run(int argc, const char* const* argv)
     bool blind = false;
     app.add_flag("--no-picture", blind,
                  "a live run that draws nothing and opens no window: physics on its own thread, by the clock");
-    addOption(app, "--steps", &RunDef::steps, def, "end after as many steps; 0: no end (headless: 1000)");
+    addOption(app, "--steps", &RunDef::steps, def,
+              text("end after as many steps; 0: no end (headless: ", kHeadlessSteps, ")"));
     addOption(app, "--seconds", &RunDef::seconds, def, "end after as many seconds of wall time; 0: no end");
     addOption(app, "--picture", &RunDef::picture, def, "write the last state to this PNG file");
     addOption(app, "--picture-every", &RunDef::pictureEvery, def,
@@ -69,9 +71,12 @@ int Simulation::run(int argc, const char* const* argv)
         if (blind) def.backend = visual::Backend::Null;
         if (blind && !(def.picture.empty() && def.video.empty()))
             fail("run: --no-picture draws nothing for --picture or --video");
-        if (def.headless && def.steps == 0) def.steps = 1000; // nobody could close it
+        const bool endless = def.headless && def.steps == 0; // nobody could close it
+        if (endless) def.steps = kHeadlessSteps;
         const RunReport report = run(def);
         std::cout << summary(report);
+        if (endless && report.steps == kHeadlessSteps)
+            std::cout << "a headless run without --steps ends after " << kHeadlessSteps << " of them\n";
         if (!std::cout.flush()) fail("cannot write to standard output");
         return report.fileProblems.empty() ? 0 : kNotWhole;
     } catch (const CLI::CallForHelp&) {

@@ -24,8 +24,6 @@ double rounded(double value)
     return power * (digits >= 5.0 ? 5.0 : digits >= 2.0 ? 2.0 : 1.0);
 }
 
-Vec3 forceOn(const frame::Contact& contact) { return contact.normalForce * contact.normal + contact.friction; }
-
 /// The arrow [m] of a force; a scale that is far too large may not lead out of what can be drawn.
 Vec3 arrowOf(Vec3 force, double metresPerNewton)
 {
@@ -174,7 +172,7 @@ void InspectorScene::drawForces(const frame::Frame& frame, double metresPerNewto
         for (const frame::Contact& contact : frame.contacts) {
             if (contact.first != pair.first || contact.second != pair.second || contact.normalForce == 0.0) continue;
             middle += contact.normalForce / pair.normalForce * contact.point;
-            debug.arrow(contact.point, contact.point + arrowOf(forceOn(contact), scale),
+            debug.arrow(contact.point, contact.point + arrowOf(forceOn(contact.first, contact), scale),
                         {.color = kForce, .width = 1.5, .onTop = true});
         }
         const Vec3 tip = middle + arrowOf(pair.force, scale);

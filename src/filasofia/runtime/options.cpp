@@ -47,10 +47,15 @@ std::vector<std::string> takeOptions(const std::string& program, int argc, const
 
 std::string optionHelp(const std::vector<OwnOption>& options)
 {
+    const auto nameOf = [](const OwnOption& option) {
+        return "  " + option.name + " " + (option.choices.empty() ? "WORD" : listed(option.choices)) + "  ";
+    };
+    std::size_t widest = 0;
+    for (const OwnOption& option : options) widest = std::max(widest, nameOf(option).size());
     std::string help;
     for (const OwnOption& option : options) {
-        std::string name = "  " + option.name + " " + (option.choices.empty() ? "WORD" : listed(option.choices));
-        name.resize(std::max<std::size_t>(name.size() + 2, 34), ' ');
+        std::string name = nameOf(option);
+        name.resize(widest, ' ');
         help += name + option.meaning + (option.value->empty() ? "" : " (" + *option.value + ")") + "\n";
     }
     return help;

@@ -27,7 +27,7 @@ struct Simulation::Impl {
     physics::PhysicsServer physics;
     event::EventDispatcher events;
     Bindings bindings;
-    std::function<void(visual::VisualServer&)> dress;
+    std::vector<std::function<void(visual::VisualServer&)>> dresses;
     std::vector<visual::GuiDef> guis; ///< over the window
     std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow;
     std::optional<Steering> steering;                   ///< the main thread's in a run

@@ -30,7 +30,7 @@ RunFiles::RunFiles(Simulation::Impl& parts, const RunDef& def) : parts_(parts)
         parts.journal.watch();
         if (const visual::VisualServer* visual = parts.bindings.visual()) parts.journal.observe(*visual, 0);
         const window::WindowDef& window = parts.def.window;
-        const SceneBegan began{parts.def.look, window.width, window.height, static_cast<bool>(parts.dress)};
+        const SceneBegan began{parts.def.look, window.width, window.height, !parts.dresses.empty()};
         attempt(recording_, [&](record::RecordingWriter& file) { file.write(recordOf(began)); });
     } else {
         parts.journal.close();

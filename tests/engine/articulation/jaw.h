@@ -55,8 +55,7 @@ inline double contactTorque(Stage& stage, BodyId id)
 {
     double sum = 0.0;
     for (const frame::Contact& each : stage.world.state().touching) {
-        const double sign = each.first == id ? 1.0 : each.second == id ? -1.0 : 0.0;
-        sum += sign * cross(each.point, each.normalForce * each.normal + each.friction).z;
+        if (each.first == id || each.second == id) sum += cross(each.point, forceOn(id, each)).z;
     }
     return sum;
 }

@@ -50,10 +50,10 @@ inline std::vector<Corners> targets(const CollisionShape& shape)
         for (const auto& t : shape.triangles) all.push_back(t);
     if (shape.triangleFaces || shape.lines)
         for (const auto& [a, b] : shape.edges) {
-            const bool ofTriangle = std::ranges::any_of(shape.triangles, [&](const auto& t) {
-                return contains(t, {a, b, -1});
-            });
-            if (!shape.triangleFaces || !ofTriangle) all.push_back({a, b, -1});
+            const Corners line = {a, b, -1};
+            const bool ofTriangle =
+                std::ranges::any_of(shape.triangles, [&](const auto& t) { return contains(t, line); });
+            if (!shape.triangleFaces || !ofTriangle) all.push_back(line);
         }
     else if (shape.points)
         for (int v = 0; v < static_cast<int>(shape.rest.size()); ++v) all.push_back({v, -1, -1});

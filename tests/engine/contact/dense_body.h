@@ -21,6 +21,7 @@ public:
     void begin(std::span<const Grip> grips) override
     {
         grips_.assign(grips.begin(), grips.end());
+        pulls_.clear();
         x = Eigen::VectorXd::Zero(b.size());
         r_ = b;
         p_ = guess;
@@ -44,11 +45,24 @@ public:
         w_ = smoothed(r_);
         s_ = r_;
     }
-    double spread() override
+    double spread(std::span<const double> shares) override
     {
         z_ = w_;
         if (coarse_) z_ += 0.5 * (inverse_ * s_);
+        for (std::size_t i = 0; i < shares.size(); ++i) z_ -= shares[i] * 0.5 * (inverse_ * pulls_[i]);
         return r_.dot(z_);
+    }
+    [[nodiscard]] bool correctable() const override { return coarse_; }
+    void clearPulls() override { pulls_.clear(); }
+    void addPull(std::span<const Vec3> impulses) override { pulls_.push_back(scattered(impulses)); }
+    void answers(int pull, std::span<double> out) const override
+    {
+        for (std::size_t i = 0; i < out.size(); ++i)
+            out[i] = i < pulls_.size() ? pulls_[i].dot(0.5 * (inverse_ * pulls_[static_cast<std::size_t>(pull)])) : 0.0;
+    }
+    void weigh(std::span<double> sums) override
+    {
+        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] = pulls_[i].dot(0.5 * (inverse_ * s_));
     }
     double bent() override { return z_.dot(q_); }
     void readDirection(std::span<Vec3> p) const override { read(p_, p); }
@@ -85,6 +99,7 @@ private:
     }
 
     std::vector<Grip> grips_;
+    std::vector<Eigen::VectorXd> pulls_;
     Eigen::MatrixXd inverse_;
     Eigen::VectorXd r_, p_, q_, w_, s_, z_;
     bool coarse_;

@@ -11,6 +11,16 @@ std::array<Vec3, 3> frameOf(Vec3 normal)
     return {normal, tangent, cross(normal, tangent)};
 }
 
+void giveImpulse(const Constraints& constraints, std::size_t c, Vec3 impulse, std::span<Vec3> atGrips)
+{
+    const Constraint& constraint = constraints.list[c];
+    const Vec3 all = inWorld(constraint.frame, impulse);
+    for (int g = constraint.first; g < constraint.first + constraint.count; ++g) {
+        const WeightedGrip& grip = constraints.grips[static_cast<std::size_t>(g)];
+        atGrips[static_cast<std::size_t>(grip.grip)] += grip.weight * all;
+    }
+}
+
 Projected project(const Constraint& constraint, Vec3 y) { return project(constraint, y, constraint.friction * y.x); }
 
 Projected project(const Constraint& constraint, Vec3 y, double cone)

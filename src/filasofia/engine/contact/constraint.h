@@ -3,7 +3,9 @@
 #include "filasofia/math/vec3.h"
 
 #include <array>
+#include <cstddef>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace filasofia::engine {
@@ -22,6 +24,7 @@ struct WeightedGrip {
 /// within Coulomb's cone. What is held wants bias + u = 0 in all three.
 struct Constraint {
     int first = 0, count = 0;  ///< its grips in the list of WeightedGrip
+    Vec3 point;                ///< [m] where it is, of all constraints from the same origin
     std::array<Vec3, 3> frame; ///< unit and orthogonal; the normal first
     Vec3 start;                ///< [m/s] u before the step changes any velocity
     Vec3 bias;                 ///< [m/s]
@@ -46,11 +49,17 @@ struct Constraints {
     }
 };
 
+/// Adds an impulse in the frame of constraint c to its grips: J^T F^T.
+void giveImpulse(const Constraints& constraints, std::size_t c, Vec3 impulse, std::span<Vec3> atGrips);
+
 /// Two tangents for a unit normal. Continuous but for two places on the ball.
 std::array<Vec3, 3> frameOf(Vec3 normal);
 /// A vector's parts along a frame's rows, and back.
 inline Vec3 inFrame(const std::array<Vec3, 3>& f, Vec3 v) { return {dot(f[0], v), dot(f[1], v), dot(f[2], v)}; }
 inline Vec3 inWorld(const std::array<Vec3, 3>& f, Vec3 v) { return v.x * f[0] + v.y * f[1] + v.z * f[2]; }
+
+/// Entry by entry.
+inline Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
 /// The impulse that the law allows nearest to y: none where it would pull, in the cone of friction otherwise; y itself
 /// of what is held. `slip` in [0, 1]: how much of the tangential part is left.

@@ -37,8 +37,9 @@ public:
     virtual void descend(double alpha) = 0; ///< x += alpha p, r -= alpha q
     virtual void turn(double beta) = 0;     ///< p = z + beta p
     virtual void smooth() = 0;              ///< w = D^-1 r
-    virtual double spread() = 0;            ///< z = w + B (r + what was added); returns r . z
-    virtual double bent() = 0;              ///< z . q
+    /// z = w + B (r + what was added - F shares), the shares of its pulls, if any; returns r . z
+    virtual double spread(std::span<const double> shares) = 0;
+    virtual double bent() = 0; ///< z . q
 
     // At the grips.
     virtual void readDirection(std::span<Vec3> p) const = 0;
@@ -47,6 +48,13 @@ public:
     virtual void addToResidual(std::span<const Vec3> impulses) = 0;    ///< to r
     virtual void addToSpread(std::span<const Vec3> impulses) = 0;      ///< to what B will be applied to, r left alone
     virtual void subtractSmoothed(std::span<const Vec3> impulses) = 0; ///< z -= D^-1 impulses
+
+    // Pulls at the grips, by which B can be corrected; only of bodies with a B that bears it.
+    [[nodiscard]] virtual bool correctable() const { return false; }
+    virtual void clearPulls() {}
+    virtual void addPull(std::span<const Vec3>) {}        ///< [N s] another column of F
+    virtual void answers(int, std::span<double>) const {} ///< [J] of a pull, per pull: F^T B F
+    virtual void weigh(std::span<double>) {}              ///< [J] per pull: F^T B (r + what was added), before spread()
 };
 
 } // namespace filasofia::engine

@@ -9,18 +9,8 @@ namespace {
 // A direction is followed to where its slope is this share of what it was, or less; looked for so many times at most.
 constexpr double kFlatEnough = 0.3;
 constexpr int kLooks = 6;
+constexpr int kHard = 4;             // iterations after which the coarse levels are corrected
 constexpr double kSteepEnough = 0.1; // a direction's slope over that of z: less steep ones are left for z
-
-// The filter is made anew where one in so many contacts has begun or ended, or its cone leaves another share of
-// friction.
-constexpr std::size_t kOthers = 64;
-constexpr double kOtherSlip = 1.5;
-
-// A link on a hinge can be pushed in some directions only. A contact whose normal is less than a milliradian away from
-// those in which it cannot would ask for forces without end.
-constexpr double kStiff = 1e-6;
-
-Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
 } // namespace
 
@@ -34,12 +24,15 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     chooseStiffness();
     firstGuess();
     makeFilter();
+    const auto isHeld = [](const Constraint& constraint) { return constraint.friction < 0.0; };
+    if (std::ranges::any_of(constraints.list, isHeld)) correctCoarseLevels();
 
     const linalg::SolveLimits& linear = limits.linear;
     CoupledReport report;
     report.rounds = 1;
     for (int raises = 0, followed = 0;; ++report.iterations, ++followed) {
-        const double rz = precondition(); // the energy of the error, as the preconditioner sees it
+        double rz = precondition(); // the energy of the error, as the preconditioner sees it
+        if (report.iterations == kHard && patches_.empty() && correctCoarseLevels()) rz = precondition();
         const bool number = rz >= 0.0 && std::isfinite(rz);
         report.residual = rz == 0.0 ? 0.0 : number ? std::sqrt(rz / (rz + energy_)) : 1.0;
         report.converged = report.residual <= linear.tolerance && impulsesSettled();
@@ -95,33 +88,9 @@ void CoupledSolve::begin(const std::vector<std::vector<Grip>>& gripsOf)
     rows_.assign(constraints_->list.size(), {});
     smallest_ = mass * limits_->smallChange;
     energy_ = smallest_ * limits_->smallChange;
+    patches_.clear();
     statesKept_ = false;
     restart_ = true;
-}
-
-void CoupledSolve::chooseStiffness()
-{
-    give_.resize(constraints_->grips.size());
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        const Constraint& constraint = constraints_->list[c];
-        const Mat3 turn{constraint.frame[0], constraint.frame[1], constraint.frame[2]};
-        double compliance = 0.0, anyDirection = 0.0;
-        for (int g = constraint.first; g < constraint.first + constraint.count; ++g) {
-            const WeightedGrip& grip = constraints_->grips[static_cast<std::size_t>(g)];
-            const Mat3 give = turn * compliance_[static_cast<std::size_t>(grip.grip)] * transpose(turn);
-            compliance += grip.weight * grip.weight * give[0].x;
-            anyDirection += grip.weight * grip.weight * trace(give);
-            give_[static_cast<std::size_t>(g)] = std::abs(grip.weight) * give;
-        }
-        if (constraint.friction >= 0.0 && !(compliance > kStiff * anyDirection)) compliance = 0.0;
-        const bool spring = constraint.give > 0.0, held = constraint.friction < 0.0;
-        const double kappa = held ? limits_->holding : limits_->stiffening;
-        const double rigid = compliance > 0.0 ? kappa / compliance : 0.0;
-        const double normal = spring ? constraint.give : rigid, tangential = spring && held ? constraint.give : rigid;
-        rows_[c].stiffness = {normal, tangential, tangential};
-        rows_[c].u = constraint.start;
-        if (compliance == 0.0) constraints_->list[c].impulse = {}; // nothing that could give way: it has no say
-    }
 }
 
 Vec3 CoupledSolve::reaction(std::size_t c, Vec3 u) const
@@ -137,47 +106,6 @@ Vec3 CoupledSolve::lawAlong(std::size_t c, Vec3 u) const
     const Row& row = rows_[c];
     if (!statesKept_) return project(constraints_->list[c], reaction(c, u), row.cone).impulse;
     return row.state.active ? times({1.0, row.state.slip, row.state.slip}, reaction(c, u)) : row.state.impulse;
-}
-
-void CoupledSolve::makeFilter()
-{
-    shares_.assign(sharing_.size(), 0.0);
-    const auto gripsOf = [&](std::size_t c) {
-        const Constraint& constraint = constraints_->list[c];
-        return std::pair(static_cast<std::size_t>(constraint.first),
-                         static_cast<std::size_t>(constraint.first + constraint.count));
-    };
-    const auto shareOf = [&](std::size_t g) -> double& {
-        return shares_[static_cast<std::size_t>(sharing_[static_cast<std::size_t>(constraints_->grips[g].grip)])];
-    };
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        Row& row = rows_[c];
-        row.state = row.now;
-        row.sigma = row.state.active ? times(row.stiffness, {1.0, row.state.slip, row.state.slip}) : Vec3{};
-        row.filter = {};
-        const auto [first, end] = gripsOf(c);
-        for (std::size_t g = first; row.state.active && g < end; ++g)
-            shareOf(g) += std::abs(constraints_->grips[g].weight);
-    }
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        Row& row = rows_[c];
-        if (row.sigma.x == 0.0) continue;
-        const auto [first, end] = gripsOf(c);
-        Mat3 give;
-        for (std::size_t g = first; g < end; ++g) give += shareOf(g) * give_[g];
-        const Mat3 sigma{{{row.sigma.x, 0.0, 0.0}, {0.0, row.sigma.y, 0.0}, {0.0, 0.0, row.sigma.z}}};
-        row.filter = inverse(Mat3::identity() + sigma * give) * sigma;
-    }
-}
-
-void CoupledSolve::renewFilter()
-{
-    const auto isOther = [](const Row& row) {
-        const Projected &now = row.now, &then = row.state;
-        return now.active != then.active || now.slip > kOtherSlip * then.slip || then.slip > kOtherSlip * now.slip;
-    };
-    const auto others = static_cast<std::size_t>(std::ranges::count_if(rows_, isOther));
-    if (others * kOthers > rows_.size()) makeFilter();
 }
 
 void CoupledSolve::gather(Read read)
@@ -196,24 +124,6 @@ Vec3 CoupledSolve::velocityOf(std::size_t c) const
         sum += grip.weight * at_[static_cast<std::size_t>(grip.grip)];
     }
     return inFrame(constraint.frame, sum);
-}
-
-template <class ImpulseOf> void CoupledSolve::giveImpulses(Add add, const ImpulseOf& impulseOf)
-{
-    std::fill(at_.begin(), at_.end(), Vec3{});
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        const Constraint& constraint = constraints_->list[c];
-        const Vec3 inFrame = impulseOf(c);
-        if (inFrame == Vec3{}) continue; // most are near, and do not push
-        const Vec3 impulse = inWorld(constraint.frame, inFrame);
-        for (int g = constraint.first; g < constraint.first + constraint.count; ++g) {
-            const WeightedGrip& grip = constraints_->grips[static_cast<std::size_t>(g)];
-            at_[static_cast<std::size_t>(grip.grip)] += grip.weight * impulse;
-        }
-    }
-    for (std::size_t b = 0; b < bodies_->size(); ++b)
-        ((*bodies_)[b]->*add)(std::span(at_).subspan(static_cast<std::size_t>(first_[b]),
-                                                     static_cast<std::size_t>(first_[b + 1] - first_[b])));
 }
 
 double CoupledSolve::multiply()
@@ -248,27 +158,6 @@ void CoupledSolve::firstGuess()
     for (Row& row : rows_) row.u += t * row.along;
     energy_ += t * t * std::max(0.0, bend);
     obey();
-}
-
-double CoupledSolve::precondition()
-{
-    for (CoupledBody* body : *bodies_) body->smooth();
-    gather(&CoupledBody::readSmoothed);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].probe = velocityOf(c);
-    giveImpulses(&CoupledBody::addToSpread, [&](std::size_t c) { return -(rows_[c].filter * rows_[c].probe); });
-    double rz = 0.0;
-    for (CoupledBody* body : *bodies_) rz += body->spread();
-    gather(&CoupledBody::readSpread);
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        Row& row = rows_[c];
-        const Vec3 filtered = row.filter * velocityOf(c);
-        rz -= dot(row.probe, filtered);
-        row.probe = filtered;
-    }
-    giveImpulses(&CoupledBody::subtractSmoothed, [&](std::size_t c) { return rows_[c].probe; });
-    gather(&CoupledBody::readSpread);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].step = velocityOf(c);
-    return rz;
 }
 
 bool CoupledSolve::impulsesSettled() const

@@ -2,8 +2,10 @@
 
 #include "filasofia/engine/contact/constraint.h"
 #include "filasofia/engine/contact/coupled_body.h"
+#include "filasofia/engine/contact/patch_correction.h"
 #include "filasofia/linalg/matrix_free_cg.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace filasofia::engine {
@@ -48,6 +50,7 @@ struct CoupledReport : linalg::NodeSolveReport {
 /// The preconditioner filters the stiff contact directions out of the smoother and the coarse level: with
 /// N = sum |w| s F D^-1 F^T per contact, s the weights that share a grip, and M = (1 + Sigma N)^-1 Sigma,
 ///     q = D^-1 r + B (r - J^T M J D^-1 r),   z = q - D^-1 J^T M J q.
+/// Where something is held, and where a few iterations did not do, B is told of it (PatchCorrection).
 class CoupledSolve {
 public:
     /// `gripsOf[b]`: the grips of body b; their places in one list follow from that order. Leaves x in the bodies and
@@ -66,7 +69,6 @@ private:
         Projected now;     ///< what the law says
         Projected state;   ///< that the filter was made for
         Vec3 sigma;        ///< [kg] in that state: zero where inactive, less where it slides
-        Mat3 filter;       ///< M
         Vec3 probe;        ///< of the filter
     };
     using Read = void (CoupledBody::*)(std::span<Vec3>) const;
@@ -75,6 +77,7 @@ private:
     void begin(const std::vector<std::vector<Grip>>& gripsOf);
     void chooseStiffness();
     void makeFilter();
+    bool correctCoarseLevels();                         ///< false where there is nothing to correct
     void renewFilter();                                 ///< where states have changed since it was made
     void gather(Read read);                             ///< at_ = what the bodies say at the grips
     [[nodiscard]] Vec3 velocityOf(std::size_t c) const; ///< F J at_
@@ -103,6 +106,8 @@ private:
     std::vector<Mat3> compliance_; ///< per grip
     std::vector<Mat3> give_;       ///< [1/kg] per grip of a constraint: compliance in its frame, times |weight|
     std::vector<Row> rows_;
+    std::vector<Mat3> filters_; ///< M, per constraint
+    PatchCorrection patches_;
     double energy_ = 0.0, smallest_ = 0.0;
 
     bool statesKept_ = false; ///< the law is linear from now on
@@ -115,5 +120,16 @@ private:
     double end_ = 0.0;        ///< slope there, the cones as wide as they were
     double endNow_ = 0.0;     ///< the same with the cones that there are now
 };
+
+template <class ImpulseOf> void CoupledSolve::giveImpulses(Add add, const ImpulseOf& impulseOf)
+{
+    std::fill(at_.begin(), at_.end(), Vec3{});
+    for (std::size_t c = 0; c < rows_.size(); ++c)
+        if (const Vec3 impulse = impulseOf(c); impulse != Vec3{}) // most are near, and do not push
+            giveImpulse(*constraints_, c, impulse, at_);
+    for (std::size_t b = 0; b < bodies_->size(); ++b)
+        ((*bodies_)[b]->*add)(std::span(at_).subspan(static_cast<std::size_t>(first_[b]),
+                                                     static_cast<std::size_t>(first_[b + 1] - first_[b])));
+}
 
 } // namespace filasofia::engine

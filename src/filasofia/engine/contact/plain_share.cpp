@@ -41,7 +41,7 @@ void PlainShare::smooth()
     s_ = r_;
 }
 
-double PlainShare::spread()
+double PlainShare::spread(std::span<const double>)
 {
     std::fill(z_.begin(), z_.end(), Vec3{});
     if (in_.solver) in_.solver->solveAgain(s_, z_);

@@ -30,7 +30,7 @@ public:
     [[nodiscard]] double mass() const override { return in_.mass; }
     double multiply() override;
     void smooth() override;
-    double spread() override;
+    double spread(std::span<const double> shares) override;
     void readDirection(std::span<Vec3> p) const override { read(p_, p); }
     void readSmoothed(std::span<Vec3> w) const override { read(w_, w); }
     void readSpread(std::span<Vec3> z) const override { read(z_, z); }
