@@ -22,8 +22,8 @@ std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, Body
     const auto head = [=](const Frame& now) { return now.softBody(bodies.polyp)->positions[top]; };
     const auto held = [=, &forceps] { return forceps.holding() == bodies.polyp; };
     const auto to = [](Vec3 place) { return [place](const Frame&) { return std::optional(place); }; };
-    const auto done = [&](std::string name, std::string instruction, auto when, auto target) {
-        return TaskStep{.name = std::move(name), .instruction = std::move(instruction), .done = when, .target = target};
+    const auto done = [&](const char* name, const char* instruction, auto when, auto target) {
+        return TaskStep{.name = name, .instruction = instruction, .done = when, .target = target};
     };
     const Vec3 root = patient.pose.position;
     return {done(

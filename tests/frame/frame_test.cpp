@@ -20,7 +20,7 @@ TEST_CASE("an empty frame holds no body")
     CHECK(Frame{}.rigidBody(BodyId{1}) == nullptr);
 }
 
-TEST_CASE("the force of contacts on a body: its own side of each; one with itself adds nothing")
+TEST_CASE("the force of contacts on a body: its own side of each, and one with itself adds nothing")
 {
     constexpr BodyId a{1}, b{2}, c{3};
     const Contact ab{.first = a, .second = b, .normal = {0, 1, 0}, .normalForce = 2.0, .friction = {0.5, 0, 0}};

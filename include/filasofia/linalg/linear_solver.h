@@ -20,6 +20,7 @@ public:
     /// `x` holds the first guess on entry; on return the solution, the best there was, or zero where there was none.
     /// Never throws for a bad matrix: see the report.
     virtual SolveReport solve(const LinearOperator& a, std::span<const Vec3> b, std::span<Vec3> x) = 0;
+    [[nodiscard]] virtual bool isDirect() const { return false; }
     /// x = A^-1 b, A the matrix of the last solve(), by a direct solver; false, and x left alone, by any other and
     /// where that solve failed.
     virtual bool solveAgain(std::span<const Vec3> b, std::span<Vec3> x)

@@ -38,7 +38,7 @@ struct CollisionDef {
 /// Nothing goes through anything, friction after Coulomb, forces as they follow from that: contact forces are found
 /// together with the motion (augmented Lagrangian; Alart and Curnier 1991).
 struct ExactContact {
-    int rounds = 8; ///< [-], in [1, 100], of five iterations in which a step finds out what touches and what slides
+    int rounds = 8; ///< [-], in [1, 100], of forty iterations in which a step finds out what touches and what slides
     double tolerance = 5e-3; ///< [-], in (0, 1), of forces, relative to all of them
 };
 /// Surfaces are pushed apart in proportion to how far they are inside each other: soft, and cheap.

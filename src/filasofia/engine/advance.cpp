@@ -77,10 +77,19 @@ void finishPieces(const SoftModel& model, std::size_t body, double dt, const std
                  system.leftover);
 }
 
+/// The impulses that a body was put back for are not where its next step is to start.
+void forget(std::size_t body, std::vector<Link>& links)
+{
+    for (Link& link : links)
+        for (const BodyPoint& point : link.sides)
+            if (point.of == BodyPoint::Of::Soft && point.body == body) link.next = {};
+}
+
 struct BodyOutcome {
     physics::BodySolve solve;
     std::uint32_t flags = 0;
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }
+    [[nodiscard]] bool has(StepFlag flag) const { return (flags & static_cast<std::uint32_t>(flag)) != 0; }
 };
 
 /// Moves a body by what was solved; where that is no state to go on with it is put back, and creeps.
@@ -141,7 +150,7 @@ CoupledLimits limitsOf(const Model& model, const Island& island, const physics::
     // Rigid bodies in a tower sway as one, with more inertia than each has by itself. And for so few unknowns it costs
     // nothing to be exact.
     constexpr double rigidStiffening = 100.0, rigidHolding = 1000.0; // friction does not bear more
-    constexpr int perRound = 5, rigidRounds = 4, rigidRaises = 10;
+    constexpr int perRound = 40, rigidRaises = 10;
     constexpr double rigidTolerance = 0.01;
     constexpr double smallAcceleration = 1.0; // [m/s^2] what nothing in particular does to a body, for a scale
 
@@ -154,7 +163,6 @@ CoupledLimits limitsOf(const Model& model, const Island& island, const physics::
     if (island.soft.empty()) {
         how.stiffening = rigidStiffening;
         how.holding = rigidHolding;
-        how.following *= rigidRounds;
         how.raises = rigidRaises;
         how.tolerance *= rigidTolerance;
     }
@@ -189,6 +197,7 @@ void advance(const Model& model, double dt, const physics::StepBudget* budget, c
             for (std::size_t b : island.soft) {
                 outcomes[b] = outcomeOf(model.softBodies[b].id, solve);
                 settle(b);
+                if (outcomes[b].has(StepFlag::Undone)) forget(b, coupling.links);
             }
             if (island.soft.empty())
                 rigidOutcomes.push_back(outcomeOf(model.rigidBodies[coupling.rigid[island.rigid[0]].body].id, solve));

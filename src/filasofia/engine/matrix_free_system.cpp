@@ -137,7 +137,7 @@ void MatrixFreeSystem::orderNodes(const SoftModel& model)
 void MatrixFreeSystem::makeVectors(int heldBlocks)
 {
     for (NodeArray* array : {&x_, &v_, &dv_, &scratch_}) *array = NodeArray(freeBlocks_, heldBlocks);
-    for (NodeArray* array : {&residual_, &product_, &handedOn_, &zeros_}) *array = NodeArray(freeBlocks_);
+    for (NodeArray* array : {&residual_, &product_, &handedOn_, &zeros_, &outer_}) *array = NodeArray(freeBlocks_);
     sums_.resize(static_cast<std::size_t>(linalg::nodeParts(freeBlocks_).count()));
     cg_ = linalg::MatrixFreeCg(freeBlocks_, heldBlocks);
 }
@@ -221,6 +221,7 @@ void MatrixFreeSystem::loadImpulses(std::span<const Vec3> forces, std::span<cons
         for (int slot = parts[part].begin; slot < parts[part].end; ++slot) {
             const int node = nodeOf_[slot];
             store(scale_ * leftover[node], handedOn_[slot]);
+            if (free_) store(scale_ * dt * forces[node], outer_[slot]);
             store(scale_ * (dt * forces[node] + leftover[node]), residual_[slot]);
         }
     });
@@ -233,6 +234,7 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
     const bool implicit = std::holds_alternative<physics::ImplicitEuler>(model.integrator);
     const ImplicitWeights weights = implicit ? implicitWeights(dt, rayleigh) : explicitWeights(dt, rayleigh);
     massWeight_ = inertia * weights.mass;
+    massLoss_ = dt * rayleigh.mass;
     elasticLoss_ = weights.stiffness > 0.0 ? 1.0 - 0.5 * dt * dt / weights.stiffness : 0.0;
     for (std::size_t i = 0; i < pins_.size(); ++i) diagonal_[i] = asFloat(weights.stiffness) * pins_[i];
 
@@ -286,19 +288,24 @@ linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limit
 {
     load(dv, {}, dv_, pool);
     const linalg::NodeSolveReport report = cg_.solve(*this, preconditioner_, residual_, size_, dv_, limits, pool);
-    finish(report, dv, leftover, pool);
+    finish(report, rigidPush(), dv, leftover, pool);
     return report;
 }
 
 void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> leftover,
                               WorkerPool& pool)
 {
+    finish(report, {}, dv, leftover, pool);
+}
+
+void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, const RigidMotion& push, std::span<Vec3> dv,
+                              std::span<Vec3> leftover, WorkerPool& pool)
+{
     // What a solve lacks that was cut short could do harm: it is not handed on, and the body gives up some motion for
     // it.
     const double share = report.converged ? kHandedOn : 0.0;
     const double held = std::max(heldBack(pool), report.converged ? 0.0 : report.residual);
     const RigidMotion rigid = held > 0.0 ? rigidMotion() : RigidMotion{};
-    const RigidMotion push = report.converged ? RigidMotion{} : rigidPush(); // so much of it can be done at once
     const Parts parts{freeNodes_, kNodesPerPart};
     pool.run(parts.count(), [&](int part) {
         for (int slot = parts[part].begin; slot < parts[part].end; ++slot) {
@@ -338,7 +345,11 @@ RigidMotion MatrixFreeSystem::rigidMotion() const
 
 RigidMotion MatrixFreeSystem::rigidPush() const
 {
-    return rigidMotionOf([&](int slot) { return 1.0 / massWeight_ * vectorAt(residual_, slot); });
+    return rigidMotionOf([&](int slot) {
+        const double mass = masses_[slot];
+        return 1.0 / massWeight_ * (vectorAt(outer_, slot) - massLoss_ * mass * vectorAt(v_, slot)) -
+               mass * vectorAt(dv_, slot);
+    });
 }
 
 template <class MomentumOf> RigidMotion MatrixFreeSystem::rigidMotionOf(const MomentumOf& momentumOf) const

@@ -42,7 +42,8 @@ public:
     /// The change of the velocities, `dv` holding the first guess, and the impulse [N s] that the solve left undone.
     linalg::NodeSolveReport solve(const linalg::SolveLimits& limits, std::span<Vec3> dv, std::span<Vec3> leftover,
                                   WorkerPool& pool);
-    /// What follows when dv and the residual were found elsewhere, together with other bodies'.
+    /// What follows when dv and the residual were found elsewhere, together with other bodies'. What that solve lacks
+    /// is not done here as far as the body as a whole could: what it touches would have its say.
     void finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> leftover, WorkerPool& pool);
     /// Per block of sixteen elements, bits for those that may have a principal stress of `limit` [Pa] or more, with the
     /// rotations of the step's start; false where none has.
@@ -99,10 +100,14 @@ private:
     /// only in what it does besides moving as a rigid body: w is measured from that.
     double heldBack(WorkerPool& pool);
 
+    void finish(const linalg::NodeSolveReport& report, const RigidMotion& push, std::span<Vec3> dv,
+                std::span<Vec3> leftover, WorkerPool& pool);
+
     /// The rigid motion that has the momentum and the angular momentum of the masses times v + dv; none where something
     /// holds the body.
     [[nodiscard]] RigidMotion rigidMotion() const;
-    /// The one that the residual's impulse would give to the body as a whole: elasticity does not resist it.
+    /// The one that the change of velocities lacks of what pushes the body from outside. Elasticity does not resist it,
+    /// and so neither tolerance nor rounding may decide about it: a stiff body that spins freely would gain spin.
     [[nodiscard]] RigidMotion rigidPush() const;
     template <class MomentumOf> [[nodiscard]] RigidMotion rigidMotionOf(const MomentumOf& momentumOf) const;
 
@@ -131,7 +136,9 @@ private:
     std::vector<linalg::NodeBlock> quaternions_; ///< of the elements
 
     double massWeight_ = 1.0;  ///< of the masses in the step's matrix
+    double massLoss_ = 0.0;    ///< [-] damping of the masses in the step's right-hand side
     double elasticLoss_ = 0.5; ///< (h^2 / 2 + h b) / (h^2 + h b)
+    linalg::NodeArray outer_;  ///< of a free body: the impulse from outside, scaled
     linalg::NodeArray x_, v_, residual_, handedOn_, dv_, scratch_, product_, zeros_;
     double size_ = 0.0; ///< square of the right-hand side
     std::vector<double> sums_;

@@ -30,6 +30,7 @@ public:
         return {.iterations = 1, .residual = residual(a, b, x)};
     }
 
+    [[nodiscard]] bool isDirect() const override { return true; }
     bool solveAgain(std::span<const Vec3> b, std::span<Vec3> x) override
     {
         if (factor_.info() != Eigen::Success || factor_.rows() != static_cast<Eigen::Index>(3 * b.size())) return false;

@@ -1,5 +1,7 @@
 #include "filasofia/linalg/dense_cholesky.h"
 
+#include "filasofia/linalg/eigen_blocking.h"
+
 #include <Eigen/Cholesky>
 
 namespace filasofia::linalg {
@@ -11,6 +13,7 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 
 bool DenseCholesky::factorise(std::span<const double> matrix, int n)
 {
+    fixBlocking();
     lower_.assign(matrix.begin(), matrix.end());
     Eigen::Map<RowMajor> in(lower_.data(), n, n);
     const Eigen::LLT<Eigen::Ref<RowMajor>> factor(in); // in its place

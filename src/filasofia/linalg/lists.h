@@ -73,7 +73,7 @@ private:
         constexpr int kRoom = 8; // a node that an edit reaches is soon reached again
         const ListRange old = ranges[list];
         const auto begin = static_cast<int>(values.size());
-        values.resize(values.size() + static_cast<std::size_t>(old.end - old.begin + kRoom));
+        values.resize(values.size() + static_cast<std::size_t>(old.end) - static_cast<std::size_t>(old.begin) + kRoom);
         std::copy(values.begin() + old.begin, values.begin() + old.end, values.begin() + begin);
         ranges[list] = {begin, begin + old.end - old.begin};
         rooms_[list] = static_cast<int>(values.size());

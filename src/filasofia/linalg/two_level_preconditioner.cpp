@@ -1,6 +1,7 @@
 #include "filasofia/linalg/two_level_preconditioner.h"
 
 #include "filasofia/core/worker_pool.h"
+#include "filasofia/linalg/eigen_blocking.h"
 #include "filasofia/linalg/node_parts.h"
 
 #include <Eigen/Cholesky>
@@ -49,6 +50,7 @@ Eigen::MatrixXd galerkin(const PreconditionerInput& in)
 /// Of a positive definite matrix whose lower half is given, made a little larger so that it is well conditioned.
 Eigen::LLT<Eigen::MatrixXd> factorOf(Eigen::MatrixXd coarse)
 {
+    fixBlocking();
     const double largest = coarse.diagonal().maxCoeff();
     for (Eigen::Index i = 0; i < coarse.rows(); ++i) coarse(i, i) += kShift * coarse(i, i) + 1e-12 * largest;
     return Eigen::LLT<Eigen::MatrixXd>(coarse);

@@ -86,7 +86,7 @@ Value depthPath(const Material& m)
         if (!std::isfinite(sample.time) || !isFinite(sample.pose)) continue;
         const Vec3 way = before ? sample.pose.position - before->pose.position : Vec3{};
         const double dt = before ? sample.time - before->time : 0.0;
-        if (dt > 0.0 && dt <= m.def.maximumGap && length(way) <= m.def.fastest * dt) {
+        if (before && dt > 0.0 && dt <= m.def.maximumGap && length(way) <= m.def.fastest * dt) {
             const Vec3 axis = normalized(rotate(before->pose.orientation, m.tool->axis) +
                                          rotate(sample.pose.orientation, m.tool->axis));
             sum += std::abs(dot(way, axis));

@@ -90,10 +90,13 @@ physics::StepReport Replayer::step(const StepRecord& recorded, const std::functi
     const physics::StepBudget budget = impl_->budgetOf(recorded);
     impl_->made = recorded.report.step;
     const double dt = recorded.report.dt;
-    if (impl_->server) impl_->server->expect(std::move(commands));
+    if (!impl_->server) {
+        if (between) between();
+        return impl_->engine->step({.dt = dt, .commands = commands, .budget = &budget});
+    }
+    impl_->server->expect(std::move(commands));
     if (between) between();
-    if (impl_->server) return impl_->server->stepAgain(dt, budget);
-    return impl_->engine->step({.dt = dt, .commands = commands, .budget = &budget});
+    return impl_->server->stepAgain(dt, budget);
 }
 
 std::optional<Difference> replay(const std::vector<StepRecord>& steps, physics::PhysicsEngine& fresh)

@@ -204,7 +204,7 @@ void Haptics::place(HapticId id, double scale, const Pose& origin)
     each.tellPlace();
 }
 
-void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& clock, Post post)
+void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& clock, const Post& post)
 {
     const std::lock_guard lock(mutex_);
     for (const auto& [field, value] :

@@ -39,7 +39,7 @@ public:
     // A run. Between begin() and end() none may be added.
     /// Throws an Error where the run asks for a device or motion that cannot be. Headless the servos tick at their
     /// rates in simulated time, within each step and last at its end, so that a run comes out the same every time.
-    void begin(const RunDef& run, const PhysicsDef& physics, const Clock& clock, Post post);
+    void begin(const RunDef& run, const PhysicsDef& physics, const Clock& clock, const Post& post);
     /// Before a step of dt [s] that is not paused and will end at `end` [s], on the stepping thread.
     void beforeStep(double dt, double end, physics::PhysicsServer& physics);
     /// After every step, on the stepping thread.

@@ -51,8 +51,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
             keepStates();
             ++report.rounds;
         }
-        report.converged = !turn(rz); // where nothing bends, what we have is the best there is
-        if (report.converged) break;
+        if (!turn(rz)) break; // nothing bends: numbers have run out
         advance();
     }
     report.mismatch = mismatch();
