@@ -213,6 +213,8 @@ struct Apply {
             for (std::size_t b = 0; b < topologies.size(); ++b) // of one that was edited a reset brings back what was
                 if (topologies[b].start && topologies[b].boundary->revision == 0)
                     *topologies[b].start = model.softBodies[b];
+            for (std::size_t b = 0; b < topologies.size(); ++b) // where it was put is no way that tissue went
+                if (state.softBodies[b].x != stateBefore.softBodies[b].x) topologies[b].followed = false;
         } catch (const std::exception& problem) {
             putBack(modelBefore, stateBefore, problem.what());
         } catch (...) {
@@ -227,6 +229,7 @@ private:
     {
         BodyTopology& topology = topologies[b];
         topology.strokes.clear();
+        topology.followed = false; // it is put back: no way that tissue went
         if (!topology.boundary || topology.boundary->revision == 0) return;
         SoftModel whole = std::move(*topology.start);
         whole.id = model.softBodies[b].id;
