@@ -121,3 +121,17 @@ TEST_CASE("a crumb moves beside the rest of its body as it does by itself, solve
     alone.run(200, 1e-3);
     for (std::size_t i = 0; i < 4; ++i) CHECK(distance(together.soft().x[first + i], alone.soft().x[i]) < 1e-5);
 }
+
+TEST_CASE("of a free body that leaves the scene with its crumb the crumb is taken out, and the body stays")
+{
+    physics::SoftBodyDef def = blockAndCrumb();
+    def.attachments.clear();
+    Stage stage;
+    stage.add(def);
+    stage.step(0.0);
+    REQUIRE(stage.model().pieces.size() == 2);
+    for (Vec3& x : stage.soft().x) x.y -= 20.0;
+    CHECK(stage.step(1e-3).topology.lost == 1);
+    CHECK(stage.model().removed == std::set<int>{1});
+    CHECK(stage.step(1e-3).topology.lost == 0);
+}

@@ -4,6 +4,7 @@
 #include "filasofia/engine/rigid_motion.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace filasofia::engine {
@@ -154,12 +155,16 @@ void slowSpin(const SoftModel& model, double mostTurn, double dt, SoftState& sta
 
 std::vector<int> piecesBeyond(double far, const SoftModel& model, const SoftState& state)
 {
-    std::vector<int> beyond;
+    std::vector<std::tuple<bool, std::size_t, int>> beyond; // the body itself, nodes, number
     for (const BodyPiece& piece : model.pieces) {
         const auto first = static_cast<std::size_t>(piece.nodes.front());
-        if (distance(state.x[first], model.rest[first]) > far) beyond.push_back(piece.number);
+        if (distance(state.x[first], model.rest[first]) > far)
+            beyond.emplace_back(piece.number == 0, piece.nodes.size(), piece.number);
     }
-    return beyond;
+    std::ranges::sort(beyond);
+    std::vector<int> numbers;
+    for (const auto& [itself, nodes, number] : beyond) numbers.push_back(number);
+    return numbers;
 }
 
 } // namespace filasofia::engine

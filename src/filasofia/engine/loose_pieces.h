@@ -25,7 +25,8 @@ void finishCrumbs(const SoftModel& model, ImplicitWeights weights, const SoftSta
 /// that steps of dt [s] can follow, and would only gather energy. Their momentum stays.
 void slowSpin(const SoftModel& model, double mostTurn, double dt, SoftState& state);
 
-/// Numbers of pieces whose first node is farther than `far` [m] from where it began.
+/// Numbers of pieces whose first node is farther than `far` [m] from where it began: the smallest first, by nodes, and
+/// last of all 0, the body itself, as what is left of a body is not to be removed.
 std::vector<int> piecesBeyond(double far, const SoftModel& model, const SoftState& state);
 
 } // namespace filasofia::engine
