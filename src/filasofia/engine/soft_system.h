@@ -19,7 +19,8 @@ struct SoftSystem {
     std::unique_ptr<AssembledSystem> assembled;   ///< in double, the reference
 
     HeldParts held;
-    bool tuned = false; ///< the model was in a tune's hands: it need not be what its Def says
+    bool tuned = false;    ///< the model was in a tune's hands: it need not be what its Def says
+    bool outdated = false; ///< it is not the model's any more: made anew before the next solve
 
     std::vector<Vec3> forces;             ///< [N] gravity, given, pressure, pins
     std::vector<Vec3> x, v, dv, leftover; ///< the new state, until it is known to be finite
