@@ -118,18 +118,18 @@ std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces)
 }
 
 void finishCrumbs(const SoftModel& model, ImplicitWeights weights, const SoftState& state,
-                  const std::vector<char>& linked, const std::function<Vec3(int node)>& undone, std::span<Vec3> dv,
+                  const std::vector<char>& linked, const std::function<NodeSolve(int node)>& solved, std::span<Vec3> dv,
                   std::span<Vec3> leftover)
 {
     for (const BodyPiece& piece : model.pieces) {
         const auto isLinked = [&](int node) { return linked[static_cast<std::size_t>(node)] != 0; };
         if (piece.elements.empty() || isHeld(model, piece) || std::ranges::any_of(piece.nodes, isLinked)) continue;
         std::vector<Vec3> impulses;
-        for (int node : piece.nodes) impulses.push_back(undone(node));
+        for (int node : piece.nodes) impulses.push_back(solved(node).undone);
         const std::vector<Vec3> more = solve(CrumbMatrix(model, piece, weights, state), std::move(impulses));
         for (std::size_t k = 0; k < more.size(); ++k) {
             const auto i = static_cast<std::size_t>(piece.nodes[k]);
-            dv[i] += more[k];
+            dv[i] = solved(piece.nodes[k]).dv + more[k];
             leftover[i] = {};
         }
     }
