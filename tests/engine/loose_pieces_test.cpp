@@ -158,3 +158,35 @@ TEST_CASE("a crumb moves as it does by itself also where the solve of the whole 
         for (std::size_t i = 0; i < 4; ++i) CHECK(distance(together.soft().v[first + i], alone.soft().v[i]) < 1e-3);
     }
 }
+
+TEST_CASE("a piece knows whether pins hold it, also after they are released and tuned")
+{
+    physics::SoftBodyDef def = blockAndCrumb();
+    const auto node = static_cast<int>(std::get<std::shared_ptr<const geometry::TetMesh>>(def.mesh)->nodes.size()) - 1;
+    def.attachments.push_back({.nodes = {node}, .stiffness = 1e-3});
+    Stage stage;
+    stage.add(def);
+    stage.step(0.0);
+    const auto held = [&] { return std::vector<bool>{stage.model().pieces[0].held, stage.model().pieces[1].held}; };
+    REQUIRE(stage.model().pieces.size() == 2);
+    CHECK(held() == std::vector{true, true});
+    const auto spinsOn = [&] { // faster than a piece may that nothing holds
+        spin(stage, stage.model().pieces[1], {2e3, 0, 0});
+        const SoftState before = stage.soft();
+        slowSpin(stage.model(), 0.25, 1e-3, stage.soft());
+        return stage.soft().v == before.v;
+    };
+    CHECK(spinsOn());
+    stage.post(physics::Release{{2}});
+    stage.step(0.0);
+    CHECK(held() == std::vector{true, false});
+    CHECK_FALSE(spinsOn());
+    stage.post(physics::Tune{[node](physics::PhysicsEngine& engine) {
+        dynamic_cast<World&>(engine).model().softBodies[0].pins.springs = {{node, {}, 1e-3}};
+    }});
+    stage.step(0.0);
+    CHECK(held() == std::vector{true, true});
+    stage.post(physics::Release{{1}});
+    stage.step(0.0);
+    CHECK(held() == std::vector{false, true});
+}

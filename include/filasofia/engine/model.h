@@ -46,6 +46,7 @@ struct BodyPiece {
     int number = 0;            ///< as physics::LoosePiece tells it
     std::vector<int> nodes;    ///< ascending
     std::vector<int> elements; ///< ascending; of a crumb, else none
+    bool held = false;         ///< pins hold some of its nodes
 };
 
 /// What a soft body is.

@@ -169,6 +169,7 @@ struct Apply {
             if (group == pins.groups.end()) continue;
             const auto place = group - pins.groups.begin();
             releaseGroup(static_cast<std::size_t>(place), pins);
+            findHeld(pins, model.softBodies[b].pieces);
             if (SoftModel* start = topologies[b].start.get())
                 releaseGroup(static_cast<std::size_t>(place), start->pins);
             haveRemade(b, true); // its Def holds more than it does
@@ -208,6 +209,7 @@ struct Apply {
             checkSameBodies(modelBefore);
             recheck();
             forgetReplacedSurfaces(modelBefore);
+            for (SoftModel& body : model.softBodies) findHeld(body.pins, body.pieces);
             changed = true;
             for (std::size_t b = 0; b < topologies.size(); ++b) // of one that was edited a reset brings back what was
                 if (topologies[b].start && topologies[b].boundary->revision == 0)

@@ -10,13 +10,6 @@
 namespace filasofia::engine {
 namespace {
 
-bool isHeld(const SoftModel& model, const BodyPiece& piece)
-{
-    const auto inPiece = [&](const PinSpring& pin) { return std::ranges::binary_search(piece.nodes, pin.node); };
-    return std::ranges::any_of(piece.nodes, [&](int i) { return model.pins.hard[static_cast<std::size_t>(i)]; }) ||
-           std::ranges::any_of(model.pins.springs, inPiece);
-}
-
 /// The matrix of an implicit step for one piece, its nodes numbered by their places in its list.
 class CrumbMatrix {
 public:
@@ -114,7 +107,17 @@ std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces)
         if (piece.elements.size() > kCrumb) piece.elements = {};
     std::erase_if(list,
                   [&](const BodyPiece& each) { return each.nodes.empty() || model.removed.contains(each.number); });
+    findHeld(model.pins, list);
     return list;
+}
+
+void findHeld(const Pins& pins, std::vector<BodyPiece>& pieces)
+{
+    if (pieces.empty()) return;
+    std::vector<bool> held(pins.hard);
+    for (const PinSpring& pin : pins.springs) held[static_cast<std::size_t>(pin.node)] = true;
+    const auto isHeld = [&](int node) { return held[static_cast<std::size_t>(node)]; };
+    for (BodyPiece& piece : pieces) piece.held = std::ranges::any_of(piece.nodes, isHeld);
 }
 
 void finishCrumbs(const SoftModel& model, ImplicitWeights weights, const SoftState& state,
@@ -123,7 +126,7 @@ void finishCrumbs(const SoftModel& model, ImplicitWeights weights, const SoftSta
 {
     for (const BodyPiece& piece : model.pieces) {
         const auto isLinked = [&](int node) { return linked[static_cast<std::size_t>(node)] != 0; };
-        if (piece.elements.empty() || isHeld(model, piece) || std::ranges::any_of(piece.nodes, isLinked)) continue;
+        if (piece.elements.empty() || piece.held || std::ranges::any_of(piece.nodes, isLinked)) continue;
         std::vector<Vec3> impulses;
         for (int node : piece.nodes) impulses.push_back(solved(node).undone);
         const std::vector<Vec3> more = solve(CrumbMatrix(model, piece, weights, state), std::move(impulses));
@@ -138,7 +141,7 @@ void finishCrumbs(const SoftModel& model, ImplicitWeights weights, const SoftSta
 void slowSpin(const SoftModel& model, double mostTurn, double dt, SoftState& state)
 {
     for (const BodyPiece& piece : model.pieces) {
-        if (isHeld(model, piece)) continue;
+        if (piece.held) continue;
         const auto at = [&](int i) { return static_cast<std::size_t>(piece.nodes[static_cast<std::size_t>(i)]); };
         const RigidMotion motion = rigidMotionOf(
             static_cast<int>(piece.nodes.size()), [&](int i) { return model.masses[at(i)]; },

@@ -14,6 +14,9 @@ namespace filasofia::engine {
 /// whole.
 std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces);
 
+/// Says of every piece whether pins hold it: after they changed.
+void findHeld(const Pins& pins, std::vector<BodyPiece>& pieces);
+
 /// What a solve of A dv = b found for a node, and what it left undone: b - A dv.
 struct NodeSolve {
     Vec3 dv;     ///< [m/s]
