@@ -11,8 +11,9 @@ struct HeldParts {
     std::vector<int> holders; ///< per node; empty where none is held
 };
 
-/// One soft body's equations of one step, and the memory they are made in. Nothing here outlives a step but for speed:
-/// all of it follows from the model. One of the two kinds is there.
+/// One soft body's equations of one step, and the memory they are made in. What of it outlives a step follows from the
+/// model, but for the two flags and for what a cut body's preconditioner still has of the mesh before: that follows
+/// from its edits. One of the two kinds is there.
 struct SoftSystem {
     std::unique_ptr<MatrixFreeSystem> matrixFree; ///< in float, what a body has unless it asks for something else
     std::unique_ptr<MatrixFreeShare> share;       ///< of the first kind, once it had to be solved with other bodies
