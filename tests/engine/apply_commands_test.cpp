@@ -1,3 +1,5 @@
+#include "filasofia/engine/stages.h"
+
 #include "engine/stage.h"
 
 using namespace filasofia;
@@ -159,4 +161,39 @@ TEST_CASE("a body added and removed between two steps never was")
     a.run(5, 0.01);
     b.run(5, 0.01);
     CHECK(a.world.hash() == b.world.hash());
+}
+
+TEST_CASE("however many commands change a body in a step, its solver is made anew once, after the last")
+{
+    SoftBodyDef def = hangingBox();
+    def.attachments = {};
+    for (int node = 0; node < 10; ++node) def.attachments.push_back({.nodes = {node}, .stiffness = 10.0});
+    World world{{.threads = 1}};
+    Model model;
+    State state;
+    Systems systems;
+    Topologies topologies;
+    StepReport report;
+    std::vector<Command> commands;
+    const auto post = [&](auto command) {
+        commands.emplace_back(std::in_place_type<decltype(command)>, std::move(command));
+    };
+    post(AddBody{{1}, std::make_shared<const BodyDef>(def), world.build(def), {1}});
+    applyCommands(commands, world, model, state, systems, topologies, report);
+    CHECK_FALSE(systems[0].outdated); // built with its body
+
+    const auto* before = systems[0].matrixFree.get();
+    commands.clear();
+    for (std::uint32_t id = 1; id <= 10; ++id) post(Release{{id}});
+    post(SetMaterial{{1}, FemMaterial{.youngModulus = 50e3}, nullptr});
+    applyCommands(commands, world, model, state, systems, topologies, report);
+    CHECK(model.softBodies[0].pins.springs.empty());
+    CHECK(systems[0].matrixFree.get() == before);
+    CHECK((systems[0].outdated && systems[0].tuned));
+    remakeSystems(model, 1e-3, systems);
+    CHECK(systems[0].matrixFree.get() != before);
+    CHECK((!systems[0].outdated && systems[0].tuned));
+    before = systems[0].matrixFree.get();
+    remakeSystems(model, 1e-3, systems);
+    CHECK(systems[0].matrixFree.get() == before);
 }

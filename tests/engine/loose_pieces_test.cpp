@@ -121,3 +121,72 @@ TEST_CASE("a crumb moves beside the rest of its body as it does by itself, solve
     alone.run(200, 1e-3);
     for (std::size_t i = 0; i < 4; ++i) CHECK(distance(together.soft().x[first + i], alone.soft().x[i]) < 1e-5);
 }
+
+TEST_CASE("of a free body that leaves the scene with its crumb the crumb is taken out, and the body stays")
+{
+    physics::SoftBodyDef def = blockAndCrumb();
+    def.attachments.clear();
+    Stage stage;
+    stage.add(def);
+    stage.step(0.0);
+    REQUIRE(stage.model().pieces.size() == 2);
+    for (Vec3& x : stage.soft().x) x.y -= 20.0;
+    CHECK(stage.step(1e-3).topology.lost == 1);
+    CHECK(stage.model().removed == std::set<int>{1});
+    CHECK(stage.step(1e-3).topology.lost == 0);
+}
+
+TEST_CASE("a crumb moves as it does by itself also where the solve of the whole body is cut short")
+{
+    Stage together, alone;
+    physics::SoftBodyDef def = blockAndCrumb();
+    def.solver = physics::ConjugateGradient{.maxIterations = 1, .tolerance = 1e-6};
+    def.attachments.clear(); // free: what the solve lacks becomes a push of the whole
+    together.add(def);
+    alone.add(crumbAlone());
+    for (Stage* stage : {&together, &alone}) {
+        stage->post(physics::SetGravity{{0, 0, -9.81}});
+        stage->step(0.0);
+    }
+    spin(together, together.model().pieces[1], {100.0, 50.0, -20.0});
+    const std::size_t first = together.soft().x.size() - 4;
+    for (std::size_t i = 0; i < 4; ++i) alone.soft().v[i] = together.soft().v[first + i];
+    for (std::size_t i = 0; i < first; ++i) together.soft().x[i] *= 1.0 + 0.05 * std::sin(static_cast<double>(i));
+    for (int step = 0; step < 20; ++step) {
+        CHECK(together.step(1e-3).has(physics::StepFlag::NotConverged));
+        alone.step(1e-3);
+        for (std::size_t i = 0; i < 4; ++i) CHECK(distance(together.soft().v[first + i], alone.soft().v[i]) < 1e-3);
+    }
+}
+
+TEST_CASE("a piece knows whether pins hold it, also after they are released and tuned")
+{
+    physics::SoftBodyDef def = blockAndCrumb();
+    const auto node = static_cast<int>(std::get<std::shared_ptr<const geometry::TetMesh>>(def.mesh)->nodes.size()) - 1;
+    def.attachments.push_back({.nodes = {node}, .stiffness = 1e-3});
+    Stage stage;
+    stage.add(def);
+    stage.step(0.0);
+    const auto held = [&] { return std::vector<bool>{stage.model().pieces[0].held, stage.model().pieces[1].held}; };
+    REQUIRE(stage.model().pieces.size() == 2);
+    CHECK(held() == std::vector{true, true});
+    const auto spinsOn = [&] { // faster than a piece may that nothing holds
+        spin(stage, stage.model().pieces[1], {2e3, 0, 0});
+        const SoftState before = stage.soft();
+        slowSpin(stage.model(), 0.25, 1e-3, stage.soft());
+        return stage.soft().v == before.v;
+    };
+    CHECK(spinsOn());
+    stage.post(physics::Release{{2}});
+    stage.step(0.0);
+    CHECK(held() == std::vector{true, false});
+    CHECK_FALSE(spinsOn());
+    stage.post(physics::Tune{[node](physics::PhysicsEngine& engine) {
+        dynamic_cast<World&>(engine).model().softBodies[0].pins.springs = {{node, {}, 1e-3}};
+    }});
+    stage.step(0.0);
+    CHECK(held() == std::vector{true, true});
+    stage.post(physics::Release{{1}});
+    stage.step(0.0);
+    CHECK(held() == std::vector{false, true});
+}

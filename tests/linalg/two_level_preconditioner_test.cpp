@@ -204,3 +204,29 @@ TEST_CASE("any number of threads gives the same bits")
         }
     }
 }
+
+TEST_CASE("a node that is interpolated anew follows the coarse nodes as told last, and M^-1 stays symmetric")
+{
+    std::mt19937 random(6);
+    WorkerPool pool(1);
+    const Problem problem(random, 50, 40, 6);
+    TwoLevelPreconditioner m = turned(problem, random);
+    const TwoLevelPreconditioner fresh = m;
+    const Interpolation own = m.interpolation(3);
+    m.interpolate(3, {.corners = {1, 1, 4, 0}, .weights = {0.5f, 0.5f, 0.25f, 0.0f}}); // one corner twice
+    m.interpolate(3, own);
+    m.interpolate(3, own);
+    CHECK_FALSE(m.takeCoarseLevel(TwoLevelPreconditioner{})); // one without a coarse level
+    CHECK(m.coarseNodes() == 6);
+    TwoLevelPreconditioner as = fresh;
+    const NodeArray a = randomNodes(random, 40), b = randomNodes(random, 40);
+    NodeArray za(a.blocks()), zb(b.blocks()), fa(a.blocks());
+    m.apply(a, za, pool);
+    m.apply(b, zb, pool);
+    as.apply(a, fa, pool);
+    CHECK((dense(za, 40) - dense(fa, 40)).norm() <= 1e-6 * dense(fa, 40).norm());
+    CHECK(std::abs(dense(a, 40).dot(dense(zb, 40)) - dense(b, 40).dot(dense(za, 40))) <=
+          1e-6 * dense(a, 40).norm() * dense(zb, 40).norm());
+    TwoLevelPreconditioner other(problem.input());
+    CHECK(m.takeCoarseLevel(std::move(other)));
+}

@@ -43,11 +43,25 @@ TEST_CASE("a hand arrives as it was given, one that cannot be is an error at the
     forceps.dynamic = true;
     forceps.mass = GivenInertia{.mass = 0.1};
     const BodyId free = server.add(forceps);
-    checkError([&] { server.setHaptic(told1, good, 1); }, {"forceps", "the base of a body with joints only", "got 1"});
+    checkError([&] { server.setHaptic(told1, good, 1); }, {"forceps", "element 1", "only the base, element 0"});
     checkError([&] { server.setHaptic(free, good); },
                {"forceps", "a hand cannot hold a body with joints that forces move"});
     server.step(0.1);
     told.commands.clear();
     server.step(0.1);
     CHECK(told.commands.empty());
+}
+
+TEST_CASE("a base that another body takes along is in no hand until that body is removed")
+{
+    Told told;
+    PhysicsServer server = fakeServer(told);
+    const BodyId arm = server.add(RigidBodyDef{.name = "arm"});
+    const BodyId forceps =
+        server.add(RigidBodyDef{.name = "forceps", .articulation = {.joints = {{.lower = -1, .upper = 1}}, .to = arm}});
+    checkError([&] { server.setHaptic(forceps, {}); }, {"forceps", "its base goes with body 1 and cannot be set"});
+    server.remove(arm);
+    server.setHaptic(forceps, {});
+    server.step(0.1);
+    CHECK(command<SetHaptic>(told, 4).id == forceps);
 }

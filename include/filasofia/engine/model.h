@@ -46,6 +46,7 @@ struct BodyPiece {
     int number = 0;            ///< as physics::LoosePiece tells it
     std::vector<int> nodes;    ///< ascending
     std::vector<int> elements; ///< ascending; of a crumb, else none
+    bool held = false;         ///< pins hold some of its nodes
 };
 
 /// What a soft body is.
@@ -107,8 +108,8 @@ struct RigidModel {
     double linearDamping = 0.0;  ///< [1/s]
     double angularDamping = 0.0; ///< [1/s]
     double friction = 0.0;       ///< [-] mu
-    Vec3 startVelocity;          ///< [m/s] of the centres of mass
-    Vec3 startAngularVelocity;   ///< [rad/s] in world axes
+    Vec3 startVelocity;          ///< [m/s] of the centres of mass; with joints, of the base's origin
+    Vec3 startAngularVelocity;   ///< [rad/s] in world axes; with joints, of the base
     std::vector<CollisionModel> collision;
     std::shared_ptr<const geometry::TriangleMesh> surface; ///< in the element's coordinates; may be none
     ArticulationModel articulation;                        ///< joints between its elements
@@ -148,7 +149,8 @@ struct Hand {
 /// moved in the last step, and nothing follows from them but how its joints are shaken.
 struct RigidState {
     std::vector<Pose> poses;
-    std::vector<Vec3> velocities;        ///< [m/s] of the centre of mass
+    std::vector<Vec3> velocities;        ///< [m/s] of the centre of mass; of the origin of a link, and of one that is
+                                         ///< not dynamic
     std::vector<Vec3> angularVelocities; ///< [rad/s] in world axes
     std::vector<Wrench> wrenches;        ///< given; zero unless dynamic
     /// Where an element of a body that is not dynamic was told to be at the end of the coming step; none: it stays.

@@ -1,13 +1,10 @@
 #pragma once
 
 #include "filasofia/physics/collision_def.h"
+#include "filasofia/physics/physics_engine.h"
 
 #include <memory>
 #include <optional>
-
-namespace filasofia::physics {
-class PhysicsEngine;
-}
 
 namespace filasofia::engine {
 

@@ -49,8 +49,9 @@ struct SetJoint {
     int joint = 0; ///< [-], in the order of its Def
     JointCommand command = {};
 };
-/// Where the hand is that holds an element, until told anew: a dynamic body is pulled there by the coupling, another
-/// one goes there as with SetPose. Without any stiffness and damping it lets go.
+/// Where the hand is that holds an element. A dynamic body is pulled there by the coupling until told anew, and without
+/// any stiffness and damping it is let go; one with joints cannot be held. Any other goes there in the step and stays,
+/// as with SetPose, whatever the coupling.
 struct SetHaptic {
     BodyId id = {};
     int element = 0;

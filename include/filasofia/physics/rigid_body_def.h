@@ -20,7 +20,7 @@ struct RigidBodyDef {
                                   ///< collision models without a mesh of their own, and by a mass that is not given
     bool dynamic = false;         ///< moved by forces; else it goes where it is told (setPose), whatever is in its way
     RigidMass mass = Density{};   ///< of each element of a dynamic body; Density and TotalMass need a closed mesh
-    Vec3 velocity = {};           ///< [m/s], of a dynamic body's elements at the start
+    Vec3 velocity = {};           ///< [m/s], of a dynamic body's elements at the start (with joints: its base's origin)
     Vec3 angularVelocity = {};    ///< [rad/s], the same, in world axes
     double linearDamping = 0.0;   ///< [1/s], >= 0, of a dynamic body: slows it down by itself
     double angularDamping = 0.0;  ///< [1/s], >= 0, the same of its turning

@@ -72,8 +72,10 @@ void finishPieces(const SoftModel& model, std::size_t body, double dt, const std
         !std::holds_alternative<physics::ImplicitEuler>(model.integrator))
         return;
     const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness});
-    const auto undone = [&](int node) { return system.matrixFree->undone(node); };
-    finishCrumbs(model, weights, state, linkedNodes(body, model.rest.size(), links), undone, system.dv,
+    const auto solved = [&](int node) {
+        return NodeSolve{system.matrixFree->solved(node), system.matrixFree->undone(node)};
+    };
+    finishCrumbs(model, weights, state, linkedNodes(body, model.rest.size(), links), solved, system.dv,
                  system.leftover);
 }
 

@@ -35,7 +35,6 @@ template <class List> bool eraseAt(List& list, std::size_t index)
 
 /// Carries out one command; one function per kind.
 struct Apply {
-    double period;
     physics::PhysicsEngine& self;
     Model& model;
     State& state;
@@ -131,7 +130,7 @@ struct Apply {
         if (auto* built = dynamic_cast<BuiltSoftBody*>(set.body.get()); built && !systems[index].tuned)
             std::swap(systems[index], built->system);
         else
-            remakeSystem(index, systems[index].tuned);
+            haveRemade(index, systems[index].tuned);
     }
     void operator()(const physics::SetForces& set) const
     {
@@ -157,7 +156,7 @@ struct Apply {
     {
         const std::size_t b = indexOf(model.softBodies, remove.id);
         if (removePiece(remove.piece, topologies[b], model.softBodies[b], state.softBodies[b], state))
-            remakeSystem(b, true);
+            haveRemade(b, true);
         else
             ++report.topology.noPiece;
     }
@@ -170,9 +169,10 @@ struct Apply {
             if (group == pins.groups.end()) continue;
             const auto place = group - pins.groups.begin();
             releaseGroup(static_cast<std::size_t>(place), pins);
+            findHeld(pins, model.softBodies[b].pieces);
             if (SoftModel* start = topologies[b].start.get())
                 releaseGroup(static_cast<std::size_t>(place), start->pins);
-            remakeSystem(b, true); // its Def holds more than it does
+            haveRemade(b, true); // its Def holds more than it does
         }
     }
     void operator()(const physics::Reset&) const
@@ -209,16 +209,19 @@ struct Apply {
             checkSameBodies(modelBefore);
             recheck();
             forgetReplacedSurfaces(modelBefore);
+            for (SoftModel& body : model.softBodies) findHeld(body.pins, body.pieces);
             changed = true;
             for (std::size_t b = 0; b < topologies.size(); ++b) // of one that was edited a reset brings back what was
                 if (topologies[b].start && topologies[b].boundary->revision == 0)
                     *topologies[b].start = model.softBodies[b];
+            for (std::size_t b = 0; b < topologies.size(); ++b) // where it was put is no way that tissue went
+                if (state.softBodies[b].x != stateBefore.softBodies[b].x) topologies[b].followed = false;
         } catch (const std::exception& problem) {
             putBack(modelBefore, stateBefore, problem.what());
         } catch (...) {
             putBack(modelBefore, stateBefore, "it threw something that is no exception");
         }
-        for (std::size_t b = 0; b < systems.size(); ++b) remakeSystem(b, changed || systems[b].tuned);
+        for (std::size_t b = 0; b < systems.size(); ++b) haveRemade(b, changed || systems[b].tuned);
     }
 
 private:
@@ -227,6 +230,7 @@ private:
     {
         BodyTopology& topology = topologies[b];
         topology.strokes.clear();
+        topology.followed = false; // it is put back: no way that tissue went
         if (!topology.boundary || topology.boundary->revision == 0) return;
         SoftModel whole = std::move(*topology.start);
         whole.id = model.softBodies[b].id;
@@ -237,7 +241,7 @@ private:
         state.softBodies[b].forces.resize(nodes);
         topology = makeTopology(model.softBodies[b]);
         model.softBodies[b].pieces = findPieces(model.softBodies[b], *topology.pieces);
-        remakeSystem(b, true);
+        haveRemade(b, true);
     }
 
     /// Points at which a body that is whole again is held (side 0) or holds (side 1): those of before the first edit
@@ -281,9 +285,10 @@ private:
         }
     }
 
-    void remakeSystem(std::size_t body, bool tuned) const
+    /// After the last command of the step, which may change more.
+    void haveRemade(std::size_t body, bool tuned) const
     {
-        systems[body] = makeSystem(model.softBodies[body], period);
+        systems[body].outdated = true;
         systems[body].tuned = tuned;
     }
 
@@ -349,11 +354,21 @@ private:
 
 } // namespace
 
-void applyCommands(std::span<physics::Command> commands, double period, physics::PhysicsEngine& self, Model& model,
-                   State& state, Systems& systems, Topologies& topologies, physics::StepReport& report)
+void applyCommands(std::span<physics::Command> commands, physics::PhysicsEngine& self, Model& model, State& state,
+                   Systems& systems, Topologies& topologies, physics::StepReport& report)
 {
-    const Apply apply{period, self, model, state, systems, topologies, report};
+    const Apply apply{self, model, state, systems, topologies, report};
     for (physics::Command& command : commands) std::visit(apply, command);
+}
+
+void remakeSystems(const Model& model, double period, Systems& systems)
+{
+    for (std::size_t b = 0; b < systems.size(); ++b) {
+        if (!systems[b].outdated) continue;
+        const bool tuned = systems[b].tuned;
+        systems[b] = makeSystem(model.softBodies[b], period);
+        systems[b].tuned = tuned;
+    }
 }
 
 } // namespace filasofia::engine

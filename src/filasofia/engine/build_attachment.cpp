@@ -3,6 +3,7 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/collision/feature_normals.h"
+#include "filasofia/engine/elements.h"
 #include "filasofia/engine/find_body.h"
 #include "filasofia/geometry/bvh.h"
 #include "filasofia/geometry/distance.h"
@@ -65,25 +66,44 @@ private:
     double size_ = 0.0;
 };
 
+/// Per node, whether it is of a piece that is still there.
+std::vector<char> nodesThere(const SoftModel& model)
+{
+    if (model.removed.empty()) return std::vector<char>(model.rest.size(), 1);
+    std::vector<char> there(model.rest.size()); // a body that lost a piece lists all the others
+    for (const BodyPiece& piece : model.pieces)
+        for (int node : piece.nodes) there[static_cast<std::size_t>(node)] = 1;
+    return there;
+}
+
+/// Without what was removed.
 geometry::TetMesh meshNow(const SoftModel& model, const SoftState& state)
 {
-    geometry::TetMesh mesh{state.x, model.tetrahedra};
-    for (const FemElement& element : model.elements) mesh.tetrahedra.push_back(element.nodes);
+    const std::vector<char> there = nodesThere(model);
+    geometry::TetMesh mesh{state.x, {}};
+    for (std::size_t e = 0; e < elementCount(model); ++e)
+        if (const geometry::Tetrahedron& nodes = elementNodes(model, e); there[static_cast<std::size_t>(nodes[0])])
+            mesh.tetrahedra.push_back(nodes);
     return mesh;
 }
 
 /// The nearest node to each point; ties go to the lowest index.
-std::vector<AttachedPoint> nearestNodes(const SoftState& body, std::span<const Vec3> points)
+std::vector<AttachedPoint> nearestNodes(const SoftModel& model, const SoftState& state, std::span<const Vec3> points)
 {
+    const std::vector<char> there = nodesThere(model);
+    std::vector<int> nodes;
     std::vector<Box> boxes;
-    for (Vec3 p : body.x) boxes.push_back({p, p});
+    for (std::size_t i = 0; i < state.x.size(); ++i) {
+        if (!there[i]) continue;
+        nodes.push_back(static_cast<int>(i));
+        boxes.push_back({state.x[i], state.x[i]});
+    }
     const geometry::Bvh tree(boxes);
     std::vector<AttachedPoint> found;
     for (Vec3 p : points) {
-        const auto squaredDistance = [&](int node) {
-            return lengthSquared(body.x[static_cast<std::size_t>(node)] - p);
-        };
-        found.push_back({.nodes = {{std::max(0, tree.nearest(p, squaredDistance).primitive), 1.0}}, .place = {}});
+        const auto squaredDistance = [&](int k) { return lengthSquared(boxes[static_cast<std::size_t>(k)].low - p); };
+        const int nearest = std::max(0, tree.nearest(p, squaredDistance).primitive);
+        found.push_back({.nodes = {{nodes[static_cast<std::size_t>(nearest)], 1.0}}, .place = {}});
     }
     return found;
 }
@@ -103,7 +123,7 @@ std::vector<AttachedPoint> embedded(const SoftModel& model, const SoftState& sta
         }
         for (NodeWeight& each : found[i].nodes) each.weight /= sum;
         const bool flat = std::ranges::any_of(found[i].nodes, [](NodeWeight w) { return !std::isfinite(w.weight); });
-        if (flat || found[i].nodes.empty()) found[i] = nearestNodes(state, points.subspan(i, 1)).front();
+        if (flat || found[i].nodes.empty()) found[i] = nearestNodes(model, state, points.subspan(i, 1)).front();
     }
     return found;
 }
@@ -123,9 +143,9 @@ std::vector<AttachedPoint> heldBy(BodyId to, int element, physics::AttachMode mo
     const auto holder = findBody(model, to);
     FILASOFIA_ASSERT(!to || holder);
     if (holder && holder->soft) {
-        const SoftState& body = state.softBodies[holder->index];
-        return mode == physics::AttachMode::Nearest ? nearestNodes(body, places)
-                                                    : embedded(model.softBodies[holder->index], body, places);
+        const SoftModel& body = model.softBodies[holder->index];
+        const SoftState& now = state.softBodies[holder->index];
+        return mode == physics::AttachMode::Nearest ? nearestNodes(body, now, places) : embedded(body, now, places);
     }
     for (Vec3 place : places) {
         AttachedPoint& point = points.emplace_back();
@@ -170,7 +190,10 @@ std::vector<Vec3> pointsAround(const physics::RigidAttachmentDef& def, const Rig
     double radius = body.dynamic ? gyration(body, def.element) : 0.0;
     if (const auto holder = findBody(model, def.to); holder && radius == 0.0) {
         if (holder->soft) {
-            const Box box = geometry::boxAround(state.softBodies[holder->index].x);
+            const geometry::TetMesh mesh = meshNow(model.softBodies[holder->index], state.softBodies[holder->index]);
+            Box box;
+            for (const geometry::Tetrahedron& nodes : mesh.tetrahedra)
+                for (int node : nodes) box = geometry::merged(box, mesh.nodes[static_cast<std::size_t>(node)]);
             radius = 0.25 * length(box.high - box.low);
         } else {
             radius = gyration(model.rigidBodies[holder->index], def.toElement);
@@ -211,6 +234,8 @@ AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const
         addNodesNear(def, x, model, state, nodes);
         sortUnique(nodes);
     }
+    const std::vector<char> there = nodesThere(model.softBodies[body]);
+    std::erase_if(nodes, [&](int node) { return !there[static_cast<std::size_t>(node)]; });
     std::vector<AttachedPoint> held;
     std::vector<Vec3> places;
     for (int node : nodes) {

@@ -14,7 +14,7 @@ inline bool isPins(const physics::AttachmentDef& def) { return !def.to && def.br
 std::vector<int> nodesOf(const physics::AttachmentDef& def, std::span<const Vec3> x);
 
 /// What is held of soft body `body` (a place in the list), and where; empty where no node is in the regions. The body
-/// that holds is there.
+/// that holds is there. Pieces that were removed neither are held nor hold.
 AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const Model& model, const State& state);
 /// The same of a rigid body.
 AttachedPairs pairsOf(const physics::RigidAttachmentDef& def, std::size_t body, const Model& model, const State& state);

@@ -4,17 +4,11 @@
 #include "filasofia/engine/rigid_motion.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace filasofia::engine {
 namespace {
-
-bool isHeld(const SoftModel& model, const BodyPiece& piece)
-{
-    const auto inPiece = [&](const PinSpring& pin) { return std::ranges::binary_search(piece.nodes, pin.node); };
-    return std::ranges::any_of(piece.nodes, [&](int i) { return model.pins.hard[static_cast<std::size_t>(i)]; }) ||
-           std::ranges::any_of(model.pins.springs, inPiece);
-}
 
 /// The matrix of an implicit step for one piece, its nodes numbered by their places in its list.
 class CrumbMatrix {
@@ -113,22 +107,32 @@ std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces)
         if (piece.elements.size() > kCrumb) piece.elements = {};
     std::erase_if(list,
                   [&](const BodyPiece& each) { return each.nodes.empty() || model.removed.contains(each.number); });
+    findHeld(model.pins, list);
     return list;
 }
 
+void findHeld(const Pins& pins, std::vector<BodyPiece>& pieces)
+{
+    if (pieces.empty()) return;
+    std::vector<bool> held(pins.hard);
+    for (const PinSpring& pin : pins.springs) held[static_cast<std::size_t>(pin.node)] = true;
+    const auto isHeld = [&](int node) { return held[static_cast<std::size_t>(node)]; };
+    for (BodyPiece& piece : pieces) piece.held = std::ranges::any_of(piece.nodes, isHeld);
+}
+
 void finishCrumbs(const SoftModel& model, ImplicitWeights weights, const SoftState& state,
-                  const std::vector<char>& linked, const std::function<Vec3(int node)>& undone, std::span<Vec3> dv,
+                  const std::vector<char>& linked, const std::function<NodeSolve(int node)>& solved, std::span<Vec3> dv,
                   std::span<Vec3> leftover)
 {
     for (const BodyPiece& piece : model.pieces) {
         const auto isLinked = [&](int node) { return linked[static_cast<std::size_t>(node)] != 0; };
-        if (piece.elements.empty() || isHeld(model, piece) || std::ranges::any_of(piece.nodes, isLinked)) continue;
+        if (piece.elements.empty() || piece.held || std::ranges::any_of(piece.nodes, isLinked)) continue;
         std::vector<Vec3> impulses;
-        for (int node : piece.nodes) impulses.push_back(undone(node));
+        for (int node : piece.nodes) impulses.push_back(solved(node).undone);
         const std::vector<Vec3> more = solve(CrumbMatrix(model, piece, weights, state), std::move(impulses));
         for (std::size_t k = 0; k < more.size(); ++k) {
             const auto i = static_cast<std::size_t>(piece.nodes[k]);
-            dv[i] += more[k];
+            dv[i] = solved(piece.nodes[k]).dv + more[k];
             leftover[i] = {};
         }
     }
@@ -137,7 +141,7 @@ void finishCrumbs(const SoftModel& model, ImplicitWeights weights, const SoftSta
 void slowSpin(const SoftModel& model, double mostTurn, double dt, SoftState& state)
 {
     for (const BodyPiece& piece : model.pieces) {
-        if (isHeld(model, piece)) continue;
+        if (piece.held) continue;
         const auto at = [&](int i) { return static_cast<std::size_t>(piece.nodes[static_cast<std::size_t>(i)]); };
         const RigidMotion motion = rigidMotionOf(
             static_cast<int>(piece.nodes.size()), [&](int i) { return model.masses[at(i)]; },
@@ -154,12 +158,16 @@ void slowSpin(const SoftModel& model, double mostTurn, double dt, SoftState& sta
 
 std::vector<int> piecesBeyond(double far, const SoftModel& model, const SoftState& state)
 {
-    std::vector<int> beyond;
+    std::vector<std::tuple<bool, std::size_t, int>> beyond; // the body itself, nodes, number
     for (const BodyPiece& piece : model.pieces) {
         const auto first = static_cast<std::size_t>(piece.nodes.front());
-        if (distance(state.x[first], model.rest[first]) > far) beyond.push_back(piece.number);
+        if (distance(state.x[first], model.rest[first]) > far)
+            beyond.emplace_back(piece.number == 0, piece.nodes.size(), piece.number);
     }
-    return beyond;
+    std::ranges::sort(beyond);
+    std::vector<int> numbers;
+    for (const auto& [itself, nodes, number] : beyond) numbers.push_back(number);
+    return numbers;
 }
 
 } // namespace filasofia::engine

@@ -14,18 +14,28 @@ namespace filasofia::engine {
 /// whole.
 std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces);
 
-/// Finishes the solve of an implicit step, A dv = b, for pieces of few elements that nothing holds and without a
-/// linked node, each by itself: `undone` [N s] is b - A dv. Their dv are exact afterwards, and nothing of them is left
-/// over.
+/// Says of every piece whether pins hold it: after they changed.
+void findHeld(const Pins& pins, std::vector<BodyPiece>& pieces);
+
+/// What a solve of A dv = b found for a node, and what it left undone: b - A dv.
+struct NodeSolve {
+    Vec3 dv;     ///< [m/s]
+    Vec3 undone; ///< [N s]
+};
+
+/// Goes on with the solve of an implicit step for pieces of few elements that nothing holds and without a linked node,
+/// each by itself, until a part in a million of what was undone is left. Their `dv` are those that come of it, whatever
+/// was made meanwhile of the whole body's, and nothing of them is left over.
 void finishCrumbs(const SoftModel& model, ImplicitWeights weights, const SoftState& state,
-                  const std::vector<char>& linked, const std::function<Vec3(int node)>& undone, std::span<Vec3> dv,
+                  const std::vector<char>& linked, const std::function<NodeSolve(int node)>& solved, std::span<Vec3> dv,
                   std::span<Vec3> leftover);
 
 /// Keeps pieces that nothing holds from turning by more than `mostTurn` [rad] in a step: what is faster is no motion
 /// that steps of dt [s] can follow, and would only gather energy. Their momentum stays.
 void slowSpin(const SoftModel& model, double mostTurn, double dt, SoftState& state);
 
-/// Numbers of pieces whose first node is farther than `far` [m] from where it began.
+/// Numbers of pieces whose first node is farther than `far` [m] from where it began: the smallest first, by nodes, and
+/// last of all 0, the body itself, as what is left of a body is not to be removed.
 std::vector<int> piecesBeyond(double far, const SoftModel& model, const SoftState& state);
 
 } // namespace filasofia::engine

@@ -135,10 +135,10 @@ void MatrixFreeSystem::followParting(const SoftModel& model, BackgroundThread& m
 {
     if (!preconditioned_) return;
     if (remake_ && remake_->isDue()) {
-        preconditioner_.takeCoarseLevel(remake_->take());
-        // Nodes that came meanwhile follow their parents, as ever.
+        const bool taken = preconditioner_.takeCoarseLevel(remake_->take());
+        // Nodes that came meanwhile follow their parents, as ever; in the old coarse level they do already.
         const std::vector<MeshEdit::Node>& since = remake_->since();
-        for (std::size_t i = 0; i < since.size(); ++i)
+        for (std::size_t i = 0; taken && i < since.size(); ++i)
             if (const int slot = slotOf_[slotOf_.size() - since.size() + i]; slot < freeNodes_)
                 interpolate(slot, since[i]);
         remake_.reset();

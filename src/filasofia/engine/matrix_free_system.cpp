@@ -331,6 +331,12 @@ bool MatrixFreeSystem::findStressed(const SoftState& state, double limit, Worker
     return std::ranges::any_of(stressed, [](std::uint16_t bits) { return bits != 0; });
 }
 
+Vec3 MatrixFreeSystem::solved(int node) const
+{
+    const int slot = slotOf_[static_cast<std::size_t>(node)];
+    return slot < freeNodes_ ? vectorAt(dv_, slot) : Vec3{};
+}
+
 Vec3 MatrixFreeSystem::undone(int node) const
 {
     const int slot = slotOf_[static_cast<std::size_t>(node)];

@@ -48,6 +48,9 @@ public:
     /// Per block of sixteen elements, bits for those that may have a principal stress of `limit` [Pa] or more, with the
     /// rotations of the step's start; false where none has.
     bool findStressed(const SoftState& state, double limit, WorkerPool& pool, std::vector<std::uint16_t>& stressed);
+    /// [m/s] What the last solve itself found for a node, before finish() made up for what the body as a whole lacks;
+    /// zero where it is held.
+    [[nodiscard]] Vec3 solved(int node) const;
     /// [N s] that the last solve left undone of a node; zero where it is held.
     [[nodiscard]] Vec3 undone(int node) const;
     /// The same where the masses are all there is in the matrix.

@@ -15,7 +15,8 @@ struct RigidPlanElement {
     Pose start;               ///< at the start of the step
     double mass = 0.0;        ///< [kg]
     Mat3 inertia;             ///< [kg m^2] in world axes, at the start of the step
-    Vec3 centre;              ///< [m] in the world, at the start: of mass; the element's origin where it has none
+    Vec3 centre;              ///< [m] in the world, at the start: of mass; the origin of a link, and of one that is not
+                              ///< dynamic
     Vec3 velocity;            ///< [m/s] of the centre: at the start; of one that is not dynamic, throughout the step
     Vec3 angularVelocity;     ///< [rad/s] the same
     double heldMass = 0.0;    ///< [kg] that a hand's spring and damper add against impulses, as they are implicit

@@ -174,8 +174,7 @@ constexpr double kLost = 10.0; // [m] that a piece went: it fell out of the scen
 
 } // namespace
 
-void removeLostPieces(double period, Model& model, State& state, Systems& systems, Topologies& topologies,
-                      physics::StepReport& report)
+void removeLostPieces(Model& model, State& state, Systems& systems, Topologies& topologies, physics::StepReport& report)
 {
     for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
         SoftModel& body = model.softBodies[b];
@@ -184,8 +183,8 @@ void removeLostPieces(double period, Model& model, State& state, Systems& system
             lost += removePiece(piece, topologies[b], body, state.softBodies[b], state) ? 1 : 0;
         if (lost == 0) continue;
         report.topology.lost += lost;
-        systems[b] = makeSystem(body, period);
-        systems[b].tuned = true; // it is no longer what its Def says
+        systems[b].outdated = true; // with what the next step's commands change
+        systems[b].tuned = true;    // it is no longer what its Def says
     }
 }
 
@@ -242,7 +241,8 @@ void followPartings(const Model& model, double dt, Systems& systems, BackgroundT
 {
     if (dt == 0.0) return;
     for (std::size_t b = 0; b < model.softBodies.size(); ++b)
-        if (systems[b].matrixFree) systems[b].matrixFree->followParting(model.softBodies[b], meanwhile);
+        if (systems[b].matrixFree && !systems[b].outdated)
+            systems[b].matrixFree->followParting(model.softBodies[b], meanwhile);
 }
 
 } // namespace filasofia::engine

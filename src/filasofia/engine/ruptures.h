@@ -23,8 +23,8 @@ struct Ruptures {
 };
 
 /// Takes out what has fallen so far that it is out of every scene: it would fall for ever, and its body's numbers with
-/// it.
-void removeLostPieces(double period, Model& model, State& state, Systems& systems, Topologies& topologies,
+/// it. Systems are outdated then.
+void removeLostPieces(Model& model, State& state, Systems& systems, Topologies& topologies,
                       physics::StepReport& report);
 /// 5. What blades cut in the step just made. Done in the topologies' meshes: models and states follow in applyEdits.
 void cutBodies(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,

@@ -11,15 +11,17 @@ struct HeldParts {
     std::vector<int> holders; ///< per node; empty where none is held
 };
 
-/// One soft body's equations of one step, and the memory they are made in. Nothing here outlives a step but for speed:
-/// all of it follows from the model. One of the two kinds is there.
+/// One soft body's equations of one step, and the memory they are made in. What of it outlives a step follows from the
+/// model, but for the two flags and for what a cut body's preconditioner still has of the mesh before: that follows
+/// from its edits. One of the two kinds is there.
 struct SoftSystem {
     std::unique_ptr<MatrixFreeSystem> matrixFree; ///< in float, what a body has unless it asks for something else
     std::unique_ptr<MatrixFreeShare> share;       ///< of the first kind, once it had to be solved with other bodies
     std::unique_ptr<AssembledSystem> assembled;   ///< in double, the reference
 
     HeldParts held;
-    bool tuned = false; ///< the model was in a tune's hands: it need not be what its Def says
+    bool tuned = false;    ///< the model was in a tune's hands: it need not be what its Def says
+    bool outdated = false; ///< it is not the model's any more: made anew before the next solve
 
     std::vector<Vec3> forces;             ///< [N] gravity, given, pressure, pins
     std::vector<Vec3> x, v, dv, leftover; ///< the new state, until it is known to be finite

@@ -7,9 +7,13 @@
 /// The stages of World::step. Each reads what comes first and writes what comes last; World::step only calls them.
 namespace filasofia::engine {
 
-/// 1. What the outside asked for. `period` [s]: the step that solvers of changed bodies prepare for.
-void applyCommands(std::span<physics::Command> commands, double period, physics::PhysicsEngine& self, Model& model,
-                   State& state, Systems& systems, Topologies& topologies, physics::StepReport& report);
+/// 1. What the outside asked for. Systems of bodies that it changed are outdated then.
+void applyCommands(std::span<physics::Command> commands, physics::PhysicsEngine& self, Model& model, State& state,
+                   Systems& systems, Topologies& topologies, physics::StepReport& report);
+
+/// Makes outdated systems anew, each once however many commands changed its body. `period` [s]: the step that they
+/// prepare for.
+void remakeSystems(const Model& model, double period, Systems& systems);
 
 /// 2. Who touches whom, who holds whom: the links between bodies, with the impulses of the last step. Plans how rigid
 /// bodies would move by themselves.

@@ -166,8 +166,9 @@ physics::StepReport World::step(const physics::StepInput& in)
 {
     physics::StepReport report{.dt = in.dt, .flags = in.flags};
     StopWatch watch(in.budget);
-    applyCommands(in.commands, period_, *this, model_, state_, systems_, ruptures_.topologies,
-                  report); // 1 what the outside asked for
+    applyCommands(in.commands, *this, model_, state_, systems_, ruptures_.topologies,
+                  report);                    // 1 what the outside asked for
+    remakeSystems(model_, period_, systems_); //   of what it changed
     report.times.commands = watch.lap();
     findContacts(model_, in.dt, contact_, state_, coupling_, *pool_); // 2 who touches whom
     linkAttachments(in.dt, model_, state_, coupling_, report);        //   who holds whom
@@ -185,7 +186,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     applyEdits(period_, model_, state_, systems_, ruptures_, report);       // 6 the only writer of topology
     tearBodies(model_, in.dt, state_, systems_, ruptures_, *pool_, report); //   what tore
     applyEdits(period_, model_, state_, systems_, ruptures_, report);
-    removeLostPieces(period_, model_, state_, systems_, ruptures_.topologies, report);
+    removeLostPieces(model_, state_, systems_, ruptures_.topologies, report);
     followPartings(model_, in.dt, systems_, *background_);
     report.times.topology = watch.lap();
     return report;

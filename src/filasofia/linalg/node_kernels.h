@@ -24,6 +24,7 @@ double descend(float alpha, const NodeArray& p, const NodeArray& q, NodeArray& x
 struct RestrictionEntry {
     int node = 0;
     float weight = 0.0f;
+    friend bool operator==(const RestrictionEntry&, const RestrictionEntry&) = default;
 };
 /// The transpose of an interpolation, by coarse nodes.
 using Restriction = Lists<RestrictionEntry>;

@@ -144,6 +144,9 @@ void TwoLevelPreconditioner::interpolate(int node, const Interpolation& how)
     if (coarseNodes_ == 0) return;
     InterpolationBlock& block = interpolation_[static_cast<std::size_t>(node / kBlock)];
     for (std::size_t k = 0; k < 4; ++k) {
+        const auto before = static_cast<std::size_t>(block.at[node % kBlock][k] / 3);
+        if (const float weight = block.weights[node % kBlock][k]; weight != 0.0f)
+            restriction_.remove(before, {node, weight});
         block.at[node % kBlock][k] = 3 * how.corners[k];
         block.weights[node % kBlock][k] = how.weights[k];
         if (how.weights[k] != 0.0f) restriction_.add(static_cast<std::size_t>(how.corners[k]), {node, how.weights[k]});
@@ -176,9 +179,9 @@ template <class Matrix> void TwoLevelPreconditioner::makeCoarseLevel(const Matri
     restriction_ = Restriction(entries);
 }
 
-void TwoLevelPreconditioner::takeCoarseLevel(TwoLevelPreconditioner&& from)
+bool TwoLevelPreconditioner::takeCoarseLevel(TwoLevelPreconditioner&& from)
 {
-    if (from.coarseNodes_ == 0) return;
+    if (from.coarseNodes_ == 0) return false;
     coarseNodes_ = from.coarseNodes_;
     interpolation_ = std::move(from.interpolation_);
     interpolation_.resize(rotations_.size());
@@ -186,6 +189,7 @@ void TwoLevelPreconditioner::takeCoarseLevel(TwoLevelPreconditioner&& from)
     coarseInverse_ = std::move(from.coarseInverse_);
     coarseResidual_ = std::move(from.coarseResidual_);
     coarse_ = std::move(from.coarse_);
+    return true;
 }
 
 double TwoLevelPreconditioner::apply(const NodeArray& r, NodeArray& z, WorkerPool& pool)
@@ -279,12 +283,6 @@ Mat3 TwoLevelPreconditioner::rotation(int node) const
     const auto& m = rotations_[static_cast<std::size_t>(node / kBlock)].m;
     const auto at = [&](int k) { return static_cast<double>(m[k][node % kBlock]); };
     return {{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}, {at(6), at(7), at(8)}}};
-}
-
-Vec3 TwoLevelPreconditioner::smoothedAt(int node) const
-{
-    const float* w = smoothed_[node];
-    return rotation(node) * Vec3{w[0], w[1], w[2]};
 }
 
 void TwoLevelPreconditioner::addToSpread(int node, Vec3 change)

@@ -66,22 +66,22 @@ public:
     double apply(const NodeArray& r, NodeArray& z, WorkerPool& pool);
 
     /// After an edit of the mesh: more blocks of nodes, none of which interpolates anything yet; another block on a
-    /// node's diagonal [as the matrix, scaled]; how a node without any interpolation follows the coarse ones. A_c stays
-    /// what it was: M^-1 is symmetric and positive definite all the same, and as good as the new body is like the old.
+    /// node's diagonal [as the matrix, scaled]; how a node follows the coarse ones from then on. A_c stays what it was:
+    /// M^-1 is symmetric and positive definite all the same, and as good as the new body is like the old.
     void grow(int blocks);
     void setDiagonal(int node, const Mat3& block);
     [[nodiscard]] Interpolation interpolation(int node) const;
     void interpolate(int node, const Interpolation& how);
     /// Takes over how another one, with fewer blocks or as many, follows the coarse nodes and what these answer; where
-    /// it has none, nothing changes. Nodes that the other has not interpolate nothing from then on.
-    void takeCoarseLevel(TwoLevelPreconditioner&& from);
+    /// it has none, nothing changes, and the answer is false. Nodes that the other has not interpolate nothing from
+    /// then on.
+    bool takeCoarseLevel(TwoLevelPreconditioner&& from);
 
     // The same in two halves, for who changes something between them: R D^-1 R^T r, and z from that and the coarse
     // level's answer to r.
     void smooth(const NodeArray& r, WorkerPool& pool);
     /// The coarse level does not answer to `shares` of the pulls, if any.
     double spread(const NodeArray& r, NodeArray& z, WorkerPool& pool, std::span<const double> shares = {});
-    [[nodiscard]] Vec3 smoothedAt(int node) const;      ///< R D^-1 R^T r
     void addToSpread(int node, Vec3 change);            ///< to the r that the coarse level answers to
     [[nodiscard]] Mat3 inverseDiagonal(int node) const; ///< R D^-1 R^T
 

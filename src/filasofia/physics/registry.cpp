@@ -55,13 +55,11 @@ struct Registry::Check {
         const std::string object = describeBody(*body.def);
         checkElement(set.element, static_cast<std::size_t>(body.nodeCount), object + ": element");
         validate(set, object);
-        if (const auto& def = std::get<RigidBodyDef>(*body.def); !def.articulation.joints.empty()) {
-            if (def.dynamic)
-                fail(object, ": a hand cannot hold a body with joints that forces move: attach its base to a body that "
-                             "it holds");
-            if (set.element != 0)
-                fail(object, ": a hand can hold the base of a body with joints only, element 0, got ", set.element);
-        }
+        const auto& def = std::get<RigidBodyDef>(*body.def);
+        if (def.dynamic && !def.articulation.joints.empty())
+            fail(object, ": a hand cannot hold a body with joints that forces move: attach its base to a body that it "
+                         "holds");
+        checkNotALink(registry, def, set.element);
         static_cast<void>(unitPose(set.target.pose, object + ": target.pose"));
         for (const Vec3 v : {set.target.velocity, set.target.angularVelocity})
             if (!(length(v) < kFarthest))

@@ -354,3 +354,26 @@ TEST_CASE("a jaw on a heavy free base, or on a light one that is held, swings as
     CHECK(swing(true, 1e4, false) == Approx(swing(false, 1e4, false)).epsilon(1e-4));
     CHECK(swing(true, 0.0, true) == Approx(swing(false, 0.0, false)).epsilon(1e-3));
 }
+
+TEST_CASE("the turning of a free body with joints is damped as that of one without, also where nothing else is")
+{
+    constexpr double perSecond = 5.0, dt = 1e-3, start = 2.0;
+    physics::RigidBodyDef def{.name = "tool", .dynamic = true, .gravity = false};
+    def.mass = physics::GivenInertia{.mass = 0.05, .moments = {2e-5, 3e-5, 4e-5}};
+    def.articulation.joints = {
+        {.command = JointForce{0.0}}}; // both centres lie on its axis, and so on that of the spin
+    def.articulation.joints[0].mass = physics::GivenInertia{.mass = kJawMass, .moments = {1e-6, 2e-6, 3e-6}};
+    def.velocity = {0.1, 0, 0};
+    def.angularVelocity = {0, 0, start};
+    def.angularDamping = perSecond;
+    Stage stage;
+    stage.add(def);
+    constexpr int steps = 300;
+    stage.run(steps, dt);
+    const RigidState& state = stage.world.state().rigidBodies[0];
+    for (const Vec3& spin : state.angularVelocities)
+        CHECK(spin.z == Approx(start * std::pow(1.0 + perSecond * dt, -steps)).epsilon(1e-9));
+    CHECK(state.angularVelocities[0].z == Approx(start * std::exp(-perSecond * steps * dt)).epsilon(5e-3));
+    CHECK(std::abs(joint(stage).now.velocity) < 1e-9);
+    CHECK(state.velocities[0].x == Approx(0.1).epsilon(1e-9)); // only turning is
+}

@@ -137,7 +137,7 @@ JointMatrix massMatrix(const LinkTree& tree, std::span<const JointAxis> axes, st
     JointMatrix matrix{joints.size(), std::vector<double>(joints.size() * joints.size())};
     for (std::size_t link = 0; link < masses.size(); ++link) {
         const LinkMass& body = masses[link];
-        if (body.mass == 0.0) continue;
+        if (body.mass == 0.0 && body.inertia == Mat3{}) continue; // damping may weigh turning alone
         for (std::size_t r = 0; r < joints.size(); ++r) {
             if (!moves(tree, joints[r], static_cast<int>(link))) continue;
             const LinkMotion row = columnAt(tree, axes, joints[r], body.centre);
