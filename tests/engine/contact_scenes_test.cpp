@@ -1,0 +1,80 @@
+#include "engine/stage.h"
+
+#include "filasofia/geometry/shapes.h"
+
+#include <algorithm>
+
+using namespace filasofia;
+using namespace filasofia::engine;
+
+// What contacts must do in scenes that were once wrong.
+namespace {
+
+physics::RigidBodyDef rigidBox(Vec3 size, Pose pose, std::array<int, 3> cells = {1, 1, 1})
+{
+    return {.elements = {pose},
+            .mesh = geometry::shapes::box(size, cells),
+            .dynamic = true,
+            .collision = {{}},
+            .friction = 0.0};
+}
+
+physics::RigidBodyDef floorOf(std::array<int, 3> cells)
+{
+    physics::RigidBodyDef floor = rigidBox({0.4, 0.1, 0.4}, {{0, -0.05, 0}, {}}, cells);
+    floor.name = "floor";
+    floor.dynamic = false;
+    return floor;
+}
+
+Stage heavyStage()
+{
+    Stage stage;
+    stage.post(physics::SetGravity{{0, -9.81, 0}});
+    return stage;
+}
+
+/// The most by which the only velocity of a rigid body is another than `before`.
+double strayed(Stage& stage, std::size_t body, Vec3 before, int steps)
+{
+    double most = 0.0;
+    for (int i = 0; i < steps; ++i) {
+        stage.step(1e-3);
+        most = std::max(most, length(stage.world.state().rigidBodies[body].velocities[0] - before));
+    }
+    return most;
+}
+
+} // namespace
+
+TEST_CASE("a rigid box slides over a flat mesh as over a plane")
+{
+    for (const double speed : {0.05, 0.2, 1.0}) {
+        Stage stage = heavyStage();
+        stage.add(floorOf({20, 1, 20}));
+        physics::RigidBodyDef box =
+            rigidBox({0.06, 0.04, 0.05}, {{-0.1, 0.02001, 0.0123}, normalized(Quat{1, 0, 0.2, 0})});
+        box.velocity = {speed, 0, 0.1 * speed};
+        stage.add(box);
+        CHECK(strayed(stage, 1, box.velocity, static_cast<int>(0.15 / speed * 1e3)) < 0.015 * speed);
+    }
+}
+
+TEST_CASE("a light rigid box slides over a flat soft slab as over a plane")
+{
+    Stage stage = heavyStage();
+    physics::SoftBodyDef slab{.mesh = geometry::shapes::block({0.2, 0.02, 0.1}, {20, 2, 10})};
+    slab.pose.position = {0, -0.01, 0};
+    slab.material = physics::FemMaterial{1e6, 0.45};
+    slab.friction = 0.0;
+    slab.collision = {{}};
+    slab.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, -0.0199, 1}}}};
+    stage.add(slab);
+    physics::RigidBodyDef box = rigidBox({0.06, 0.02, 0.05}, {{-0.06, 0.0101, 0.003}, normalized(Quat{1, 0, 0.2, 0})});
+    box.mass = physics::Density{300.0};
+    stage.add(box);
+    stage.run(100, 1e-3);
+    const Vec3 before{0.2, 0, 0.02};
+    stage.world.state().rigidBodies[0].velocities[0] = before;
+    CHECK(strayed(stage, 0, before, 400) < 0.05 * 0.2);
+}
