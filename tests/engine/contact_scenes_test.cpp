@@ -78,3 +78,28 @@ TEST_CASE("a light rigid box slides over a flat soft slab as over a plane")
     stage.world.state().rigidBodies[0].velocities[0] = before;
     CHECK(strayed(stage, 0, before, 400) < 0.05 * 0.2);
 }
+
+TEST_CASE("tissue too soft for its own weight stays on a floor, inside out or not")
+{
+    Stage stage = heavyStage();
+    stage.add(floorOf({1, 1, 1}));
+    physics::SoftBodyDef cube{.mesh = geometry::shapes::block({0.1, 0.1, 0.1}, {4, 4, 4})};
+    cube.pose.position = {0, 0.0505, 0};
+    cube.material = physics::FemMaterial{500.0, 0.45};
+    cube.collision = {{}};
+    stage.add(cube);
+    const std::vector<Vec3>& rest = std::get<std::shared_ptr<const geometry::TetMesh>>(cube.mesh)->nodes;
+    int mostInverted = 0;
+    double lowest = 0.0;
+    for (int i = 0; i < 500; ++i) {
+        stage.step(1e-3);
+        mostInverted = std::max(mostInverted, invertedElements(stage.model(), stage.soft()));
+        for (std::size_t n = 0; n < rest.size(); ++n) {
+            const Vec3 x = rest[n];
+            if (std::max({std::fabs(x.x), std::fabs(x.y), std::fabs(x.z)}) > 0.0499) // on its surface
+                lowest = std::min(lowest, stage.soft().x[n].y);
+        }
+    }
+    REQUIRE(mostInverted > 0);
+    CHECK(lowest > -1e-3);
+}

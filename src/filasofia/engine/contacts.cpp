@@ -120,6 +120,14 @@ bool insideOut(const Owner& owner, const Proximity& found, std::size_t side, con
     return false;
 }
 
+/// Whether the other side knows by itself which way a point of tissue is to go: rigid triangles do, however the tissue
+/// around the point is turned. Without, tissue that is crushed against them would go through.
+bool rigidTells(const Owner& other, const Proximity& found, std::size_t side)
+{
+    return !other.soft && other.collision->shape->triangleFaces && found.vertices[side][1] < 0 &&
+           found.vertices[1 - side][1] >= 0;
+}
+
 BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, const CollisionSurface& surface,
                   const State& state, const RigidPlan& plan)
 {
@@ -227,7 +235,10 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
     for (const Proximity& found : coupling.proximities) {
         const std::array<const Owner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
                                                 &owners[static_cast<std::size_t>(found.surfaces[1])]};
-        if (insideOut(*sides[0], found, 0, state) || insideOut(*sides[1], found, 1, state)) continue;
+        const auto leftOut = [&](std::size_t side) {
+            return insideOut(*sides[side], found, side, state) && !rigidTells(*sides[1 - side], found, side);
+        };
+        if (leftOut(0) || leftOut(1)) continue;
         const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
         const double gap =
             found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
