@@ -1,5 +1,6 @@
 #include "engine/stage.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/geometry/shapes.h"
 
 #include <algorithm>
@@ -102,4 +103,35 @@ TEST_CASE("tissue too soft for its own weight stays on a floor, inside out or no
     }
     REQUIRE(mostInverted > 0);
     CHECK(lowest > -1e-3);
+}
+
+TEST_CASE("what starts deep inside a rigid body is named and pushed out slowly")
+{
+    for (const bool soft : {false, true}) {
+        std::string logged;
+        setLogSink([&](LogLevel, std::string_view line) { logged += line; });
+        Stage stage = heavyStage();
+        stage.add(floorOf({1, 1, 1}));
+        if (soft) {
+            physics::SoftBodyDef cube{.name = "deep", .mesh = geometry::shapes::block({0.04, 0.04, 0.04}, {2, 2, 2})};
+            cube.pose.position = {0.003, 0.017, 0.001};
+            cube.collision = {{}};
+            stage.add(cube);
+        } else {
+            physics::RigidBodyDef box = rigidBox({0.04, 0.04, 0.04}, {{0.003, 0.017, 0.001}, {}});
+            box.name = "deep";
+            stage.add(box);
+        }
+        CHECK(stage.step(1e-3).contacts.penetration == Approx(3e-3).margin(1e-4));
+        setLogSink({});
+        for (const char* part : {"body 'deep'", "body 'floor'", "start inside each other: they are pushed apart"})
+            CHECK(logged.find(part) != std::string::npos);
+        stage.run(400, 1e-3);
+        const State& state = stage.world.state();
+        const double low = soft ? std::ranges::min(state.softBodies[0].x, {}, &Vec3::y).y
+                                : state.rigidBodies[1].poses[0].position.y - 0.02;
+        CHECK(low == Approx(0.0).margin(1e-4));
+        const Vec3 v = soft ? state.softBodies[0].v[0] : state.rigidBodies[1].velocities[0];
+        CHECK(length(v) < 0.02); // it was not thrown out
+    }
 }

@@ -1,4 +1,5 @@
 #include "filasofia/core/log.h"
+#include "filasofia/engine/collision/deep_points.h"
 #include "filasofia/engine/contact_memory.h"
 #include "filasofia/engine/stages.h"
 
@@ -208,6 +209,53 @@ void warnOfLoneGroups(const Model& model, const std::vector<Owner>& owners, std:
     }
 }
 
+bool movable(const Owner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
+
+/// Points of either surface that are in the other one deeper than contacts are followed. A rigid one tells its way out
+/// at any depth, tissue does not: in tissue they are only counted.
+struct DeepPoints {
+    std::vector<Proximity> inRigid, inTissue;
+};
+DeepPoints deepPointsOf(const std::vector<Owner>& owners, const Coupling& coupling, std::array<int, 2> pair)
+{
+    const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
+    const Meeting meeting{{&coupling.surfaces[i], &coupling.surfaces[k]}, pair, 0.0};
+    DeepPoints deep;
+    findDeepPoints(meeting, 0, owners[k].soft ? deep.inTissue : deep.inRigid);
+    findDeepPoints(meeting, 1, owners[i].soft ? deep.inTissue : deep.inRigid);
+    return deep;
+}
+
+/// A body that starts inside another, deeper than contacts are followed: a word, and from then on the pair is looked at
+/// at any depth. `added`: of each surface.
+void noteStartsInside(const Model& model, const std::vector<Owner>& owners, const std::vector<bool>& added,
+                      Coupling& coupling)
+{
+    for (const std::array<int, 2>& pair : coupling.proximityScratch.surfacePairs) {
+        const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
+        const Owner &one = owners[i], &two = owners[k];
+        if (i == k || !(added[i] || added[k])) continue;
+        if (!movable(one, coupling.rigid) && !movable(two, coupling.rigid)) continue;
+        const DeepPoints deep = deepPointsOf(owners, coupling, pair);
+        if (deep.inRigid.empty() && deep.inTissue.empty()) continue;
+        coupling.startedInside.push_back({one.name, two.name});
+        logWarning("body '", nameOf(model, one), "' and body '", nameOf(model, two), "' start inside each other: ",
+                   deep.inRigid.empty() ? "what is in tissue stays there" : "they are pushed apart");
+    }
+}
+
+void addDeepPoints(const std::vector<Owner>& owners, Coupling& coupling)
+{
+    if (coupling.startedInside.empty()) return;
+    for (const std::array<int, 2>& pair : coupling.proximityScratch.surfacePairs) {
+        const std::array names{owners[static_cast<std::size_t>(pair[0])].name,
+                               owners[static_cast<std::size_t>(pair[1])].name};
+        if (std::ranges::find(coupling.startedInside, names) == coupling.startedInside.end()) continue;
+        const DeepPoints deep = deepPointsOf(owners, coupling, pair);
+        coupling.proximities.insert(coupling.proximities.end(), deep.inRigid.begin(), deep.inRigid.end());
+    }
+}
+
 } // namespace
 
 void findContacts(const Model& model, double dt, const physics::ContactMethod& method, const State& state,
@@ -221,6 +269,11 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
 
     const std::vector<Owner> owners = ownersOf(model);
     if (owners.size() != coupling.surfaces.size()) warnOfLoneGroups(model, owners, coupling.warnedGroups);
+    const bool same = std::ranges::equal(owners, coupling.surfaces, {}, &Owner::name, &CollisionSurface::name);
+    std::vector<bool> added;
+    for (std::size_t s = 0; !same && s < owners.size(); ++s)
+        added.push_back(std::ranges::find(coupling.surfaces, owners[s].name, &CollisionSurface::name) ==
+                        coupling.surfaces.end());
     coupling.surfaces.resize(owners.size());
     for (std::size_t s = 0; s < owners.size(); ++s) {
         const Owner& owner = owners[s];
@@ -231,6 +284,8 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
     }
     coupling.sides = state.sides;
     findProximities(coupling.surfaces, dt, pool, coupling.sides, coupling.proximityScratch, coupling.proximities);
+    if (!same) noteStartsInside(model, owners, added, coupling);
+    addDeepPoints(owners, coupling);
 
     for (const Proximity& found : coupling.proximities) {
         const std::array<const Owner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
