@@ -135,3 +135,27 @@ TEST_CASE("what starts deep inside a rigid body is named and pushed out slowly")
         CHECK(length(v) < 0.02); // it was not thrown out
     }
 }
+
+TEST_CASE("the damper of a penalty contact waits until the surfaces touch")
+{
+    Stage stage({.threads = 1, .contact = physics::PenaltyContact{.stiffness = 2000.0, .damping = 50.0}});
+    stage.add(floorOf({1, 1, 1}));
+    physics::RigidBodyDef box = rigidBox({0.04, 0.04, 0.04}, {{0.003, 0.0213, 0.001}, {}});
+    box.velocity = {0, -0.2, 0};
+    stage.add(box);
+    double speed = 0.0;
+    int free = 0;
+    for (int i = 0; i < 200; ++i) {
+        stage.step(1e-3);
+        const double height = stage.world.state().rigidBodies[1].poses[0].position.y - 0.02;
+        speed = stage.world.state().rigidBodies[1].velocities[0].y;
+        if (speed < 0.0 && height > 2e-5) {
+            CHECK(speed == Approx(-0.2));
+            ++free;
+        }
+        for (const frame::Contact& contact : stage.world.state().touching) CHECK(contact.normalForce >= 0.0);
+    }
+    CHECK(free == 6);     // 1.3 mm at 0.2 m/s
+    CHECK(speed > 0.0);   // it came back
+    CHECK(speed < 0.199); // damped
+}

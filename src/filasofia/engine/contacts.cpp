@@ -168,7 +168,8 @@ void setLaw(const physics::ContactMethod& method, double dt, const FoundContact&
     const double gap = contact.gap - contact.skin;
     if (const auto* penalty = std::get_if<physics::PenaltyContact>(&method)) {
         link.give = dt * (dt * penalty->stiffness + penalty->damping);
-        link.bias = {dt * penalty->stiffness * gap / link.give, 0.0, 0.0};
+        // What is apart is pushed only by the part of its way that leads inside, its damper included.
+        link.bias = {gap > 0.0 ? gap / dt : dt * penalty->stiffness * gap / link.give, 0.0, 0.0};
         return;
     }
     link.impulse = dt * inFrame(link.frame, contact.memory.force);
