@@ -38,7 +38,8 @@ struct ProximityScratch {
     std::vector<char> wanted;
     std::vector<std::array<int, 2>> elementPairs;
     std::vector<std::array<int, 2>> open;       ///< pairs of nodes still to be looked at
-    std::vector<Part> parts;
+    std::vector<Part> parts;                    ///< never fewer than once
+    std::size_t partsUsed = 0;                  ///< by the pair of surfaces that is looked at
     std::array<std::vector<double>, 2> nearest; ///< [m] per vertex of each side: signed distance to the other one
     std::vector<std::uint64_t> vertexPairs;
 };
