@@ -159,3 +159,21 @@ TEST_CASE("the damper of a penalty contact waits until the surfaces touch")
     CHECK(speed > 0.0);   // it came back
     CHECK(speed < 0.199); // damped
 }
+
+TEST_CASE("between two that go where they are told there is no force, whatever there was before")
+{
+    Stage stage = heavyStage();
+    stage.add(floorOf({1, 1, 1}));
+    stage.add(rigidBox({0.04, 0.04, 0.04}, {{0.003, 0.02001, 0.001}, {}}));
+    stage.run(50, 1e-3);
+    const auto force = [&] {
+        double sum = 0.0;
+        for (const frame::Contact& contact : stage.world.state().touching) sum += contact.normalForce;
+        return sum;
+    };
+    REQUIRE(force() > 0.1);
+    stage.world.model().rigidBodies[1].dynamic = false;
+    stage.step(1e-3);
+    CHECK_FALSE(stage.world.state().touching.empty());
+    CHECK(force() == 0.0);
+}

@@ -1,6 +1,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/engine/collision/deep_points.h"
 #include "filasofia/engine/contact_memory.h"
+#include "filasofia/engine/islands.h"
 #include "filasofia/engine/stages.h"
 
 #include <algorithm>
@@ -212,6 +213,11 @@ void warnOfLoneGroups(const Model& model, const std::vector<Owner>& owners, std:
 
 bool movable(const Owner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
 
+bool movable(const BodyPoint& point, const RigidPlan& plan)
+{
+    return (point.of == BodyPoint::Of::Soft && point.count > 0) || planPlace(plan, point).has_value();
+}
+
 /// Points of either surface that are in the other one deeper than contacts are followed. A rigid one tells its way out
 /// at any depth, tissue does not: in tissue they are only counted.
 struct DeepPoints {
@@ -315,6 +321,9 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
     inheritForces(dt, state.contacts, coupling);
     for (std::size_t c = 0; c < coupling.contacts.size(); ++c)
         setLaw(method, dt, coupling.contacts[c], coupling.links[c]);
+    // Between two that go where they are told nothing is solved, and what they start from would be told as a force.
+    for (Link& link : coupling.links)
+        if (!movable(link.sides[0], coupling.rigid) && !movable(link.sides[1], coupling.rigid)) link.impulse = {};
 }
 
 void keepContacts(double dt, const Coupling& coupling, State& state, physics::StepReport& report)
