@@ -1,5 +1,7 @@
 #include "filasofia/core/log.h"
+#include "filasofia/engine/collision/deep_points.h"
 #include "filasofia/engine/contact_memory.h"
+#include "filasofia/engine/islands.h"
 #include "filasofia/engine/stages.h"
 
 #include <algorithm>
@@ -120,6 +122,14 @@ bool insideOut(const Owner& owner, const Proximity& found, std::size_t side, con
     return false;
 }
 
+/// Whether the other side knows by itself which way a point of tissue is to go: rigid triangles do, however the tissue
+/// around the point is turned. Without, tissue that is crushed against them would go through.
+bool rigidTells(const Owner& other, const Proximity& found, std::size_t side)
+{
+    return !other.soft && other.collision->shape->triangleFaces && found.vertices[side][1] < 0 &&
+           found.vertices[1 - side][1] >= 0;
+}
+
 BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, const CollisionSurface& surface,
                   const State& state, const RigidPlan& plan)
 {
@@ -159,7 +169,8 @@ void setLaw(const physics::ContactMethod& method, double dt, const FoundContact&
     const double gap = contact.gap - contact.skin;
     if (const auto* penalty = std::get_if<physics::PenaltyContact>(&method)) {
         link.give = dt * (dt * penalty->stiffness + penalty->damping);
-        link.bias = {dt * penalty->stiffness * gap / link.give, 0.0, 0.0};
+        // What is apart is pushed only by the part of its way that leads inside, its damper included.
+        link.bias = {gap > 0.0 ? gap / dt : dt * penalty->stiffness * gap / link.give, 0.0, 0.0};
         return;
     }
     link.impulse = dt * inFrame(link.frame, contact.memory.force);
@@ -200,6 +211,58 @@ void warnOfLoneGroups(const Model& model, const std::vector<Owner>& owners, std:
     }
 }
 
+bool movable(const Owner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
+
+bool movable(const BodyPoint& point, const RigidPlan& plan)
+{
+    return (point.of == BodyPoint::Of::Soft && point.count > 0) || planPlace(plan, point).has_value();
+}
+
+/// Points of either surface that are in the other one deeper than contacts are followed. A rigid one tells its way out
+/// at any depth, tissue does not: in tissue they are only counted.
+struct DeepPoints {
+    std::vector<Proximity> inRigid, inTissue;
+};
+DeepPoints deepPointsOf(const std::vector<Owner>& owners, const Coupling& coupling, std::array<int, 2> pair)
+{
+    const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
+    const Meeting meeting{{&coupling.surfaces[i], &coupling.surfaces[k]}, pair, 0.0};
+    DeepPoints deep;
+    findDeepPoints(meeting, 0, owners[k].soft ? deep.inTissue : deep.inRigid);
+    findDeepPoints(meeting, 1, owners[i].soft ? deep.inTissue : deep.inRigid);
+    return deep;
+}
+
+/// A body that starts inside another, deeper than contacts are followed: a word, and from then on the pair is looked at
+/// at any depth. `added`: of each surface.
+void noteStartsInside(const Model& model, const std::vector<Owner>& owners, const std::vector<bool>& added,
+                      Coupling& coupling)
+{
+    for (const std::array<int, 2>& pair : coupling.proximityScratch.surfacePairs) {
+        const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
+        const Owner &one = owners[i], &two = owners[k];
+        if (i == k || !(added[i] || added[k])) continue;
+        if (!movable(one, coupling.rigid) && !movable(two, coupling.rigid)) continue;
+        const DeepPoints deep = deepPointsOf(owners, coupling, pair);
+        if (deep.inRigid.empty() && deep.inTissue.empty()) continue;
+        coupling.startedInside.push_back({one.name, two.name});
+        logWarning("body '", nameOf(model, one), "' and body '", nameOf(model, two), "' start inside each other: ",
+                   deep.inRigid.empty() ? "what is in tissue stays there" : "they are pushed apart");
+    }
+}
+
+void addDeepPoints(const std::vector<Owner>& owners, Coupling& coupling)
+{
+    if (coupling.startedInside.empty()) return;
+    for (const std::array<int, 2>& pair : coupling.proximityScratch.surfacePairs) {
+        const std::array names{owners[static_cast<std::size_t>(pair[0])].name,
+                               owners[static_cast<std::size_t>(pair[1])].name};
+        if (std::ranges::find(coupling.startedInside, names) == coupling.startedInside.end()) continue;
+        const DeepPoints deep = deepPointsOf(owners, coupling, pair);
+        coupling.proximities.insert(coupling.proximities.end(), deep.inRigid.begin(), deep.inRigid.end());
+    }
+}
+
 } // namespace
 
 void findContacts(const Model& model, double dt, const physics::ContactMethod& method, const State& state,
@@ -213,6 +276,11 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
 
     const std::vector<Owner> owners = ownersOf(model);
     if (owners.size() != coupling.surfaces.size()) warnOfLoneGroups(model, owners, coupling.warnedGroups);
+    const bool same = std::ranges::equal(owners, coupling.surfaces, {}, &Owner::name, &CollisionSurface::name);
+    std::vector<bool> added;
+    for (std::size_t s = 0; !same && s < owners.size(); ++s)
+        added.push_back(std::ranges::find(coupling.surfaces, owners[s].name, &CollisionSurface::name) ==
+                        coupling.surfaces.end());
     coupling.surfaces.resize(owners.size());
     for (std::size_t s = 0; s < owners.size(); ++s) {
         const Owner& owner = owners[s];
@@ -223,11 +291,16 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
     }
     coupling.sides = state.sides;
     findProximities(coupling.surfaces, dt, pool, coupling.sides, coupling.proximityScratch, coupling.proximities);
+    if (!same) noteStartsInside(model, owners, added, coupling);
+    addDeepPoints(owners, coupling);
 
     for (const Proximity& found : coupling.proximities) {
         const std::array<const Owner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
                                                 &owners[static_cast<std::size_t>(found.surfaces[1])]};
-        if (insideOut(*sides[0], found, 0, state) || insideOut(*sides[1], found, 1, state)) continue;
+        const auto leftOut = [&](std::size_t side) {
+            return insideOut(*sides[side], found, side, state) && !rigidTells(*sides[1 - side], found, side);
+        };
+        if (leftOut(0) || leftOut(1)) continue;
         const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
         const double gap =
             found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
@@ -248,6 +321,9 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
     inheritForces(dt, state.contacts, coupling);
     for (std::size_t c = 0; c < coupling.contacts.size(); ++c)
         setLaw(method, dt, coupling.contacts[c], coupling.links[c]);
+    // Between two that go where they are told nothing is solved, and what they start from would be told as a force.
+    for (Link& link : coupling.links)
+        if (!movable(link.sides[0], coupling.rigid) && !movable(link.sides[1], coupling.rigid)) link.impulse = {};
 }
 
 void keepContacts(double dt, const Coupling& coupling, State& state, physics::StepReport& report)

@@ -21,8 +21,9 @@ struct Coupling {
     RigidPlan rigid; ///< how rigid elements move through the step
     ArticulationPlans articulations;
 
-    std::vector<CollisionSurface> surfaces; ///< every body's, in the order of softBodies and rigidBodies
-    std::set<int> warnedGroups;             ///< of collision: the log has told that they are one body's alone
+    std::vector<CollisionSurface> surfaces;                ///< every body's, in the order of softBodies and rigidBodies
+    std::vector<std::array<SurfaceName, 2>> startedInside; ///< of each other, deeper than contacts are followed
+    std::set<int> warnedGroups; ///< of collision: the log has told that they are one body's alone
     ProximityScratch proximityScratch;
     std::vector<Proximity> proximities;
     std::vector<SideKept> sides; ///< those of the next step

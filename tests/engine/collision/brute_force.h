@@ -100,12 +100,11 @@ inline bool facing(const CollisionSurface& own, int point, Vec3 towards)
     const bool used = std::ranges::any_of(shape.triangles, [&](const auto& t) { return contains(t, {point, -1, -1}); });
     if (!shape.triangleFaces || !used || (!shape.closed && atRim(shape, {point, -1, -1}))) return true;
     const double cosine = dot(angleWeightedNormal(own, point), towards);
-    if ((shape.closed ? cosine : std::fabs(cosine)) >= 0.866) return true;
     double leading = -1.0;
     for (const auto& e : shape.edges)
         for (int k = 0; k < 2; ++k)
             if (e[k] == point) leading = std::max(leading, dot(normalized(own.x[e[1 - k]] - own.x[point]), towards));
-    return leading <= 0.5 && (cosine > 0.0 || !shape.closed);
+    return leading <= 0.02 && (cosine > 0.0 || !shape.closed);
 }
 
 inline bool usedByAny(const CollisionShape& shape, int vertex)

@@ -76,6 +76,19 @@ TEST_CASE("a box that slides level over a plane does not bump into the vertices 
     for (const Proximity& p : scene.found) CHECK(distance(p.normal, {0, 0, -1}) < 1e-9);
 }
 
+TEST_CASE("an edge rounded by its inset does not bump into the vertices before it")
+{
+    // Two insets of a fifth of a millimetre apart, and nearer to a row of the grid than that: 30 degrees and less.
+    for (const double before : {0.02e-3, 0.1e-3, 0.2e-3}) {
+        Scene scene;
+        scene.add(sheetMesh(0.1, 10), kPlain);
+        scene.add(boxMesh({0.01, 0.03, 0.01}), kPlain, {{0.01 - before, 0, 0.01 + 0.4e-3}, {}}, {1, 0, 0});
+        scene.find();
+        REQUIRE(scene.found.size() >= 4);
+        for (const Proximity& p : scene.found) CHECK(distance(p.normal, {0, 0, -1}) < 1e-9);
+    }
+}
+
 TEST_CASE("edges that cross are one contact, before and after they have passed each other")
 {
     // Two roofs, one upside down over the other and turned by a right angle: their ridges cross.

@@ -33,7 +33,17 @@ struct NearestPlace {
     geometry::Nearest<3> nearest;
 };
 
-void search(const CollisionSurface& surface, Vec3 point, const Bounds& box, int at, NearestPlace& best)
+Bounds boxAround(Vec3 point, double distance)
+{
+    // A little more, so that rounding cannot lose the place that is known.
+    const auto reach = static_cast<float>(distance * 1.000001 + 1e-9);
+    const float x = static_cast<float>(point.x), y = static_cast<float>(point.y), z = static_cast<float>(point.z);
+    const float r = reach + 1e-6f * (std::fabs(x) + std::fabs(y) + std::fabs(z));
+    return {FourFloats{x - r, y - r, z - r, 0.0f}, FourFloats{-x - r, -y - r, -z - r, 0.0f}};
+}
+
+// The box shrinks to what can still be nearer.
+void search(const CollisionSurface& surface, Vec3 point, Bounds& box, int at, NearestPlace& best)
 {
     if (!meet(surface.nodeBounds[at], box)) return;
     const CollisionShape& shape = *surface.shape;
@@ -48,7 +58,9 @@ void search(const CollisionSurface& surface, Vec3 point, const Bounds& box, int 
         if (t < 0 || !meet(surface.elementBounds[i], box)) continue;
         const auto [a, b, c] = shape.triangles[t];
         const geometry::Nearest<3> here = geometry::nearestOnTriangle(point, surface.x[a], surface.x[b], surface.x[c]);
-        if (here.squaredDistance < best.squaredDistance) best = {here.squaredDistance, t, here};
+        if (!(here.squaredDistance < best.squaredDistance)) continue;
+        best = {here.squaredDistance, t, here};
+        box = boxAround(point, std::sqrt(here.squaredDistance));
     }
 }
 
@@ -88,19 +100,21 @@ bool rimVertex(const CollisionShape& shape, int vertex)
     return std::ranges::any_of(shape.vertexEdges[vertex], [&](int e) { return rimEdge(shape, e); });
 }
 
+NearestOnSurface nearestOn(const CollisionSurface& surface, Vec3 point, double distance)
+{
+    NearestPlace best;
+    Bounds box = boxAround(point, distance);
+    search(surface, point, box, 0, best);
+    if (best.triangle < 0) return {};
+    const std::array<double, 3>& weights = best.nearest.weights;
+    return {best.triangle, weights, best.nearest.point, normalAt(surface, best.triangle, weights)};
+}
+
 bool inside(const CollisionSurface& surface, Vec3 point, double distance)
 {
-    // A little more, so that rounding cannot lose the place that is known.
-    const auto reach = static_cast<float>(distance * 1.000001 + 1e-9);
-    const float x = static_cast<float>(point.x), y = static_cast<float>(point.y), z = static_cast<float>(point.z);
-    const float slack = 1e-6f * (std::fabs(x) + std::fabs(y) + std::fabs(z));
-    const float r = reach + slack;
-    const Bounds box{FourFloats{x - r, y - r, z - r, 0.0f}, FourFloats{-x - r, -y - r, -z - r, 0.0f}};
-    NearestPlace best;
-    search(surface, point, box, 0, best);
-    if (best.triangle < 0) return false;
-    const Vec3 normal = normalAt(surface, best.triangle, best.nearest.weights);
-    return dot(point - best.nearest.point, normal) <= kGraze * distance * length(normal);
+    const NearestOnSurface nearest = nearestOn(surface, point, distance);
+    return nearest.triangle >= 0 &&
+           dot(point - nearest.place, nearest.normal) <= kGraze * distance * length(nearest.normal);
 }
 
 } // namespace filasofia::engine

@@ -15,6 +15,16 @@ Vec3 vertexNormal(const CollisionSurface& surface, int vertex);
 bool rimEdge(const CollisionShape& shape, int edge);
 bool rimVertex(const CollisionShape& shape, int vertex);
 
+struct NearestOnSurface {
+    int triangle = -1; ///< -1: there is none as near as that
+    std::array<double, 3> weights{};
+    Vec3 place;
+    Vec3 normal; ///< of the face, edge or vertex that it is on
+};
+/// What of the surface's triangles is nearest to a point, where something is within `distance` [m] (it may be a little
+/// farther).
+NearestOnSurface nearestOn(const CollisionSurface& surface, Vec3 point, double distance);
+
 /// Whether the point is inside the closed surface or as good as on it; its nearest place is known to be within
 /// `distance` [m].
 bool inside(const CollisionSurface& surface, Vec3 point, double distance);

@@ -131,7 +131,8 @@ void meetAll(const Meeting& meeting, WorkerPool& pool, ProximityScratch& scratch
     const int pairs = static_cast<int>(scratch.elementPairs.size());
     const int parts = (pairs + kPartSize - 1) / kPartSize;
     if (scratch.parts.size() < static_cast<std::size_t>(parts)) scratch.parts.resize(static_cast<std::size_t>(parts));
-    for (ProximityScratch::Part& part : scratch.parts) part.points.clear(), part.edges.clear();
+    scratch.partsUsed = static_cast<std::size_t>(parts);
+    for (int i = 0; i < parts; ++i) scratch.parts[i].points.clear(), scratch.parts[i].edges.clear();
     pool.run(parts, [&](int i) {
         const int end = std::min(pairs, (i + 1) * kPartSize);
         for (int k = i * kPartSize; k < end; ++k) meetElements(meeting, scratch.elementPairs[k], scratch.parts[i]);

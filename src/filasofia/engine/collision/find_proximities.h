@@ -37,8 +37,9 @@ struct ProximityScratch {
     std::vector<std::array<int, 2>> surfacePairs;
     std::vector<char> wanted;
     std::vector<std::array<int, 2>> elementPairs;
-    std::vector<std::array<int, 2>> open; ///< pairs of nodes still to be looked at
-    std::vector<Part> parts;
+    std::vector<std::array<int, 2>> open;       ///< pairs of nodes still to be looked at
+    std::vector<Part> parts;                    ///< never fewer than once
+    std::size_t partsUsed = 0;                  ///< by the pair of surfaces that is looked at
     std::array<std::vector<double>, 2> nearest; ///< [m] per vertex of each side: signed distance to the other one
     std::vector<std::uint64_t> vertexPairs;
 };
@@ -50,8 +51,8 @@ struct ProximityScratch {
 /// What is found are local minima of the distance, each once: a point's nearest place in a face, on an edge whose
 /// triangles have nothing nearer or at such a vertex; edge over edge where the nearest places lie inside both and their
 /// triangles have nothing nearer (so flat and concave edges meet nothing). Where the nearest place is on an edge or
-/// vertex, the surface around the point must look at it: its normal does, or nothing around it leads there, within 30
-/// degrees. A face is met by any point.
+/// vertex, the surface around the point must look at it: nothing around it leads there, give or take a degree. A face
+/// is met by any point.
 ///
 /// Inside a closed surface a point has one way out, the nearest, and it is found to the sum of both depths. A sheet has
 /// no inside: outside is the side on which a point was first seen, until it has been out of range or beside the rim; of

@@ -12,8 +12,8 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 
 template <class Visit> void forEachMinimum(ProximityScratch& scratch, const Visit& visit)
 {
-    for (ProximityScratch::Part& part : scratch.parts)
-        for (PointMinimum& minimum : part.points) visit(minimum);
+    for (std::size_t i = 0; i < scratch.partsUsed; ++i)
+        for (PointMinimum& minimum : scratch.parts[i].points) visit(minimum);
 }
 
 // The side on which the point was of this place or of one that shares a vertex with it; 0: it was not near.
@@ -98,7 +98,8 @@ void keepMinima(const Meeting& meeting, const std::vector<SideKept>& sides, Prox
         if (m.kept && m.vertexPair && !secondary(meeting, m)) scratch.vertexPairs.push_back(m.proximity.feature);
     });
     std::ranges::sort(scratch.vertexPairs);
-    for (const ProximityScratch::Part& part : scratch.parts) {
+    for (std::size_t i = 0; i < scratch.partsUsed; ++i) {
+        const ProximityScratch::Part& part = scratch.parts[i];
         for (const PointMinimum& m : part.points)
             if (m.kept &&
                 !(secondary(meeting, m) && std::ranges::binary_search(scratch.vertexPairs, m.proximity.feature)))

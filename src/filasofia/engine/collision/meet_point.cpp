@@ -12,10 +12,9 @@ namespace {
 // edge (of its length) is on the end: so one on the line between two flat triangles is found once, however it is
 // rounded.
 constexpr double kSide = 1e-9;
-constexpr double kSliver = 1e-18;  // [-] twice the area squared over the longest side to the fourth: has no face
-constexpr double kFacing = 0.8660; // [-] cosine of 30 degrees
-constexpr double kAbove = 0.7071;  // [-] cosine of 45 degrees
-constexpr double kLeading = 0.5;   // [-] sine of 30 degrees
+constexpr double kSliver = 1e-18; // [-] twice the area squared over the longest side to the fourth: has no face
+constexpr double kAbove = 0.7071; // [-] cosine of 45 degrees
+constexpr double kLeading = 0.02; // [-] sine of a degree: as far as a flat surface in use is from flat
 
 // What is asked: one point against one surface.
 struct Asked {
@@ -30,19 +29,20 @@ struct Asked {
     [[nodiscard]] const CollisionSurface& target() const { return *meeting.sides[1 - source]; }
 };
 
-// Whether the surface around p looks in direction `towards`, of what p met, give or take 30 degrees: its normal does,
-// or nothing around p leads there. Without this a box sliding over a plane would bump into the vertices before it,
-// which are near its lower edge, level with it, and on a surface that looks up.
+// Whether the surface around p looks in direction `towards`, of what p met: nothing around p leads there, so that the
+// direction is in the cone of p's normals. Without this a box sliding over a plane would bump into the vertices before
+// it, which are near its lower edge and on a surface that looks up. With 30 degrees, as was, an edge rounded by the
+// inset still met them half its radius ahead, and lost up to half of its speed.
 bool facing(const Asked& asked, Vec3 towards)
 {
     const CollisionSurface& own = asked.own();
     const CollisionShape& shape = *own.shape;
     if (!shape.triangleFaces || shape.vertexTriangles[asked.point].empty()) return true;
     if (!shape.closed && rimVertex(shape, asked.point)) return true;
-    const Vec3 normal = normalized(vertexNormal(own, asked.point));
-    const double cosine = dot(normal, towards);
-    if (normal == Vec3{} || (shape.closed ? cosine : std::fabs(cosine)) >= kFacing) return true;
-    return (!shape.closed || cosine > 0.0) && std::ranges::all_of(shape.vertexEdges[asked.point], [&](int edge) {
+    const Vec3 normal = vertexNormal(own, asked.point);
+    if (normal == Vec3{}) return true;
+    return (!shape.closed || dot(normal, towards) > 0.0) &&
+           std::ranges::all_of(shape.vertexEdges[asked.point], [&](int edge) {
                const auto [a, b] = shape.edges[edge];
                const Vec3 leaving = own.x[a == asked.point ? b : a] - asked.p;
                return dot(leaving, towards) <= kLeading * length(leaving);

@@ -1,0 +1,50 @@
+#include "filasofia/engine/collision/deep_points.h"
+
+#include "filasofia/engine/collision/feature_normals.h"
+
+#include <cmath>
+
+namespace filasofia::engine {
+namespace {
+
+// [m] from one corner of the box around all of the surface to the other.
+double sizeOf(const CollisionSurface& surface)
+{
+    double squared = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        const double width =
+            -static_cast<double>(surface.whole.negatedHigh[k]) - static_cast<double>(surface.whole.low[k]);
+        squared += width * width;
+    }
+    return std::sqrt(squared);
+}
+
+} // namespace
+
+void findDeepPoints(const Meeting& meeting, int source, std::vector<Proximity>& found)
+{
+    const CollisionSurface &own = *meeting.sides[source], &target = *meeting.sides[1 - source];
+    if (meeting.self() || !own.shape->points || !target.shape->closed || !target.shape->triangleFaces) return;
+    const double size = sizeOf(target);
+    for (const CollisionShape::Element& element : own.shape->elements)
+        for (const int point : element.ownVertices) {
+            if (point < 0 || damaged(own.vertexBounds[point]) || !meet(own.vertexBounds[point], target.whole)) continue;
+            const NearestOnSurface nearest = nearestOn(target, own.x[point], size);
+            if (nearest.triangle < 0) continue;
+            const Vec3 out = nearest.place - own.x[point];
+            const double depth = length(out);
+            if (!(depth > meeting.depths()) || !(dot(out, nearest.normal) > 0.0)) continue;
+            Proximity& deep = found.emplace_back();
+            deep.surfaces = meeting.places;
+            deep.vertices[source] = {point, -1, -1};
+            deep.weights[source] = {1.0, 0.0, 0.0};
+            deep.vertices[1 - source] = target.shape->triangles[nearest.triangle];
+            deep.weights[1 - source] = nearest.weights;
+            deep.normal = (source == 0 ? 1.0 : -1.0) / depth * out;
+            deep.gap = -depth;
+            const int face = target.shape->triangleFeature(nearest.triangle);
+            deep.feature = source == 0 ? featureNumber(meeting, point, face) : featureNumber(meeting, face, point);
+        }
+}
+
+} // namespace filasofia::engine
