@@ -230,3 +230,49 @@ TEST_CASE("a node that is interpolated anew follows the coarse nodes as told las
     TwoLevelPreconditioner other(problem.input());
     CHECK(m.takeCoarseLevel(std::move(other)));
 }
+
+TEST_CASE("pulls are weighed by the coarse level's answers, and taken from what it spreads")
+{
+    std::mt19937 random(6);
+    WorkerPool pool(2);
+    const int unknowns = 45, pulls = 19; // more than go side by side
+    const Problem problem(random, 60, unknowns, 7);
+    Problem flat = problem;
+    flat.coarseNodes = 0;
+    TwoLevelPreconditioner m = turned(problem, random);
+    const Eigen::MatrixXd whole = densePreconditioner(problem, m.rotations());
+    const Eigen::MatrixXd coarse = whole - densePreconditioner(flat, m.rotations());
+    for (int again = 0; again < 2; ++again) { // the second time after another lot was cleared
+        Eigen::MatrixXd f = Eigen::MatrixXd::Zero(3 * unknowns, pulls);
+        m.clearPulls();
+        for (int p = 0; p < pulls; ++p) {
+            std::vector<NodePull> pull;
+            for (int k = 0; k < 4; ++k) {
+                const int node = static_cast<int>(random() % unknowns);
+                const Vec3 at{randomFloat(random), randomFloat(random), randomFloat(random)};
+                pull.push_back({node, at});
+                f.block<3, 1>(3 * node, p) += Eigen::Vector3d(at.x, at.y, at.z);
+            }
+            m.addPull(pull);
+        }
+        const Eigen::MatrixXd answers = f.transpose() * coarse * f;
+        std::vector<double> found(pulls), shares(pulls);
+        for (int p = 0; p < pulls; ++p) {
+            m.answers(p, found);
+            for (int q = 0; q < pulls; ++q)
+                CHECK(std::abs(found[static_cast<std::size_t>(q)] - answers(p, q)) <= 1e-5 * answers.norm());
+        }
+        const NodeArray r = randomNodes(random, unknowns);
+        NodeArray z(r.blocks());
+        m.smooth(r, pool);
+        m.weigh(found, pool);
+        const Eigen::VectorXd weighed = f.transpose() * coarse * dense(r, unknowns);
+        for (int p = 0; p < pulls; ++p)
+            CHECK(std::abs(found[static_cast<std::size_t>(p)] - weighed[p]) <= 1e-5 * weighed.norm());
+        for (double& share : shares) share = randomFloat(random);
+        m.spread(r, z, pool, shares);
+        const Eigen::VectorXd exact =
+            whole * dense(r, unknowns) - coarse * f * Eigen::Map<Eigen::VectorXd>(shares.data(), pulls);
+        CHECK((dense(z, unknowns) - exact).norm() <= 1e-5 * exact.norm());
+    }
+}

@@ -72,6 +72,8 @@ public:
     void addToSpread(std::span<const Vec3> impulses) override { s_ += scattered(impulses); }
     void subtractSmoothed(std::span<const Vec3> impulses) override { z_ -= smoothed(scattered(impulses)); }
 
+    void setResidual(const Eigen::VectorXd& r) { r_ = r; }
+
     Eigen::MatrixXd a;
     Eigen::VectorXd b, x, guess;
 
