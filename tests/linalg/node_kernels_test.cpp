@@ -217,6 +217,10 @@ TEST_CASE("instruction sets with fused multiply-add give the same bits, those wi
         found.add("restrict", packed);
         multiplyPanels(randomPanels(random, kCoarse, kRows), randomFloats(random, kRows), y, 0, kCoarse);
         found.add("panels", y);
+        std::vector<float> many(7 * y.size());
+        multiplyPanels(randomPanels(random, kCoarse, kRows), randomFloats(random, 7 * kRows), kRows, many,
+                       static_cast<int>(y.size()), kCoarse);
+        found.add("panels, many vectors", many);
 
         const NodeArray corners = randomBlocks(random, 4 * 5);
         const Gather gather = randomGather(random, kBlocks, 5, 20);
@@ -226,5 +230,24 @@ TEST_CASE("instruction sets with fused multiply-add give the same bits, those wi
         const double ff = gatherForces(gather, floats(corners), 1.7f, masses, masses, p, q, range);
         found.add("gather forces", floats(q), ff);
         return found.bits;
+    });
+}
+
+TEST_CASE("a dense matrix times many vectors is its product with each")
+{
+    onEveryTarget([](const std::string&) {
+        std::mt19937 random(7);
+        constexpr int kRows = 60, kPanels = 3, kEntries = kPanels * kBlock + 4;
+        const std::vector<PanelRow> matrix = randomPanels(random, kPanels, kRows);
+        for (const std::size_t vectors : {1u, 5u, 6u, 13u}) {
+            const std::vector<float> x = randomFloats(random, vectors * kRows);
+            std::vector<float> all(vectors * kEntries), one(kEntries);
+            multiplyPanels(matrix, x, kRows, all, kEntries, kPanels);
+            for (std::size_t v = 0; v < vectors; ++v) {
+                multiplyPanels(matrix, std::span(x).subspan(v * kRows, kRows), one, 0, kPanels);
+                for (std::size_t k = 0; k < kPanels * kBlock; ++k)
+                    CHECK(std::abs(all[v * kEntries + k] - one[k]) <= 1e-5f * kRows);
+            }
+        }
     });
 }

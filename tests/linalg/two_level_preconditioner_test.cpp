@@ -255,6 +255,7 @@ TEST_CASE("pulls are weighed by the coarse level's answers, and taken from what 
             }
             m.addPull(pull);
         }
+        m.answerPulls();
         const Eigen::MatrixXd answers = f.transpose() * coarse * f;
         std::vector<double> found(pulls), shares(pulls);
         for (int p = 0; p < pulls; ++p) {

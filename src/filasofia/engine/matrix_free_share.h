@@ -32,6 +32,7 @@ public:
     [[nodiscard]] bool correctable() const override { return system_.coarseNodes() > 0; }
     void clearPulls() override { system_.preconditioner_.clearPulls(); }
     void addPull(std::span<const Vec3> impulses) override;
+    void answerPulls() override { system_.preconditioner_.answerPulls(); }
     void answers(int pull, std::span<double> out) const override;
     void weigh(std::span<double> sums) override;
 

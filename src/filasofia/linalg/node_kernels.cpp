@@ -88,6 +88,28 @@ HWY_ATTR void multiplyPanelRange(const PanelRow* HWY_RESTRICT panels, const floa
     }
 }
 
+/// For kTogether vectors at once.
+HWY_ATTR void multiplyPanelsTogether(const PanelRow* HWY_RESTRICT panels, const float* HWY_RESTRICT x, int rows,
+                                     float* HWY_RESTRICT y, int entries, int panelCount)
+{
+    const Lanes d;
+    for (int k = 0; k < panelCount; ++k) {
+        const PanelRow* HWY_RESTRICT row = panels + static_cast<std::ptrdiff_t>(k) * rows;
+        for (std::size_t part = 0; part < kBlock; part += kLanes) {
+            V sums[kTogether];
+            for (V& sum : sums) sum = hn::Zero(d);
+            for (int i = 0; i < rows; ++i) {
+                const V a = hn::Load(d, row[i].values + part);
+                for (int v = 0; v < kTogether; ++v)
+                    sums[v] = hn::MulAdd(hn::Set(d, x[static_cast<std::ptrdiff_t>(v) * rows + i]), a, sums[v]);
+            }
+            for (int v = 0; v < kTogether; ++v)
+                hn::StoreU(sums[v], d,
+                           y + static_cast<std::ptrdiff_t>(v) * entries + 16l * k + static_cast<long>(part));
+        }
+    }
+}
+
 /// The sum of the vectors of one node's corners.
 HWY_INLINE V4 gathered(const int* HWY_RESTRICT place, const int* HWY_RESTRICT end, const float* HWY_RESTRICT corners)
 {
@@ -181,6 +203,7 @@ HWY_EXPORT(turnBlocks);
 HWY_EXPORT(descendBlocks);
 HWY_EXPORT(restrictNodes);
 HWY_EXPORT(multiplyPanelRange);
+HWY_EXPORT(multiplyPanelsTogether);
 HWY_EXPORT(gatherProduct);
 HWY_EXPORT(gatherForce);
 HWY_EXPORT(stepWorkBlocks);
@@ -211,6 +234,19 @@ void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> 
 {
     HWY_DYNAMIC_DISPATCH(multiplyPanelRange)
     (panels.data(), x.data(), static_cast<int>(x.size()), y.data(), begin, end);
+}
+
+void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> x, int rows, std::span<float> y,
+                    int entries, int panelCount)
+{
+    const std::size_t vectors = x.size() / static_cast<std::size_t>(rows);
+    std::size_t first = 0;
+    for (; first + kTogether <= vectors; first += kTogether) HWY_DYNAMIC_DISPATCH(multiplyPanelsTogether)
+    (panels.data(), x.data() + first * static_cast<std::size_t>(rows), rows,
+     y.data() + first * static_cast<std::size_t>(entries), entries, panelCount);
+    for (; first < vectors; ++first)
+        multiplyPanels(panels, x.subspan(first * static_cast<std::size_t>(rows), static_cast<std::size_t>(rows)),
+                       y.subspan(first * static_cast<std::size_t>(entries)), 0, panelCount);
 }
 
 double gatherAndAdd(const Gather& gather, std::span<const float> corners, float scale, std::span<const float> masses,

@@ -40,6 +40,11 @@ struct alignas(64) PanelRow {
 void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> x, std::span<float> y, int begin,
                     int end);
 
+constexpr int kTogether = 6; ///< vectors for which a dense matrix passes by once
+/// Y = A X for as many vectors as the spans hold, one after another: `rows` numbers each in X, `entries` each in Y.
+void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> x, int rows, std::span<float> y,
+                    int entries, int panelCount);
+
 /// What a node gathers: the places of its corners' vectors, in floats.
 using Gather = Lists<int>;
 

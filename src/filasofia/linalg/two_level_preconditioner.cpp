@@ -240,10 +240,10 @@ void TwoLevelPreconditioner::clearPulls()
 
 void TwoLevelPreconditioner::addPull(std::span<const NodePull> pull)
 {
-    const std::size_t rows = coarseResidual_.size(), entries = coarse_.size();
+    const std::size_t rows = coarseResidual_.size();
     felt_.resize(felt_.size() + rows);
-    answered_.resize(answered_.size() + entries);
-    const std::span<float> felt = std::span(felt_).last(rows), answered = std::span(answered_).last(entries);
+    const std::span<float> felt = std::span(felt_).last(rows);
+    ++pulls_;
     for (const NodePull& each : pull) {
         const Vec3 rest = transposeTimes(rotation(each.node), each.pull);
         const InterpolationBlock& block = interpolation_[static_cast<std::size_t>(each.node / kBlock)];
@@ -252,13 +252,18 @@ void TwoLevelPreconditioner::addPull(std::span<const NodePull> pull)
                 felt[static_cast<std::size_t>(block.at[each.node % kBlock][k] + i)] +=
                     block.weights[each.node % kBlock][k] * static_cast<float>(rest[i]);
     }
-    multiplyPanels(coarseInverse_, felt, answered, 0, blocksFor(3 * coarseNodes_));
+}
 
-    const auto place = static_cast<std::size_t>(pulls_ % kBlock);
-    if (place == 0) answeredRows_.resize(answeredRows_.size() + rows);
-    const std::span<PanelRow> panel = std::span(answeredRows_).last(rows);
-    for (std::size_t k = 0; k < static_cast<std::size_t>(3 * coarseNodes_); ++k) panel[k].values[place] = answered[k];
-    ++pulls_;
+void TwoLevelPreconditioner::answerPulls()
+{
+    const std::size_t rows = coarseResidual_.size(), entries = coarse_.size(), pulls = static_cast<std::size_t>(pulls_);
+    answered_.assign(pulls * entries, 0.0f);
+    multiplyPanels(coarseInverse_, felt_, static_cast<int>(rows), answered_, static_cast<int>(entries),
+                   blocksFor(3 * coarseNodes_));
+    answeredRows_.assign(static_cast<std::size_t>(blocksFor(pulls_)) * rows, {});
+    for (std::size_t p = 0; p < pulls; ++p)
+        for (std::size_t k = 0; k < static_cast<std::size_t>(3 * coarseNodes_); ++k)
+            answeredRows_[p / kBlock * rows + k].values[p % kBlock] = answered_[p * entries + k];
 }
 
 void TwoLevelPreconditioner::answers(int pull, std::span<double> out) const

@@ -89,6 +89,7 @@ public:
     // coarse level by it: with Y = A_c^-1 P^T R^T f.
     void clearPulls();
     void addPull(std::span<const NodePull> pull);
+    void answerPulls();                                   ///< once all are there
     void answers(int pull, std::span<double> out) const;  ///< per pull: f . R P Y of that pull
     void weigh(std::span<double> sums, WorkerPool& pool); ///< per pull: Y . P^T R^T (r + what was added)
 

@@ -125,6 +125,7 @@ void PatchCorrection::make(const std::vector<CoupledBody*>& bodies, std::span<co
     }
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         shares_[b].resize(rows_[b].size());
+        if (!rows_[b].empty()) bodies[b]->answerPulls();
         for (std::size_t i = 0; i < rows_[b].size(); ++i) {
             bodies[b]->answers(static_cast<int>(i), shares_[b]);
             for (std::size_t j = 0; j <= i; ++j) matrix[rows_[b][i] * size + rows_[b][j]] += shares_[b][j];
