@@ -58,6 +58,19 @@ void spin(Stage& stage, const BodyPiece& crumb, Vec3 turn)
     }
 }
 
+/// A crumb beside its block and one alone begin to fall, spinning alike; returns the first node of the former.
+std::size_t startTogether(Stage& together, Stage& alone)
+{
+    for (Stage* stage : {&together, &alone}) {
+        stage->post(physics::SetGravity{{0, 0, -9.81}});
+        stage->step(0.0);
+    }
+    spin(together, together.model().pieces[1], {100.0, 50.0, -20.0});
+    const std::size_t first = together.soft().x.size() - 4;
+    for (std::size_t i = 0; i < 4; ++i) alone.soft().v[i] = together.soft().v[first + i];
+    return first;
+}
+
 } // namespace
 
 TEST_CASE("a loose piece that spins too fast is slowed to the limit, and keeps its momentum")
@@ -110,13 +123,7 @@ TEST_CASE("a crumb moves beside the rest of its body as it does by itself, solve
     Stage together, alone;
     together.add(blockAndCrumb());
     alone.add(crumbAlone());
-    for (Stage* stage : {&together, &alone}) {
-        stage->post(physics::SetGravity{{0, 0, -9.81}});
-        stage->step(0.0);
-    }
-    spin(together, together.model().pieces[1], {100.0, 50.0, -20.0});
-    const std::size_t first = together.soft().x.size() - 4;
-    for (std::size_t i = 0; i < 4; ++i) alone.soft().v[i] = together.soft().v[first + i];
+    const std::size_t first = startTogether(together, alone);
     together.run(200, 1e-3);
     alone.run(200, 1e-3);
     for (std::size_t i = 0; i < 4; ++i) CHECK(distance(together.soft().x[first + i], alone.soft().x[i]) < 1e-5);
@@ -144,13 +151,7 @@ TEST_CASE("a crumb moves as it does by itself also where the solve of the whole 
     def.attachments.clear(); // free: what the solve lacks becomes a push of the whole
     together.add(def);
     alone.add(crumbAlone());
-    for (Stage* stage : {&together, &alone}) {
-        stage->post(physics::SetGravity{{0, 0, -9.81}});
-        stage->step(0.0);
-    }
-    spin(together, together.model().pieces[1], {100.0, 50.0, -20.0});
-    const std::size_t first = together.soft().x.size() - 4;
-    for (std::size_t i = 0; i < 4; ++i) alone.soft().v[i] = together.soft().v[first + i];
+    const std::size_t first = startTogether(together, alone);
     for (std::size_t i = 0; i < first; ++i) together.soft().x[i] *= 1.0 + 0.05 * std::sin(static_cast<double>(i));
     for (int step = 0; step < 20; ++step) {
         CHECK(together.step(1e-3).has(physics::StepFlag::NotConverged));

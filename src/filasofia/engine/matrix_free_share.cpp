@@ -32,7 +32,6 @@ void MatrixFreeShare::begin(std::span<const Grip> grips)
         inverse_.push_back(system_.preconditioner_.inverseDiagonal(slots_.back()));
     }
     system_.dv_.setZero();
-    system_.preconditioner_.clearPulls();
 }
 
 Mat3 MatrixFreeShare::compliance(int grip) const { return system_.scale_ * inverse_[static_cast<std::size_t>(grip)]; }

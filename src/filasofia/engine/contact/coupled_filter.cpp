@@ -86,11 +86,7 @@ void CoupledSolve::renewFilter()
     if (others * kOthers > rows_.size()) makeFilter();
 }
 
-bool CoupledSolve::correctCoarseLevels()
-{
-    patches_.make(*bodies_, first_, *constraints_, filters_);
-    return !patches_.empty();
-}
+void CoupledSolve::correctCoarseLevels() { patches_.make(*bodies_, first_, *constraints_, filters_); }
 
 double CoupledSolve::precondition()
 {

@@ -31,8 +31,8 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     CoupledReport report;
     report.rounds = 1;
     for (int raises = 0, followed = 0;; ++report.iterations, ++followed) {
-        double rz = precondition(); // the energy of the error, as the preconditioner sees it
-        if (report.iterations == kHard && patches_.empty() && correctCoarseLevels()) rz = precondition();
+        if (report.iterations == kHard && patches_.empty()) correctCoarseLevels();
+        const double rz = precondition(); // the energy of the error, as the preconditioner sees it
         const bool number = rz >= 0.0 && std::isfinite(rz);
         report.residual = rz == 0.0 ? 0.0 : number ? std::sqrt(rz / (rz + energy_)) : 1.0;
         report.converged = report.residual <= linear.tolerance && impulsesSettled();

@@ -77,7 +77,7 @@ private:
     void begin(const std::vector<std::vector<Grip>>& gripsOf);
     void chooseStiffness();
     void makeFilter();
-    bool correctCoarseLevels();                         ///< false where there is nothing to correct
+    void correctCoarseLevels();
     void renewFilter();                                 ///< where states have changed since it was made
     void gather(Read read);                             ///< at_ = what the bodies say at the grips
     [[nodiscard]] Vec3 velocityOf(std::size_t c) const; ///< F J at_
