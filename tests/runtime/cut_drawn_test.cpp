@@ -1,6 +1,7 @@
 #include "shown_stage.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/geometry/surface.h"
 
 using namespace filasofia;
 using namespace filasofia::runtime;
@@ -75,4 +76,44 @@ TEST_CASE("an inside that cannot be drawn is an error before anything is cut")
     stage.bindings.show(stage.tissue, {.interior = visual::CustomMaterial{.file = "no/such.filamat"}}, stage.physics);
     stage.physics.step(1e-3);
     CHECK_THROWS_WITH(stage.map(), Catch::Contains("no/such.filamat"));
+}
+
+TEST_CASE("a finer surface opens where its body is cut, and is whole again with it")
+{
+    CutStage stage;
+    geometry::TriangleMesh fine =
+        geometry::extractSurface(*geometry::shapes::block({0.04, 0.04, 0.04}, {9, 8, 7})).mesh;
+    stage.bindings.show(stage.tissue, {.surface = std::make_shared<const geometry::TriangleMesh>(fine)}, stage.physics);
+    stage.step();
+    CHECK(stage.only().geometry.indices.size() == 3 * fine.triangles.size());
+    const auto widest = [&] { // a triangle along x
+        const visual::NullBackend::Body& skin = *stage.drawn().front();
+        float width = 0.0F;
+        for (std::size_t i = 0; i < skin.geometry.indices.size(); i += 3) {
+            float low = 1.0F, high = -1.0F;
+            for (std::size_t k = i; k < i + 3; ++k) {
+                const float x = skin.geometry.rest[skin.geometry.indices[k]].x;
+                low = std::min(low, x);
+                high = std::max(high, x);
+            }
+            if (low < 0.0F && high > 0.002F && skin.geometry.rest[skin.geometry.indices[i]].y > 0.013F)
+                width = std::max(width, high - low);
+        }
+        return width;
+    };
+    CHECK(widest() > 0.004F);
+    stage.cut(0.0);
+    const auto all = stage.drawn();
+    REQUIRE(all.size() == 2);
+    CHECK(all[0]->geometry.indices.size() > 3 * fine.triangles.size());
+    CHECK(all[1]->geometry.indices.size() >= 3 * 2 * 6 * 3);
+    CHECK(CutStage::red(*all[1]) < CutStage::red(*all[0]));
+    CHECK(widest() < 0.0035F); // at the top none reaches from one side of the cut to the other any more
+
+    stage.physics.setPose(stage.blade, CutStage::poseAt(0.5));
+    stage.physics.reset();
+    stage.step();
+    stage.bindings.finishMeshes();
+    stage.step();
+    CHECK(stage.only().geometry.indices.size() == 3 * fine.triangles.size());
 }

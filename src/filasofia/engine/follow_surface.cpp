@@ -21,6 +21,12 @@ template <class Value> void eraseAt(const std::vector<int>& places, std::vector<
     list.resize(kept);
 }
 
+/// Face f lies opposite corner f.
+int cornerBehind(int element, int face, const BodyTopology& topology)
+{
+    return topology.mesh->data().tetrahedra[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)];
+}
+
 int& placeOf(int element, int face, BodyTopology& topology)
 {
     return topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)];
@@ -59,9 +65,11 @@ public:
     }
     void finish()
     {
+        boundary_->behind.resize(topology_.boundaryFaces.size());
         for (std::size_t t = 0; t < topology_.boundaryFaces.size(); ++t) {
             const auto [element, face] = topology_.boundaryFaces[t];
             placeOf(element, face, topology_) = static_cast<int>(t);
+            boundary_->behind[t] = cornerBehind(element, face, topology_);
         }
         boundary_->revision = topology_.boundary->revision + 1;
         boundary_->triangles = model_.surface;
@@ -108,22 +116,18 @@ OwnSurfaceEdit followSurface(const frame::TopologyEdit& edit, BodyTopology& topo
         for (int& node : triangle) node = vertexOf(node, model, topology, out);
         return triangle;
     };
-    const auto behind = [&](const BoundaryChange& change) { // face f lies opposite corner f
-        return topology.mesh->data()
-            .tetrahedra[static_cast<std::size_t>(change.tetrahedron)][static_cast<std::size_t>(change.face)];
-    };
     SurfaceChange surface(topology, model);
     for (const auto& [place, change] : changed) {
         surface.change(place, *change);
         out.surface.changed.emplace_back(place, inVertices(change->nodes));
-        out.behind.push_back(behind(*change));
+        out.behind.push_back(cornerBehind(change->tetrahedron, change->face, topology));
     }
     surface.remove(out.surface.removed);
     for (const BoundaryChange& change : edit.boundary) {
         if (change.kind != Kind::Added) continue;
         surface.add(change);
         out.surface.added.push_back(inVertices(change.nodes));
-        out.behind.push_back(behind(change));
+        out.behind.push_back(cornerBehind(change.tetrahedron, change.face, topology));
     }
     surface.finish();
     return out;

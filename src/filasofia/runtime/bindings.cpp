@@ -59,11 +59,15 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
 
     std::vector<Binding> made;
     if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body)) {
-        if (surface && soft->dynamicTopology)
-            logWarning(object,
-                       ": this surface bends with the body but does not open where it is cut; without a surface "
-                       "the body's own boundary is drawn, which does");
         auto mapped = std::make_shared<const mapping::MappedSurface>(mapSoft(*soft, surface.get()));
+        std::shared_ptr<const mapping::OpeningSurface> opening;
+        if (surface && soft->dynamicTopology) {
+            opening = mapping::OpeningSurface::make(mapped, physics::worldMesh(*soft));
+            if (!opening)
+                logWarning(object,
+                           ": this surface bends with the body but does not open where it is cut, as it is not near "
+                           "its skin everywhere; without a surface the body's own boundary is drawn, which does");
+        }
         const int nodes = mapping::nodesNeeded(mapped->map);
         made.push_back({.id = id,
                         .name = soft->name,
@@ -71,7 +75,8 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
                         .nodes = nodes,
                         .start = soft->pose,
                         .def = def,
-                        .boundary = !surface});
+                        .boundary = !surface,
+                        .opening = std::move(opening)});
     } else {
         const auto& rigid = std::get<physics::RigidBodyDef>(*body);
         const int count = static_cast<int>(rigid.elements.size());
@@ -138,11 +143,12 @@ int Bindings::paint(BodyId id, const PaintDef& def, physics::PhysicsServer& phys
     return painted_.paint(id, def, frame ? &*frame : nullptr);
 }
 
-void Bindings::retopologise(BodyId id, SharedSurface surface, SharedSurface interior)
+void Bindings::retopologise(BodyId id, SharedSurface surface, SharedSurface interior,
+                            std::shared_ptr<const frame::Boundary> boundary)
 {
     FILASOFIA_ASSERT(surface);
     const std::lock_guard lock(mutex_);
-    topology_[id] = {std::move(surface), std::move(interior)};
+    topology_[id] = {std::move(surface), std::move(interior), std::move(boundary)};
     changed_.insert(id);
 }
 
@@ -163,7 +169,8 @@ void Bindings::followTopology(const frame::Frame& frame)
             return std::make_shared<const mapping::MappedSurface>(mapping::mapBoundary(*body.boundary, opened));
         };
         auto interior = part(true);
-        retopologise(body.id, part(false), interior->surface.triangles.empty() ? nullptr : std::move(interior));
+        const bool open = !interior->surface.triangles.empty();
+        retopologise(body.id, part(false), open ? std::move(interior) : nullptr, body.boundary);
     }
 }
 
@@ -218,12 +225,15 @@ void Bindings::openInteriors()
     for (const std::vector<Binding>* list : {&pending_, &shown_})
         for (const Binding& skin : *list) {
             const auto newest = topology_.find(skin.id);
-            if (!skin.boundary || skin.interior || newest == topology_.end() || !newest->second.interior) continue;
+            if (!(skin.boundary || skin.opening) || skin.interior || newest == topology_.end() ||
+                !newest->second.interior)
+                continue;
             const auto isInside = [&](const Binding& each) { return each.interior && each.shown == skin.shown; };
             if (std::ranges::any_of(pending_, isInside) || std::ranges::any_of(shown_, isInside)) continue;
             Binding& inside = made.emplace_back(skin);
             inside.key = ++lastKey_;
             inside.interior = true;
+            inside.opening = nullptr;
             inside.drawn = nullptr;
             inside.mapped = newest->second.interior;
             inside.nodes = mapping::nodesNeeded(inside.mapped->map);
@@ -238,9 +248,16 @@ void Bindings::openInteriors()
 void Bindings::askMesh(const Binding& binding)
 {
     const auto newest = topology_.find(binding.id);
-    if (newest == topology_.end() || !binding.boundary) return;
-    const SharedSurface& surface = binding.interior ? newest->second.interior : newest->second.skin;
-    if (surface) worker_.ask(binding.key, {binding.mapped, surface, binding.def.subdivision, binding.name});
+    if (newest == topology_.end()) return;
+    const auto& [skin, interior, boundary] = newest->second;
+    MeshJob job{binding.mapped, nullptr, binding.def.subdivision, binding.name};
+    if (binding.opening) {
+        job.opening = binding.opening;
+        job.boundary = boundary;
+    } else if (binding.boundary || binding.interior) {
+        job.to = binding.interior ? interior : skin;
+    }
+    if (job.to || job.boundary) worker_.ask(binding.key, std::move(job));
 }
 
 void Bindings::addPending(visual::VisualServer& visual)

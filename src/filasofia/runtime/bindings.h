@@ -36,10 +36,11 @@ public:
     /// Everything is clean again. Any thread.
     void clearPaint() { painted_.clear(); }
     /// The body's boundary has new triangles: `surface` at rest in the world, on its nodes, which only grow in number.
-    /// What is drawn of the boundary follows with its old triangles until the new ones are ready. What is drawn of
-    /// other surfaces stays. `interior`: what cuts have opened of it, drawn in a material of its own; none: nothing.
-    /// Any thread.
-    void retopologise(BodyId id, SharedSurface surface, SharedSurface interior = nullptr);
+    /// What is drawn of the boundary follows with its old triangles until the new ones are ready. `interior`: what cuts
+    /// have opened of it, drawn in a material of its own; none: nothing. Other surfaces of its skin are opened as
+    /// `boundary` tells, and stay without one. Any thread.
+    void retopologise(BodyId id, SharedSurface surface, SharedSurface interior = nullptr,
+                      std::shared_ptr<const frame::Boundary> boundary = nullptr);
 
     /// Makes visual bodies of what was prepared. Main thread, like all that follows. Where the visual server refuses
     /// one, its Error comes through, and that one and those after it stay pending.
@@ -75,11 +76,12 @@ private:
         mapping::RigidMap rigidMap = {};
         Pose start = {}; ///< of the surface's coordinates, for a rigid body
         ShowDef def = {};
-        int subdivision = 0;                 ///< that is drawn: less than in def where a cut surface takes none
-        bool boundary = false;               ///< drawn is a soft body's own boundary
-        bool interior = false;               ///< of that, what was opened
-        bool seen = false;                   ///< the body has been in a frame
-        visual::VisualBody* drawn = nullptr; ///< nullptr while pending
+        int subdivision = 0;   ///< that is drawn: less than in def where a cut surface takes none
+        bool boundary = false; ///< drawn is a soft body's own boundary
+        bool interior = false; ///< of that, what was opened
+        std::shared_ptr<const mapping::OpeningSurface> opening = {}; ///< drawn is another surface of its skin
+        bool seen = false;                                           ///< the body has been in a frame
+        visual::VisualBody* drawn = nullptr;                         ///< nullptr while pending
     };
     /// What was asked for and has not been done. The newest of each kind is enough.
     struct Wish {
@@ -105,6 +107,7 @@ private:
     std::map<ShownId, Wish> wishes_;
     struct Topology {
         SharedSurface skin, interior; ///< none: nothing is open
+        std::shared_ptr<const frame::Boundary> boundary = {};
     };
     std::map<BodyId, Topology> topology_; ///< the newest boundary of each body whose topology has changed
     std::set<BodyId> changed_;            ///< those that the worker has not been told of

@@ -10,12 +10,13 @@ namespace filasofia::runtime {
 
 MeshResult prepareMesh(const MeshJob& job)
 {
-    geometry::check(job.to->surface, text("body '", job.name, "'")); // no surface at all is not drawn at any level
+    const SharedSurface to = job.to ? job.to : job.opening->on(*job.boundary);
+    geometry::check(to->surface, text("body '", job.name, "'")); // no surface at all is not drawn at any level
     const auto with = [&](int subdivision) {
-        return MeshResult{.surface = job.to,
-                          .mesh = visual::PreparedMesh(job.to->surface, subdivision, job.name),
+        return MeshResult{.surface = to,
+                          .mesh = visual::PreparedMesh(to->surface, subdivision, job.name),
                           .subdivision = subdivision,
-                          .transfers = {mapping::transferBetween(job.from->surface, job.to->surface)}};
+                          .transfers = {mapping::transferBetween(job.from->surface, to->surface)}};
     };
     try {
         return with(job.subdivision);

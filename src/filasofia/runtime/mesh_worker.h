@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/mapping/opening_surface.h"
 #include "filasofia/mapping/transfer.h"
 #include "filasofia/runtime/painted_surfaces.h"
 #include "filasofia/visual/prepared_mesh.h"
@@ -13,9 +14,11 @@ namespace filasofia::runtime {
 /// New triangles for a surface that is drawn.
 struct MeshJob {
     SharedSurface from; ///< the surface that it takes the place of
-    SharedSurface to;
+    SharedSurface to;   ///< none: `opening` on `boundary`
     int subdivision = 0;
     std::string name = {}; ///< of the body
+    std::shared_ptr<const mapping::OpeningSurface> opening = {};
+    std::shared_ptr<const frame::Boundary> boundary = {};
 };
 
 /// What a worker made of it, ready for the main thread.
