@@ -30,7 +30,7 @@ try {
     int pieces = 0;
     sim.on<CutEvent>([&](const CutEvent& cut) {
         for (const LoosePiece& piece : cut.rupture.detached)
-            std::printf("piece %d came loose: %zu tetrahedra\n", ++pieces, piece.elements.size());
+            std::printf("piece %d came loose: %.0f g\n", ++pieces, piece.mass * 1e3);
     });
     if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 1000: see --help
     const auto frame = sim.physics().latest();

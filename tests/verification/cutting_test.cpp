@@ -202,6 +202,7 @@ TEST_CASE("what a cut sets free keeps its momentum over the edits, and falls fre
     };
     const Vec3 start = momentum(all());
     std::vector<int> piece;
+    LoosePiece told;
     double worst = 0.0;
     for (int i = 1; i <= 200; ++i) {
         stage.post(SetPose{tool, 0, {{0.052, 0.02, 0.06 - 5e-4 * i}, {}}});
@@ -209,7 +210,7 @@ TEST_CASE("what a cut sets free keeps its momentum over the edits, and falls fre
         CHECK(report.flags == 0);
         worst = std::max(worst, length(momentum(all()) - start) / length(start));
         for (const Rupture& rupture : report.topology.ruptures)
-            for (const LoosePiece& loose : rupture.detached) piece = loose.elements;
+            for (const LoosePiece& loose : rupture.detached) piece = (told = loose).elements;
     }
     REQUIRE_FALSE(piece.empty());
     verify("cutting, momentum lost or won by a cut across a flying bar, relative", worst, 1e-9);
@@ -221,6 +222,9 @@ TEST_CASE("what a cut sets free keeps its momentum over the edits, and falls fre
     double mass = 0.0;
     for (int node : nodes) mass += stage.model().masses[static_cast<std::size_t>(node)];
     CHECK(mass == Approx(0.48 * massOf(stage.model())).epsilon(0.1));
+    CHECK(told.mass == Approx(mass).epsilon(1e-3));
+    CHECK(std::abs(told.place.x - 0.052) > 0.01); // on one side of the cut, and well away from it
+    CHECK_FALSE(told.held);
 
     // The same piece in gravity.
     stage.model().gravity = true;

@@ -56,6 +56,9 @@ struct ContactReport {
 struct LoosePiece {
     int piece = 0; ///< its number from now on: 1, 2, ... within the body; what it came from keeps its own
     std::vector<int> elements = {}; ///< tetrahedra, ascending
+    double mass = 0.0;              ///< [kg]
+    Vec3 place = {};                ///< [m] its centre of mass, as it is now
+    bool held = false;              ///< nodes of it are fixed to the world or to a body that goes where it is told
 };
 
 /// What blades or stress opened of a body during a step.

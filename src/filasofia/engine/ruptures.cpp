@@ -160,6 +160,23 @@ std::vector<physics::LoosePiece> loosePieces(const frame::TopologyEdit& edit, Bo
     return loose;
 }
 
+/// What the body's pieces know of those that came loose.
+void weigh(const SoftModel& body, const SoftState& state, std::vector<physics::LoosePiece>& loose)
+{
+    for (physics::LoosePiece& each : loose) {
+        const auto found = std::ranges::find(body.pieces, each.piece, &BodyPiece::number);
+        if (found == body.pieces.end()) continue;
+        Vec3 moment;
+        for (const int node : found->nodes) {
+            const auto n = static_cast<std::size_t>(node);
+            each.mass += body.masses[n];
+            moment += body.masses[n] * state.x[n];
+        }
+        each.place = 1.0 / each.mass * moment;
+        each.held = found->held;
+    }
+}
+
 void tell(Rupture::Kind kind, BodyId body, RuptureReport& opened, std::vector<Rupture>& ruptures)
 {
     if (opened.openedArea > 0.0)
@@ -223,6 +240,7 @@ void applyEdits(double period, Model& model, State& state, Systems& systems, Rup
         const OwnSurfaceEdit surface = applyEdit(edit, period, topology, body, state.softBodies[b], systems[b]);
         std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);
         body.pieces = findPieces(body, *topology.pieces);
+        weigh(body, state.softBodies[b], loose);
         if (edit.boundary.empty()) continue;
         editOwnCollision(surface, body, state);
 
