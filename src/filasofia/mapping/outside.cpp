@@ -25,13 +25,14 @@ Vec3 mean(const std::array<Vec3, 3>& corners, const std::array<double, 3>& weigh
     return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
 }
 
-} // namespace
-
+/// The smallest node first, in the same order around.
 geometry::Triangle turned(geometry::Triangle nodes)
 {
     std::rotate(nodes.begin(), std::ranges::min_element(nodes), nodes.end());
     return nodes;
 }
+
+} // namespace
 
 Outside::Outside(const frame::Boundary& boundary) : boundary_(boundary)
 {

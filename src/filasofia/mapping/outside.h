@@ -59,7 +59,4 @@ private:
     double meanEdge_ = 0.0;
 };
 
-/// The smallest node first, in the same order around.
-geometry::Triangle turned(geometry::Triangle nodes);
-
 } // namespace filasofia::mapping

@@ -13,20 +13,6 @@
 namespace filasofia::runtime {
 namespace {
 
-using geometry::TriangleMesh;
-
-constexpr double kCrease = 0.6; ///< [rad], 34 degrees: a box has edges, a sphere of 20 sides has none
-
-/// The mesh of a rigid body that is drawn as it is.
-TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, const std::string& object)
-{
-    const auto mesh = physics::loadMesh(body.mesh, object);
-    if (!mesh) fail(object, ": surface must name a file or be a surface, as the body has no mesh of its own");
-    if (def.subdivision > 0)
-        return *mesh; // subdividing rounds edges, and would tear a surface that is split along them
-    return mapping::withCreases(*mesh, kCrease);
-}
-
 /// Inside, tissue is redder and wetter than its skin.
 visual::Material interiorOf(const visual::Material& skin)
 {
@@ -59,10 +45,11 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
 
     std::vector<Binding> made;
     if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body)) {
-        auto mapped = std::make_shared<const mapping::MappedSurface>(mapSoft(*soft, surface.get()));
+        const geometry::TetMesh rest = physics::worldMesh(*soft);
+        auto mapped = std::make_shared<const mapping::MappedSurface>(mapSoft(*soft, rest, surface.get()));
         std::shared_ptr<const mapping::OpeningSurface> opening;
         if (surface && soft->dynamicTopology) {
-            opening = mapping::OpeningSurface::make(mapped, physics::worldMesh(*soft));
+            opening = mapping::OpeningSurface::make(mapped, rest);
             if (!opening)
                 logWarning(object,
                            ": this surface bends with the body but does not open where it is cut, as it is not near "
@@ -232,6 +219,7 @@ void Bindings::openInteriors()
             if (std::ranges::any_of(pending_, isInside) || std::ranges::any_of(shown_, isInside)) continue;
             Binding& inside = made.emplace_back(skin);
             inside.key = ++lastKey_;
+            inside.boundary = true;
             inside.interior = true;
             inside.opening = nullptr;
             inside.drawn = nullptr;
@@ -254,7 +242,7 @@ void Bindings::askMesh(const Binding& binding)
     if (binding.opening) {
         job.opening = binding.opening;
         job.boundary = boundary;
-    } else if (binding.boundary || binding.interior) {
+    } else if (binding.boundary) {
         job.to = binding.interior ? interior : skin;
     }
     if (job.to || job.boundary) worker_.ask(binding.key, std::move(job));

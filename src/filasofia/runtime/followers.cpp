@@ -16,14 +16,16 @@ void put(visual::Transform& transform, const Pose& at, const Pose& offset)
 
 mapping::SurfacePoint pointOf(const physics::SoftBodyDef& body, const FollowDef& def, const std::string& object)
 {
+    const auto mapped = [&](const SurfaceSource& source) {
+        const auto surface = loadSurface(source, object);
+        return mapSoft(body, physics::worldMesh(body), surface.get());
+    };
     if (const auto* nearest = std::get_if<FollowNearest>(&def.at)) {
-        const auto mapped = mapSoft(body, loadSurface(nearest->surface, object).get());
-        return mapping::nearestPoint(mapped, transform(body.pose, nearest->place), object);
+        return mapping::nearestPoint(mapped(nearest->surface), transform(body.pose, nearest->place), object);
     }
     const auto* on = std::get_if<FollowTriangle>(&def.at);
     if (!on) fail(object, ": at must be a place on its surface, as a soft body has no elements to follow");
-    const auto mapped = mapSoft(body, loadSurface(on->surface, object).get());
-    return mapping::pointOnTriangle(mapped, on->triangle, on->weights, object);
+    return mapping::pointOnTriangle(mapped(on->surface), on->triangle, on->weights, object);
 }
 
 } // namespace

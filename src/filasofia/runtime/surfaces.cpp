@@ -1,10 +1,17 @@
 #include "filasofia/runtime/surfaces.h"
 
+#include "filasofia/core/error.h"
 #include "filasofia/geometry/mesh_file.h"
 
 namespace filasofia::runtime {
 
 using geometry::TriangleMesh;
+
+namespace {
+
+constexpr double kCrease = 0.6; ///< [rad], 34 degrees: a box has edges, a sphere of 20 sides has none
+
+} // namespace
 
 std::shared_ptr<const TriangleMesh> loadSurface(const SurfaceSource& source, const std::string& object)
 {
@@ -17,13 +24,22 @@ std::shared_ptr<const TriangleMesh> loadSurface(const SurfaceSource& source, con
     return given;
 }
 
-mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const TriangleMesh* surface)
+mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const geometry::TetMesh& rest,
+                               const TriangleMesh* surface)
 {
-    const geometry::TetMesh rest = physics::worldMesh(body);
     if (!surface) return mapping::mapBoundary(rest);
     TriangleMesh inWorld = *surface;
     for (Vec3& vertex : inWorld.vertices) vertex = transform(body.pose, vertex);
     return mapping::mapSurface(rest, std::move(inWorld));
+}
+
+TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, const std::string& object)
+{
+    const auto mesh = physics::loadMesh(body.mesh, object);
+    if (!mesh) fail(object, ": surface must name a file or be a surface, as the body has no mesh of its own");
+    if (def.subdivision > 0)
+        return *mesh; // subdividing rounds edges, and would tear a surface that is split along them
+    return mapping::withCreases(*mesh, kCrease);
 }
 
 } // namespace filasofia::runtime

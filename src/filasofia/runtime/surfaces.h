@@ -10,7 +10,12 @@ namespace filasofia::runtime {
 /// The surface that was asked for, in the body's coordinates; null where none was.
 std::shared_ptr<const geometry::TriangleMesh> loadSurface(const SurfaceSource& source, const std::string& object);
 
-/// A soft body's boundary, or `surface` in its coordinates (unless null), and how it follows.
-mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const geometry::TriangleMesh* surface);
+/// A soft body's boundary, or `surface` in its coordinates (unless null), and how it follows. `rest` is the body's
+/// worldMesh().
+mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const geometry::TetMesh& rest,
+                               const geometry::TriangleMesh* surface);
+
+/// The mesh of a rigid body that is drawn as it is.
+geometry::TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, const std::string& object);
 
 } // namespace filasofia::runtime
