@@ -52,28 +52,40 @@ Report makeReport(metric::Session session, std::string origin, std::vector<Attem
     return report;
 }
 
-std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::filesystem::path& except)
+metric::Session readAnySession(const std::filesystem::path& file, const std::string& tool, int threads)
+{
+    if (file.extension() == ".jsonl") return metric::readSession(file);
+    if (file.extension() != ".rec")
+        fail("report: ", shortened(file.string()), " must be a session (.jsonl) or a recording (.rec)");
+    return replayedSession(file, tool, threads);
+}
+
+std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::filesystem::path& except,
+                                const std::string& tool, int threads)
 {
     namespace fs = std::filesystem;
     std::error_code problem;
     const std::string name = shortened(folder.string());
     if (!fs::is_directory(folder, problem))
         fail("report: --cohort ", name, fs::exists(folder, problem) ? ": is no folder" : ": there is no such folder");
-    std::vector<fs::path> files;
+    std::map<fs::path, fs::path> files; // by their names without extension: a folder's order is nobody's
     fs::directory_iterator each(folder, problem);
     if (problem) fail("report: --cohort ", name, ": ", problem.message());
     for (; each != fs::directory_iterator(); each.increment(problem)) {
         if (problem) break;
-        std::error_code gone;
-        if (each->path().extension() == ".jsonl" &&
-            !(fs::exists(except, gone) && fs::equivalent(each->path(), except, gone)))
-            files.push_back(each->path());
+        const fs::path &file = each->path(), extension = file.extension();
+        if (extension != ".jsonl" && extension != ".rec") continue;
+        const fs::path session = fs::path(file).replace_extension();
+        if (extension == ".jsonl" || !files.contains(session)) files[session] = file;
     }
     if (problem) fail("report: --cohort ", name, ": ", problem.message());
-    if (files.empty()) fail("report: --cohort ", name, ": holds no other session (a file that ends in .jsonl)");
-    std::ranges::sort(files); // a folder's order is nobody's
+    std::erase_if(files, [&](const auto& named) { // the session itself, or its recording
+        std::error_code gone;
+        return named.second.stem() == except.stem() && fs::equivalent(folder, fs::absolute(except).parent_path(), gone);
+    });
+    if (files.empty()) fail("report: --cohort ", name, ": holds no other session (.jsonl) or recording (.rec)");
     std::vector<Attempt> cohort;
-    for (const fs::path& file : files) cohort.push_back(attemptOf(metric::readSession(file)));
+    for (const auto& [session, file] : files) cohort.push_back(attemptOf(readAnySession(file, tool, threads)));
     return cohort;
 }
 

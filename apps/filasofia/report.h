@@ -29,9 +29,14 @@ struct Report {
 /// `cohort`: sessions of anybody and of any case; Error where none is of this case.
 Report makeReport(metric::Session session, std::string origin, std::vector<Attempt> cohort = {});
 
-/// Every .jsonl session in a folder, but for `except`. Throws Error where it cannot be read, holds none, or one is
-/// damaged or of another version.
-std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::filesystem::path& except);
+/// Reads a session: `tool` and `threads` are for recordings (replayedSession()). Throws Error where it is neither a
+/// session (.jsonl) nor a recording (.rec), is damaged or of another version.
+metric::Session readAnySession(const std::filesystem::path& file, const std::string& tool, int threads);
+
+/// Every session and recording in a folder, but for `except`; a recording with a session's name beside it is the same
+/// once more. Throws Error where the folder cannot be read, or holds none.
+std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::filesystem::path& except,
+                                const std::string& tool, int threads);
 
 /// A session of a case that is made by formulas, the same every time: skill [-] in [0, 1].
 metric::Session exampleSession(const std::string& trainee, const std::string& date, double skill, unsigned seed);

@@ -4,7 +4,6 @@
 #include "apps/filasofia/report_files.h"
 
 #include "filasofia/core/error.h"
-#include "filasofia/metric/session_file.h"
 
 #include <fstream>
 #include <iostream>
@@ -20,15 +19,6 @@ struct Options {
 
 constexpr const char* kPage = "filasofia_report.html"; // where nothing else is asked for
 
-metric::Session sessionOf(const Options& options)
-{
-    const std::filesystem::path file(options.file);
-    if (file.extension() == ".rec") return replayedSession(file, options.tool, options.threads);
-    if (!options.tool.empty()) fail("report: --tool is for recordings (.rec)");
-    if (file.extension() == ".jsonl") return metric::readSession(file);
-    fail("report: ", shortened(options.file), " must be a session (.jsonl) or a recording (.rec)");
-}
-
 Report reportOf(const Options& options)
 {
     if (options.example) {
@@ -37,9 +27,11 @@ Report reportOf(const Options& options)
         return exampleReport();
     }
     if (options.file.empty()) fail("report: names no session; --example shows what a report is");
-    metric::Session session = sessionOf(options);
+    const bool replays = std::filesystem::path(options.file).extension() == ".rec";
+    if (!options.tool.empty() && !replays && options.cohort.empty()) fail("report: --tool is for recordings (.rec)");
+    metric::Session session = readAnySession(options.file, options.tool, options.threads);
     std::vector<Attempt> cohort;
-    if (!options.cohort.empty()) cohort = readCohort(options.cohort, options.file);
+    if (!options.cohort.empty()) cohort = readCohort(options.cohort, options.file, options.tool, options.threads);
     return makeReport(std::move(session), std::filesystem::path(options.file).filename().string(), std::move(cohort));
 }
 
@@ -82,34 +74,35 @@ int report(Options options)
 Command reportCommand()
 {
     static Options options; // there is one command line, and it outlives this function
-    return {
-        .name = "report",
-        .meaning = "Measure a session and write what an instructor reads: a page, JSON, CSV",
-        .options = {{"FILE", &options.file, "A session (.jsonl, of a MetricTracker) or a recording (.rec)", "FILE"},
-                    {"--example", &options.example,
-                     "Report a session that is made by formulas, to see what a report is"},
-                    {"--cohort", &options.cohort,
-                     "A folder of sessions (.jsonl): the trainee's own make a learning curve, those of others z-scores",
-                     "DIR"},
-                    {.name = "--html",
-                     .target = &options.html,
-                     .meaning = "The page; - is standard output",
-                     .type = "FILE",
-                     .standard = std::string(kPage) + ", where no other file is asked for"},
-                    {"--json", &options.json, "The same for programs; - is standard output", "FILE"},
-                    {"--csv", &options.csv, "The same for spreadsheets; - is standard output", "FILE"},
-                    {.name = "--tool",
-                     .target = &options.tool,
-                     .meaning = "Of a recording: the rigid body to measure",
-                     .type = "NAME",
-                     .standard = "the first that is moved from outside"},
-                    {.name = "--threads",
-                     .target = &options.threads,
-                     .meaning = "Of a recording: threads within one step; 0: the cores but one, up to 8",
-                     .bound = kThreads},
-                    {"--definitions", &options.definitions, "Print the table of all measures (docs/metrics.md)"}},
-        .run = [] { return report(options); },
-        .footer = "docs/report.md says how to read it."};
+    return {.name = "report",
+            .meaning = "Measure a session and write what an instructor reads: a page, JSON, CSV",
+            .options = {{"FILE", &options.file, "A session (.jsonl, of a MetricTracker) or a recording (.rec)", "FILE"},
+                        {"--example", &options.example,
+                         "Report a session that is made by formulas, to see what a report is"},
+                        {"--cohort", &options.cohort,
+                         "A folder of sessions (.jsonl) and recordings (.rec, made again): the trainee's own make a "
+                         "learning curve, "
+                         "those of others z-scores",
+                         "DIR"},
+                        {.name = "--html",
+                         .target = &options.html,
+                         .meaning = "The page; - is standard output",
+                         .type = "FILE",
+                         .standard = std::string(kPage) + ", where no other file is asked for"},
+                        {"--json", &options.json, "The same for programs; - is standard output", "FILE"},
+                        {"--csv", &options.csv, "The same for spreadsheets; - is standard output", "FILE"},
+                        {.name = "--tool",
+                         .target = &options.tool,
+                         .meaning = "Of a recording: the rigid body to measure",
+                         .type = "NAME",
+                         .standard = "the first that is moved from outside"},
+                        {.name = "--threads",
+                         .target = &options.threads,
+                         .meaning = "Of a recording: threads within one step; 0: the cores but one, up to 8",
+                         .bound = kThreads},
+                        {"--definitions", &options.definitions, "Print the table of all measures (docs/metrics.md)"}},
+            .run = [] { return report(options); },
+            .footer = "docs/report.md says how to read it."};
 }
 
 } // namespace filasofia::app

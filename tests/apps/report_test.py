@@ -117,6 +117,16 @@ class Outputs(Report):
         self.assertEqual(self.metrics("poke.rec", "--tool", "ball"), metrics)
         self.refused("poke.rec", "--tool", "bal", says=["'bal'", "'ball'"])
 
+    def test_a_recording_that_broke_off_is_measured_up_to_there(self):
+        done = run("run", "poke", "--headless", "--steps", "600", "--record", "poke.rec", folder=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        whole = (self.folder / "poke.rec").read_bytes()
+        (self.folder / "cut.rec").write_bytes(whole[:-100])
+        done = run("report", "cut.rec", "--html", "p.html", folder=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("cut off at byte", done.stderr)
+        self.assertIn("broke off", done.stdout)
+
     def test_a_session_of_odd_numbers_is_reported(self):
         head = session().splitlines()[0]
         for values in ([1e300, -1e300], [1e-320, 3e-320], [None, 0.0], [0.0, 0.0], [1e9, 2e9]):
@@ -179,6 +189,27 @@ class Cohort(Report):
         sessions = json.loads(self.report(file, "--cohort", "cohort", "--json", "-"))["sessions"]
         self.assertEqual([each["date"] for each in sessions], ["2026-11-10", "2026-11-20"])
         self.assertEqual([each["current"] for each in sessions], [False, True])
+
+    def record(self, name, *words, steps=400):
+        done = run("run", "poke", "--headless", "--steps", steps, "--record", name, *words, folder=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_recordings_make_a_cohort_too(self):
+        (self.folder / "cohort").mkdir()
+        for i, steps in enumerate((300, 350, 400)):
+            self.record(f"cohort/{i}.rec", "--trainee", f"T{i}", "--session", "a poke", steps=steps)
+        self.record("cohort/another_case.rec", "--session", "another", steps=20)
+        self.record("cohort/twice.rec", "--trainee", "T3", steps=20)
+        self.write("cohort/twice.jsonl", session(trainee="T3", task="a poke")) # what a tracker wrote of the same
+        self.record("cohort/ada.rec", "--trainee", "Ada", "--session", "a poke", steps=500)
+        all = json.loads(self.report("cohort/ada.rec", "--cohort", "cohort", "--json", "-"))
+        self.assertEqual((all["session"]["trainee"], [each["current"] for each in all["sessions"]]), ("Ada", [True]))
+        self.assertRegex(all["sessions"][0]["date"], r"^\d{4}-\d\d-\d\d \d\d:\d\d:\d\d$")
+        metrics = {metric["id"]: metric for metric in all["metrics"]}
+        self.assertEqual(metrics["duration"]["cohort"]["sessions"], 4)
+        self.assertAlmostEqual(metrics["duration"]["cohort"]["mean"], (0.3 + 0.35 + 0.4 + 2.0) / 4, 1)
+        (self.folder / "cohort" / "2.rec").write_bytes(b"filasofia recording, version 9\n")
+        self.refused("cohort/ada.rec", "--cohort", "cohort", says=["2.rec", "version 9"])
 
     def test_sessions_of_different_software_are_compared_and_it_is_said(self):
         file = self.write("a.jsonl", session())

@@ -181,7 +181,8 @@ TEST_CASE("the boundary that everyone sees is the surface of the edited elements
         edited.splitSome(6);
         edited.apply();
         const SoftModel& model = edited.body.model;
-        const frame::Boundary& boundary = *edited.topology.boundary;
+        const auto seen = boundaryOf(edited.body.model, edited.topology);
+        const frame::Boundary& boundary = *seen;
         CHECK(boundary.revision == static_cast<std::uint64_t>(round) + 1);
         CHECK(boundary.triangles == model.surface);
         CHECK(boundary.rest == model.rest);

@@ -92,7 +92,7 @@ TEST_CASE("what is no recording says so")
     CHECK(refusal("") == ": is empty, no recording");
     for (const char* bytes :
          {"\n", "step,time\n1,2\n", "[1]\n", "{}\n", "{\"format\":\"something else\",\"version\":1}\n",
-          "filasofia recording, version x\n", "filasofia recording, version 4", "{{{{{{{{"})
+          "filasofia recording, version x\n", "filasofia recording, version 5", "{{{{{{{{"})
         CHECK_THAT(refusal(bytes),
                    Catch::StartsWith(": this is no Filasofia recording") || Catch::StartsWith(": cut off at byte "));
     CHECK(refusal("filasofia rec") == ": cut off at byte 13: a recording begins, and holds nothing");
@@ -108,15 +108,16 @@ TEST_CASE("what is no recording says so")
 TEST_CASE("a recording of another version says which, and where it is known what wrote it")
 {
     CHECK(refusal("filasofia recording, version 12\n???") ==
-          ": the recording is of version 12, this Filasofia reads version 4");
+          ": the recording is of version 12, this Filasofia reads version 5");
     CHECK(refusal(R"({"format":"filasofia recording","version":3,"filasofia":"0.1.0","revision":"abc"})"
-                  "\n") == ": the recording is of version 3, this Filasofia reads version 4; Filasofia "
+                  "\n") == ": the recording is of version 3, this Filasofia reads version 5; Filasofia "
                            "0.1.0, revision abc, wrote it, and can make it again");
 }
 
 TEST_CASE("a record without one of its fields names the field")
 {
-    for (const std::string field : {"filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee"})
+    for (const std::string field :
+         {"filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee", "date"})
         CHECK(refusal(1, "\"" + field + "\"", "\"x\"") == ": record 1: field '" + field + "' is missing");
     CHECK(refusal(3, "\"dt\"", "\"x\"") == ": record 3: field 'dt' is missing"); // later ones have the last one's
     for (const std::string field : {"hash", "commands"})

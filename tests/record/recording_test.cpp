@@ -160,7 +160,7 @@ TEST_CASE("a mesh is written once, before the step that needs it, however often 
     REQUIRE(lines.size() == 1 + 4 + 2 + 1);
     CHECK_THAT(lines[0], Catch::StartsWith(R"({"filasofia":")"));
     CHECK_THAT(lines[0], Catch::EndsWith(R"(,"period":0.005,"contact":{"ExactContact":{"rounds":8,"tolerance":0.005}},)"
-                                         R"("seed":0,"session":"","trainee":""})"));
+                                         R"("seed":0,"session":"","trainee":"","date":""})"));
     CHECK_THAT(lines[1], Catch::StartsWith(R"({"mesh":0,"nodes":4,"tetrahedra":1,"digest":")"));
     const std::size_t numbers = 4 * sizeof(Vec3) + sizeof(geometry::Tetrahedron);
     CHECK_THAT(lines[2].substr(numbers), Catch::StartsWith(R"({"dt":0.001,"commands":[)"));

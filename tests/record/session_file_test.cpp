@@ -26,7 +26,8 @@ std::string smallSession()
     server.keepLog(true);
     server.hashEveryStep(true);
     const BodyId soft = server.add(SoftBodyDef{.mesh = oneTetrahedron(), .attachments = {{.nodes = {0}}}});
-    record::RecordingWriter writer(file.path(), {.seed = 7, .session = "first", .trainee = "A \"B\"\n<b>"});
+    record::RecordingWriter writer(
+        file.path(), {.seed = 7, .session = "first", .trainee = "A \"B\"\n<b>", .date = "2026-11-20 18:05:31"});
     const auto surface = std::make_shared<const geometry::TriangleMesh>(
         geometry::TriangleMesh{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}, .uv = {}});
     writer.write(record::SceneRecord{.words = R"({"shown":1})", .surfaces = {surface}});
@@ -100,6 +101,7 @@ TEST_CASE("a session comes back whole: names, seed, scene and steps")
     CHECK(reader.header().seed == 7);
     CHECK(reader.header().session == "first");
     CHECK(reader.header().trainee == "A \"B\"\n<b>");
+    CHECK(reader.header().date == "2026-11-20 18:05:31");
     CHECK(reader.takeScene().empty());
     REQUIRE(reader.next());
     const auto scene = reader.takeScene();

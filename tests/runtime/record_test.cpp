@@ -189,6 +189,7 @@ TEST_CASE("a run tells its recording what it is called")
     sim.run({.headless = true, .steps = 1, .record = folder / "run.rec", .seed = 5, .session = "s", .trainee = "<T>"});
     const record::RecordingHeader header = record::RecordingReader(folder / "run.rec").header();
     CHECK((header.seed == 5 && header.session == "s" && header.trainee == "<T>"));
+    CHECK(header.date.size() == std::string("2026-11-20 18:05:31").size());
 }
 
 TEST_CASE("a simulation's command line records")

@@ -28,7 +28,8 @@ public:
     virtual void capture(frame::Frame& out) const = 0;
     /// Writes what the log keeps besides the report.
     virtual void record(StepRecord& out) const = 0;
-    /// A hash of the whole state: same input, same hash, at every step.
+    /// A hash of the state: same input, same hash, at every step. Of a soft body it sees places, velocities and every
+    /// edit of its mesh; whatever else a solver keeps shows in these a step later, or never.
     [[nodiscard]] virtual std::uint64_t hash() const = 0;
 };
 

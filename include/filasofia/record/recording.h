@@ -21,6 +21,7 @@ struct RecordingHeader {
     std::uint64_t seed = 0;              ///< of what was drawn by chance, as the program that recorded means it
     std::string session = {};            ///< what it was called: any text
     std::string trainee = {};            ///< who was at it: any text
+    std::string date = {};               ///< as dateNow() told when it began: any text
 };
 
 /// What was drawn and how, in the words of the room that draws: a recording keeps it, and does not read it.

@@ -207,13 +207,12 @@ struct Apply {
         try {
             tune.change(self);
             checkSameBodies(modelBefore);
-            recheck();
+            recheck(modelBefore);
             forgetReplacedSurfaces(modelBefore);
             for (SoftModel& body : model.softBodies) findHeld(body.pins, body.pieces);
             changed = true;
             for (std::size_t b = 0; b < topologies.size(); ++b) // of one that was edited a reset brings back what was
-                if (topologies[b].start && topologies[b].boundary->revision == 0)
-                    *topologies[b].start = model.softBodies[b];
+                if (topologies[b].start && topologies[b].revision == 0) *topologies[b].start = model.softBodies[b];
             for (std::size_t b = 0; b < topologies.size(); ++b) // where it was put is no way that tissue went
                 if (state.softBodies[b].x != stateBefore.softBodies[b].x) topologies[b].followed = false;
         } catch (const std::exception& problem) {
@@ -231,7 +230,7 @@ private:
         BodyTopology& topology = topologies[b];
         topology.strokes.clear();
         topology.followed = false; // it is put back: no way that tissue went
-        if (!topology.boundary || topology.boundary->revision == 0) return;
+        if (topology.revision == 0) return;
         SoftModel whole = std::move(*topology.start);
         whole.id = model.softBodies[b].id;
         const std::size_t nodes = whole.rest.size();
@@ -309,7 +308,7 @@ private:
             fail("tune: bodies, their ids, nodes and elements must stay; use add() and remove()");
     }
 
-    void recheck() const
+    void recheck(const Model& before) const
     {
         if (!nonNegative().contains(state.time)) fail("tune: time must be >= 0 s, got ", state.time);
         if (state.softBodies.size() != model.softBodies.size() || state.rigidBodies.size() != model.rigidBodies.size())
@@ -317,19 +316,20 @@ private:
         if (!isFinite(state.gravity)) fail("tune: gravity must be finite");
         for (std::size_t b = 0; b < model.softBodies.size(); ++b) check(model.softBodies[b], state.softBodies[b]);
         for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) check(model.rigidBodies[b], state.rigidBodies[b]);
-        for (std::size_t b = 0; b < model.softBodies.size(); ++b) checkSameMesh(topologies[b], model.softBodies[b]);
+        for (std::size_t b = 0; b < model.softBodies.size(); ++b)
+            checkSameMesh(topologies[b], before.softBodies[b], model.softBodies[b]);
         checkAttachments(model, state);
         checkMemories(model, state);
     }
 
     /// What is cut is the mesh as edits know it.
-    void checkSameMesh(const BodyTopology& topology, const SoftModel& body) const
+    void checkSameMesh(const BodyTopology& topology, const SoftModel& before, const SoftModel& body) const
     {
         if (body.dynamicTopology != (topology.mesh != nullptr))
             fail("tune: soft body '", body.name, "': dynamicTopology must stay what it is");
         if (!topology.mesh) return;
         const MeshTopology& mesh = topology.mesh->data();
-        bool same = body.rest == mesh.rest && body.surface == topology.boundary->triangles &&
+        bool same = body.rest == mesh.rest && body.surface == before.surface &&
                     body.elements.size() + body.tetrahedra.size() == mesh.tetrahedra.size();
         for (std::size_t e = 0; same && e < mesh.tetrahedra.size(); ++e)
             same = mesh.tetrahedra[e] == (body.elements.empty() ? body.tetrahedra[e] : body.elements[e].nodes);

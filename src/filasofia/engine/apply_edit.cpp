@@ -217,7 +217,6 @@ BodyTopology makeTopology(const SoftModel& model)
                 faces[key(faceNodes(data.tetrahedra[static_cast<std::size_t>(e)], f))] = {e, f};
     topology.boundaryPlaces.assign(mesh.tetrahedra.size(), {-1, -1, -1, -1});
     topology.vertices.assign(model.rest.size(), -1);
-    std::vector<int> behind;
     for (const geometry::Triangle& triangle : model.surface) // by rising node, as extractSurface numbers them
         for (int node : triangle) topology.vertices[static_cast<std::size_t>(node)] = 0;
     for (int& vertex : topology.vertices)
@@ -227,13 +226,8 @@ BodyTopology makeTopology(const SoftModel& model)
         topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)] =
             static_cast<int>(topology.boundaryFaces.size());
         topology.boundaryFaces.push_back({element, face});
-        behind.push_back(data.tetrahedra[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)]);
     }
-    topology.boundary = std::make_shared<const frame::Boundary>(
-        frame::Boundary{.triangles = model.surface,
-                        .opened = std::vector<std::uint8_t>(model.surface.size()),
-                        .behind = std::move(behind),
-                        .rest = model.rest});
+    topology.opened.resize(model.surface.size());
     return topology;
 }
 

@@ -11,8 +11,9 @@ using frame::BoundaryChange;
 /// Takes out what stands at these places, ascending; the rest keeps its order.
 template <class Value> void eraseAt(const std::vector<int>& places, std::vector<Value>& list)
 {
-    std::size_t kept = 0;
-    for (std::size_t i = 0, next = 0; i < list.size(); ++i) {
+    if (places.empty()) return;
+    auto kept = static_cast<std::size_t>(places.front());
+    for (std::size_t i = kept, next = 0; i < list.size(); ++i) {
         if (next < places.size() && static_cast<std::size_t>(places[next]) == i)
             ++next;
         else
@@ -32,19 +33,15 @@ int& placeOf(int element, int face, BodyTopology& topology)
     return topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)];
 }
 
-/// The surface while it is changed; finish() hands it out.
+/// The surface while it is changed, up to finish().
 class SurfaceChange {
 public:
-    SurfaceChange(BodyTopology& topology, SoftModel& model)
-        : topology_(topology), model_(model), boundary_(std::make_shared<frame::Boundary>())
-    {
-        boundary_->opened = topology.boundary->opened;
-    }
+    SurfaceChange(BodyTopology& topology, SoftModel& model) : topology_(topology), model_(model) {}
 
     void change(int place, const BoundaryChange& to)
     {
         model_.surface[static_cast<std::size_t>(place)] = to.nodes;
-        boundary_->opened[static_cast<std::size_t>(place)] = to.opened ? 1 : 0;
+        topology_.opened[static_cast<std::size_t>(place)] = to.opened ? 1 : 0;
     }
     /// Ascending.
     void remove(const std::vector<int>& places)
@@ -53,34 +50,31 @@ public:
             const auto [element, face] = topology_.boundaryFaces[static_cast<std::size_t>(place)];
             placeOf(element, face, topology_) = -1;
         }
+        if (!places.empty()) firstMoved_ = std::min(firstMoved_, static_cast<std::size_t>(places.front()));
         eraseAt(places, model_.surface);
-        eraseAt(places, boundary_->opened);
+        eraseAt(places, topology_.opened);
         eraseAt(places, topology_.boundaryFaces);
     }
     void add(const BoundaryChange& added)
     {
         model_.surface.push_back(added.nodes);
-        boundary_->opened.push_back(added.opened ? 1 : 0);
+        topology_.opened.push_back(added.opened ? 1 : 0);
         topology_.boundaryFaces.push_back({added.tetrahedron, added.face});
     }
     void finish()
     {
-        boundary_->behind.resize(topology_.boundaryFaces.size());
-        for (std::size_t t = 0; t < topology_.boundaryFaces.size(); ++t) {
+        for (std::size_t t = firstMoved_; t < topology_.boundaryFaces.size(); ++t) {
             const auto [element, face] = topology_.boundaryFaces[t];
             placeOf(element, face, topology_) = static_cast<int>(t);
-            boundary_->behind[t] = cornerBehind(element, face, topology_);
         }
-        boundary_->revision = topology_.boundary->revision + 1;
-        boundary_->triangles = model_.surface;
-        boundary_->rest = model_.rest;
-        topology_.boundary = std::move(boundary_);
+        ++topology_.revision;
+        topology_.told.reset();
     }
 
 private:
     BodyTopology& topology_;
     SoftModel& model_;
-    std::shared_ptr<frame::Boundary> boundary_;
+    std::size_t firstMoved_ = topology_.boundaryFaces.size(); ///< those before it are where they were
 };
 
 /// The number of a node among the surface's vertices; a new one where it has none yet.
@@ -143,6 +137,17 @@ OwnSurfaceEdit takeOffSurface(const std::vector<char>& elements, BodyTopology& t
     surface.remove(out.surface.removed);
     surface.finish();
     return out;
+}
+
+std::shared_ptr<const frame::Boundary> boundaryOf(const SoftModel& model, const BodyTopology& topology)
+{
+    if (!topology.mesh || topology.told) return topology.told;
+    frame::Boundary boundary{
+        .revision = topology.revision, .triangles = model.surface, .opened = topology.opened, .rest = model.rest};
+    for (const auto& [element, face] : topology.boundaryFaces)
+        boundary.behind.push_back(cornerBehind(element, face, topology));
+    topology.told = std::make_shared<const frame::Boundary>(std::move(boundary));
+    return topology.told;
 }
 
 void editOwnCollision(const OwnSurfaceEdit& surface, SoftModel& model, State& state)

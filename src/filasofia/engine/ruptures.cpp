@@ -1,5 +1,6 @@
 #include "filasofia/engine/ruptures.h"
 
+#include "filasofia/core/hash.h"
 #include "filasofia/engine/elements.h"
 #include "filasofia/engine/follow_edit.h"
 #include "filasofia/engine/follow_surface.h"
@@ -72,18 +73,30 @@ struct Tool {
     double way = 0.0; ///< [m] the longest of a vertex in the step
 };
 
+/// Around what is there: removed pieces have no surface.
+geometry::Box boxOf(const SoftModel& model, const SoftState& state)
+{
+    if (model.removed.empty()) return geometry::boxAround(state.x);
+    geometry::Box box;
+    for (const geometry::Triangle& triangle : model.surface)
+        for (int node : triangle) box = merged(box, state.x[static_cast<std::size_t>(node)]);
+    return box;
+}
+
 /// Ascending.
 std::vector<Tool> toolsNear(const SoftModel& model, const SoftState& state, const std::vector<Blade>& blades,
-                            double margin, physics::TopologyReport& report)
+                            BodyTopology& topology, physics::TopologyReport& report)
 {
     std::vector<Tool> tools;
-    geometry::Box box; // of what is there: removed pieces have no surface
+    geometry::Box box;
+    const double margin = topology.mesh->meanEdge();
     for (const Blade& blade : blades) {
         if (!mayBeCut(model, blade.shape->group)) continue;
         if (geometry::isEmpty(box)) {
-            for (const geometry::Triangle& triangle : model.surface)
-                for (int node : triangle) box = geometry::merged(box, state.x[static_cast<std::size_t>(node)]);
-            box = geometry::grown(box, margin);
+            SlackBox& around = topology.around;
+            around.slack += topology.mesh->lastMotion();
+            if (!topology.followed || !(around.slack < 0.5 * margin)) around = {boxOf(model, state)};
+            box = geometry::grown(around.box, margin + around.slack);
         }
         const auto isNear = [&](const std::vector<Vec3>& vertices) {
             const geometry::Box around = geometry::boxAround(vertices);
@@ -132,7 +145,7 @@ void cutBody(const SoftModel& model, const SoftState& state, const std::vector<B
 {
     EditableMesh& mesh = *topology.mesh;
     std::vector<Stroke>& strokes = topology.strokes;
-    const std::vector<Tool> tools = toolsNear(model, state, blades, mesh.meanEdge(), report);
+    const std::vector<Tool> tools = toolsNear(model, state, blades, topology, report);
     for (const Tool& tool : tools) {
         const auto isItsOwn = [&](const Stroke& stroke) { return stroke.tool == tool.body && !stroke.leaving; };
         if (std::ranges::none_of(strokes, isItsOwn)) strokes.push_back({tool.body, BladeStroke(mesh.newSheet())});
@@ -150,6 +163,21 @@ void cutBody(const SoftModel& model, const SoftState& state, const std::vector<B
         add(done, report);
     }
     std::erase_if(strokes, [](const Stroke& stroke) { return stroke.over; });
+}
+
+/// Of all edits until now: where they are the same, the mesh is.
+std::uint64_t historyWith(const frame::TopologyEdit& edit, std::uint64_t before)
+{
+    Hasher hash;
+    hash.add(before);
+    static_assert(sizeof(frame::TetNodes) == 5 * sizeof(int)); // all of it is numbers
+    hash.addAll(std::span<const frame::TetNodes>(edit.changed));
+    for (const frame::TopologyOp& op : edit.ops)
+        if (const auto* made = std::get_if<frame::NewNode>(&op))
+            hash.add(made->s);
+        else if (const auto* moved = std::get_if<frame::NodeMove>(&op))
+            for (double each : {moved->newRest.x, moved->newRest.y, moved->newRest.z}) hash.add(each);
+    return hash.value();
 }
 
 std::vector<physics::LoosePiece> loosePieces(const frame::TopologyEdit& edit, BodyTopology& topology)
@@ -236,6 +264,7 @@ void applyEdits(double period, Model& model, State& state, Systems& systems, Rup
         const auto nodes = static_cast<int>(body.rest.size());
         const auto elements = static_cast<int>(elementCount(body));
         if (!std::exchange(topology.edited, true)) topology.startAttachments = state.attachments;
+        topology.history = historyWith(edit, topology.history);
         followRiders(edit, *topology.mesh, body, state.attachments);
         const OwnSurfaceEdit surface = applyEdit(edit, period, topology, body, state.softBodies[b], systems[b]);
         std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);

@@ -6,6 +6,7 @@
 #include "filasofia/engine/rupture/tear.h"
 #include "filasofia/engine/soft_system.h"
 #include "filasofia/frame/boundary.h"
+#include "filasofia/geometry/box.h"
 #include "filasofia/physics/step.h"
 
 namespace filasofia::engine {
@@ -19,6 +20,12 @@ struct Stroke {
     double sinceCrossing = 0.0; ///< [m] that they went since they met an edge
     bool leaving = false;       ///< what waits is done, then it is over
     bool over = false;
+};
+
+/// A box around a body that is good for some steps: grown by how far nodes can have gone since it was made.
+struct SlackBox {
+    geometry::Box box;
+    double slack = 0.0; ///< [m]
 };
 
 /// Of a mass-spring body that may tear.
@@ -35,11 +42,15 @@ struct BodyTopology {
     std::vector<std::array<int, 2>> boundaryFaces;  ///< per triangle of the boundary: its element and face
     std::vector<int> vertices;                      ///< per node: its number among the vertices of the surface; -1
     int vertexCount = 0;
-    std::shared_ptr<const frame::Boundary> boundary; ///< as everyone outside sees it
+    std::vector<std::uint8_t> opened;                    ///< per triangle of the boundary: a cut or a tear made it
+    std::uint64_t revision = 0;                          ///< edits made; 0: as it was given
+    std::uint64_t history = 0;                           ///< hash of these edits: what the mesh was made into
+    mutable std::shared_ptr<const frame::Boundary> told; ///< by boundaryOf() to who asked last
     std::optional<Pieces> pieces;
     std::vector<Stroke> strokes;
     bool edited = false;   ///< it is no longer as it was made
     bool followed = false; ///< the mesh moved with the body in the last step
+    SlackBox around;       ///< of the steps that it followed
     Tearing tearing;
     SpringsOfElements springs;
     std::vector<Mat3> stresses;               ///< [Pa] of the last step that looked, per element
@@ -53,6 +64,9 @@ using Topologies = std::vector<BodyTopology>; ///< one per soft body, in the mod
 
 /// Nothing but for a body with dynamicTopology.
 BodyTopology makeTopology(const SoftModel& model);
+
+/// The surface as everyone outside sees it: the same object until the next edit. Null where nothing is ever cut.
+std::shared_ptr<const frame::Boundary> boundaryOf(const SoftModel& model, const BodyTopology& topology);
 
 /// Which springs the elements of a mass-spring body have, and how many elements each spring.
 SpringsOfElements springsOfElements(const SoftModel& model);

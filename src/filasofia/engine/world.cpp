@@ -112,17 +112,9 @@ void addJoints(Hasher& hash, const RigidState& body)
 /// A mesh that was edited; one that was not leaves the hash as it was.
 void add(Hasher& hash, const BodyTopology& topology, const SoftModel& model)
 {
-    if (!topology.boundary || topology.boundary->revision == 0) return;
-    hash.add(topology.boundary->revision);
-    for (const Vec3& v : model.rest) add(hash, v);
-    for (const geometry::Tetrahedron& nodes : topology.mesh->data().tetrahedra)
-        for (int node : nodes) hash.add(static_cast<std::uint64_t>(node));
-    for (const CutLabel& label : topology.mesh->data().labels) {
-        if (label.sheet == 0) continue;
-        hash.add(static_cast<std::uint64_t>(label.sheet));
-        add(hash, label.point);
-        add(hash, label.normal);
-    }
+    if (topology.revision == 0) return;
+    hash.add(topology.revision);
+    hash.add(topology.history);
     for (int piece : model.removed) hash.add(static_cast<std::uint64_t>(piece));
     for (const Stroke& stroke : topology.strokes) {
         hash.add(std::uint64_t{stroke.tool.value});
@@ -201,7 +193,7 @@ void World::capture(frame::Frame& out) const
         out.softBodies[b].id = model_.softBodies[b].id;
         out.softBodies[b].positions = state_.softBodies[b].x;
         out.softBodies[b].velocities = state_.softBodies[b].v;
-        out.softBodies[b].boundary = ruptures_.topologies[b].boundary;
+        out.softBodies[b].boundary = boundaryOf(model_.softBodies[b], ruptures_.topologies[b]);
     }
     out.contacts = state_.touching;
     out.attachments = state_.held;
@@ -232,10 +224,8 @@ std::uint64_t World::hash() const
     hash.add(state_.time);
     add(hash, state_.gravity);
     for (const SoftState& body : state_.softBodies) {
-        for (const auto* list : {&body.x, &body.v, &body.dv, &body.leftover, &body.forces})
-            hash.addAll(std::span<const Vec3>(*list));
-        static_assert(sizeof(ElementRotations) == 4 * sizeof(ElementRotations::x)); // all of it is numbers
-        hash.addAll(std::span<const ElementRotations>(body.rotations));
+        hash.addAll(std::span<const Vec3>(body.x));
+        hash.addAll(std::span<const Vec3>(body.v));
         hash.add(body.pressure);
     }
     for (std::size_t b = 0; b < model_.softBodies.size(); ++b) add(hash, ruptures_.topologies[b], model_.softBodies[b]);

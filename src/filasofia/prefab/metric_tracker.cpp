@@ -1,5 +1,6 @@
 #include "filasofia/prefab/metric_tracker.h"
 
+#include "filasofia/core/date.h"
 #include "filasofia/core/log.h"
 #include "filasofia/core/mpsc_queue.h"
 #include "filasofia/core/spsc_ring.h"
@@ -12,7 +13,6 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <ctime>
 #include <filesystem>
 #include <mutex>
 #include <thread>
@@ -30,16 +30,6 @@ constexpr std::size_t kMostBodies = 64;
 constexpr int kMostEvents = 100'000;    ///< [-] that wait
 constexpr std::size_t kChunk = 1 << 16; ///< [bytes] that are written at once
 constexpr std::chrono::milliseconds kRest = std::chrono::milliseconds(20);
-
-std::string now()
-{
-    const std::time_t time = std::time(nullptr);
-    std::tm local = {};
-    localtime_r(&time, &local);
-    char text[32];
-    std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &local);
-    return text;
-}
 
 std::string nameOf(runtime::Simulation& simulation, BodyId body)
 {
@@ -73,7 +63,7 @@ metric::Session begun(runtime::Simulation& simulation, const MetricTrackerDef& d
     session.events.clear();
     session.lost = 0;
     session.complete = true;
-    if (session.date.empty()) session.date = now();
+    if (session.date.empty()) session.date = dateNow();
     if (session.software.empty()) session.software = "Filasofia " FILASOFIA_VERSION;
     for (const EventKind kind : {EventKind::Tear, EventKind::Cut})
         if (std::find(session.watched.begin(), session.watched.end(), kind) == session.watched.end())

@@ -45,7 +45,9 @@ RecordingHeader headerOf(const Json& json, const JsonReader& reader)
     reader.member(json, "seed", header.seed);
     reader.member(json, "session", header.session);
     reader.member(json, "trainee", header.trainee);
-    reader.noOthers(json, 8, oneOf("filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee"));
+    reader.member(json, "date", header.date);
+    reader.noOthers(json, 9,
+                    oneOf("filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee", "date"));
     return header;
 }
 

@@ -104,7 +104,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
                           {"contact", impl_->json.write(header.contact)},
                           {"seed", header.seed},
                           {"session", header.session},
-                          {"trainee", header.trainee}}));
+                          {"trainee", header.trainee},
+                          {"date", header.date}}));
 }
 
 RecordingWriter::~RecordingWriter()

@@ -1,5 +1,6 @@
 #include "filasofia/runtime/run_files.h"
 
+#include "filasofia/core/date.h"
 #include "filasofia/core/log.h"
 #include "filasofia/engine/solver_costs.h"
 
@@ -26,7 +27,8 @@ RunFiles::RunFiles(Simulation::Impl& parts, const RunDef& def) : parts_(parts)
                                                                .contact = parts.def.physics.contact,
                                                                .seed = static_cast<std::uint64_t>(def.seed),
                                                                .session = def.session,
-                                                               .trainee = def.trainee});
+                                                               .trainee = def.trainee,
+                                                               .date = dateNow()});
         parts.journal.watch();
         if (const visual::VisualServer* visual = parts.bindings.visual()) parts.journal.observe(*visual, 0);
         const window::WindowDef& window = parts.def.window;

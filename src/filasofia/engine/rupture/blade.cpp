@@ -166,10 +166,9 @@ void CrossingFinder::refresh(const EditableMesh& mesh, std::span<const BladeSegm
     near_.resize(data.rest.size(), 0);
     const long pass = ++pass_;
     for (int node = 0; node < mesh.nodes(); ++node) {
-        if (mesh.isGone(node)) continue;
         const Vec3 x = data.current[node];
         const double radius = margin_ + mesh.reach(node);
-        if (squaredDistance(around, x) > radius * radius) continue;
+        if (squaredDistance(around, x) > radius * radius || mesh.isGone(node)) continue;
         double nearest = radius * radius;
         for (const BladeSegment& s : blade) {
             const Vec3 d = s.to - s.from, p = x - s.from;
