@@ -2,6 +2,7 @@
 
 #include "engine/stage.h"
 #include "filasofia/core/log.h"
+#include "filasofia/geometry/surface.h"
 
 #include <limits>
 #include <numeric>
@@ -13,6 +14,16 @@ using namespace filasofia::physics;
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// All that is logged while a body is built.
+std::string loggedOf(const SoftBodyDef& def)
+{
+    std::string logged;
+    setLogSink([&](LogLevel, std::string_view line) { logged += line; });
+    buildBody(def, 1e-3);
+    setLogSink({});
+    return logged;
+}
 
 SoftBodyDef someBody() { return {.name = "liver", .mesh = shared(boxMesh({2, 2, 2}, {1, 1, 1}))}; }
 
@@ -199,14 +210,28 @@ TEST_CASE("a file and the mesh read from it make the same body")
 TEST_CASE("a body of more than ten metres is told of: a mesh in millimetres")
 {
     const auto said = [](double size) {
-        std::string logged;
-        setLogSink([&](LogLevel, std::string_view line) { logged += line; });
         SoftBodyDef def = someBody();
         def.mesh = shared(boxMesh({2, 2, 2}, {size, 1, 1}));
-        buildBody(def, 1e-3);
-        setLogSink({});
-        return logged;
+        return loggedOf(def);
     };
     CHECK(said(9.0).empty());
-    CHECK(said(120.0).find("soft body 'liver': is 120.00") != std::string::npos);
+    CHECK_THAT(said(120.0), Catch::Contains("soft body 'liver': is 120.00"));
+}
+
+TEST_CASE("a collision mesh beside a body that may be cut is told of: it does not open")
+{
+    const auto said = [](bool mesh, bool dynamicTopology) {
+        SoftBodyDef def = someBody();
+        const geometry::TetMesh box = boxMesh({2, 2, 2}, {0.1, 0.1, 0.1});
+        def.mesh = shared(box);
+        def.collision = {{}};
+        if (mesh)
+            def.collision[0].mesh = std::make_shared<const geometry::TriangleMesh>(geometry::extractSurface(box).mesh);
+        def.dynamicTopology = dynamicTopology;
+        return loggedOf(def);
+    };
+    CHECK(said(false, true).empty());
+    CHECK(said(true, false).empty());
+    CHECK_THAT(said(true, true),
+               Catch::Contains("soft body 'liver': collision[0].mesh: bends with the body but does not"));
 }

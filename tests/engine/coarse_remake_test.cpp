@@ -20,10 +20,10 @@ struct Block {
     std::vector<int> nodes;
     PreconditionerPlan plan;
 
-    Block()
+    explicit Block(const SoftMaterial& material = FemMaterial{.youngModulus = 5e3})
     {
         stage.add(SoftBodyDef{.mesh = shared(boxMesh({12, 8, 6}, {0.06, 0.04, 0.03}, 0.2)),
-                              .material = FemMaterial{.youngModulus = 5e3},
+                              .material = material,
                               .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, 1e-6}}},
                                               {.nodes = {100, 200}, .stiffness = 50.0}},
                               .dynamicTopology = true});
@@ -77,8 +77,10 @@ std::vector<float> applied(linalg::TwoLevelPreconditioner& preconditioner, std::
 
 TEST_CASE("a coarse level made anew is the one that the body would be made with")
 {
-    for (const bool cut : {false, true}) {
-        Block block;
+    for (const auto& [cut, springs] : {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
+        INFO((cut ? "cut" : "whole") << (springs ? " springs" : " elements"));
+        Block block(springs ? SoftMaterial(MassSpringMaterial{.stiffness = 20.0, .damping = 0.05})
+                            : SoftMaterial(FemMaterial{.youngModulus = 5e3}));
         if (cut) block.cut();
         linalg::TwoLevelPreconditioner fresh = preconditionerAtRest(block.model(), block.plan,
                                                                     remadeCoarseChoice(block.nodes.size())),

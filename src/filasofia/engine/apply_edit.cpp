@@ -142,22 +142,43 @@ void addElements(const TopologyEdit& edit, SoftModel& model, SoftState& state)
     }
 }
 
-void followElements(const TopologyEdit& edit, const std::vector<int>& reached, const MeshTopology& mesh,
-                    SoftModel& model, SoftState& state)
+/// Springs on the edges between nodes that an edit reached; the others stay.
+void followSprings(const std::vector<int>& reached, const MeshTopology& mesh, SoftModel& model)
+{
+    const auto isReached = [&](int node) { return std::ranges::binary_search(reached, node); };
+    std::vector<std::array<int, 2>> edges;
+    for (int a : reached)
+        for (int t : mesh.around[static_cast<std::size_t>(a)])
+            for (int b : mesh.tetrahedra[static_cast<std::size_t>(t)])
+                if (a < b && isReached(b)) edges.push_back({a, b});
+    sortUnique(edges);
+    const Spring like = model.springs.front();
+    std::vector<Spring> fresh, kept, all;
+    for (const std::array<int, 2>& edge : edges) fresh.push_back(springOn(edge, like, model.rest));
+    std::ranges::copy_if(model.springs, std::back_inserter(kept), [&](const Spring& spring) {
+        return !isReached(spring.nodes[0]) || !isReached(spring.nodes[1]);
+    });
+    std::ranges::merge(kept, fresh, std::back_inserter(all), {}, &Spring::nodes, &Spring::nodes);
+    model.springs = std::move(all);
+}
+
+void followElements(const TopologyEdit& edit, const MeshEdit& changed, const MeshTopology& mesh, SoftModel& model,
+                    SoftState& state)
 {
     addElements(edit, model, state);
-    for (int element : reached) {
+    for (int element : changed.elements) {
         const auto e = static_cast<std::size_t>(element);
         elementNodes(model, e) = mesh.tetrahedra[e];
         weigh(model, e, 1.0, model.masses);
         if (!model.elements.empty()) shapeElement(model.rest, model.elements[e]);
     }
-    if (model.elements.empty()) makeSprings(model);
+    if (model.elements.empty()) followSprings(changed.reached, mesh, model);
 }
 
-MeshEdit meshEdit(const TopologyEdit& edit, std::vector<int> elements)
+MeshEdit meshEdit(const TopologyEdit& edit, const MeshTopology& mesh, const SoftModel& model)
 {
-    MeshEdit out{.nodes = {}, .elements = std::move(elements)};
+    MeshEdit out{.nodes = {}, .elements = reachedElements(edit, mesh), .reached = {}};
+    out.reached = reachedNodes(out.elements, mesh, model);
     for (const frame::TopologyOp& op : edit.ops)
         if (const auto* made = std::get_if<frame::NewNode>(&op))
             out.nodes.push_back({made->a, made->b, made->s});
@@ -168,7 +189,7 @@ MeshEdit meshEdit(const TopologyEdit& edit, std::vector<int> elements)
 
 void followSystem(const MeshEdit& edit, double period, const SoftModel& model, SoftSystem& system)
 {
-    if (!system.matrixFree || model.elements.empty()) { // a matrix is written anew
+    if (!system.matrixFree) { // a matrix is written anew
         system = makeSystem(model, period);
         system.tuned = true;
         return;
@@ -202,7 +223,6 @@ BodyTopology makeTopology(const SoftModel& model)
     for (const FemElement& element : model.elements) mesh.tetrahedra.push_back(element.nodes);
     topology.mesh = std::make_unique<EditableMesh>(mesh);
     topology.pieces.emplace(topology.mesh->data());
-    if (model.elements.empty()) topology.springs = springsOfElements(model);
     topology.start = std::make_unique<SoftModel>(model);
 
     std::map<geometry::Triangle, std::array<int, 2>> faces; // by nodes, ascending
@@ -235,19 +255,19 @@ OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, BodyTopology& 
                          SoftState& state, SoftSystem& system)
 {
     const MeshTopology& mesh = topology.mesh->data();
-    const std::vector<int> elements = reachedElements(edit, mesh), nodes = reachedNodes(elements, mesh, model);
-    const Vec3 momentum = momentumOf(model, state, nodes);
-    for (int element : elements)
+    const MeshEdit changed = meshEdit(edit, mesh, model);
+    const Vec3 momentum = momentumOf(model, state, changed.reached);
+    for (int element : changed.elements)
         if (const auto e = static_cast<std::size_t>(element); e < elementCount(model))
             weigh(model, e, -1.0, model.masses);
 
     followPins(edit, model);
     followState(edit, mesh, model, state);
-    followElements(edit, elements, mesh, model, state);
-    if (model.elements.empty()) topology.springs = springsOfElements(model);
+    followElements(edit, changed, mesh, model, state);
+    topology.springs = {};
     OwnSurfaceEdit surface = followSurface(edit, topology, model);
-    followSystem(meshEdit(edit, elements), period, model, system);
-    keepMomentum(momentum, nodes, model, state);
+    followSystem(changed, period, model, system);
+    keepMomentum(momentum, changed.reached, model, state);
     return surface;
 }
 

@@ -122,7 +122,8 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
         addElements(mesh, model);
     } else {
         model.tetrahedra = mesh.tetrahedra;
-        makeSprings(model);
+        for (const std::array<int, 2>& edge : geometry::edges(mesh))
+            model.springs.push_back(springOn(edge, {}, model.rest));
     }
     setMaterial(def.material, model);
     const geometry::Surface surface = geometry::extractSurface(mesh);
@@ -147,18 +148,6 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
 }
 
 } // namespace
-
-void makeSprings(SoftModel& model)
-{
-    const Spring like = model.springs.empty() ? Spring{} : model.springs.front();
-    model.springs.clear();
-    for (const auto& [a, b] : geometry::edges({model.rest, model.tetrahedra}))
-        model.springs.push_back(
-            {.nodes = {a, b},
-             .restLength = distance(model.rest[static_cast<std::size_t>(a)], model.rest[static_cast<std::size_t>(b)]),
-             .stiffness = like.stiffness,
-             .damping = like.damping});
-}
 
 void setMaterial(const physics::SoftMaterial& material, SoftModel& model)
 {

@@ -1,6 +1,7 @@
 #include "filasofia/engine/build_collision.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
 #include "filasofia/geometry/surface.h"
 
 #include <algorithm>
@@ -117,6 +118,9 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
         const std::string field = text("soft body '", def.name, "': collision[", i, "]");
         checkPrimitives(each, field);
         if (const auto given = physics::loadMesh(each.mesh, field + ".mesh")) {
+            if (def.dynamicTopology)
+                logWarning(field, ".mesh: bends with the body but does not open where it is cut or tears; without a "
+                                  "mesh the body's own surface is used, which does");
             TriangleMesh mesh = *given;
             for (Vec3& vertex : mesh.vertices) vertex = transform(def.pose, vertex);
             models.push_back(modelOf(mesh, each, field));

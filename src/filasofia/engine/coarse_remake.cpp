@@ -101,6 +101,12 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
                                            .blocks = plan.blocks});
 }
 
+Mat3 springMatrixAtRest(const Spring& spring, ImplicitWeights weights, std::span<const Vec3> rest)
+{
+    const Vec3 a = rest[static_cast<std::size_t>(spring.nodes[0])], b = rest[static_cast<std::size_t>(spring.nodes[1])];
+    return weights.stiffness * springStiffness(spring, a, b) + weights.damping * springDamping(spring, a, b);
+}
+
 namespace {
 
 /// A few coarse nodes, and for each a value that is linear in those of the nodes that follow it.
@@ -144,6 +150,7 @@ struct CoarseRemake::Work {
     double scale;
     ImplicitWeights weights;
     std::vector<Element> elements;
+    std::vector<Spring> springs;
     std::vector<Vec3> rest;
     std::vector<double> masses;
     std::vector<bool> held;
@@ -152,8 +159,9 @@ struct CoarseRemake::Work {
 
     Work(const SoftModel& model, const PreconditionerPlan& plan)
         : nodes(plan.nodes.begin(), plan.nodes.end()), scale(plan.scale),
-          weights(implicitWeights(plan.period, {model.rayleigh.mass, model.rayleigh.stiffness})), rest(model.rest),
-          masses(model.masses), held(model.pins.hard), pins(model.pins.springs)
+          weights(implicitWeights(plan.period, {model.rayleigh.mass, model.rayleigh.stiffness})),
+          springs(model.springs), rest(model.rest), masses(model.masses), held(model.pins.hard),
+          pins(model.pins.springs)
     {
         elements.reserve(model.elements.size());
         for (const FemElement& each : model.elements)
@@ -174,6 +182,7 @@ void CoarseRemake::Work::make()
                                                                   .rows = nodes,
                                                                   .corners = lattice.corners,
                                                                   .weights = lattice.weights});
+    springs = {};
     elements = {}; // given back here, where there is time for it
     rest = {};
 }
@@ -182,7 +191,8 @@ void CoarseRemake::Work::make()
 std::vector<std::array<int, 2>> CoarseRemake::Work::edges() const
 {
     std::vector<std::array<int, 2>> list;
-    list.reserve(6 * elements.size());
+    list.reserve(6 * elements.size() + springs.size());
+    for (const Spring& spring : springs) list.push_back(spring.nodes);
     for (const Element& each : elements)
         for (const auto& [i, j] : geometry::kTetrahedronEdges) {
             const auto [low, high] = std::minmax(each.nodes[i], each.nodes[j]);
@@ -217,6 +227,20 @@ std::vector<double> CoarseRemake::Work::coarseMatrix(const geometry::CoarseLatti
                 for (int r = 0; r < 3; ++r, block += unknowns)
                     for (int c = 0; c < 3; ++c)
                         block[c] += lambda * a[r] * b[c] + mu * b[r] * a[c] + (r == c ? shear : 0.0);
+            }
+    }
+    CoarseSum<double> ends;
+    for (const Spring& spring : springs) {
+        const Mat3 stiffness = scale * springMatrixAtRest(spring, weights, rest);
+        ends.clear();
+        ends.add(lattice, static_cast<std::size_t>(spring.nodes[0]), 1.0);
+        ends.add(lattice, static_cast<std::size_t>(spring.nodes[1]), -1.0);
+        for (std::size_t i = 0; i < ends.count(); ++i)
+            for (std::size_t j = 0; j < ends.count(); ++j) {
+                if (ends.corner(j) > ends.corner(i)) continue;
+                double* block = at(ends.corner(i), ends.corner(j));
+                for (std::size_t r = 0; r < 3; ++r, block += unknowns)
+                    for (std::size_t c = 0; c < 3; ++c) block[c] += ends.value(i) * ends.value(j) * stiffness[r][c];
             }
     }
     const auto addNode = [&](int node, double value) {
@@ -256,7 +280,7 @@ int stepsToMake(std::size_t elements, std::size_t freeNodes, double period)
 CoarseRemake::CoarseRemake(const SoftModel& model, const PreconditionerPlan& plan, BackgroundThread& meanwhile)
     : work_(std::make_shared<Work>(model, plan)),
       job_(std::make_shared<BackgroundJob>([work = work_] { work->make(); })),
-      stepsLeft_(stepsToMake(model.elements.size(), plan.nodes.size(), plan.period))
+      stepsLeft_(stepsToMake(model.elements.size() + model.springs.size(), plan.nodes.size(), plan.period))
 {
     meanwhile.give(job_);
 }

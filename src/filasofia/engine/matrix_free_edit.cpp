@@ -1,7 +1,6 @@
 // How a MatrixFreeSystem follows an edit of its body's mesh: what the edit did not reach stays as it is.
 #include "filasofia/engine/matrix_free_system.h"
 
-#include "filasofia/core/sorted.h"
 #include "filasofia/engine/coarse_remake.h"
 
 #include <algorithm>
@@ -9,11 +8,11 @@
 namespace filasofia::engine {
 namespace {
 
-/// The element whose corner is said at a place of the gather list.
-int elementAt(int place)
+/// The element, of `corners` nodes, whose corner is said at a place of the gather list.
+int elementAt(int place, int corners)
 {
     const int offset = place % 64, lane = offset / kBlock + 4 * (offset % kBlock / 4);
-    return place / 256 * kBlock + lane;
+    return place / (64 * corners) * kBlock + lane;
 }
 
 /// What a node between two others follows: what they do, or where that is more than four coarse nodes the four that
@@ -60,10 +59,14 @@ bool MatrixFreeSystem::edit(const SoftModel& model, const MeshEdit& edit)
     for (std::size_t i = 0; i < edit.nodes.size(); ++i) addNode(model, known + static_cast<int>(i), edit.nodes[i]);
     if (remake_) remake_->add(edit.nodes);
     parted_ = parted_ || std::ranges::any_of(edit.nodes, [](const auto& each) { return each.first == each.second; });
-    std::vector<int> reached; // slots of nodes that lost or won an element, or have one of another shape
-    for (int element : edit.elements) moveElement(model, element, reached);
-    sortUnique(reached);
-    for (int slot : reached) refreshNode(model, slot);
+    if (model.elements.empty()) { // springs are many fewer numbers than elements
+        makeSprings(model);
+        makeGather(model);
+    } else {
+        for (int element : edit.elements) moveElement(model, element);
+    }
+    for (int node : edit.reached)
+        if (const int slot = slotOf_[static_cast<std::size_t>(node)]; slot < freeNodes_) refreshNode(model, slot);
     return grown;
 }
 
@@ -148,7 +151,7 @@ void MatrixFreeSystem::followParting(const SoftModel& model, BackgroundThread& m
     remake_ = std::make_unique<CoarseRemake>(model, plan(), meanwhile);
 }
 
-void MatrixFreeSystem::moveElement(const SoftModel& model, int element, std::vector<int>& reached)
+void MatrixFreeSystem::moveElement(const SoftModel& model, int element)
 {
     const int block = element / kBlock, lane = element % kBlock;
     const FemElement& now = model.elements[static_cast<std::size_t>(element)];
@@ -158,8 +161,6 @@ void MatrixFreeSystem::moveElement(const SoftModel& model, int element, std::vec
         const int place = (4 * block + i) * 64 + linalg::laneOffset(lane);
         const int before = isNew ? -1 : elements_[static_cast<std::size_t>(block)].nodes[i][lane] / 4;
         const int after = slotOf_[static_cast<std::size_t>(now.nodes[static_cast<std::size_t>(i)])];
-        for (int slot : {before, after})
-            if (slot >= 0 && slot < freeNodes_) reached.push_back(slot);
         if (before == after) continue;
         if (before >= 0 && before < freeNodes_) {
             const auto list = static_cast<std::size_t>(before);
@@ -188,7 +189,12 @@ void MatrixFreeSystem::refreshNode(const SoftModel& model, int slot)
         (scale_ * weights.mass * mass + weights.stiffness * pins_[static_cast<std::size_t>(slot)]) * Mat3::identity();
     const auto list = static_cast<std::size_t>(slot);
     for (const int* place = gather_.begin(list); place != gather_.end(list); ++place) {
-        const FemElement& element = model.elements[static_cast<std::size_t>(elementAt(*place))];
+        if (model.elements.empty()) {
+            const Spring& spring = model.springs[static_cast<std::size_t>(elementAt(*place, 2))];
+            diagonal += scale_ * springMatrixAtRest(spring, weights, model.rest);
+            continue;
+        }
+        const FemElement& element = model.elements[static_cast<std::size_t>(elementAt(*place, 4))];
         const int corner = *place / 64 % 4;
         diagonal += warpedStiffnessBlock(element.gradients, lame(element.youngModulus, element.poissonRatio),
                                          scale_ * weights.stiffness * element.volume, corner, corner);

@@ -56,7 +56,7 @@ public:
     /// The same where the masses are all there is in the matrix.
     void solveExplicit(std::span<Vec3> dv) const;
 
-    /// Follows an edit of the mesh that the model has already; of bodies with elements only. True where vectors of
+    /// Follows an edit of the mesh that the model has already. True where vectors of
     /// unknowns have another size from now on.
     bool edit(const SoftModel& model, const MeshEdit& edit);
     /// Once in every step, after the edits: where one parted tissue, the coarse level is made anew meanwhile, from the
@@ -87,7 +87,7 @@ private:
     bool reserve(const SoftModel& model, const MeshEdit& edit);
     void addNode(const SoftModel& model, int node, const MeshEdit::Node& made);
     void interpolate(int slot, const MeshEdit::Node& made);
-    void moveElement(const SoftModel& model, int element, std::vector<int>& reached);
+    void moveElement(const SoftModel& model, int element);
     void refreshNode(const SoftModel& model, int slot);
 
     void load(std::span<const Vec3> from, Vec3 origin, linalg::NodeArray& to, WorkerPool& pool) const;

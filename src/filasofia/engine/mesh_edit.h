@@ -14,6 +14,7 @@ struct MeshEdit {
     };
     std::vector<Node> nodes;   ///< appended to those that were there, in this order
     std::vector<int> elements; ///< changed or appended, ascending, each once
+    std::vector<int> reached;  ///< the nodes of these before and after, ascending
 };
 
 } // namespace filasofia::engine

@@ -184,9 +184,21 @@ void setRotation(std::vector<ElementRotations>& rotations, std::size_t element, 
     block.z[lane] = static_cast<float>(q.z);
 }
 
+Spring springOn(const std::array<int, 2>& edge, const Spring& like, const std::vector<Vec3>& rest)
+{
+    Spring spring = like;
+    spring.nodes = edge;
+    spring.restLength = distance(rest[static_cast<std::size_t>(edge[0])], rest[static_cast<std::size_t>(edge[1])]);
+    return spring;
+}
+
 void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts)
 {
     if (parts.holders.empty()) return;
+    if (model.elements.empty()) {
+        parts = heldParts(model);
+        return;
+    }
     const std::size_t known = parts.holders.size();
     parts.holders.resize(model.rest.size());
     for (const PinGroup& group : model.pins.groups)

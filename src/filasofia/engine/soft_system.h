@@ -29,10 +29,10 @@ struct SoftSystem {
 
 using Systems = std::vector<SoftSystem>; ///< one per soft body, in the model's order
 
-/// A spring on every edge of the model's tetrahedra, all like the first that there was.
-void makeSprings(SoftModel& model);
+/// A spring on an edge, at rest, with the stiffness and damping of another.
+Spring springOn(const std::array<int, 2>& edge, const Spring& like, const std::vector<Vec3>& rest);
 
-/// Brings what pulls at held nodes in line with an edit of a body of elements.
+/// Brings what pulls at held nodes in line with an edit.
 void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts);
 
 /// `period` [s]: the step that the solver prepares for.

@@ -94,6 +94,7 @@ void tearBody(const SoftModel& model, const SoftState& state, SoftSystem& system
     if (system.matrixFree && !model.elements.empty() &&
         !system.matrixFree->findStressed(state, kStressNear * threshold, pool, stressed))
         return;
+    if (model.elements.empty() && topology.springs.ofElement.empty()) topology.springs = springsOfElements(model);
     if (!findStresses(model, state, threshold, topology.springs, stressed, pool, topology.stresses)) return;
     EditableMesh& mesh = *topology.mesh;
     if (!topology.followed) mesh.placeAt(state.x); // else the blades' turn has moved it already

@@ -52,7 +52,7 @@ struct BodyTopology {
     bool followed = false; ///< the mesh moved with the body in the last step
     SlackBox around;       ///< of the steps that it followed
     Tearing tearing;
-    SpringsOfElements springs;
+    SpringsOfElements springs;                ///< empty until a step looks for what may tear
     std::vector<Mat3> stresses;               ///< [Pa] of the last step that looked, per element
     std::vector<std::uint16_t> stressed;      ///< per block of elements, bits of those that may be near tearing
     std::vector<std::uint8_t> held;           ///< per node
