@@ -101,12 +101,6 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
                                            .blocks = plan.blocks});
 }
 
-Mat3 springMatrixAtRest(const Spring& spring, ImplicitWeights weights, std::span<const Vec3> rest)
-{
-    const Vec3 a = rest[static_cast<std::size_t>(spring.nodes[0])], b = rest[static_cast<std::size_t>(spring.nodes[1])];
-    return weights.stiffness * springStiffness(spring, a, b) + weights.damping * springDamping(spring, a, b);
-}
-
 namespace {
 
 /// A few coarse nodes, and for each a value that is linear in those of the nodes that follow it.
@@ -231,7 +225,7 @@ std::vector<double> CoarseRemake::Work::coarseMatrix(const geometry::CoarseLatti
     }
     CoarseSum<double> ends;
     for (const Spring& spring : springs) {
-        const Mat3 stiffness = scale * springMatrixAtRest(spring, weights, rest);
+        const Mat3 stiffness = scale * springMatrix(spring, weights, rest);
         ends.clear();
         ends.add(lattice, static_cast<std::size_t>(spring.nodes[0]), 1.0);
         ends.add(lattice, static_cast<std::size_t>(spring.nodes[1]), -1.0);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "filasofia/core/background.h"
-#include "filasofia/engine/integrate/euler.h"
 #include "filasofia/engine/mesh_edit.h"
 #include "filasofia/engine/model.h"
 #include "filasofia/linalg/two_level_preconditioner.h"
@@ -36,9 +35,6 @@ CoarseChoice remadeCoarseChoice(std::size_t freeNodes);
 /// The preconditioner of a body of elements or springs as it is at rest.
 linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, const PreconditionerPlan& plan,
                                                     const CoarseChoice& choice);
-
-/// What a spring has in the matrix of an implicit step, at rest.
-Mat3 springMatrixAtRest(const Spring& spring, ImplicitWeights weights, std::span<const Vec3> rest);
 
 /// The same for a body whose tissue was parted, made beside its steps. The coarse lattice goes through the mesh as it
 /// is now: parts that no longer hang together near by share no coarse nodes.

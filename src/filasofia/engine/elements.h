@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/engine/integrate/euler.h"
 #include "filasofia/engine/model.h"
 #include "filasofia/engine/rupture/tet_shape.h"
 
@@ -23,6 +24,13 @@ inline void shapeElement(const std::vector<Vec3>& rest, FemElement& element)
     const Corners corners = cornersOf(element.nodes, rest);
     element.gradients = shapeGradients(corners);
     element.volume = volumeOf(corners);
+}
+
+/// [kg] What a spring between nodes at `x` has in the matrix of an implicit step.
+inline Mat3 springMatrix(const Spring& spring, ImplicitWeights weights, const std::vector<Vec3>& x)
+{
+    const Vec3 a = x[static_cast<std::size_t>(spring.nodes[0])], b = x[static_cast<std::size_t>(spring.nodes[1])];
+    return weights.stiffness * springStiffness(spring, a, b) + weights.damping * springDamping(spring, a, b);
 }
 
 } // namespace filasofia::engine

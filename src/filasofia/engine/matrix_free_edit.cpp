@@ -2,6 +2,7 @@
 #include "filasofia/engine/matrix_free_system.h"
 
 #include "filasofia/engine/coarse_remake.h"
+#include "filasofia/engine/elements.h"
 
 #include <algorithm>
 
@@ -191,7 +192,7 @@ void MatrixFreeSystem::refreshNode(const SoftModel& model, int slot)
     for (const int* place = gather_.begin(list); place != gather_.end(list); ++place) {
         if (model.elements.empty()) {
             const Spring& spring = model.springs[static_cast<std::size_t>(elementAt(*place, 2))];
-            diagonal += scale_ * springMatrixAtRest(spring, weights, model.rest);
+            diagonal += scale_ * springMatrix(spring, weights, model.rest);
             continue;
         }
         const FemElement& element = model.elements[static_cast<std::size_t>(elementAt(*place, 4))];

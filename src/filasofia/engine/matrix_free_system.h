@@ -20,6 +20,9 @@ namespace filasofia::engine {
 class CoarseRemake;
 struct PreconditionerPlan;
 
+/// A number as the solver has it.
+constexpr float asFloat(double value) { return static_cast<float>(value); }
+
 /// The equations of one step as they are solved by default: in float, element by element, without a matrix.
 ///
 /// Everything is divided by the mean nodal mass, so that the numbers are of the size of velocities whatever the body is
