@@ -92,6 +92,7 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
         for (auto& [id, sampler] : samplers) samples[id].push_back(sampler.take());
     }
     session.complete = player.damage().empty();
+    if (bodies.rigid.empty() && !session.complete) fail(player.damage());
     if (!session.complete) std::cerr << oneLine(player.damage()) << '\n';
     const BodyId measured = bodies.tool(tool, recording.string());
     for (const BodyId id : bodies.rigid)

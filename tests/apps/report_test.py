@@ -126,6 +126,8 @@ class Outputs(Report):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("cut off at byte", done.stderr)
         self.assertIn("broke off", done.stdout)
+        (self.folder / "cut.rec").write_bytes(whole[:2000])
+        self.refused("cut.rec", says=["cut.rec: cut off at byte", "no whole step"])
 
     def test_a_session_of_odd_numbers_is_reported(self):
         head = session().splitlines()[0]
