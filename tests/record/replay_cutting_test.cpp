@@ -1,5 +1,6 @@
 #include "engine/meshes.h"
 #include "filasofia/engine/native_engine.h"
+#include "filasofia/geometry/shapes.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/recording.h"
 #include "filasofia/record/replay.h"
@@ -32,7 +33,7 @@ RigidBodyDef scalpel()
             .collision = {{.mesh = mesh, .proximity = 0, .cutting = true}}};
 }
 
-/// One block is cut through, another is pulled until it tears.
+/// One block is cut through, another is pulled until it tears, and a ball in a hand presses it meanwhile.
 template <class AfterStep> void run(PhysicsServer& server, AfterStep&& afterStep)
 {
     server.keepLog(true);
@@ -41,12 +42,20 @@ template <class AfterStep> void run(PhysicsServer& server, AfterStep&& afterStep
     server.add(tissue(0.0, kNever));
     const BodyId pulled = server.add(tissue(0.1, 900.0));
     const BodyId blade = server.add(scalpel());
+    RigidBodyDef ball{.name = "ball", .elements = {Pose{.position = {0.02, 0.12, 0.05}}}};
+    ball.collision = {{}};
+    ball.mesh = geometry::shapes::sphere(0.008, 4);
+    ball.dynamic = true;
+    const BodyId held = server.add(ball);
     for (int step = 0; step < 150; ++step) {
         server.setPose(blade, {{0.0312, 0.02, 0.06 - 5e-4 * step}, {}});
         std::vector<NodalForce> pull;
         for (int node = 150; node < 175; ++node) pull.push_back({.node = node, .force = {0.0015 * step, 0, 0}});
         if (step < 100) server.setForces(pulled, pull);
         if (step == 100) server.setForces(pulled, {});
+        server.setHaptic(held, {.pose = {.position = {0.02, 0.12, 0.05 - 5e-4 * step}, .orientation = {}},
+                                .velocity = {0, 0, -0.5},
+                                .coupling = {.linearStiffness = 300.0, .linearDamping = 1.0}});
         server.step(1e-3);
         afterStep();
     }
@@ -54,15 +63,18 @@ template <class AfterStep> void run(PhysicsServer& server, AfterStep&& afterStep
 
 } // namespace
 
-TEST_CASE("a session of cutting and tearing is made again with the same hash at every step, whatever the threads")
+TEST_CASE("a session of cutting, tearing and a hand that presses is made again with the same hash at every step, "
+          "whatever the threads")
 {
     const record::ScratchFile file("cut.rec");
     int cuts = 0, tears = 0, loose = 0;
+    std::size_t pushing = 0; // contacts
     {
         PhysicsServer server(engine::makeNativeEngine({.threads = 1}));
         record::RecordingWriter writer(file.path(), {});
         run(server, [&] {
             const StepRecord& step = *server.nextRecord();
+            pushing += step.contacts.size();
             for (const Rupture& rupture : step.report.topology.ruptures) {
                 (rupture.kind == Rupture::Kind::Cut ? cuts : tears) += 1;
                 loose += static_cast<int>(rupture.detached.size());
@@ -74,6 +86,7 @@ TEST_CASE("a session of cutting and tearing is made again with the same hash at 
     CHECK(cuts > 5);
     CHECK(tears > 5);
     CHECK(loose > 0);
+    CHECK(pushing > 100);
     const record::Recording recording = record::readRecording(file.path());
     REQUIRE(recording.steps.size() == 150);
     for (int threads : {1, 2, 8}) {
