@@ -103,6 +103,8 @@ class Hand(Trainer):
         done = run("--motion", str(motion), "--headless", "--steps", "1200", "--session", self.session)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("1 of 6 steps", done.stdout)  # from 15 mm before the os to 15 mm beyond
+        done = run("--motion", str(motion), "--no-picture", "--seconds", "0.5", "--session", self.session)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)  # by the clock, and without a start screen
 
 
 class Pictures(Trainer):

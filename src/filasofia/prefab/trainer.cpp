@@ -263,7 +263,7 @@ try {
                                 .program = program};
         return trainOnce(train, training, program->session.empty());
     };
-    if (program->planned() || program->has("--headless")) return session();
+    if (program->planned() || program->has("--headless") || program->has("--no-picture")) return session();
     while (program->another || program->ask()) {
         if (const int problem = session(); problem != 0 || !program->session.empty()) return problem;
         if (program->another) program->seed = text((program->seedNumber() + 1) % kMostSeeds);
