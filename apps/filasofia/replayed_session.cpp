@@ -7,6 +7,7 @@
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/session_player.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <map>
@@ -16,35 +17,33 @@
 namespace filasofia::app {
 namespace {
 
-/// The bodies of a recording, which are rigid and which of them were moved from outside, as its commands tell.
-struct Bodies {
-    std::map<BodyId, std::string> names = {};
-    std::vector<BodyId> rigid = {};
-    std::set<BodyId> moved = {};
+const std::string& nameOf(const physics::AddBody& body)
+{
+    return std::visit([](const auto& def) -> const std::string& { return def.name; }, *body.def);
+}
 
-    void hear(const physics::Command& command)
-    {
-        if (const auto* added = std::get_if<physics::AddBody>(&command)) {
-            names[added->id] = std::visit([](const auto& def) { return def.name; }, *added->def);
-            if (std::holds_alternative<physics::RigidBodyDef>(*added->def)) rigid.push_back(added->id);
-        } else if (const auto* pose = std::get_if<physics::SetPose>(&command)) {
-            moved.insert(pose->id);
-        }
-    }
+/// The rigid bodies among these, in the same order.
+std::vector<const physics::AddBody*> rigidOf(const std::vector<physics::AddBody>& bodies)
+{
+    std::vector<const physics::AddBody*> rigid;
+    for (const physics::AddBody& body : bodies)
+        if (std::holds_alternative<physics::RigidBodyDef>(*body.def)) rigid.push_back(&body);
+    return rigid;
+}
 
-    /// The one that is measured.
-    [[nodiscard]] BodyId tool(const std::string& name, const std::string& file) const
-    {
-        std::string list;
-        for (const BodyId id : rigid) {
-            if (name.empty() ? moved.contains(id) : names.at(id) == name) return id;
-            list += text(list.empty() ? "" : ", ", "'", shortened(names.at(id)), "'");
-        }
-        if (rigid.empty()) fail(file, ": has no rigid body, so nothing that a hand could have moved");
-        if (name.empty()) fail(file, ": no rigid body is moved from outside; --tool names one of ", list);
-        fail(file, ": there is no rigid body '", shortened(name), "'; there are ", list);
+/// The one that is measured. `moved`: from outside.
+BodyId toolOf(const std::vector<const physics::AddBody*>& rigid, const std::set<BodyId>& moved, const std::string& name,
+              const std::string& file)
+{
+    std::string list;
+    for (const physics::AddBody* body : rigid) {
+        if (name.empty() ? moved.contains(body->id) : nameOf(*body) == name) return body->id;
+        list += text(list.empty() ? "" : ", ", "'", shortened(nameOf(*body)), "'");
     }
-};
+    if (rigid.empty()) fail(file, ": has no rigid body, so nothing that a hand could have moved");
+    if (name.empty()) fail(file, ": no rigid body is moved from outside; --tool names one of ", list);
+    fail(file, ": there is no rigid body '", shortened(name), "'; there are ", list);
+}
 
 constexpr double kRate = 200.0; // [Hz], of samples
 
@@ -64,13 +63,14 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
                             .software = header.filasofia,
                             .seed = header.seed,
                             .watched = {metric::EventKind::Tear, metric::EventKind::Cut}};
-    Bodies bodies;
+    std::set<BodyId> moved; // from outside
     std::map<BodyId, metric::StepSampler> samplers;
     std::map<BodyId, std::vector<metric::Sample>> samples;
     double lastPeriod = -1.0;
     bool same = true;
     while (player.next()) {
-        for (const physics::Command& command : player.recorded().commands) bodies.hear(command);
+        for (const physics::Command& command : player.recorded().commands)
+            if (const auto* pose = std::get_if<physics::SetPose>(&command)) moved.insert(pose->id);
         const physics::StepReport& report = player.report();
         if (same && !player.same()) {
             same = false;
@@ -81,24 +81,26 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
             session.events.push_back(
                 {report.time,
                  rupture.kind == physics::Rupture::Kind::Tear ? metric::EventKind::Tear : metric::EventKind::Cut,
-                 bodies.names[rupture.body], rupture.area});
+                 nameOf(*std::ranges::lower_bound(player.bodies(), rupture.body, {}, &physics::AddBody::id)),
+                 rupture.area});
         if (report.dt == 0.0) continue; // paused
         const frame::Frame& frame = player.frame();
-        for (const BodyId id : bodies.rigid)
-            samplers.try_emplace(id, metric::Observed{.body = id}).first->second.add(frame, report.dt);
+        for (const physics::AddBody* body : rigidOf(player.bodies()))
+            samplers.try_emplace(body->id, metric::Observed{.body = body->id}).first->second.add(frame, report.dt);
         const double period = std::floor(report.time * kRate + 1e-6);
         if (period <= lastPeriod) continue;
         lastPeriod = period;
         for (auto& [id, sampler] : samplers) samples[id].push_back(sampler.take());
     }
     session.complete = player.damage().empty();
-    if (bodies.rigid.empty() && !session.complete) fail(player.damage());
+    const std::vector<const physics::AddBody*> rigid = rigidOf(player.bodies());
+    if (rigid.empty() && !session.complete) fail(player.damage());
     if (!session.complete) std::cerr << oneLine(player.damage()) << '\n';
-    const BodyId measured = bodies.tool(tool, recording.string());
-    for (const BodyId id : bodies.rigid)
-        session.tracks.push_back({.name = bodies.names[id],
-                                  .role = id == measured ? metric::Role::Tool : metric::Role::Other,
-                                  .samples = std::move(samples[id])});
+    const BodyId measured = toolOf(rigid, moved, tool, recording.string());
+    for (const physics::AddBody* body : rigid)
+        session.tracks.push_back({.name = nameOf(*body),
+                                  .role = body->id == measured ? metric::Role::Tool : metric::Role::Other,
+                                  .samples = std::move(samples[body->id])});
     return session;
 }
 

@@ -147,6 +147,7 @@ TEST_CASE("a solver that followed edits does what one made anew would")
         CHECK(edited.body.system.held.springs == fresh.held.springs);
         CHECK(edited.body.system.held.holders == fresh.held.holders);
     }
+    CHECK(edited.body.model.rest.size() > heldBlock().attachments.size());
     CHECK(edited.body.model.elements.size() + edited.body.model.tetrahedra.size() > 500);
 }
 

@@ -61,7 +61,7 @@ void addSprings(const SoftModel& model, ImplicitWeights weights, const SoftState
         system.stiffnessTimesVelocity[b] -= kv;
         if (!implicit) continue;
 
-        const Mat3 block = springMatrix(spring, weights, state.x);
+        const Mat3 block = weights.stiffness * stiffness + weights.damping * springDamping(spring, xa, xb);
         for (int k = 0; k < 4; ++k)
             if (const int p = system.springBlocks[s][k]; p >= 0)
                 system.matrix.block(p) += k == 0 || k == 3 ? block : -1.0 * block;

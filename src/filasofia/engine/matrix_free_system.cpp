@@ -1,12 +1,10 @@
 #include "filasofia/engine/matrix_free_system.h"
 
 #include "filasofia/core/worker_pool.h"
-#include "filasofia/engine/coarse_remake.h"
 #include "filasofia/engine/elastic/stress_bound.h"
 #include "filasofia/linalg/node_parts.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace filasofia::engine {
 namespace {
