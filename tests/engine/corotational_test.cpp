@@ -78,18 +78,41 @@ TEST_CASE("the blocks of the warped stiffness make the same product as warpedSti
     const FemElement element = someElement();
     for (int k = 0; k < 20; ++k) {
         const Mat3 r = toMat3(randomRotation(random));
+        const Tangent tangent{lame(3000, 0.4), k % 2 == 0 ? 0.0 : 5000.0};
         Corners x, rotated;
         for (std::size_t i = 0; i < 4; ++i) {
             x[i] = randomVec3(random, 1.0);
             rotated[i] = r * element.gradients[i];
         }
-        const Corners whole = warpedStiffnessTimes(element, lame(element.youngModulus, element.poissonRatio), r, x);
+        const Corners whole = warpedStiffnessTimes(element, tangent, r, x);
         for (int i = 0; i < 4; ++i) {
             Vec3 row;
             for (int j = 0; j < 4; ++j)
-                row += warpedStiffnessBlock(rotated, lame(3000, 0.4), element.volume, i, j) *
-                       x[static_cast<std::size_t>(j)];
+                row += warpedStiffnessBlock(rotated, tangent, element.volume, i, j) * x[static_cast<std::size_t>(j)];
             CHECK(length(row - whole[static_cast<std::size_t>(i)]) < 1e-10 * length(row));
         }
     }
+}
+
+TEST_CASE("the geometric stiffness of an element pulled alike in all directions has a closed form")
+{
+    const Lame material = lame(3000, 0.45);
+    const double ratio = material.lambda / material.mu;
+    const Mat3 turned = toMat3(axisAngle({1, 2, 3}, 0.7));
+    const auto stretched = [&](double s) { return geometricStiffness(material, s * turned, turned); };
+    CHECK(stretched(1.0) == 0.0);
+    CHECK(stretched(0.5) == 0.0);
+    CHECK(stretched(1.0 + 0.99 * 2.0 / (3.0 * ratio)) == 0.0);
+    CHECK(stretched(1.0 + 1.01 * 2.0 / (3.0 * ratio)) > 0.0);
+    // Of a nearly incompressible element a little growth is much tension, but may come from turning alone.
+    const Mat3 grown = (1.0 + 0.3 * kTense) * turned;
+    CHECK(geometricStiffness(lame(3000, 0.4999), grown, turned) == 0.0);
+    CHECK(geometricStiffness(lame(3000, 0.4999), (1.0 + 0.4 * kTense) * turned, turned) > 0.0);
+    // Its three sums of two stretches are 2 s each, taken for (2 s)^3 / (3 s)^2.
+    const double s = 1.3, q = ratio * 3.0 * (s - 1.0);
+    CHECK(stretched(s) == Approx(material.mu * (1.0 + (q - 2.0) / (8.0 / 9.0 * s))).epsilon(1e-12));
+    // A needle's has no bound: the smallest that is told apart.
+    const Mat3 needle = Mat3::diagonal({10.0, 1e-6, 1e-6});
+    CHECK(geometricStiffness(material, needle, Mat3::identity()) ==
+          Approx(material.mu * (1.0 + (ratio * 7.0 - 2.0) / (10.0 * kFlattest))).epsilon(1e-5));
 }

@@ -18,7 +18,7 @@ using linalg::onEveryTarget;
 using linalg::vectorOf;
 using linalg::WorstError;
 
-constexpr BlockWeights kWeights{.force = 0.8f, .stiffness = 0.03f, .damping = 0.5f};
+constexpr BlockWeights kWeights{.force = 0.8f, .stiffness = 0.03f, .damping = 0.5f, .turning = 0.7f};
 
 inline double inFloat(double value) { return static_cast<double>(static_cast<float>(value)); }
 inline Vec3 inFloat(Vec3 v) { return {inFloat(v.x), inFloat(v.y), inFloat(v.z)}; }

@@ -58,9 +58,10 @@ void compareElement(const Elements& all, int e, WorstError& forces, WorstError& 
     const FemElement& element = all.elements[static_cast<std::size_t>(e)];
     const Mat3 f = gradient(element, Elements::nodes(all.x, e)), r = toMat3(normalized(all.rotation(e)));
     const Lame material = lameAt(element, f);
+    const Tangent tangent{material, kWeights.turning * geometricStiffness(material, f, r)};
     const Corners force = corotationalForces(element, f, r);
-    const Corners kv = warpedStiffnessTimes(element, material, r, Elements::nodes(all.v, e));
-    const Corners kp = warpedStiffnessTimes(element, material, r, Elements::nodes(all.p, e));
+    const Corners kv = warpedStiffnessTimes(element, tangent, r, Elements::nodes(all.v, e));
+    const Corners kp = warpedStiffnessTimes(element, tangent, r, Elements::nodes(all.p, e));
 
     // The gradients' and the edges' lengths bound every term.
     double steepest = 0.0, edge = 0.0, rate = 0.0, direction = 0.0;
@@ -75,7 +76,7 @@ void compareElement(const Elements& all, int e, WorstError& forces, WorstError& 
         direction = std::max(direction, longest(all.p));
     }
     const double stiff = element.volume * (2.0 * material.mu + 3.0 * material.lambda) * steepest;
-    const double warpedSize = stiff * steepest * kWeights.stiffness;
+    const double warpedSize = (stiff + element.volume * tangent.turning * steepest) * steepest * kWeights.stiffness;
     for (int i = 0; i < 4; ++i) {
         const auto at = static_cast<std::size_t>(i);
         const Vec3 expected = kWeights.force * force[at] - kWeights.stiffness * kv[at];
@@ -312,7 +313,9 @@ TEST_CASE("the product of elements is that of their assembled warped stiffness: 
         for (int e = 0; e < all.count(); ++e) {
             const FemElement& element = all.elements[static_cast<std::size_t>(e)];
             const Mat3 r = toMat3(normalized(all.rotation(e)));
-            const Lame material = lameAt(element, gradient(element, Elements::nodes(all.x, e)));
+            const Mat3 f = gradient(element, Elements::nodes(all.x, e));
+            const Lame material = lameAt(element, f);
+            const Tangent tangent{material, kWeights.turning * geometricStiffness(material, f, r)};
             Corners rotated;
             for (std::size_t i = 0; i < 4; ++i) rotated[i] = r * element.gradients[i];
             double pkq = 0.0, qkp = 0.0, pkp = 0.0, energy = 0.0, largest = 0.0;
@@ -321,7 +324,7 @@ TEST_CASE("the product of elements is that of their assembled warped stiffness: 
                 double size = 0.0;
                 for (int j = 0; j < 4; ++j) {
                     const Mat3 block =
-                        kWeights.stiffness * warpedStiffnessBlock(rotated, material, element.volume, i, j);
+                        kWeights.stiffness * warpedStiffnessBlock(rotated, tangent, element.volume, i, j);
                     product += block * vectorOf(p[4 * e + j]);
                     size += frobeniusNorm(block) * length(vectorOf(p[4 * e + j]));
                 }

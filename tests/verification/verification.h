@@ -87,7 +87,7 @@ inline void solveStatic(const SoftModel& model, std::span<const Vec3> given, std
             for (int i = 0; i < 4; ++i)
                 for (int j = 0; j < 4; ++j)
                     if (const int p = system.elementBlocks[e][4 * i + j]; p >= 0)
-                        system.matrix.block(p) += warpedStiffnessBlock(rotated, material, element.volume, i, j);
+                        system.matrix.block(p) += warpedStiffnessBlock(rotated, {material}, element.volume, i, j);
         }
         double size = 0.0;
         for (std::size_t i = 0; i < x.size(); ++i) {

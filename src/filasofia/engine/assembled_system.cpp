@@ -26,8 +26,9 @@ void addElements(const SoftModel& model, ImplicitWeights weights, SoftState& sta
         setRotation(state.rotations, e, turned);
         const Mat3 rotation = toMat3(turned);
         const Lame material = lameAt(element, f);
+        const Tangent tangent{material, implicit ? weights.turning * geometricStiffness(material, f, rotation) : 0.0};
         scatterAdd(corotationalForces(element, f, rotation), element.nodes, system.forces);
-        scatterAdd(warpedStiffnessTimes(element, material, rotation, cornersOf(element.nodes, state.v)), element.nodes,
+        scatterAdd(warpedStiffnessTimes(element, tangent, rotation, cornersOf(element.nodes, state.v)), element.nodes,
                    system.stiffnessTimesVelocity);
         if (!implicit) continue;
 
@@ -38,7 +39,7 @@ void addElements(const SoftModel& model, ImplicitWeights weights, SoftState& sta
         for (int i = 0; i < 4; ++i)
             for (int j = i; j < 4; ++j) {
                 if (positions[4 * i + j] < 0) continue;
-                const Mat3 block = warpedStiffnessBlock(rotated, material, scale, i, j);
+                const Mat3 block = warpedStiffnessBlock(rotated, tangent, scale, i, j);
                 system.matrix.block(positions[4 * i + j]) += block;
                 if (j != i) system.matrix.block(positions[4 * j + i]) += transpose(block);
             }

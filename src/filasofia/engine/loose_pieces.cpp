@@ -22,8 +22,10 @@ public:
             const FemElement& element = model.elements[e];
             Part& part = parts_.emplace_back();
             part.element = &element;
-            part.material = lameAt(element, gradient(element, cornersOf(element.nodes, state.x)));
             part.rotation = toMat3(rotationOf(state.rotations, e));
+            const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
+            const Lame material = lameAt(element, f);
+            part.tangent = {material, weights.turning * geometricStiffness(material, f, part.rotation)};
             for (std::size_t k = 0; k < 4; ++k)
                 part.places[k] = static_cast<std::size_t>(std::ranges::lower_bound(crumb.nodes, element.nodes[k]) -
                                                           crumb.nodes.begin());
@@ -37,7 +39,7 @@ public:
         for (const Part& part : parts_) {
             Corners corners;
             for (std::size_t k = 0; k < 4; ++k) corners[k] = p[part.places[k]];
-            const Corners forces = warpedStiffnessTimes(*part.element, part.material, part.rotation, corners);
+            const Corners forces = warpedStiffnessTimes(*part.element, part.tangent, part.rotation, corners);
             for (std::size_t k = 0; k < 4; ++k) q[part.places[k]] += stiffness_ * forces[k];
         }
         return q;
@@ -46,7 +48,7 @@ public:
 private:
     struct Part {
         const FemElement* element = nullptr;
-        Lame material;
+        Tangent tangent;
         Mat3 rotation;
         std::array<std::size_t, 4> places{};
     };

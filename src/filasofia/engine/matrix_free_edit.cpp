@@ -197,7 +197,7 @@ void MatrixFreeSystem::refreshNode(const SoftModel& model, int slot)
         }
         const FemElement& element = model.elements[static_cast<std::size_t>(elementAt(*place, 4))];
         const int corner = *place / 64 % 4;
-        diagonal += warpedStiffnessBlock(element.gradients, lame(element.youngModulus, element.poissonRatio),
+        diagonal += warpedStiffnessBlock(element.gradients, {lame(element.youngModulus, element.poissonRatio)},
                                          scale_ * weights.stiffness * element.volume, corner, corner);
     }
     preconditioner_.setDiagonal(slot, diagonal);

@@ -81,7 +81,8 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
     load(state.v, {}, v_, pool);
     loadImpulses(given, state.leftover, dt, pool);
 
-    const BlockWeights blockWeights{asFloat(dt), asFloat(weights.stiffness), asFloat(weights.damping)};
+    const BlockWeights blockWeights{asFloat(dt), asFloat(weights.stiffness), asFloat(weights.damping),
+                                    asFloat(weights.turning)};
     const std::span<float> corners = floats(corners_), quaternions = floats(quaternions_);
     const std::span<float> elementCorners = corners.first(kElementCorners * elements_.size());
     const std::span<float> springCorners = corners.subspan(elementCorners.size());

@@ -17,7 +17,7 @@ void addOwnForces(const SoftModel& model, const HeldParts& held, const SoftState
         const Mat3 rotation = toMat3(rotationOf(state.rotations, static_cast<std::size_t>(e)));
         const Corners elastic = corotationalForces(element, f, rotation);
         const Corners damping =
-            warpedStiffnessTimes(element, lameAt(element, f), rotation, cornersOf(element.nodes, state.v));
+            warpedStiffnessTimes(element, {lameAt(element, f)}, rotation, cornersOf(element.nodes, state.v));
         for (int i = 0; i < 4; ++i) forces[element.nodes[i]] += elastic[i] - beta * damping[i];
     }
     for (int s : held.springs) {

@@ -52,12 +52,32 @@ double corotationalEnergy(const FemElement& element, const Mat3& f, const Mat3& 
 /// [N] on the four nodes: minus the gradient of the energy.
 Corners corotationalForces(const FemElement& element, const Mat3& f, const Mat3& rotation);
 
-/// The warped stiffness R K R^T times four vectors [m] -> [N]: positive semi-definite, and exact at every rotated rest
-/// shape. This is what a step linearises with.
-Corners warpedStiffnessTimes(const FemElement& element, Lame material, const Mat3& rotation, const Corners& x);
+/// [-] Up to here geometricStiffness() leaves an element alone: one that turns by w in a step grows by w^2, which of a
+/// nearly incompressible one looks like tension, and the stiffness would brake the turn.
+constexpr double kTense = 0.1;
+/// [-] Where the sum of two stretches is less, by all three, it takes this: a needle has no bound.
+constexpr double kFlattest = 0.01;
+
+/// What a step linearises an element with.
+struct Tangent {
+    Lame material;
+    double turning = 0.0; ///< [Pa] geometric stiffness: against turning within the step
+};
+
+/// [Pa] What tension adds to the stiffness of an element against turning: mu (1 + (q - 2) / h), S = R^T F,
+/// q = lambda / mu tr(S - I), where q > 2 and tr(S - I) > kTense; 0 elsewhere. Of the energy's second derivative the
+/// warped stiffness leaves out the part of R^T dF that turns, 2 mu (1 + (q - 2) / h_k) for the three sums h_k of two
+/// stretches. Under pressure that is negative and up to q = 2 at most 2 mu; beyond it has no bound, and a step that
+/// does not know of it gains energy: torn off pieces whirled themselves to shreds. One h for all three,
+/// det(tr(S) I - S) / tr(S)^2, makes this an upper bound.
+double geometricStiffness(Lame material, const Mat3& f, const Mat3& rotation);
+
+/// The warped stiffness R K R^T times four vectors [m] -> [N]: positive semi-definite, and without `turning` exact at
+/// every rotated rest shape.
+Corners warpedStiffnessTimes(const FemElement& element, const Tangent& tangent, const Mat3& rotation, const Corners& x);
 
 /// Block (i, j) of the warped stiffness [N/m]; `rotated` are the gradients turned by R.
-Mat3 warpedStiffnessBlock(const Corners& rotated, Lame material, double volume, int i, int j);
+Mat3 warpedStiffnessBlock(const Corners& rotated, const Tangent& tangent, double volume, int i, int j);
 
 /// The exact change of the forces for a change dx of the positions, with the derivative of R: for tests and analysis.
 Corners exactForceChange(const FemElement& element, const Mat3& f, const Mat3& rotation, const Corners& dx);

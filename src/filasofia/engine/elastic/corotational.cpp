@@ -1,5 +1,7 @@
 #include "filasofia/engine/elastic/corotational.h"
 
+#include <algorithm>
+
 namespace filasofia::engine {
 namespace {
 
@@ -49,20 +51,32 @@ Corners corotationalForces(const FemElement& element, const Mat3& f, const Mat3&
     return forcesOf(element, 2.0 * mu * (f - rotation) + lambda * (contract(rotation, f) - 3.0) * rotation);
 }
 
-Corners warpedStiffnessTimes(const FemElement& element, Lame material, const Mat3& rotation, const Corners& x)
+double geometricStiffness(Lame material, const Mat3& f, const Mat3& rotation)
 {
     const auto [mu, lambda] = material;
+    const Mat3 s = transposeTimes(rotation, f);
+    const double size = trace(s), tension = lambda / mu * (size - 3.0);
+    if (!(tension > 2.0 && size - 3.0 > kTense)) return 0.0;
+    const double least = determinant(Mat3::identity() - 1.0 / size * s); // of a sum of two stretches, by their trace
+    return mu * (1.0 + (tension - 2.0) / (size * std::max(least, kFlattest)));
+}
+
+Corners warpedStiffnessTimes(const FemElement& element, const Tangent& tangent, const Mat3& rotation, const Corners& x)
+{
+    const auto [mu, lambda] = tangent.material;
     const Mat3 h = gradient(element, x) * transpose(rotation); // with respect to the turned rest shape
-    const Mat3 stress = mu * (h + transpose(h)) + lambda * trace(h) * Mat3::identity();
+    const Mat3 stress =
+        mu * (h + transpose(h)) + lambda * trace(h) * Mat3::identity() + tangent.turning * (h - transpose(h));
     Corners product = forcesOf(element, stress * rotation);
     for (Vec3& each : product) each = -each;
     return product;
 }
 
-Mat3 warpedStiffnessBlock(const Corners& b, Lame material, double volume, int i, int j)
+Mat3 warpedStiffnessBlock(const Corners& b, const Tangent& tangent, double volume, int i, int j)
 {
-    Mat3 block = material.lambda * outer(b[i], b[j]) + material.mu * outer(b[j], b[i]);
-    const double shear = material.mu * dot(b[i], b[j]);
+    const auto [mu, lambda] = tangent.material;
+    Mat3 block = lambda * outer(b[i], b[j]) + (mu - tangent.turning) * outer(b[j], b[i]);
+    const double shear = (mu + tangent.turning) * dot(b[i], b[j]);
     for (int k = 0; k < 3; ++k) block[k][k] += shear;
     return volume * block;
 }

@@ -1,5 +1,6 @@
 #include "filasofia/engine/elastic/element_blocks.h"
 
+#include "filasofia/engine/elastic/corotational.h"
 #include "filasofia/linalg/simd_targets.h"
 #include "filasofia/math/polar.h"
 
@@ -44,31 +45,53 @@ HWY_INLINE void storeCorners(const V3 (&c)[3], float* HWY_RESTRICT corners, std:
     for (int k = 0; k < 3; ++k) storeGroup(c[k], zero, corners + 64 * (k + 1), part);
 }
 
+/// H = tr(B) I - sym(B): of a B without turn its eigenvalues are the sums of two of its stretches.
+struct StretchSums {
+    V h0;                           ///< its first entry
+    V trace;                        ///< of B
+    V c00, c01, c02, c11, c12, c22; ///< its cofactors
+    V det;                          ///< its determinant
+};
+HWY_INLINE StretchSums stretchSums(const M3& b)
+{
+    const V minusHalf = hn::Set(Lanes(), -0.5f);
+    const V h0 = hn::Add(b.m[1][1], b.m[2][2]), h1 = hn::Add(b.m[0][0], b.m[2][2]);
+    const V h2 = hn::Add(b.m[0][0], b.m[1][1]);
+    const V s01 = hn::Mul(minusHalf, hn::Add(b.m[0][1], b.m[1][0]));
+    const V s02 = hn::Mul(minusHalf, hn::Add(b.m[0][2], b.m[2][0]));
+    const V s12 = hn::Mul(minusHalf, hn::Add(b.m[1][2], b.m[2][1]));
+    const V c00 = hn::MulSub(h1, h2, hn::Mul(s12, s12)), c01 = hn::MulSub(s02, s12, hn::Mul(s01, h2));
+    const V c02 = hn::MulSub(s01, s12, hn::Mul(s02, h1)), c11 = hn::MulSub(h0, h2, hn::Mul(s02, s02));
+    const V c12 = hn::MulSub(s01, s02, hn::Mul(h0, s12)), c22 = hn::MulSub(h0, h1, hn::Mul(s01, s01));
+    return {h0, hn::Add(h0, b.m[0][0]), c00, c01, c02, c11, c12, c22, sumOfProducts(h0, c00, s01, c01, s02, c02)};
+}
+
+/// geometricStiffness() (corotational.h) by mu, for lanes that are tense.
+HWY_INLINE V geometricRatio(const M3& f, const M3& r, V tension, hn::Mask<Lanes> tense)
+{
+    const Lanes d;
+    const V one = hn::Set(d, 1.0f), two = hn::Set(d, 2.0f);
+    M3 s = transposeTimes(r, f);
+    const V size = hn::Add(hn::Add(s.m[0][0], s.m[1][1]), s.m[2][2]);
+    const V scale = hn::Div(one, hn::IfThenElse(tense, size, one)); // products of floats must not overflow
+    for (int k = 0; k < 9; ++k) s.m[k / 3][k % 3] = hn::Mul(scale, s.m[k / 3][k % 3]);
+    const V least = hn::Max(hn::Set(d, static_cast<float>(kFlattest)), stretchSums(s).det);
+    return hn::IfThenElseZero(tense, hn::Add(one, hn::Mul(scale, hn::Div(hn::Sub(tension, two), least))));
+}
+
 /// Newton's method for the rotation nearest to F (math/polar.h), lane by lane: each stops when its last correction was
 /// so small that the next would be lost in rounding. Returns the lanes that did not arrive.
 HWY_INLINE hn::Mask<Lanes> nearestRotation(const M3& f, Q4& q)
 {
     const Lanes d;
-    const V zero = hn::Zero(d), half = hn::Set(d, 0.5f), minusHalf = hn::Set(d, -0.5f);
+    const V zero = hn::Zero(d), half = hn::Set(d, 0.5f);
     auto going = hn::Eq(zero, zero);
     auto failed = hn::Ne(zero, zero);
     for (int k = 0; k < 6; ++k) {
-        const M3 r = matrixOf(q);
-        M3 b; // R^T F
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                b.m[i][j] = sumOfProducts(r.m[0][i], f.m[0][j], r.m[1][i], f.m[1][j], r.m[2][i], f.m[2][j]);
-        // A further rotation by w changes tr(R^T F) by w . g - w^T H w / 2, H = tr(B) I - sym(B).
+        const M3 b = transposeTimes(matrixOf(q), f);
+        // A further rotation by w changes tr(R^T F) by w . g - w^T H w / 2.
         const V3 g{hn::Sub(b.m[2][1], b.m[1][2]), hn::Sub(b.m[0][2], b.m[2][0]), hn::Sub(b.m[1][0], b.m[0][1])};
-        const V h0 = hn::Add(b.m[1][1], b.m[2][2]), h1 = hn::Add(b.m[0][0], b.m[2][2]);
-        const V h2 = hn::Add(b.m[0][0], b.m[1][1]), trace = hn::Add(h0, b.m[0][0]);
-        const V s01 = hn::Mul(minusHalf, hn::Add(b.m[0][1], b.m[1][0]));
-        const V s02 = hn::Mul(minusHalf, hn::Add(b.m[0][2], b.m[2][0]));
-        const V s12 = hn::Mul(minusHalf, hn::Add(b.m[1][2], b.m[2][1]));
-        const V c00 = hn::MulSub(h1, h2, hn::Mul(s12, s12)), c01 = hn::MulSub(s02, s12, hn::Mul(s01, h2));
-        const V c02 = hn::MulSub(s01, s12, hn::Mul(s02, h1)), c11 = hn::MulSub(h0, h2, hn::Mul(s02, s02));
-        const V c12 = hn::MulSub(s01, s02, hn::Mul(h0, s12)), c22 = hn::MulSub(h0, h1, hn::Mul(s01, s01));
-        const V det = sumOfProducts(h0, c00, s01, c01, s02, c02);
+        const auto [h0, trace, c00, c01, c02, c11, c12, c22, det] = stretchSums(b);
         // Only where H is safely positive definite is this the way to the maximum. Of an element shrunk to a point the
         // products of three stretches vanish in floats.
         const V trace2 = hn::Mul(trace, trace), safe = hn::Set(d, 1e-4f);
@@ -106,15 +129,19 @@ HWY_INLINE void finishAlone(hn::Mask<Lanes> lanes, const M3& f, std::size_t part
         if (late[l] != 0.0f) rotateAlone(copy, static_cast<int>(l), rotations);
 }
 
-/// The three columns that a symmetric 3 x 3 stress applied to warped gradients gives. h: gradient of what is
-/// multiplied, with respect to the turned and scaled rest shape.
-HWY_INLINE void warpedStress(const M3& h, V ratio, const V3 (&b)[3], V3 (&out)[3])
+/// The three columns that a 3 x 3 stress applied to warped gradients gives. h: gradient of what is multiplied, with
+/// respect to the turned and scaled rest shape.
+HWY_INLINE void warpedStress(const M3& h, V ratio, V turning, const V3 (&b)[3], V3 (&out)[3])
 {
     const V volumetric = hn::Mul(ratio, hn::Add(hn::Add(h.m[0][0], h.m[1][1]), h.m[2][2]));
     const V xx = hn::Add(twice(h.m[0][0]), volumetric), yy = hn::Add(twice(h.m[1][1]), volumetric);
-    const V zz = hn::Add(twice(h.m[2][2]), volumetric), xy = hn::Add(h.m[0][1], h.m[1][0]);
-    const V xz = hn::Add(h.m[0][2], h.m[2][0]), yz = hn::Add(h.m[1][2], h.m[2][1]);
-    for (int k = 0; k < 3; ++k) out[k] = {dot({xx, xy, xz}, b[k]), dot({xy, yy, yz}, b[k]), dot({xz, yz, zz}, b[k])};
+    const V zz = hn::Add(twice(h.m[2][2]), volumetric);
+    const V more = hn::Add(hn::Set(Lanes(), 1.0f), turning), less = hn::Sub(hn::Set(Lanes(), 1.0f), turning);
+    const auto entry = [&](V ahead, V behind) HWY_ATTR { return hn::MulAdd(more, ahead, hn::Mul(less, behind)); };
+    const V xy = entry(h.m[0][1], h.m[1][0]), yx = entry(h.m[1][0], h.m[0][1]);
+    const V xz = entry(h.m[0][2], h.m[2][0]), zx = entry(h.m[2][0], h.m[0][2]);
+    const V yz = entry(h.m[1][2], h.m[2][1]), zy = entry(h.m[2][1], h.m[1][2]);
+    for (int k = 0; k < 3; ++k) out[k] = {dot({xx, xy, xz}, b[k]), dot({yx, yy, yz}, b[k]), dot({zx, zy, zz}, b[k])};
 }
 
 HWY_ATTR void updateElementBlocks(const ElementBlock* HWY_RESTRICT elements, const float* HWY_RESTRICT x,
@@ -124,6 +151,7 @@ HWY_ATTR void updateElementBlocks(const ElementBlock* HWY_RESTRICT elements, con
 {
     const Lanes d;
     const V force = hn::Set(d, weights.force), stiffness = hn::Set(d, weights.stiffness), two = hn::Set(d, 2.0f);
+    const V turningWeight = hn::Set(d, weights.turning);
     for (int block = begin; block < end; ++block)
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             const ElementBlock& element = elements[block];
@@ -164,6 +192,11 @@ HWY_ATTR void updateElementBlocks(const ElementBlock* HWY_RESTRICT elements, con
 
             WarpedBlock& out = warped[block];
             hn::Store(ratio, d, out.ratio + part);
+            const V tension = hn::Mul(ratio, stretch);
+            const auto tense = hn::And(hn::Gt(tension, two), hn::Gt(stretch, hn::Set(d, static_cast<float>(kTense))));
+            V turning = hn::Zero(d);
+            if (!hn::AllFalse(d, tense)) turning = hn::Mul(turningWeight, geometricRatio(f, r, tension, tense));
+            hn::Store(turning, d, out.turning + part);
             const V root = hn::Sqrt(hn::Mul(mu, stiffness));
             V3 b[3];
             for (int k = 0; k < 3; ++k) {
@@ -174,7 +207,7 @@ HWY_ATTR void updateElementBlocks(const ElementBlock* HWY_RESTRICT elements, con
             }
             loadEdges(v, element.nodes, part, edges);
             V3 kv[3], total[3];
-            warpedStress(gradientOf(edges, b), ratio, b, kv);
+            warpedStress(gradientOf(edges, b), ratio, turning, b, kv);
             for (int k = 0; k < 3; ++k) total[k] = negative(times(stress, g[k]) + kv[k]);
             storeCorners(total, corners + static_cast<long>(kElementCorners) * block, part);
         }
@@ -189,7 +222,8 @@ HWY_ATTR void multiplyElementBlocks(const WarpedBlock* HWY_RESTRICT warped, cons
             V3 edges[3], b[3], out[3];
             loadEdges(p, warped[block].nodes, part, edges);
             loadGradients(warped[block].gradients, part, b);
-            warpedStress(gradientOf(edges, b), hn::Load(d, warped[block].ratio + part), b, out);
+            warpedStress(gradientOf(edges, b), hn::Load(d, warped[block].ratio + part),
+                         hn::Load(d, warped[block].turning + part), b, out);
             storeCorners(out, corners + static_cast<long>(kElementCorners) * block, part);
         }
 }

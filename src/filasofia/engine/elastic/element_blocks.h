@@ -24,11 +24,12 @@ struct alignas(64) ElementBlock {
 };
 
 /// What of an element a step's products need: its shape gradients turned by its rotation and scaled by the root of its
-/// shear stiffness, so that sixteen elements take eleven cache lines.
+/// shear stiffness, so that sixteen elements take fifteen cache lines.
 struct alignas(64) WarpedBlock {
     int nodes[4][kBlock];
     float gradients[9][kBlock];
-    float ratio[kBlock]; ///< lambda / mu; zero inside out
+    float ratio[kBlock];   ///< lambda / mu; zero inside out
+    float turning[kBlock]; ///< geometric stiffness / mu, as the step weighs it
 };
 
 /// What a spring knows of its rest, sixteen side by side.
@@ -53,6 +54,7 @@ struct BlockWeights {
     float force = 0.0f;     ///< of f
     float stiffness = 0.0f; ///< of K in the matrix, and of K v beside the force
     float damping = 0.0f;   ///< of D in the matrix, and of D v
+    float turning = 0.0f;   ///< [-] of the geometric stiffness, by that of K
 };
 
 /// One pass over blocks [begin, end): brings the rotations up to date with the positions x, and writes

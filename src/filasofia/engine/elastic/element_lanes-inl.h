@@ -37,6 +37,14 @@ HWY_INLINE V3 times(const M3& a, V3 b)
     return {dot({a.m[0][0], a.m[0][1], a.m[0][2]}, b), dot({a.m[1][0], a.m[1][1], a.m[1][2]}, b),
             dot({a.m[2][0], a.m[2][1], a.m[2][2]}, b)};
 }
+HWY_INLINE M3 transposeTimes(const M3& a, const M3& b)
+{
+    M3 product;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            product.m[i][j] = sumOfProducts(a.m[0][i], b.m[0][j], a.m[1][i], b.m[1][j], a.m[2][i], b.m[2][j]);
+    return product;
+}
 HWY_INLINE V twice(V a) { return hn::Add(a, a); }
 
 HWY_INLINE M3 matrixOf(const Q4& q)
