@@ -136,6 +136,33 @@ TEST_CASE("a tower of five boxes stands")
         CHECK(length(forceOn(stage, BodyId{static_cast<std::uint32_t>(k) + 2}) - Vec3{0, weight, 0}) < 0.01 * weight);
 }
 
+// By a penalty that only the light one's inertia asks for, it was thrown off.
+TEST_CASE("a box rests on one that weighs a millionth of it, and a light one on a heavy one")
+{
+    double moved = 0.0, force = 0.0;
+    for (const double ratio : {1e-6, 1e-3, 1e2, 1e3, 1e6}) {
+        Stage stage;
+        stage.post(physics::SetGravity{{0, -kG, 0}});
+        stage.add(floorDef());
+        const double below = 0.1, above = ratio * below;
+        physics::RigidBodyDef light = rigidBox("below", {0.02, 0.02, 0.02}, {{0, 0.0205, 0}, {}});
+        physics::RigidBodyDef heavy = rigidBox("above", {0.02, 0.02, 0.02}, {{0.005, 0.061, 0.005}, {}});
+        light.mass = physics::TotalMass{below};
+        heavy.mass = physics::TotalMass{above};
+        stage.add(light);
+        const BodyId top = stage.add(heavy);
+        stage.run(1000, 1e-3);
+        const State& state = stage.world.state();
+        moved = std::max({moved, length(state.rigidBodies[1].poses[0].position - Vec3{0, 0.02, 0}),
+                          length(state.rigidBodies[2].poses[0].position - Vec3{0.005, 0.06, 0.005})});
+        force =
+            std::max(force, length(measureForce(stage, top, 0.1, 1e-3).mean - Vec3{0, above * kG, 0}) / (above * kG));
+    }
+    verify("a box on one of a millionth to a million times its mass: the most that either has moved in 1 s [m]", moved,
+           1e-4);
+    verify("the force on the upper one over its weight, less one", force, 0.01);
+}
+
 TEST_CASE("bodies that touch keep their momentum, whatever their integrators and solvers")
 {
     using physics::ConjugateGradient;

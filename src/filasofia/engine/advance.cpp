@@ -152,6 +152,9 @@ CoupledLimits limitsOf(const Model& model, const Island& island, const physics::
     // Rigid bodies in a tower sway as one, with more inertia than each has by itself. And for so few unknowns it costs
     // nothing to be exact.
     constexpr double rigidStiffening = 100.0, rigidHolding = 1000.0; // friction does not bear more
+    // Where a heavy body rests on a light one, what pushes gives as the light one does, and what sways weighs as the
+    // heavy one.
+    constexpr double rigidBearing = 1.0;
     constexpr int perRound = 40, rigidRaises = 10;
     constexpr double rigidTolerance = 0.01;
     constexpr double smallAcceleration = 1.0; // [m/s^2] what nothing in particular does to a body, for a scale
@@ -165,6 +168,7 @@ CoupledLimits limitsOf(const Model& model, const Island& island, const physics::
     if (island.soft.empty()) {
         how.stiffening = rigidStiffening;
         how.holding = rigidHolding;
+        how.bearing = rigidBearing;
         how.raises = rigidRaises;
         how.tolerance *= rigidTolerance;
     }

@@ -22,6 +22,8 @@ constexpr double kStiff = 1e-6;
 void CoupledSolve::chooseStiffness()
 {
     give_.resize(constraints_->grips.size());
+    double heaviest = 0.0;
+    for (const CoupledBody* body : *bodies_) heaviest = std::max(heaviest, body->mass());
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const Constraint& constraint = constraints_->list[c];
         const Mat3 turn{constraint.frame[0], constraint.frame[1], constraint.frame[2]};
@@ -36,7 +38,7 @@ void CoupledSolve::chooseStiffness()
         if (constraint.friction >= 0.0 && !(compliance > kStiff * anyDirection)) compliance = 0.0;
         const bool spring = constraint.give > 0.0, held = constraint.friction < 0.0;
         const double kappa = held ? limits_->holding : limits_->stiffening;
-        const double rigid = compliance > 0.0 ? kappa / compliance : 0.0;
+        const double rigid = compliance > 0.0 ? std::max(kappa / compliance, limits_->bearing * heaviest) : 0.0;
         const double normal = spring ? constraint.give : rigid, tangential = spring && held ? constraint.give : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};
         rows_[c].u = constraint.start;

@@ -18,6 +18,7 @@ struct CoupledLimits {
     double tolerance = 5e-3;    ///< [-] of impulses, relative to all of them
     double stiffening = 10.0;   ///< [-] kappa: penalty over what the grips give by themselves
     double holding = 10.0;      ///< [-] the same of what is held
+    double bearing = 0.0;       ///< [-] that the penalty is at least, over the mass of the heaviest body
     double smallChange = 1e-3;  ///< [m/s] a change of velocity whose energy errors are measured by, when nothing moves
 };
 
@@ -32,7 +33,8 @@ struct CoupledReport : linalg::NodeSolveReport {
 ///     A dv = b + J^T impulse,   impulse as the constraints' law has it for the velocities v + dv,
 ///
 /// an augmented Lagrangian (Alart and Curnier 1991): with y = impulse_before - Sigma (bias + u), a constraint is active
-/// where y pushes, slides where y leaves the cone. Sigma = kappa over the compliance of the grips.
+/// where y pushes, slides where y leaves the cone. Sigma = kappa over the compliance of the grips, and what light
+/// bodies need to bear heavy ones.
 ///
 /// By conjugate gradients that follow the law: the impulses are the lawful ones after every iteration, so that the
 /// residual is that of the problem itself and tells when it is solved, touching, sliding and all. Along a direction the
