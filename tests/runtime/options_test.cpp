@@ -2,6 +2,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <iostream>
+#include <sstream>
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -56,4 +59,24 @@ TEST_CASE("a simulation runs by words that were put together")
     CHECK(run(sim, {"program", "--headless", "--steps", "2"}) == 0);
     CHECK(sim.physics().latest()->step == 2);
     CHECK(run(sim, {"program", "--steps", "-2"}) == 2);
+}
+
+TEST_CASE("what a program takes itself is not told a second time by the help of a run")
+{
+    const auto helpOf = [](const std::vector<OwnOption>& own) {
+        Simulation sim;
+        std::ostringstream said;
+        std::streambuf* before = std::cout.rdbuf(said.rdbuf());
+        const int code = run(sim, {"program", "--help"}, own);
+        std::cout.rdbuf(before);
+        CHECK(code == 0);
+        return said.str();
+    };
+    std::string seed;
+    const std::string all = helpOf({}),
+                      rest = helpOf({{"--seed", &seed, "which patient"}, {"--case", &seed, "no run's"}});
+    CHECK_THAT(all, Catch::Contains("--seed N"));
+    CHECK_THAT(all, Catch::Contains("--steps N"));
+    CHECK_THAT(rest, !Catch::Contains("--seed N"));
+    CHECK_THAT(rest, Catch::Contains("--steps N"));
 }

@@ -25,7 +25,7 @@ std::vector<std::string> takeOptions(const std::string& program, int argc, const
 /// What --help says of them, with what they are where they are not given.
 std::string optionHelp(const std::vector<OwnOption>& options);
 
-/// Simulation::run for a command line that was put together.
-int run(Simulation& simulation, const std::vector<std::string>& words);
+/// Simulation::run for a command line that was put together. Its --help leaves out what the program has of its own.
+int run(Simulation& simulation, const std::vector<std::string>& words, const std::vector<OwnOption>& own = {});
 
 } // namespace filasofia::runtime

@@ -115,7 +115,7 @@ struct TrainerProgram {
                     def.about.c_str(), runtime::optionHelp(options()).c_str(), def.hands.c_str());
         std::fflush(stdout);
         runtime::Simulation simulation;
-        return runtime::run(simulation, rest);
+        return runtime::run(simulation, rest, options());
     }
 
     [[nodiscard]] int check() const

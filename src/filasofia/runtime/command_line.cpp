@@ -2,6 +2,7 @@
 
 #include "filasofia/core/word.h"
 #include "filasofia/runtime/keys.h"
+#include "filasofia/runtime/options.h"
 
 #include <CLI/CLI.hpp>
 
@@ -41,6 +42,13 @@ void addOption(CLI::App& app, const std::string& name, Value RunDef::*member, Ru
 
 int Simulation::run(int argc, const char* const* argv)
 {
+    return runtime::run(*this, std::vector<std::string>(argv, argv + argc));
+}
+
+int run(Simulation& simulation, const std::vector<std::string>& words, const std::vector<OwnOption>& own)
+{
+    std::vector<const char*> arguments;
+    for (const std::string& word : words) arguments.push_back(word.c_str());
     RunDef def;
     CLI::App app("A Filasofia simulation");
     app.footer("Mouse and keys in the window:\n" + keyHelp());
@@ -65,15 +73,17 @@ int Simulation::run(int argc, const char* const* argv)
               "hold the first haptic interface by NAME or NAME:LIBRARY, a driver and its vendor's library");
     addOption(app, "--motion", &RunDef::motion, def, "play this motion file in place of a device");
     addOption(app, "--record-motion", &RunDef::recordMotion, def, "write what the hand does to this motion file");
+    for (const OwnOption& option : own)
+        if (CLI::Option* same = app.get_option_no_throw(option.name)) same->group(""); // not in the help
     try {
-        app.parse(argc, argv);
+        app.parse(static_cast<int>(arguments.size()), arguments.data());
         if (app.count("--fps") > 0 && def.video.empty()) fail("run: --fps needs --video FILE.mp4");
         if (blind) def.backend = visual::Backend::Null;
         if (blind && !(def.picture.empty() && def.video.empty()))
             fail("run: --no-picture draws nothing for --picture or --video");
         const bool endless = def.headless && def.steps == 0; // nobody could close it
         if (endless) def.steps = kHeadlessSteps;
-        const RunReport report = run(def);
+        const RunReport report = simulation.run(def);
         std::cout << summary(report);
         if (endless && report.steps == kHeadlessSteps)
             std::cout << "a headless run without --steps ends after " << kHeadlessSteps << " of them\n";

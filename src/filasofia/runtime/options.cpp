@@ -61,11 +61,4 @@ std::string optionHelp(const std::vector<OwnOption>& options)
     return help;
 }
 
-int run(Simulation& simulation, const std::vector<std::string>& words)
-{
-    std::vector<const char*> arguments;
-    for (const std::string& word : words) arguments.push_back(word.c_str());
-    return simulation.run(static_cast<int>(arguments.size()), arguments.data());
-}
-
 } // namespace filasofia::runtime
