@@ -43,5 +43,10 @@ TEST_CASE("contacts that push opposite ways at one place, deeper than they are a
     CHECK(judged([&](Coupling& c) { c.links[2].frame[0] = up; }) == none);
     CHECK(judged([&](Coupling& c) { c.links[2].frame[0] = normalized(-up + Vec3{1, 0, 0}); }) == none);
     CHECK(judged([](Coupling& c) { c.contacts[2].memory.second = BodyId{3}; }) == none);
+    // Along the surface they may be some way apart, and neither the body nor its elements bend so sharply.
+    CHECK(judged([&](Coupling& c) {
+              c.contacts[2].memory.point = near + Vec3{0, 700e-6, 0};
+          }) == std::vector{false, true, true});
+    CHECK(judged([&](Coupling& c) { c.contacts[2].memory.point = near + Vec3{0, -800e-6, 0}; }) == none);
     CHECK(contradicted({}).empty());
 }

@@ -76,6 +76,7 @@ private:
 };
 
 constexpr double kOpposite = -0.9;  ///< [-] cosine between normals
+constexpr double kNearBy = 10.0;    ///< [-] how far contacts that push opposite ways may be apart, over their depth
 constexpr double kSamePlace = 1e-3; ///< [m] besides the way that the two may have gone since
 
 } // namespace
@@ -105,12 +106,14 @@ std::vector<bool> contradicted(const Coupling& coupling)
     double deepest = 0.0;
     for (const std::size_t c : deep) deepest = std::max(deepest, -coupling.contacts[c].gap);
     for (std::size_t i = 0; i < deep.size(); ++i)
-        for (std::size_t j = i + 1; j < deep.size() && at(deep[j]).x - at(deep[i]).x < 2.0 * deepest; ++j) {
+        for (std::size_t j = i + 1; j < deep.size() && at(deep[j]).x - at(deep[i]).x < 2.0 * kNearBy * deepest; ++j) {
             const FoundContact& a = coupling.contacts[deep[i]];
             const FoundContact& b = coupling.contacts[deep[j]];
             if (bodiesOf(a.memory) != bodiesOf(b.memory)) continue;
-            if (dot(coupling.links[deep[i]].frame[0], coupling.links[deep[j]].frame[0]) > kOpposite) continue;
-            if (distance(a.memory.point, b.memory.point) > -a.gap - b.gap) continue;
+            const Vec3 normal = coupling.links[deep[i]].frame[0], apart = a.memory.point - b.memory.point;
+            if (dot(normal, coupling.links[deep[j]].frame[0]) > kOpposite) continue;
+            const double depth = -a.gap - b.gap;
+            if (std::abs(dot(apart, normal)) > depth || length(apart) > kNearBy * depth) continue;
             contradicted[deep[i]] = contradicted[deep[j]] = true;
         }
     return contradicted;
