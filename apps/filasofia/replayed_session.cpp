@@ -97,10 +97,13 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
     if (rigid.empty() && !session.complete) fail(player.damage());
     if (!session.complete) std::cerr << oneLine(player.damage()) << '\n';
     const BodyId measured = toolOf(rigid, moved, tool, recording.string());
-    for (const physics::AddBody* body : rigid)
-        session.tracks.push_back({.name = nameOf(*body),
-                                  .role = body->id == measured ? metric::Role::Tool : metric::Role::Other,
-                                  .samples = std::move(samples[body->id])});
+    for (const physics::AddBody* body : rigid) { // a hand's are instruments; the measured one is the first
+        const bool instrument = body->id == measured || moved.contains(body->id);
+        session.tracks.insert(body->id == measured ? session.tracks.begin() : session.tracks.end(),
+                              {.name = nameOf(*body),
+                               .role = instrument ? metric::Role::Tool : metric::Role::Other,
+                               .samples = std::move(samples[body->id])});
+    }
     return session;
 }
 

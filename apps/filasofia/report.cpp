@@ -5,6 +5,7 @@
 #include "filasofia/metric/session_file.h"
 
 #include <algorithm>
+#include <iostream>
 #include <map>
 #include <numbers>
 
@@ -52,16 +53,36 @@ Report makeReport(metric::Session session, std::string origin, std::vector<Attem
     return report;
 }
 
+namespace {
+
+/// The session with this track as its tool; an empty name leaves it as it is.
+metric::Session measuring(metric::Session session, const std::string& tool, const std::string& file)
+{
+    if (tool.empty()) return session;
+    std::string list;
+    for (const metric::Track& track : session.tracks)
+        list += text(list.empty() ? "" : ", ", "'", shortened(track.name), "'");
+    const auto found = std::ranges::find(session.tracks, tool, &metric::Track::name);
+    if (found == session.tracks.end())
+        fail(shortened(file), ": --tool: the session has no '", shortened(tool), "'; it has ",
+             list.empty() ? "nothing" : list);
+    found->role = metric::Role::Tool;
+    std::rotate(session.tracks.begin(), found, found + 1);
+    return session;
+}
+
+} // namespace
+
 metric::Session readAnySession(const std::filesystem::path& file, const std::string& tool, int threads)
 {
-    if (file.extension() == ".jsonl") return metric::readSession(file);
+    if (file.extension() == ".jsonl") return measuring(metric::readSession(file), tool, file.string());
     if (file.extension() != ".rec")
         fail("report: ", shortened(file.string()), " must be a session (.jsonl) or a recording (.rec)");
     return replayedSession(file, tool, threads);
 }
 
 std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::filesystem::path& except,
-                                const std::string& tool, int threads)
+                                const std::string& tool, int threads, std::vector<std::string>& leftOut)
 {
     namespace fs = std::filesystem;
     std::error_code problem;
@@ -84,8 +105,15 @@ std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::
         return named.second.stem() == except.stem() && fs::equivalent(folder, fs::absolute(except).parent_path(), gone);
     });
     if (files.empty()) fail("report: --cohort ", name, ": holds no other session (.jsonl) or recording (.rec)");
+    // One damaged file is not to hold up a whole class.
     std::vector<Attempt> cohort;
-    for (const auto& [session, file] : files) cohort.push_back(attemptOf(readAnySession(file, tool, threads)));
+    for (const auto& [session, file] : files) try {
+            cohort.push_back(attemptOf(readAnySession(file, tool, threads)));
+        } catch (const Error& error) {
+            std::cerr << "left out of the cohort: " << oneLine(error.what()) << '\n';
+            leftOut.push_back(file.filename().string());
+        }
+    if (cohort.empty()) fail("report: --cohort ", name, ": none of its ", files.size(), " files could be read");
     return cohort;
 }
 
@@ -107,6 +135,15 @@ constexpr Shown kShown[] = {
 };
 
 } // namespace
+
+std::vector<const metric::Track*> otherInstruments(const metric::Session& session)
+{
+    std::vector<const metric::Track*> others;
+    for (const metric::Track& track : session.tracks)
+        if (track.role != metric::Role::Other && track.force && &track != findTrack(session, metric::Role::Tool))
+            others.push_back(&track);
+    return others;
+}
 
 std::string shownUnit(std::string_view unit)
 {

@@ -25,6 +25,7 @@ struct Report {
     std::vector<Attempt> own = {};          ///< the trainee's sessions of this case by rising date, this one too
     std::vector<Attempt> others = {};       ///< sessions of other trainees of this case
     std::vector<metric::Comparison> comparisons = {}; ///< with the others; empty without a cohort
+    std::vector<std::string> leftOut = {};            ///< files of the cohort that could not be read
 };
 /// `cohort`: sessions of anybody and of any case; Error where none is of this case.
 Report makeReport(metric::Session session, std::string origin, std::vector<Attempt> cohort = {});
@@ -34,9 +35,10 @@ Report makeReport(metric::Session session, std::string origin, std::vector<Attem
 metric::Session readAnySession(const std::filesystem::path& file, const std::string& tool, int threads);
 
 /// Every session and recording in a folder, but for `except`; a recording with a session's name beside it is the same
-/// once more. Throws Error where the folder cannot be read, or holds none.
+/// once more. What cannot be read is told on stderr, and its name is added to `leftOut`. Throws Error where the folder
+/// cannot be read, or holds none that can.
 std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::filesystem::path& except,
-                                const std::string& tool, int threads);
+                                const std::string& tool, int threads, std::vector<std::string>& leftOut);
 
 /// A session of a case that is made by formulas, the same every time: skill [-] in [0, 1].
 metric::Session exampleSession(const std::string& trainee, const std::string& date, double skill, unsigned seed);
@@ -61,6 +63,8 @@ std::string reportText(const Report& report); ///< for a terminal
 std::string reportPage(const Report& report); ///< one HTML file that needs nothing else
 
 // Of the page.
+/// What is not measured, and whose forces are known too.
+std::vector<const metric::Track*> otherInstruments(const metric::Session& session);
 std::string escaped(std::string_view text);     ///< in HTML, also within quotes
 std::string plotData(const Report& report);     ///< JSON that may stand in a script element
 std::string pathPictures(const Report& report); ///< the path in three projections, as SVG

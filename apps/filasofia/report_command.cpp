@@ -5,6 +5,7 @@
 
 #include "filasofia/core/error.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iostream>
 
@@ -27,15 +28,35 @@ Report reportOf(const Options& options)
         return exampleReport();
     }
     if (options.file.empty()) fail("report: names no session; --example shows what a report is");
-    const bool replays = std::filesystem::path(options.file).extension() == ".rec";
-    if (!options.tool.empty() && !replays && options.cohort.empty()) fail("report: --tool is for recordings (.rec)");
     metric::Session session = readAnySession(options.file, options.tool, options.threads);
     std::vector<Attempt> cohort;
-    if (!options.cohort.empty()) cohort = readCohort(options.cohort, options.file, options.tool, options.threads);
-    return makeReport(std::move(session), std::filesystem::path(options.file).filename().string(), std::move(cohort));
+    std::vector<std::string> leftOut;
+    if (!options.cohort.empty())
+        cohort = readCohort(options.cohort, options.file, options.tool, options.threads, leftOut);
+    Report report =
+        makeReport(std::move(session), std::filesystem::path(options.file).filename().string(), std::move(cohort));
+    report.leftOut = std::move(leftOut);
+    return report;
 }
 
-/// "-" is standard output.
+/// What was asked for may not take the place of a session, nor two of them the same place.
+void checkOutputs(const Options& options)
+{
+    namespace fs = std::filesystem;
+    std::vector<std::string> taken;
+    for (const auto& [option, file] :
+         {std::pair{"--html", options.html}, {"--json", options.json}, {"--csv", options.csv}}) {
+        if (file.empty()) continue;
+        if (const fs::path kind = fs::path(file).extension(); kind == ".jsonl" || kind == ".rec")
+            fail("report: ", option, " ", shownWord(file),
+                 ": is the name of a session or a recording: another, please");
+        if (std::ranges::find(taken, file) != taken.end())
+            fail("report: ", option, " ", shownWord(file), ": another output goes there");
+        taken.push_back(file);
+    }
+}
+
+/// "-" is standard output. A file that is there stays as it is until the new one is whole.
 void write(const std::string& file, const std::string& content)
 {
     if (file.empty()) return;
@@ -43,9 +64,19 @@ void write(const std::string& file, const std::string& content)
         std::cout << content;
         return;
     }
-    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+    std::error_code problem, none;
+    // A device or a link is written to, and stays what it is.
+    const bool direct = std::filesystem::symlink_status(file, none).type() > std::filesystem::file_type::regular;
+    const std::string part = direct ? file : file + ".part";
+    std::ofstream stream(part, std::ios::binary | std::ios::trunc);
+    const bool opened = stream.is_open();
     stream << content;
-    if (!stream.flush()) fail("report: ", file, ": cannot be written");
+    stream.close();
+    if (stream && !direct) std::filesystem::rename(part, file, problem);
+    if (!stream || problem) {
+        if (opened && !direct) std::filesystem::remove(part, none);
+        fail("report: ", oneLine(file), ": cannot be written", opened && !problem ? " (disk full?)" : "");
+    }
     std::cerr << "wrote " << oneLine(file) << '\n';
 }
 
@@ -55,6 +86,7 @@ int report(Options options)
         std::cout << metric::catalogMarkdown();
         return 0;
     }
+    checkOutputs(options);
     const Report report = reportOf(options);
     const bool piped = options.html == "-" || options.json == "-" || options.csv == "-";
     if (options.html.empty() && options.json.empty() && options.csv.empty()) options.html = kPage;
@@ -93,9 +125,9 @@ Command reportCommand()
                         {"--csv", &options.csv, "The same for spreadsheets; - is standard output", "FILE"},
                         {.name = "--tool",
                          .target = &options.tool,
-                         .meaning = "Of a recording: the rigid body to measure",
+                         .meaning = "What is to be measured: a rigid body of a recording, an instrument of a session",
                          .type = "NAME",
-                         .standard = "the first that is moved from outside"},
+                         .standard = "the first that is moved from outside, of a session its first"},
                         {.name = "--threads",
                          .target = &options.threads,
                          .meaning = "Of a recording: threads within one step; 0: the cores but one, up to 8",

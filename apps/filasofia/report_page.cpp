@@ -13,8 +13,8 @@ namespace filasofia::app {
 namespace {
 
 /// The metrics that stand above all others: what was asked first of every session. There is no score of scores.
-constexpr std::array kTiles = {"duration",  "path_length",     "economy",          "log_dimensionless_jerk",
-                               "force_max", "force_over_time", "tears_unintended", "steps_done"};
+constexpr std::array kTiles = {"perforations", "force_max", "force_over_time",        "tears_unintended", "duration",
+                               "path_length",  "economy",   "log_dimensionless_jerk", "steps_done"};
 
 std::string momentButton(const std::optional<double>& moment)
 {
@@ -193,6 +193,18 @@ std::string plot(const char* id, const char* label)
     return text("<div class=\"plot\" id=\"", id, "\" role=\"img\" aria-label=\"", label, "\"></div>\n");
 }
 
+/// Which line of the plot of forces is whose.
+std::string otherForces(const metric::Session& session)
+{
+    const metric::Track* tool = metric::findTrack(session, metric::Role::Tool);
+    std::string names;
+    for (const metric::Track* other : otherInstruments(session))
+        names += (names.empty() ? "" : ", ") + escaped(shownName(other->name));
+    if (tool == nullptr || names.empty()) return {};
+    return text("<p class=\"hint\"><span class=\"key touching\"></span> ", escaped(shownName(tool->name)),
+                " <span class=\"key others\"></span> ", names, "</p>\n");
+}
+
 std::string plots(const Report& report)
 {
     const bool drawn = !chartLibrary().empty();
@@ -201,7 +213,8 @@ std::string plots(const Report& report)
         out +=
             text("<p class=\"hint\">Point at a moment to see it in all plots; drag to zoom, double-click to go back. "
                  "Times in the tables lead here.</p>\n<p id=\"readout\" role=\"status\"></p>\n",
-                 plot("speed", "Speed of the tool's tip over time"), plot("force", "Contact force over time"));
+                 plot("speed", "Speed of the tool's tip over time"), plot("force", "Force over time"),
+                 otherForces(report.session));
     else
         out +=
             "<p class=\"warning\">The plots were not built into this program: uPlot was missing when it was configured "
@@ -258,6 +271,8 @@ std::string notes(const Report& report)
     if (!report.comparisons.empty())
         out += text("<li>z: how many standard deviations from the mean of ", report.others.size(),
                     " sessions of other trainees of the same case. It ranks; it does not judge.</li>\n");
+    for (const std::string& file : report.leftOut)
+        out += text("<li>Of the cohort, ", escaped(shownName(file)), " could not be read and is left out.</li>\n");
     if (const std::string makers = otherMakers(report); !makers.empty())
         out += text("<li>Not all sessions were made by the same software: ", escaped(makers),
                     ". What changed between them may show in the numbers.</li>\n");

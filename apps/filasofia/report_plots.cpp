@@ -192,7 +192,11 @@ constexpr double kPicture = 240.0, kMargin = 18.0; // [px]
 std::string plotData(const Report& report)
 {
     const metric::Session& session = report.session;
-    Json json = {{"events", Json::array()}, {"curves", curvesJson(report)}, {"dates", Json::array()}, {"current", 0}};
+    Json json = {{"events", Json::array()},
+                 {"curves", curvesJson(report)},
+                 {"dates", Json::array()},
+                 {"current", 0},
+                 {"otherForces", Json::array()}};
     for (const metric::Event& event : std::span(session.events).first(std::min(session.events.size(), kMostEvents)))
         json["events"].push_back(
             {{"t", milliseconds(event.time)}, {"kind", metric::name(event.kind)}, {"what", shownName(event.what)}});
@@ -206,6 +210,8 @@ std::string plotData(const Report& report)
         if (tool->force) {
             json["force"] = seriesJson(forceOf(*tool), 1.0);
             json["histogram"] = histogramJson(*tool);
+            for (const metric::Track* other : otherInstruments(session))
+                json["otherForces"].push_back(seriesJson(forceOf(*other), 1.0));
         }
         Json times = Json::array();
         for (const metric::Sample& sample : pathOf(*tool)) times.push_back(milliseconds(sample.time));

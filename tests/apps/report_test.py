@@ -54,10 +54,10 @@ class Report(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 
-    def refused(self, *words, says):
+    def refused(self, *words, says, lines=1):
         done = run("report", *words, folder=self.folder)
         self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
-        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertEqual(len(done.stderr.splitlines()), lines, done.stderr)
         for part in says:
             self.assertIn(part, done.stderr)
 
@@ -211,7 +211,11 @@ class Cohort(Report):
         self.assertEqual(metrics["duration"]["cohort"]["sessions"], 4)
         self.assertAlmostEqual(metrics["duration"]["cohort"]["mean"], (0.3 + 0.35 + 0.4 + 2.0) / 4, 1)
         (self.folder / "cohort" / "2.rec").write_bytes(b"filasofia recording, version 9\n")
-        self.refused("cohort/ada.rec", "--cohort", "cohort", says=["2.rec", "version 9"])
+        done = run("report", "cohort/ada.rec", "--cohort", "cohort", "--html", "p.html", folder=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("left out of the cohort: ", done.stderr)
+        self.assertIn("version 9", done.stderr)
+        self.assertIn("2.rec could not be read", (self.folder / "p.html").read_text())
 
     def test_sessions_of_different_software_are_compared_and_it_is_said(self):
         file = self.write("a.jsonl", session())
@@ -235,11 +239,44 @@ class Cohort(Report):
         self.refused(file, "--cohort", "empty", says=["empty", "holds no other session"])
         self.refused(file, "--cohort", "nowhere", says=["nowhere: there is no such folder"])
         self.refused(file, "--cohort", "a.jsonl", says=["a.jsonl: is no folder"])
-        self.write("mixed/one.jsonl", session())
+
+    def test_what_cannot_be_read_is_left_out_of_a_cohort(self):
+        file = self.write("a.jsonl", session())
+        self.write("mixed/empty.jsonl", "")
         self.write("mixed/two.jsonl", session(version=2))
-        self.refused(file, "--cohort", "mixed", says=["two.jsonl, line 1: is a session of version 2, and this program reads 1"])
+        done = run("report", file, "--cohort", "mixed", folder=self.folder)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("none of its 2 files could be read", done.stderr)
+        self.write("mixed/one.jsonl", session(trainee="B"))
+        done = run("report", file, "--cohort", "mixed", "--html", "p.html", folder=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("two.jsonl, line 1: is a session of version 2, and this program reads 1", done.stderr)
+        self.assertIn("empty.jsonl: is empty", done.stderr)
+        self.assertIn("two.jsonl could not be read", (self.folder / "p.html").read_text())
+
+    def test_a_report_takes_no_sessions_place(self):
+        file = self.write("a.jsonl", session())
+        self.refused(file, "--html", file, says=["--html", "a.jsonl'"])
+        self.refused(file, "--csv", "b.rec", says=["--csv 'b.rec'"])
+        self.refused(file, "--csv", "b.csv", "--json", "b.csv", says=["'b.csv'", "another output"])
+        self.assertEqual((self.folder / "a.jsonl").read_text(), session())
+
+    def test_another_instrument_may_be_measured(self):
+        lines = [json.loads(line) for line in session().splitlines()]
+        lines[0]["tracks"].append({"name": "scope", "role": "scope", "force": True})
+        for line in lines[1:]:
+            if "s" in line: # twice as far, and half as hard
+                place, force = line["s"][0][:7], line["s"][0][7:]
+                line["s"].append([2 * place[0], *place[1:], 0, 0.5 * force[1], *force[2:]])
+        file = self.write("a.jsonl", "".join(json.dumps(line) + "\n" for line in lines))
+        both, scope = self.metrics(file), self.metrics(file, "--tool", "scope")
+        self.assertAlmostEqual(both["path_length"]["value"], 0.1, 6)
+        self.assertAlmostEqual(scope["path_length"]["value"], 0.2, 6)
+        self.assertAlmostEqual(scope["force_mean"]["value"], 0.5 * both["force_mean"]["value"])
+        self.assertEqual(scope["force_max"], both["force_max"]) # of all of them
+        self.refused(file, "--tool", "nothing", says=["'nothing'", "'probe', 'scope'"])
         self.write("damaged/one.jsonl", session().replace('"t"', '"when"'))
-        self.refused(file, "--cohort", "damaged", says=["one.jsonl, line 2"])
+        self.refused(file, "--cohort", "damaged", says=["one.jsonl, line 2"], lines=2)
         self.write("other/one.jsonl", session(task="another"))
         self.refused(file, "--cohort", "other", says=["no session of the case 'a case'", "1 of 'another'"])
 
@@ -249,7 +286,6 @@ class Cohort(Report):
         self.refused("nothing.jsonl", says=["nothing.jsonl: there is no such file"])
         self.refused("a.txt", says=["must be a session (.jsonl) or a recording (.rec)"])
         self.refused(file, "--example", says=["--example needs no file"])
-        self.refused(file, "--tool", "x", says=["--tool is for recordings"])
         self.refused(file, "--html", "nowhere/p.html", says=["nowhere/p.html: cannot be written"])
         self.write("empty.jsonl", "")
         self.refused("empty.jsonl", says=["empty.jsonl: is empty"])

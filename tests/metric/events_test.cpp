@@ -43,6 +43,22 @@ TEST_CASE("what opens the target is meant, anything else is not")
     CHECK(number("perforations", session) == 0);
 }
 
+TEST_CASE("what is cut or torn on at once is one cut, of each body")
+{
+    std::vector<Event> events;
+    for (int i = 0; i < 20; ++i) {
+        const double time = 1.0 + 0.4 * i; // to 8.6 s
+        events.push_back({time, EventKind::Cut, i % 2 == 0 ? "uterus" : "bowel", 1e-6});
+        events.push_back({time, EventKind::Tear, "uterus", 1e-6});
+    }
+    events.push_back({9.2, EventKind::Tear, "uterus", 1e-6});
+    const Session session = withEvents(events);
+    CHECK(number("tears_unintended", session) == 2);
+    CHECK(number("cuts_unintended", session) == 20); // 0.8 s apart on each
+    CHECK(number("cuts_unintended", session, {.rupturePause = 1.0}) == 2);
+    CHECK(number("area_unintended", session) == exactly(41e-6));
+}
+
 TEST_CASE("events that nobody watched for are not none")
 {
     Session session = withEvents({});

@@ -44,6 +44,28 @@ TEST_CASE("the time above a limit is that of the wave, and each rise counts once
     CHECK_FALSE(measured("force_over_count", session).moment);
 }
 
+TEST_CASE("the largest force and the time above the limit are of every instrument, the mean is the tool's")
+{
+    Session session = pushes({2.0, 0.5});
+    Session scope = pushes({0.5, 6.0}), other = pushes({9.0, 9.0});
+    scope.tracks[0].role = Role::Scope;
+    other.tracks[0].role = Role::Other;
+    session.tracks.push_back(scope.tracks[0]);
+    session.tracks.push_back(other.tracks[0]);
+    session.forceLimit = 1.0;
+    CHECK(number("force_max", session) == exactly(6.0));
+    CHECK(*measured("force_max", session).moment == exactly(2.5));
+    CHECK(number("force_over_time", session) == exactly(2.0 / 3.0 + 1.0 - 2.0 * std::asin(1.0 / 6.0) / kPi));
+    CHECK(number("force_over_count", session) == 2);
+    CHECK(number("force_impulse", session) == exactly(2.5 * 2.0 / kPi));
+    // Both at once are above it once.
+    Session both = pushes({2.0});
+    both.tracks.push_back(pushes({4.0}).tracks[0]);
+    both.forceLimit = 1.0;
+    CHECK(number("force_over_time", both) == exactly(1.0 - 2.0 * std::asin(0.25) / kPi));
+    CHECK(number("force_over_count", both) == 1);
+}
+
 TEST_CASE("contacts are counted, timed and told by their peaks")
 {
     const Session session = pushes({2.0, 1.0, 6.0});

@@ -191,6 +191,23 @@ TEST_CASE("a frame tells where a body is and what pushes it")
     CHECK(std::isnan(sampleOf(frame, {.body = {1}, .element = 4}).force.x));
 }
 
+TEST_CASE("what a tool holds pulls at it, and is one more contact; what ties it to space is none")
+{
+    frame::Frame frame;
+    frame.rigidBodies = {{.id = {1}, .poses = {{}}}};
+    frame.softBodies = {{.id = {2}, .positions = {{0, 0, 0}}}};
+    frame.contacts = {{.first = {1}, .second = {2}, .point = {1, 1, 0}, .normal = {0, 1, 0}, .normalForce = 2.0}};
+    frame.attachments = {{.id = {1}, .body = {2}, .to = {1}, .force = {0, 3, 0}, .points = 4},
+                         {.id = {2}, .body = {1}, .to = {}, .force = {9, 0, 0}, .points = 1},
+                         {.id = {3}, .body = {2}, .to = {5}, .force = {0, 0, 7}, .points = 2},
+                         {.id = {4}, .body = {2}, .to = {2}, .force = {5, 5, 5}, .points = 2}};
+    const Sample tool = sampleOf(frame, {.body = {1}});
+    CHECK(tool.force == Vec3{0, -1, 0});
+    CHECK(tool.contacts == 2);
+    CHECK(tool.point == Vec3{1, 1, 0});
+    CHECK(sampleOf(frame, {.body = {2}}).force == Vec3{0, 1, 7});
+}
+
 TEST_CASE("between two samples no blow is missed: the force is the mean over the steps")
 {
     StepSampler sampler({.body = {1}});

@@ -2,7 +2,7 @@
 // Draws the plots of the page and joins them: one moment, shown in all. The tables need nothing of this.
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
-  const ink = "#1b2430", soft = "#55606e", line = "#e3e7ec", blue = "#1f5fa8", orange = "#b8560b", red = "#b3261e";
+  const ink = "#1b2430", soft = "#55606e", line = "#e3e7ec", blue = "#1f5fa8", orange = "#b8560b", grey = "#7a8694", red = "#b3261e";
   const font = "12px system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif";
   const element = id => document.getElementById(id);
   const plots = []; // {plot, height}: those that follow the page's width
@@ -16,7 +16,7 @@
     place.className = "absent";
   }
 
-  /// Of events that happen often only some are named; all have their line.
+  /// Of events that happen often only some are named, and what harms before all others; all have their line.
   function drawEvents(u) {
     const ctx = u.ctx, { left, top, width, height } = u.bbox, ratio = width / u.over.clientWidth;
     ctx.save();
@@ -24,8 +24,9 @@
     ctx.textAlign = "left";
     ctx.textBaseline = "bottom";
     const wrong = new Set(["perforation", "mistake"]);
-    const free = [-1, -1, -1]; // where the words of each of three lines end
-    for (const event of data.events) {
+    const taken = [[], [], []]; // from where to where there are words, in each of three lines
+    const weight = event => wrong.has(event.kind) ? 0 : event.kind === "step" ? 1 : 2;
+    for (const event of [...data.events].sort((a, b) => weight(a) - weight(b) || a.t - b.t)) {
       const x = u.valToPos(event.t, "x", true);
       if (!(x >= left && x <= left + width)) continue;
       ctx.strokeStyle = ctx.fillStyle = wrong.has(event.kind) ? red : soft;
@@ -38,10 +39,11 @@
       const full = event.what && event.kind === "step" ? event.what : event.kind;
       const words = full.length > 24 ? full.slice(0, 23) + "…" : full;
       const wide = ctx.measureText(words).width, start = Math.min(x + 3 * ratio, left + width - wide);
-      const row = free.findIndex(end => start > end);
+      const end = start + wide + 6 * ratio;
+      const row = taken.findIndex(spans => spans.every(([a, b]) => end <= a || start >= b));
       if (row < 0) continue;
       ctx.fillText(words, start, top - (4 + 13 * row) * ratio);
-      free[row] = start + wide + 6 * ratio;
+      taken[row].push([start, end]);
     }
     ctx.restore();
   }
@@ -102,9 +104,11 @@
     }
   }
 
-  function overTime(id, values, label, color, hooks) {
+  /// `others`: series like `values`, with moments of their own, drawn thinner behind them.
+  function overTime(id, values, label, color, hooks, others = []) {
     if (!values || !values[0].length) return absent(element(id), `No ${id} was observed.`);
     const first = onTime.length === 0, last = values[0][values[0].length - 1];
+    const table = others.length ? uPlot.join([values, ...others]) : values;
     onTime.push(add(id, {
       padding: [first ? 44 : 8, 12, 0, 0],
       cursor: {
@@ -113,7 +117,8 @@
       },
       scales: { x: { time: false } },
       axes: [axis(first ? "" : `time [${last < 60 ? "s" : "min:s"}]`, { values: ticks, ...(first ? { labelSize: 4 } : {}) }), axis(label, { size: 58 })],
-      series: [{}, { stroke: color, width: 1.2, fill: color + "18", points: { show: false } }],
+      series: [{}, { stroke: color, width: 1.2, fill: color + "18", points: { show: false } },
+               ...others.map(() => ({ stroke: grey, width: 0.9, points: { show: false } }))],
       hooks: {
         draw: [u => { drawEvents(u); hooks.forEach(hook => hook(u)); }],
         setCursor: [u => { if (u.cursor.idx != null && u.cursor.left >= 0) show(u.posToVal(u.cursor.left, "x")); }],
@@ -124,11 +129,11 @@
             if (other !== u && (other.scales.x.min !== min || other.scales.x.max !== max)) other.setScale("x", { min, max });
         }],
       },
-    }, values, first ? 260 : 220));
+    }, table, first ? 260 : 220));
   }
 
   overTime("speed", data.speed, "speed [mm/s]", blue, []);
-  overTime("force", data.force, "force [N]", orange, [drawLimit]);
+  overTime("force", data.force, "force [N]", orange, [drawLimit], data.otherForces.filter(values => values[0].length));
 
   document.addEventListener("click", click => {
     const button = click.target.closest("button.moment");

@@ -52,6 +52,7 @@ struct MeasureDef {
     double idleSpeed = 5e-3; ///< [m/s], > 0: slower is at rest
     double peakShare = 0.1;  ///< [-], in (0, 1), of the largest speed: a speed peak stands out by so much
     double contactPause = 0.05; ///< [s], >= 0: who touches again sooner has not let go
+    double rupturePause = 0.5;  ///< [s], >= 0: what opens again sooner is the same cut or tear
     double forceWindow = 5e-3;  ///< [s], >= 0: peaks of the force and what is above a limit are of means over so long
     double lensReach = 5e-3;    ///< [m], > 0: a contact so near to the lens is one of the lens
 };
@@ -64,6 +65,7 @@ constexpr auto fields(const MeasureDef*)
                     field("idleSpeed", &T::idleSpeed, "m/s", positive(), "slower is at rest"),
                     field("peakShare", &T::peakShare, "-", open(0, 1), "by which a speed peak stands out"),
                     field("contactPause", &T::contactPause, "s", nonNegative(), "a shorter pause is none"),
+                    field("rupturePause", &T::rupturePause, "s", nonNegative(), "a shorter pause is none"),
                     field("forceWindow", &T::forceWindow, "s", nonNegative(), "of the means that peaks are of"),
                     field("lensReach", &T::lensReach, "m", positive(), "a contact so near is one of the lens"));
 }

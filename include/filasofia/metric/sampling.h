@@ -10,7 +10,7 @@ struct Observed {
     BodyId body = {};
     int element = 0;   ///< [-], >= 0, of a rigid body
     Vec3 tip = {};     ///< [m], in the element's coordinates; a soft body's point is the mean of its nodes
-    bool force = true; ///< the contacts too
+    bool force = true; ///< contacts and attachments to other bodies too
 };
 
 /// The sample that a frame holds of it; all NaN where the body is not there.

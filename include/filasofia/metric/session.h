@@ -15,8 +15,8 @@ namespace filasofia::metric {
 struct Sample {
     double time = 0.0; ///< [s], simulated
     Pose pose = {};    ///< of the point that is followed: an instrument's tip, a scope's lens
-    Vec3 force = {};   ///< [N] on the body, by all that touches it: the mean since the sample before
-    int contacts = 0;  ///< [-] that push
+    Vec3 force = {};   ///< [N] on the body, by all that touches it and that it holds: the mean since the sample before
+    int contacts = 0;  ///< [-] that push; what is held is one more
     Vec3 point = {};   ///< [m] where the strongest of them pushes; NaN without contacts
 };
 

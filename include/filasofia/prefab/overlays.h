@@ -31,13 +31,14 @@ constexpr auto fields(const ForceBarDef*)
 {
     using T = ForceBarDef;
     return describe("ForceBarDef", field("name", &T::name, "beside the bar"),
-                    field("bodies", &T::bodies, "whose contacts count"),
+                    field("bodies", &T::bodies, "whose contacts and grasps count"),
                     field("warning", &T::warning, "N", positive(), "red beyond"),
                     field("full", &T::full, "N", positive(), "of a full bar"),
                     field("smoothing", &T::smoothing, "s", openClosed(0, 10), "of the mean"));
 }
 
-/// Shows the normal forces on bodies, smoothed, and counts how often they were more than the warning.
+/// Shows how hard bodies press and pull at others, smoothed, and counts how often that was more than the warning: the
+/// sum of the normal forces of their contacts, and of the forces of what they hold.
 class ForceBar {
 public:
     /// Before a run. Throws Error where the Def is wrong.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 
 namespace filasofia::metric {
 namespace {
@@ -37,6 +38,21 @@ Value count(const Material& m, EventKind kind, const std::function<bool(const Ev
 }
 
 bool anyOf(const Event&) { return true; }
+
+/// A blade that is drawn through, or a tear that runs, opens a body edit by edit: that is one act.
+Value countActs(const Material& m, EventKind kind, const std::function<bool(const Event&)>& wanted)
+{
+    if (!watched(m, kind)) return notWatched(kind);
+    const auto events = eventsOf(m, [&](const Event& event) { return event.kind == kind && wanted(event); });
+    std::map<std::string_view, double> last; // [s], by body
+    int acts = 0;
+    for (const Event* event : events) {
+        const auto [before, first] = last.try_emplace(event->what, event->time);
+        if (first || event->time > before->second + m.def.rupturePause) ++acts;
+        before->second = event->time;
+    }
+    return found(acts, firstOf(events));
+}
 
 std::function<bool(const Event&)> unintended(const Material& m)
 {
@@ -71,8 +87,8 @@ template <class Take> void forEachStep(const Material& m, const std::vector<Samp
 } // namespace
 
 Value perforations(const Material& m) { return count(m, EventKind::Perforation, anyOf); }
-Value unintendedTears(const Material& m) { return count(m, EventKind::Tear, unintended(m)); }
-Value unintendedCuts(const Material& m) { return count(m, EventKind::Cut, unintended(m)); }
+Value unintendedTears(const Material& m) { return countActs(m, EventKind::Tear, unintended(m)); }
+Value unintendedCuts(const Material& m) { return countActs(m, EventKind::Cut, unintended(m)); }
 
 Value unintendedArea(const Material& m)
 {

@@ -34,12 +34,12 @@ void steady(std::vector<Force>& forces, const std::vector<Vec3>& vectors, double
 }
 
 /// The samples that have a force, by rising time. Forces are not filtered but for those means.
-std::vector<Force> forcesOf(const Material& m)
+std::vector<Force> forcesOf(const Material& m, const Track* track)
 {
     std::vector<Force> forces;
     std::vector<Vec3> vectors;
-    if (!m.tool || !m.tool->force) return forces;
-    for (const Sample& sample : m.tool->samples)
+    if (!track || !track->force) return forces;
+    for (const Sample& sample : track->samples)
         if (std::isfinite(sample.time) && isFinite(sample.force) &&
             (forces.empty() || sample.time > forces.back().time)) {
             const double size = length(sample.force);
@@ -48,6 +48,18 @@ std::vector<Force> forcesOf(const Material& m)
         }
     steady(forces, vectors, m.def.forceWindow);
     return forces;
+}
+
+std::vector<Force> forcesOf(const Material& m) { return forcesOf(m, m.tool); }
+
+/// Of every instrument, a scope too: what harms counts, whichever did it.
+std::vector<std::vector<Force>> forcesOfAll(const Material& m)
+{
+    std::vector<std::vector<Force>> all;
+    for (const Track& track : m.session.tracks)
+        if (track.role != Role::Other)
+            if (auto forces = forcesOf(m, &track); forces.size() > 1) all.push_back(std::move(forces));
+    return all;
 }
 
 std::string noForces(const Material& m, const std::vector<Force>& forces)
@@ -89,34 +101,39 @@ Value average(const Material& m, int power)
     return found(std::pow(sum.value / sum.time, 1.0 / power));
 }
 
-/// The times above the limit; the force between samples lies on the line between them.
+/// The times in which any instrument is above the limit; the force between samples lies on the line between them.
 struct Excess {
     double time = 0.0;
     int times = 0;
     std::optional<double> first = {};
 };
-Excess excessOf(const Material& m, const std::vector<Force>& forces, double limit)
+Excess excessOf(const Material& m, const std::vector<std::vector<Force>>& instruments, double limit)
 {
+    std::vector<std::pair<double, double>> above; // from, to
+    for (const std::vector<Force>& forces : instruments)
+        forEachPair(m, forces, [&](const Force& a, const Force& b) {
+            if (a.steady <= limit && b.steady <= limit) return;
+            const double crossing = a.time + (b.time - a.time) * (limit - a.steady) / (b.steady - a.steady);
+            above.emplace_back(a.steady > limit ? a.time : crossing, b.steady > limit ? b.time : crossing);
+        });
+    std::ranges::sort(above);
     Excess excess;
     double end = -1e300; // of the last time above
-    forEachPair(m, forces, [&](const Force& a, const Force& b) {
-        if (a.steady <= limit && b.steady <= limit) return;
-        const double crossing = a.time + (b.time - a.time) * (limit - a.steady) / (b.steady - a.steady);
-        const double from = a.steady > limit ? a.time : crossing, to = b.steady > limit ? b.time : crossing;
+    for (const auto& [from, to] : above) {
         if (from > end) ++excess.times;
         if (!excess.first) excess.first = from;
-        excess.time += to - from;
-        end = to;
-    });
+        excess.time += std::max(0.0, to - std::max(from, end));
+        end = std::max(end, to);
+    }
     return excess;
 }
 
 Value overLimit(const Material& m, double (*of)(const Excess&))
 {
     if (!m.session.forceLimit) return none("the case names no force that the tissue stands");
-    const std::vector<Force> forces = forcesOf(m);
-    if (std::string reason = noForces(m, forces); !reason.empty()) return none(reason);
-    const Excess excess = excessOf(m, forces, *m.session.forceLimit);
+    const auto instruments = forcesOfAll(m);
+    if (instruments.empty()) return none(noForces(m, forcesOf(m)));
+    const Excess excess = excessOf(m, instruments, *m.session.forceLimit);
     return found(of(excess), excess.first);
 }
 
@@ -152,10 +169,14 @@ Value ofContacts(const Material& m, Value (*of)(const std::vector<Contact>&))
 
 Value maxForce(const Material& m)
 {
-    const std::vector<Force> forces = forcesOf(m);
-    if (std::string reason = noForces(m, forces); !reason.empty()) return none(reason);
-    const auto largest = std::ranges::max_element(forces, {}, &Force::steady);
-    return largest->steady > 0.0 ? found(largest->steady, largest->time) : found(0.0);
+    const auto instruments = forcesOfAll(m);
+    if (instruments.empty()) return none(noForces(m, forcesOf(m)));
+    Value most = found(0.0);
+    for (const std::vector<Force>& forces : instruments) {
+        const auto largest = std::ranges::max_element(forces, {}, &Force::steady);
+        if (largest->steady > *most.value) most = found(largest->steady, largest->time);
+    }
+    return most;
 }
 
 Value meanForce(const Material& m) { return average(m, 1); }

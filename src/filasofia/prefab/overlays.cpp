@@ -84,6 +84,8 @@ struct ForceBar::Impl {
         double sum = 0.0;
         for (const frame::Contact& contact : frame->contacts)
             if (counts(contact.first) != counts(contact.second)) sum += contact.normalForce;
+        for (const frame::Attachment& held : frame->attachments)
+            if (held.to && counts(held.body) != counts(held.to)) sum += length(held.force);
         mean = smoothed.follow(frame->time, sum);
         most = std::max(most.load(), mean.load());
         // A force that trembles about the threshold is one warning, not a hundred.
