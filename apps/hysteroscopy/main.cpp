@@ -151,9 +151,10 @@ int train(const Training& training)
     tracker.close();
     const TaskProgress progress = task.progress();
     const bool done = progress.state == TaskProgress::State::Done;
-    std::printf("%s: %d of %zu steps in %.1f s; highest force %.2f N, %d warnings, %d perforations; session: %s\n",
+    std::printf("%s: %d of %zu steps in %.1f s; highest force %.2f N, %d warnings, %d perforations; session%s: %s\n",
                 done ? "done" : "not done", progress.step, taskSteps.size(), progress.time, bar.highest(),
-                bar.warnings(), perforations.count(), training.file.c_str());
+                bar.warnings(), perforations.count(), tracker.failed() ? " not whole" : "", training.file.c_str());
+    if (tracker.failed()) return 1;
     return training.motion == "expert" && !session.cutShort() && !done ? 1 : 0;
 }
 

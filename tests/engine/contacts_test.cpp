@@ -79,6 +79,30 @@ TEST_CASE("a body may be touched by a surface of its own that rides on it")
     CHECK(stage.world.state().touching.size() > 20);
 }
 
+TEST_CASE("proximities too small to tell in from out, and a body turned inside out, are told")
+{
+    for (const double proximity : {0.0, 4e-5, 6e-5})
+        for (const bool insideOut : {false, true}) {
+            std::string logged;
+            setLogSink([&](LogLevel, std::string_view line) { logged += line; });
+            Stage stage;
+            geometry::TriangleMesh mesh = *geometry::shapes::box({0.1, 0.1, 0.1});
+            for (geometry::Triangle& t : mesh.triangles)
+                if (insideOut) std::swap(t[0], t[1]);
+            physics::RigidBodyDef floor{.name = "floor", .elements = {{{0, -0.05, 0}, {}}}};
+            floor.collision = {{.mesh = std::make_shared<const geometry::TriangleMesh>(mesh), .proximity = proximity}};
+            stage.add(floor);
+            physics::RigidBodyDef box = rigidBox({0.01, 0.01, 0.01}, {{0, 0.011, 0}, {}});
+            box.collision[0].proximity = proximity;
+            stage.add(box);
+            stage.step(1e-3);
+            setLogSink({});
+            const auto says = [&](const char* words) { return logged.find(words) != std::string::npos; };
+            CHECK(says("proximities of their collision models add up to") == (proximity < 5e-5));
+            CHECK(says("rigid body 'floor': collision[0].mesh is turned inside out") == insideOut);
+        }
+}
+
 TEST_CASE("only models of one group touch")
 {
     for (const int group : {0, 7}) {

@@ -188,6 +188,12 @@ TEST_CASE("a triangle turned against its neighbours is refused by an edge of it"
     checkRefused(mesh, {"mesh 'm'", "must be closed", "vertices 0 and 1", "do not agree"});
 }
 
+TEST_CASE("the enclosed volume is that of the body, less than nothing inside out, wherever it lies")
+{
+    CHECK(enclosedVolume(placed(box({1, 2, 3}), {}, {5, -7, 9})) == Approx(6.0));
+    CHECK(enclosedVolume(insideOut(box({1, 2, 3}))) == Approx(-6.0));
+}
+
 TEST_CASE("a mesh turned inside out, a flat one, and one of parts that cannot be one body, are refused")
 {
     checkRefused(insideOut(box({1, 2, 1})), {"mesh 'm'", "turned inside out", "its volume is -"});

@@ -191,7 +191,7 @@ TEST_CASE("a frame tells where a body is and what pushes it")
     CHECK(std::isnan(sampleOf(frame, {.body = {1}, .element = 4}).force.x));
 }
 
-TEST_CASE("what a tool holds pulls at it, and is one more contact; what ties it to space is none")
+TEST_CASE("what a tool holds pulls at it and is one more contact, and what ties it to space is none")
 {
     frame::Frame frame;
     frame.rigidBodies = {{.id = {1}, .poses = {{}}}};

@@ -51,6 +51,22 @@ TEST_CASE_METHOD(Fixture, "a command for a body that was removed or never was is
     each(gone);
 }
 
+TEST_CASE_METHOD(Fixture, "a step takes a time that is a number above 0")
+{
+    for (const double dt : {0.0, -1e-3, kNan, kInf}) checkError([&] { server.step(dt); }, {"step: dt must be > 0 s"});
+}
+
+TEST_CASE_METHOD(Fixture, "the bodies are those that were added and not removed")
+{
+    CHECK(server.bodies() == std::vector{soft, rigid});
+    const BodyId gone = server.add(SoftBodyDef{.mesh = oneTetrahedron()});
+    CHECK(server.bodies() == std::vector{soft, rigid, gone});
+    server.remove(gone);
+    CHECK(server.bodies() == std::vector{soft, rigid});
+    server.step(0.1);
+    told.commands.clear();
+}
+
 TEST_CASE_METHOD(Fixture, "a command for a body of the other kind is an error")
 {
     checkError([&] { server.setPose(soft, {}); }, {"soft body 'liver'", "pose", "rigid body only"});

@@ -78,6 +78,25 @@ metric::Session parsed(const std::string& lines)
 
 } // namespace
 
+TEST_CASE("what a session would miss without a word is told: a target that no body is, a step that is none")
+{
+    Log log;
+    Simulation sim;
+    MetricTrackerDef def{.bodies = addProbes(sim, 2)};
+    def.session.targets = {"probe 1", "prob 2"};
+    def.session.steps = {"reach"};
+    MetricTracker tracker(sim, def);
+    REQUIRE(log.lines.size() == 1);
+    CHECK(log.lines[0] == "metric tracker: session.targets: no body is called 'prob 2' now");
+    tracker.mark(EventKind::Step, "reach");
+    CHECK(log.lines.size() == 1);
+    tracker.mark(EventKind::Step, "reech");
+    CHECK(log.lines.back() == "metric tracker: mark: the session has no step 'reech'");
+    def.bodies[1].element = 1;
+    CHECK_THROWS_WITH(MetricTracker(sim, def),
+                      "metric tracker: bodies[1].element must be < 1 (elements of 'probe 1'), got 1");
+}
+
 TEST_CASE("every step of a run is sampled, the last one too, where and when it was")
 {
     for (const bool headless : {true, false}) {

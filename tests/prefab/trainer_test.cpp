@@ -102,13 +102,25 @@ TEST_CASE("what a trainer does not know is refused in one line, before any sessi
     };
     refused({"--case", "hip"}, "drill: --case must be tooth or bone, got 'hip'");
     refused({"--difficulty", "9"}, "drill: --difficulty must be easy or hard, got 9");
-    refused({"--motion", "wild"}, "drill: --motion must be hand, expert or a motion file, got 'wild'");
+    refused({"--motion", "wild"}, "drill: --motion must be hand, expert or a motion file, and there is no file 'wild'");
+    refused({"--trainee", "--seed", "3"}, "drill: --trainee needs a value");
+    refused({"--seed"}, "drill: --seed needs a value");
     refused({"--seed", "-1"}, "drill: --seed must be a whole number in [0, 999999999], got -1");
     refused({"--pictures", "/nowhere"}, "drill: --pictures must be a folder, got '/nowhere'");
     refused({"--check-seeds", "0"}, "drill: --check-seeds must be a whole number in [1, 1000000], got 0");
     CHECK(program.trained.empty());
     program.def.cases = {};
     refused({}, "trainer: cases and difficulties must be at least one each");
+    program.def.cases = {"a tooth"};
+    refused({}, "trainer: cases must be words without spaces, got 'a tooth'");
+}
+
+TEST_CASE("a user's last word that lacks its value takes none of ours")
+{
+    Program program;
+    CHECK(program.run({"--headless", "--picture"}) == 2);
+    CHECK(program.said.find("--picture") != std::string::npos);
+    CHECK(program.said.find("seed") == std::string::npos);
 }
 
 TEST_CASE("a session that is refused leaves no file behind, unless it was named or holds something")

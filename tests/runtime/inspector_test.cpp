@@ -56,7 +56,7 @@ struct InspectedScene {
         parts.mapNewestFrame(visual);
         inspector.beforePicture();
         visual.render();
-        inspector.afterPicture();
+        inspector.afterPicture(true);
     }
     void run(int pictures)
     {

@@ -163,6 +163,56 @@ TEST_CASE("a box rests on one that weighs a millionth of it, and a light one on 
     verify("the force on the upper one over its weight, less one", force, 0.01);
 }
 
+// What was carried grew without end: 20 kN after half a second, and the stone was shot off at 40 m/s.
+TEST_CASE("a stone for which told plates leave no room is pressed by a bounded force, and let go at rest")
+{
+    for (const double dt : {1e-3, 5e-3})
+        for (const double tooClose : {2e-5, 1e-4, 5e-4}) {
+            Stage stage;
+            physics::RigidBodyDef plate = floorDef();
+            plate.mesh = geometry::shapes::box({0.004, 0.03, 0.03});
+            std::array<BodyId, 2> plates;
+            for (const int i : {0, 1}) {
+                plate.elements = {{{i == 0 ? -0.02 : 0.02, 0, 0}, {}}};
+                plates[static_cast<std::size_t>(i)] = stage.add(plate);
+            }
+            physics::RigidBodyDef def{.name = "stone", .elements = {{}}, .mesh = geometry::shapes::sphere(0.006, 6)};
+            def.dynamic = true;
+            def.gravity = false;
+            def.collision = {{}};
+            const BodyId stone = stage.add(def);
+            double half = 0.02; // [m], from the middle of a plate to the stone's
+            const auto moveTo = [&](double next, double seconds) {
+                const int steps = static_cast<int>(std::lround(seconds / dt));
+                for (int i = 0; i < steps; ++i) {
+                    half += (next - half) / (steps - i);
+                    for (const double side : {-1.0, 1.0})
+                        stage.post(physics::SetPose{plates[side < 0.0 ? 0 : 1], 0, {{side * half, 0, 0}, {}}});
+                    stage.step(dt);
+                }
+            };
+            const auto squeeze = [&] {
+                double sum = 0.0;
+                for (const frame::Contact& contact : stage.world.state().touching) sum += contact.normalForce;
+                return sum;
+            };
+            moveTo(0.008 - tooClose, 0.5);
+            moveTo(half, 0.05);
+            const double early = squeeze();
+            moveTo(half, 0.5);
+            CHECK(early > 0.1);
+            CHECK(squeeze() == Approx(early).epsilon(0.05));
+            CHECK(squeeze() < 1e7 * tooClose);
+            double fastest = 0.0;
+            for (int i = 0; i < 50; ++i) {
+                moveTo(half + 0.01 * dt, dt);
+                fastest = std::max(fastest, length(stage.world.state().rigidBodies[2].velocities[0]));
+            }
+            CHECK(fastest < 0.1);
+            CHECK(length(forceOn(stage, stone)) < 1e-3);
+        }
+}
+
 TEST_CASE("bodies that touch keep their momentum, whatever their integrators and solvers")
 {
     using physics::ConjugateGradient;

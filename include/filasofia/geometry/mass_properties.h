@@ -16,6 +16,9 @@ struct MassProperties {
 /// the other: the surface then has an inside. The mesh is one that check() accepts.
 void checkClosed(const TriangleMesh& mesh, std::string_view name);
 
+/// Of a closed surface [m^3]; negative where it is turned inside out.
+double enclosedVolume(const TriangleMesh& mesh);
+
 /// Exact for the polyhedron. The mesh is one that check() accepts. Throws an Error naming `name` where it is not
 /// closed, turned inside out, flat, or made of parts of which some are inside out outside the others.
 MassProperties massProperties(const TriangleMesh& mesh, std::string_view name);

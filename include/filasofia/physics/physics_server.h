@@ -69,6 +69,8 @@ public:
     /// What a body was made from; Error where the id names none.
     [[nodiscard]] std::shared_ptr<const BodyDef> def(BodyId id) const;
 
+    /// Those that were added and not removed, ascending. Any thread.
+    [[nodiscard]] std::vector<BodyId> bodies() const;
     /// Was it added and not removed. Any thread.
     [[nodiscard]] bool has(BodyId id) const;
     /// For asking which engine it is, and for its build(). Any thread.

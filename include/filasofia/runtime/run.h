@@ -77,7 +77,8 @@ struct RunReport {
     std::string finished;                    ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
     std::vector<std::string> pictures;       ///< files written, the video too
-    std::vector<std::string> fileProblems;   ///< why log or recording end before the run; empty: they are whole
+    std::vector<std::string>
+        fileProblems; ///< why log or recording end before the run, or a screenshot is missing; empty: all whole
 };
 
 /// The report as a person reads it, several lines.

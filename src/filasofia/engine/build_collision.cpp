@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
+#include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/surface.h"
 
 #include <algorithm>
@@ -150,6 +151,10 @@ std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
         CollisionModel& model = models.emplace_back(modelOf(*mesh, each, field));
         model.element = each.element;
         model.core = mesh->vertices;
+        // A dynamic body has been refused by then: it has no mass.
+        if (model.shape->closed && !def.dynamic && !each.cutting && geometry::enclosedVolume(*mesh) < 0.0)
+            logWarning(field, ".mesh is turned inside out: it pushes towards its inside, as the walls of a room; "
+                              "triangles are counter-clockwise seen from where others are to be");
         std::vector<Vec3> normals;
         applyInset(*model.shape, model.inset, normals, model.core);
     }

@@ -17,6 +17,10 @@ namespace {
 // and grow with a gap are an oscillator, stable only where the penalty is more than this share of what it moves.
 constexpr double kRecovery = 0.2, kShallowRecovery = 0.05;
 constexpr double kRecoverySpeed = 0.1; ///< [m/s]
+// Where rigid bodies are told to go there may be no place for one between them: what is carried would then grow without
+// end. It loses this share per step, more where they are deeper inside each other than at rest. A body sinks in by
+// micrometres for it: its penalty bears 99 % of its weight.
+constexpr double kRigidLoss = 0.02, kDeepRigidLoss = 0.2;
 
 /// What a surface belongs to.
 struct Owner {
@@ -174,14 +178,16 @@ void setLaw(const physics::ContactMethod& method, double dt, const FoundContact&
         return;
     }
     link.impulse = dt * inFrame(link.frame, contact.memory.force);
-    link.impulse.x = std::max(0.0, link.impulse.x);
+    const auto isSoft = [](const BodyPoint& point) { return point.of == BodyPoint::Of::Soft; };
+    const bool anySoft = std::ranges::any_of(link.sides, isSoft);
+    const double loss = anySoft ? 0.0 : gap < -contact.skin ? kDeepRigidLoss : kRigidLoss;
+    link.impulse.x = std::max(0.0, (1.0 - loss) * link.impulse.x);
     // What pushed last time may rest within the skin; all else may come as near as that.
     const double resting = link.impulse.x > 0.0 ? contact.skin : 0.0;
     const double shallow = std::clamp(gap, -contact.skin, resting), deep = std::min(0.0, gap + contact.skin);
     const double back = std::max(kShallowRecovery * shallow + kRecovery * deep, -kRecoverySpeed * dt);
     link.bias.x = (back + std::max(0.0, gap - resting)) / dt;
-    const auto isSoft = [](const BodyPoint& point) { return point.of == BodyPoint::Of::Soft; };
-    const double soft = std::ranges::any_of(link.sides, isSoft) ? kSoftSlack * contact.proximity : 0.0;
+    const double soft = anySoft ? kSoftSlack * contact.proximity : 0.0;
     link.slack = std::max({kShallowRecovery * contact.skin, contact.gap - dt * link.bias.x, soft, kSlack}) / dt;
 }
 
@@ -209,6 +215,23 @@ void warnOfLoneGroups(const Model& model, const std::vector<Owner>& owners, std:
         logWarning(owner.soft ? "soft" : "rigid", " body '", nameOf(model, owner),
                    "': no other body has collision group ", shape.group, ": it touches nothing");
     }
+}
+
+/// Where surfaces rest on each other only their insets, a share of the proximities, tell in from out: a word, once for
+/// each group, where both together are hardly more than what rounding and a step's way may be.
+void warnOfThinProximity(const Model& model, const std::vector<Owner>& owners, std::set<int>& warned)
+{
+    constexpr double thin = 1e-4; // [m]
+    for (const Owner& a : owners)
+        for (const Owner& b : owners) {
+            const CollisionShape &one = *a.collision->shape, &two = *b.collision->shape;
+            const double both = a.collision->proximity + b.collision->proximity;
+            if (!(a.name.body < b.name.body) || one.group != two.group || one.cutting || two.cutting || both >= thin)
+                continue;
+            if (warned.insert(one.group).second)
+                logWarning("body '", nameOf(model, a), "' and body '", nameOf(model, b), "': the proximities of their ",
+                           "collision models add up to ", both, " m: below ", thin, " m contacts may be missed");
+        }
 }
 
 bool movable(const Owner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
@@ -275,7 +298,10 @@ void findContacts(const Model& model, double dt, const physics::ContactMethod& m
     if (dt == 0.0) return;
 
     const std::vector<Owner> owners = ownersOf(model);
-    if (owners.size() != coupling.surfaces.size()) warnOfLoneGroups(model, owners, coupling.warnedGroups);
+    if (owners.size() != coupling.surfaces.size()) {
+        warnOfLoneGroups(model, owners, coupling.warnedGroups);
+        warnOfThinProximity(model, owners, coupling.warnedThin);
+    }
     const bool same = std::ranges::equal(owners, coupling.surfaces, {}, &Owner::name, &CollisionSurface::name);
     std::vector<bool> added;
     for (std::size_t s = 0; !same && s < owners.size(); ++s)

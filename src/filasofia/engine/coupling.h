@@ -24,6 +24,7 @@ struct Coupling {
     std::vector<CollisionSurface> surfaces;                ///< every body's, in the order of softBodies and rigidBodies
     std::vector<std::array<SurfaceName, 2>> startedInside; ///< of each other, deeper than contacts are followed
     std::set<int> warnedGroups; ///< of collision: the log has told that they are one body's alone
+    std::set<int> warnedThin;   ///< of collision: the log has told that their proximities are too small
     ProximityScratch proximityScratch;
     std::vector<Proximity> proximities;
     std::vector<SideKept> sides; ///< those of the next step

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/box.h"
+#include "filasofia/geometry/tet_mesh.h"
 
 #include <algorithm>
 
@@ -66,6 +67,14 @@ void checkClosed(const TriangleMesh& mesh, std::string_view name)
             fail(name, ": must be closed; the triangles at the edge between vertices ", low, " and ", high,
                  " do not agree on what is outside");
     }
+}
+
+double enclosedVolume(const TriangleMesh& mesh)
+{
+    double volume = 0.0;
+    for (const Triangle& t : mesh.triangles)
+        volume += signedVolume(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]], mesh.vertices[0]);
+    return -volume;
 }
 
 MassProperties massProperties(const TriangleMesh& mesh, std::string_view name)

@@ -230,7 +230,7 @@ std::vector<AttachmentId> PhysicsServer::attachments(BodyId id) const
 
 StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget& budget)
 {
-    FILASOFIA_ASSERT(std::isfinite(dt) && dt > 0.0);
+    if (!(std::isfinite(dt) && dt > 0.0)) fail("physics: step: dt must be > 0 s and finite, got ", dt);
     impl_->drainInbox();
     StepReport report = impl_->engine->step(
         {.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands, .flags = flags, .budget = &budget});
@@ -252,12 +252,18 @@ void PhysicsServer::expect(std::vector<Command> commands)
 
 StepReport PhysicsServer::stepAgain(double dt, const StepBudget& budget)
 {
-    FILASOFIA_ASSERT(std::isfinite(dt) && dt >= 0.0);
+    if (!(std::isfinite(dt) && dt >= 0.0)) fail("physics: stepAgain: dt must be >= 0 s and finite, got ", dt);
     const StepReport report = impl_->engine->step({.dt = dt, .commands = impl_->commands, .budget = &budget});
     impl_->giveBackSpent();
     impl_->commands.clear();
     impl_->publishFrame();
     return report;
+}
+
+std::vector<BodyId> PhysicsServer::bodies() const
+{
+    const std::lock_guard lock(impl_->registryMutex);
+    return impl_->registry.bodies();
 }
 
 bool PhysicsServer::has(BodyId id) const

@@ -196,6 +196,13 @@ const Registry::Body& Registry::find(BodyId id) const
     return found->second;
 }
 
+std::vector<BodyId> Registry::bodies() const
+{
+    std::vector<BodyId> ids;
+    for (const auto& [id, body] : bodies_) ids.push_back(id);
+    return ids;
+}
+
 std::size_t Registry::softBodyCount() const
 {
     return static_cast<std::size_t>(std::count_if(bodies_.begin(), bodies_.end(), [](const auto& each) {

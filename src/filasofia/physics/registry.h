@@ -27,6 +27,7 @@ public:
     /// Error where there is none.
     [[nodiscard]] const Body& find(BodyId id) const;
     [[nodiscard]] bool has(BodyId id) const { return bodies_.contains(id); }
+    [[nodiscard]] std::vector<BodyId> bodies() const; ///< ascending
     [[nodiscard]] BodyId lastAdded() const { return last_; }
     [[nodiscard]] std::size_t softBodyCount() const;
     [[nodiscard]] std::size_t dynamicElementCount() const; ///< of rigid bodies; links are counted with them

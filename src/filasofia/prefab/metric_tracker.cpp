@@ -6,10 +6,12 @@
 #include "filasofia/core/spsc_ring.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/core/word.h"
 #include "filasofia/metric/sampling.h"
 #include "filasofia/prefab/session_writer.h"
 #include "filasofia/runtime/file_failed_event.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -53,6 +55,23 @@ void check(const MetricTrackerDef& def)
     positive(def.session.idealPath, "idealPath");
     positive(def.session.forceLimit, "forceLimit");
     positive(def.session.fieldOfView, "fieldOfView");
+}
+
+/// What the session's measures would miss without a word: a place that no body has, a target that is none.
+void checkBodies(runtime::Simulation& simulation, const MetricTrackerDef& def)
+{
+    for (std::size_t i = 0; i < def.bodies.size(); ++i) {
+        const auto asked = simulation.physics().def(def.bodies[i].body);
+        const auto* rigid = std::get_if<physics::RigidBodyDef>(asked.get());
+        const std::size_t elements = rigid ? rigid->elements.size() + rigid->articulation.joints.size() : 1;
+        if (static_cast<std::size_t>(def.bodies[i].element) >= elements)
+            fail("metric tracker: bodies[", i, "].element must be < ", elements, " (elements of '",
+                 nameOf(simulation, def.bodies[i].body), "'), got ", def.bodies[i].element);
+    }
+    const std::vector<BodyId> bodies = simulation.physics().bodies();
+    for (const std::string& target : def.session.targets)
+        if (std::ranges::none_of(bodies, [&](BodyId body) { return nameOf(simulation, body) == target; }))
+            logWarning("metric tracker: session.targets: no body is called ", shownWord(target), " now");
 }
 
 /// The session before its first sample.
@@ -286,6 +305,7 @@ struct MetricTracker::Impl {
 MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef def)
 {
     check(def);
+    checkBodies(simulation, def);
     impl_ = std::make_shared<Impl>(simulation, std::move(def));
     const std::weak_ptr<Impl> weak = impl_;
     simulation.everyStep([weak](double time) {
@@ -310,6 +330,9 @@ MetricTracker::~MetricTracker() { close(); }
 
 void MetricTracker::mark(EventKind kind, std::string what, std::optional<double> amount)
 {
+    const std::vector<std::string>& steps = impl_->def.session.steps;
+    if (kind == EventKind::Step && !steps.empty() && std::ranges::find(steps, what) == steps.end())
+        logWarning("metric tracker: mark: the session has no step ", shownWord(what));
     const frame::FrameRef frame = impl_->simulation.physics().latest();
     impl_->add({frame ? frame->time : 0.0, kind, std::move(what), amount});
 }

@@ -5,15 +5,22 @@
 #include "filasofia/core/word.h"
 #include "filasofia/metric/session_file.h"
 #include "filasofia/prefab/metric_tracker.h"
+#include "filasofia/runtime/file_failed_event.h"
 #include "filasofia/runtime/options.h"
 
+#include <imgui.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 
 namespace filasofia::prefab {
 namespace {
 
+const std::string kKeys =
+    "T switches guidance, Space pauses, R takes the next patient, H shows what keys do, Escape ends.";
 constexpr int kMostSeeds = 1'000'000'000;
 /// What a start screen offers to hold, and the drivers' names; the first is no device.
 const std::vector<std::string> kDevices = {"mouse and keys", "forcedimension", "openhaptics"};
@@ -101,18 +108,20 @@ struct TrainerProgram {
         static_cast<void>(seedNumber()); // what is wrong is told before any window opens
         if (motion != "hand" && !planned()) {
             if (!std::filesystem::is_regular_file(motion))
-                fail(def.name, ": --motion must be ", motions(), " or a motion file, got ", shownWord(motion));
+                fail(def.name, ": --motion must be ", motions(), " or a motion file, and there is no file ",
+                     shownWord(motion));
             rest.insert(rest.end(), {"--motion", motion});
         }
         if (!pictures.empty() && !std::filesystem::is_directory(pictures))
             fail(def.name, ": --pictures must be a folder, got ", shownWord(pictures));
+        if (!pictures.empty() && ::access(pictures.c_str(), W_OK) != 0)
+            fail(def.name, ": --pictures ", shownWord(pictures), ": nothing can be written there");
     }
 
     [[nodiscard]] int help()
     {
-        std::printf("%s\n\n%s\n%sT switches guidance, Space pauses, R takes the next patient, Escape ends.\n\n"
-                    "All other options are every simulation's:\n\n",
-                    def.about.c_str(), runtime::optionHelp(options()).c_str(), def.hands.c_str());
+        std::printf("%s\n\n%s\n%s%s\n\nAll other options are every simulation's:\n\n", def.about.c_str(),
+                    runtime::optionHelp(options()).c_str(), def.hands.c_str(), kKeys.c_str());
         std::fflush(stdout);
         runtime::Simulation simulation;
         return runtime::run(simulation, rest, options());
@@ -168,7 +177,22 @@ struct TrainingSession::Impl {
         if (key.key == KeyCode::T && guidance != nullptr) guidance->setOn(guided = !guided);
         if (key.key == KeyCode::Space) simulation.pause(!simulation.paused());
         if (key.key == KeyCode::R) next();
+        if (key.key == KeyCode::H) keysShown = !keysShown;
         if (key.key == KeyCode::Escape) simulation.finish("ended");
+    }
+    void drawKeys() const
+    {
+        if (!keysShown) return;
+        const ImVec2 screen = ImGui::GetIO().DisplaySize;
+        ImGui::SetNextWindowPos({screen.x - 12.0F, 12.0F}, ImGuiCond_Always, {1.0F, 0.0F});
+        if (ImGui::Begin("keys", nullptr,
+                         ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoInputs |
+                             ImGuiWindowFlags_NoFocusOnAppearing)) {
+            ImGui::PushTextWrapPos(0.6F * screen.x);
+            ImGui::TextUnformatted((program.def.hands + kKeys).c_str());
+            ImGui::PopTextWrapPos();
+        }
+        ImGui::End();
     }
     void next()
     {
@@ -182,6 +206,7 @@ struct TrainingSession::Impl {
     EndScreen end;
     Guidance* guidance = nullptr;
     bool guided = false; // of the thread that delivers events
+    std::atomic<bool> unwritten = false, keysShown = false;
 };
 
 TrainingSession::TrainingSession(runtime::Simulation& simulation, const Training& training)
@@ -194,6 +219,12 @@ TrainingSession::TrainingSession(runtime::Simulation& simulation, const Training
     });
     simulation.on<event::KeyEvent>([weak](const event::KeyEvent& key) {
         if (const auto impl = weak.lock()) impl->press(key);
+    });
+    simulation.show(visual::GuiDef{.name = "keys", .renderCallback = [weak] {
+                                       if (const auto impl = weak.lock()) impl->drawKeys();
+                                   }});
+    simulation.on<runtime::FileFailedEvent>([weak](const runtime::FileFailedEvent&) {
+        if (const auto impl = weak.lock()) impl->unwritten = true;
     });
 }
 
@@ -208,7 +239,10 @@ void TrainingSession::over(const std::string& how, const std::function<std::vect
     if (!impl_->training.motion.empty()) return impl_->simulation.finish(how);
     std::vector<ResultLine> lines = {{"Trainee", impl_->training.trainee}};
     for (ResultLine& line : results()) lines.push_back(std::move(line));
-    lines.push_back({"Report", text("filasofia report ", impl_->training.file)});
+    if (impl_->unwritten)
+        lines.push_back({"Session", "not recorded whole: a file could not be written"});
+    else
+        lines.push_back({"Report", text("filasofia report ", impl_->training.file)});
     impl_->end.show(how, std::move(lines), impl_->training.file);
 }
 
@@ -223,13 +257,14 @@ std::function<void()> TrainingSession::picture(const std::string& name) const
 int TrainingSession::run(int steps)
 {
     const TrainerProgram& program = impl_->program;
-    std::vector<std::string> words = program.rest;
-    if (program.device > 0) words.insert(words.end(), {"--device", at(kDevices, program.device)});
-    // What a recording tells of the session.
+    std::vector<std::string> words = {program.rest.front()};
+    // What a recording tells of the session. Ours come first: a user's last word may lack its value.
     words.insert(words.end(),
                  {text("--seed=", program.seed), text("--session=", program.def.name, " ", program.caseName)});
     if (!program.trainee.empty()) words.push_back("--trainee=" + program.trainee);
+    if (program.device > 0) words.insert(words.end(), {"--device", at(kDevices, program.device)});
     if (steps > 0 && !cutShort()) words.insert(words.end(), {"--steps", text(steps)});
+    words.insert(words.end(), program.rest.begin() + 1, program.rest.end());
     return runtime::run(impl_->simulation, words);
 }
 
@@ -242,6 +277,11 @@ try {
     validate(def, "trainer");
     if (def.cases.empty() || def.difficulties.empty())
         fail("trainer: cases and difficulties must be at least one each");
+    for (const auto& [words, field] :
+         {std::pair{&def.cases, "cases"}, {&def.difficulties, "difficulties"}, {&def.motions, "motions"}})
+        for (const std::string& word : *words)
+            if (word.empty() || word.find_first_of(" \t\n") != std::string::npos)
+                fail("trainer: ", field, " must be words without spaces, got ", shownWord(word));
     program->def = def;
     program->caseName = def.cases.front();
     program->difficulty = def.difficulties.front();

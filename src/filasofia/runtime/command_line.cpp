@@ -51,7 +51,7 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
     for (const std::string& word : words) arguments.push_back(word.c_str());
     RunDef def;
     CLI::App app("A Filasofia simulation");
-    app.footer("Mouse and keys in the window:\n" + keyHelp());
+    if (own.empty()) app.footer("Mouse and keys in the window:\n" + keyHelp()); // else they are the program's own
     app.add_flag("--headless", def.headless, "a plain loop without window or clock, the same every time");
     bool blind = false;
     app.add_flag("--no-picture", blind,
@@ -83,7 +83,8 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
             fail("run: --no-picture draws nothing for --picture or --video");
         const bool endless = def.headless && def.steps == 0; // nobody could close it
         if (endless) def.steps = kHeadlessSteps;
-        const RunReport report = simulation.run(def);
+        RunReport report = simulation.run(def);
+        if (blind) report.visual.framesDrawn = 0; // the Null backend counts what it does not draw
         std::cout << summary(report);
         if (endless && report.steps == kHeadlessSteps)
             std::cout << "a headless run without --steps ends after " << kHeadlessSteps << " of them\n";

@@ -57,8 +57,9 @@ void Inspector::drawScene()
     }
 }
 
-void Inspector::afterPicture()
+void Inspector::afterPicture(bool drawn)
 {
+    if (drawn) rates_.countDrawn();
     if (std::exchange(screenshotAsked_, false)) takeScreenshot();
 }
 

@@ -29,7 +29,7 @@ public:
     /// Before each picture: takes in what has come, and draws into the scene.
     void beforePicture();
     /// After it: the screenshot that was asked for.
-    void afterPicture();
+    void afterPicture(bool drawn);
 
     InspectorShow show;                 ///< what it draws into the scene
     std::string screenshotFolder = "."; ///< files are called filasofia_0001.png and so on

@@ -67,7 +67,6 @@ void InspectorRates::add(const physics::StepReport& report)
 void InspectorRates::addPicture(double guiSeconds)
 {
     guiSeconds_ = guiSeconds;
-    ++now_.pictures;
     const Nanoseconds now = parts_.clock.now();
     const double seconds = toSeconds(now - since_);
     if (seconds < kPoint) return;

@@ -45,6 +45,8 @@ public:
 
     [[nodiscard]] bool paused() const { return paused_; }
     [[nodiscard]] double physicsRate() const { return physics_.newest(); }
+    /// The picture was drawn: the driver leaves some out.
+    void countDrawn() { ++now_.pictures; }
     [[nodiscard]] double pictureRate() const { return pictures_.newest(); }
 
 private:

@@ -123,7 +123,7 @@ public:
             drawn = visual_->render();
         parts_.takeScreenshots(*visual_);
         if (drawn) post(std::make_unique<event::VisualUpdateEvent>());
-        inspector_->afterPicture();
+        inspector_->afterPicture(drawn);
     }
     void closeVideo()
     {

@@ -36,8 +36,10 @@ std::vector<std::string> takeOptions(const std::string& program, int argc, const
         if (std::ranges::find(given, &*found) != given.end())
             fail(program, ": ", found->name, " must be given once, with one value");
         given.push_back(&*found);
-        if (equals == std::string_view::npos && ++i == argc) fail(program, ": ", found->name, " needs a value");
-        const std::string value(equals == std::string_view::npos ? std::string_view(argv[i]) : word.substr(equals + 1));
+        const bool next = equals == std::string_view::npos; // the value is the next word, which is no option
+        if (next && (++i == argc || std::string_view(argv[i]).starts_with("--")))
+            fail(program, ": ", found->name, " needs a value");
+        const std::string value(next ? std::string_view(argv[i]) : word.substr(equals + 1));
         if (!found->choices.empty() && std::ranges::find(found->choices, value) == found->choices.end())
             fail(program, ": ", found->name, " must be ", listed(found->choices), ", got ", shownWord(value));
         *found->value = value;

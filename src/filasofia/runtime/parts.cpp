@@ -250,6 +250,7 @@ void Simulation::Impl::takeScreenshots(visual::VisualServer& visual)
             pictures.push_back(file);
         } catch (const Error& problem) { // whoever asked is far away, and the run goes on
             logError("screenshot: ", problem.what());
+            pictureProblems.emplace_back(problem.what());
         }
     }
 }
@@ -266,6 +267,7 @@ void Simulation::Impl::fill(RunReport& report)
     report.contacts = contacts.report(physics);
     report.pictures = pictures;
     report.fileProblems = fileProblems;
+    report.fileProblems.insert(report.fileProblems.end(), pictureProblems.begin(), pictureProblems.end());
     const std::lock_guard lock(reasonMutex);
     report.finished = reason;
 }

@@ -38,9 +38,10 @@ struct Simulation::Impl {
     StepFeed feed;        ///< to the inspector
     SceneJournal journal; ///< for the recording of the first run
     std::mutex screenshotMutex;
-    std::vector<std::string> screenshots;  ///< asked for and not taken
-    std::vector<std::string> pictures;     ///< files that the run has written; the main thread's
-    std::vector<std::string> fileProblems; ///< of those that a line per step goes into; read when the run has ended
+    std::vector<std::string> screenshots;     ///< asked for and not taken
+    std::vector<std::string> pictures;        ///< files that the run has written; the main thread's
+    std::vector<std::string> pictureProblems; ///< of screenshots; the main thread's
+    std::vector<std::string> fileProblems;    ///< of those that a line per step goes into; read when the run has ended
 
     std::atomic<bool> paused = false;    ///< in the last step
     std::atomic<bool> stepAsked = false; ///< one, while paused

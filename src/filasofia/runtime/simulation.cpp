@@ -150,6 +150,7 @@ RunReport Simulation::run(const RunDef& def)
     impl_->contacts.beginRun();
     impl_->pictures.clear();
     impl_->fileProblems.clear();
+    impl_->pictureProblems.clear();
     try {
         if (impl_->everMade > 0 && !def.record.empty())
             fail("run: record is for a simulation's first run, and this one has made ", impl_->everMade, " steps");
