@@ -43,6 +43,21 @@ TEST_CASE("contacts that push opposite ways at one place, deeper than they are a
     CHECK(judged([&](Coupling& c) { c.links[2].frame[0] = up; }) == none);
     CHECK(judged([&](Coupling& c) { c.links[2].frame[0] = normalized(-up + Vec3{1, 0, 0}); }) == none);
     CHECK(judged([](Coupling& c) { c.contacts[2].memory.second = BodyId{3}; }) == none);
+    // Of two others that have tissue between them, whichever of the two comes first.
+    const auto pinched = [&](BodyPoint::Of what, bool first) {
+        return judged([&](Coupling& c) {
+            c.contacts[2].memory.second = BodyId{3};
+            for (Link& link : c.links) link.sides[0].of = what;
+            if (first) return;
+            std::swap(c.contacts[2].memory.first, c.contacts[2].memory.second);
+            std::swap(c.links[2].sides[0], c.links[2].sides[1]);
+            c.links[2].frame[0] = up;
+        });
+    };
+    for (const bool first : {true, false}) {
+        CHECK(pinched(BodyPoint::Of::Soft, first) == std::vector{false, true, true});
+        CHECK(pinched(BodyPoint::Of::Rigid, first) == none);
+    }
     // Along the surface they may be some way apart, and neither the body nor its elements bend so sharply.
     CHECK(judged([&](Coupling& c) {
               c.contacts[2].memory.point = near + Vec3{0, 700e-6, 0};

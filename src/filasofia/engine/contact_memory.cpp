@@ -3,6 +3,7 @@
 #include "filasofia/geometry/bvh.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -75,6 +76,21 @@ private:
     std::vector<Tree> trees_; ///< ascending by bodies
 };
 
+/// Which way two contacts push the same body, the one's cosine with the other: of the same two bodies, or of tissue
+/// that two others have between them. 1: no body that they could contradict each other about.
+double agreement(const Coupling& coupling, std::size_t a, std::size_t b)
+{
+    const ContactMemory &one = coupling.contacts[a].memory, &two = coupling.contacts[b].memory;
+    const double cosine = dot(coupling.links[a].frame[0], coupling.links[b].frame[0]);
+    if (bodiesOf(one) == bodiesOf(two)) return cosine;
+    const auto isSoft = [](const Link& link, std::size_t side) { return link.sides[side].of == BodyPoint::Of::Soft; };
+    const std::array ones{one.first, one.second}, twos{two.first, two.second};
+    for (std::size_t i = 0; i < 2; ++i)
+        for (std::size_t k = 0; k < 2; ++k)
+            if (ones[i] == twos[k] && isSoft(coupling.links[a], i)) return i == k ? cosine : -cosine;
+    return 1.0;
+}
+
 constexpr double kOpposite = -0.9;  ///< [-] cosine between normals
 constexpr double kNearBy = 10.0;    ///< [-] how far contacts that push opposite ways may be apart, over their depth
 constexpr double kSamePlace = 1e-3; ///< [m] besides the way that the two may have gone since
@@ -109,9 +125,8 @@ std::vector<bool> contradicted(const Coupling& coupling)
         for (std::size_t j = i + 1; j < deep.size() && at(deep[j]).x - at(deep[i]).x < 2.0 * kNearBy * deepest; ++j) {
             const FoundContact& a = coupling.contacts[deep[i]];
             const FoundContact& b = coupling.contacts[deep[j]];
-            if (bodiesOf(a.memory) != bodiesOf(b.memory)) continue;
+            if (agreement(coupling, deep[i], deep[j]) > kOpposite) continue;
             const Vec3 normal = coupling.links[deep[i]].frame[0], apart = a.memory.point - b.memory.point;
-            if (dot(normal, coupling.links[deep[j]].frame[0]) > kOpposite) continue;
             const double depth = -a.gap - b.gap;
             if (std::abs(dot(apart, normal)) > depth || length(apart) > kNearBy * depth) continue;
             contradicted[deep[i]] = contradicted[deep[j]] = true;
