@@ -166,6 +166,7 @@ TEST_CASE("a box rests on one that weighs a millionth of it, and a light one on 
 // What was carried grew without end: 20 kN after half a second, and the stone was shot off at 40 m/s.
 TEST_CASE("a stone for which told plates leave no room is pressed by a bounded force, and let go at rest")
 {
+    double grown = 0.0, fastest = 0.0;
     for (const double dt : {1e-3, 5e-3})
         for (const double tooClose : {2e-5, 1e-4, 5e-4}) {
             Stage stage;
@@ -201,16 +202,17 @@ TEST_CASE("a stone for which told plates leave no room is pressed by a bounded f
             const double early = squeeze();
             moveTo(half, 0.5);
             CHECK(early > 0.1);
-            CHECK(squeeze() == Approx(early).epsilon(0.05));
-            CHECK(squeeze() < 1e7 * tooClose);
-            double fastest = 0.0;
+            CHECK(early < 1e7 * tooClose);
+            grown = std::max(grown, std::abs(squeeze() / early - 1.0));
             for (int i = 0; i < 50; ++i) {
                 moveTo(half + 0.01 * dt, dt);
                 fastest = std::max(fastest, length(stage.world.state().rigidBodies[2].velocities[0]));
             }
-            CHECK(fastest < 0.1);
             CHECK(length(forceOn(stage, stone)) < 1e-3);
         }
+    verify("a stone that told plates leave no room: force after half a second over that after 50 ms, less one", grown,
+           0.05);
+    verify("the same: its speed when they open [m/s]", fastest, 0.1);
 }
 
 TEST_CASE("bodies that touch keep their momentum, whatever their integrators and solvers")
