@@ -51,22 +51,37 @@ vec4 nearestPoint(highp vec3 p) {
     return vec4(sqrt(nearest.x), nearest.yzw);
 }
 
+// A net of vessels: the borders between cells about scattered points (Worley's, as above). They fork where three cells
+// meet; each border has a width of its own, and some are left out, so that the net has ends. `width` in cells, along the surface, whose normal is `n`: a border that lies
+// along the surface would else be a blot.
+float vesselNet(highp vec3 p, vec3 n, float width, float footprint) {
+    highp vec3 first = floor(p - 0.5);
+    vec4 nearest = vec4(8.0), second = vec4(8.0);
+    uint one = 0u, two = 0u;
+    for (int k = 0; k < 8; k++) {
+        highp vec3 cell = first + vec3(k & 1, (k >> 1) & 1, k >> 2);
+        uint h = hash(uvec3(ivec3(cell)));
+        vec3 point = vec3(h & 1023u, (h >> 10u) & 1023u, (h >> 20u) & 1023u) * (0.9 / 1023.0) + 0.05;
+        vec3 away = p - cell - point;
+        float squared = dot(away, away);
+        if (squared < nearest.x) { second = nearest; two = one; nearest = vec4(squared, away); one = h; }
+        else if (squared < second.x) { second = vec4(squared, away); two = h; }
+    }
+    vec3 across = second.yzw - nearest.yzw;
+    float apart = max(length(across), 1e-3), away = 0.5 * (second.x - nearest.x) / apart;
+    float chance = float(((one ^ two) * 2654435761u) >> 8u) * (1.0 / 16777216.0);
+    float wide = width * mix(-0.5, 1.7, chance) * length(cross(across, n)) / apart;
+    if (wide <= 1e-4) return 0.0;
+    float soft = max(wide, footprint);
+    return (1.0 - smoothstep(wide, wide + soft, away)) * 1.5 * wide / (wide + 0.5 * soft);
+}
+
 // The noise lies on a grid: each octave is turned, so that no direction shows.
 const mat3 turn = mat3(0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6);
 
 // How much of a pattern of this frequency (cells per cell of the coarsest) a pixel still resolves: what it does not
 // resolve must fade, or it would flicker.
 float resolved(float footprint, float frequency) { return 1.0 - smoothstep(0.25, 0.7, footprint * frequency); }
-
-// A soft line where the noise is zero, `width` cells to each side; none where the noise is flat, and no harder than
-// the pixel resolves.
-float line(vec4 value, float width, float footprint) {
-    float steep = length(value.yzw);
-    float away = abs(value.x) / max(steep, 0.2);
-    float soft = max(width, footprint);
-    return (1.0 - smoothstep(width, width + soft, away)) * (width + 0.5 * width) / (width + 0.5 * soft)
-         * smoothstep(0.25, 0.9, steep);
-}
 
 // The normal of a relief whose slope with respect to p = noiseScale * rest is given. Height differences along the screen are
 // turned into a slope of the surface as it lies now (Mikkelsen, "Bump mapping unparametrized surfaces on the GPU", 2010):
