@@ -13,8 +13,8 @@ namespace filasofia::app {
 namespace {
 
 /// The metrics that stand above all others: what was asked first of every session. There is no score of scores.
-constexpr std::array kTiles = {"perforations", "force_max", "force_over_time",        "tears_unintended", "duration",
-                               "path_length",  "economy",   "log_dimensionless_jerk", "steps_done"};
+constexpr std::array kTiles = {"perforations", "force_max",   "force_over_time",        "tears_unintended",
+                               "duration",     "path_length", "log_dimensionless_jerk", "steps_done"};
 
 std::string momentButton(const std::optional<double>& moment)
 {

@@ -33,3 +33,15 @@ TEST_CASE("the force of contacts on a body: its own side of each, and one with i
     CHECK(forceOn(b, std::vector{ab, ca, aa}) == Vec3{-0.5, -2, 0});
     CHECK(forceOn(BodyId{9}, std::vector{ab, ca, aa}) == Vec3{});
 }
+
+TEST_CASE("what holds a body or is held by it pulls at it, and what ties it to space does not count")
+{
+    const std::vector<frame::Attachment> attachments = {{.id = {1}, .body = {2}, .to = {1}, .force = {0, 3, 0}},
+                                                        {.id = {2}, .body = {1}, .to = {}, .force = {9, 0, 0}},
+                                                        {.id = {3}, .body = {2}, .to = {5}, .force = {0, 0, 7}},
+                                                        {.id = {4}, .body = {2}, .to = {2}, .force = {5, 5, 5}}};
+    CHECK(frame::forceOn({1}, attachments) == Vec3{0, -3, 0});
+    CHECK(frame::forceOn({2}, attachments) == Vec3{0, 3, 7});
+    CHECK(frame::forceOn({5}, attachments) == Vec3{0, 0, -7});
+    CHECK(frame::forceOn({6}, attachments) == Vec3{});
+}

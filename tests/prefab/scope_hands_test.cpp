@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/units.h"
+#include "filasofia/geometry/shapes.h"
 
 #include <catch2/catch.hpp>
 
@@ -125,4 +126,34 @@ TEST_CASE("hands that cannot be are refused with the field and the bound")
     CHECK_THROWS_WITH(make({.leastDepth = 1.0}), Catch::Contains("mostDepth must be >= leastDepth (1 m)"));
     CHECK_THROWS_WITH(make({.mostTurn = 2.0}), Catch::Contains("mostTurn must be in (0, 1.5]"));
     CHECK_THROWS_WITH(scene.hands.play({{.seconds = 0.0}}), Catch::Contains("moves[0].seconds must be > 0 s, got 0"));
+}
+
+TEST_CASE("hands pull no harder at what they hold than they are strong")
+{
+    const auto pullWith = [](double strength) {
+        Simulation sim{{.physics = {.gravity = {}}}};
+        Endoscope scope(sim, {.groups = {}});
+        ArticulatedInstrument forceps(sim, {.groups = {}});
+        ScopeHands hands(sim, scope, forceps, {.start = {.depth = 20_mm}, .strength = strength});
+        physics::SoftBodyDef def{.mesh = geometry::shapes::block({10_mm, 10_mm, 10_mm}, {2, 2, 2})};
+        def.material = physics::FemMaterial{.youngModulus = 100_kPa};
+        def.attachments = {{.box = geometry::Box{{-1, 4.9_mm, -1}, {1, 1, 1}}}};
+        const BodyId block = sim.add(def);
+        const auto run = [&](int steps) {
+            sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps});
+        };
+        run(10); // to where the hands begin
+        sim.physics().attach(block, {.box = geometry::Box{{-1, -1, -1}, {1, -4.9_mm, 1}}, .to = forceps.body()});
+        ScopeHand back{.depth = 10_mm};
+        hands.play({{.seconds = 1.0, .to = back}});
+        run(1200);
+        double pull = 0.0;
+        for (const frame::Attachment& each : sim.physics().latest()->attachments)
+            if (each.to && each.body == block) pull = length(each.force);
+        return pull;
+    };
+    const double strong = pullWith(100.0);
+    CHECK(strong > 4.0);
+    CHECK(pullWith(2.0) < 2.5);
+    CHECK(pullWith(2.0) > 1.5);
 }

@@ -37,8 +37,9 @@ struct ScopeHandsDef {
     double leastReach = -0.01; ///< [m]
     double mostReach = 0.03;   ///< [m], >= leastReach
     double mostTurn = 0.6;     ///< [rad], in (0, 1.5], of the shaft against where it starts
-    double strength = std::numeric_limits<double>::infinity(); ///< [N], > 0: against more the hands do not push on
-    bool handle = false;                                       ///< held by a haptic device: see ScopeHands::handle()
+    double strength =
+        std::numeric_limits<double>::infinity(); ///< [N], > 0: against more the hands neither push nor pull on
+    bool handle = false;                         ///< held by a haptic device: see ScopeHands::handle()
 };
 constexpr auto fields(const ScopeHandsDef*)
 {
@@ -50,7 +51,7 @@ constexpr auto fields(const ScopeHandsDef*)
                     field("leastReach", &T::leastReach, "m", finite(), "of a person's hand"),
                     field("mostReach", &T::mostReach, "m", finite(), "of a person's hand"),
                     field("mostTurn", &T::mostTurn, "rad", openClosed(0, 1.5), "against where it starts"),
-                    field("strength", &T::strength, "N", positiveOrInfinite(), "against more they do not push on"),
+                    field("strength", &T::strength, "N", positiveOrInfinite(), "against more they go no further"),
                     field("handle", &T::handle, "held by a haptic device"));
 }
 

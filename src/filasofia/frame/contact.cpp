@@ -1,5 +1,7 @@
 #include "filasofia/frame/contact.h"
 
+#include "filasofia/frame/attachment.h"
+
 #include <map>
 #include <utility>
 
@@ -10,6 +12,14 @@ Vec3 forceOn(BodyId body, const std::vector<Contact>& contacts)
     Vec3 sum = {};
     for (const Contact& contact : contacts)
         if ((contact.first == body) != (contact.second == body)) sum += forceOn(body, contact);
+    return sum;
+}
+
+Vec3 forceOn(BodyId body, const std::vector<Attachment>& attachments)
+{
+    Vec3 sum = {};
+    for (const Attachment& each : attachments)
+        if (each.to && (each.body == body) != (each.to == body)) sum += each.body == body ? each.force : -each.force;
     return sum;
 }
 

@@ -41,12 +41,9 @@ Sample sampleOf(const frame::Frame& frame, const Observed& observed)
         strongest = length(force);
         sample.point = contact.point;
     }
-    for (const frame::Attachment& held : frame.attachments) {
-        const bool is = held.body == observed.body;
-        if (is == (held.to == observed.body) || !held.to) continue; // of others, or tied to space
-        sample.force += is ? held.force : -held.force;
-        sample.contacts += held.points > 0 ? 1 : 0;
-    }
+    for (const frame::Attachment& held : frame.attachments)
+        if (held.to && (held.body == observed.body) != (held.to == observed.body) && held.points > 0) ++sample.contacts;
+    sample.force += forceOn(observed.body, frame.attachments);
     return sample;
 }
 

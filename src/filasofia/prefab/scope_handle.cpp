@@ -68,14 +68,18 @@ void ScopeHandle::feel(const frame::Frame& now, BodyId scope, BodyId instrument)
     const Vec3 aim = (1.0 / lever) * inwards;
     // Virtual work: pushed across the aim by d, the handle moves what lies s beyond the fulcrum by -d s / lever.
     Vec3 force = {}, torque = {};
-    for (const frame::Contact& contact : now.contacts) {
-        if (isTool(contact.first) == isTool(contact.second)) continue;
-        const Vec3 onTool = forceOn(isTool(contact.first) ? contact.first : contact.second, contact);
-        const Vec3 arm = contact.point - def_.fulcrum;
+    const auto add = [&](Vec3 onTool, Vec3 point) {
+        const Vec3 arm = point - def_.fulcrum;
         const Vec3 along = dot(onTool, aim) * aim;
         force += along - (dot(arm, aim) / lever) * (onTool - along);
         torque += dot(cross(arm, onTool), aim) * aim;
-    }
+    };
+    for (const frame::Contact& contact : now.contacts)
+        if (isTool(contact.first) != isTool(contact.second))
+            add(forceOn(isTool(contact.first) ? contact.first : contact.second, contact), contact.point);
+    // What is held is between the jaws, which are some millimetres long.
+    if (const frame::RigidBodyFrame* jaws = now.rigidBody(instrument))
+        add(frame::forceOn(instrument, now.attachments), jaws->poses.back().position);
     constexpr double kForces = 1e5, kTorques = 1e7; // in [N], [N m]: for the recording's size
     simulation_.physics().setWrench(body_, rounded(weakened(length(force), kForceLimit) * force, kForces),
                                     rounded(torque, kTorques));

@@ -70,7 +70,7 @@ struct ScopeHands::Impl {
         instrument.move(pivotOf(now));
     }
 
-    /// From now to where the hand is to be, as far as its strength allows: no hand pushes on against more.
+    /// From now to where the hand is to be, as far as its strength allows: no hand pushes or pulls on against more.
     void go(const ScopeHand& to, double dt)
     {
         if (def.strength == std::numeric_limits<double>::infinity()) {
@@ -80,8 +80,10 @@ struct ScopeHands::Impl {
         const Vec3 tip = tipOf(def, to).position - tipOf(def, now).position;
         const Vec3 pivot = pivotOf(to).position - pivotOf(now).position;
         if (const frame::FrameRef frame = simulation.physics().latest()) {
-            const Vec3 onScope = frame::forceOn(scope.body(), frame->contacts);
-            const Vec3 onInstrument = frame::forceOn(instrument.body(), frame->contacts);
+            const auto forceOn = [&](BodyId tool) { // by what it touches, and what it holds
+                return frame::forceOn(tool, frame->contacts) + frame::forceOn(tool, frame->attachments);
+            };
+            const Vec3 onScope = forceOn(scope.body()), onInstrument = forceOn(instrument.body());
             const bool against = dot(onScope, tip) + dot(onInstrument, pivot) < 0.0;
             if (against && length(onScope) + length(onInstrument) > def.strength) return;
         }
