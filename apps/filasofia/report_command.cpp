@@ -66,7 +66,8 @@ void write(const std::string& file, const std::string& content)
     }
     std::error_code problem, none;
     // A device or a link is written to, and stays what it is.
-    const bool direct = std::filesystem::symlink_status(file, none).type() > std::filesystem::file_type::regular;
+    const std::filesystem::file_status there = std::filesystem::symlink_status(file, none);
+    const bool direct = std::filesystem::exists(there) && !std::filesystem::is_regular_file(there);
     const std::string part = direct ? file : file + ".part";
     std::ofstream stream(part, std::ios::binary | std::ios::trunc);
     const bool opened = stream.is_open();

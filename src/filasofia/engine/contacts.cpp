@@ -222,7 +222,8 @@ void warnOfLoneGroups(const Model& model, const std::vector<Owner>& owners, std:
 void warnOfThinProximity(const Model& model, const std::vector<Owner>& owners, std::set<int>& warned)
 {
     constexpr double thin = 1e-4; // [m]
-    for (const Owner& a : owners)
+    for (const Owner& a : owners) {
+        if (a.collision->proximity >= thin) continue; // nearly all: or a thousand bodies were a million pairs
         for (const Owner& b : owners) {
             const CollisionShape &one = *a.collision->shape, &two = *b.collision->shape;
             const double both = a.collision->proximity + b.collision->proximity;
@@ -232,6 +233,7 @@ void warnOfThinProximity(const Model& model, const std::vector<Owner>& owners, s
                 logWarning("body '", nameOf(model, a), "' and body '", nameOf(model, b), "': the proximities of their ",
                            "collision models add up to ", both, " m: below ", thin, " m contacts may be missed");
         }
+    }
 }
 
 bool movable(const Owner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }

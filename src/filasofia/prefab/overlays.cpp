@@ -2,6 +2,7 @@
 
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/prefab/plain_window.h"
 #include "filasofia/prefab/smoothed.h"
 
 #include <imgui.h>
@@ -11,9 +12,6 @@
 
 namespace filasofia::prefab {
 namespace {
-
-constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar |
-                                    ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoFocusOnAppearing;
 
 constexpr double kCalm = 0.8; ///< [-], of the warning, below which it is over
 

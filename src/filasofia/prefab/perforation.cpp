@@ -4,6 +4,7 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/tet_mesh.h"
 #include "filasofia/physics/defs.h"
+#include "filasofia/prefab/plain_window.h"
 #include "filasofia/prefab/smoothed.h"
 
 #include <imgui.h>
@@ -119,10 +120,7 @@ struct PerforationWatch::Impl {
     {
         if (times == 0 || now - last > kShown) return;
         ImGui::SetNextWindowPos({0.5F * ImGui::GetIO().DisplaySize.x, 60.0F}, ImGuiCond_Always, {0.5F, 0.0F});
-        if (ImGui::Begin("perforation", nullptr,
-                         ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoInputs |
-                             ImGuiWindowFlags_NoFocusOnAppearing))
-            ImGui::TextColored({1.0F, 0.25F, 0.2F, 1.0F}, "Perforation");
+        if (ImGui::Begin("perforation", nullptr, kPlain)) ImGui::TextColored({1.0F, 0.25F, 0.2F, 1.0F}, "Perforation");
         ImGui::End();
     }
 

@@ -5,6 +5,7 @@
 #include "filasofia/core/word.h"
 #include "filasofia/metric/session_file.h"
 #include "filasofia/prefab/metric_tracker.h"
+#include "filasofia/prefab/plain_window.h"
 #include "filasofia/runtime/file_failed_event.h"
 #include "filasofia/runtime/options.h"
 
@@ -185,9 +186,7 @@ struct TrainingSession::Impl {
         if (!keysShown) return;
         const ImVec2 screen = ImGui::GetIO().DisplaySize;
         ImGui::SetNextWindowPos({screen.x - 12.0F, 12.0F}, ImGuiCond_Always, {1.0F, 0.0F});
-        if (ImGui::Begin("keys", nullptr,
-                         ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoInputs |
-                             ImGuiWindowFlags_NoFocusOnAppearing)) {
+        if (ImGui::Begin("keys", nullptr, kPlain)) {
             ImGui::PushTextWrapPos(0.6F * screen.x);
             ImGui::TextUnformatted((program.def.hands + kKeys).c_str());
             ImGui::PopTextWrapPos();

@@ -35,6 +35,11 @@ vec4 noise(highp vec3 p) {
     return vec4(value, gradient);
 }
 
+// A cell's point, by its hash: about the middle of the cell, `spread` of it wide.
+vec3 scattered(uint h, float spread) {
+    return vec3(h & 1023u, (h >> 10u) & 1023u, (h >> 20u) & 1023u) * (spread / 1023.0) + 0.5 * (1.0 - spread);
+}
+
 // Distance in cells to the nearest of points scattered one to a cell, and where that point lies (Worley, "A cellular
 // texture basis function", 1996). The eight nearest cells only: a point farther away is found too late, which no one sees.
 vec4 nearestPoint(highp vec3 p) {
@@ -43,7 +48,7 @@ vec4 nearestPoint(highp vec3 p) {
     for (int k = 0; k < 8; k++) {
         highp vec3 cell = first + vec3(k & 1, (k >> 1) & 1, k >> 2);
         uint h = hash(uvec3(ivec3(cell)));
-        vec3 point = vec3(h & 1023u, (h >> 10u) & 1023u, (h >> 20u) & 1023u) * (0.7 / 1023.0) + 0.15;
+        vec3 point = scattered(h, 0.7);
         vec3 away = p - cell - point;
         float squared = dot(away, away);
         if (squared < nearest.x) nearest = vec4(squared, away);
@@ -52,8 +57,8 @@ vec4 nearestPoint(highp vec3 p) {
 }
 
 // A net of vessels: the borders between cells about scattered points (Worley's, as above). They fork where three cells
-// meet; each border has a width of its own, and some are left out, so that the net has ends. `width` in cells, along the surface, whose normal is `n`: a border that lies
-// along the surface would else be a blot.
+// meet; each border has a width of its own, and some are left out, so that the net has ends. `width` in cells, along
+// the surface, whose normal is `n`: a border that lies along the surface would else be a blot.
 float vesselNet(highp vec3 p, vec3 n, float width, float footprint) {
     highp vec3 first = floor(p - 0.5);
     vec4 nearest = vec4(8.0), second = vec4(8.0);
@@ -61,7 +66,7 @@ float vesselNet(highp vec3 p, vec3 n, float width, float footprint) {
     for (int k = 0; k < 8; k++) {
         highp vec3 cell = first + vec3(k & 1, (k >> 1) & 1, k >> 2);
         uint h = hash(uvec3(ivec3(cell)));
-        vec3 point = vec3(h & 1023u, (h >> 10u) & 1023u, (h >> 20u) & 1023u) * (0.9 / 1023.0) + 0.05;
+        vec3 point = scattered(h, 0.9);
         vec3 away = p - cell - point;
         float squared = dot(away, away);
         if (squared < nearest.x) { second = nearest; two = one; nearest = vec4(squared, away); one = h; }
