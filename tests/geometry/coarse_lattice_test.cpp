@@ -57,7 +57,7 @@ void checkSound(const CoarseLattice& lattice) { checkSound(lattice, std::vector<
 
 bool isEmpty(const CoarseLattice& lattice)
 {
-    return lattice.nodeCount == 0 &&
+    return lattice.nodeCount == 0 && lattice.pieces.empty() &&
            std::ranges::all_of(lattice.weights, [](const std::array<float, 4>& w) { return w == decltype(w){}; });
 }
 
@@ -282,7 +282,6 @@ TEST_CASE("there is no lattice where it would not pay, and none for numbers that
     const TetMesh box = boxMesh({4, 4, 4}, {1.0, 1.0, 1.0});
     const Edges all = edges(box);
     CHECK(isEmpty(coarseLattice({}, {}, {}, 100)));
-    CHECK(isEmpty(latticeOf(tetrahedronMesh(), 100)));
     CHECK(isEmpty(latticeOf(box, 3)));
     CHECK(isEmpty(latticeOf(box, 0)));
     CHECK(isEmpty(latticeOf(box, -5)));
@@ -296,7 +295,7 @@ TEST_CASE("there is no lattice where it would not pay, and none for numbers that
     }
 }
 
-TEST_CASE("crumbs around a body get one coarse node each, the last ones none, and crumbs alone no lattice")
+TEST_CASE("crumbs around a body are told one by one, then get one coarse node each, and the last ones none")
 {
     TetMesh mesh = boxMesh({12, 12, 12}, {0.1, 0.1, 0.1});
     const std::size_t bodySize = mesh.nodes.size();
@@ -306,21 +305,36 @@ TEST_CASE("crumbs around a body get one coarse node each, the last ones none, an
         for (int i = 0; i < count; ++i) body = together(std::move(body), crumb, {0.11, 0.002 * i, 0});
         return body;
     };
-    const TetMesh few = withCrumbs(mesh, 20), many = withCrumbs(mesh, 60);
-    const CoarseLattice held = latticeOf(few, 100);
-    checkSound(held);
-    CHECK(held.nodeCount >= 90);
-    CHECK(held.nodeCount <= 105);
-    CHECK(usedWhere(held, few, [](Vec3 p) { return p.x > 0.105; }).size() == 20);
+    const CoarseLattice body = latticeOf(mesh, 100);
+    const auto isTold = [](const CoarseLattice& lattice, std::size_t first, int crumbs) {
+        REQUIRE(lattice.pieces.size() == static_cast<std::size_t>(crumbs));
+        for (int i = 0; i < crumbs; ++i) {
+            const int at = static_cast<int>(first) + 4 * i;
+            CHECK(lattice.pieces[static_cast<std::size_t>(i)] == std::vector<int>{at, at + 1, at + 2, at + 3});
+        }
+    };
+    const CoarseLattice few = latticeOf(withCrumbs(mesh, 64), 100);
+    isTold(few, bodySize, 64);
+    std::vector<bool> taken(few.corners.size());
+    for (std::size_t i = 0; i < taken.size(); ++i) taken[i] = i < bodySize;
+    checkSound(few, taken);
+    CHECK(few.nodeCount == body.nodeCount); // they cost the body none of its coarse nodes
 
+    const TetMesh many = withCrumbs(mesh, 100);
     const CoarseLattice partly = latticeOf(many, 100);
-    std::vector<bool> taken(many.nodes.size());
-    for (std::size_t i = 0; i < taken.size(); ++i) taken[i] = i < bodySize + 25 * 4;
+    isTold(partly, bodySize, 64);
+    taken.resize(many.nodes.size());
+    for (std::size_t i = 0; i < taken.size(); ++i)
+        taken[i] = i < bodySize || (i >= bodySize + 64 * 4 && i < bodySize + (64 + 25) * 4);
     checkSound(partly, taken);
     CHECK(partly.nodeCount <= 105);
+    CHECK(usedWhere(partly, many, [](Vec3 p) { return p.x > 0.105; }).size() == 25);
 
-    CHECK(latticeOf(withCrumbs({}, 60), 100).nodeCount == 60);
-    CHECK(isEmpty(latticeOf(withCrumbs({}, 300), 100)));
+    isTold(latticeOf(withCrumbs({}, 60), 100), 0, 60);
+    CHECK(latticeOf(withCrumbs({}, 60), 100).nodeCount == 0);
+    isTold(latticeOf(tetrahedronMesh(), 12), 0, 1);
+    CHECK(latticeOf(withCrumbs({}, 100), 100).nodeCount == 36);
+    CHECK(isEmpty(latticeOf(withCrumbs({}, 400), 100)));
 }
 
 TEST_CASE("several bodies in one mesh share the coarse nodes, each with enough to turn and strain")

@@ -218,8 +218,9 @@ TEST_CASE("instruction sets with fused multiply-add give the same bits, those wi
         multiplyPanels(randomPanels(random, kCoarse, kRows), randomFloats(random, kRows), y, 0, kCoarse);
         found.add("panels", y);
         std::vector<float> many(7 * y.size());
-        multiplyPanels(randomPanels(random, kCoarse, kRows), randomFloats(random, 7 * kRows), kRows, many,
-                       static_cast<int>(y.size()), kCoarse);
+        multiplyPanels(randomPanels(random, kCoarse, kRows), randomFloats(random, 7 * kRows), many,
+                       {.count = 7, .rows = kRows, .stride = kRows, .answerStride = static_cast<int>(y.size())},
+                       kCoarse);
         found.add("panels, many vectors", many);
 
         const NodeArray corners = randomBlocks(random, 4 * 5);
@@ -237,14 +238,16 @@ TEST_CASE("a dense matrix times many vectors is its product with each")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(7);
-        constexpr int kRows = 60, kPanels = 3, kEntries = kPanels * kBlock + 4;
+        constexpr int kRows = 60, kStride = 61, kPanels = 3, kEntries = kPanels * kBlock + 4;
         const std::vector<PanelRow> matrix = randomPanels(random, kPanels, kRows);
-        for (const std::size_t vectors : {1u, 5u, 6u, 13u}) {
-            const std::vector<float> x = randomFloats(random, vectors * kRows);
+        for (const int count : {1, 5, 6, 13}) {
+            const std::size_t vectors = static_cast<std::size_t>(count);
+            const std::vector<float> x = randomFloats(random, vectors * kStride);
             std::vector<float> all(vectors * kEntries), one(kEntries);
-            multiplyPanels(matrix, x, kRows, all, kEntries, kPanels);
+            multiplyPanels(matrix, x, all, {.count = count, .rows = kRows, .stride = kStride, .answerStride = kEntries},
+                           kPanels);
             for (std::size_t v = 0; v < vectors; ++v) {
-                multiplyPanels(matrix, std::span(x).subspan(v * kRows, kRows), one, 0, kPanels);
+                multiplyPanels(matrix, std::span(x).subspan(v * kStride, kRows), one, 0, kPanels);
                 for (std::size_t k = 0; k < kPanels * kBlock; ++k)
                     CHECK(std::abs(all[v * kEntries + k] - one[k]) <= 1e-5f * kRows);
             }

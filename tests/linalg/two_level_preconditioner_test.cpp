@@ -15,11 +15,13 @@ using namespace filasofia::linalg;
 
 namespace {
 
-/// A matrix of which some rows are unknowns, in an order of their own, and coarse nodes for its rows.
+/// A matrix of which some rows are unknowns, in an order of their own, and coarse nodes for its rows. The first
+/// kPieceRows rows are a small piece, the next ones another, for as many as there are: nothing couples them.
 struct Problem {
-    Problem(std::mt19937& random, int matrixRows, int unknowns, int coarse)
-        : matrix(randomSpd(random, matrixRows)), rows(static_cast<std::size_t>(matrixRows)), coarseNodes(coarse),
-          corners(rows.size()), weights(rows.size())
+    static constexpr int kPieceRows = 6;
+    Problem(std::mt19937& random, int matrixRows, int unknowns, int coarse, int smallPieces = 0)
+        : pieces(smallPieces), matrix(randomSpd(random, matrixRows)), rows(static_cast<std::size_t>(matrixRows)),
+          coarseNodes(coarse), corners(rows.size()), weights(rows.size())
     {
         std::iota(rows.begin(), rows.end(), 0);
         std::shuffle(rows.begin(), rows.end(), random);
@@ -29,6 +31,18 @@ struct Problem {
                 corners[row][k] = static_cast<int>(random() % static_cast<unsigned>(coarse));
                 weights[row][k] = k == 3 ? 0.0f : randomFloat(random);
             }
+        const auto pieceOf = [&](int row) { return std::min(row / kPieceRows, pieces); };
+        for (int row = 0; row < matrixRows && pieces > 0; ++row) {
+            for (int at = matrix.rowStarts()[row]; at < matrix.rowStarts()[row + 1]; ++at)
+                if (pieceOf(matrix.columns()[at]) != pieceOf(row)) matrix.block(at) = {};
+            if (pieceOf(row) == pieces) continue;
+            corners[row].fill(firstPieceNode(coarse) + pieceOf(row) * kPieceNodes + row % kPieceRows);
+            weights[row] = {1.0f, 0.0f, 0.0f, 0.0f};
+        }
+    }
+    [[nodiscard]] int allCoarseNodes() const
+    {
+        return pieces == 0 ? coarseNodes : firstPieceNode(coarseNodes) + pieces * kPieceNodes;
     }
     [[nodiscard]] PreconditionerInput input() const
     {
@@ -36,10 +50,12 @@ struct Problem {
                 .rows = rows,
                 .scale = 2.5,
                 .coarseNodes = coarseNodes,
+                .pieces = pieces,
                 .corners = corners,
                 .weights = weights};
     }
 
+    int pieces;
     BlockSparseMatrix matrix;
     std::vector<int> rows;
     int coarseNodes;
@@ -67,7 +83,7 @@ Eigen::MatrixXd densePreconditioner(const Problem& problem, const std::vector<Ro
 {
     const int n = 3 * count(problem);
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n), inverseDiagonal = a, r = a;
-    Eigen::MatrixXd p = Eigen::MatrixXd::Zero(n, 3 * problem.coarseNodes);
+    Eigen::MatrixXd p = Eigen::MatrixXd::Zero(n, 3 * problem.allCoarseNodes());
     for (int i = 0; i < count(problem); ++i) {
         const int row = problem.rows[static_cast<std::size_t>(i)];
         for (int j = 0; j < count(problem); ++j)
@@ -76,12 +92,12 @@ Eigen::MatrixXd densePreconditioner(const Problem& problem, const std::vector<Ro
         inverseDiagonal.block<3, 3>(3 * i, 3 * i) =
             Eigen::LLT<Eigen::Matrix3d>(a.block<3, 3>(3 * i, 3 * i)).solve(Eigen::Matrix3d::Identity());
         r.block<3, 3>(3 * i, 3 * i) = dense(rotationOf(rotations, i));
-        for (std::size_t k = 0; k < 4 && problem.coarseNodes > 0; ++k)
+        for (std::size_t k = 0; k < 4 && problem.allCoarseNodes() > 0; ++k)
             p.block<3, 3>(3 * i, 3 * problem.corners[static_cast<std::size_t>(row)][k]) +=
                 static_cast<double>(problem.weights[static_cast<std::size_t>(row)][k]) * Eigen::Matrix3d::Identity();
     }
     Eigen::MatrixXd sum = inverseDiagonal;
-    if (problem.coarseNodes > 0) {
+    if (problem.allCoarseNodes() > 0) {
         Eigen::MatrixXd coarse = p.transpose() * a * p;
         const double largest = coarse.diagonal().maxCoeff();
         if (largest == 0.0) return r * sum * r.transpose();
@@ -121,6 +137,74 @@ TEST_CASE("the preconditioner is its definition, with coarse nodes and without, 
             CHECK(std::abs(rz - found.dot(dense(r, unknowns))) <= 1e-5 * found.norm() * dense(r, unknowns).norm());
             for (int node = unknowns; node < kBlock * r.blocks(); ++node) CHECK(vectorOf(z[node]) == Vec3{});
         }
+}
+
+TEST_CASE("small pieces are solved for exactly, beside the coarse nodes of the others or alone")
+{
+    std::mt19937 random(7);
+    WorkerPool pool(2);
+    const int unknowns = 50;
+    for (const int coarseNodes : {0, 5, 16, 21})
+        for (const int pieces : {1, 3}) {
+            INFO(coarseNodes << " coarse nodes, " << pieces << " pieces");
+            const Problem problem(random, 60, unknowns, coarseNodes, pieces);
+            TwoLevelPreconditioner m = turned(problem, random);
+            CHECK(m.coarseNodes() == problem.allCoarseNodes());
+            const NodeArray r = randomNodes(random, unknowns);
+            NodeArray z(r.blocks());
+            const double rz = m.apply(r, z, pool);
+            const Eigen::VectorXd exact = densePreconditioner(problem, m.rotations()) * dense(r, unknowns);
+            CHECK((dense(z, unknowns) - exact).norm() <= 1e-5 * exact.norm());
+            CHECK(std::abs(rz - exact.dot(dense(r, unknowns))) <= 1e-5 * exact.norm() * dense(r, unknowns).norm());
+        }
+}
+
+TEST_CASE("a coarse level whose matrices are given is that of the matrix")
+{
+    std::mt19937 random(8);
+    WorkerPool pool(1);
+    const int unknowns = 50, coarseNodes = 9, pieces = 2;
+    const Problem problem(random, 60, unknowns, coarseNodes, pieces);
+    TwoLevelPreconditioner whole = turned(problem, random);
+    // P^T A P, taken from what the whole one is by definition
+    Eigen::MatrixXd p = Eigen::MatrixXd::Zero(3 * unknowns, 3 * problem.allCoarseNodes()),
+                    a(3 * unknowns, 3 * unknowns);
+    a.setZero();
+    for (int i = 0; i < unknowns; ++i) {
+        const int row = problem.rows[static_cast<std::size_t>(i)];
+        for (int j = 0; j < unknowns; ++j)
+            if (const int at = problem.matrix.find(row, problem.rows[static_cast<std::size_t>(j)]); at >= 0)
+                a.block<3, 3>(3 * i, 3 * j) = problem.input().scale * dense(problem.matrix.block(at));
+        for (std::size_t k = 0; k < 4; ++k)
+            p.block<3, 3>(3 * i, 3 * problem.corners[static_cast<std::size_t>(row)][k]) +=
+                static_cast<double>(problem.weights[static_cast<std::size_t>(row)][k]) * Eigen::Matrix3d::Identity();
+    }
+    const Eigen::MatrixXd coarse = p.transpose() * a * p;
+    const auto rowsOf = [&](int first, int nodes) { // symmetric: by columns is by rows
+        const Eigen::MatrixXd part = coarse.block(3 * first, 3 * first, 3 * nodes, 3 * nodes);
+        return std::vector<double>(part.data(), part.data() + part.size());
+    };
+    const std::vector<double> lattice = rowsOf(0, coarseNodes);
+    std::vector<double> small;
+    for (int piece = 0; piece < pieces; ++piece) {
+        const std::vector<double> rows = rowsOf(firstPieceNode(coarseNodes) + piece * kPieceNodes, kPieceNodes);
+        small.insert(small.end(), rows.begin(), rows.end());
+    }
+    PreconditionerInput flat = problem.input();
+    flat.coarseNodes = flat.pieces = 0;
+    TwoLevelPreconditioner m(flat);
+    m.rotations() = whole.rotations();
+    REQUIRE(m.takeCoarseLevel(TwoLevelPreconditioner(CoarseInput{.matrix = lattice,
+                                                                 .pieces = small,
+                                                                 .coarseNodes = coarseNodes,
+                                                                 .rows = problem.rows,
+                                                                 .corners = problem.corners,
+                                                                 .weights = problem.weights})));
+    const NodeArray r = randomNodes(random, unknowns);
+    NodeArray z(r.blocks()), expected(r.blocks());
+    m.apply(r, z, pool);
+    whole.apply(r, expected, pool);
+    CHECK((dense(z, unknowns) - dense(expected, unknowns)).norm() <= 1e-5 * dense(expected, unknowns).norm());
 }
 
 TEST_CASE("without rotations it is the preconditioner of the matrix at rest")
@@ -236,9 +320,9 @@ TEST_CASE("pulls are weighed by the coarse level's answers, and taken from what 
     std::mt19937 random(6);
     WorkerPool pool(2);
     const int unknowns = 45, pulls = 19; // more than go side by side
-    const Problem problem(random, 60, unknowns, 7);
+    const Problem problem(random, 60, unknowns, 7, 2);
     Problem flat = problem;
-    flat.coarseNodes = 0;
+    flat.coarseNodes = flat.pieces = 0;
     TwoLevelPreconditioner m = turned(problem, random);
     const Eigen::MatrixXd whole = densePreconditioner(problem, m.rotations());
     const Eigen::MatrixXd coarse = whole - densePreconditioner(flat, m.rotations());

@@ -38,8 +38,12 @@ void giveLightNodesTheirOwn(const Tissue& tissue, int most, geometry::CoarseLatt
     for (int node : tissue.nodes) light.emplace_back(tissue.masses[static_cast<std::size_t>(node)], node);
     std::ranges::sort(light);
     const double least = kLight * light[light.size() / 2].first;
+    std::vector<bool> inPiece(tissue.rest.size());
+    for (const std::vector<int>& piece : lattice.pieces)
+        for (int node : piece) inPiece[static_cast<std::size_t>(node)] = true;
     for (const auto& [mass, node] : light) {
         if (mass >= least || lattice.nodeCount >= most) return;
+        if (inPiece[static_cast<std::size_t>(node)]) continue;
         lattice.corners[static_cast<std::size_t>(node)].fill(lattice.nodeCount++);
         lattice.weights[static_cast<std::size_t>(node)] = {1.0f, 0.0f, 0.0f, 0.0f};
     }
@@ -59,14 +63,29 @@ void dropUnused(geometry::CoarseLattice& lattice)
         for (int& corner : corners) corner = std::max(0, number[static_cast<std::size_t>(corner)]);
 }
 
+/// The nodes of small pieces have a coarse node each.
+void givePiecesTheirOwn(geometry::CoarseLattice& lattice)
+{
+    int first = linalg::firstPieceNode(lattice.nodeCount);
+    for (const std::vector<int>& piece : lattice.pieces) {
+        for (std::size_t i = 0; i < piece.size(); ++i) {
+            lattice.corners[static_cast<std::size_t>(piece[i])].fill(first + static_cast<int>(i));
+            lattice.weights[static_cast<std::size_t>(piece[i])] = {1.0f, 0.0f, 0.0f, 0.0f};
+        }
+        first += linalg::kPieceNodes;
+    }
+}
+
 geometry::CoarseLattice lay(const Tissue& tissue, const CoarseChoice& choice)
 {
     std::vector<bool> active(tissue.held);
     active.flip();
     geometry::CoarseLattice lattice = geometry::coarseLattice(tissue.rest, tissue.edges, active, choice.target);
-    if (lattice.nodeCount == 0 || lattice.nodeCount >= choice.most) return lattice;
-    giveLightNodesTheirOwn(tissue, choice.most, lattice);
-    dropUnused(lattice);
+    if (lattice.nodeCount > 0 && lattice.nodeCount < choice.most) {
+        giveLightNodesTheirOwn(tissue, choice.most, lattice);
+        dropUnused(lattice);
+    }
+    givePiecesTheirOwn(lattice);
     return lattice;
 }
 
@@ -96,6 +115,7 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
                                            .rows = plan.nodes,
                                            .scale = plan.scale,
                                            .coarseNodes = lattice.nodeCount,
+                                           .pieces = static_cast<int>(lattice.pieces.size()),
                                            .corners = lattice.corners,
                                            .weights = lattice.weights,
                                            .blocks = plan.blocks});
@@ -132,6 +152,42 @@ private:
     std::array<Value, 16> values_{};
 };
 
+/// A_c in the order of its coarse nodes, row by row: the lattice's, and one matrix per small piece.
+class CoarseMatrix {
+public:
+    explicit CoarseMatrix(const geometry::CoarseLattice& lattice)
+        : nodes_(lattice.nodeCount), firstPiece_(linalg::firstPieceNode(nodes_)),
+          lattice_(9 * static_cast<std::size_t>(nodes_) * static_cast<std::size_t>(nodes_)),
+          pieces_(lattice.pieces.size() * kPieceUnknowns * kPieceUnknowns)
+    {
+    }
+
+    /// The 3 x 3 block of two coarse nodes, which belong to the same matrix.
+    struct Block {
+        double* at;
+        std::size_t next; ///< from one row to the one below
+        void add(std::size_t row, std::size_t column, double value) const { at[row * next + column] += value; }
+    };
+    Block block(int row, int column)
+    {
+        if (row < nodes_) return blockOf(lattice_.data(), 3 * static_cast<std::size_t>(nodes_), row, column);
+        const int piece = (row - firstPiece_) / linalg::kPieceNodes, first = firstPiece_ + piece * linalg::kPieceNodes;
+        return blockOf(pieces_.data() + static_cast<std::size_t>(piece) * kPieceUnknowns * kPieceUnknowns,
+                       kPieceUnknowns, row - first, column - first);
+    }
+    [[nodiscard]] std::span<const double> lattice() const { return lattice_; }
+    [[nodiscard]] std::span<const double> pieces() const { return pieces_; }
+
+private:
+    static constexpr std::size_t kPieceUnknowns = 3 * linalg::kPieceNodes;
+    static Block blockOf(double* matrix, std::size_t unknowns, int row, int column)
+    {
+        return {matrix + 3 * (static_cast<std::size_t>(row) * unknowns + static_cast<std::size_t>(column)), unknowns};
+    }
+    int nodes_, firstPiece_;
+    std::vector<double> lattice_, pieces_;
+};
+
 } // namespace
 
 /// What the step that asks copies, as little as will do, and what comes of it. Nobody else has any of it.
@@ -164,18 +220,21 @@ struct CoarseRemake::Work {
 
     void make();
     [[nodiscard]] std::vector<std::array<int, 2>> edges() const;
-    [[nodiscard]] std::vector<double> coarseMatrix(const geometry::CoarseLattice& lattice) const;
+    [[nodiscard]] CoarseMatrix coarseMatrix(const geometry::CoarseLattice& lattice) const;
 };
 
 void CoarseRemake::Work::make()
 {
     const geometry::CoarseLattice lattice = lay({rest, edges(), nodes, held, masses}, remadeCoarseChoice(nodes.size()));
-    if (lattice.nodeCount > 0)
-        made = linalg::TwoLevelPreconditioner(linalg::CoarseInput{.matrix = coarseMatrix(lattice),
+    if (lattice.nodeCount > 0 || !lattice.pieces.empty()) {
+        const CoarseMatrix matrix = coarseMatrix(lattice);
+        made = linalg::TwoLevelPreconditioner(linalg::CoarseInput{.matrix = matrix.lattice(),
+                                                                  .pieces = matrix.pieces(),
                                                                   .coarseNodes = lattice.nodeCount,
                                                                   .rows = nodes,
                                                                   .corners = lattice.corners,
                                                                   .weights = lattice.weights});
+    }
     springs = {};
     elements = {}; // given back here, where there is time for it
     rest = {};
@@ -198,13 +257,9 @@ std::vector<std::array<int, 2>> CoarseRemake::Work::edges() const
 
 /// P^T A P without A: the stiffness of an element is bilinear in the gradients of its shape functions, and those of the
 /// coarse nodes are sums of them. Only the lower half.
-std::vector<double> CoarseRemake::Work::coarseMatrix(const geometry::CoarseLattice& lattice) const
+CoarseMatrix CoarseRemake::Work::coarseMatrix(const geometry::CoarseLattice& lattice) const
 {
-    const std::size_t unknowns = 3 * static_cast<std::size_t>(lattice.nodeCount);
-    std::vector<double> matrix(unknowns * unknowns);
-    const auto at = [&](int row, int column) {
-        return matrix.data() + 3 * (static_cast<std::size_t>(row) * unknowns + static_cast<std::size_t>(column));
-    };
+    CoarseMatrix matrix(lattice);
     CoarseSum<Vec3> sum;
     for (const Element& each : elements) {
         const Corners corners = cornersOf(each.nodes, rest), gradients = shapeGradients(corners);
@@ -217,10 +272,10 @@ std::vector<double> CoarseRemake::Work::coarseMatrix(const geometry::CoarseLatti
                 if (sum.corner(j) > sum.corner(i)) continue;
                 const Vec3 a = sum.value(i), b = sum.value(j);
                 const double shear = mu * dot(a, b);
-                double* block = at(sum.corner(i), sum.corner(j));
-                for (int r = 0; r < 3; ++r, block += unknowns)
-                    for (int c = 0; c < 3; ++c)
-                        block[c] += lambda * a[r] * b[c] + mu * b[r] * a[c] + (r == c ? shear : 0.0);
+                const CoarseMatrix::Block block = matrix.block(sum.corner(i), sum.corner(j));
+                for (std::size_t r = 0; r < 3; ++r)
+                    for (std::size_t c = 0; c < 3; ++c)
+                        block.add(r, c, lambda * a[r] * b[c] + mu * b[r] * a[c] + (r == c ? shear : 0.0));
             }
     }
     CoarseSum<double> ends;
@@ -232,9 +287,10 @@ std::vector<double> CoarseRemake::Work::coarseMatrix(const geometry::CoarseLatti
         for (std::size_t i = 0; i < ends.count(); ++i)
             for (std::size_t j = 0; j < ends.count(); ++j) {
                 if (ends.corner(j) > ends.corner(i)) continue;
-                double* block = at(ends.corner(i), ends.corner(j));
-                for (std::size_t r = 0; r < 3; ++r, block += unknowns)
-                    for (std::size_t c = 0; c < 3; ++c) block[c] += ends.value(i) * ends.value(j) * stiffness[r][c];
+                const CoarseMatrix::Block block = matrix.block(ends.corner(i), ends.corner(j));
+                for (std::size_t r = 0; r < 3; ++r)
+                    for (std::size_t c = 0; c < 3; ++c)
+                        block.add(r, c, ends.value(i) * ends.value(j) * stiffness[r][c]);
             }
     }
     const auto addNode = [&](int node, double value) {
@@ -243,9 +299,8 @@ std::vector<double> CoarseRemake::Work::coarseMatrix(const geometry::CoarseLatti
         for (std::size_t i = 0; i < share.count(); ++i)
             for (std::size_t j = 0; j < share.count(); ++j) {
                 if (share.corner(j) > share.corner(i)) continue;
-                double* block = at(share.corner(i), share.corner(j));
-                for (std::size_t k = 0; k < 3; ++k)
-                    block[k * (unknowns + 1)] += value * share.value(i) * share.value(j);
+                const CoarseMatrix::Block block = matrix.block(share.corner(i), share.corner(j));
+                for (std::size_t k = 0; k < 3; ++k) block.add(k, k, value * share.value(i) * share.value(j));
             }
     };
     for (int node : nodes) addNode(node, scale * weights.mass * masses[static_cast<std::size_t>(node)]);

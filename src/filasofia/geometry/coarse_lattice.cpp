@@ -282,8 +282,7 @@ CoarseLattice coarseLattice(std::span<const Vec3> nodes, std::span<const std::ar
     const auto isUsable = [](Vec3 p) {
         return isFinite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kFarthest;
     };
-    if (static_cast<int>(graph.nodes.size()) < kFewest || target < 4 || !std::ranges::all_of(graph.nodes, isUsable))
-        return lattice;
+    if (graph.nodes.empty() || target < 4 || !std::ranges::all_of(graph.nodes, isUsable)) return lattice;
     findPieces(graph);
     const Budget budget = budgetOf(graph, target);
     if (!coversHalf(graph, budget)) return lattice;
@@ -296,13 +295,16 @@ CoarseLattice coarseLattice(std::span<const Vec3> nodes, std::span<const std::ar
         write(large.original, laid, lattice);
         lattice.nodeCount = laid.count;
     }
+    lattice.pieces.resize(static_cast<std::size_t>(budget.small));
+    std::vector<int> single(graph.pieceSize.size(), kNone); // coarse nodes
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
-        const int rank = graph.piece[i] - budget.laid;
-        if (rank < 0 || rank >= budget.single) continue;
-        lattice.corners[graph.original[i]].fill(lattice.nodeCount + rank);
-        lattice.weights[graph.original[i]][0] = 1.0f;
+        const int piece = graph.piece[i], node = graph.original[i];
+        if (budget.isSmall(piece)) lattice.pieces[piece - budget.large].push_back(node);
+        if (!budget.isSingle(piece)) continue;
+        if (single[piece] == kNone) single[piece] = lattice.nodeCount++;
+        lattice.corners[node].fill(single[piece]);
+        lattice.weights[node][0] = 1.0f;
     }
-    lattice.nodeCount += budget.single;
     return lattice;
 }
 

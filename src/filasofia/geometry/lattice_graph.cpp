@@ -29,18 +29,21 @@ Budget budgetOf(const Graph& graph, int target)
     Budget budget{std::min(target, static_cast<int>(graph.nodes.size()) / 4)};
     const int pieces = static_cast<int>(graph.pieceSize.size());
     const auto large = std::ranges::partition_point(graph.pieceSize, [](int size) { return size >= kFewest; });
-    budget.laid = static_cast<int>(large - graph.pieceSize.begin());
+    budget.large = static_cast<int>(large - graph.pieceSize.begin());
+    budget.laid = budget.large;
     // A lattice takes four coarse nodes at least; with the single ones a quarter is left for finer cells.
     if (4 * budget.laid > budget.target) budget.laid = std::max(1, budget.target / 8);
+    budget.small = std::min(pieces - budget.large, kMostPieces);
     const int forSingle = budget.laid == 0 ? budget.target : budget.target / 4;
-    budget.single = std::min(pieces - budget.laid, forSingle);
+    budget.single = std::min(pieces - budget.laid - budget.small, forSingle);
     return budget;
 }
 
 bool coversHalf(const Graph& graph, const Budget& budget)
 {
-    const auto end = graph.pieceSize.begin() + budget.laid + budget.single;
-    const int covered = std::accumulate(graph.pieceSize.begin(), end, 0);
+    int covered = 0;
+    for (int piece = 0; piece < static_cast<int>(graph.pieceSize.size()); ++piece)
+        if (budget.isLaid(piece) || budget.isSmall(piece) || budget.isSingle(piece)) covered += graph.pieceSize[piece];
     return 2 * covered >= static_cast<int>(graph.nodes.size());
 }
 

@@ -11,7 +11,8 @@
 /// What coarseLattice() sees of a body: a graph, and the pieces it falls into.
 namespace filasofia::geometry {
 
-inline constexpr int kFewest = 16; ///< nodes that are worth four coarse ones
+inline constexpr int kFewest = 16;     ///< nodes that are worth four coarse ones
+inline constexpr int kMostPieces = 64; ///< with fewer nodes, that are told one by one
 
 /// Numbers joined into sets. The lowest number of a set stands for it, in whatever order they were joined.
 class DisjointSets {
@@ -62,17 +63,28 @@ Graph subgraph(std::span<const Vec3> nodes, std::span<const std::array<int, 2>> 
     return graph;
 }
 
-/// How many coarse nodes there may be and how the pieces share them: the first `laid` get a lattice, the next `single`
-/// one coarse node each.
+/// How many coarse nodes there may be and how the pieces share them: the first `laid` get a lattice, of those with
+/// fewer than kFewest nodes the first `small` are told one by one, and of the others the first `single` get one coarse
+/// node each.
 struct Budget {
     int target = 0;
     int laid = 0;
+    int large = 0; ///< pieces with kFewest nodes or more
+    int small = 0;
     int single = 0;
+
+    [[nodiscard]] bool isLaid(int piece) const { return piece < laid; }
+    [[nodiscard]] bool isSmall(int piece) const { return piece >= large && piece < large + small; }
+    [[nodiscard]] bool isSingle(int piece) const
+    {
+        const int before = piece < large ? laid : laid + small;
+        return !isLaid(piece) && !isSmall(piece) && piece - before < single;
+    }
 };
 
 Budget budgetOf(const Graph& graph, int target);
 
-/// Whether the pieces that get coarse nodes hold half of the nodes.
+/// Whether the pieces that get coarse nodes or are told hold half of the nodes.
 bool coversHalf(const Graph& graph, const Budget& budget);
 
 } // namespace filasofia::geometry

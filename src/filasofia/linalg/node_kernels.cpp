@@ -89,23 +89,25 @@ HWY_ATTR void multiplyPanelRange(const PanelRow* HWY_RESTRICT panels, const floa
 }
 
 /// For kTogether vectors at once.
-HWY_ATTR void multiplyPanelsTogether(const PanelRow* HWY_RESTRICT panels, const float* HWY_RESTRICT x, int rows,
-                                     float* HWY_RESTRICT y, int entries, int panelCount)
+HWY_ATTR void multiplyPanelsTogether(const PanelRow* HWY_RESTRICT panels, const float* HWY_RESTRICT x,
+                                     float* HWY_RESTRICT y, const VectorRows& vectors, int panelCount)
 {
     const Lanes d;
     for (int k = 0; k < panelCount; ++k) {
-        const PanelRow* HWY_RESTRICT row = panels + static_cast<std::ptrdiff_t>(k) * rows;
+        const PanelRow* HWY_RESTRICT row = panels + static_cast<std::ptrdiff_t>(k) * vectors.rows;
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             V sums[kTogether];
             for (V& sum : sums) sum = hn::Zero(d);
-            for (int i = 0; i < rows; ++i) {
+            for (int i = 0; i < vectors.rows; ++i) {
                 const V a = hn::Load(d, row[i].values + part);
                 for (int v = 0; v < kTogether; ++v)
-                    sums[v] = hn::MulAdd(hn::Set(d, x[static_cast<std::ptrdiff_t>(v) * rows + i]), a, sums[v]);
+                    sums[v] =
+                        hn::MulAdd(hn::Set(d, x[static_cast<std::ptrdiff_t>(v) * vectors.stride + i]), a, sums[v]);
             }
             for (int v = 0; v < kTogether; ++v)
                 hn::StoreU(sums[v], d,
-                           y + static_cast<std::ptrdiff_t>(v) * entries + 16l * k + static_cast<long>(part));
+                           y + static_cast<std::ptrdiff_t>(v) * vectors.answerStride + 16l * k +
+                               static_cast<long>(part));
         }
     }
 }
@@ -229,24 +231,27 @@ void restrictTo(const Restriction& restriction, const NodeArray& s, std::span<fl
     (restriction.ranges.data(), restriction.values.data(), s.data(), coarse.data(), begin, end);
 }
 
-void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> x, std::span<float> y, int begin,
-                    int end)
+void multiplyPanels(std::span<const PanelRow> panels, std::span<const float> x, std::span<float> y, int begin, int end)
 {
     HWY_DYNAMIC_DISPATCH(multiplyPanelRange)
     (panels.data(), x.data(), static_cast<int>(x.size()), y.data(), begin, end);
 }
 
-void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> x, int rows, std::span<float> y,
-                    int entries, int panelCount)
+void multiplyPanels(std::span<const PanelRow> panels, std::span<const float> x, std::span<float> y,
+                    const VectorRows& vectors, int panelCount)
 {
-    const std::size_t vectors = x.size() / static_cast<std::size_t>(rows);
-    std::size_t first = 0;
-    for (; first + kTogether <= vectors; first += kTogether) HWY_DYNAMIC_DISPATCH(multiplyPanelsTogether)
-    (panels.data(), x.data() + first * static_cast<std::size_t>(rows), rows,
-     y.data() + first * static_cast<std::size_t>(entries), entries, panelCount);
-    for (; first < vectors; ++first)
-        multiplyPanels(panels, x.subspan(first * static_cast<std::size_t>(rows), static_cast<std::size_t>(rows)),
-                       y.subspan(first * static_cast<std::size_t>(entries)), 0, panelCount);
+    const auto from = [&](int vector) {
+        return static_cast<std::size_t>(vector) * static_cast<std::size_t>(vectors.stride);
+    };
+    const auto to = [&](int vector) {
+        return static_cast<std::size_t>(vector) * static_cast<std::size_t>(vectors.answerStride);
+    };
+    int first = 0;
+    for (; first + kTogether <= vectors.count; first += kTogether) HWY_DYNAMIC_DISPATCH(multiplyPanelsTogether)
+    (panels.data(), x.data() + from(first), y.data() + to(first), vectors, panelCount);
+    for (; first < vectors.count; ++first)
+        multiplyPanels(panels, x.subspan(from(first), static_cast<std::size_t>(vectors.rows)), y.subspan(to(first)), 0,
+                       panelCount);
 }
 
 double gatherAndAdd(const Gather& gather, std::span<const float> corners, float scale, std::span<const float> masses,

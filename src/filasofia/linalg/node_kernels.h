@@ -37,13 +37,19 @@ struct alignas(64) PanelRow {
     float values[kBlock];
 };
 /// y = A x for the panels [begin, end).
-void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> x, std::span<float> y, int begin,
-                    int end);
+void multiplyPanels(std::span<const PanelRow> panels, std::span<const float> x, std::span<float> y, int begin, int end);
 
 constexpr int kTogether = 6; ///< vectors for which a dense matrix passes by once
-/// Y = A X for as many vectors as the spans hold, one after another: `rows` numbers each in X, `entries` each in Y.
-void multiplyPanels(const std::vector<PanelRow>& panels, std::span<const float> x, int rows, std::span<float> y,
-                    int entries, int panelCount);
+/// How vectors follow each other, and how much of each a matrix takes and gives.
+struct VectorRows {
+    int count = 0;        ///< of vectors
+    int rows = 0;         ///< numbers of each in X that the matrix has rows for
+    int stride = 0;       ///< from one vector to the next, in X
+    int answerStride = 0; ///< in Y
+};
+/// Y = A X for several vectors.
+void multiplyPanels(std::span<const PanelRow> panels, std::span<const float> x, std::span<float> y,
+                    const VectorRows& vectors, int panelCount);
 
 /// What a node gathers: the places of its corners' vectors, in floats.
 using Gather = Lists<int>;

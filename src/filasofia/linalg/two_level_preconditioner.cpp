@@ -15,8 +15,12 @@ namespace {
 // to the diagonal, does not slow the iteration, and float can invert what is left.
 constexpr double kShift = 1e-5;
 
+constexpr int kPieceUnknowns = 3 * kPieceNodes, kPiecePanels = kPieceUnknowns / kBlock;
+constexpr std::size_t kPieceRows = static_cast<std::size_t>(kPieceUnknowns) * kPiecePanels;
+
 constexpr Parts coarseNodeParts(int nodes) { return {nodes, 16}; }
 constexpr Parts panelParts(int panels) { return {panels, 4}; }
+constexpr int fours(int count) { return (count + 3) / 4 * 4; }
 
 void setBlock(std::vector<SymmetricBlock>& blocks, int node, const Mat3& value)
 {
@@ -25,12 +29,25 @@ void setBlock(std::vector<SymmetricBlock>& blocks, int node, const Mat3& value)
     for (int k = 0; k < 6; ++k) m[k][node % kBlock] = static_cast<float>(entries[k]);
 }
 
-/// P^T A P, without forming P: every block of A goes to the four times four coarse nodes of its row and column.
-Eigen::MatrixXd galerkin(const PreconditionerInput& in)
+struct CoarseMatrix {
+    Eigen::MatrixXd lattice;
+    std::vector<Eigen::MatrixXd> pieces;
+};
+
+/// P^T A P, without forming P: every block of A goes to the four times four coarse nodes of its row and column. Nothing
+/// couples a small piece with anything else.
+CoarseMatrix galerkin(const PreconditionerInput& in)
 {
     std::vector<bool> unknown(static_cast<std::size_t>(in.matrix.rows()));
     for (int row : in.rows) unknown[row] = true;
-    Eigen::MatrixXd coarse = Eigen::MatrixXd::Zero(3 * in.coarseNodes, 3 * in.coarseNodes);
+    CoarseMatrix coarse{Eigen::MatrixXd::Zero(3 * in.coarseNodes, 3 * in.coarseNodes),
+                        {static_cast<std::size_t>(in.pieces), Eigen::MatrixXd::Zero(kPieceUnknowns, kPieceUnknowns)}};
+    const int firstPiece = firstPieceNode(in.coarseNodes);
+    const auto blockAt = [&](int row, int column) {
+        if (row < in.coarseNodes) return coarse.lattice.block<3, 3>(3 * row, 3 * column);
+        const int piece = (row - firstPiece) / kPieceNodes, first = firstPiece + piece * kPieceNodes;
+        return coarse.pieces[static_cast<std::size_t>(piece)].block<3, 3>(3 * (row - first), 3 * (column - first));
+    };
     for (int row : in.rows)
         for (int at = in.matrix.rowStarts()[row]; at < in.matrix.rowStarts()[row + 1]; ++at) {
             const int column = in.matrix.columns()[at];
@@ -41,7 +58,7 @@ Eigen::MatrixXd galerkin(const PreconditionerInput& in)
                 for (std::size_t b = 0; b < 4; ++b) {
                     const double weight = static_cast<double>(in.weights[row][a]) * in.weights[column][b];
                     if (weight == 0.0) continue;
-                    coarse.block<3, 3>(3 * in.corners[row][a], 3 * in.corners[column][b]) += weight * in.scale * block;
+                    blockAt(in.corners[row][a], in.corners[column][b]) += weight * in.scale * block;
                 }
         }
     return coarse;
@@ -90,23 +107,60 @@ Eigen::MatrixXd quickInverseOf(Eigen::MatrixXd coarse)
     return inverse.allFinite() ? inverse : Eigen::MatrixXd();
 }
 
+/// Of a small piece; the numbers that it does not need stay out of it. Empty as above.
+Eigen::MatrixXd pieceInverseOf(Eigen::MatrixXd piece)
+{
+    std::vector<Eigen::Index> unused;
+    for (Eigen::Index i = 0; i < piece.rows(); ++i)
+        if (piece(i, i) == 0.0) unused.push_back(i);
+    for (Eigen::Index i : unused) piece(i, i) = 1.0;
+    Eigen::MatrixXd inverse = inverseOf(std::move(piece));
+    for (Eigen::Index i : unused)
+        if (inverse.size() > 0) inverse(i, i) = 0.0;
+    return inverse;
+}
+
+void writePanels(const Eigen::MatrixXd& inverse, int rows, PanelRow* panels)
+{
+    for (Eigen::Index i = 0; i < inverse.rows(); ++i)
+        for (Eigen::Index j = 0; j < inverse.cols(); ++j)
+            panels[j / kBlock * rows + i].values[j % kBlock] =
+                static_cast<float>(0.5 * (inverse(i, j) + inverse(j, i)));
+}
+
 } // namespace
+
+struct TwoLevelPreconditioner::CoarseInverse {
+    Eigen::MatrixXd lattice;
+    std::vector<Eigen::MatrixXd> pieces;
+};
 
 TwoLevelPreconditioner::TwoLevelPreconditioner(const PreconditionerInput& in)
 {
     grow(std::max(in.blocks, blocksFor(static_cast<int>(in.rows.size()))));
     for (std::size_t i = 0; i < in.rows.size(); ++i)
         setDiagonal(static_cast<int>(i), in.scale * in.matrix.block(in.matrix.find(in.rows[i], in.rows[i])));
-    if (in.coarseNodes > 0)
-        makeCoarseLevel(inverseOf(galerkin(in)), {{}, in.coarseNodes, in.rows, in.corners, in.weights});
+    if (in.coarseNodes == 0 && in.pieces == 0) return;
+    CoarseMatrix coarse = galerkin(in);
+    CoarseInverse inverse;
+    if (in.coarseNodes > 0) inverse.lattice = inverseOf(std::move(coarse.lattice));
+    for (Eigen::MatrixXd& each : coarse.pieces) inverse.pieces.push_back(pieceInverseOf(std::move(each)));
+    makeCoarseLevel(inverse, {{}, {}, in.coarseNodes, in.rows, in.corners, in.weights});
 }
 
 TwoLevelPreconditioner::TwoLevelPreconditioner(const CoarseInput& in)
 {
     rotations_.resize(static_cast<std::size_t>(blocksFor(static_cast<int>(in.rows.size()))));
-    const Eigen::Index unknowns = 3 * in.coarseNodes;
-    Eigen::MatrixXd coarse = Eigen::Map<const Eigen::MatrixXd>(in.matrix.data(), unknowns, unknowns).transpose();
-    makeCoarseLevel(quickInverseOf(std::move(coarse)), in);
+    const auto matrixOf = [](const double* rows, Eigen::Index unknowns) -> Eigen::MatrixXd {
+        return Eigen::Map<const Eigen::MatrixXd>(rows, unknowns, unknowns).transpose();
+    };
+    CoarseInverse inverse;
+    if (in.coarseNodes > 0) inverse.lattice = quickInverseOf(matrixOf(in.matrix.data(), 3 * in.coarseNodes));
+    constexpr std::size_t kNumbers = static_cast<std::size_t>(kPieceUnknowns) * kPieceUnknowns;
+    for (std::size_t at = 0; at < in.pieces.size(); at += kNumbers)
+        inverse.pieces.push_back(
+            pieceInverseOf(matrixOf(in.pieces.data() + at, kPieceUnknowns).selfadjointView<Eigen::Lower>()));
+    makeCoarseLevel(inverse, in);
 }
 
 void TwoLevelPreconditioner::grow(int blocks)
@@ -153,18 +207,20 @@ void TwoLevelPreconditioner::interpolate(int node, const Interpolation& how)
     }
 }
 
-template <class Matrix> void TwoLevelPreconditioner::makeCoarseLevel(const Matrix& inverse, const CoarseInput& in)
+void TwoLevelPreconditioner::makeCoarseLevel(const CoarseInverse& inverse, const CoarseInput& in)
 {
-    if (inverse.size() == 0) return;
-    coarseNodes_ = in.coarseNodes;
-    const int unknowns = 3 * coarseNodes_, panels = blocksFor(unknowns), rows = (unknowns + 3) / 4 * 4;
-    coarseResidual_.assign(static_cast<std::size_t>(rows), 0.0f);
-    coarse_.assign(static_cast<std::size_t>(panels * kBlock + 4), 0.0f);
-    coarseInverse_.assign(static_cast<std::size_t>(panels) * rows, {});
-    for (int i = 0; i < unknowns; ++i)
-        for (int j = 0; j < unknowns; ++j)
-            coarseInverse_[static_cast<std::size_t>(j / kBlock) * rows + i].values[j % kBlock] =
-                static_cast<float>(0.5 * (inverse(i, j) + inverse(j, i)));
+    if (in.coarseNodes > 0 && inverse.lattice.size() == 0) return;
+    const int pieces = static_cast<int>(inverse.pieces.size());
+    latticeNodes_ = in.coarseNodes;
+    coarseNodes_ = pieces == 0 ? latticeNodes_ : firstPieceNode(latticeNodes_) + pieces * kPieceNodes;
+    const int unknowns = 3 * coarseNodes_, rows = latticeRows();
+    coarseResidual_.assign(static_cast<std::size_t>(fours(unknowns)), 0.0f);
+    coarse_.assign(static_cast<std::size_t>(blocksFor(unknowns) * kBlock + 4), 0.0f);
+    coarseInverse_.assign(static_cast<std::size_t>(blocksFor(3 * latticeNodes_)) * static_cast<std::size_t>(rows), {});
+    writePanels(inverse.lattice, rows, coarseInverse_.data());
+    pieceInverses_.assign(static_cast<std::size_t>(pieces) * kPieceRows, {});
+    for (std::size_t p = 0; p < inverse.pieces.size(); ++p)
+        writePanels(inverse.pieces[p], kPieceUnknowns, pieceInverses_.data() + p * kPieceRows);
 
     interpolation_.assign(rotations_.size(), {});
     std::vector<std::vector<RestrictionEntry>> entries(static_cast<std::size_t>(coarseNodes_));
@@ -183,10 +239,12 @@ bool TwoLevelPreconditioner::takeCoarseLevel(TwoLevelPreconditioner&& from)
 {
     if (from.coarseNodes_ == 0) return false;
     coarseNodes_ = from.coarseNodes_;
+    latticeNodes_ = from.latticeNodes_;
     interpolation_ = std::move(from.interpolation_);
     interpolation_.resize(rotations_.size());
     restriction_ = std::move(from.restriction_);
     coarseInverse_ = std::move(from.coarseInverse_);
+    pieceInverses_ = std::move(from.pieceInverses_);
     coarseResidual_ = std::move(from.coarseResidual_);
     coarse_ = std::move(from.coarse_);
     return true;
@@ -216,11 +274,13 @@ double TwoLevelPreconditioner::spread(const NodeArray& r, NodeArray& z, WorkerPo
                                       std::span<const double> shares)
 {
     if (coarseNodes_ > 0) {
-        const Parts panels = panelParts(blocksFor(3 * coarseNodes_));
+        const Parts panels = panelParts(blocksFor(3 * latticeNodes_));
         if (shares.empty()) restrictResidual(pool); // else weigh() has done it
+        const auto rows = std::span<const float>(coarseResidual_).first(static_cast<std::size_t>(latticeRows()));
         pool.run(panels.count(), [&](int part) {
-            multiplyPanels(coarseInverse_, coarseResidual_, coarse_, panels[part].begin, panels[part].end);
+            multiplyPanels(coarseInverse_, rows, coarse_, panels[part].begin, panels[part].end);
         });
+        answerPieces(coarseResidual_, coarse_);
         const float* answered = answered_.data();
         for (std::size_t p = 0; p < shares.size(); ++p, answered += coarse_.size())
             for (std::size_t k = 0; k < coarse_.size(); ++k) coarse_[k] -= static_cast<float>(shares[p]) * answered[k];
@@ -228,6 +288,23 @@ double TwoLevelPreconditioner::spread(const NodeArray& r, NodeArray& z, WorkerPo
     return sumOfParts(pool, nodeParts(r.blocks()), sums_, [&](Blocks blocks) {
         return prolongAndUnwarp(rotations_, interpolation_, coarse_, smoothed_, r, z, blocks);
     });
+}
+
+int TwoLevelPreconditioner::latticeRows() const { return fours(3 * latticeNodes_); }
+
+/// Those that feel something.
+void TwoLevelPreconditioner::answerPieces(std::span<const float> felt, std::span<float> answered) const
+{
+    const std::size_t first = 3 * static_cast<std::size_t>(firstPieceNode(latticeNodes_));
+    for (std::size_t at = 0; at < pieceInverses_.size(); at += kPieceRows) {
+        const std::size_t from = first + at / kPieceRows * kPieceUnknowns;
+        const auto x = felt.subspan(from, kPieceUnknowns);
+        const auto y = answered.subspan(from, kPieceUnknowns);
+        if (std::ranges::all_of(x, [](float each) { return each == 0.0f; }))
+            std::ranges::fill(y, 0.0f);
+        else
+            multiplyPanels(std::span(pieceInverses_).subspan(at, kPieceRows), x, y, 0, kPiecePanels);
+    }
 }
 
 void TwoLevelPreconditioner::clearPulls()
@@ -258,8 +335,14 @@ void TwoLevelPreconditioner::answerPulls()
 {
     const std::size_t rows = coarseResidual_.size(), entries = coarse_.size(), pulls = static_cast<std::size_t>(pulls_);
     answered_.assign(pulls * entries, 0.0f);
-    multiplyPanels(coarseInverse_, felt_, static_cast<int>(rows), answered_, static_cast<int>(entries),
-                   blocksFor(3 * coarseNodes_));
+    multiplyPanels(coarseInverse_, felt_, answered_,
+                   {.count = pulls_,
+                    .rows = latticeRows(),
+                    .stride = static_cast<int>(rows),
+                    .answerStride = static_cast<int>(entries)},
+                   blocksFor(3 * latticeNodes_));
+    for (std::size_t p = 0; p < pulls; ++p)
+        answerPieces(std::span(felt_).subspan(p * rows, rows), std::span(answered_).subspan(p * entries, entries));
     answeredRows_.assign(static_cast<std::size_t>(blocksFor(pulls_)) * rows, {});
     for (std::size_t p = 0; p < pulls; ++p)
         for (std::size_t k = 0; k < static_cast<std::size_t>(3 * coarseNodes_); ++k)

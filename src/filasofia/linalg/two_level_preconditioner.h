@@ -11,13 +11,19 @@ class WorkerPool;
 
 namespace filasofia::linalg {
 
+/// Small pieces that hang on nothing else have a coarse node per node: the coarse level is exact there. They have
+/// kPieceNodes numbers each, after those of all other coarse nodes, whether they need them or not.
+constexpr int kPieceNodes = 16;
+constexpr int firstPieceNode(int coarseNodes) { return (coarseNodes + kPieceNodes - 1) / kPieceNodes * kPieceNodes; }
+
 /// What a preconditioner is made from, once: a matrix, which of its rows are unknowns and in which order, and how they
 /// are interpolated from coarse unknowns.
 struct PreconditionerInput {
     const BlockSparseMatrix& matrix;               ///< at rest; rows that are not unknowns are left out
     std::span<const int> rows;                     ///< per unknown node: its row in the matrix
     double scale = 1.0;                            ///< the matrix is used times this
-    int coarseNodes = 0;                           ///< 0: the smoother alone
+    int coarseNodes = 0;                           ///< besides those of small pieces
+    int pieces = 0;                                ///< small ones; without coarse nodes too: the smoother alone
     std::span<const std::array<int, 4>> corners;   ///< per matrix row: its coarse nodes
     std::span<const std::array<float, 4>> weights; ///< per matrix row
     int blocks = 0;                                ///< of nodes, where more are wanted than the rows need
@@ -25,10 +31,11 @@ struct PreconditionerInput {
 
 /// The coarse level of one alone, where the coarse matrix is known.
 struct CoarseInput {
-    std::span<const double> matrix;              ///< A_c, dense, of three rows per coarse node; its lower half is read
-    int coarseNodes = 0;                         ///< > 0
-    std::span<const int> rows;                   ///< as in PreconditionerInput
-    std::span<const std::array<int, 4>> corners; ///< as in PreconditionerInput
+    std::span<const double> matrix; ///< A_c, dense, of three rows per coarse node; its lower half is read
+    std::span<const double> pieces; ///< the same of small pieces, of 3 kPieceNodes rows each, one after another
+    int coarseNodes = 0;            ///< of `matrix`
+    std::span<const int> rows;      ///< as in PreconditionerInput
+    std::span<const std::array<int, 4>> corners;   ///< as in PreconditionerInput
     std::span<const std::array<float, 4>> weights; ///< as in PreconditionerInput
 };
 
@@ -50,7 +57,8 @@ struct NodePull {
 ///
 /// D the 3 x 3 blocks on the diagonal (block Jacobi), P the interpolation from a coarse mesh, R the node rotations. The
 /// sum of both is symmetric and positive definite whatever P is. A_c is small: its inverse is kept whole, so that
-/// applying it is one product of a dense matrix that threads share without waiting for each other.
+/// applying it is one product of a dense matrix that threads share without waiting for each other, and a small one per
+/// small piece.
 class TwoLevelPreconditioner {
 public:
     TwoLevelPreconditioner() = default;
@@ -96,14 +104,19 @@ public:
 private:
     void restrictResidual(WorkerPool& pool);
     [[nodiscard]] Mat3 rotation(int node) const;
-    template <class Matrix> void makeCoarseLevel(const Matrix& inverse, const CoarseInput& in); ///< Eigen's
+    struct CoarseInverse;
+    void makeCoarseLevel(const CoarseInverse& inverse, const CoarseInput& in);
+    [[nodiscard]] int latticeRows() const; ///< of A_c without small pieces, rounded up
+    void answerPieces(std::span<const float> felt, std::span<float> answered) const;
 
     std::vector<RotationBlock> rotations_;
     std::vector<SymmetricBlock> inverseDiagonal_;
-    int coarseNodes_ = 0;
+    int coarseNodes_ = 0;                           ///< with those of small pieces
+    int latticeNodes_ = 0;                          ///< without
     std::vector<InterpolationBlock> interpolation_; ///< P
     Restriction restriction_;                       ///< P^T
-    std::vector<PanelRow> coarseInverse_;           ///< A_c^-1
+    std::vector<PanelRow> coarseInverse_;           ///< A_c^-1, without small pieces
+    std::vector<PanelRow> pieceInverses_;           ///< of these, one after another
     NodeArray rest_, smoothed_;
     std::vector<float> coarseResidual_, coarse_;
     int pulls_ = 0;
