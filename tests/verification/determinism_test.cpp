@@ -71,7 +71,7 @@ TEST_CASE("every instruction set with fused multiply-add makes the same hash, ot
 // prints:  test_verification "after 50 steps*"  (and says so in CHANGELOG.md: recorded hashes change for users too)
 TEST_CASE("after 50 steps of 1 ms every bunny has the hash that it had on any machine")
 {
-    const std::tuple<int, std::uint64_t, std::uint64_t> goldens[] = {{756, 0x1a39959051d2265c, 0xa185c6649d73720e},
+    const std::tuple<int, std::uint64_t, std::uint64_t> goldens[] = {{756, 0x884fb10c8a252e0f, 0xa185c6649d73720e},
                                                                      {1492, 0x367d4051d1deb75c, 0xd8776b39b20a7e81},
                                                                      {3004, 0xde7d0eeb5f1d07af, 0xd1c256039d508713}};
     const bool same = fused(linalg::simdTarget());
