@@ -50,12 +50,13 @@ struct Problem {
                 .rows = rows,
                 .scale = 2.5,
                 .coarseNodes = coarseNodes,
-                .pieces = pieces,
+                .freePieces = freePieces,
                 .corners = corners,
                 .weights = weights};
     }
 
     int pieces;
+    std::vector<char> freePieces = std::vector<char>(static_cast<std::size_t>(pieces), 1);
     BlockSparseMatrix matrix;
     std::vector<int> rows;
     int coarseNodes;
@@ -159,6 +160,75 @@ TEST_CASE("small pieces are solved for exactly, beside the coarse nodes of the o
         }
 }
 
+TEST_CASE("a small piece that nothing holds moves rigidly in the coarse level, and where it is gripped does not turn")
+{
+    std::mt19937 random(9);
+    WorkerPool pool(1);
+    const int unknowns = 60, pieces = 2;
+    const double massWeight = 1.25;
+    Problem problem(random, 60, unknowns, 5, pieces), flat = problem;
+    problem.freePieces[1] = 0; // stays what it is
+    flat.coarseNodes = flat.pieces = 0;
+    flat.freePieces.clear();
+    TwoLevelPreconditioner m = turned(problem, random);
+    const Eigen::MatrixXd before = densePreconditioner(problem, m.rotations());
+    const Eigen::MatrixXd smoother = densePreconditioner(flat, m.rotations());
+    const NodeArray x = randomNodes(random, unknowns), r = randomNodes(random, unknowns);
+    std::vector<float> masses(static_cast<std::size_t>(unknowns));
+    for (float& mass : masses) mass = 0.5f + std::abs(randomFloat(random));
+    std::vector<int> slots; // of the piece
+    for (int i = 0; i < unknowns; ++i)
+        if (problem.rows[static_cast<std::size_t>(i)] < Problem::kPieceRows) slots.push_back(i);
+    REQUIRE(slots.size() == Problem::kPieceRows);
+
+    double mass = 0.0;
+    Vec3 centre, force, torque;
+    const auto massOf = [&](int slot) { return static_cast<double>(masses[static_cast<std::size_t>(slot)]); };
+    for (int slot : slots) {
+        mass += massOf(slot);
+        centre += massOf(slot) * vectorOf(x[slot]);
+        force += vectorOf(r[slot]);
+    }
+    centre = 1.0 / mass * centre;
+    Mat3 inertia;
+    for (int slot : slots) {
+        const Vec3 arm = vectorOf(x[slot]) - centre;
+        torque += cross(arm, vectorOf(r[slot]));
+        inertia += massOf(slot) * (lengthSquared(arm) * Mat3::identity() - outer(arm, arm));
+    }
+    const auto expected = [&](bool turns) {
+        Eigen::VectorXd all = before * dense(r, unknowns);
+        const Eigen::VectorXd smooth = smoother * dense(r, unknowns);
+        for (int slot : slots) {
+            Vec3 moved = 1.0 / (massWeight * mass) * force;
+            if (turns) moved += 1.0 / massWeight * cross(inverse(inertia) * torque, vectorOf(x[slot]) - centre);
+            all.segment<3>(3 * slot) = smooth.segment<3>(3 * slot) + Eigen::Vector3d(moved.x, moved.y, moved.z);
+        }
+        return all;
+    };
+    const auto isClose = [&](const Eigen::VectorXd& exact) {
+        NodeArray z(r.blocks());
+        m.apply(r, z, pool);
+        return (dense(z, unknowns) - exact).norm() <= 1e-5 * exact.norm();
+    };
+    m.followPieces(x, masses, massWeight);
+    CHECK(isClose(expected(true)));
+    const auto grip = [&](int nodes) {
+        std::vector<NodePull> pull;
+        for (int i = 0; i < nodes; ++i) pull.push_back({slots[static_cast<std::size_t>(i)], {1, 0, 0}});
+        m.clearPulls();
+        m.addPull(pull);
+        m.addPull(pull); // the same nodes once more
+        m.answerPulls();
+    };
+    grip(2);
+    CHECK(isClose(expected(true)));
+    grip(3);
+    CHECK(isClose(expected(false)));
+    m.followPieces(x, masses, massWeight);
+    CHECK(isClose(expected(true)));
+}
+
 TEST_CASE("a coarse level whose matrices are given is that of the matrix")
 {
     std::mt19937 random(8);
@@ -191,11 +261,13 @@ TEST_CASE("a coarse level whose matrices are given is that of the matrix")
         small.insert(small.end(), rows.begin(), rows.end());
     }
     PreconditionerInput flat = problem.input();
-    flat.coarseNodes = flat.pieces = 0;
+    flat.coarseNodes = 0;
+    flat.freePieces = {};
     TwoLevelPreconditioner m(flat);
     m.rotations() = whole.rotations();
     REQUIRE(m.takeCoarseLevel(TwoLevelPreconditioner(CoarseInput{.matrix = lattice,
                                                                  .pieces = small,
+                                                                 .freePieces = problem.freePieces,
                                                                  .coarseNodes = coarseNodes,
                                                                  .rows = problem.rows,
                                                                  .corners = problem.corners,
@@ -323,6 +395,7 @@ TEST_CASE("pulls are weighed by the coarse level's answers, and taken from what 
     const Problem problem(random, 60, unknowns, 7, 2);
     Problem flat = problem;
     flat.coarseNodes = flat.pieces = 0;
+    flat.freePieces.clear();
     TwoLevelPreconditioner m = turned(problem, random);
     const Eigen::MatrixXd whole = densePreconditioner(problem, m.rotations());
     const Eigen::MatrixXd coarse = whole - densePreconditioner(flat, m.rotations());

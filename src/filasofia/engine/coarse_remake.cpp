@@ -28,8 +28,33 @@ struct Tissue {
     const std::vector<std::array<int, 2>>& edges;
     std::span<const int> nodes; ///< that are free
     const std::vector<bool>& held;
+    const std::vector<PinSpring>& pins;
     const std::vector<double>& masses;
 };
+
+struct LaidTissue {
+    geometry::CoarseLattice lattice;
+    std::vector<char> freePieces; ///< per small piece, 1: nothing holds it
+};
+
+/// Which of the small pieces hang on nothing.
+std::vector<char> freePieces(const Tissue& tissue, const std::vector<std::vector<int>>& pieces)
+{
+    std::vector<int> pieceOf(tissue.rest.size(), -1);
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+        for (int node : pieces[p]) pieceOf[static_cast<std::size_t>(node)] = static_cast<int>(p);
+    std::vector<char> isFree(pieces.size(), 1);
+    const auto hold = [&](int node) {
+        if (const int piece = pieceOf[static_cast<std::size_t>(node)]; piece >= 0)
+            isFree[static_cast<std::size_t>(piece)] = 0;
+    };
+    for (const auto& [a, b] : tissue.edges) {
+        if (tissue.held[static_cast<std::size_t>(a)]) hold(b);
+        if (tissue.held[static_cast<std::size_t>(b)]) hold(a);
+    }
+    for (const PinSpring& pin : tissue.pins) hold(pin.node);
+    return isFree;
+}
 
 void giveLightNodesTheirOwn(const Tissue& tissue, int most, geometry::CoarseLattice& lattice)
 {
@@ -76,7 +101,7 @@ void givePiecesTheirOwn(geometry::CoarseLattice& lattice)
     }
 }
 
-geometry::CoarseLattice lay(const Tissue& tissue, const CoarseChoice& choice)
+LaidTissue lay(const Tissue& tissue, const CoarseChoice& choice)
 {
     std::vector<bool> active(tissue.held);
     active.flip();
@@ -86,7 +111,8 @@ geometry::CoarseLattice lay(const Tissue& tissue, const CoarseChoice& choice)
         dropUnused(lattice);
     }
     givePiecesTheirOwn(lattice);
-    return lattice;
+    std::vector<char> isFree = freePieces(tissue, lattice.pieces);
+    return {std::move(lattice), std::move(isFree)};
 }
 
 } // namespace
@@ -109,13 +135,13 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
     AssembledSystem rest(model);
     SoftState state = stateAtRest(model);
     assembleMatrix(model, std::vector<Vec3>(model.rest.size()), plan.period, 1.0, state, rest);
-    const geometry::CoarseLattice lattice =
-        lay({model.rest, connections(model), plan.nodes, model.pins.hard, model.masses}, choice);
+    const auto [lattice, isFree] =
+        lay({model.rest, connections(model), plan.nodes, model.pins.hard, model.pins.springs, model.masses}, choice);
     return linalg::TwoLevelPreconditioner({.matrix = rest.matrix,
                                            .rows = plan.nodes,
                                            .scale = plan.scale,
                                            .coarseNodes = lattice.nodeCount,
-                                           .pieces = static_cast<int>(lattice.pieces.size()),
+                                           .freePieces = isFree,
                                            .corners = lattice.corners,
                                            .weights = lattice.weights,
                                            .blocks = plan.blocks});
@@ -225,11 +251,12 @@ struct CoarseRemake::Work {
 
 void CoarseRemake::Work::make()
 {
-    const geometry::CoarseLattice lattice = lay({rest, edges(), nodes, held, masses}, remadeCoarseChoice(nodes.size()));
+    const auto [lattice, isFree] = lay({rest, edges(), nodes, held, pins, masses}, remadeCoarseChoice(nodes.size()));
     if (lattice.nodeCount > 0 || !lattice.pieces.empty()) {
         const CoarseMatrix matrix = coarseMatrix(lattice);
         made = linalg::TwoLevelPreconditioner(linalg::CoarseInput{.matrix = matrix.lattice(),
                                                                   .pieces = matrix.pieces(),
+                                                                  .freePieces = isFree,
                                                                   .coarseNodes = lattice.nodeCount,
                                                                   .rows = nodes,
                                                                   .corners = lattice.corners,

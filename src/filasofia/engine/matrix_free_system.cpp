@@ -106,6 +106,7 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
         if (implicit && !elements_.empty()) averageRotations(turns_, quaternions, preconditioner_.rotations(), blocks);
         return gatherForces(gather_, corners, asFloat(dt * rayleigh.mass), masses_, diagonal_, v_, residual_, blocks);
     });
+    if (implicit) preconditioner_.followPieces(x_, masses_, massWeight_);
 }
 
 double MatrixFreeSystem::multiply(const NodeArray& p, NodeArray& q, WorkerPool& pool)

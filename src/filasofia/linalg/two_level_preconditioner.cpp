@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "filasofia/core/sorted.h"
+
 #include <algorithm>
 
 namespace filasofia::linalg {
@@ -41,7 +43,7 @@ CoarseMatrix galerkin(const PreconditionerInput& in)
     std::vector<bool> unknown(static_cast<std::size_t>(in.matrix.rows()));
     for (int row : in.rows) unknown[row] = true;
     CoarseMatrix coarse{Eigen::MatrixXd::Zero(3 * in.coarseNodes, 3 * in.coarseNodes),
-                        {static_cast<std::size_t>(in.pieces), Eigen::MatrixXd::Zero(kPieceUnknowns, kPieceUnknowns)}};
+                        {in.freePieces.size(), Eigen::MatrixXd::Zero(kPieceUnknowns, kPieceUnknowns)}};
     const int firstPiece = firstPieceNode(in.coarseNodes);
     const auto blockAt = [&](int row, int column) {
         if (row < in.coarseNodes) return coarse.lattice.block<3, 3>(3 * row, 3 * column);
@@ -140,12 +142,12 @@ TwoLevelPreconditioner::TwoLevelPreconditioner(const PreconditionerInput& in)
     grow(std::max(in.blocks, blocksFor(static_cast<int>(in.rows.size()))));
     for (std::size_t i = 0; i < in.rows.size(); ++i)
         setDiagonal(static_cast<int>(i), in.scale * in.matrix.block(in.matrix.find(in.rows[i], in.rows[i])));
-    if (in.coarseNodes == 0 && in.pieces == 0) return;
+    if (in.coarseNodes == 0 && in.freePieces.empty()) return;
     CoarseMatrix coarse = galerkin(in);
     CoarseInverse inverse;
     if (in.coarseNodes > 0) inverse.lattice = inverseOf(std::move(coarse.lattice));
     for (Eigen::MatrixXd& each : coarse.pieces) inverse.pieces.push_back(pieceInverseOf(std::move(each)));
-    makeCoarseLevel(inverse, {{}, {}, in.coarseNodes, in.rows, in.corners, in.weights});
+    makeCoarseLevel(inverse, {{}, {}, in.freePieces, in.coarseNodes, in.rows, in.corners, in.weights});
 }
 
 TwoLevelPreconditioner::TwoLevelPreconditioner(const CoarseInput& in)
@@ -218,6 +220,8 @@ void TwoLevelPreconditioner::makeCoarseLevel(const CoarseInverse& inverse, const
     coarse_.assign(static_cast<std::size_t>(blocksFor(unknowns) * kBlock + 4), 0.0f);
     coarseInverse_.assign(static_cast<std::size_t>(blocksFor(3 * latticeNodes_)) * static_cast<std::size_t>(rows), {});
     writePanels(inverse.lattice, rows, coarseInverse_.data());
+    freePieces_.assign(in.freePieces.begin(), in.freePieces.end());
+    pieceMobility_.assign(freePieces_.size(), 0.0);
     pieceInverses_.assign(static_cast<std::size_t>(pieces) * kPieceRows, {});
     for (std::size_t p = 0; p < inverse.pieces.size(); ++p)
         writePanels(inverse.pieces[p], kPieceUnknowns, pieceInverses_.data() + p * kPieceRows);
@@ -245,6 +249,8 @@ bool TwoLevelPreconditioner::takeCoarseLevel(TwoLevelPreconditioner&& from)
     restriction_ = std::move(from.restriction_);
     coarseInverse_ = std::move(from.coarseInverse_);
     pieceInverses_ = std::move(from.pieceInverses_);
+    freePieces_ = std::move(from.freePieces_);
+    pieceMobility_ = std::move(from.pieceMobility_);
     coarseResidual_ = std::move(from.coarseResidual_);
     coarse_ = std::move(from.coarse_);
     return true;
@@ -292,6 +298,59 @@ double TwoLevelPreconditioner::spread(const NodeArray& r, NodeArray& z, WorkerPo
 
 int TwoLevelPreconditioner::latticeRows() const { return fours(3 * latticeNodes_); }
 
+void TwoLevelPreconditioner::followPieces(const NodeArray& x, std::span<const float> masses, double massWeight)
+{
+    struct Point {
+        int at;    ///< its place in the piece
+        Vec3 arm;  ///< [m] from the centre
+        Mat3 turn; ///< R^T
+        double mass;
+    };
+    std::vector<Point> points;
+    for (std::size_t p = 0; p < freePieces_.size(); ++p) {
+        if (freePieces_[p] == 0) continue;
+        points.clear();
+        double mass = 0.0;
+        Vec3 centre;
+        for (int i = 0; i < kPieceNodes; ++i) {
+            const auto coarse =
+                static_cast<std::size_t>(firstPieceNode(latticeNodes_) + static_cast<int>(p) * kPieceNodes + i);
+            if (restriction_.size(coarse) == 0) continue;
+            const int node = restriction_.begin(coarse)->node;
+            const float* at = x[node];
+            points.push_back(
+                {i, {at[0], at[1], at[2]}, transpose(rotation(node)), masses[static_cast<std::size_t>(node)]});
+            mass += points.back().mass;
+            centre += points.back().mass * points.back().arm;
+        }
+        if (!(mass > 0.0)) continue;
+        pieceMobility_[p] = 1.0 / (massWeight * mass);
+        centre = 1.0 / mass * centre;
+        Mat3 inertia;
+        for (Point& each : points) {
+            each.arm -= centre;
+            inertia += each.mass * (lengthSquared(each.arm) * Mat3::identity() - outer(each.arm, each.arm));
+        }
+        const double size = trace(inertia) / 3.0;
+        const bool solid = determinant(inertia) > 1e-6 * size * size * size; // else in a point or on a line
+        const Mat3 spin = solid ? inverse(inertia) : Mat3{};
+        // An impulse at one point moves another by I/m + [d_i]^T J^-1 [d_j], both as the pieces were at rest.
+        PanelRow* panels = pieceInverses_.data() + p * kPieceRows;
+        for (const Point& a : points)
+            for (const Point& b : points) {
+                const Mat3 moved = 1.0 / (massWeight * mass) * Mat3::identity() +
+                                   1.0 / massWeight * (transpose(crossMatrix(a.arm)) * spin * crossMatrix(b.arm));
+                const Mat3 block = a.turn * moved * transpose(b.turn);
+                for (int r = 0; r < 3; ++r)
+                    for (int c = 0; c < 3; ++c) {
+                        const int column = 3 * b.at + c;
+                        panels[column / kBlock * kPieceUnknowns + 3 * a.at + r].values[column % kBlock] =
+                            static_cast<float>(block[r][c]);
+                    }
+            }
+    }
+}
+
 /// Those that feel something.
 void TwoLevelPreconditioner::answerPieces(std::span<const float> felt, std::span<float> answered) const
 {
@@ -313,6 +372,7 @@ void TwoLevelPreconditioner::clearPulls()
     felt_.clear();
     answered_.clear();
     answeredRows_.clear();
+    pulled_.clear();
 }
 
 void TwoLevelPreconditioner::addPull(std::span<const NodePull> pull)
@@ -324,6 +384,8 @@ void TwoLevelPreconditioner::addPull(std::span<const NodePull> pull)
     for (const NodePull& each : pull) {
         const Vec3 rest = transposeTimes(rotation(each.node), each.pull);
         const InterpolationBlock& block = interpolation_[static_cast<std::size_t>(each.node / kBlock)];
+        if (const int coarse = block.at[each.node % kBlock][0] / 3 - firstPieceNode(latticeNodes_); coarse >= 0)
+            pulled_.push_back({coarse / kPieceNodes, coarse % kPieceNodes});
         for (int k = 0; k < 4; ++k)
             for (int i = 0; i < 3; ++i)
                 felt[static_cast<std::size_t>(block.at[each.node % kBlock][k] + i)] +=
@@ -331,8 +393,38 @@ void TwoLevelPreconditioner::addPull(std::span<const NodePull> pull)
     }
 }
 
+/// A small piece that is pulled at more than two nodes cannot turn, and pulls that are sums over many contacts do not
+/// say so: of a free one the coarse level keeps the translation.
+void TwoLevelPreconditioner::looseGrippedPieces()
+{
+    sortUnique(pulled_);
+    for (std::size_t at = 0; at < pulled_.size();) {
+        std::size_t end = at;
+        while (end < pulled_.size() && pulled_[end][0] == pulled_[at][0]) ++end;
+        const auto piece = static_cast<std::size_t>(pulled_[at][0]);
+        const bool gripped = end - at > 2;
+        at = end;
+        if (!gripped || pieceMobility_[piece] == 0.0) continue;
+        PanelRow* panels = pieceInverses_.data() + piece * kPieceRows;
+        std::fill_n(panels, kPieceRows, PanelRow{});
+        for (int i = 0; i < kPieceNodes; ++i)
+            for (int j = 0; j < kPieceNodes; ++j) {
+                const auto first = static_cast<std::size_t>(firstPieceNode(latticeNodes_)) + piece * kPieceNodes;
+                const std::size_t a = first + static_cast<std::size_t>(i), b = first + static_cast<std::size_t>(j);
+                if (restriction_.size(a) == 0 || restriction_.size(b) == 0) continue;
+                const Mat3 turn =
+                    transpose(rotation(restriction_.begin(a)->node)) * rotation(restriction_.begin(b)->node);
+                for (int r = 0; r < 3; ++r)
+                    for (int c = 0; c < 3; ++c)
+                        panels[(3 * j + c) / kBlock * kPieceUnknowns + 3 * i + r].values[(3 * j + c) % kBlock] =
+                            static_cast<float>(pieceMobility_[piece] * turn[r][c]);
+            }
+    }
+}
+
 void TwoLevelPreconditioner::answerPulls()
 {
+    looseGrippedPieces();
     const std::size_t rows = coarseResidual_.size(), entries = coarse_.size(), pulls = static_cast<std::size_t>(pulls_);
     answered_.assign(pulls * entries, 0.0f);
     multiplyPanels(coarseInverse_, felt_, answered_,

@@ -23,7 +23,7 @@ struct PreconditionerInput {
     std::span<const int> rows;                     ///< per unknown node: its row in the matrix
     double scale = 1.0;                            ///< the matrix is used times this
     int coarseNodes = 0;                           ///< besides those of small pieces
-    int pieces = 0;                                ///< small ones; without coarse nodes too: the smoother alone
+    std::span<const char> freePieces = {};         ///< per small piece, 1: nothing holds it
     std::span<const std::array<int, 4>> corners;   ///< per matrix row: its coarse nodes
     std::span<const std::array<float, 4>> weights; ///< per matrix row
     int blocks = 0;                                ///< of nodes, where more are wanted than the rows need
@@ -31,10 +31,11 @@ struct PreconditionerInput {
 
 /// The coarse level of one alone, where the coarse matrix is known.
 struct CoarseInput {
-    std::span<const double> matrix; ///< A_c, dense, of three rows per coarse node; its lower half is read
-    std::span<const double> pieces; ///< the same of small pieces, of 3 kPieceNodes rows each, one after another
-    int coarseNodes = 0;            ///< of `matrix`
-    std::span<const int> rows;      ///< as in PreconditionerInput
+    std::span<const double> matrix;   ///< A_c, dense, of three rows per coarse node; its lower half is read
+    std::span<const double> pieces;   ///< the same of small pieces, of 3 kPieceNodes rows each, one after another
+    std::span<const char> freePieces; ///< as in PreconditionerInput
+    int coarseNodes = 0;              ///< of `matrix`
+    std::span<const int> rows;        ///< as in PreconditionerInput
     std::span<const std::array<int, 4>> corners;   ///< as in PreconditionerInput
     std::span<const std::array<float, 4>> weights; ///< as in PreconditionerInput
 };
@@ -85,6 +86,11 @@ public:
     /// then on.
     bool takeCoarseLevel(TwoLevelPreconditioner&& from);
 
+    /// Small pieces that nothing holds: from now on the coarse level has their rigid motions at positions x, and
+    /// nothing else of them. What they were at rest says little of a crumb that is crushed, and takes its turns for
+    /// stiff. `masses` per node, as they stand in the matrix.
+    void followPieces(const NodeArray& x, std::span<const float> masses, double massWeight);
+
     // The same in two halves, for who changes something between them: R D^-1 R^T r, and z from that and the coarse
     // level's answer to r.
     void smooth(const NodeArray& r, WorkerPool& pool);
@@ -107,6 +113,7 @@ private:
     struct CoarseInverse;
     void makeCoarseLevel(const CoarseInverse& inverse, const CoarseInput& in);
     [[nodiscard]] int latticeRows() const; ///< of A_c without small pieces, rounded up
+    void looseGrippedPieces();
     void answerPieces(std::span<const float> felt, std::span<float> answered) const;
 
     std::vector<RotationBlock> rotations_;
@@ -117,6 +124,9 @@ private:
     Restriction restriction_;                       ///< P^T
     std::vector<PanelRow> coarseInverse_;           ///< A_c^-1, without small pieces
     std::vector<PanelRow> pieceInverses_;           ///< of these, one after another
+    std::vector<char> freePieces_;
+    std::vector<double> pieceMobility_;      ///< of those that were followed: in translation, of the others 0
+    std::vector<std::array<int, 2>> pulled_; ///< of small pieces: the piece and its node that a pull reaches
     NodeArray rest_, smoothed_;
     std::vector<float> coarseResidual_, coarse_;
     int pulls_ = 0;
