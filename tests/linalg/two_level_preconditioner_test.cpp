@@ -15,6 +15,20 @@ using namespace filasofia::linalg;
 
 namespace {
 
+/// Without the blocks of rows and columns for which `same` does not hold.
+template <class Same> BlockSparseMatrix uncoupled(const BlockSparseMatrix& all, const Same& same)
+{
+    std::vector<std::vector<int>> columns(static_cast<std::size_t>(all.rows()));
+    for (int row = 0; row < all.rows(); ++row)
+        for (int at = all.rowStarts()[row]; at < all.rowStarts()[row + 1]; ++at)
+            if (same(row, all.columns()[at])) columns[static_cast<std::size_t>(row)].push_back(all.columns()[at]);
+    BlockSparseMatrix matrix(columns);
+    for (int row = 0; row < all.rows(); ++row)
+        for (int column : columns[static_cast<std::size_t>(row)])
+            matrix.block(matrix.find(row, column)) = all.block(all.find(row, column));
+    return matrix;
+}
+
 /// A matrix of which some rows are unknowns, in an order of their own, and coarse nodes for its rows. The first
 /// kPieceRows rows are a small piece, the next ones another, for as many as there are: nothing couples them.
 struct Problem {
@@ -32,9 +46,8 @@ struct Problem {
                 weights[row][k] = k == 3 ? 0.0f : randomFloat(random);
             }
         const auto pieceOf = [&](int row) { return std::min(row / kPieceRows, pieces); };
+        matrix = uncoupled(matrix, [&](int row, int column) { return pieceOf(row) == pieceOf(column); });
         for (int row = 0; row < matrixRows && pieces > 0; ++row) {
-            for (int at = matrix.rowStarts()[row]; at < matrix.rowStarts()[row + 1]; ++at)
-                if (pieceOf(matrix.columns()[at]) != pieceOf(row)) matrix.block(at) = {};
             if (pieceOf(row) == pieces) continue;
             corners[row].fill(firstPieceNode(coarse) + pieceOf(row) * kPieceNodes + row % kPieceRows);
             weights[row] = {1.0f, 0.0f, 0.0f, 0.0f};
