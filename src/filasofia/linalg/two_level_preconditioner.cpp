@@ -6,8 +6,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "filasofia/core/sorted.h"
-
 #include <algorithm>
 
 namespace filasofia::linalg {
@@ -16,9 +14,6 @@ namespace {
 // Coarse nodes that hold hardly anything of the body make A_c nearly singular. What this adds to its diagonal, relative
 // to the diagonal, does not slow the iteration, and float can invert what is left.
 constexpr double kShift = 1e-5;
-
-constexpr int kPieceUnknowns = 3 * kPieceNodes, kPiecePanels = kPieceUnknowns / kBlock;
-constexpr std::size_t kPieceRows = static_cast<std::size_t>(kPieceUnknowns) * kPiecePanels;
 
 constexpr Parts coarseNodeParts(int nodes) { return {nodes, 16}; }
 constexpr Parts panelParts(int panels) { return {panels, 4}; }
@@ -160,8 +155,7 @@ TwoLevelPreconditioner::TwoLevelPreconditioner(const CoarseInput& in)
     if (in.coarseNodes > 0) inverse.lattice = quickInverseOf(matrixOf(in.matrix.data(), 3 * in.coarseNodes));
     constexpr std::size_t kNumbers = static_cast<std::size_t>(kPieceUnknowns) * kPieceUnknowns;
     for (std::size_t at = 0; at < in.pieces.size(); at += kNumbers)
-        inverse.pieces.push_back(
-            pieceInverseOf(matrixOf(in.pieces.data() + at, kPieceUnknowns).selfadjointView<Eigen::Lower>()));
+        inverse.pieces.push_back(pieceInverseOf(matrixOf(in.pieces.data() + at, kPieceUnknowns)));
     makeCoarseLevel(inverse, in);
 }
 
@@ -298,74 +292,6 @@ double TwoLevelPreconditioner::spread(const NodeArray& r, NodeArray& z, WorkerPo
 
 int TwoLevelPreconditioner::latticeRows() const { return fours(3 * latticeNodes_); }
 
-void TwoLevelPreconditioner::followPieces(const NodeArray& x, std::span<const float> masses, double massWeight)
-{
-    struct Point {
-        int at;    ///< its place in the piece
-        Vec3 arm;  ///< [m] from the centre
-        Mat3 turn; ///< R^T
-        double mass;
-    };
-    std::vector<Point> points;
-    for (std::size_t p = 0; p < freePieces_.size(); ++p) {
-        if (freePieces_[p] == 0) continue;
-        points.clear();
-        double mass = 0.0;
-        Vec3 centre;
-        for (int i = 0; i < kPieceNodes; ++i) {
-            const auto coarse =
-                static_cast<std::size_t>(firstPieceNode(latticeNodes_) + static_cast<int>(p) * kPieceNodes + i);
-            if (restriction_.size(coarse) == 0) continue;
-            const int node = restriction_.begin(coarse)->node;
-            const float* at = x[node];
-            points.push_back(
-                {i, {at[0], at[1], at[2]}, transpose(rotation(node)), masses[static_cast<std::size_t>(node)]});
-            mass += points.back().mass;
-            centre += points.back().mass * points.back().arm;
-        }
-        if (!(mass > 0.0)) continue;
-        pieceMobility_[p] = 1.0 / (massWeight * mass);
-        centre = 1.0 / mass * centre;
-        Mat3 inertia;
-        for (Point& each : points) {
-            each.arm -= centre;
-            inertia += each.mass * (lengthSquared(each.arm) * Mat3::identity() - outer(each.arm, each.arm));
-        }
-        const double size = trace(inertia) / 3.0;
-        const bool solid = determinant(inertia) > 1e-6 * size * size * size; // else in a point or on a line
-        const Mat3 spin = solid ? inverse(inertia) : Mat3{};
-        // An impulse at one point moves another by I/m + [d_i]^T J^-1 [d_j], both as the pieces were at rest.
-        PanelRow* panels = pieceInverses_.data() + p * kPieceRows;
-        for (const Point& a : points)
-            for (const Point& b : points) {
-                const Mat3 moved = 1.0 / (massWeight * mass) * Mat3::identity() +
-                                   1.0 / massWeight * (transpose(crossMatrix(a.arm)) * spin * crossMatrix(b.arm));
-                const Mat3 block = a.turn * moved * transpose(b.turn);
-                for (int r = 0; r < 3; ++r)
-                    for (int c = 0; c < 3; ++c) {
-                        const int column = 3 * b.at + c;
-                        panels[column / kBlock * kPieceUnknowns + 3 * a.at + r].values[column % kBlock] =
-                            static_cast<float>(block[r][c]);
-                    }
-            }
-    }
-}
-
-/// Those that feel something.
-void TwoLevelPreconditioner::answerPieces(std::span<const float> felt, std::span<float> answered) const
-{
-    const std::size_t first = 3 * static_cast<std::size_t>(firstPieceNode(latticeNodes_));
-    for (std::size_t at = 0; at < pieceInverses_.size(); at += kPieceRows) {
-        const std::size_t from = first + at / kPieceRows * kPieceUnknowns;
-        const auto x = felt.subspan(from, kPieceUnknowns);
-        const auto y = answered.subspan(from, kPieceUnknowns);
-        if (std::ranges::all_of(x, [](float each) { return each == 0.0f; }))
-            std::ranges::fill(y, 0.0f);
-        else
-            multiplyPanels(std::span(pieceInverses_).subspan(at, kPieceRows), x, y, 0, kPiecePanels);
-    }
-}
-
 void TwoLevelPreconditioner::clearPulls()
 {
     pulls_ = 0;
@@ -390,35 +316,6 @@ void TwoLevelPreconditioner::addPull(std::span<const NodePull> pull)
             for (int i = 0; i < 3; ++i)
                 felt[static_cast<std::size_t>(block.at[each.node % kBlock][k] + i)] +=
                     block.weights[each.node % kBlock][k] * static_cast<float>(rest[i]);
-    }
-}
-
-/// A small piece that is pulled at more than two nodes cannot turn, and pulls that are sums over many contacts do not
-/// say so: of a free one the coarse level keeps the translation.
-void TwoLevelPreconditioner::looseGrippedPieces()
-{
-    sortUnique(pulled_);
-    for (std::size_t at = 0; at < pulled_.size();) {
-        std::size_t end = at;
-        while (end < pulled_.size() && pulled_[end][0] == pulled_[at][0]) ++end;
-        const auto piece = static_cast<std::size_t>(pulled_[at][0]);
-        const bool gripped = end - at > 2;
-        at = end;
-        if (!gripped || pieceMobility_[piece] == 0.0) continue;
-        PanelRow* panels = pieceInverses_.data() + piece * kPieceRows;
-        std::fill_n(panels, kPieceRows, PanelRow{});
-        for (int i = 0; i < kPieceNodes; ++i)
-            for (int j = 0; j < kPieceNodes; ++j) {
-                const auto first = static_cast<std::size_t>(firstPieceNode(latticeNodes_)) + piece * kPieceNodes;
-                const std::size_t a = first + static_cast<std::size_t>(i), b = first + static_cast<std::size_t>(j);
-                if (restriction_.size(a) == 0 || restriction_.size(b) == 0) continue;
-                const Mat3 turn =
-                    transpose(rotation(restriction_.begin(a)->node)) * rotation(restriction_.begin(b)->node);
-                for (int r = 0; r < 3; ++r)
-                    for (int c = 0; c < 3; ++c)
-                        panels[(3 * j + c) / kBlock * kPieceUnknowns + 3 * i + r].values[(3 * j + c) % kBlock] =
-                            static_cast<float>(pieceMobility_[piece] * turn[r][c]);
-            }
     }
 }
 

@@ -11,9 +11,11 @@ class WorkerPool;
 
 namespace filasofia::linalg {
 
-/// Small pieces that hang on nothing else have a coarse node per node: the coarse level is exact there. They have
-/// kPieceNodes numbers each, after those of all other coarse nodes, whether they need them or not.
+/// Small pieces, which hang together with nothing else, have a coarse node per node: kPieceNodes each, after all other
+/// coarse nodes, whether they need them or not. The coarse level is exact there until followPieces().
 constexpr int kPieceNodes = 16;
+constexpr int kPieceUnknowns = 3 * kPieceNodes, kPiecePanels = kPieceUnknowns / kBlock;
+constexpr std::size_t kPieceRows = static_cast<std::size_t>(kPieceUnknowns) * kPiecePanels; ///< of its inverse
 constexpr int firstPieceNode(int coarseNodes) { return (coarseNodes + kPieceNodes - 1) / kPieceNodes * kPieceNodes; }
 
 /// What a preconditioner is made from, once: a matrix, which of its rows are unknowns and in which order, and how they
@@ -112,7 +114,8 @@ private:
     [[nodiscard]] Mat3 rotation(int node) const;
     struct CoarseInverse;
     void makeCoarseLevel(const CoarseInverse& inverse, const CoarseInput& in);
-    [[nodiscard]] int latticeRows() const; ///< of A_c without small pieces, rounded up
+    [[nodiscard]] int latticeRows() const;                             ///< of A_c without small pieces, rounded up
+    [[nodiscard]] int nodeOfPiece(std::size_t piece, int place) const; ///< -1: none
     void looseGrippedPieces();
     void answerPieces(std::span<const float> felt, std::span<float> answered) const;
 
