@@ -2,6 +2,8 @@
 
 #include "engine/stage.h"
 
+#include "filasofia/geometry/shapes.h"
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -190,4 +192,37 @@ TEST_CASE("a piece knows whether pins hold it, also after they are released and 
     stage.post(physics::Release{{1}});
     stage.step(0.0);
     CHECK(held() == std::vector{false, true});
+}
+
+TEST_CASE("loose pieces side by side between two plates take few iterations")
+{
+    const auto iterations = [](int pieces) {
+        geometry::TetMesh mesh;
+        for (int i = 0; i < pieces; ++i) {
+            const geometry::TetMesh one = boxMesh({1, 1, 1}, {2e-3, 2e-3, 2e-3});
+            const auto first = static_cast<int>(mesh.nodes.size());
+            for (Vec3 node : one.nodes) mesh.nodes.push_back(node + Vec3{3e-3 * (i % 4), 0, 3e-3 * (i / 4)});
+            for (const geometry::Tetrahedron& t : one.tetrahedra)
+                mesh.tetrahedra.push_back({first + t[0], first + t[1], first + t[2], first + t[3]});
+        }
+        Stage stage;
+        stage.add(physics::SoftBodyDef{.mesh = shared(std::move(mesh)),
+                                       .material = physics::FemMaterial{.youngModulus = 5e3},
+                                       .collision = {{}},
+                                       .dynamicTopology = true});
+        physics::RigidBodyDef plate{.mesh = geometry::shapes::box({0.1, 0.02, 0.1}), .collision = {{}}};
+        plate.elements = {{{0, -0.0105, 0}, {}}};
+        stage.add(plate);
+        plate.elements = {{{0, 0.0125, 0}, {}}};
+        const BodyId lid = stage.add(plate);
+        double sum = 0.0;
+        for (int i = 1; i <= 100; ++i) {
+            stage.post(physics::SetPose{lid, 0, Pose{{0, 0.0125 - 1e-5 * i, 0}, {}}});
+            sum += stage.step(1e-3).solves[0].iterations;
+        }
+        return sum / 100.0;
+    };
+    const double one = iterations(1), twelve = iterations(12);
+    INFO(one << " and " << twelve);
+    CHECK(twelve < 2.0 * one);
 }

@@ -173,7 +173,7 @@ TEST_CASE("small pieces are solved for exactly, beside the coarse nodes of the o
         }
 }
 
-TEST_CASE("a small piece that nothing holds moves rigidly in the coarse level, and where it is gripped does not turn")
+TEST_CASE("a small piece that nothing holds moves rigidly in the coarse level")
 {
     std::mt19937 random(9);
     WorkerPool pool(1);
@@ -209,37 +209,17 @@ TEST_CASE("a small piece that nothing holds moves rigidly in the coarse level, a
         torque += cross(arm, vectorOf(r[slot]));
         inertia += massOf(slot) * (lengthSquared(arm) * Mat3::identity() - outer(arm, arm));
     }
-    const auto expected = [&](bool turns) {
-        Eigen::VectorXd all = before * dense(r, unknowns);
-        const Eigen::VectorXd smooth = smoother * dense(r, unknowns);
-        for (int slot : slots) {
-            Vec3 moved = 1.0 / (massWeight * mass) * force;
-            if (turns) moved += 1.0 / massWeight * cross(inverse(inertia) * torque, vectorOf(x[slot]) - centre);
-            all.segment<3>(3 * slot) = smooth.segment<3>(3 * slot) + Eigen::Vector3d(moved.x, moved.y, moved.z);
-        }
-        return all;
-    };
-    const auto isClose = [&](const Eigen::VectorXd& exact) {
-        NodeArray z(r.blocks());
-        m.apply(r, z, pool);
-        return (dense(z, unknowns) - exact).norm() <= 1e-5 * exact.norm();
-    };
+    Eigen::VectorXd exact = before * dense(r, unknowns);
+    const Eigen::VectorXd smooth = smoother * dense(r, unknowns);
+    for (int slot : slots) {
+        const Vec3 turned = cross(inverse(inertia) * torque, vectorOf(x[slot]) - centre);
+        const Vec3 moved = 1.0 / massWeight * (1.0 / mass * force + turned);
+        exact.segment<3>(3 * slot) = smooth.segment<3>(3 * slot) + Eigen::Vector3d(moved.x, moved.y, moved.z);
+    }
     m.followPieces(x, masses, massWeight);
-    CHECK(isClose(expected(true)));
-    const auto grip = [&](int nodes) {
-        std::vector<NodePull> pull;
-        for (int i = 0; i < nodes; ++i) pull.push_back({slots[static_cast<std::size_t>(i)], {1, 0, 0}});
-        m.clearPulls();
-        m.addPull(pull);
-        m.addPull(pull); // the same nodes once more
-        m.answerPulls();
-    };
-    grip(2);
-    CHECK(isClose(expected(true)));
-    grip(3);
-    CHECK(isClose(expected(false)));
-    m.followPieces(x, masses, massWeight);
-    CHECK(isClose(expected(true)));
+    NodeArray z(r.blocks());
+    m.apply(r, z, pool);
+    CHECK((dense(z, unknowns) - exact).norm() <= 1e-5 * exact.norm());
 }
 
 TEST_CASE("a coarse level whose matrices are given is that of the matrix")
@@ -418,7 +398,9 @@ TEST_CASE("pulls are weighed by the coarse level's answers, and taken from what 
         for (int p = 0; p < pulls; ++p) {
             std::vector<NodePull> pull;
             for (int k = 0; k < 4; ++k) {
-                const int node = static_cast<int>(random() % unknowns);
+                int node = static_cast<int>(random() % unknowns);
+                while (p % 3 == 1 && problem.rows[static_cast<std::size_t>(node)] >= Problem::kPieceRows)
+                    node = static_cast<int>(random() % unknowns); // at a small piece, and nothing else
                 const Vec3 at{randomFloat(random), randomFloat(random), randomFloat(random)};
                 pull.push_back({node, at});
                 f.block<3, 1>(3 * node, p) += Eigen::Vector3d(at.x, at.y, at.z);

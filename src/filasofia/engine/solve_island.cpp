@@ -114,9 +114,10 @@ public:
         for (std::size_t l : island_.links) out.list.push_back(constraintOf(links[l]));
         // Body after body, so that one map of nodes serves them all.
         for (std::size_t unit = 0; unit < grips.size(); ++unit) {
-            if (unit < island_.soft.size()) gripOf_.assign(model_.softBodies[island_.soft[unit]].rest.size(), -1);
+            if (unit < island_.soft.size()) look(model_.softBodies[island_.soft[unit]]);
             for (std::size_t c = 0; c < out.list.size(); ++c)
-                for (std::size_t side = 0; side < 2; ++side) addSide(links[island_.links[c]], side, unit, c);
+                for (std::size_t side = 0; side < 2; ++side)
+                    addSide(links[island_.links[c]], side, unit, c, out.list[c]);
         }
         flatten(out);
     }
@@ -127,6 +128,15 @@ private:
         int grip;
         double weight;
     };
+
+    void look(const SoftModel& body)
+    {
+        gripOf_.assign(body.rest.size(), -1);
+        pieceOf_.clear();
+        if (!body.pieces.empty()) pieceOf_.assign(body.rest.size(), 0);
+        for (std::size_t p = 0; p < body.pieces.size(); ++p)
+            for (int node : body.pieces[p].nodes) pieceOf_[static_cast<std::size_t>(node)] = static_cast<int>(p);
+    }
 
     static Constraint constraintOf(const Link& link)
     {
@@ -143,13 +153,14 @@ private:
         return c;
     }
 
-    void addSide(const Link& link, std::size_t side, std::size_t unit, std::size_t constraint)
+    void addSide(const Link& link, std::size_t side, std::size_t unit, std::size_t constraint, Constraint& to)
     {
         const BodyPoint& point = link.sides[side];
         const double sign = side == 0 ? 1.0 : -1.0;
         const std::size_t softCount = island_.soft.size();
         if (unit < softCount && point.of == BodyPoint::Of::Soft && point.body == island_.soft[unit]) {
             const SoftModel& body = model_.softBodies[point.body];
+            if (!pieceOf_.empty()) to.pieces[side] = pieceOf_[static_cast<std::size_t>(point.nodes[0])];
             for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k) {
                 const auto node = static_cast<std::size_t>(point.nodes[k]);
                 if (body.pins.hard[node]) continue; // it does not move, whatever pulls
@@ -188,6 +199,7 @@ private:
     const RigidPlan& plan_;
     const Island& island_;
     std::vector<int>& gripOf_;
+    std::vector<int> pieceOf_; ///< per node of the body being looked at; empty where that is whole
     std::vector<Pull> pulls_;
 };
 

@@ -1,8 +1,6 @@
 // What the coarse level of a TwoLevelPreconditioner has of small pieces.
 #include "filasofia/linalg/two_level_preconditioner.h"
 
-#include "filasofia/core/sorted.h"
-
 #include <algorithm>
 
 namespace filasofia::linalg {
@@ -49,7 +47,6 @@ void TwoLevelPreconditioner::followPieces(const NodeArray& x, std::span<const fl
             centre += points.back().mass * points.back().arm;
         }
         if (!(mass > 0.0)) continue;
-        pieceMobility_[p] = 1.0 / (massWeight * mass);
         centre = 1.0 / mass * centre;
         Mat3 inertia;
         for (Point& each : points) {
@@ -63,8 +60,9 @@ void TwoLevelPreconditioner::followPieces(const NodeArray& x, std::span<const fl
         PanelRow* panels = pieceInverses_.data() + p * kPieceRows;
         for (const Point& a : points)
             for (const Point& b : points) {
-                const Mat3 moved = pieceMobility_[p] * Mat3::identity() +
-                                   1.0 / massWeight * (transpose(crossMatrix(a.arm)) * spin * crossMatrix(b.arm));
+                const Mat3 moved =
+                    1.0 / massWeight *
+                    (1.0 / mass * Mat3::identity() + transpose(crossMatrix(a.arm)) * spin * crossMatrix(b.arm));
                 writeBlock(panels, a.at, b.at, a.turn * moved * transpose(b.turn));
             }
     }
@@ -82,29 +80,6 @@ void TwoLevelPreconditioner::answerPieces(std::span<const float> felt, std::span
             std::ranges::fill(y, 0.0f);
         else
             multiplyPanels(std::span(pieceInverses_).subspan(at, kPieceRows), x, y, 0, kPiecePanels);
-    }
-}
-
-/// A small piece that is pulled at more than two nodes cannot turn, and pulls that are sums over many contacts do not
-/// say so: of a free one the coarse level keeps the translation.
-void TwoLevelPreconditioner::looseGrippedPieces()
-{
-    sortUnique(pulled_);
-    for (std::size_t at = 0; at < pulled_.size();) {
-        std::size_t end = at;
-        while (end < pulled_.size() && pulled_[end][0] == pulled_[at][0]) ++end;
-        const auto piece = static_cast<std::size_t>(pulled_[at][0]);
-        const bool gripped = end - at > 2;
-        at = end;
-        if (!gripped || pieceMobility_[piece] == 0.0) continue;
-        PanelRow* panels = pieceInverses_.data() + piece * kPieceRows;
-        std::fill_n(panels, kPieceRows, PanelRow{});
-        for (int i = 0; i < kPieceNodes; ++i)
-            for (int j = 0; j < kPieceNodes; ++j) {
-                const int a = nodeOfPiece(piece, i), b = nodeOfPiece(piece, j);
-                if (a >= 0 && b >= 0)
-                    writeBlock(panels, i, j, pieceMobility_[piece] * (transpose(rotation(a)) * rotation(b)));
-            }
     }
 }
 

@@ -215,7 +215,6 @@ void TwoLevelPreconditioner::makeCoarseLevel(const CoarseInverse& inverse, const
     coarseInverse_.assign(static_cast<std::size_t>(blocksFor(3 * latticeNodes_)) * static_cast<std::size_t>(rows), {});
     writePanels(inverse.lattice, rows, coarseInverse_.data());
     freePieces_.assign(in.freePieces.begin(), in.freePieces.end());
-    pieceMobility_.assign(freePieces_.size(), 0.0);
     pieceInverses_.assign(static_cast<std::size_t>(pieces) * kPieceRows, {});
     for (std::size_t p = 0; p < inverse.pieces.size(); ++p)
         writePanels(inverse.pieces[p], kPieceUnknowns, pieceInverses_.data() + p * kPieceRows);
@@ -244,7 +243,6 @@ bool TwoLevelPreconditioner::takeCoarseLevel(TwoLevelPreconditioner&& from)
     coarseInverse_ = std::move(from.coarseInverse_);
     pieceInverses_ = std::move(from.pieceInverses_);
     freePieces_ = std::move(from.freePieces_);
-    pieceMobility_ = std::move(from.pieceMobility_);
     coarseResidual_ = std::move(from.coarseResidual_);
     coarse_ = std::move(from.coarse_);
     return true;
@@ -298,7 +296,6 @@ void TwoLevelPreconditioner::clearPulls()
     felt_.clear();
     answered_.clear();
     answeredRows_.clear();
-    pulled_.clear();
 }
 
 void TwoLevelPreconditioner::addPull(std::span<const NodePull> pull)
@@ -310,8 +307,6 @@ void TwoLevelPreconditioner::addPull(std::span<const NodePull> pull)
     for (const NodePull& each : pull) {
         const Vec3 rest = transposeTimes(rotation(each.node), each.pull);
         const InterpolationBlock& block = interpolation_[static_cast<std::size_t>(each.node / kBlock)];
-        if (const int coarse = block.at[each.node % kBlock][0] / 3 - firstPieceNode(latticeNodes_); coarse >= 0)
-            pulled_.push_back({coarse / kPieceNodes, coarse % kPieceNodes});
         for (int k = 0; k < 4; ++k)
             for (int i = 0; i < 3; ++i)
                 felt[static_cast<std::size_t>(block.at[each.node % kBlock][k] + i)] +=
@@ -321,15 +316,21 @@ void TwoLevelPreconditioner::addPull(std::span<const NodePull> pull)
 
 void TwoLevelPreconditioner::answerPulls()
 {
-    looseGrippedPieces();
     const std::size_t rows = coarseResidual_.size(), entries = coarse_.size(), pulls = static_cast<std::size_t>(pulls_);
     answered_.assign(pulls * entries, 0.0f);
-    multiplyPanels(coarseInverse_, felt_, answered_,
-                   {.count = pulls_,
-                    .rows = latticeRows(),
-                    .stride = static_cast<int>(rows),
-                    .answerStride = static_cast<int>(entries)},
-                   blocksFor(3 * latticeNodes_));
+    const auto onLattice = [&](std::size_t pull) {
+        return std::ranges::any_of(std::span(felt_).subspan(pull * rows, 3 * static_cast<std::size_t>(latticeNodes_)),
+                                   [](float each) { return each != 0.0f; });
+    };
+    for (std::size_t p = 0, end = 0; p < pulls; p = end + 1) { // side by side those that are, and pieces not at all
+        for (end = p; end < pulls && onLattice(end);) ++end;
+        multiplyPanels(coarseInverse_, std::span(felt_).subspan(p * rows), std::span(answered_).subspan(p * entries),
+                       {.count = static_cast<int>(end - p),
+                        .rows = latticeRows(),
+                        .stride = static_cast<int>(rows),
+                        .answerStride = static_cast<int>(entries)},
+                       blocksFor(3 * latticeNodes_));
+    }
     for (std::size_t p = 0; p < pulls; ++p)
         answerPieces(std::span(felt_).subspan(p * rows, rows), std::span(answered_).subspan(p * entries, entries));
     answeredRows_.assign(static_cast<std::size_t>(blocksFor(pulls_)) * rows, {});

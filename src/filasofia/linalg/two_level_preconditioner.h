@@ -116,7 +116,6 @@ private:
     void makeCoarseLevel(const CoarseInverse& inverse, const CoarseInput& in);
     [[nodiscard]] int latticeRows() const;                             ///< of A_c without small pieces, rounded up
     [[nodiscard]] int nodeOfPiece(std::size_t piece, int place) const; ///< -1: none
-    void looseGrippedPieces();
     void answerPieces(std::span<const float> felt, std::span<float> answered) const;
 
     std::vector<RotationBlock> rotations_;
@@ -128,8 +127,6 @@ private:
     std::vector<PanelRow> coarseInverse_;           ///< A_c^-1, without small pieces
     std::vector<PanelRow> pieceInverses_;           ///< of these, one after another
     std::vector<char> freePieces_;
-    std::vector<double> pieceMobility_;      ///< of those that were followed: in translation, of the others 0
-    std::vector<std::array<int, 2>> pulled_; ///< of small pieces: the piece and its node that a pull reaches
     NodeArray rest_, smoothed_;
     std::vector<float> coarseResidual_, coarse_;
     int pulls_ = 0;

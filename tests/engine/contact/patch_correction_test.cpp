@@ -116,6 +116,17 @@ TEST_CASE("the correction is exact where the motions of a patch are all that its
     CHECK((scene.corrected(patches) - exact).norm() <= 1e-5 * exact.norm()); // but for the shift
 }
 
+TEST_CASE("constraints at different pieces of a body are patches of their own")
+{
+    std::mt19937 random(4);
+    Scene scene(random, 3);
+    for (int c = 0; c < 3; ++c) scene.constraints.list[static_cast<std::size_t>(c)].pieces = {c / 2, c % 2};
+    PatchCorrection patches;
+    patches.make(scene.list(), scene.first, scene.constraints, scene.filters);
+    const Eigen::MatrixXd exact = scene.exact();
+    CHECK((scene.corrected(patches) - exact).norm() <= 1e-5 * exact.norm());
+}
+
 TEST_CASE("the correction never corrects too much: B' lies between B and the true inverse")
 {
     std::mt19937 random(2);

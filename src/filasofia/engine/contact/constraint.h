@@ -23,14 +23,15 @@ struct WeightedGrip {
 /// A contact wants bias + u >= 0 along the normal, with an impulse there that pushes only, and a tangential impulse
 /// within Coulomb's cone. What is held wants bias + u = 0 in all three.
 struct Constraint {
-    int first = 0, count = 0;  ///< its grips in the list of WeightedGrip
-    Vec3 point;                ///< [m] where it is, of all constraints from the same origin
-    std::array<Vec3, 3> frame; ///< unit and orthogonal; the normal first
-    Vec3 start;                ///< [m/s] u before the step changes any velocity
-    Vec3 bias;                 ///< [m/s]
-    double friction = -1.0;    ///< [-] mu; negative: held
-    double slack = 0.0;        ///< [m/s] of a rigid one: how far from what it wants bias + u may be at the end
-    double give = 0.0;         ///< [kg] of a spring: impulse per velocity; 0: rigid
+    int first = 0, count = 0;       ///< its grips in the list of WeightedGrip
+    Vec3 point;                     ///< [m] where it is, of all constraints from the same origin
+    std::array<Vec3, 3> frame;      ///< unit and orthogonal; the normal first
+    std::array<int, 2> pieces = {}; ///< per side, of a body that has fallen into pieces: the one that it is at
+    Vec3 start;                     ///< [m/s] u before the step changes any velocity
+    Vec3 bias;                      ///< [m/s]
+    double friction = -1.0;         ///< [-] mu; negative: held
+    double slack = 0.0;             ///< [m/s] of a rigid one: how far from what it wants bias + u may be at the end
+    double give = 0.0;              ///< [kg] of a spring: impulse per velocity; 0: rigid
     /// [N s] that it bears along its first axis, where that is all that it has to say, as of a joint: beyond, it
     /// slides.
     double most = std::numeric_limits<double>::infinity();

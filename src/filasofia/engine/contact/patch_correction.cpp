@@ -5,11 +5,12 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr std::size_t kMost = 8; // patches: those with the most constraints; S is dense
+constexpr std::size_t kMost = 32; // patches: those with the most constraints; S is dense
 
 struct Patch {
     std::size_t from = 0, to = 0; ///< bodies
     bool held = false;
+    std::array<int, 2> pieces;
     std::vector<std::size_t> members; ///< constraints
 };
 
@@ -36,9 +37,11 @@ std::vector<Patch> findPatches(const std::vector<CoupledBody*>& bodies, std::spa
         const std::size_t from = at(constraint.first), to = at(constraint.first + constraint.count - 1);
         if (!bodies[from]->correctable() && !bodies[to]->correctable()) continue;
         const bool held = constraint.friction < 0.0;
-        const auto same = [&](const Patch& p) { return p.from == from && p.to == to && p.held == held; };
+        const auto same = [&](const Patch& p) {
+            return p.from == from && p.to == to && p.held == held && p.pieces == constraint.pieces;
+        };
         auto found = std::ranges::find_if(patches, same);
-        if (found == patches.end()) found = patches.insert(found, {from, to, held, {}});
+        if (found == patches.end()) found = patches.insert(found, {from, to, held, constraint.pieces, {}});
         found->members.push_back(c);
     }
     std::ranges::stable_sort(patches, std::ranges::greater{}, [](const Patch& p) { return p.members.size(); });
