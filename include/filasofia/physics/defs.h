@@ -48,7 +48,7 @@ using Integrator = std::variant<ImplicitEuler, ExplicitEuler>;
 /// Iterative: conjugate gradients from the last step's answer. Assembled, they go on past a step's deadline.
 struct ConjugateGradient {
     int maxIterations = 300; ///< [-], in [1, 100000]
-    double tolerance = 5e-3; ///< [-], in (0, 1), error of a step over its answer, by energy; of 128 nodes or fewer less
+    double tolerance = 5e-3; ///< [-], in (0, 1), error of a step relative to its answer, by energy
     int minIterations = 4; ///< [-], in [0, 100000], made before a deadline may end the solve: keeps energy from growing
     bool assembled = false; ///< the reference: the whole matrix, in double precision. Many times slower.
 };

@@ -101,8 +101,9 @@ void makeArticulated(const Model& model, const ArticulationPlan& articulation, c
 /// Collects the grips of every body, and the constraints that pull at them.
 class Gripping {
 public:
-    Gripping(const Model& model, const RigidPlan& plan, const Island& island, std::vector<int>& gripOf)
-        : grips(island.soft.size() + island.rigid.size()), model_(model), plan_(plan), island_(island), gripOf_(gripOf)
+    Gripping(const Model& model, const RigidPlan& plan, const Island& island, IslandScratch& scratch)
+        : grips(island.soft.size() + island.rigid.size()), model_(model), plan_(plan), island_(island),
+          gripOf_(scratch.gripOf), pieceOf_(scratch.pieceOf)
     {
     }
 
@@ -114,10 +115,9 @@ public:
         for (std::size_t l : island_.links) out.list.push_back(constraintOf(links[l]));
         // Body after body, so that one map of nodes serves them all.
         for (std::size_t unit = 0; unit < grips.size(); ++unit) {
-            if (unit < island_.soft.size()) look(model_.softBodies[island_.soft[unit]]);
+            if (unit < island_.soft.size()) mapNodes(model_.softBodies[island_.soft[unit]]);
             for (std::size_t c = 0; c < out.list.size(); ++c)
-                for (std::size_t side = 0; side < 2; ++side)
-                    addSide(links[island_.links[c]], side, unit, c, out.list[c]);
+                for (std::size_t side = 0; side < 2; ++side) addSide(links[island_.links[c]], side, unit, c, out);
         }
         flatten(out);
     }
@@ -129,7 +129,7 @@ private:
         double weight;
     };
 
-    void look(const SoftModel& body)
+    void mapNodes(const SoftModel& body)
     {
         gripOf_.assign(body.rest.size(), -1);
         pieceOf_.clear();
@@ -153,14 +153,15 @@ private:
         return c;
     }
 
-    void addSide(const Link& link, std::size_t side, std::size_t unit, std::size_t constraint, Constraint& to)
+    void addSide(const Link& link, std::size_t side, std::size_t unit, std::size_t constraint, Constraints& out)
     {
         const BodyPoint& point = link.sides[side];
         const double sign = side == 0 ? 1.0 : -1.0;
         const std::size_t softCount = island_.soft.size();
         if (unit < softCount && point.of == BodyPoint::Of::Soft && point.body == island_.soft[unit]) {
             const SoftModel& body = model_.softBodies[point.body];
-            if (!pieceOf_.empty()) to.pieces[side] = pieceOf_[static_cast<std::size_t>(point.nodes[0])];
+            if (!pieceOf_.empty())
+                out.list[constraint].pieces[side] = pieceOf_[static_cast<std::size_t>(point.nodes[0])];
             for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k) {
                 const auto node = static_cast<std::size_t>(point.nodes[k]);
                 if (body.pins.hard[node]) continue; // it does not move, whatever pulls
@@ -199,7 +200,7 @@ private:
     const RigidPlan& plan_;
     const Island& island_;
     std::vector<int>& gripOf_;
-    std::vector<int> pieceOf_; ///< per node of the body being looked at; empty where that is whole
+    std::vector<int>& pieceOf_;
     std::vector<Pull> pulls_;
 };
 
@@ -224,7 +225,7 @@ CoupledReport solveIsland(const Model& model, const State& state, double dt, con
                      pool, units[i]);
         shares.push_back(units[i].share);
     }
-    Gripping gripping(model, plan, island, scratch.gripOf);
+    Gripping gripping(model, plan, island, scratch);
     gripping.addAll(links, scratch.constraints);
 
     const CoupledReport report = scratch.solver.solve(limits, shares, gripping.grips, scratch.constraints);

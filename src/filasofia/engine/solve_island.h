@@ -11,7 +11,8 @@ namespace filasofia::engine {
 struct IslandScratch {
     CoupledSolve solver;
     Constraints constraints;
-    std::vector<int> gripOf; ///< per node of the body being looked at: its grip, or -1
+    std::vector<int> gripOf;  ///< per node of the body being looked at: its grip, or -1
+    std::vector<int> pieceOf; ///< the same: which of its pieces it is in; empty where the body is whole
 };
 
 /// Solves the equations of an island: leaves the change of velocities in the systems (dv, leftover) and in the plans,

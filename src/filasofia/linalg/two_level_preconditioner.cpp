@@ -322,7 +322,8 @@ void TwoLevelPreconditioner::answerPulls()
         return std::ranges::any_of(std::span(felt_).subspan(pull * rows, 3 * static_cast<std::size_t>(latticeNodes_)),
                                    [](float each) { return each != 0.0f; });
     };
-    for (std::size_t p = 0, end = 0; p < pulls; p = end + 1) { // side by side those that are, and pieces not at all
+    // Runs of pulls that reach the lattice go together; to those at small pieces alone it has no answer.
+    for (std::size_t p = 0, end = 0; p < pulls; p = end + 1) {
         for (end = p; end < pulls && onLattice(end);) ++end;
         multiplyPanels(coarseInverse_, std::span(felt_).subspan(p * rows), std::span(answered_).subspan(p * entries),
                        {.count = static_cast<int>(end - p),
@@ -344,7 +345,7 @@ void TwoLevelPreconditioner::answers(int pull, std::span<double> out) const
     const std::size_t rows = coarseResidual_.size();
     std::vector<float> sums(static_cast<std::size_t>(blocksFor(pulls_) * kBlock));
     multiplyPanels(answeredRows_, std::span(felt_).subspan(static_cast<std::size_t>(pull) * rows, rows), sums, 0,
-                   blocksFor(pulls_));
+                   blocksFor(pull + 1));
     std::copy_n(sums.begin(), out.size(), out.begin());
 }
 

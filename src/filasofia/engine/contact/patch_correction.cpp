@@ -10,7 +10,7 @@ constexpr std::size_t kMost = 32; // patches: those with the most constraints; S
 struct Patch {
     std::size_t from = 0, to = 0; ///< bodies
     bool held = false;
-    std::array<int, 2> pieces;
+    std::array<int, 2> pieces = {};   ///< in the order of the link's sides, not of `from` and `to`
     std::vector<std::size_t> members; ///< constraints
 };
 

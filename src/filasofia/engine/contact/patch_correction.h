@@ -13,8 +13,8 @@ namespace filasofia::engine {
 /// believes it to be free (measured: 38 for 10 where forceps pull at a polyp).
 ///
 /// Per patch, the constraints between the same two bodies that all touch or all hold, it is the six rigid motions U of
-/// one side against the other (Woodbury's formula). Of a body that has fallen into pieces each is a side of its own, or
-/// crumbs crushed by jaws were held all together only: a tenth of a clumsy session's steps then met their cap.
+/// one side against the other (Woodbury's formula). Of a body that has fallen into pieces each is a side of its own:
+/// jaws that crush crumbs hold every one of them, not their sum alone.
 ///
 ///     B' = B - B F S^-1 F^T B,   F = J^T M U,   S = U^T M U + F^T B F,
 ///
