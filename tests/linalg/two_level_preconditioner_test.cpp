@@ -413,7 +413,7 @@ TEST_CASE("pulls are weighed by the coarse level's answers, and taken from what 
         std::vector<double> found(pulls), shares(pulls);
         for (int p = 0; p < pulls; ++p) {
             m.answers(p, found);
-            for (int q = 0; q <= p; ++q)
+            for (int q = 0; q < pulls; ++q)
                 CHECK(std::abs(found[static_cast<std::size_t>(q)] - answers(p, q)) <= 1e-5 * answers.norm());
         }
         const NodeArray r = randomNodes(random, unknowns);

@@ -205,7 +205,7 @@ public:
     [[nodiscard]] std::span<const double> pieces() const { return pieces_; }
 
 private:
-    static constexpr std::size_t kPieceUnknowns = 3 * linalg::kPieceNodes;
+    static constexpr std::size_t kPieceUnknowns = linalg::kPieceUnknowns;
     static Block blockOf(double* matrix, std::size_t unknowns, int row, int column)
     {
         return {matrix + 3 * (static_cast<std::size_t>(row) * unknowns + static_cast<std::size_t>(column)), unknowns};

@@ -345,7 +345,7 @@ void TwoLevelPreconditioner::answers(int pull, std::span<double> out) const
     const std::size_t rows = coarseResidual_.size();
     std::vector<float> sums(static_cast<std::size_t>(blocksFor(pulls_) * kBlock));
     multiplyPanels(answeredRows_, std::span(felt_).subspan(static_cast<std::size_t>(pull) * rows, rows), sums, 0,
-                   blocksFor(pull + 1));
+                   blocksFor(pulls_));
     std::copy_n(sums.begin(), out.size(), out.begin());
 }
 

@@ -106,7 +106,7 @@ public:
     void clearPulls();
     void addPull(std::span<const NodePull> pull);
     void answerPulls();                                   ///< once all are there
-    void answers(int pull, std::span<double> out) const;  ///< per pull up to that one: f . R P Y of it
+    void answers(int pull, std::span<double> out) const;  ///< per pull: f . R P Y of that pull
     void weigh(std::span<double> sums, WorkerPool& pool); ///< per pull: Y . P^T R^T (r + what was added)
 
 private:

@@ -54,7 +54,7 @@ public:
     virtual void clearPulls() {}
     virtual void addPull(std::span<const Vec3>) {}        ///< [N s] another column of F
     virtual void answerPulls() {}                         ///< they are all there
-    virtual void answers(int, std::span<double>) const {} ///< [J] of a pull, per pull up to it: F^T B F
+    virtual void answers(int, std::span<double>) const {} ///< [J] of a pull, per pull: F^T B F
     virtual void weigh(std::span<double>) {}              ///< [J] per pull: F^T B (r + what was added), before spread()
 };
 
