@@ -1,7 +1,7 @@
 #include "apps/filasofia/bench.h"
 #include "apps/filasofia/bench_contact_limits.h"
 #include "filasofia/core/worker_pool.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/testing/solver_costs.h"
 
 #include <algorithm>
 #include <cstdio>

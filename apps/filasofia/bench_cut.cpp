@@ -1,7 +1,7 @@
 #include "apps/filasofia/bench.h"
 #include "apps/filasofia/bench_cut_run.h"
 #include "filasofia/core/text.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/testing/solver_costs.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/testing/solver_costs.h"
 #include "filasofia/runtime/timing.h"
 
 #include <array>

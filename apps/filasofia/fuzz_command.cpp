@@ -3,7 +3,7 @@
 #include "apps/filasofia/json_file.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
-#include "filasofia/engine/rupture/fuzz.h"
+#include "filasofia/testing/fuzz_cuts.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/runtime/assets.h"
 

@@ -4,7 +4,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/testing/solver_costs.h"
 #include "filasofia/runtime/replay.h"
 
 #include <cstdio>

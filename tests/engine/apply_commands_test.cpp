@@ -1,4 +1,4 @@
-#include "filasofia/engine/stages.h"
+#include "filasofia/engine/step/stages.h"
 
 #include "engine/stage.h"
 

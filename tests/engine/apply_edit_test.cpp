@@ -1,6 +1,6 @@
 #include "filasofia/core/worker_pool.h"
-#include "filasofia/engine/build_body.h"
-#include "filasofia/engine/topology.h"
+#include "filasofia/engine/build/build_body.h"
+#include "filasofia/engine/body/body_topology.h"
 
 #include "engine/meshes.h"
 

@@ -1,4 +1,4 @@
-#include "filasofia/engine/build_body.h"
+#include "filasofia/engine/build/build_body.h"
 
 #include "engine/stage.h"
 #include "filasofia/core/log.h"

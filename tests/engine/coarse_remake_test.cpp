@@ -1,4 +1,4 @@
-#include "filasofia/engine/coarse_remake.h"
+#include "filasofia/engine/soft/coarse_rebuild.h"
 
 #include "filasofia/core/worker_pool.h"
 

@@ -1,4 +1,4 @@
-#include "filasofia/engine/contact_memory.h"
+#include "filasofia/engine/contact/warm_start.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
 #include "filasofia/engine/collision/proximity.h"
-#include "filasofia/engine/edit_collision.h"
+#include "filasofia/engine/topology/edit_collision.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/geometry/surface.h"
 

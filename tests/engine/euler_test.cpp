@@ -1,4 +1,4 @@
-#include "filasofia/engine/integrate/euler.h"
+#include "filasofia/engine/integration/euler.h"
 
 using namespace filasofia;
 using namespace filasofia::engine;

@@ -1,4 +1,4 @@
-#include "filasofia/engine/islands.h"
+#include "filasofia/engine/contact/islands.h"
 
 using namespace filasofia;
 using namespace filasofia::engine;

@@ -1,4 +1,4 @@
-#include "filasofia/engine/loose_pieces.h"
+#include "filasofia/engine/topology/loose_pieces.h"
 
 #include "engine/stage.h"
 

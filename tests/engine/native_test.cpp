@@ -1,4 +1,4 @@
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"

@@ -1,4 +1,4 @@
-#include "filasofia/engine/attachment/pins.h"
+#include "filasofia/engine/body/pins.h"
 
 using namespace filasofia;
 using namespace filasofia::engine;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/engine/rigid_step.h"
+#include "filasofia/engine/rigid/rigid_step.h"
 
 #include "engine/stage.h"
 

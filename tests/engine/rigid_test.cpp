@@ -1,4 +1,4 @@
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 #include "filasofia/physics/physics_server.h"
 
 #include "engine/rigid_bodies.h"

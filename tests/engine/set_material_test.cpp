@@ -1,6 +1,6 @@
 #include "filasofia/core/log.h"
-#include "filasofia/engine/build_body.h"
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/build/build_body.h"
+#include "filasofia/engine/native/native.h"
 #include "filasofia/physics/physics_server.h"
 
 #include "engine/stage.h"

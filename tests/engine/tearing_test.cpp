@@ -1,5 +1,5 @@
 #include "filasofia/core/worker_pool.h"
-#include "filasofia/engine/tear_body.h"
+#include "filasofia/engine/topology/tear_body.h"
 
 #include "engine/stage.h"
 

@@ -1,5 +1,5 @@
 #include "filasofia/core/log.h"
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/physics/physics_engine.h"
 

@@ -1,6 +1,6 @@
 #include "filasofia/record/step_log.h"
 
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/replay.h"

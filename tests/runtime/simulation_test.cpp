@@ -1,6 +1,6 @@
 #include "filasofia/filasofia.h"
 
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 
 #include <csignal>
 #include <unistd.h>

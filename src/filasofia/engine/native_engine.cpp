@@ -1,7 +1,7 @@
 #include "filasofia/engine/native_engine.h"
 
 #include "filasofia/core/validate.h"
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 #include "filasofia/engine/world.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/physics_server.h"

@@ -1,7 +1,7 @@
 #include "filasofia/engine/world.h"
 
 #include "filasofia/core/hash.h"
-#include "filasofia/engine/build_body.h"
+#include "filasofia/engine/build/build_body.h"
 
 #include <algorithm>
 #include <utility>

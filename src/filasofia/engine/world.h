@@ -3,8 +3,8 @@
 #include "filasofia/core/background.h"
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/native_engine.h"
-#include "filasofia/engine/ruptures.h"
-#include "filasofia/engine/stages.h"
+#include "filasofia/engine/topology/ruptures.h"
+#include "filasofia/engine/step/stages.h"
 
 namespace filasofia::engine {
 

@@ -1,4 +1,4 @@
-#include "filasofia/engine/contact/coupled_solve.h"
+#include "filasofia/engine/constraint/coupled_solve.h"
 
 #include "engine/contact/dense_body.h"
 

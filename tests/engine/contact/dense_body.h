@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/engine/contact/coupled_body.h"
+#include "filasofia/engine/constraint/body_operator.h"
 
 #include <Eigen/Dense>
 

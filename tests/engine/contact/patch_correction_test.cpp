@@ -1,4 +1,4 @@
-#include "filasofia/engine/contact/patch_correction.h"
+#include "filasofia/engine/constraint/patch_correction.h"
 
 #include "engine/contact/dense_body.h"
 

@@ -1,4 +1,4 @@
-#include "filasofia/engine/rupture/fuzz.h"
+#include "filasofia/testing/fuzz_cuts.h"
 
 #include "filasofia/geometry/mesh_file.h"
 

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "filasofia/engine/body/model.h"
+
+namespace filasofia::engine {
+
+/// Throws an Error beginning with `object` unless contacts can be found on the body's surfaces.
+void checkCollision(const std::string& object, const SoftModel& body);
+void checkCollision(const std::string& object, const RigidModel& body);
+
+} // namespace filasofia::engine
