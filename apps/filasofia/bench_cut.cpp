@@ -1,7 +1,7 @@
 #include "apps/filasofia/bench.h"
 #include "apps/filasofia/bench_cut_run.h"
 #include "filasofia/core/text.h"
-#include "filasofia/testing/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -46,7 +46,7 @@ struct CrewTimes {
     std::vector<double> steps = {};               ///< [s] all counted steps
     std::vector<double> medians = {};             ///< [s] per repetition
     std::vector<double> others = {};              ///< [-] cores that other programs took, per repetition
-    std::vector<engine::SolverCosts> floors = {}; ///< per repetition; of undisturbed crews
+    std::vector<testing::SolverCosts> floors = {}; ///< per repetition; of undisturbed crews
     double iterations = 0.0;                      ///< [-] mean of the counted steps
     int mostIterations = 0;
     std::uint32_t flags = 0; ///< of all steps

@@ -94,7 +94,7 @@ TEST_CASE("reset puts every body back where it was added, and the same trajector
     stage.step(0.0);
     CHECK(stage.soft().x == stage.model().rest);
     CHECK(stage.soft().v == std::vector<Vec3>(stage.soft().v.size()));
-    CHECK(stage.world.state().rigidBodies[0].poses[0].position == Vec3{1, 2, 3});
+    CHECK(stage.world.scene().rigid[0].state.poses[0].position == Vec3{1, 2, 3});
     CHECK(stage.world.state().step == 31); // time goes on
     for (int i = 0; i < 30; ++i) {
         stage.step(0.01);
@@ -150,7 +150,7 @@ TEST_CASE("removing a body in the middle leaves the others' results as they are,
     fewer.step(0.01);
     CHECK(fewer.soft(1).pressure == 9);
     CHECK(fewer.soft(0).pressure == 0);
-    CHECK(fewer.world.state().rigidBodies[0].poses[0].position == Vec3{8, 0, 0});
+    CHECK(fewer.world.scene().rigid[0].state.poses[0].position == Vec3{8, 0, 0});
 }
 
 TEST_CASE("a body added and removed between two steps never was")
@@ -179,21 +179,21 @@ TEST_CASE("however many commands change a body in a step, its solver is made ane
         commands.emplace_back(std::in_place_type<decltype(command)>, std::move(command));
     };
     post(AddBody{{1}, std::make_shared<const BodyDef>(def), world.build(def), {1}});
-    applyCommands(commands, world, model, state, systems, topologies, report);
+    applyCommands(commands, world, scene, report);
     CHECK_FALSE(systems[0].outdated); // built with its body
 
     const auto* before = systems[0].matrixFree.get();
     commands.clear();
     for (std::uint32_t id = 1; id <= 10; ++id) post(Release{{id}});
     post(SetMaterial{{1}, FemMaterial{.youngModulus = 50e3}, nullptr});
-    applyCommands(commands, world, model, state, systems, topologies, report);
-    CHECK(model.softBodies[0].pins.springs.empty());
+    applyCommands(commands, world, scene, report);
+    CHECK(scene.soft[0].model.pins.springs.empty());
     CHECK(systems[0].matrixFree.get() == before);
     CHECK((systems[0].outdated && systems[0].tuned));
-    remakeSystems(model, 1e-3, systems);
+    remakeSystems(scene, 1e-3);
     CHECK(systems[0].matrixFree.get() != before);
     CHECK((!systems[0].outdated && systems[0].tuned));
     before = systems[0].matrixFree.get();
-    remakeSystems(model, 1e-3, systems);
+    remakeSystems(scene, 1e-3);
     CHECK(systems[0].matrixFree.get() == before);
 }

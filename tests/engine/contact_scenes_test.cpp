@@ -41,7 +41,7 @@ double strayed(Stage& stage, std::size_t body, Vec3 before, int steps)
     double most = 0.0;
     for (int i = 0; i < steps; ++i) {
         stage.step(1e-3);
-        most = std::max(most, length(stage.world.state().rigidBodies[body].velocities[0] - before));
+        most = std::max(most, length(stage.world.scene().rigid[body].state.velocities[0] - before));
     }
     return most;
 }
@@ -76,7 +76,7 @@ TEST_CASE("a light rigid box slides over a flat soft slab as over a plane")
     stage.add(box);
     stage.run(100, 1e-3);
     const Vec3 before{0.2, 0, 0.02};
-    stage.world.state().rigidBodies[0].velocities[0] = before;
+    stage.world.scene().rigid[0].state.velocities[0] = before;
     CHECK(strayed(stage, 0, before, 400) < 0.05 * 0.2);
 }
 
@@ -128,10 +128,10 @@ TEST_CASE("what starts deep inside a rigid body is named and pushed out slowly")
             CHECK(logged.find(part) != std::string::npos);
         stage.run(400, 1e-3);
         const State& state = stage.world.state();
-        const double low = soft ? std::ranges::min(state.softBodies[0].x, {}, &Vec3::y).y
-                                : state.rigidBodies[1].poses[0].position.y - 0.02;
+        const double low = soft ? std::ranges::min(scene.soft[0].state.x, {}, &Vec3::y).y
+                                : scene.rigid[1].state.poses[0].position.y - 0.02;
         CHECK(low == Approx(0.0).margin(1e-4));
-        const Vec3 v = soft ? state.softBodies[0].v[0] : state.rigidBodies[1].velocities[0];
+        const Vec3 v = soft ? scene.soft[0].state.v[0] : scene.rigid[1].state.velocities[0];
         CHECK(length(v) < 0.02); // it was not thrown out
     }
 }
@@ -147,8 +147,8 @@ TEST_CASE("the damper of a penalty contact waits until the surfaces touch")
     int free = 0;
     for (int i = 0; i < 200; ++i) {
         stage.step(1e-3);
-        const double height = stage.world.state().rigidBodies[1].poses[0].position.y - 0.02;
-        speed = stage.world.state().rigidBodies[1].velocities[0].y;
+        const double height = stage.world.scene().rigid[1].state.poses[0].position.y - 0.02;
+        speed = stage.world.scene().rigid[1].state.velocities[0].y;
         if (speed < 0.0 && height > 2e-5) {
             CHECK(speed == Approx(-0.2));
             ++free;
@@ -172,7 +172,7 @@ TEST_CASE("between two that go where they are told there is no force, whatever t
         return sum;
     };
     REQUIRE(force() > 0.1);
-    stage.world.model().rigidBodies[1].dynamic = false;
+    stage.world.scene().rigid[1].model.dynamic = false;
     stage.step(1e-3);
     CHECK_FALSE(stage.world.state().touching.empty());
     CHECK(force() == 0.0);

@@ -49,7 +49,7 @@ TEST_CASE("a penalty contact carries the weight, as deep as its springs give")
     double force = 0.0;
     for (const frame::Contact& contact : stage.world.state().touching) force += contact.normalForce;
     CHECK(force == Approx(weight).epsilon(0.01));
-    const double depth = 0.02 - stage.world.state().rigidBodies[1].poses[0].position.y;
+    const double depth = 0.02 - stage.world.scene().rigid[1].state.poses[0].position.y;
     CHECK(depth == Approx(weight / (4 * 2000.0)).margin(2e-5)); // four corners; less the skin
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("only models of one group touch")
         box.collision[0].group = group;
         stage.add(box);
         stage.run(300, 1e-3);
-        CHECK((stage.world.state().rigidBodies[1].poses[0].position.y > 0.0) == (group == 0));
+        CHECK((stage.world.scene().rigid[1].state.poses[0].position.y > 0.0) == (group == 0));
         CHECK(stage.world.state().touching.empty() == (group != 0));
         setLogSink({});
         CHECK((logged.find("rigid body 'floor': no other body has collision group 0") != std::string::npos) ==
@@ -131,7 +131,7 @@ TEST_CASE("a body has several models, and none of them meets another of its own"
                      {.mesh = geometry::shapes::box(2.0 * Vec3{0.004, 0.012, 0.004})}};
     stage.add(two);
     stage.run(500, 1e-3);
-    CHECK(stage.world.state().rigidBodies[1].poses[0].position.y == Approx(0.012).margin(1e-4));
+    CHECK(stage.world.scene().rigid[1].state.poses[0].position.y == Approx(0.012).margin(1e-4));
     for (const frame::Contact& contact : stage.world.state().touching) CHECK(contact.first != contact.second);
 }
 

@@ -82,7 +82,7 @@ TEST_CASE("a blade whose place is no number cuts nothing and spoils nothing")
 {
     Scene scene(rectangle(0.06, 0.05));
     scene.move(0.035, 0.031, 4);
-    scene.stage.world.state().rigidBodies[0].poses[0].position.x = kNaN; // as no server would let it
+    scene.stage.world.scene().rigid[0].state.poses[0].position.x = kNaN; // as no server would let it
     TopologyReport all;
     for (int i = 0; i < 3; ++i) {
         const StepReport report = scene.stage.step(1e-3);

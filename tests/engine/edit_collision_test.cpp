@@ -46,7 +46,7 @@ std::vector<int> nodesOf(const CollisionModel& model, int feature)
 }
 
 /// The nodes of the soft body's features in contact, and the forces there.
-std::map<std::vector<int>, double> contactsOf(const CollisionModel& model, const State& state)
+std::map<std::vector<int>, double> contactsOf(const CollisionModel& model, const Scene& scene)
 {
     std::map<std::vector<int>, double> found;
     for (const ContactMemory& each : state.contacts) {
@@ -127,7 +127,7 @@ TEST_CASE("contacts of what an edit leaves keep their forces, and those of what 
     stage.add(block(mesh));
     stage.run(300, 1e-3);
     const State& state = stage.world.state();
-    const auto before = contactsOf(stage.model().collision[0], state);
+    const auto before = contactsOf(stage.model().collision[0], scene);
     REQUIRE(before.size() > 10);
 
     // A corner at the floor, and one at the top: numbers before and behind them move up.
@@ -140,7 +140,7 @@ TEST_CASE("contacts of what an edit leaves keep their forces, and those of what 
     editCollision(edit, 0, stage.model(), stage.world.state());
 
     const CollisionModel& now = stage.model().collision[0];
-    const auto after = contactsOf(now, state);
+    const auto after = contactsOf(now, scene);
     std::size_t gone = 0;
     for (const auto& [nodes, force] : before) {
         const auto found = after.find(nodes);
@@ -160,7 +160,7 @@ TEST_CASE("contacts of what an edit leaves keep their forces, and those of what 
         CHECK(geometry::signedVolume(x(a), x(b), x(c), mesh.nodes[now.behind[t]]) < 0.0);
     }
     check(stage.model(), stage.soft());
-    CHECK_NOTHROW(checkMemories(stage.world.model(), state));
+    CHECK_NOTHROW(checkMemories(stage.world.model(), scene));
     CHECK_FALSE(stage.step(1e-3).has(physics::StepFlag::Undone));
     CHECK(!state.touching.empty());
 }

@@ -10,7 +10,7 @@ namespace {
 Moving centreOf(Stage& stage)
 {
     const RigidState& state = rigidState(stage);
-    const Vec3 centre = stage.world.model().rigidBodies[0].inertias[0].centre;
+    const Vec3 centre = stage.world.scene().rigid[0].model.inertias[0].centre;
     return {{transform(state.poses[0], centre), state.poses[0].orientation},
             state.velocities[0],
             state.angularVelocities[0]};
@@ -19,7 +19,7 @@ Moving centreOf(Stage& stage)
 /// What the hand does to the body at the end of the last step.
 CouplingForce pullOf(Stage& stage, const HapticTarget& hand)
 {
-    const Vec3 centre = stage.world.model().rigidBodies[0].inertias[0].centre;
+    const Vec3 centre = stage.world.scene().rigid[0].model.inertias[0].centre;
     return couplingForce(hand.coupling, atPoint({hand.pose, hand.velocity, hand.angularVelocity}, centre),
                          centreOf(stage));
 }
@@ -145,7 +145,7 @@ TEST_CASE("a hand is part of the state: the hash knows it, a reset keeps it, a s
     CHECK(rigidState(held).velocities[0].y > 0.0);
 
     RigidState& state = rigidState(held);
-    const RigidModel& model = held.world.model().rigidBodies[0];
+    const RigidModel& model = held.world.scene().rigid[0].model;
     check(model, state);
     state.hands[0].element = 1;
     CHECK_THROWS_WITH(check(model, state), Catch::Contains("hands[0].element must be in [0, 1), got 1"));

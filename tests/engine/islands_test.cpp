@@ -32,12 +32,12 @@ Link link(const BodyPoint& a, const BodyPoint& b)
 TEST_CASE("bodies that links tie together are one island, in the order of their first bodies")
 {
     Model model;
-    model.softBodies.resize(4);
+    scene.soft.resize(4);
     RigidPlan plan(3);
     plan[0].dynamic = plan[1].dynamic = true; // the third goes where it is told
     const std::vector<Link> links{link(soft(3), rigid(1)), link(soft(0), rigid(2)),  link(soft(2), rigid(2)),
                                   link(rigid(1), soft(0)), link(rigid(2), rigid(0)), link(soft(2), BodyPoint{})};
-    const std::vector<Island> islands = findIslands(model, plan, links);
+    const std::vector<Island> islands = findIslands(scene, plan, links);
     REQUIRE(islands.size() == 3);
     CHECK(islands[0].soft == std::vector<std::size_t>{0, 3});
     CHECK(islands[0].rigid == std::vector<std::size_t>{1});
@@ -52,6 +52,6 @@ TEST_CASE("links between what cannot move are in no island")
 {
     const Model model;
     const RigidPlan plan(2);
-    CHECK(findIslands(model, plan, {link(rigid(0), rigid(1)), link(rigid(0), BodyPoint{})}).empty());
-    CHECK(findIslands(model, {}, {}).empty());
+    CHECK(findIslands(scene, plan, {link(rigid(0), rigid(1)), link(rigid(0), BodyPoint{})}).empty());
+    CHECK(findIslands(scene, {}, {}).empty());
 }

@@ -73,9 +73,9 @@ TEST_CASE_METHOD(Fixture, "tune sees the bodies as they are")
     const StepReport report = tuned([&](Native& native) {
         ++runs;
         REQUIRE(native.model.softBodies.size() == 1);
-        CHECK(native.model.softBodies[0].id == soft);
+        CHECK(native.scene().soft[0].model.id == soft);
         CHECK(native.model.rigidBodies.size() == 1);
-        CHECK(native.state.softBodies[0].x == x);
+        CHECK(native.scene().soft[0].state.x == x);
         CHECK(native.state.step == 5);
     });
     CHECK(runs == 1);
@@ -97,7 +97,7 @@ TEST_CASE("one element made stiffer changes the result, most of all there")
     Fixture a, b;
     std::array<int, 4> nodes{};
     a.tuned([&](Native& native) {
-        FemElement& first = native.model.softBodies[0].elements[0];
+        FemElement& first = native.scene().soft[0].model.elements[0];
         first.youngModulus *= 1000;
         nodes = first.nodes;
     });
@@ -125,13 +125,13 @@ TEST_CASE("a solver changed by tune is the one that solves")
 {
     Fixture a;
     CHECK(a.server.step(0.01).solves[0].iterations > 1);
-    CHECK(a.tuned([](Native& native) { native.model.softBodies[0].solver = Cholesky{}; }).solves[0].iterations == 1);
+    CHECK(a.tuned([](Native& native) { native.scene().soft[0].model.solver = Cholesky{}; }).solves[0].iterations == 1);
     const StepReport capped = a.tuned([](Native& native) {
-        native.model.softBodies[0].solver = ConjugateGradient{.maxIterations = 2, .tolerance = 1e-12};
+        native.scene().soft[0].model.solver = ConjugateGradient{.maxIterations = 2, .tolerance = 1e-12};
     });
     CHECK(capped.solves[0].iterations == 2);
     CHECK(capped.has(StepFlag::NotConverged));
-    CHECK(a.tuned([](Native& n) { n.model.softBodies[0].integrator = ExplicitEuler{}; }).solves[0].iterations == 0);
+    CHECK(a.tuned([](Native& n) { n.scene().soft[0].model.integrator = ExplicitEuler{}; }).solves[0].iterations == 0);
 }
 
 TEST_CASE("a node held or let go by tune is held or let go")
@@ -139,14 +139,14 @@ TEST_CASE("a node held or let go by tune is held or let go")
     Fixture a;
     const int tip = 35;
     a.tuned([&](Native& native) {
-        native.model.softBodies[0].pins.hard[tip] = true;
-        native.state.softBodies[0].v[tip] = {};
-        native.state.softBodies[0].dv[tip] = {};
+        native.scene().soft[0].model.pins.hard[tip] = true;
+        native.scene().soft[0].state.v[tip] = {};
+        native.scene().soft[0].state.dv[tip] = {};
     });
     const Vec3 held = a.positions()[tip];
     for (int i = 0; i < 10; ++i) a.server.step(0.01);
     CHECK(a.positions()[tip] == held);
-    a.tuned([&](Native& native) { native.model.softBodies[0].pins.hard[tip] = false; });
+    a.tuned([&](Native& native) { native.scene().soft[0].model.pins.hard[tip] = false; });
     for (int i = 0; i < 10; ++i) a.server.step(0.01);
     CHECK(a.positions()[tip] != held);
 }
@@ -155,8 +155,8 @@ TEST_CASE("a tune that throws is put back completely")
 {
     checkPutBack(
         [](Native& native) {
-            native.state.softBodies[0].x[3] = {1, 1, 1};
-            native.model.softBodies[0].elements.clear();
+            native.scene().soft[0].state.x[3] = {1, 1, 1};
+            native.scene().soft[0].model.elements.clear();
             native.state.time = 99;
             throw std::runtime_error("changed my mind");
         },
@@ -171,35 +171,35 @@ TEST_CASE("a tune that throws is put back completely")
 
 TEST_CASE("a tune that leaves a number that is none is put back completely")
 {
-    checkPutBack([](Native& n) { n.state.softBodies[0].x[3].y = kNan; }, "x[3] must be finite");
-    checkPutBack([](Native& n) { n.state.softBodies[0].v[3].y = kNan; }, "v[3] must be finite");
-    checkPutBack([](Native& n) { n.state.softBodies[0].pressure = kNan; }, "pressure");
-    checkPutBack([](Native& n) { n.state.softBodies[0].rotations[0].w[3] = static_cast<float>(kNan); }, "rotations");
+    checkPutBack([](Native& n) { n.scene().soft[0].state.x[3].y = kNan; }, "x[3] must be finite");
+    checkPutBack([](Native& n) { n.scene().soft[0].state.v[3].y = kNan; }, "v[3] must be finite");
+    checkPutBack([](Native& n) { n.scene().soft[0].state.pressure = kNan; }, "pressure");
+    checkPutBack([](Native& n) { n.scene().soft[0].state.rotations[0].w[3] = static_cast<float>(kNan); }, "rotations");
     checkPutBack([](Native& n) { n.state.gravity.x = kNan; }, "gravity");
     checkPutBack([](Native& n) { n.state.time = kNan; }, "time");
-    checkPutBack([](Native& n) { n.state.rigidBodies[0].poses[0].position.x = kNan; }, "poses must be finite");
-    checkPutBack([](Native& n) { n.state.rigidBodies[0].poses[0].orientation.w = 2; }, "unit quaternion");
-    checkPutBack([](Native& n) { n.model.softBodies[0].masses[2] = 0.0; }, "masses must be > 0 kg, got 0");
-    checkPutBack([](Native& n) { n.model.softBodies[0].elements[5].poissonRatio = 0.7; },
+    checkPutBack([](Native& n) { n.scene().rigid[0].state.poses[0].position.x = kNan; }, "poses must be finite");
+    checkPutBack([](Native& n) { n.scene().rigid[0].state.poses[0].orientation.w = 2; }, "unit quaternion");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.masses[2] = 0.0; }, "masses must be > 0 kg, got 0");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.elements[5].poissonRatio = 0.7; },
                  "elements[5]: poissonRatio must be in [0, 0.5), got 0.7");
-    checkPutBack([](Native& n) { n.model.softBodies[0].elements[5].volume = -1; }, "elements[5].volume");
-    checkPutBack([](Native& n) { n.model.softBodies[0].elements[5].gradients[1].z = kNan; }, "elements[5].gradients");
-    checkPutBack([](Native& n) { n.model.softBodies[0].rayleigh.mass = -1; }, "rayleigh");
-    checkPutBack([](Native& n) { n.model.softBodies[0].solver = ConjugateGradient{.tolerance = 2}; }, "tolerance");
-    checkPutBack([](Native& n) { n.model.softBodies[0].springs.push_back({.nodes = {0, 1}}); }, "springs[0]");
-    checkPutBack([](Native& n) { n.model.softBodies[0].pins.springs.push_back({0, {}, -1}); }, "pin's stiffness");
-    checkPutBack([](Native& n) { n.model.softBodies[0].pins.hard[35] = true; }, "the node is held"); // in full motion
+    checkPutBack([](Native& n) { n.scene().soft[0].model.elements[5].volume = -1; }, "elements[5].volume");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.elements[5].gradients[1].z = kNan; }, "elements[5].gradients");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.rayleigh.mass = -1; }, "rayleigh");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.solver = ConjugateGradient{.tolerance = 2}; }, "tolerance");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.springs.push_back({.nodes = {0, 1}}); }, "springs[0]");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.pins.springs.push_back({0, {}, -1}); }, "pin's stiffness");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.pins.hard[35] = true; }, "the node is held"); // in full motion
 }
 
 TEST_CASE("a tune that leaves wrong sizes or indices is put back completely")
 {
-    checkPutBack([](Native& n) { n.state.softBodies[0].x.pop_back(); }, "x must have 36 entries, got 35");
-    checkPutBack([](Native& n) { n.state.softBodies[0].forces.clear(); }, "forces must have 36 entries");
-    checkPutBack([](Native& n) { n.state.softBodies[0].rotations.pop_back(); }, "rotations must have");
-    checkPutBack([](Native& n) { n.model.softBodies[0].masses.pop_back(); }, "masses must have 36 entries");
-    checkPutBack([](Native& n) { n.model.softBodies[0].pins.hard.pop_back(); }, "pins.hard must have 36 entries");
-    checkPutBack([](Native& n) { n.model.softBodies[0].elements[0].nodes[2] = 36; }, "[0, 36), got 36");
-    checkPutBack([](Native& n) { n.model.softBodies[0].surface[0][1] = -1; }, "[0, 36), got -1");
+    checkPutBack([](Native& n) { n.scene().soft[0].state.x.pop_back(); }, "x must have 36 entries, got 35");
+    checkPutBack([](Native& n) { n.scene().soft[0].state.forces.clear(); }, "forces must have 36 entries");
+    checkPutBack([](Native& n) { n.scene().soft[0].state.rotations.pop_back(); }, "rotations must have");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.masses.pop_back(); }, "masses must have 36 entries");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.pins.hard.pop_back(); }, "pins.hard must have 36 entries");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.elements[0].nodes[2] = 36; }, "[0, 36), got 36");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.surface[0][1] = -1; }, "[0, 36), got -1");
     checkPutBack([](Native& n) { n.state.softBodies.clear(); }, "same bodies");
     checkPutBack(
         [](Native& n) {
@@ -207,21 +207,21 @@ TEST_CASE("a tune that leaves wrong sizes or indices is put back completely")
             n.state.softBodies.clear();
         },
         "bodies, their ids");
-    checkPutBack([](Native& n) { n.model.softBodies[0].id = BodyId{77}; }, "bodies, their ids");
-    checkPutBack([](Native& n) { n.model.softBodies[0].rest.pop_back(); }, "bodies, their ids, nodes");
-    checkPutBack([](Native& n) { n.model.rigidBodies[0].rest.push_back({}); }, "bodies, their ids, nodes");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.id = BodyId{77}; }, "bodies, their ids");
+    checkPutBack([](Native& n) { n.scene().soft[0].model.rest.pop_back(); }, "bodies, their ids, nodes");
+    checkPutBack([](Native& n) { n.scene().rigid[0].model.rest.push_back({}); }, "bodies, their ids, nodes");
 }
 
 TEST_CASE("commands around a rejected tune are still carried out")
 {
     Fixture a;
     a.server.setGravity({1, 0, 0});
-    tune(a.server, [](Native& n) { n.state.softBodies[0].x.clear(); });
+    tune(a.server, [](Native& n) { n.scene().soft[0].state.x.clear(); });
     a.server.setPressure(a.soft, 5);
     a.server.step(0.01);
     CHECK_FALSE(a.tuned([](Native& n) {
                      CHECK(n.state.gravity == Vec3{1, 0, 0});
-                     CHECK(n.state.softBodies[0].pressure == 5);
+                     CHECK(n.scene().soft[0].state.pressure == 5);
                  }).has(StepFlag::TuneRejected));
 }
 

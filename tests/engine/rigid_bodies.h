@@ -35,11 +35,11 @@ inline physics::RigidBodyDef tumbling(Vec3 moments, Vec3 angularVelocity)
             .gravity = false};
 }
 
-inline RigidState& rigidState(Stage& stage, std::size_t body = 0) { return stage.world.state().rigidBodies[body]; }
+inline RigidState& rigidState(Stage& stage, std::size_t body = 0) { return stage.world.scene().rigid[body].state; }
 
 inline Vec3 angularMomentum(Stage& stage, std::size_t e = 0)
 {
-    const Mat3& inertia = stage.world.model().rigidBodies[0].inertias[e].inertia;
+    const Mat3& inertia = stage.world.scene().rigid[0].model.inertias[e].inertia;
     const RigidState& state = rigidState(stage);
     return worldInertia(inertia, state.poses[e].orientation) * state.angularVelocities[e];
 }

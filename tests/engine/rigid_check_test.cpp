@@ -24,7 +24,7 @@ std::string refusalOf(const RigidBodyDef& def)
 std::string checkOf(Stage& stage)
 {
     try {
-        check(stage.world.model().rigidBodies[0], stage.world.state().rigidBodies[0]);
+        check(stage.world.scene().rigid[0].model, stage.world.scene().rigid[0].state);
     } catch (const Error& error) {
         return error.what();
     }
@@ -115,7 +115,7 @@ TEST_CASE("a changed rigid model or state is checked as if it had just been buil
         stage.add(boxBody());
         stage.step(0.01);
         REQUIRE(checkOf(stage) == "accepted");
-        change(stage.world.model().rigidBodies[0], rigidState(stage));
+        change(stage.world.scene().rigid[0].model, rigidState(stage));
         CHECK_THAT(checkOf(stage), Catch::Contains("rigid body 'box'") && Catch::Contains(says));
     }
 }

@@ -244,7 +244,7 @@ TEST_CASE("what changes the plan between its two halves changes the motion")
     Model& model = stage.world.model();
     State& state = stage.world.state();
     RigidPlan plan;
-    planRigid(model, 0.01, {0, -10, 0}, state, plan);
+    planRigid(0.01, {0, -10, 0}, scene, plan);
     REQUIRE(plan.size() == 2);
     CHECK(plan[0].dynamic);
     CHECK(plan[0].mass == Approx(1.0));
@@ -255,11 +255,11 @@ TEST_CASE("what changes the plan between its two halves changes the motion")
 
     plan[0].change = {-1.0 * plan[0].velocity, -1.0 * plan[0].angularVelocity}; // a wall that takes all
     StepReport report;
-    moveRigid(model, 0.01, plan, state, report);
+    moveRigid(0.01, plan, scene, report);
     CHECK(report.flags == 0);
-    CHECK(distance(state.rigidBodies[0].poses[0].position, {}) < 1e-15);
-    CHECK(state.rigidBodies[0].velocities[0] == Vec3{});
-    CHECK(length(state.rigidBodies[0].angularVelocities[0]) < 1e-15);
+    CHECK(distance(scene.rigid[0].state.poses[0].position, {}) < 1e-15);
+    CHECK(scene.rigid[0].state.velocities[0] == Vec3{});
+    CHECK(length(scene.rigid[0].state.angularVelocities[0]) < 1e-15);
 }
 
 TEST_CASE("an element whose new state would be no state stays, at rest, and the step says so")

@@ -42,8 +42,8 @@ struct Stage {
         }
         return all;
     }
-    SoftModel& model(std::size_t body = 0) { return world.model().softBodies[body]; }
-    SoftState& soft(std::size_t body = 0) { return world.state().softBodies[body]; }
+    SoftModel& model(std::size_t body = 0) { return world.scene().soft[body].model; }
+    SoftState& soft(std::size_t body = 0) { return world.scene().soft[body].state; }
 };
 
 /// Without gravity, damping and pins: what a test does not name does not act. In double precision: for exact answers.

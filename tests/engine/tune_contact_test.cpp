@@ -84,36 +84,36 @@ TEST_CASE("a tune that leaves collision, contacts, sides, grasps or pins that ca
 {
     using Change = std::function<void(Model&, State&)>;
     const std::pair<Change, const char*> wrong[] = {
-        {[](Model& m, State&) { m.softBodies[0].friction = kNan; }, "soft body 'block': friction"},
-        {[](Model& m, State&) { m.softBodies[0].collision[0].shape = nullptr; }, "collision[0]: must have a shape"},
-        {[](Model& m, State&) { m.softBodies[0].collision[0].proximity = -1; }, "collision[0]: proximity"},
-        {[](Model& m, State&) { m.softBodies[0].collision[0].inset.depth.pop_back(); }, "inset.depth must have"},
-        {[](Model& m, State&) { m.softBodies[0].collision[0].inset.depth[3] = kNan; }, "inset.depth must be >= 0"},
-        {[](Model& m, State&) { m.softBodies[0].collision[0].inset.share.clear(); }, "inset.share must have"},
-        {[](Model& m, State&) { m.softBodies[0].collision[0].ties.nodes.pop_back(); }, "ties.nodes must have"},
-        {[](Model& m, State&) { m.softBodies[0].collision[0].ties.nodes[2][1] = 27; }, "in [0, 27), got 27"},
-        {[](Model& m, State&) { m.softBodies[0].collision[0].ties.weights[2][1] = kNan; }, "weights must be finite"},
-        {[](Model& m, State&) { m.softBodies[0].collision[0].behind[5] = -1; }, "behind must be in [0, 27), got -1"},
-        {[](Model& m, State&) { m.softBodies[0].collision[0].behind.pop_back(); }, "behind must have"},
-        {[](Model& m, State&) { m.softBodies[0].collision.clear(); }, "no such surface"},
-        {[](Model& m, State&) { m.rigidBodies[1].collision[0].element = 1; }, "element must be in [0, 1), got 1"},
-        {[](Model& m, State&) { m.rigidBodies[1].collision[0].core[0].x = kNan; }, "core must be finite"},
-        {[](Model& m, State&) { m.rigidBodies[1].collision[0].core.clear(); }, "core must have"},
-        {[](Model& m, State&) { m.rigidBodies[1].collision.resize(2049); }, "<= 2048 entries, got 2049"},
+        {[](Model& m, State&) { s.soft[0].model.friction = kNan; }, "soft body 'block': friction"},
+        {[](Model& m, State&) { s.soft[0].model.collision[0].shape = nullptr; }, "collision[0]: must have a shape"},
+        {[](Model& m, State&) { s.soft[0].model.collision[0].proximity = -1; }, "collision[0]: proximity"},
+        {[](Model& m, State&) { s.soft[0].model.collision[0].inset.depth.pop_back(); }, "inset.depth must have"},
+        {[](Model& m, State&) { s.soft[0].model.collision[0].inset.depth[3] = kNan; }, "inset.depth must be >= 0"},
+        {[](Model& m, State&) { s.soft[0].model.collision[0].inset.share.clear(); }, "inset.share must have"},
+        {[](Model& m, State&) { s.soft[0].model.collision[0].ties.nodes.pop_back(); }, "ties.nodes must have"},
+        {[](Model& m, State&) { s.soft[0].model.collision[0].ties.nodes[2][1] = 27; }, "in [0, 27), got 27"},
+        {[](Model& m, State&) { s.soft[0].model.collision[0].ties.weights[2][1] = kNan; }, "weights must be finite"},
+        {[](Model& m, State&) { s.soft[0].model.collision[0].behind[5] = -1; }, "behind must be in [0, 27), got -1"},
+        {[](Model& m, State&) { s.soft[0].model.collision[0].behind.pop_back(); }, "behind must have"},
+        {[](Model& m, State&) { s.soft[0].model.collision.clear(); }, "no such surface"},
+        {[](Model& m, State&) { s.rigid[1].model.collision[0].element = 1; }, "element must be in [0, 1), got 1"},
+        {[](Model& m, State&) { s.rigid[1].model.collision[0].core[0].x = kNan; }, "core must be finite"},
+        {[](Model& m, State&) { s.rigid[1].model.collision[0].core.clear(); }, "core must have"},
+        {[](Model& m, State&) { s.rigid[1].model.collision.resize(2049); }, "<= 2048 entries, got 2049"},
         {[](Model& m, State&) {
-             reshape(m.rigidBodies[1].collision[0], [](CollisionShape& s) { s.triangles[3][1] = 8; });
+             reshape(s.rigid[1].model.collision[0], [](CollisionShape& s) { s.triangles[3][1] = 8; });
          },
          "triangles must be in [0, 8), got 8"},
         {[](Model& m, State&) {
-             reshape(m.rigidBodies[1].collision[0], [](CollisionShape& s) { s.nodes[0].first = 0; });
+             reshape(s.rigid[1].model.collision[0], [](CollisionShape& s) { s.nodes[0].first = 0; });
          },
          "nodes[0] must be a leaf"},
         {[](Model& m, State&) {
-             reshape(m.rigidBodies[1].collision[0], [](CollisionShape& s) { s.vertexEdges.start[2] = 99; });
+             reshape(s.rigid[1].model.collision[0], [](CollisionShape& s) { s.vertexEdges.start[2] = 99; });
          },
          "vertexEdges must hold rows"},
         {[](Model& m, State&) {
-             reshape(m.rigidBodies[1].collision[0], [](CollisionShape& s) { s.elements[0].ownEdges[0] = 99; });
+             reshape(s.rigid[1].model.collision[0], [](CollisionShape& s) { s.elements[0].ownEdges[0] = 99; });
          },
          "ownEdges must be in"},
         {[](Model&, State& s) { s.contacts[0].second = {77}; }, "contacts[0]: body 2 or body 77: no such surface"},
@@ -136,14 +136,14 @@ TEST_CASE("a tune that leaves collision, contacts, sides, grasps or pins that ca
         {[](Model&, State& s) { s.attachments[0].id = {}; }, "its id must be > 0"},
         {[](Model&, State& s) { s.attachments[0].body = {1}, s.attachments[0].to = {}; }, "cannot be held"},
         {[](Model& m, State&) {
-             m.softBodies[0].pins.groups[0].nodes = {24, 20};
+             s.soft[0].model.pins.groups[0].nodes = {24, 20};
          },
          "nodes must ascend"},
         {[](Model& m, State&) {
-             m.softBodies[0].pins.groups[0].nodes = {20, 27};
+             s.soft[0].model.pins.groups[0].nodes = {20, 27};
          },
          "in [0, 27), got 27"},
-        {[](Model& m, State&) { m.softBodies[0].pins.groups[0].stiffness = 0; }, "stiffness must be > 0 N/m, got 0"},
+        {[](Model& m, State&) { s.soft[0].model.pins.groups[0].stiffness = 0; }, "stiffness must be > 0 N/m, got 0"},
     };
     Tuned twin, tuned;
     setLogSink([&](LogLevel, std::string_view line) { tuned.logged += line; });
@@ -162,7 +162,7 @@ TEST_CASE("a tune that leaves collision, contacts, sides, grasps or pins that ca
 TEST_CASE("a surface that a tune replaces has no history")
 {
     Tuned scene;
-    CHECK(scene.refusal([](Model& m, State&) { reshape(m.rigidBodies[0].collision[0], [](CollisionShape&) {}); })
+    CHECK(scene.refusal([](Model& m, State&) { reshape(s.rigid[0].model.collision[0], [](CollisionShape&) {}); })
               .empty());
     CHECK(scene.stage.world.state().sides.empty());
     for (const ContactMemory& each : scene.stage.world.state().contacts)

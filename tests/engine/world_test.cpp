@@ -83,11 +83,11 @@ TEST_CASE("the hash sees time, gravity, and where everything is and goes")
     };
     nudge(state.time);
     nudge(state.gravity.z);
-    nudge(state.softBodies[0].pressure);
-    for (auto* list : {&state.softBodies[0].x, &state.softBodies[0].v})
+    nudge(scene.soft[0].state.pressure);
+    for (auto* list : {&scene.soft[0].state.x, &scene.soft[0].state.v})
         for (int axis = 0; axis < 3; ++axis) nudge((*list)[3][axis]);
-    nudge(state.rigidBodies[0].poses[0].position.y);
-    nudge(state.rigidBodies[0].poses[0].orientation.z);
+    nudge(scene.rigid[0].state.poses[0].position.y);
+    nudge(scene.rigid[0].state.poses[0].orientation.z);
     ++state.step;
     CHECK(stage.world.hash() != before);
 }

@@ -43,16 +43,16 @@ inline const frame::Attachment& held(Stage& stage, AttachmentId id)
 inline Vec3 placeOf(Stage& stage, const AttachedPoint& point, BodyId id)
 {
     const Model& model = stage.world.model();
-    for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
-        if (model.softBodies[b].id != id) continue;
+    for (std::size_t b = 0; b < scene.soft.size(); ++b) {
+        if (scene.soft[b].model.id != id) continue;
         Vec3 sum;
         for (const NodeWeight& each : point.nodes)
             sum += each.weight * stage.soft(b).x[static_cast<std::size_t>(each.node)];
         return sum;
     }
-    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b)
-        if (model.rigidBodies[b].id == id)
-            return transform(stage.world.state().rigidBodies[b].poses[static_cast<std::size_t>(point.element)],
+    for (std::size_t b = 0; b < scene.rigid.size(); ++b)
+        if (scene.rigid[b].model.id == id)
+            return transform(stage.world.scene().rigid[b].state.poses[static_cast<std::size_t>(point.element)],
                              point.place);
     return point.place;
 }

@@ -96,11 +96,11 @@ TEST_CASE("a rigid block slides on a soft slab with the friction mu N, and all f
     stage.add(rigidBox(size, {-0.033, 0.0101, 0.0012}, true));
     stage.run(150, kDt);
     std::vector<Forces> steps;
-    std::vector<Vec3> velocities{stage.world.state().rigidBodies[0].velocities[0]};
+    std::vector<Vec3> velocities{stage.world.scene().rigid[0].state.velocities[0]};
     for (int i = 0; i < 100; ++i) {
         stage.step(kDt);
         steps.push_back(contactForces(stage));
-        velocities.push_back(stage.world.state().rigidBodies[0].velocities[0]);
+        velocities.push_back(stage.world.scene().rigid[0].state.velocities[0]);
     }
     CHECK(velocities.back().x > 0.2);
     verify("rigid block sliding on a soft slab: friction over mu N, less one, means over 5 ms", offCoulomb(steps),

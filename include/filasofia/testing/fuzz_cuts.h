@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace filasofia::engine {
+namespace filasofia::testing {
 
 /// A body to be cut at random.
 struct CutFuzzMesh {
@@ -67,4 +67,4 @@ struct CutFuzzReport {
 /// report everywhere.
 CutFuzzReport fuzzCuts(const CutFuzzDef& def);
 
-} // namespace filasofia::engine
+} // namespace filasofia::testing

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-namespace filasofia::engine {
+namespace filasofia::testing {
 
 /// What the parts of a step of the default solver cost, each by itself, and how much they compute.
 struct SolverCosts {
@@ -20,14 +20,18 @@ struct SolverCosts {
     [[nodiscard]] double floor() const { return elementPass + 2.0 * product + preconditioner; }
 };
 
-/// Measures a body of elements with the default solver: `warmUp` steps of `period` [s] under `gravity`, then `repeats`
-/// of each part; medians. `now` [ns]: a steady clock. Throws an Error where the body cannot be built or has another
+/// How the default solver is measured.
+struct SolverCostsDef {
+    Vec3 gravity;                      ///< [m/s^2]
+    double period = 1e-3;              ///< [s], > 0
+    int threads = 1;                   ///< [-], >= 1
+    int warmUp = 0;                    ///< [-], >= 0, steps before
+    int repeats = 1;                   ///< [-], > 0, of each part; its time is the median
+    std::function<std::int64_t()> now; ///< [ns] a steady clock
+};
+
+/// Measures a body of elements with the default solver. Throws an Error if the body cannot be built or has another
 /// solver.
-SolverCosts measureSolver(const physics::SoftBodyDef& def, Vec3 gravity, double period, int threads, int warmUp,
-                          int repeats, const std::function<std::int64_t()>& now);
+SolverCosts measureSolver(const physics::SoftBodyDef& body, const SolverCostsDef& def);
 
-/// The instruction sets for which the inner loops are compiled and which this machine has, the best and used one first:
-/// "AVX3" (AVX-512), "AVX2", "SSE4", "NEON", "EMU128" (plain code).
-std::vector<std::string> simdTargets();
-
-} // namespace filasofia::engine
+} // namespace filasofia::testing

@@ -7,7 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-namespace filasofia::engine {
+namespace filasofia::testing {
+using namespace engine;
 namespace {
 
 void add(std::vector<CutFuzzCount>& counts, const std::string& name)
@@ -136,4 +137,4 @@ double FuzzBody::secondPart() const
     return volume[1] / mesh.startVolume();
 }
 
-} // namespace filasofia::engine
+} // namespace filasofia::testing

@@ -2,12 +2,13 @@
 
 #include "filasofia/engine/rupture/check_topology.h"
 #include "filasofia/engine/rupture/cut.h"
-#include "filasofia/testing/fuzz_cuts.h"
 #include "filasofia/engine/rupture/pieces.h"
+#include "filasofia/testing/fuzz_cuts.h"
 
 #include <random>
 
-namespace filasofia::engine {
+namespace filasofia::testing {
+using namespace engine;
 
 /// The same numbers on every machine.
 class FuzzRandom {
@@ -100,4 +101,4 @@ const char* name(FuzzKind kind);
 /// Whether it left a bridge; nothing where that cannot be said.
 std::optional<bool> fuzzCut(FuzzBody& body, FuzzKind kind, FuzzRandom& random, bool fresh);
 
-} // namespace filasofia::engine
+} // namespace filasofia::testing

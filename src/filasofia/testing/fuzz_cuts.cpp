@@ -2,13 +2,14 @@
 
 #include "filasofia/core/hash.h"
 #include "filasofia/core/text.h"
-#include "filasofia/testing/fuzz_body.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/testing/fuzz_body.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace filasofia::engine {
+namespace filasofia::testing {
+using namespace engine;
 namespace {
 
 constexpr int kKinds = static_cast<int>(FuzzKind::count_);
@@ -114,4 +115,4 @@ CutFuzzReport fuzzCuts(const CutFuzzDef& def)
     return report;
 }
 
-} // namespace filasofia::engine
+} // namespace filasofia::testing

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-namespace filasofia::engine {
+namespace filasofia::testing {
+using namespace engine;
 namespace {
 
 constexpr double kTurn = 6.283185307179586;
@@ -279,4 +280,4 @@ std::optional<bool> fuzzCut(FuzzBody& body, FuzzKind kind, FuzzRandom& random, b
     }
 }
 
-} // namespace filasofia::engine
+} // namespace filasofia::testing

@@ -47,7 +47,7 @@ inline physics::SoftBodyDef cushion(double top)
 
 inline JointState& joint(Stage& stage, std::size_t body = 0, std::size_t j = 0)
 {
-    return stage.world.state().rigidBodies[body].joints[j];
+    return stage.world.scene().rigid[body].state.joints[j];
 }
 
 /// [N m] of all contacts on the body with that id about the z axis of the world's origin.

@@ -12,7 +12,7 @@ std::set<std::string> faults(const MeshTopology& mesh, double volume)
 {
     std::set<std::string> all;
     for (const TopologyViolation& v :
-         checkTopology(mesh, {.quality = 0.15, .volume = volume, .mostViolations = 100000}))
+         checkTopology(mesh, {.quality = 0.15, .volume = volume, .maxViolations = 100000}))
         all.insert(name(v.fault));
     return all;
 }

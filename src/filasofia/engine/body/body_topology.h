@@ -1,10 +1,10 @@
 #pragma once
 
-#include "filasofia/engine/topology/edit_collision.h"
+#include "filasofia/engine/body/attachment.h"
+#include "filasofia/engine/body/soft_model.h"
 #include "filasofia/engine/rupture/cut.h"
 #include "filasofia/engine/rupture/pieces.h"
 #include "filasofia/engine/rupture/tear.h"
-#include "filasofia/engine/soft/soft_system.h"
 #include "filasofia/frame/boundary.h"
 #include "filasofia/geometry/box.h"
 #include "filasofia/physics/step.h"
@@ -60,24 +60,14 @@ struct BodyTopology {
     std::vector<Attachment> startAttachments; ///< what held it then
     std::unique_ptr<SoftModel> start; ///< what it is without any edit: what is given meanwhile goes there as well
 };
-using Topologies = std::vector<BodyTopology>; ///< one per soft body, in the model's order
 
 /// Nothing but for a body with dynamicTopology.
 BodyTopology makeTopology(const SoftModel& model);
 
+/// The fourth node behind a face of an element: face f lies opposite corner f.
+int cornerBehind(int element, int face, const BodyTopology& topology);
+
 /// The surface as everyone outside sees it: the same object until the next edit. Null where nothing is ever cut.
 std::shared_ptr<const frame::Boundary> boundaryOf(const SoftModel& model, const BodyTopology& topology);
-
-/// Which springs the elements of a mass-spring body have, and how many elements each spring.
-SpringsOfElements springsOfElements(const SoftModel& model);
-
-/// Adds what was refused, put off and left for later.
-void add(const RuptureReport& from, physics::TopologyReport& to);
-
-/// Brings all that is kept of a body in line with an edit of its mesh, once: nodes, elements, masses, pins, surface,
-/// state and solver. Momentum is kept. Attachments and contacts are followed elsewhere; for these,
-/// what became of the surface.
-OwnSurfaceEdit applyEdit(const frame::TopologyEdit& edit, double period, BodyTopology& topology, SoftModel& model,
-                         SoftState& state, SoftSystem& system);
 
 } // namespace filasofia::engine

@@ -1,6 +1,7 @@
 #include "filasofia/engine/body/check_collision.h"
 #include "filasofia/core/error.h"
 #include "filasofia/engine/body/check_size.h"
+#include "filasofia/engine/body/usable.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "filasofia/engine/body/model.h"
+#include "filasofia/engine/body/rigid_model.h"
+#include "filasofia/engine/body/soft_model.h"
 
 namespace filasofia::engine {
 

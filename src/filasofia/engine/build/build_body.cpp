@@ -1,7 +1,10 @@
 #include "filasofia/engine/build/build_body.h"
-#include "filasofia/engine/contact/attachment_points.h"
+
 #include "filasofia/engine/body/collision_model.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/usable.h"
+#include "filasofia/engine/build/build_rigid.h"
+#include "filasofia/engine/contact/attachment_points.h"
 #include "filasofia/engine/topology/loose_pieces.h"
 
 #include "filasofia/core/log.h"
@@ -74,7 +77,7 @@ void addPins(const physics::AttachmentDef& def, const std::string& object, SoftM
 void checkForCuts(const std::string& object, const EditableMesh& mesh)
 {
     const std::vector<TopologyViolation> faults =
-        checkTopology(mesh.data(), {.volume = mesh.startVolume(), .mostViolations = 1});
+        checkTopology(mesh.data(), {.volume = mesh.startVolume(), .maxViolations = 1});
     if (!faults.empty())
         fail(object,
              ": dynamicTopology needs a mesh whose surface is a manifold (each edge between two triangles, one "
@@ -107,7 +110,7 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     warnOfSize(object, mesh);
 
     auto built = std::make_unique<BuiltSoftBody>();
-    SoftModel& model = built->model;
+    SoftModel& model = built->body.model;
     model.name = def.name;
     model.rest = mesh.nodes;
     model.rayleigh = def.rayleigh;
@@ -136,41 +139,18 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     for (std::size_t i = 0; i < def.forces.size(); ++i)
         if (const int node = def.forces[i].node; node >= built->nodeCount())
             fail(object, ": forces[", i, "].node must be in [0, ", built->nodeCount(), "), got ", node);
-    built->state = stateAtRest(model);
-    built->state.pressure = def.pressure;
-    setForces(def.forces, built->state);
-    check(model, built->state);
-    built->topology = makeTopology(model);
-    if (model.dynamicTopology) model.pieces = findPieces(model, *built->topology.pieces);
-    built->system = makeSystem(model, period);
-    if (model.dynamicTopology) checkForCuts(object, *built->topology.mesh);
+    built->body.state = stateAtRest(model);
+    built->body.state.pressure = def.pressure;
+    setForces(def.forces, built->body.state);
+    check(model, built->body.state);
+    built->body.topology = makeTopology(model);
+    if (model.dynamicTopology) model.pieces = findPieces(model, *built->body.topology.pieces);
+    built->body.system = makeSystem(model, period);
+    if (model.dynamicTopology) checkForCuts(object, *built->body.topology.mesh);
     return built;
 }
 
 } // namespace
-
-void setMaterial(const physics::SoftMaterial& material, SoftModel& model)
-{
-    model.tearingThreshold = std::visit([](const auto& each) { return each.tearingThreshold; }, material);
-    if (const auto* fem = std::get_if<physics::FemMaterial>(&material)) {
-        for (FemElement& element : model.elements) {
-            element.youngModulus = fem->youngModulus;
-            element.poissonRatio = fem->poissonRatio;
-        }
-    } else {
-        const auto& springs = std::get<physics::MassSpringMaterial>(material);
-        for (Spring& spring : model.springs) {
-            spring.stiffness = springs.stiffness;
-            spring.damping = springs.damping;
-        }
-    }
-}
-
-void setForces(const std::vector<physics::NodalForce>& forces, SoftState& state)
-{
-    std::fill(state.forces.begin(), state.forces.end(), Vec3{});
-    for (const physics::NodalForce& force : forces) state.forces[force.node] += force.force;
-}
 
 std::unique_ptr<physics::BuiltBody> buildBody(const physics::BodyDef& def, double period)
 {

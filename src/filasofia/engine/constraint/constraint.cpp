@@ -11,23 +11,22 @@ std::array<Vec3, 3> frameOf(Vec3 normal)
     return {normal, tangent, cross(normal, tangent)};
 }
 
-void giveImpulse(const Constraints& constraints, std::size_t c, Vec3 impulse, std::span<Vec3> atGrips)
+void addImpulse(const ConstraintRows& rows, std::size_t c, Vec3 impulse, std::span<Vec3> atPoints)
 {
-    const Constraint& constraint = constraints.list[c];
-    const Vec3 all = inWorld(constraint.frame, impulse);
-    for (int g = constraint.first; g < constraint.first + constraint.count; ++g) {
-        const WeightedGrip& grip = constraints.grips[static_cast<std::size_t>(g)];
-        atGrips[static_cast<std::size_t>(grip.grip)] += grip.weight * all;
-    }
+    const ConstraintRow& row = rows.list[c];
+    const Vec3 world = inWorld(row.constraint->frame, impulse);
+    for (const WeightedPoint& each : rows.pointsOf(row))
+        atPoints[static_cast<std::size_t>(each.point)] += each.weight * world;
 }
 
 Projected project(const Constraint& constraint, Vec3 y) { return project(constraint, y, constraint.friction * y.x); }
 
 Projected project(const Constraint& constraint, Vec3 y, double cone)
 {
-    if (constraint.friction >= 0.0 && !(y.x > 0.0)) return {};
-    if (std::abs(y.x) > constraint.most) return {{std::copysign(constraint.most, y.x), 0.0, 0.0}, 0.0, false};
-    if (constraint.friction < 0.0) return {y, 1.0, true};
+    if (!constraint.bilateral() && !(y.x > 0.0)) return {};
+    if (std::abs(y.x) > constraint.maxImpulse)
+        return {{std::copysign(constraint.maxImpulse, y.x), 0.0, 0.0}, 0.0, false};
+    if (constraint.bilateral()) return {y, 1.0, true};
     const double tangential = std::sqrt(y.y * y.y + y.z * y.z);
     const double slip = tangential > cone ? cone / tangential : 1.0;
     return {{y.x, slip * y.y, slip * y.z}, slip, true};

@@ -1,76 +1,125 @@
 #pragma once
 
+#include "filasofia/core/body_id.h"
+#include "filasofia/engine/constraint/body_point.h"
 #include "filasofia/math/vec3.h"
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
 
 namespace filasofia::engine {
 
-/// A grip that a constraint takes hold of, and how much of it counts.
-struct WeightedGrip {
-    int grip = 0; ///< of all bodies' grips, one list
-    double weight = 0.0;
+/// What two points want of each other. Contacts and joint limits are unilateral: they push only. Welds (attachments,
+/// grasps) and the dry friction of joints are bilateral.
+enum class ConstraintKind { Contact, Weld, JointLimit, JointFriction };
+
+/// Which contact this is, from step to step, and the force that its next solve starts from.
+struct CachedContact {
+    BodyId first, second;
+    std::uint64_t feature = 0; ///< the pair of features, the same from step to step (collision/proximity.h)
+    Vec3 point;                ///< [m] in the world
+    Vec3 force;                ///< [N] on the first
 };
 
-/// What three velocities of a few grips must obey: a contact, or a point that is held.
+/// What a constraint of kind Contact is besides its law.
+struct ContactInfo {
+    CachedContact cached;
+    double gap = 0.0;       ///< [m] negative inside each other
+    double proximity = 0.0; ///< [m] of both surfaces together
+    double skin = 0.0;      ///< [m] the gap that the contact is to keep
+};
+
+/// What a constraint of kind JointLimit or JointFriction is besides its law.
+struct JointInfo {
+    std::size_t articulation = 0; ///< index among the articulation plans
+    int joint = 0;
+    double arm = 1.0;   ///< [m] the constraint's velocity is the joint's times this; 1 for a prismatic joint
+    bool upper = false; ///< JointLimit: the upper one
+};
+
+/// Two points and the law between them: a contact, a pair of an attachment, a limit or the friction of a joint. With
 ///
-///     u = F (sum of weight * velocity - obstacle),   F the frame's three rows
+///     J   the velocity of the first point against the second, as the bodies' unknowns give it (ConstraintRow)
+///     F   the frame's three rows,     u = F J (v + dv)
 ///
-/// A contact wants bias + u >= 0 along the normal, with an impulse there that pushes only, and a tangential impulse
-/// within Coulomb's cone. What is held wants bias + u = 0 in all three.
+/// a unilateral constraint wants bias + u >= 0 along the normal, with an impulse there that only pushes, and a
+/// tangential impulse within Coulomb's cone |t| <= friction * n. A bilateral one wants bias + u = 0 in all three rows,
+/// but no more than maxImpulse along the first.
 struct Constraint {
-    int first = 0, count = 0;       ///< its grips in the list of WeightedGrip
-    Vec3 point;                     ///< [m] where it is, of all constraints from the same origin
-    std::array<Vec3, 3> frame;      ///< unit and orthogonal; the normal first
-    std::array<int, 2> pieces = {}; ///< per side, of a body that has fallen into pieces: the one that it is at
-    Vec3 start;                     ///< [m/s] u before the step changes any velocity
-    Vec3 bias;                      ///< [m/s]
-    double friction = -1.0;         ///< [-] mu; negative: held
-    double slack = 0.0;             ///< [m/s] of a rigid one: how far from what it wants bias + u may be at the end
-    double give = 0.0;              ///< [kg] of a spring: impulse per velocity; 0: rigid
-    /// [N s] that it bears along its first axis, where that is all that it has to say, as of a joint: beyond, it
-    /// slides.
-    double most = std::numeric_limits<double>::infinity();
-    Vec3 impulse; ///< [N s] in the frame. In: of the last step; out: what acted in this one
-    Vec3 next;    ///< [N s] out: where the next step starts
-};
+    ConstraintKind kind = ConstraintKind::Contact;
+    std::array<BodyPoint, 2> sides = {};
+    std::array<Vec3, 3> frame = {}; ///< unit and orthogonal; the first is the normal, from the second side to the first
+    Vec3 bias = {};                 ///< [m/s] in the frame
+    double friction = 0.0;          ///< [-] Coulomb's mu; unilateral constraints only
+    double tolerance = 0.0;         ///< [m/s] how far a rigid constraint may end from what it wants
+    double softness = 0.0;          ///< [kg] impulse per velocity of a spring; 0: rigid
+    double maxImpulse = std::numeric_limits<double>::infinity(); ///< [N s] along the normal; beyond, it gives way
+    Vec3 impulse = {};    ///< [N s] in the frame, on the first side. In: the last step's; out: what acted in this step
+    Vec3 multiplier = {}; ///< [N s] out: the augmented Lagrangian's multiplier, where the next step starts
 
-/// Some constraints, and the grips that they take hold of.
-struct Constraints {
-    std::vector<Constraint> list;
-    std::vector<WeightedGrip> grips;
-    void clear()
+    ContactInfo contact = {}; ///< kind Contact only
+    JointInfo joint = {};     ///< kinds JointLimit and JointFriction only
+
+    [[nodiscard]] bool bilateral() const
     {
-        list.clear();
-        grips.clear();
+        return kind == ConstraintKind::Weld || kind == ConstraintKind::JointFriction;
     }
 };
 
-/// Adds an impulse in the frame of constraint c to its grips: J^T F^T.
-void giveImpulse(const Constraints& constraints, std::size_t c, Vec3 impulse, std::span<Vec3> atGrips);
+/// A contact point among all bodies' contact points of a solve, and its weight in J.
+struct WeightedPoint {
+    int point = 0;
+    double weight = 0.0;
+};
 
-/// Two tangents for a unit normal. Continuous but for two places on the ball.
+/// A constraint's rows of J: which contact points it acts on.
+struct ConstraintRow {
+    Constraint* constraint = nullptr;
+    int first = 0, count = 0;       ///< its points in ConstraintRows::points
+    std::array<int, 2> pieces = {}; ///< per side: the piece that it acts on, if the body has fallen into pieces
+};
+
+/// The constraints of one coupled solve. The constraints themselves stay where they are, and get their impulses there.
+struct ConstraintRows {
+    std::vector<ConstraintRow> list;
+    std::vector<WeightedPoint> points;
+    void clear()
+    {
+        list.clear();
+        points.clear();
+    }
+    [[nodiscard]] std::span<const WeightedPoint> pointsOf(const ConstraintRow& row) const
+    {
+        return std::span(points).subspan(static_cast<std::size_t>(row.first), static_cast<std::size_t>(row.count));
+    }
+};
+
+/// Adds J^T F^T impulse to the contact points of row `c`; `impulse` [N s] in the constraint's frame.
+void addImpulse(const ConstraintRows& rows, std::size_t c, Vec3 impulse, std::span<Vec3> atPoints);
+
+/// A unit normal and two tangents. Continuous but for two places on the sphere.
 std::array<Vec3, 3> frameOf(Vec3 normal);
-/// A vector's parts along a frame's rows, and back.
+/// A vector's components along a frame's rows, and back.
 inline Vec3 inFrame(const std::array<Vec3, 3>& f, Vec3 v) { return {dot(f[0], v), dot(f[1], v), dot(f[2], v)}; }
 inline Vec3 inWorld(const std::array<Vec3, 3>& f, Vec3 v) { return v.x * f[0] + v.y * f[1] + v.z * f[2]; }
 
 /// Entry by entry.
 inline Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
-/// The impulse that the law allows nearest to y: none where it would pull, in the cone of friction otherwise; y itself
-/// of what is held. `slip` in [0, 1]: how much of the tangential part is left.
+/// The impulse that the law allows nearest to y [N s]: none if it would pull, else projected onto the friction cone; y
+/// itself if bilateral.
 struct Projected {
     Vec3 impulse;
-    double slip = 0.0;
+    double slip = 0.0; ///< [-] in [0, 1]: how much of the tangential part is left
     bool active = false;
 };
+/// Coulomb's law is applied here.
 Projected project(const Constraint& constraint, Vec3 y);
-/// The same where a contact bears `cone` [N s] across, whatever its normal impulse is.
+/// The same for a cone of fixed radius `cone` [N s] (Tresca's law), whatever the normal impulse is.
 Projected project(const Constraint& constraint, Vec3 y, double cone);
 
 } // namespace filasofia::engine

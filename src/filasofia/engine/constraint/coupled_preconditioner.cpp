@@ -1,48 +1,49 @@
+// The preconditioner of CoupledSolve: filter, coarse correction, and how they are applied.
 #include "filasofia/engine/constraint/coupled_solve.h"
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
-/// The preconditioner of the coupled solve.
 namespace filasofia::engine {
 namespace {
 
-// The filter is made anew where one in so many contacts has begun or ended, or its cone leaves another share of
-// friction.
+// The filter is rebuilt if one in so many contacts has begun or ended, or if its friction cone leaves another share of
+// the tangential impulse.
 constexpr std::size_t kOthers = 64;
 constexpr double kOtherSlip = 1.5;
 
 // A link on a hinge can be pushed in some directions only. A contact whose normal is less than a milliradian away from
-// those in which it cannot would ask for forces without end.
+// those in which it cannot would ask for forces without bound.
 constexpr double kStiff = 1e-6;
 
 } // namespace
 
 void CoupledSolve::chooseStiffness()
 {
-    give_.resize(constraints_->grips.size());
+    ownCompliance_.resize(constraints_->points.size());
     double heaviest = 0.0;
-    for (const CoupledBody* body : *bodies_) heaviest = std::max(heaviest, body->mass());
+    for (const double mass : masses_) heaviest = std::max(heaviest, mass);
     for (std::size_t c = 0; c < rows_.size(); ++c) {
-        const Constraint& constraint = constraints_->list[c];
-        const Mat3 turn{constraint.frame[0], constraint.frame[1], constraint.frame[2]};
+        const ConstraintRow& row = constraints_->list[c];
+        const Constraint& each = *row.constraint;
+        const Mat3 turn{each.frame[0], each.frame[1], each.frame[2]};
         double compliance = 0.0, anyDirection = 0.0;
-        for (int g = constraint.first; g < constraint.first + constraint.count; ++g) {
-            const WeightedGrip& grip = constraints_->grips[static_cast<std::size_t>(g)];
-            const Mat3 give = turn * compliance_[static_cast<std::size_t>(grip.grip)] * transpose(turn);
-            compliance += grip.weight * grip.weight * give[0].x;
-            anyDirection += grip.weight * grip.weight * trace(give);
-            give_[static_cast<std::size_t>(g)] = std::abs(grip.weight) * give;
+        for (int k = row.first; k < row.first + row.count; ++k) {
+            const WeightedPoint& at = constraints_->points[static_cast<std::size_t>(k)];
+            const Mat3 own = turn * compliance_[static_cast<std::size_t>(at.point)] * transpose(turn);
+            compliance += at.weight * at.weight * own[0].x;
+            anyDirection += at.weight * at.weight * trace(own);
+            ownCompliance_[static_cast<std::size_t>(k)] = std::abs(at.weight) * own;
         }
-        if (constraint.friction >= 0.0 && !(compliance > kStiff * anyDirection)) compliance = 0.0;
-        const bool spring = constraint.give > 0.0, held = constraint.friction < 0.0;
-        const double kappa = held ? limits_->holding : limits_->stiffening;
+        if (!each.bilateral() && !(compliance > kStiff * anyDirection)) compliance = 0.0;
+        const bool spring = each.softness > 0.0;
+        const double kappa = each.bilateral() ? limits_->holding : limits_->stiffening;
         const double rigid = compliance > 0.0 ? std::max(kappa / compliance, limits_->bearing * heaviest) : 0.0;
-        const double normal = spring ? constraint.give : rigid, tangential = spring && held ? constraint.give : rigid;
+        const double normal = spring ? each.softness : rigid;
+        const double tangential = spring && each.bilateral() ? each.softness : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};
-        rows_[c].u = constraint.start;
-        if (compliance == 0.0) constraints_->list[c].impulse = {}; // nothing that could give way: it has no say
+        rows_[c].u = inFrame(each.frame, each.sides[0].velocity - each.sides[1].velocity);
+        if (compliance == 0.0) row.constraint->impulse = {}; // nothing can give way: the constraint has no say
     }
 }
 
@@ -50,31 +51,29 @@ void CoupledSolve::makeFilter()
 {
     shares_.assign(sharing_.size(), 0.0);
     filters_.resize(rows_.size());
-    const auto gripsOf = [&](std::size_t c) {
-        const Constraint& constraint = constraints_->list[c];
-        return std::pair(static_cast<std::size_t>(constraint.first),
-                         static_cast<std::size_t>(constraint.first + constraint.count));
+    const auto shareOf = [&](std::size_t k) -> double& {
+        const int point = constraints_->points[k].point;
+        return shares_[static_cast<std::size_t>(sharing_[static_cast<std::size_t>(point)])];
     };
-    const auto shareOf = [&](std::size_t g) -> double& {
-        return shares_[static_cast<std::size_t>(sharing_[static_cast<std::size_t>(constraints_->grips[g].grip)])];
+    const auto firstOf = [&](std::size_t c) { return static_cast<std::size_t>(constraints_->list[c].first); };
+    const auto endOf = [&](std::size_t c) {
+        return firstOf(c) + static_cast<std::size_t>(constraints_->list[c].count);
     };
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         row.state = row.now;
         row.sigma = row.state.active ? times(row.stiffness, {1.0, row.state.slip, row.state.slip}) : Vec3{};
         filters_[c] = {};
-        const auto [first, end] = gripsOf(c);
-        for (std::size_t g = first; row.state.active && g < end; ++g)
-            shareOf(g) += std::abs(constraints_->grips[g].weight);
+        for (std::size_t k = firstOf(c); row.state.active && k < endOf(c); ++k)
+            shareOf(k) += std::abs(constraints_->points[k].weight);
     }
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         if (row.sigma.x == 0.0) continue;
-        const auto [first, end] = gripsOf(c);
-        Mat3 give;
-        for (std::size_t g = first; g < end; ++g) give += shareOf(g) * give_[g];
+        Mat3 compliance;
+        for (std::size_t k = firstOf(c); k < endOf(c); ++k) compliance += shareOf(k) * ownCompliance_[k];
         const Mat3 sigma{{{row.sigma.x, 0.0, 0.0}, {0.0, row.sigma.y, 0.0}, {0.0, 0.0, row.sigma.z}}};
-        filters_[c] = inverse(Mat3::identity() + sigma * give) * sigma;
+        filters_[c] = inverse(Mat3::identity() + sigma * compliance) * sigma;
     }
 }
 
@@ -92,22 +91,29 @@ void CoupledSolve::correctCoarseLevels() { patches_.make(*bodies_, first_, *cons
 
 double CoupledSolve::precondition()
 {
-    for (CoupledBody* body : *bodies_) body->smooth();
-    gather(&CoupledBody::readSmoothed);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].probe = velocityOf(c);
-    giveImpulses(&CoupledBody::addToSpread, [&](std::size_t c) { return -(filters_[c] * rows_[c].probe); });
+    for (const CoupledBody& body : *bodies_) body.preconditioner->smooth();
+    gather(SolveVector::Smoothed);
+    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = velocityOf(c);
+    addImpulses([&](std::size_t c) { return -(filters_[c] * rows_[c].scratch); },
+                [](const CoupledBody& body, std::span<const Vec3> impulses) {
+                    body.matrix->add(impulses, SolveVector::CoarseResidual);
+                });
     double rz = 0.0;
-    if (!patches_.empty()) patches_.weigh(*bodies_);
-    for (std::size_t b = 0; b < bodies_->size(); ++b) rz += (*bodies_)[b]->spread(patches_.shares(b));
-    gather(&CoupledBody::readSpread);
+    if (!patches_.empty()) patches_.project(*bodies_);
+    for (std::size_t b = 0; b < bodies_->size(); ++b)
+        rz += (*bodies_)[b].preconditioner->applyCoarse(patches_.shares(b));
+    gather(SolveVector::Preconditioned);
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         const Vec3 filtered = filters_[c] * velocityOf(c);
-        rz -= dot(row.probe, filtered);
-        row.probe = filtered;
+        rz -= dot(row.scratch, filtered);
+        row.scratch = filtered;
     }
-    giveImpulses(&CoupledBody::subtractSmoothed, [&](std::size_t c) { return rows_[c].probe; });
-    gather(&CoupledBody::readSpread);
+    addImpulses([&](std::size_t c) { return rows_[c].scratch; },
+                [](const CoupledBody& body, std::span<const Vec3> impulses) {
+                    body.preconditioner->subtractSmoothed(impulses);
+                });
+    gather(SolveVector::Preconditioned);
     for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].step = velocityOf(c);
     return rz;
 }

@@ -6,40 +6,41 @@
 namespace filasofia::engine {
 namespace {
 
-// A direction is followed to where its slope is this share of what it was, or less; looked for so many times at most.
+// The line search ends where the directional derivative is this fraction of what it was, or less; after so many trials
+// at most.
 constexpr double kFlatEnough = 0.3;
-constexpr int kLooks = 6;
-constexpr int kHard = 4;             // iterations after which the coarse levels are corrected
-constexpr double kSteepEnough = 0.1; // a direction's slope over that of z: less steep ones are left for z
+constexpr int kMaxTrials = 6;
+constexpr int kCorrectAfter = 4;     // iterations after which the coarse levels are corrected
+constexpr double kSteepEnough = 0.1; // a direction's derivative over that of z: if less, z is taken instead
 
 } // namespace
 
-CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector<CoupledBody*>& bodies,
-                                  const std::vector<std::vector<Grip>>& gripsOf, Constraints& constraints)
+CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector<CoupledBody>& bodies,
+                                  const std::vector<std::vector<ContactPoint>>& pointsOf, const ConstraintRows& rows)
 {
     limits_ = &limits;
     bodies_ = &bodies;
-    constraints_ = &constraints;
-    begin(gripsOf);
+    constraints_ = &rows;
+    begin(pointsOf);
     chooseStiffness();
     firstGuess();
     makeFilter();
-    const auto isHeld = [](const Constraint& constraint) { return constraint.friction < 0.0; };
-    if (std::ranges::any_of(constraints.list, isHeld)) correctCoarseLevels();
+    const auto isBilateral = [](const ConstraintRow& row) { return row.constraint->bilateral(); };
+    if (std::ranges::any_of(rows.list, isBilateral)) correctCoarseLevels();
 
     const linalg::SolveLimits& linear = limits.linear;
     CoupledReport report;
     report.rounds = 1;
-    for (int raises = 0, followed = 0;; ++report.iterations, ++followed) {
-        if (report.iterations == kHard && patches_.empty()) correctCoarseLevels();
+    for (int updates = 0, nonlinear = 0;; ++report.iterations, ++nonlinear) {
+        if (report.iterations == kCorrectAfter && patches_.empty()) correctCoarseLevels();
         const double rz = precondition(); // the energy of the error, as the preconditioner sees it
         const bool number = rz >= 0.0 && std::isfinite(rz);
         report.residual = rz == 0.0 ? 0.0 : number ? std::sqrt(rz / (rz + energy_)) : 1.0;
         report.converged = report.residual <= linear.tolerance && impulsesSettled();
-        if (report.converged && !statesKept_ && raises < limits.raises && raiseImpulses()) {
-            ++raises;
+        if (report.converged && !statesKept_ && updates < limits.multiplierUpdates && updateMultipliers()) {
+            ++updates;
             ++report.rounds;
-            followed = -1; // a new problem, from this one's answer
+            nonlinear = -1; // a new problem, from this one's answer
             --report.iterations;
             continue;
         }
@@ -47,43 +48,45 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
         report.outOfTime = report.iterations == linear.stopAt ||
                            (report.iterations >= linear.minIterations && linear.outOfTime && linear.outOfTime());
         if (report.outOfTime) break;
-        if (followed == limits.following) {
+        if (nonlinear == limits.nonlinear) {
             keepStates();
             ++report.rounds;
         }
-        if (!turn(rz)) break; // nothing bends: numbers have run out
-        advance();
+        if (!updateDirection(rz)) break; // no curvature is left: numbers have run out
+        lineSearch();
     }
     report.mismatch = mismatch();
     for (std::size_t c = 0; c < rows_.size(); ++c) {
-        constraints.list[c].next = law(c, rows_[c].u).impulse;
-        constraints.list[c].impulse = rows_[c].impulse;
+        Constraint& solved = *rows.list[c].constraint;
+        solved.multiplier = law(c, rows_[c].u).impulse;
+        solved.impulse = rows_[c].impulse;
     }
     return report;
 }
 
-void CoupledSolve::begin(const std::vector<std::vector<Grip>>& gripsOf)
+void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
 {
     first_.assign(1, 0);
     sharing_.clear();
     compliance_.clear();
+    masses_.clear();
     double mass = 0.0;
     for (std::size_t b = 0; b < bodies_->size(); ++b) {
-        CoupledBody& body = *(*bodies_)[b];
-        body.begin(gripsOf[b]);
-        mass += body.mass();
-        const int offset = first_.back(), count = static_cast<int>(gripsOf[b].size());
-        for (int g = 0; g < count; ++g) {
-            compliance_.push_back(body.compliance(g));
-            int same = g; // grips of one body come in the order of their nodes
-            if (g > 0 &&
-                gripsOf[b][static_cast<std::size_t>(g)].node == gripsOf[b][static_cast<std::size_t>(g) - 1].node)
+        BodyOperator& body = *(*bodies_)[b].matrix;
+        const std::vector<ContactPoint>& points = pointsOf[b];
+        masses_.push_back(body.begin(points));
+        mass += masses_.back();
+        const int offset = first_.back(), count = static_cast<int>(points.size());
+        for (int k = 0; k < count; ++k) {
+            compliance_.push_back(body.compliance(k));
+            int same = k; // a body's contact points come in the order of their nodes
+            if (k > 0 && points[static_cast<std::size_t>(k)].node == points[static_cast<std::size_t>(k) - 1].node)
                 same = sharing_.back() - offset;
             sharing_.push_back(offset + same);
         }
         first_.push_back(offset + count);
     }
-    at_.resize(sharing_.size());
+    atPoints_.resize(sharing_.size());
     rows_.assign(constraints_->list.size(), {});
     smallest_ = mass * limits_->smallChange;
     energy_ = smallest_ * limits_->smallChange;
@@ -94,69 +97,67 @@ void CoupledSolve::begin(const std::vector<std::vector<Grip>>& gripsOf)
 
 Vec3 CoupledSolve::reaction(std::size_t c, Vec3 u) const
 {
-    const Constraint& constraint = constraints_->list[c];
-    return constraint.impulse - times(rows_[c].stiffness, constraint.bias + u);
+    return constraint(c).impulse - times(rows_[c].stiffness, constraint(c).bias + u);
 }
 
-Projected CoupledSolve::law(std::size_t c, Vec3 u) const { return project(constraints_->list[c], reaction(c, u)); }
+Projected CoupledSolve::law(std::size_t c, Vec3 u) const { return project(constraint(c), reaction(c, u)); }
 
 Vec3 CoupledSolve::lawAlong(std::size_t c, Vec3 u) const
 {
     const Row& row = rows_[c];
-    if (!statesKept_) return project(constraints_->list[c], reaction(c, u), row.cone).impulse;
+    if (!statesKept_) return project(constraint(c), reaction(c, u), row.cone).impulse;
     return row.state.active ? times({1.0, row.state.slip, row.state.slip}, reaction(c, u)) : row.state.impulse;
 }
 
-void CoupledSolve::gather(Read read)
+void CoupledSolve::gather(SolveVector from)
 {
     for (std::size_t b = 0; b < bodies_->size(); ++b)
-        ((*bodies_)[b]->*read)(std::span(at_).subspan(static_cast<std::size_t>(first_[b]),
-                                                      static_cast<std::size_t>(first_[b + 1] - first_[b])));
+        (*bodies_)[b].matrix->read(from,
+                                   std::span(atPoints_).subspan(static_cast<std::size_t>(first_[b]),
+                                                                static_cast<std::size_t>(first_[b + 1] - first_[b])));
 }
 
 Vec3 CoupledSolve::velocityOf(std::size_t c) const
 {
-    const Constraint& constraint = constraints_->list[c];
     Vec3 sum;
-    for (int g = constraint.first; g < constraint.first + constraint.count; ++g) {
-        const WeightedGrip& grip = constraints_->grips[static_cast<std::size_t>(g)];
-        sum += grip.weight * at_[static_cast<std::size_t>(grip.grip)];
-    }
-    return inFrame(constraint.frame, sum);
+    for (const WeightedPoint& each : constraints_->pointsOf(constraints_->list[c]))
+        sum += each.weight * atPoints_[static_cast<std::size_t>(each.point)];
+    return inFrame(constraint(c).frame, sum);
 }
 
 double CoupledSolve::multiply()
 {
-    double bend = 0.0;
-    for (CoupledBody* body : *bodies_) bend += body->multiply();
-    gather(&CoupledBody::readDirection);
+    double curvature = 0.0;
+    for (const CoupledBody& body : *bodies_) curvature += body.matrix->multiply();
+    gather(SolveVector::Direction);
     for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].along = velocityOf(c);
-    return bend;
+    return curvature;
 }
 
 void CoupledSolve::firstGuess()
 {
     // The last step's answer, or as much of it as is good under this step's forces and impulses.
-    double slope = 0.0;
-    const double bend = multiply();
-    for (CoupledBody* body : *bodies_) slope += body->slope();
+    double derivative = 0.0;
+    const double curvature = multiply();
+    for (const CoupledBody& body : *bodies_)
+        derivative += body.matrix->dot(SolveVector::Direction, SolveVector::Residual);
     const auto rise = [&](double t) {
-        double sum = t * bend - slope;
+        double sum = t * curvature - derivative;
         for (std::size_t c = 0; c < rows_.size(); ++c)
             sum -= dot(rows_[c].along, law(c, rows_[c].u + t * rows_[c].along).impulse);
         return sum;
     };
     double t = 0.0;
     const double atStart = rise(0.0), atOne = rise(1.0);
-    if (bend > 0.0 && std::isfinite(atOne) && atStart < 0.0) {
+    if (curvature > 0.0 && std::isfinite(atOne) && atStart < 0.0) {
         t = 1.0;
         if (!(std::abs(atOne) <= 0.5 * -atStart)) t = std::clamp(atStart / (atStart - atOne), 0.0, 2.0);
         if (atOne < atStart) t = 0.0;
     }
-    for (CoupledBody* body : *bodies_) body->descend(t);
+    for (const CoupledBody& body : *bodies_) body.matrix->step(t);
     for (Row& row : rows_) row.u += t * row.along;
-    energy_ += t * t * std::max(0.0, bend);
-    obey();
+    energy_ += t * t * std::max(0.0, curvature);
+    projectImpulses();
 }
 
 bool CoupledSolve::impulsesSettled() const
@@ -171,82 +172,86 @@ bool CoupledSolve::impulsesSettled() const
     return change <= limits_->tolerance * limits_->tolerance * std::max(all, small * small);
 }
 
-bool CoupledSolve::turn(double rz)
+bool CoupledSolve::updateDirection(double rz)
 {
     double beta = 0.0;
-    slope_ = rz;
+    derivative_ = rz;
     if (!restart_) {
-        double bent = 0.0;
-        for (CoupledBody* body : *bodies_) bent += body->bent();
-        bent *= way_;
-        for (const Row& row : rows_) bent -= dot(row.step, row.change);
-        beta = -bent / (lastSlope_ - end_);
-        slope_ = rz + beta * endNow_;
-        if (!std::isfinite(beta) || !(slope_ > kSteepEnough * rz)) {
+        double met = 0.0; // z . the change of forces along the last direction
+        for (const CoupledBody& body : *bodies_)
+            met += body.matrix->dot(SolveVector::Preconditioned, SolveVector::Product);
+        met *= length_;
+        for (const Row& row : rows_) met -= dot(row.step, row.change);
+        beta = -met / (lastDerivative_ - derivativeAtEnd_);
+        derivative_ = rz + beta * derivativeAfter_;
+        if (!std::isfinite(beta) || !(derivative_ > kSteepEnough * rz)) {
             beta = 0.0;
-            slope_ = rz;
+            derivative_ = rz;
         }
     }
     restart_ = false;
-    for (CoupledBody* body : *bodies_) body->turn(beta);
-    own_ = 0.0;
-    for (CoupledBody* body : *bodies_) own_ += body->multiply();
-    bend_ = own_;
+    for (const CoupledBody& body : *bodies_) body.matrix->updateDirection(beta);
+    ownCurvature_ = 0.0;
+    for (const CoupledBody& body : *bodies_) ownCurvature_ += body.matrix->multiply();
+    curvature_ = ownCurvature_;
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         row.along = row.step + beta * row.along;
-        row.cone = std::max(0.0, constraints_->list[c].friction * row.impulse.x);
-        bend_ += dot(row.along, times(row.sigma, row.along));
+        row.cone = constraint(c).bilateral() ? 0.0 : std::max(0.0, constraint(c).friction * row.impulse.x);
+        curvature_ += dot(row.along, times(row.sigma, row.along));
     }
-    return bend_ > 0.0;
+    return curvature_ > 0.0;
 }
 
-void CoupledSolve::advance()
+void CoupledSolve::lineSearch()
 {
-    const auto slopeAt = [&](double way) {
-        double sum = slope_ - way * own_;
+    const auto derivativeAt = [&](double length) {
+        double sum = derivative_ - length * ownCurvature_;
         for (std::size_t c = 0; c < rows_.size(); ++c) {
             Row& row = rows_[c];
-            row.change = lawAlong(c, row.u + way * row.along) - row.impulse;
+            row.change = lawAlong(c, row.u + length * row.along) - row.impulse;
             sum += dot(row.along, row.change);
         }
         return sum;
     };
-    way_ = slope_ / bend_;
-    end_ = slopeAt(way_);
-    double low = 0.0, atLow = slope_, high = 0.0, atHigh = 0.0; // the slope falls all the way
-    for (int look = 1; look < kLooks && std::abs(end_) > kFlatEnough * slope_; ++look) {
-        (end_ > 0.0 ? low : high) = way_;
-        (end_ > 0.0 ? atLow : atHigh) = end_;
+    length_ = derivative_ / curvature_;
+    derivativeAtEnd_ = derivativeAt(length_);
+    double low = 0.0, atLow = derivative_, high = 0.0, atHigh = 0.0; // the derivative falls all the way
+    for (int trial = 1; trial < kMaxTrials && std::abs(derivativeAtEnd_) > kFlatEnough * derivative_; ++trial) {
+        (derivativeAtEnd_ > 0.0 ? low : high) = length_;
+        (derivativeAtEnd_ > 0.0 ? atLow : atHigh) = derivativeAtEnd_;
         if (high > 0.0) {
-            const double share = atLow / (atLow - atHigh);
-            way_ = low + std::clamp(share, 0.1, 0.9) * (high - low);
+            const double secant = atLow / (atLow - atHigh);
+            length_ = low + std::clamp(secant, 0.1, 0.9) * (high - low);
         } else {
-            const double straight = slope_ / (slope_ - end_);
-            way_ *= straight > 1.0 && straight < 4.0 ? straight : 4.0;
+            const double secant = derivative_ / (derivative_ - derivativeAtEnd_);
+            length_ *= secant > 1.0 && secant < 4.0 ? secant : 4.0;
         }
-        end_ = slopeAt(way_);
+        derivativeAtEnd_ = derivativeAt(length_);
     }
-    energy_ += way_ * way_ * std::max(0.0, own_);
-    for (CoupledBody* body : *bodies_) body->descend(way_);
-    for (Row& row : rows_) row.u += way_ * row.along;
-    obey();
-    endNow_ = end_;
-    for (const Row& row : rows_) endNow_ += dot(row.along, row.probe - row.change);
-    lastSlope_ = slope_;
+    energy_ += length_ * length_ * std::max(0.0, ownCurvature_);
+    for (const CoupledBody& body : *bodies_) body.matrix->step(length_);
+    for (Row& row : rows_) row.u += length_ * row.along;
+    projectImpulses();
+    derivativeAfter_ = derivativeAtEnd_;
+    for (const Row& row : rows_) derivativeAfter_ += dot(row.along, row.scratch - row.change);
+    lastDerivative_ = derivative_;
     if (!statesKept_) renewFilter();
 }
 
-void CoupledSolve::obey()
+void CoupledSolve::projectImpulses()
 {
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         if (!statesKept_) row.now = law(c, row.u);
         const Vec3 lawful = statesKept_ ? lawAlong(c, row.u) : row.now.impulse;
-        row.probe = lawful - row.impulse;
+        row.scratch = lawful - row.impulse;
         row.impulse = lawful;
     }
-    giveImpulses(&CoupledBody::addToResidual, [&](std::size_t c) { return rows_[c].probe; });
+    addImpulses([&](std::size_t c) { return rows_[c].scratch; },
+                [](const CoupledBody& body, std::span<const Vec3> impulses) {
+                    body.matrix->add(impulses, SolveVector::Residual);
+                });
 }
 
 void CoupledSolve::keepStates()
@@ -267,22 +272,21 @@ double CoupledSolve::mismatch() const
     return worst / largest;
 }
 
-bool CoupledSolve::raiseImpulses()
+bool CoupledSolve::updateMultipliers()
 {
-    const auto isRigid = [](const Constraint& constraint) { return constraint.give == 0.0; };
+    const auto isRigid = [](const Constraint& constraint) { return constraint.softness == 0.0; };
     bool needed = false;
     for (std::size_t c = 0; c < rows_.size(); ++c) {
-        const Constraint& constraint = constraints_->list[c];
-        if (!isRigid(constraint) || rows_[c].stiffness.x == 0.0) continue;
-        if (std::abs(constraint.impulse.x) >= constraint.most) continue; // it bears no more
-        const Vec3 missed = constraint.bias + rows_[c].u;
-        needed =
-            needed || (constraint.friction < 0.0 ? length(missed) > constraint.slack : missed.x < -constraint.slack);
+        const Constraint& each = constraint(c);
+        if (!isRigid(each) || rows_[c].stiffness.x == 0.0) continue;
+        if (std::abs(each.impulse.x) >= each.maxImpulse) continue; // it bears no more
+        const Vec3 missed = each.bias + rows_[c].u;
+        needed = needed || (each.bilateral() ? length(missed) > each.tolerance : missed.x < -each.tolerance);
     }
     if (!needed) return false;
     for (std::size_t c = 0; c < rows_.size(); ++c)
-        if (isRigid(constraints_->list[c])) constraints_->list[c].impulse = law(c, rows_[c].u).impulse;
-    obey();
+        if (isRigid(constraint(c))) constraints_->list[c].constraint->impulse = law(c, rows_[c].u).impulse;
+    projectImpulses();
     makeFilter();
     restart_ = true;
     return true;

@@ -9,27 +9,29 @@ namespace filasofia::engine {
 
 /// The vectors of a coupled solve in double, one Value (a number, or a Vec3) per unknown, and what conjugate gradients
 /// do with them whatever the matrix is.
-template <class Value> class DenseShare : public CoupledBody {
+template <class Value> class DenseOperator : public BodyOperator, public BodyPreconditioner {
 public:
     [[nodiscard]] std::span<const Value> answer() const { return x_; }
 
-    double slope() override { return product(p_, r_); }
-    void descend(double alpha) override
+    double dot(SolveVector a, SolveVector) override
+    {
+        return a == SolveVector::Direction ? product(p_, r_) : product(z_, q_);
+    }
+    void step(double alpha) override
     {
         for (std::size_t i = 0; i < x_.size(); ++i) {
             x_[i] += alpha * p_[i];
             r_[i] -= alpha * q_[i];
         }
     }
-    void turn(double beta) override
+    void updateDirection(double beta) override
     {
         for (std::size_t i = 0; i < p_.size(); ++i) p_[i] = z_[i] + beta * p_[i];
     }
-    double bent() override { return product(z_, q_); }
 
 protected:
     using Vector = std::vector<Value>;
-    explicit DenseShare(std::size_t unknowns)
+    explicit DenseOperator(std::size_t unknowns)
     {
         for (Vector* vector : {&x_, &r_, &p_, &q_, &w_, &z_}) vector->resize(unknowns);
     }
@@ -41,12 +43,16 @@ protected:
         for (std::size_t i = 0; i < a.size(); ++i) sum += times(a[i], b[i]);
         return sum;
     }
+    [[nodiscard]] const Vector& vectorOf(SolveVector which) const
+    {
+        return which == SolveVector::Direction ? p_ : which == SolveVector::Smoothed ? w_ : z_;
+    }
 
     Vector x_, r_, p_, q_, w_, z_;
 
 private:
     static double times(double a, double b) { return a * b; }
-    static double times(Vec3 a, Vec3 b) { return dot(a, b); }
+    static double times(Vec3 a, Vec3 b) { return filasofia::dot(a, b); }
 };
 
 } // namespace filasofia::engine

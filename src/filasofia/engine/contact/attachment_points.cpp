@@ -2,9 +2,9 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/core/sorted.h"
-#include "filasofia/engine/collision/feature_normals.h"
 #include "filasofia/engine/body/elements.h"
-#include "filasofia/engine/body/find_body.h"
+#include "filasofia/engine/collision/feature_normals.h"
+#include "filasofia/engine/scene/find_body.h"
 #include "filasofia/geometry/bvh.h"
 #include "filasofia/geometry/distance.h"
 
@@ -130,44 +130,44 @@ std::vector<AttachedPoint> embedded(const SoftModel& model, const SoftState& sta
 
 Vec3 inElement(const Pose& pose, Vec3 place) { return transform(inverse(pose), place); }
 
-const Pose& poseOf(const State& state, std::size_t body, int element)
+const Pose& poseOf(const Scene& scene, std::size_t body, int element)
 {
-    return state.rigidBodies[body].poses[static_cast<std::size_t>(element)];
+    return scene.rigid[body].state.poses[static_cast<std::size_t>(element)];
 }
 
 /// Places in the world, as points of what holds them.
 std::vector<AttachedPoint> heldBy(BodyId to, int element, physics::AttachMode mode, std::span<const Vec3> places,
-                                  const Model& model, const State& state)
+                                  const Scene& scene)
 {
     std::vector<AttachedPoint> points;
-    const auto holder = findBody(model, to);
+    const auto holder = findBody(scene, to);
     FILASOFIA_ASSERT(!to || holder);
     if (holder && holder->soft) {
-        const SoftModel& body = model.softBodies[holder->index];
-        const SoftState& now = state.softBodies[holder->index];
+        const SoftModel& body = scene.soft[holder->index].model;
+        const SoftState& now = scene.soft[holder->index].state;
         return mode == physics::AttachMode::Nearest ? nearestNodes(body, now, places) : embedded(body, now, places);
     }
     for (Vec3 place : places) {
         AttachedPoint& point = points.emplace_back();
         point.element = element;
-        point.place = holder ? inElement(poseOf(state, holder->index, element), place) : place;
+        point.place = holder ? inElement(poseOf(scene, holder->index, element), place) : place;
     }
     return points;
 }
 
 /// Adds the nodes near to, or inside, what holds.
-void addNodesNear(const physics::AttachmentDef& def, std::span<const Vec3> x, const Model& model, const State& state,
+void addNodesNear(const physics::AttachmentDef& def, std::span<const Vec3> x, const Scene& scene,
                   std::vector<int>& nodes)
 {
-    const auto holder = findBody(model, def.to);
+    const auto holder = findBody(scene, def.to);
     const bool soft = holder->soft;
     const NearSurface near =
-        soft ? NearSurface(state.softBodies[holder->index].x, model.softBodies[holder->index].surface)
-             : NearSurface(model.rigidBodies[holder->index].surface->vertices,
-                           model.rigidBodies[holder->index].surface->triangles);
+        soft ? NearSurface(scene.soft[holder->index].state.x, scene.soft[holder->index].model.surface)
+             : NearSurface(scene.rigid[holder->index].model.surface->vertices,
+                           scene.rigid[holder->index].model.surface->triangles);
     const double within = def.within.value_or(kNearby * near.size());
     for (std::size_t i = 0; i < x.size(); ++i) {
-        const Vec3 p = soft ? x[i] : inElement(poseOf(state, holder->index, def.element), x[i]);
+        const Vec3 p = soft ? x[i] : inElement(poseOf(scene, holder->index, def.element), x[i]);
         if (near.has(p, within)) nodes.push_back(static_cast<int>(i));
     }
 }
@@ -184,19 +184,18 @@ double gyration(const RigidModel& model, int element)
 
 /// Four points around the centre, in no plane: who holds them holds place and orientation. [m] in the element's
 /// coordinates.
-std::vector<Vec3> pointsAround(const physics::RigidAttachmentDef& def, const RigidModel& body, const Model& model,
-                               const State& state)
+std::vector<Vec3> pointsAround(const physics::RigidAttachmentDef& def, const RigidModel& body, const Scene& scene)
 {
     double radius = body.dynamic ? gyration(body, def.element) : 0.0;
-    if (const auto holder = findBody(model, def.to); holder && radius == 0.0) {
+    if (const auto holder = findBody(scene, def.to); holder && radius == 0.0) {
         if (holder->soft) {
-            const geometry::TetMesh mesh = meshNow(model.softBodies[holder->index], state.softBodies[holder->index]);
+            const geometry::TetMesh mesh = meshNow(scene.soft[holder->index].model, scene.soft[holder->index].state);
             Box box;
             for (const geometry::Tetrahedron& nodes : mesh.tetrahedra)
                 for (int node : nodes) box = geometry::merged(box, mesh.nodes[static_cast<std::size_t>(node)]);
             radius = 0.25 * length(box.high - box.low);
         } else {
-            radius = gyration(model.rigidBodies[holder->index], def.toElement);
+            radius = gyration(scene.rigid[holder->index].model, def.toElement);
         }
     }
     FILASOFIA_ASSERT(radius > 0.0); // one of the two is dynamic, or soft
@@ -226,15 +225,15 @@ std::vector<int> nodesOf(const physics::AttachmentDef& def, std::span<const Vec3
     return nodes;
 }
 
-AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const Model& model, const State& state)
+AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const Scene& scene)
 {
-    const std::vector<Vec3>& x = state.softBodies[body].x;
+    const std::vector<Vec3>& x = scene.soft[body].state.x;
     std::vector<int> nodes = nodesOf(def, x);
     if (def.within || (def.nodes.empty() && !def.box && !def.ball)) {
-        addNodesNear(def, x, model, state, nodes);
+        addNodesNear(def, x, scene, nodes);
         sortUnique(nodes);
     }
-    const std::vector<char> there = nodesThere(model.softBodies[body]);
+    const std::vector<char> there = nodesThere(scene.soft[body].model);
     std::erase_if(nodes, [&](int node) { return !there[static_cast<std::size_t>(node)]; });
     std::vector<AttachedPoint> held;
     std::vector<Vec3> places;
@@ -242,20 +241,19 @@ AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const
         held.push_back({.nodes = {{node, 1.0}}, .place = {}});
         places.push_back(x[static_cast<std::size_t>(node)]);
     }
-    return paired(std::move(held), heldBy(def.to, def.element, def.mode, places, model, state));
+    return paired(std::move(held), heldBy(def.to, def.element, def.mode, places, scene));
 }
 
-AttachedPairs pairsOf(const physics::RigidAttachmentDef& def, std::size_t body, const Model& model, const State& state)
+AttachedPairs pairsOf(const physics::RigidAttachmentDef& def, std::size_t body, const Scene& scene)
 {
-    const RigidModel& rigid = model.rigidBodies[body];
+    const RigidModel& rigid = scene.rigid[body].model;
     std::vector<AttachedPoint> held;
     std::vector<Vec3> places;
-    for (Vec3 point : def.points.empty() ? pointsAround(def, rigid, model, state) : def.points) {
+    for (Vec3 point : def.points.empty() ? pointsAround(def, rigid, scene) : def.points) {
         held.push_back({.nodes = {}, .element = def.element, .place = point});
-        places.push_back(transform(poseOf(state, body, def.element), point));
+        places.push_back(transform(poseOf(scene, body, def.element), point));
     }
-    return paired(std::move(held),
-                  heldBy(def.to, def.toElement, physics::AttachMode::Barycentric, places, model, state));
+    return paired(std::move(held), heldBy(def.to, def.toElement, physics::AttachMode::Barycentric, places, scene));
 }
 
 } // namespace filasofia::engine

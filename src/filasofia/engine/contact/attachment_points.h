@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/engine/body/model.h"
+#include "filasofia/engine/scene/scene.h"
 
 /// From what an attachment asks for to the points that it holds, at the present state.
 namespace filasofia::engine {
@@ -15,8 +15,8 @@ std::vector<int> nodesOf(const physics::AttachmentDef& def, std::span<const Vec3
 
 /// What is held of soft body `body` (a place in the list), and where; empty where no node is in the regions. The body
 /// that holds is there. Pieces that were removed neither are held nor hold.
-AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const Model& model, const State& state);
+AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const Scene& scene);
 /// The same of a rigid body.
-AttachedPairs pairsOf(const physics::RigidAttachmentDef& def, std::size_t body, const Model& model, const State& state);
+AttachedPairs pairsOf(const physics::RigidAttachmentDef& def, std::size_t body, const Scene& scene);
 
 } // namespace filasofia::engine

@@ -1,35 +1,33 @@
 #pragma once
 
 #include "filasofia/engine/contact/coupling.h"
-#include "filasofia/engine/soft/soft_system.h"
-#include "filasofia/physics/step.h"
 
-/// Attachments that are no pins: pairs of points, each of which becomes a link in every step.
+/// Attachments that are no pins: pairs of points, each of which becomes a weld in every step.
 namespace filasofia::engine {
 
-/// Makes one at the present state. Where nothing is in its regions the report says so, and the log.
-void attach(AttachmentId id, BodyId body, const physics::AttachmentDef& def, const Model& model, State& state,
+/// Which attachment it is, and the body that is held.
+struct AttachmentName {
+    AttachmentId id;
+    BodyId body;
+};
+
+/// Makes an attachment at the present state. If nothing is in its regions, the report says so, and the log.
+void attach(const AttachmentName& name, const physics::AttachmentDef& def, Scene& scene, physics::StepReport& report);
+void attach(const AttachmentName& name, const physics::RigidAttachmentDef& def, Scene& scene,
             physics::StepReport& report);
-void attach(AttachmentId id, BodyId body, const physics::RigidAttachmentDef& def, const Model& model, State& state,
-            physics::StepReport& report);
 
-/// Takes one in; `forces` [N] per pair, on its body: where the solve starts.
-void addAttachment(Attachment attachment, std::vector<Vec3> forces, State& state);
+/// Takes an attachment in; `forces` [N] per pair, on its body: where the solve starts.
+void addAttachment(Attachment attachment, std::vector<Vec3> forces, Scene& scene);
 
-/// Lets go. Nothing happens where there is none of this id.
-void release(AttachmentId id, State& state);
-void removeAttachmentsOf(BodyId id, State& state);
+/// Lets go. Nothing happens if there is no attachment of this id.
+void release(AttachmentId id, Scene& scene);
+void removeAttachmentsOf(BodyId id, Scene& scene);
 
-/// Turns the contacts of this step into the attachments that wait for them.
-void graspContacts(const Model& model, State& state, const Coupling& coupling, physics::StepReport& report);
+/// Adds the welds of all attachments after the contacts. Grasps that wait for contacts become attachments first, and
+/// contacts between what is welded already are removed.
+void addWelds(const StepContext& context, Scene& scene, Coupling& coupling);
 
-/// What a hard attachment holds cannot be pushed apart as well: such contacts go, and others of two bodies that hold
-/// each other hard stay as deep as they are. Two laws that want different things of one point would work against each
-/// other with forces that grow without end.
-void leaveToAttachments(const State& state, Coupling& coupling);
-
-/// Adds what every group of pins did in the step.
-void addPinReports(const Model& model, double dt, const Coupling& coupling, const State& state,
-                   const std::vector<SoftSystem>& systems, std::vector<frame::Attachment>& out);
+/// Keeps what attachments and pins did in the step of dt [s]; attachments that had to bear too much break.
+void keepWelds(double dt, const Coupling& coupling, Scene& scene);
 
 } // namespace filasofia::engine

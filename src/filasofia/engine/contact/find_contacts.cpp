@@ -1,8 +1,9 @@
+#include "filasofia/engine/contact/find_contacts.h"
+
 #include "filasofia/core/log.h"
 #include "filasofia/engine/collision/deep_points.h"
-#include "filasofia/engine/contact/warm_start.h"
 #include "filasofia/engine/contact/islands.h"
-#include "filasofia/engine/step/stages.h"
+#include "filasofia/engine/contact/warm_start.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +32,7 @@ struct Owner {
     const CollisionModel* collision = nullptr;
 };
 
-std::vector<Owner> ownersOf(const Model& model)
+std::vector<Owner> ownersOf(const Scene& scene)
 {
     std::vector<Owner> owners;
     const auto add = [&](bool soft, std::size_t b, const auto& body, std::size_t firstElement) {
@@ -41,9 +42,9 @@ std::vector<Owner> ownersOf(const Model& model)
             owners.push_back({soft, b, firstElement + static_cast<std::size_t>(each.element), name, &each});
         }
     };
-    for (std::size_t b = 0; b < model.softBodies.size(); ++b) add(true, b, model.softBodies[b], 0);
-    const std::vector<std::size_t> first = firstElements(model);
-    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) add(false, b, model.rigidBodies[b], first[b]);
+    for (std::size_t b = 0; b < scene.soft.size(); ++b) add(true, b, scene.soft[b].model, 0);
+    const std::vector<std::size_t> first = firstElements(scene);
+    for (std::size_t b = 0; b < scene.rigid.size(); ++b) add(false, b, scene.rigid[b].model, first[b]);
     return owners;
 }
 
@@ -55,7 +56,7 @@ Vec3 mean(const std::vector<Vec3>& values, const geometry::Tetrahedron& nodes, c
     return sum;
 }
 
-void placeSurface(const Owner& owner, const State& state, const RigidPlan& plan, std::vector<Vec3>& normals,
+void placeSurface(const Owner& owner, const Scene& scene, const RigidPlan& plan, std::vector<Vec3>& normals,
                   CollisionSurface& out)
 {
     const CollisionModel& collision = *owner.collision;
@@ -64,7 +65,7 @@ void placeSurface(const Owner& owner, const State& state, const RigidPlan& plan,
     out.x.resize(count);
     out.v.resize(count);
     if (owner.soft) {
-        const SoftState& body = state.softBodies[owner.body];
+        const SoftState& body = scene.soft[owner.body].state;
         for (std::size_t i = 0; i < count; ++i) {
             out.x[i] = mean(body.x, collision.ties.nodes[i], collision.ties.weights[i]);
             out.v[i] = mean(body.v, collision.ties.nodes[i], collision.ties.weights[i]);
@@ -73,7 +74,7 @@ void placeSurface(const Owner& owner, const State& state, const RigidPlan& plan,
         return;
     }
     const RigidPlanElement& element = plan[owner.plan];
-    const Pose& pose = state.rigidBodies[owner.body].poses[element.element];
+    const Pose& pose = scene.rigid[owner.body].state.poses[element.element];
     const Mat3 turn = toMat3(pose.orientation);
     const Vec3 velocity = element.velocity + element.change.linear,
                spin = element.angularVelocity + element.change.angular;
@@ -108,11 +109,11 @@ double comingNearer(const std::vector<CollisionSurface>& surfaces, const Proximi
 
 /// Whether a place lies on an element of a soft body that is turned inside out: there its surface looks the wrong way,
 /// and would hold it there.
-bool insideOut(const Owner& owner, const Proximity& found, std::size_t side, const State& state)
+bool insideOut(const Owner& owner, const Proximity& found, std::size_t side, const Scene& scene)
 {
     const CollisionModel& collision = *owner.collision;
     if (!owner.soft || collision.behind.empty()) return false;
-    const std::vector<Vec3>& x = state.softBodies[owner.body].x;
+    const std::vector<Vec3>& x = scene.soft[owner.body].state.x;
     const auto node = [&](int vertex) { return collision.ties.nodes[static_cast<std::size_t>(vertex)][0]; };
     for (int vertex : found.vertices[side]) {
         if (vertex < 0) continue;
@@ -135,7 +136,7 @@ bool rigidTells(const Owner& other, const Proximity& found, std::size_t side)
 }
 
 BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, const CollisionSurface& surface,
-                  const State& state, const RigidPlan& plan)
+                  const Scene& scene, const RigidPlan& plan)
 {
     BodyPoint point;
     point.of = owner.soft ? BodyPoint::Of::Soft : BodyPoint::Of::Rigid;
@@ -150,7 +151,7 @@ BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, 
         for (std::size_t n = 0; n < 4; ++n) point.add(ties.nodes[vertex][n], weight * ties.weights[vertex][n]);
     }
     if (owner.soft) {
-        const std::vector<Vec3>& v = state.softBodies[owner.body].v;
+        const std::vector<Vec3>& v = scene.soft[owner.body].state.v;
         for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k)
             point.velocity += point.weights[k] * v[static_cast<std::size_t>(point.nodes[k])];
     } else {
@@ -164,45 +165,48 @@ BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, 
 // is plain which side is out: were it 0, half of them would be inside.
 constexpr double kSkin = 0.01;
 
-constexpr double kSlack = 1e-6;     ///< [m] that a surface may go too far in a step, whatever its proximity
-constexpr double kSoftSlack = 0.02; ///< of the proximity: tissue may go so much farther and come back in the next step
+constexpr double kTolerance = 1e-6; ///< [m] that a surface may go too far in a step, whatever its proximity
+constexpr double kSoftTolerance =
+    0.02; ///< of the proximity: tissue may go so much farther and come back in the next step
 
 /// The law of a contact with a gap.
-void setLaw(const physics::ContactMethod& method, double dt, const FoundContact& contact, Link& link)
+void setLaw(const physics::ContactMethod& method, double dt, Constraint& constraint)
 {
+    const ContactInfo& contact = constraint.contact;
     const double gap = contact.gap - contact.skin;
     if (const auto* penalty = std::get_if<physics::PenaltyContact>(&method)) {
-        link.give = dt * (dt * penalty->stiffness + penalty->damping);
+        constraint.softness = dt * (dt * penalty->stiffness + penalty->damping);
         // What is apart is pushed only by the part of its way that leads inside, its damper included.
-        link.bias = {gap > 0.0 ? gap / dt : dt * penalty->stiffness * gap / link.give, 0.0, 0.0};
+        constraint.bias = {gap > 0.0 ? gap / dt : dt * penalty->stiffness * gap / constraint.softness, 0.0, 0.0};
         return;
     }
-    link.impulse = dt * inFrame(link.frame, contact.memory.force);
+    constraint.impulse = dt * inFrame(constraint.frame, contact.cached.force);
     const auto isSoft = [](const BodyPoint& point) { return point.of == BodyPoint::Of::Soft; };
-    const bool anySoft = std::ranges::any_of(link.sides, isSoft);
+    const bool anySoft = std::ranges::any_of(constraint.sides, isSoft);
     const double loss = anySoft ? 0.0 : gap < -contact.skin ? kDeepRigidLoss : kRigidLoss;
-    link.impulse.x = std::max(0.0, (1.0 - loss) * link.impulse.x);
+    constraint.impulse.x = std::max(0.0, (1.0 - loss) * constraint.impulse.x);
     // What pushed last time may rest within the skin; all else may come as near as that.
-    const double resting = link.impulse.x > 0.0 ? contact.skin : 0.0;
+    const double resting = constraint.impulse.x > 0.0 ? contact.skin : 0.0;
     const double shallow = std::clamp(gap, -contact.skin, resting), deep = std::min(0.0, gap + contact.skin);
     const double back = std::max(kShallowRecovery * shallow + kRecovery * deep, -kRecoverySpeed * dt);
-    link.bias.x = (back + std::max(0.0, gap - resting)) / dt;
-    const double soft = anySoft ? kSoftSlack * contact.proximity : 0.0;
-    link.slack = std::max({kShallowRecovery * contact.skin, contact.gap - dt * link.bias.x, soft, kSlack}) / dt;
+    constraint.bias.x = (back + std::max(0.0, gap - resting)) / dt;
+    const double soft = anySoft ? kSoftTolerance * contact.proximity : 0.0;
+    constraint.tolerance =
+        std::max({kShallowRecovery * contact.skin, contact.gap - dt * constraint.bias.x, soft, kTolerance}) / dt;
 }
 
-double frictionOf(const Model& model, const Owner& owner)
+double frictionOf(const Scene& scene, const Owner& owner)
 {
-    return owner.soft ? model.softBodies[owner.body].friction : model.rigidBodies[owner.body].friction;
+    return owner.soft ? scene.soft[owner.body].model.friction : scene.rigid[owner.body].model.friction;
 }
 
-const std::string& nameOf(const Model& model, const Owner& owner)
+const std::string& nameOf(const Scene& scene, const Owner& owner)
 {
-    return owner.soft ? model.softBodies[owner.body].name : model.rigidBodies[owner.body].name;
+    return owner.soft ? scene.soft[owner.body].model.name : scene.rigid[owner.body].model.name;
 }
 
 /// A group that is one body's alone is hardly meant: a word, once for each group.
-void warnOfLoneGroups(const Model& model, const std::vector<Owner>& owners, std::set<int>& warned)
+void warnOfLoneGroups(const Scene& scene, const std::vector<Owner>& owners, std::set<int>& warned)
 {
     for (const Owner& owner : owners) {
         const CollisionShape& shape = *owner.collision->shape;
@@ -212,14 +216,14 @@ void warnOfLoneGroups(const Model& model, const std::vector<Owner>& owners, std:
         };
         if (shape.self || std::ranges::none_of(owners, isOther) || std::ranges::any_of(owners, meets)) continue;
         if (!warned.insert(shape.group).second) continue;
-        logWarning(owner.soft ? "soft" : "rigid", " body '", nameOf(model, owner),
+        logWarning(owner.soft ? "soft" : "rigid", " body '", nameOf(scene, owner),
                    "': no other body has collision group ", shape.group, ": it touches nothing");
     }
 }
 
 /// Where surfaces rest on each other only their insets, a share of the proximities, tell in from out: a word, once for
 /// each group, where both together are hardly more than what rounding and a step's way may be.
-void warnOfThinProximity(const Model& model, const std::vector<Owner>& owners, std::set<int>& warned)
+void warnOfThinProximity(const Scene& scene, const std::vector<Owner>& owners, std::set<int>& warned)
 {
     constexpr double thin = 1e-4; // [m]
     for (const Owner& a : owners) {
@@ -230,7 +234,7 @@ void warnOfThinProximity(const Model& model, const std::vector<Owner>& owners, s
             if (!(a.name.body < b.name.body) || one.group != two.group || one.cutting || two.cutting || both >= thin)
                 continue;
             if (warned.insert(one.group).second)
-                logWarning("body '", nameOf(model, a), "' and body '", nameOf(model, b), "': the proximities of their ",
+                logWarning("body '", nameOf(scene, a), "' and body '", nameOf(scene, b), "': the proximities of their ",
                            "collision models add up to ", both, " m: below ", thin, " m contacts may be missed");
         }
     }
@@ -248,138 +252,158 @@ bool movable(const BodyPoint& point, const RigidPlan& plan)
 struct DeepPoints {
     std::vector<Proximity> inRigid, inTissue;
 };
-DeepPoints deepPointsOf(const std::vector<Owner>& owners, const Coupling& coupling, std::array<int, 2> pair)
+DeepPoints deepPointsOf(const std::vector<Owner>& owners, const ContactDetection& detection, std::array<int, 2> pair)
 {
     const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
-    const Meeting meeting{{&coupling.surfaces[i], &coupling.surfaces[k]}, pair, 0.0};
+    const Meeting meeting{{&detection.surfaces[i], &detection.surfaces[k]}, pair, 0.0};
     DeepPoints deep;
     findDeepPoints(meeting, 0, owners[k].soft ? deep.inTissue : deep.inRigid);
     findDeepPoints(meeting, 1, owners[i].soft ? deep.inTissue : deep.inRigid);
     return deep;
 }
 
-/// A body that starts inside another, deeper than contacts are followed: a word, and from then on the pair is looked at
-/// at any depth. `added`: of each surface.
-void noteStartsInside(const Model& model, const std::vector<Owner>& owners, const std::vector<bool>& added,
+/// A body that starts inside another, deeper than contacts are followed: logs a warning, and from then on the pair is
+/// looked at at any depth. `added`: per surface, whether it is new.
+void noteStartsInside(const Scene& scene, const std::vector<Owner>& owners, const std::vector<bool>& added,
                       Coupling& coupling)
 {
-    for (const std::array<int, 2>& pair : coupling.proximityScratch.surfacePairs) {
+    ContactDetection& detection = coupling.detection;
+    for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
         const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
         const Owner &one = owners[i], &two = owners[k];
         if (i == k || !(added[i] || added[k])) continue;
         if (!movable(one, coupling.rigid) && !movable(two, coupling.rigid)) continue;
-        const DeepPoints deep = deepPointsOf(owners, coupling, pair);
+        const DeepPoints deep = deepPointsOf(owners, detection, pair);
         if (deep.inRigid.empty() && deep.inTissue.empty()) continue;
-        coupling.startedInside.push_back({one.name, two.name});
-        logWarning("body '", nameOf(model, one), "' and body '", nameOf(model, two), "' start inside each other: ",
+        detection.startedInside.push_back({one.name, two.name});
+        logWarning("body '", nameOf(scene, one), "' and body '", nameOf(scene, two), "' start inside each other: ",
                    deep.inRigid.empty() ? "what is in tissue stays there" : "they are pushed apart");
     }
 }
 
-void addDeepPoints(const std::vector<Owner>& owners, Coupling& coupling)
+void addDeepPoints(const std::vector<Owner>& owners, ContactDetection& detection)
 {
-    if (coupling.startedInside.empty()) return;
-    for (const std::array<int, 2>& pair : coupling.proximityScratch.surfacePairs) {
+    if (detection.startedInside.empty()) return;
+    for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
         const std::array names{owners[static_cast<std::size_t>(pair[0])].name,
                                owners[static_cast<std::size_t>(pair[1])].name};
-        if (std::ranges::find(coupling.startedInside, names) == coupling.startedInside.end()) continue;
-        const DeepPoints deep = deepPointsOf(owners, coupling, pair);
-        coupling.proximities.insert(coupling.proximities.end(), deep.inRigid.begin(), deep.inRigid.end());
+        if (std::ranges::find(detection.startedInside, names) == detection.startedInside.end()) continue;
+        const DeepPoints deep = deepPointsOf(owners, detection, pair);
+        detection.proximities.insert(detection.proximities.end(), deep.inRigid.begin(), deep.inRigid.end());
     }
+}
+
+/// Puts every surface where its body is, and warns of models that cannot work. Per surface, whether it is new; empty if
+/// none is.
+std::vector<bool> placeSurfaces(const Scene& scene, const std::vector<Owner>& owners, Coupling& coupling)
+{
+    ContactDetection& detection = coupling.detection;
+    if (owners.size() != detection.surfaces.size()) {
+        warnOfLoneGroups(scene, owners, detection.warnedGroups);
+        warnOfThinProximity(scene, owners, detection.warnedThin);
+    }
+    const bool same = std::ranges::equal(owners, detection.surfaces, {}, &Owner::name, &CollisionSurface::name);
+    std::vector<bool> added;
+    for (std::size_t s = 0; !same && s < owners.size(); ++s)
+        added.push_back(std::ranges::find(detection.surfaces, owners[s].name, &CollisionSurface::name) ==
+                        detection.surfaces.end());
+    detection.surfaces.resize(owners.size());
+    for (std::size_t s = 0; s < owners.size(); ++s) {
+        const Owner& owner = owners[s];
+        CollisionSurface& surface = detection.surfaces[s];
+        surface.name = owner.name;
+        surface.cuttable = owner.soft && mayBeCut(scene.soft[owner.body].model, owner.collision->shape->group);
+        placeSurface(owner, scene, coupling.rigid, detection.normals, surface);
+    }
+    return added;
+}
+
+/// The contact that a proximity is; none if it is left out.
+std::optional<Constraint> contactOf(const Proximity& found, const std::array<const Owner*, 2>& sides, double dt,
+                                    const Scene& scene, const Coupling& coupling)
+{
+    const auto leftOut = [&](std::size_t side) {
+        return insideOut(*sides[side], found, side, scene) && !rigidTells(*sides[1 - side], found, side);
+    };
+    if (leftOut(0) || leftOut(1)) return std::nullopt;
+    const std::vector<CollisionSurface>& surfaces = coupling.detection.surfaces;
+    const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
+    const double gap = found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
+    if (!(gap < proximity + comingNearer(surfaces, found, dt))) return std::nullopt;
+    Constraint contact;
+    for (std::size_t side = 0; side < 2; ++side)
+        contact.sides[side] = pointOf(*sides[side], found, side,
+                                      surfaces[static_cast<std::size_t>(found.surfaces[side])], scene, coupling.rigid);
+    contact.frame = frameOf(found.normal);
+    contact.friction = std::sqrt(frictionOf(scene, *sides[0]) * frictionOf(scene, *sides[1]));
+    const Vec3 point = 0.5 * (contact.sides[0].position + contact.sides[1].position);
+    contact.contact = {.cached = {sides[0]->name.body, sides[1]->name.body, found.feature, point, {}},
+                       .gap = gap,
+                       .proximity = proximity,
+                       .skin = kSkin * proximity};
+    return contact;
 }
 
 } // namespace
 
-void findContacts(const Model& model, double dt, const physics::ContactMethod& method, const State& state,
-                  Coupling& coupling, WorkerPool& pool)
+void findContacts(const StepContext& context, const Scene& scene, Coupling& coupling)
 {
-    planRigid(model, dt, state.gravity, state, coupling.rigid);
-    planArticulations(model, dt, state.gravity, state, coupling.rigid, coupling.articulations);
-    coupling.links.clear();
-    coupling.contacts.clear();
+    const double dt = context.dt;
+    coupling.constraints.clear();
+    coupling.contactCount = coupling.weldCount = 0;
     if (dt == 0.0) return;
 
-    const std::vector<Owner> owners = ownersOf(model);
-    if (owners.size() != coupling.surfaces.size()) {
-        warnOfLoneGroups(model, owners, coupling.warnedGroups);
-        warnOfThinProximity(model, owners, coupling.warnedThin);
-    }
-    const bool same = std::ranges::equal(owners, coupling.surfaces, {}, &Owner::name, &CollisionSurface::name);
-    std::vector<bool> added;
-    for (std::size_t s = 0; !same && s < owners.size(); ++s)
-        added.push_back(std::ranges::find(coupling.surfaces, owners[s].name, &CollisionSurface::name) ==
-                        coupling.surfaces.end());
-    coupling.surfaces.resize(owners.size());
-    for (std::size_t s = 0; s < owners.size(); ++s) {
-        const Owner& owner = owners[s];
-        coupling.surfaces[s].name = owner.name;
-        coupling.surfaces[s].cuttable =
-            owner.soft && mayBeCut(model.softBodies[owner.body], owner.collision->shape->group);
-        placeSurface(owner, state, coupling.rigid, coupling.normals, coupling.surfaces[s]);
-    }
-    coupling.sides = state.sides;
-    findProximities(coupling.surfaces, dt, pool, coupling.sides, coupling.proximityScratch, coupling.proximities);
-    if (!same) noteStartsInside(model, owners, added, coupling);
-    addDeepPoints(owners, coupling);
+    ContactDetection& detection = coupling.detection;
+    const std::vector<Owner> owners = ownersOf(scene);
+    const std::vector<bool> added = placeSurfaces(scene, owners, coupling);
+    detection.sides = scene.sides;
+    findProximities(detection.surfaces, dt, context.pool, detection.sides, detection.scratch, detection.proximities);
+    if (!added.empty()) noteStartsInside(scene, owners, added, coupling);
+    addDeepPoints(owners, detection);
 
-    for (const Proximity& found : coupling.proximities) {
+    for (const Proximity& found : detection.proximities) {
         const std::array<const Owner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
                                                 &owners[static_cast<std::size_t>(found.surfaces[1])]};
-        const auto leftOut = [&](std::size_t side) {
-            return insideOut(*sides[side], found, side, state) && !rigidTells(*sides[1 - side], found, side);
-        };
-        if (leftOut(0) || leftOut(1)) continue;
-        const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
-        const double gap =
-            found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
-        if (!(gap < proximity + comingNearer(coupling.surfaces, found, dt))) continue;
-        Link& link = coupling.links.emplace_back();
-        for (std::size_t side = 0; side < 2; ++side)
-            link.sides[side] =
-                pointOf(*sides[side], found, side, coupling.surfaces[static_cast<std::size_t>(found.surfaces[side])],
-                        state, coupling.rigid);
-        link.frame = frameOf(found.normal);
-        link.friction = std::sqrt(frictionOf(model, *sides[0]) * frictionOf(model, *sides[1]));
-        const Vec3 point = 0.5 * (link.sides[0].position + link.sides[1].position);
-        coupling.contacts.push_back({.memory = {sides[0]->name.body, sides[1]->name.body, found.feature, point, {}},
-                                     .gap = gap,
-                                     .proximity = proximity,
-                                     .skin = kSkin * proximity});
+        if (const std::optional<Constraint> contact = contactOf(found, sides, dt, scene, coupling))
+            coupling.constraints.push_back(*contact);
     }
-    inheritForces(dt, state.contacts, coupling);
-    for (std::size_t c = 0; c < coupling.contacts.size(); ++c)
-        setLaw(method, dt, coupling.contacts[c], coupling.links[c]);
-    // Between two that go where they are told nothing is solved, and what they start from would be told as a force.
-    for (Link& link : coupling.links)
-        if (!movable(link.sides[0], coupling.rigid) && !movable(link.sides[1], coupling.rigid)) link.impulse = {};
+    coupling.contactCount = coupling.constraints.size();
+    inheritForces(dt, scene.contacts, coupling.contacts());
+    for (Constraint& contact : coupling.contacts()) setLaw(context.method, dt, contact);
+    // Between two kinematic bodies nothing is solved, and the start would be reported as a force.
+    for (Constraint& contact : coupling.contacts())
+        if (!movable(contact.sides[0], coupling.rigid) && !movable(contact.sides[1], coupling.rigid))
+            contact.impulse = {};
 }
 
-void keepContacts(double dt, const Coupling& coupling, State& state, physics::StepReport& report)
+void keepContacts(const StepContext& context, const Coupling& coupling, Scene& scene)
 {
+    const double dt = context.dt;
     if (dt == 0.0) return;
-    state.contacts.clear();
-    state.touching.clear();
-    report.contacts.found = static_cast<int>(coupling.contacts.size());
-    const std::vector<bool> noWayOut = contradicted(coupling);
-    for (std::size_t c = 0; c < coupling.contacts.size(); ++c) {
-        const FoundContact& contact = coupling.contacts[c];
-        const Link& link = coupling.links[c];
-        const Vec3 force = 1.0 / dt * link.impulse;
-        state.touching.push_back({.first = contact.memory.first,
-                                  .second = contact.memory.second,
-                                  .point = contact.memory.point,
-                                  .normal = link.frame[0],
+    scene.contacts.clear();
+    scene.touching.clear();
+    physics::ContactReport& report = context.report.contacts;
+    report.found = static_cast<int>(coupling.contacts().size());
+    const std::vector<bool> noWayOut = contradicted(coupling.contacts());
+    for (std::size_t c = 0; c < coupling.contacts().size(); ++c) {
+        const Constraint& constraint = coupling.contacts()[c];
+        const ContactInfo& contact = constraint.contact;
+        const Vec3 force = 1.0 / dt * constraint.impulse;
+        scene.touching.push_back({.first = contact.cached.first,
+                                  .second = contact.cached.second,
+                                  .point = contact.cached.point,
+                                  .normal = constraint.frame[0],
                                   .gap = contact.gap,
                                   .normalForce = force.x,
-                                  .friction = force.y * link.frame[1] + force.z * link.frame[2]});
-        report.contacts.active += force.x != 0.0 ? 1 : 0;
-        report.contacts.penetration = std::max(report.contacts.penetration, -contact.gap);
-        if (!(link.next.x > 0.0) || noWayOut[c]) continue;
-        ContactMemory& memory = state.contacts.emplace_back(contact.memory);
-        memory.force = 1.0 / dt * inWorld(link.frame, link.next);
+                                  .friction = force.y * constraint.frame[1] + force.z * constraint.frame[2]});
+        report.active += force.x != 0.0 ? 1 : 0;
+        report.penetration = std::max(report.penetration, -contact.gap);
+        if (!(constraint.multiplier.x > 0.0) || noWayOut[c]) continue;
+        CachedContact& cached = scene.contacts.emplace_back(contact.cached);
+        cached.force = 1.0 / dt * inWorld(constraint.frame, constraint.multiplier);
     }
-    sortMemories(state.contacts);
-    state.sides = coupling.sides;
+    sortCache(scene.contacts);
+    scene.sides = coupling.detection.sides;
 }
 
 } // namespace filasofia::engine

@@ -37,27 +37,27 @@ std::optional<std::size_t> planPlace(const RigidPlan& plan, const BodyPoint& poi
     return plan[point.body].articulation < 0 ? point.body : plan[point.body].base;
 }
 
-std::vector<Island> findIslands(const Model& model, const RigidPlan& plan, const std::vector<Link>& links)
+std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, std::span<const Constraint> constraints)
 {
-    const std::size_t soft = model.softBodies.size();
+    const std::size_t soft = softBodies;
     const auto unitOf = [&](const BodyPoint& point) { // soft bodies, then the plan's elements
         if (point.of == BodyPoint::Of::Soft && point.count > 0) return point.body;
         const auto place = planPlace(plan, point);
         return place ? soft + *place : kNone;
     };
     Sets sets(soft + plan.size());
-    std::vector<bool> linked(soft + plan.size());
-    for (const Link& link : links) {
-        const std::size_t a = unitOf(link.sides[0]), b = unitOf(link.sides[1]);
+    std::vector<bool> constrained(soft + plan.size());
+    for (const Constraint& each : constraints) {
+        const std::size_t a = unitOf(each.sides[0]), b = unitOf(each.sides[1]);
         for (std::size_t unit : {a, b})
-            if (unit != kNone) linked[unit] = true;
+            if (unit != kNone) constrained[unit] = true;
         if (a != kNone && b != kNone) sets.merge(a, b);
     }
 
     std::vector<Island> islands;
     std::vector<std::size_t> islandOf(soft + plan.size(), kNone);
-    for (std::size_t unit = 0; unit < linked.size(); ++unit) {
-        if (!linked[unit]) continue;
+    for (std::size_t unit = 0; unit < constrained.size(); ++unit) {
+        if (!constrained[unit]) continue;
         std::size_t& island = islandOf[sets.find(unit)]; // the least member comes first
         if (island == kNone) {
             island = islands.size();
@@ -68,10 +68,10 @@ std::vector<Island> findIslands(const Model& model, const RigidPlan& plan, const
         else
             islands[island].rigid.push_back(unit - soft);
     }
-    for (std::size_t l = 0; l < links.size(); ++l) {
-        std::size_t unit = unitOf(links[l].sides[0]);
-        if (unit == kNone) unit = unitOf(links[l].sides[1]);
-        if (unit != kNone) islands[islandOf[sets.find(unit)]].links.push_back(l);
+    for (std::size_t c = 0; c < constraints.size(); ++c) {
+        std::size_t unit = unitOf(constraints[c].sides[0]);
+        if (unit == kNone) unit = unitOf(constraints[c].sides[1]);
+        if (unit != kNone) islands[islandOf[sets.find(unit)]].constraints.push_back(c);
     }
     return islands;
 }

@@ -1,4 +1,5 @@
-#include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/contact/pin_reactions.h"
+
 #include "filasofia/engine/body/elements.h"
 
 #include <algorithm>
@@ -32,13 +33,14 @@ void addOwnForces(const SoftModel& model, const HeldParts& held, const SoftState
 }
 
 /// What contacts and attachments do to nodes that cannot move.
-void addLinkForces(std::size_t body, double dt, const Coupling& coupling, std::vector<Vec3>& forces)
+void addConstraintForces(std::size_t body, double dt, std::span<const Constraint> constraints,
+                         std::vector<Vec3>& forces)
 {
-    for (const Link& link : coupling.links)
+    for (const Constraint& constraint : constraints)
         for (std::size_t side = 0; side < 2; ++side) {
-            const BodyPoint& point = link.sides[side];
+            const BodyPoint& point = constraint.sides[side];
             if (point.of != BodyPoint::Of::Soft || point.body != body) continue;
-            const Vec3 impulse = inWorld(link.frame, link.impulse);
+            const Vec3 impulse = inWorld(constraint.frame, constraint.impulse);
             for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k)
                 forces[point.nodes[k]] += (side == 0 ? 1.0 : -1.0) / dt * point.weights[k] * impulse;
         }
@@ -64,25 +66,24 @@ Vec3 springReaction(const PinGroup& group, const SoftModel& model, const SoftSta
 
 } // namespace
 
-void addPinReports(const Model& model, double dt, const Coupling& coupling, const State& state,
-                   const std::vector<SoftSystem>& systems, std::vector<frame::Attachment>& out)
+void addPinReactions(double dt, std::span<const Constraint> constraints, Scene& scene)
 {
-    for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
-        const SoftModel& body = model.softBodies[b];
-        const SoftState& now = state.softBodies[b];
+    for (std::size_t b = 0; b < scene.soft.size(); ++b) {
+        const SoftModel& body = scene.soft[b].model;
+        const SoftState& now = scene.soft[b].state;
         std::vector<Vec3> forces;
-        if (!systems[b].held.holders.empty()) {
-            forces = systems[b].forces; // given, weight, pressure, springs
-            addOwnForces(body, systems[b].held, now, forces);
-            addLinkForces(b, dt, coupling, forces);
+        if (!scene.soft[b].system.held.holders.empty()) {
+            forces = scene.soft[b].system.forces; // given, weight, pressure, springs
+            addOwnForces(body, scene.soft[b].system.held, now, forces);
+            addConstraintForces(b, dt, constraints, forces);
         }
         for (const PinGroup& group : body.pins.groups) {
-            frame::Attachment& report = out.emplace_back();
+            frame::Attachment& report = scene.held.emplace_back();
             report.id = group.id;
             report.body = body.id;
             report.points = static_cast<int>(group.nodes.size());
             report.force = group.stiffness == physics::kHard
-                               ? hardReaction(group, body.pins, systems[b].held.holders, forces)
+                               ? hardReaction(group, body.pins, scene.soft[b].system.held.holders, forces)
                                : springReaction(group, body, now);
         }
     }

@@ -1,7 +1,8 @@
 #include "filasofia/engine/contact/solve_island.h"
 
-#include "filasofia/engine/rigid/articulation_operator.h"
 #include "filasofia/engine/constraint/block_operator.h"
+#include "filasofia/engine/contact/coupling.h"
+#include "filasofia/engine/rigid/articulation_operator.h"
 #include "filasofia/engine/soft/matrix_free_operator.h"
 
 #include <algorithm>
@@ -12,9 +13,9 @@ namespace {
 
 /// What one body brings into the solve, and what that is made from.
 struct Unit {
-    CoupledBody* share = nullptr;
-    std::unique_ptr<PlainShare> plain;
-    std::unique_ptr<ArticulatedShare> articulated;
+    CoupledBody body;
+    std::unique_ptr<BlockOperator> blocks;
+    std::unique_ptr<ArticulationOperator> articulated;
     std::vector<Mat3> diagonal;
     std::vector<Vec3> rightHandSide;
 };
@@ -30,8 +31,11 @@ double massOf(const SoftModel& model)
 }
 
 /// A body whose matrix is its masses: what it would do alone is known, and tells the right-hand side.
-void makeExplicit(const SoftModel& model, double dt, const SoftState& state, SoftSystem& system, Unit& unit)
+void makeExplicit(double dt, SoftBody& body, Unit& unit)
 {
+    const SoftModel& model = body.model;
+    const SoftState& state = body.state;
+    SoftSystem& system = body.system;
     if (system.matrixFree)
         system.matrixFree->solveExplicit(system.dv);
     else
@@ -40,40 +44,44 @@ void makeExplicit(const SoftModel& model, double dt, const SoftState& state, Sof
         unit.diagonal.push_back(model.masses[i] * Mat3::identity());
         unit.rightHandSide.push_back(model.pins.hard[i] ? Vec3{} : model.masses[i] * system.dv[i]);
     }
-    unit.plain = std::make_unique<PlainShare>(PlainShareInput{
+    unit.blocks = std::make_unique<BlockOperator>(BlockOperatorInput{
         .diagonal = unit.diagonal, .rightHandSide = unit.rightHandSide, .guess = system.dv, .mass = massOf(model)});
 }
 
 /// A body with a matrix written out: a direct solver is its preconditioner, factorised once.
-void makeAssembled(const SoftModel& model, double dt, const SoftState& state, SoftSystem& system, Unit& unit)
+void makeAssembled(double dt, SoftBody& body, Unit& unit)
 {
+    const SoftModel& model = body.model;
+    const SoftState& state = body.state;
+    SoftSystem& system = body.system;
     AssembledSystem& assembled = *system.assembled;
     // Where it was not asked for, too: the default gives way to it where a body is nearly incompressible.
     const bool factor = assembled.solver->isDirect() && solve(model, dt, 1.0, state.v, assembled, system.dv).converged;
     unit.diagonal.resize(model.masses.size());
     assembled.matrix.diagonal(unit.diagonal);
-    unit.plain = std::make_unique<PlainShare>(PlainShareInput{.diagonal = unit.diagonal,
-                                                              .matrix = &assembled.matrix,
-                                                              .solver = factor ? assembled.solver.get() : nullptr,
-                                                              .rightHandSide = assembled.rightHandSide,
-                                                              .guess = system.dv,
-                                                              .mass = massOf(model)});
+    unit.blocks =
+        std::make_unique<BlockOperator>(BlockOperatorInput{.diagonal = unit.diagonal,
+                                                           .matrix = &assembled.matrix,
+                                                           .solver = factor ? assembled.solver.get() : nullptr,
+                                                           .rightHandSide = assembled.rightHandSide,
+                                                           .guess = system.dv,
+                                                           .mass = massOf(model)});
 }
 
-void makeSoft(const SoftModel& model, double dt, const SoftState& state, SoftSystem& system, WorkerPool& pool,
-              Unit& unit)
+void makeSoft(double dt, SoftBody& body, WorkerPool& pool, Unit& unit)
 {
-    if (!isImplicit(model)) {
-        makeExplicit(model, dt, state, system, unit);
+    SoftSystem& system = body.system;
+    if (!isImplicit(body.model)) {
+        makeExplicit(dt, body, unit);
     } else if (system.assembled) {
-        makeAssembled(model, dt, state, system, unit);
+        makeAssembled(dt, body, unit);
     } else {
-        if (!system.share) system.share = std::make_unique<MatrixFreeShare>(*system.matrixFree);
-        system.share->prepare(system.dv, pool);
-        unit.share = system.share.get();
+        if (!system.coupled) system.coupled = std::make_unique<MatrixFreeOperator>(*system.matrixFree);
+        system.coupled->prepare(system.dv, pool);
+        unit.body = coupled(*system.coupled);
         return;
     }
-    unit.share = unit.plain.get();
+    unit.body = coupled(*unit.blocks);
 }
 
 /// Damping is implicit, and so is what a hand's coupling does: against an impulse it is as if the element were so much
@@ -84,174 +92,170 @@ void makeRigid(const RigidModel& model, double dt, const RigidPlanElement& eleme
     unit.diagonal = {mass * Mat3::identity(), (1.0 + dt * model.angularDamping) * element.inertia};
     if (element.heldInertia > 0.0) unit.diagonal[1] += element.heldInertia * Mat3::identity();
     unit.rightHandSide = {unit.diagonal[0] * element.change.linear, unit.diagonal[1] * element.change.angular};
-    unit.plain = std::make_unique<PlainShare>(
-        PlainShareInput{.diagonal = unit.diagonal, .rightHandSide = unit.rightHandSide, .mass = mass, .turning = true});
-    unit.share = unit.plain.get();
+    unit.blocks = std::make_unique<BlockOperator>(BlockOperatorInput{
+        .diagonal = unit.diagonal, .rightHandSide = unit.rightHandSide, .mass = mass, .turning = true});
+    unit.body = coupled(*unit.blocks);
 }
 
-void makeArticulated(const Model& model, const ArticulationPlan& articulation, const RigidPlan& plan, Unit& unit)
+void makeArticulated(const LinkTree& tree, const ArticulationPlan& articulation, const RigidPlan& plan, Unit& unit)
 {
-    const LinkTree& tree = model.rigidBodies[articulation.body].articulation.tree;
     std::vector<Vec3> origins;
     for (std::size_t e = 0; e < tree.jointOf.size(); ++e) origins.push_back(plan[articulation.first + e].centre);
-    unit.articulated = std::make_unique<ArticulatedShare>(tree, articulation, std::move(origins));
-    unit.share = unit.articulated.get();
+    unit.articulated = std::make_unique<ArticulationOperator>(tree, articulation, std::move(origins));
+    unit.body = coupled(*unit.articulated);
 }
 
-/// Collects the grips of every body, and the constraints that pull at them.
-class Gripping {
+/// Collects the contact points of every body, and the rows of J over them.
+class RowBuilder {
 public:
-    Gripping(const Model& model, const RigidPlan& plan, const Island& island, IslandScratch& scratch)
-        : grips(island.soft.size() + island.rigid.size()), model_(model), plan_(plan), island_(island),
-          gripOf_(scratch.gripOf), pieceOf_(scratch.pieceOf)
+    RowBuilder(const Island& island, const Scene& scene, Coupling& coupling)
+        : points(island.soft.size() + island.rigid.size()), scene_(scene), island_(island), coupling_(coupling),
+          pointOf_(coupling.scratch.pointOf), pieceOf_(coupling.scratch.pieceOf)
     {
     }
 
-    std::vector<std::vector<Grip>> grips; ///< per body of the island
+    std::vector<std::vector<ContactPoint>> points; ///< per body of the island
 
-    void addAll(std::vector<Link>& links, Constraints& out)
+    void addAll(ConstraintRows& out)
     {
         out.clear();
-        for (std::size_t l : island_.links) out.list.push_back(constraintOf(links[l]));
+        for (std::size_t c : island_.constraints) out.list.push_back({.constraint = &coupling_.constraints[c]});
         // Body after body, so that one map of nodes serves them all.
-        for (std::size_t unit = 0; unit < grips.size(); ++unit) {
-            if (unit < island_.soft.size()) mapNodes(model_.softBodies[island_.soft[unit]]);
-            for (std::size_t c = 0; c < out.list.size(); ++c)
-                for (std::size_t side = 0; side < 2; ++side) addSide(links[island_.links[c]], side, unit, c, out);
+        for (std::size_t unit = 0; unit < points.size(); ++unit) {
+            if (unit < island_.soft.size()) mapNodes(scene_.soft[island_.soft[unit]].model);
+            for (std::size_t row = 0; row < out.list.size(); ++row)
+                for (std::size_t side = 0; side < 2; ++side) addSide(side, unit, row, out);
         }
         flatten(out);
     }
 
 private:
-    struct Pull {
-        std::size_t constraint, unit;
-        int grip;
+    /// A weight of J: constraint row, body, its contact point.
+    struct Entry {
+        std::size_t row, unit;
+        int point;
         double weight;
     };
 
     void mapNodes(const SoftModel& body)
     {
-        gripOf_.assign(body.rest.size(), -1);
+        pointOf_.assign(body.rest.size(), -1);
         pieceOf_.clear();
         if (!body.pieces.empty()) pieceOf_.assign(body.rest.size(), 0);
         for (std::size_t p = 0; p < body.pieces.size(); ++p)
             for (int node : body.pieces[p].nodes) pieceOf_[static_cast<std::size_t>(node)] = static_cast<int>(p);
     }
 
-    static Constraint constraintOf(const Link& link)
+    void addSide(std::size_t side, std::size_t unit, std::size_t row, ConstraintRows& out)
     {
-        Constraint c;
-        c.point = link.sides[0].position;
-        c.frame = link.frame;
-        c.start = inFrame(link.frame, link.sides[0].velocity - link.sides[1].velocity);
-        c.bias = link.bias;
-        c.friction = link.friction;
-        c.slack = link.slack;
-        c.give = link.give;
-        c.most = link.most;
-        c.impulse = link.impulse;
-        return c;
-    }
-
-    void addSide(const Link& link, std::size_t side, std::size_t unit, std::size_t constraint, Constraints& out)
-    {
-        const BodyPoint& point = link.sides[side];
+        const BodyPoint& at = out.list[row].constraint->sides[side];
         const double sign = side == 0 ? 1.0 : -1.0;
         const std::size_t softCount = island_.soft.size();
-        if (unit < softCount && point.of == BodyPoint::Of::Soft && point.body == island_.soft[unit]) {
-            const SoftModel& body = model_.softBodies[point.body];
-            if (!pieceOf_.empty())
-                out.list[constraint].pieces[side] = pieceOf_[static_cast<std::size_t>(point.nodes[0])];
-            for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k) {
-                const auto node = static_cast<std::size_t>(point.nodes[k]);
+        if (unit < softCount && at.of == BodyPoint::Of::Soft && at.body == island_.soft[unit]) {
+            const SoftModel& body = scene_.soft[at.body].model;
+            if (!pieceOf_.empty()) out.list[row].pieces[side] = pieceOf_[static_cast<std::size_t>(at.nodes[0])];
+            for (std::size_t k = 0; k < static_cast<std::size_t>(at.count); ++k) {
+                const auto node = static_cast<std::size_t>(at.nodes[k]);
                 if (body.pins.hard[node]) continue; // it does not move, whatever pulls
-                int& grip = gripOf_[node];
-                if (grip < 0) {
-                    grip = static_cast<int>(grips[unit].size());
-                    grips[unit].push_back({point.nodes[k]});
+                int& point = pointOf_[node];
+                if (point < 0) {
+                    point = static_cast<int>(points[unit].size());
+                    points[unit].push_back({.node = at.nodes[k]});
                 }
-                pulls_.push_back({constraint, unit, grip, sign * point.weights[k]});
+                entries_.push_back({row, unit, point, sign * at.weights[k]});
             }
-        } else if (unit >= softCount && planPlace(plan_, point) == island_.rigid[unit - softCount]) {
-            pulls_.push_back({constraint, unit, static_cast<int>(grips[unit].size()), sign});
-            if (point.of == BodyPoint::Of::Joint)
-                grips[unit].push_back({0, {}, -1 - point.joint});
+        } else if (unit >= softCount && planPlace(coupling_.rigid, at) == island_.rigid[unit - softCount]) {
+            entries_.push_back({row, unit, static_cast<int>(points[unit].size()), sign});
+            if (at.of == BodyPoint::Of::Joint)
+                points[unit].push_back({.joint = at.joint});
             else
-                grips[unit].push_back(
-                    {0, point.position - plan_[point.body].centre, static_cast<int>(plan_[point.body].element)});
+                points[unit].push_back({.arm = at.position - coupling_.rigid[at.body].centre,
+                                        .link = static_cast<int>(coupling_.rigid[at.body].element)});
         }
     }
 
-    void flatten(Constraints& out)
+    void flatten(ConstraintRows& out)
     {
-        std::vector<int> first(grips.size());
-        for (std::size_t unit = 1; unit < grips.size(); ++unit)
-            first[unit] = first[unit - 1] + static_cast<int>(grips[unit - 1].size());
-        std::stable_sort(pulls_.begin(), pulls_.end(),
-                         [](const Pull& a, const Pull& b) { return a.constraint < b.constraint; });
-        for (const Pull& pull : pulls_) {
-            Constraint& constraint = out.list[pull.constraint];
-            if (constraint.count++ == 0) constraint.first = static_cast<int>(out.grips.size());
-            out.grips.push_back({first[pull.unit] + pull.grip, pull.weight});
+        std::vector<int> first(points.size());
+        for (std::size_t unit = 1; unit < points.size(); ++unit)
+            first[unit] = first[unit - 1] + static_cast<int>(points[unit - 1].size());
+        std::ranges::stable_sort(entries_, {}, &Entry::row);
+        for (const Entry& entry : entries_) {
+            ConstraintRow& row = out.list[entry.row];
+            if (row.count++ == 0) row.first = static_cast<int>(out.points.size());
+            out.points.push_back({first[entry.unit] + entry.point, entry.weight});
         }
     }
 
-    const Model& model_;
-    const RigidPlan& plan_;
+    const Scene& scene_;
     const Island& island_;
-    std::vector<int>& gripOf_;
+    Coupling& coupling_;
+    std::vector<int>& pointOf_;
     std::vector<int>& pieceOf_;
-    std::vector<Pull> pulls_;
+    std::vector<Entry> entries_;
 };
 
-} // namespace
-
-CoupledReport solveIsland(const Model& model, const State& state, double dt, const Island& island,
-                          const CoupledLimits& limits, std::vector<SoftSystem>& systems, RigidPlan& plan,
-                          ArticulationPlans& articulations, std::vector<Link>& links, IslandScratch& scratch,
-                          WorkerPool& pool)
+std::vector<Unit> makeUnits(const StepContext& context, const Island& island, Scene& scene, const Coupling& coupling)
 {
     std::vector<Unit> units(island.soft.size() + island.rigid.size());
-    std::vector<CoupledBody*> shares;
-    for (std::size_t i = 0; i < units.size(); ++i) {
-        if (const std::size_t r = i - island.soft.size(); i >= island.soft.size()) {
-            const RigidPlanElement& element = plan[island.rigid[r]];
-            if (element.articulation >= 0)
-                makeArticulated(model, articulations[static_cast<std::size_t>(element.articulation)], plan, units[i]);
-            else
-                makeRigid(model.rigidBodies[element.body], dt, element, units[i]);
-        } else
-            makeSoft(model.softBodies[island.soft[i]], dt, state.softBodies[island.soft[i]], systems[island.soft[i]],
-                     pool, units[i]);
-        shares.push_back(units[i].share);
+    for (std::size_t i = 0; i < island.soft.size(); ++i)
+        makeSoft(context.dt, scene.soft[island.soft[i]], context.pool, units[i]);
+    for (std::size_t i = 0; i < island.rigid.size(); ++i) {
+        Unit& unit = units[island.soft.size() + i];
+        const RigidPlanElement& element = coupling.rigid[island.rigid[i]];
+        const RigidModel& model = scene.rigid[element.body].model;
+        if (element.articulation >= 0)
+            makeArticulated(model.articulation.tree,
+                            coupling.articulations[static_cast<std::size_t>(element.articulation)], coupling.rigid,
+                            unit);
+        else
+            makeRigid(model, context.dt, element, unit);
     }
-    Gripping gripping(model, plan, island, scratch);
-    gripping.addAll(links, scratch.constraints);
+    return units;
+}
 
-    const CoupledReport report = scratch.solver.solve(limits, shares, gripping.grips, scratch.constraints);
-
+/// Hands the bodies what was solved for them.
+void takeAnswers(const std::vector<Unit>& units, const CoupledReport& report, const Island& island, WorkerPool& pool,
+                 Scene& scene, Coupling& coupling)
+{
     for (std::size_t i = 0; i < island.soft.size(); ++i) {
-        SoftSystem& system = systems[island.soft[i]];
-        if (!units[i].plain)
+        SoftSystem& system = scene.soft[island.soft[i]].system;
+        if (!units[i].blocks)
             system.matrixFree->finish(report, system.dv, system.leftover, pool);
         else
-            std::ranges::copy(units[i].plain->answer(), system.dv.begin());
+            std::ranges::copy(units[i].blocks->answer(), system.dv.begin());
     }
     for (std::size_t i = 0; i < island.rigid.size(); ++i) {
         const Unit& unit = units[island.soft.size() + i];
-        RigidPlanElement& element = plan[island.rigid[i]];
+        RigidPlanElement& element = coupling.rigid[island.rigid[i]];
         if (unit.articulated) {
-            setChange(model, unit.articulated->answer(), articulations[static_cast<std::size_t>(element.articulation)],
-                      plan);
+            setChange(scene.rigid[element.body].model.articulation.tree, unit.articulated->answer(),
+                      coupling.articulations[static_cast<std::size_t>(element.articulation)], coupling.rigid);
         } else {
-            const std::span<const Vec3> change = unit.plain->answer();
+            const std::span<const Vec3> change = unit.blocks->answer();
             element.change = {change[0], change[1]};
         }
     }
-    for (std::size_t c = 0; c < island.links.size(); ++c) {
-        const auto finite = [](Vec3 impulse) { return isFinite(impulse) ? impulse : Vec3{}; };
-        links[island.links[c]].impulse = finite(scratch.constraints.list[c].impulse);
-        links[island.links[c]].next = finite(scratch.constraints.list[c].next);
+}
+
+} // namespace
+
+CoupledReport solveIsland(const StepContext& context, const Island& island, const CoupledLimits& limits, Scene& scene,
+                          Coupling& coupling)
+{
+    const std::vector<Unit> units = makeUnits(context, island, scene, coupling);
+    std::vector<CoupledBody> bodies;
+    for (const Unit& unit : units) bodies.push_back(unit.body);
+    RowBuilder builder(island, scene, coupling);
+    builder.addAll(coupling.scratch.rows);
+
+    const CoupledReport report = coupling.scratch.solver.solve(limits, bodies, builder.points, coupling.scratch.rows);
+
+    takeAnswers(units, report, island, context.pool, scene, coupling);
+    for (std::size_t c : island.constraints) {
+        Constraint& constraint = coupling.constraints[c];
+        for (Vec3* each : {&constraint.impulse, &constraint.multiplier})
+            if (!isFinite(*each)) *each = {};
     }
     return report;
 }

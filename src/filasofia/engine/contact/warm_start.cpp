@@ -1,5 +1,6 @@
 #include "filasofia/engine/contact/warm_start.h"
 
+#include "filasofia/engine/collision/proximity.h"
 #include "filasofia/geometry/bvh.h"
 
 #include <algorithm>
@@ -11,14 +12,14 @@
 namespace filasofia::engine {
 namespace {
 
-auto key(const ContactMemory& memory) { return std::tuple(memory.first, memory.second, memory.feature); }
-auto bodiesOf(const ContactMemory& memory) { return std::tuple(memory.first, memory.second); }
+auto key(const CachedContact& memory) { return std::tuple(memory.first, memory.second, memory.feature); }
+auto bodiesOf(const CachedContact& memory) { return std::tuple(memory.first, memory.second); }
 
 class Inheritance {
 public:
-    explicit Inheritance(const std::vector<ContactMemory>& memories) : memories_(memories), taken_(memories.size()) {}
+    explicit Inheritance(const std::vector<CachedContact>& memories) : memories_(memories), taken_(memories.size()) {}
 
-    void bySameFeatures(ContactMemory& contact)
+    void bySameFeatures(CachedContact& contact)
     {
         const auto found = std::lower_bound(memories_.begin(), memories_.end(), contact,
                                             [](const auto& a, const auto& b) { return key(a) < key(b); });
@@ -27,7 +28,7 @@ public:
     }
 
     /// To be called before byPlace(): a tree for every pair of bodies, over what nobody has taken.
-    void plantTrees()
+    void buildTrees()
     {
         std::vector<geometry::Box> boxes;
         for (std::size_t i = 0; i < memories_.size();) {
@@ -44,7 +45,7 @@ public:
         }
     }
 
-    void byPlace(double within, ContactMemory& contact)
+    void byPlace(double within, CachedContact& contact)
     {
         const auto bodies = [&](const Tree& tree) { return bodiesOf(memories_[tree.first]); };
         const auto tree = std::ranges::lower_bound(trees_, bodiesOf(contact), {}, bodies);
@@ -65,29 +66,31 @@ private:
         geometry::Bvh places;
     };
 
-    void take(std::size_t memory, ContactMemory& contact)
+    void take(std::size_t memory, CachedContact& contact)
     {
         taken_[memory] = true;
         contact.force = memories_[memory].force;
     }
 
-    const std::vector<ContactMemory>& memories_;
+    const std::vector<CachedContact>& memories_;
     std::vector<bool> taken_;
     std::vector<Tree> trees_; ///< ascending by bodies
 };
 
 /// Which way two contacts push the same body, the one's cosine with the other: of the same two bodies, or of tissue
 /// that two others have between them. 1: no body that they could contradict each other about.
-double agreement(const Coupling& coupling, std::size_t a, std::size_t b)
+double agreement(const Constraint& a, const Constraint& b)
 {
-    const ContactMemory &one = coupling.contacts[a].memory, &two = coupling.contacts[b].memory;
-    const double cosine = dot(coupling.links[a].frame[0], coupling.links[b].frame[0]);
+    const CachedContact &one = a.contact.cached, &two = b.contact.cached;
+    const double cosine = dot(a.frame[0], b.frame[0]);
     if (bodiesOf(one) == bodiesOf(two)) return cosine;
-    const auto isSoft = [](const Link& link, std::size_t side) { return link.sides[side].of == BodyPoint::Of::Soft; };
+    const auto isSoft = [](const Constraint& contact, std::size_t side) {
+        return contact.sides[side].of == BodyPoint::Of::Soft;
+    };
     const std::array ones{one.first, one.second}, twos{two.first, two.second};
     for (std::size_t i = 0; i < 2; ++i)
         for (std::size_t k = 0; k < 2; ++k)
-            if (ones[i] == twos[k] && isSoft(coupling.links[a], i)) return i == k ? cosine : -cosine;
+            if (ones[i] == twos[k] && isSoft(a, i)) return i == k ? cosine : -cosine;
     return 1.0;
 }
 
@@ -97,52 +100,50 @@ constexpr double kSamePlace = 1e-3; ///< [m] besides the way that the two may ha
 
 } // namespace
 
-void inheritForces(double dt, const std::vector<ContactMemory>& memories, Coupling& coupling)
+void inheritForces(double dt, const std::vector<CachedContact>& cache, std::span<Constraint> contacts)
 {
-    if (memories.empty()) return;
-    Inheritance inheritance(memories);
-    for (FoundContact& contact : coupling.contacts) inheritance.bySameFeatures(contact.memory);
-    inheritance.plantTrees();
-    for (std::size_t c = 0; c < coupling.contacts.size(); ++c) {
-        const Link& link = coupling.links[c];
-        const double way = dt * (length(link.sides[0].velocity) + length(link.sides[1].velocity));
-        if (ContactMemory& memory = coupling.contacts[c].memory; memory.force == Vec3{})
-            inheritance.byPlace(kSamePlace + way, memory);
+    if (cache.empty()) return;
+    Inheritance inheritance(cache);
+    for (Constraint& each : contacts) inheritance.bySameFeatures(each.contact.cached);
+    inheritance.buildTrees();
+    for (Constraint& each : contacts) {
+        const double way = dt * (length(each.sides[0].velocity) + length(each.sides[1].velocity));
+        if (each.contact.cached.force == Vec3{}) inheritance.byPlace(kSamePlace + way, each.contact.cached);
     }
 }
 
-std::vector<bool> contradicted(const Coupling& coupling)
+std::vector<bool> contradicted(std::span<const Constraint> contacts)
 {
-    std::vector<bool> contradicted(coupling.contacts.size());
+    std::vector<bool> contradicted(contacts.size());
     std::vector<std::size_t> deep; // those that push and are inside each other, ascending by x
-    for (std::size_t c = 0; c < coupling.contacts.size(); ++c)
-        if (coupling.contacts[c].gap < 0.0 && coupling.links[c].next.x > 0.0) deep.push_back(c);
-    const auto at = [&](std::size_t c) { return coupling.contacts[c].memory.point; };
+    const auto gapOf = [&](std::size_t c) { return contacts[c].contact.gap; };
+    const auto at = [&](std::size_t c) { return contacts[c].contact.cached.point; };
+    for (std::size_t c = 0; c < contacts.size(); ++c)
+        if (gapOf(c) < 0.0 && contacts[c].multiplier.x > 0.0) deep.push_back(c);
     std::ranges::sort(deep, {}, [&](std::size_t c) { return std::pair(at(c).x, c); });
     double deepest = 0.0;
-    for (const std::size_t c : deep) deepest = std::max(deepest, -coupling.contacts[c].gap);
+    for (const std::size_t c : deep) deepest = std::max(deepest, -gapOf(c));
     for (std::size_t i = 0; i < deep.size(); ++i)
         for (std::size_t j = i + 1; j < deep.size() && at(deep[j]).x - at(deep[i]).x < 2.0 * kNearBy * deepest; ++j) {
-            const FoundContact& a = coupling.contacts[deep[i]];
-            const FoundContact& b = coupling.contacts[deep[j]];
-            if (agreement(coupling, deep[i], deep[j]) > kOpposite) continue;
-            const Vec3 normal = coupling.links[deep[i]].frame[0], apart = a.memory.point - b.memory.point;
-            const double depth = -a.gap - b.gap;
+            const std::size_t a = deep[i], b = deep[j];
+            if (agreement(contacts[a], contacts[b]) > kOpposite) continue;
+            const Vec3 normal = contacts[a].frame[0], apart = at(a) - at(b);
+            const double depth = -gapOf(a) - gapOf(b);
             if (std::abs(dot(apart, normal)) > depth || length(apart) > kNearBy * depth) continue;
-            contradicted[deep[i]] = contradicted[deep[j]] = true;
+            contradicted[a] = contradicted[b] = true;
         }
     return contradicted;
 }
 
-void sortMemories(std::vector<ContactMemory>& memories)
+void sortCache(std::vector<CachedContact>& cache)
 {
-    std::sort(memories.begin(), memories.end(), [](const auto& a, const auto& b) { return key(a) < key(b); });
+    std::sort(cache.begin(), cache.end(), [](const auto& a, const auto& b) { return key(a) < key(b); });
 }
 
-void forgetSurface(SurfaceName name, State& state)
+void forgetSurface(SurfaceName name, Scene& scene)
 {
-    std::erase_if(state.sides, [&](const SideKept& kept) { return kept.source == name || kept.target == name; });
-    std::erase_if(state.contacts, [&](const ContactMemory& memory) {
+    std::erase_if(scene.sides, [&](const SideKept& kept) { return kept.source == name || kept.target == name; });
+    std::erase_if(scene.contacts, [&](const CachedContact& memory) {
         const FeaturePair pair = featurePair(memory.feature);
         return SurfaceName{memory.first, pair.models[0]} == name || SurfaceName{memory.second, pair.models[1]} == name;
     });

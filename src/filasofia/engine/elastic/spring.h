@@ -3,6 +3,7 @@
 #include "filasofia/math/mat3.h"
 
 #include <array>
+#include <vector>
 
 namespace filasofia::engine {
 
@@ -27,5 +28,8 @@ Mat3 springDamping(const Spring& spring, Vec3 a, Vec3 b);
 
 /// [J]
 double springEnergy(const Spring& spring, Vec3 a, Vec3 b);
+
+/// A spring on an edge, at rest, with the stiffness and damping of another.
+Spring springOn(const std::array<int, 2>& edge, const Spring& like, const std::vector<Vec3>& rest);
 
 } // namespace filasofia::engine

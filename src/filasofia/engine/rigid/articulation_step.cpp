@@ -1,6 +1,7 @@
 #include "filasofia/engine/rigid/articulation_step.h"
 
-#include "filasofia/engine/body/find_body.h"
+#include "filasofia/engine/body/usable.h"
+#include "filasofia/engine/scene/find_body.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,21 +30,21 @@ double endOf(const LinkJoint& joint, const JointState& state, double dt)
 }
 
 /// Where the element that takes a base along is at the end of the step.
-Pose endOf(const Model& model, const State& state, const ArticulationPlans& plans, std::size_t body, int element)
+Pose endOf(const Scene& scene, const ArticulationPlans& plans, std::size_t body, int element)
 {
     for (const ArticulationPlan& other : plans)
         if (other.body == body) return other.baseEnd; // ids rise: it is planned already
     const auto e = static_cast<std::size_t>(element);
-    const RigidState& carrier = state.rigidBodies[body];
-    return carrier.targets[e] && !model.rigidBodies[body].dynamic ? *carrier.targets[e] : carrier.poses[e];
+    const RigidState& carrier = scene.rigid[body].state;
+    return carrier.targets[e] && !scene.rigid[body].model.dynamic ? *carrier.targets[e] : carrier.poses[e];
 }
 
-Pose baseEnd(const Model& model, const State& state, const ArticulationPlans& plans, std::size_t body)
+Pose baseEnd(const Scene& scene, const ArticulationPlans& plans, std::size_t body)
 {
-    const ArticulationModel& articulation = model.rigidBodies[body].articulation;
-    if (const auto carrier = findIn(model.rigidBodies, articulation.to))
-        return endOf(model, state, plans, *carrier, articulation.toElement) * articulation.offset;
-    const RigidState& own = state.rigidBodies[body];
+    const ArticulationModel& articulation = scene.rigid[body].model.articulation;
+    if (const auto carrier = findIn(scene.rigid, articulation.to))
+        return endOf(scene, plans, *carrier, articulation.toElement) * articulation.offset;
+    const RigidState& own = scene.rigid[body].state;
     return own.targets[0].value_or(own.poses[0]);
 }
 
@@ -156,16 +157,16 @@ void planJoints(const RigidModel& model, const RigidState& now, double dt, std::
 }
 
 /// Of one body. `plans`: of those before.
-ArticulationPlan planBody(const Model& model, std::size_t body, std::size_t first, double dt, Vec3 gravity,
-                          const State& state, const ArticulationPlans& plans, RigidPlan& plan)
+ArticulationPlan planBody(const Scene& scene, double dt, std::size_t body, std::size_t first,
+                          const ArticulationPlans& plans, RigidPlan& plan)
 {
-    const RigidModel& rigid = model.rigidBodies[body];
-    const RigidState& now = state.rigidBodies[body];
+    const RigidModel& rigid = scene.rigid[body].model;
+    const RigidState& now = scene.rigid[body].state;
     const LinkTree& tree = rigid.articulation.tree;
     ArticulationPlan out;
     out.body = body;
     out.first = first;
-    out.baseEnd = baseEnd(model, state, plans, body);
+    out.baseEnd = baseEnd(scene, plans, body);
     out.axes = jointAxes(tree, now.poses);
     std::vector<double> ends = positionsOf(now.joints);
     planJoints(rigid, now, dt, ends, out);
@@ -192,8 +193,8 @@ ArticulationPlan planBody(const Model& model, std::size_t body, std::size_t firs
         link.angularVelocity = motion[e].angular;
     }
     if (out.free.empty()) return out;
-    planFree(rigid, now, plan[first], dt, gravity, out);
-    setChange(model, std::vector<double>(out.change), out, plan);
+    planFree(rigid, now, plan[first], dt, scene.gravity, out);
+    setChange(tree, std::vector<double>(out.change), out, plan);
     return out;
 }
 
@@ -235,33 +236,31 @@ bool moveJoints(const LinkTree& tree, double dt, const ArticulationPlan& planned
 
 } // namespace
 
-void placeLinks(const Model& model, std::size_t body, State& state)
+void placeLinks(std::size_t body, Scene& scene)
 {
-    const ArticulationModel& articulation = model.rigidBodies[body].articulation;
+    const ArticulationModel& articulation = scene.rigid[body].model.articulation;
     if (articulation.tree.joints.empty()) return;
-    RigidState& own = state.rigidBodies[body];
-    if (const auto carrier = findIn(model.rigidBodies, articulation.to)) {
+    RigidState& own = scene.rigid[body].state;
+    if (const auto carrier = findIn(scene.rigid, articulation.to)) {
         const auto element = static_cast<std::size_t>(articulation.toElement);
-        own.poses[0] = state.rigidBodies[*carrier].poses[element] * articulation.offset;
+        own.poses[0] = scene.rigid[*carrier].state.poses[element] * articulation.offset;
     }
     placeLinks(articulation.tree, positionsOf(own.joints), own.poses);
 }
 
-void planArticulations(const Model& model, double dt, Vec3 gravity, const State& state, RigidPlan& plan,
-                       ArticulationPlans& plans)
+void planArticulations(const Scene& scene, double dt, RigidPlan& plan, ArticulationPlans& plans)
 {
     plans.clear();
     std::size_t first = 0;
-    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) {
-        if (!model.rigidBodies[b].articulation.tree.joints.empty())
-            plans.push_back(planBody(model, b, first, dt, gravity, state, plans, plan));
-        first += model.rigidBodies[b].rest.size();
+    for (std::size_t b = 0; b < scene.rigid.size(); ++b) {
+        if (!scene.rigid[b].model.articulation.tree.joints.empty())
+            plans.push_back(planBody(scene, dt, b, first, plans, plan));
+        first += scene.rigid[b].model.rest.size();
     }
 }
 
-void setChange(const Model& model, std::span<const double> change, ArticulationPlan& articulation, RigidPlan& plan)
+void setChange(const LinkTree& tree, std::span<const double> change, ArticulationPlan& articulation, RigidPlan& plan)
 {
-    const LinkTree& tree = model.rigidBodies[articulation.body].articulation.tree;
     std::ranges::copy(change, articulation.change.begin());
     std::vector<double> all(tree.joints.size() + kBaseJoints);
     for (std::size_t f = 0; f < articulation.free.size(); ++f)
@@ -277,12 +276,12 @@ void setChange(const Model& model, std::span<const double> change, ArticulationP
             link.change = {motion[e].linear, motion[e].angular};
 }
 
-void moveArticulations(const Model& model, double dt, const ArticulationPlans& plans, const RigidPlan& plan,
-                       State& state, physics::StepReport& report)
+void moveArticulations(const StepContext& context, const ArticulationPlans& plans, const RigidPlan& plan, Scene& scene)
 {
+    const double dt = context.dt;
     for (const ArticulationPlan& planned : plans) {
-        RigidState& body = state.rigidBodies[planned.body];
-        const LinkTree& tree = model.rigidBodies[planned.body].articulation.tree;
+        RigidState& body = scene.rigid[planned.body].state;
+        const LinkTree& tree = scene.rigid[planned.body].model.articulation.tree;
         body.targets[0].reset();
         bool good = true;
         if (dt > 0.0) good = moveJoints(tree, dt, planned, plan[planned.first], body);
@@ -292,7 +291,7 @@ void moveArticulations(const Model& model, double dt, const ArticulationPlans& p
         }
         if (!good) {
             for (JointState& joint : body.joints) joint.now.velocity = 0.0;
-            report.set(physics::StepFlag::Undone);
+            context.report.set(physics::StepFlag::Undone);
         }
         for (std::size_t e = 0; e < body.poses.size() && dt > 0.0; ++e) {
             const RigidPlanElement& link = plan[planned.first + e];

@@ -30,19 +30,17 @@ struct ArticulationPlan {
 using ArticulationPlans = std::vector<ArticulationPlan>; ///< in the order of bodies
 
 /// Puts the links where the joints say, and the base of a body that another takes along where that is.
-void placeLinks(const Model& model, std::size_t body, State& state);
+void placeLinks(std::size_t body, Scene& scene);
 
 /// After planRigid(): what a step of dt [s] >= 0 would be without contacts.
-void planArticulations(const Model& model, double dt, Vec3 gravity, const State& state, RigidPlan& plan,
-                       ArticulationPlans& plans);
+void planArticulations(const Scene& scene, double dt, RigidPlan& plan, ArticulationPlans& plans);
 
 /// Takes a change of the free joints' velocities, and writes what it does to the links.
-void setChange(const Model& model, std::span<const double> change, ArticulationPlan& articulation, RigidPlan& plan);
+void setChange(const LinkTree& tree, std::span<const double> change, ArticulationPlan& articulation, RigidPlan& plan);
 
 /// Moves joints, bases and links as planned. A joint stops at its limits. Where the new state is not finite, or beyond
 /// physics::kFarthest, the joints stay where they are, at rest, and the report has StepFlag::Undone. With dt = 0 only
 /// bases move.
-void moveArticulations(const Model& model, double dt, const ArticulationPlans& plans, const RigidPlan& plan,
-                       State& state, physics::StepReport& report);
+void moveArticulations(const StepContext& context, const ArticulationPlans& plans, const RigidPlan& plan, Scene& scene);
 
 } // namespace filasofia::engine

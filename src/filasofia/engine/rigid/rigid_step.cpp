@@ -1,5 +1,6 @@
 #include "filasofia/engine/rigid/rigid_step.h"
 
+#include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/rigid/virtual_coupling.h"
 
 namespace filasofia::engine {
@@ -60,57 +61,58 @@ void planWay(const Pose& end, double dt, RigidPlanElement& out)
     out.angularVelocity = angular;
 }
 
-std::vector<std::size_t> firstElements(const Model& model)
+std::vector<std::size_t> firstElements(const Scene& scene)
 {
     std::vector<std::size_t> first;
     std::size_t count = 0;
-    for (const RigidModel& body : model.rigidBodies) {
+    for (const RigidBody& body : scene.rigid) {
         first.push_back(count);
-        count += body.rest.size();
+        count += body.model.rest.size();
     }
     return first;
 }
 
-void planRigid(const Model& model, double dt, Vec3 gravity, const State& state, RigidPlan& plan)
+void planRigid(const Scene& scene, double dt, RigidPlan& plan)
 {
     plan.clear();
     int articulations = 0;
-    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b) {
-        const bool links = !model.rigidBodies[b].articulation.tree.joints.empty();
+    for (std::size_t b = 0; b < scene.rigid.size(); ++b) {
+        const bool links = !scene.rigid[b].model.articulation.tree.joints.empty();
         const std::size_t first = plan.size();
-        for (std::size_t e = 0; e < model.rigidBodies[b].rest.size(); ++e) {
+        for (std::size_t e = 0; e < scene.rigid[b].model.rest.size(); ++e) {
             RigidPlanElement& out = plan.emplace_back();
             out.body = b;
             out.element = e;
-            out.dynamic = model.rigidBodies[b].dynamic;
-            out.start = state.rigidBodies[b].poses[e];
+            out.dynamic = scene.rigid[b].model.dynamic;
+            out.start = scene.rigid[b].state.poses[e];
             if (links) {
                 out.articulation = articulations;
                 out.base = first;
                 out.centre = out.start.position;
             } else if (out.dynamic)
-                planDynamic(model.rigidBodies[b], dt, gravity, state.rigidBodies[b], out);
+                planDynamic(scene.rigid[b].model, dt, scene.gravity, scene.rigid[b].state, out);
             else
-                planTold(dt, state.rigidBodies[b], out);
+                planTold(dt, scene.rigid[b].state, out);
         }
         articulations += links ? 1 : 0;
     }
 }
 
-void moveRigid(const Model& model, double dt, const RigidPlan& plan, State& state, physics::StepReport& report)
+void moveRigid(const StepContext& context, const RigidPlan& plan, Scene& scene)
 {
     for (const RigidPlanElement& planned : plan) {
         if (planned.articulation >= 0) continue;
-        RigidState& body = state.rigidBodies[planned.body];
+        RigidState& body = scene.rigid[planned.body].state;
         const std::size_t e = planned.element;
         if (!planned.dynamic) {
             if (body.targets[e]) body.poses[e] = *body.targets[e];
             body.targets[e].reset();
             body.velocities[e] = planned.velocity;
             body.angularVelocities[e] = planned.angularVelocity;
-        } else if (dt > 0.0 && !moveDynamic(model.rigidBodies[planned.body].inertias[e], dt, planned, body)) {
+        } else if (context.dt > 0.0 &&
+                   !moveDynamic(scene.rigid[planned.body].model.inertias[e], context.dt, planned, body)) {
             body.velocities[e] = body.angularVelocities[e] = {};
-            report.set(physics::StepFlag::Undone);
+            context.report.set(physics::StepFlag::Undone);
         }
     }
 }

@@ -1,7 +1,8 @@
 #pragma once
 
 #include "filasofia/engine/integration/rigid.h"
-#include "filasofia/engine/body/model.h"
+#include "filasofia/engine/scene/scene.h"
+#include "filasofia/engine/scene/step_context.h"
 #include "filasofia/physics/step.h"
 
 /// A step of the rigid bodies, in two halves between which contacts may change what the first has planned.
@@ -28,7 +29,7 @@ struct RigidPlanElement {
 using RigidPlan = std::vector<RigidPlanElement>; ///< in the order of bodies and elements
 
 /// The place in the plan of each body's first element.
-std::vector<std::size_t> firstElements(const Model& model);
+std::vector<std::size_t> firstElements(const Scene& scene);
 
 /// Constant velocities that lead from where the element is to `end`; none where that would be a jump.
 void planWay(const Pose& end, double dt, RigidPlanElement& out);
@@ -36,13 +37,13 @@ void planWay(const Pose& end, double dt, RigidPlanElement& out);
 /// What a step of dt [s] >= 0 would be without contacts. Links are left at rest, for planArticulations(). A jump of an
 /// element that goes where it is told has no velocity when it would be faster than kTeleport, or turn by more than
 /// kTeleportTurn.
-void planRigid(const Model& model, double dt, Vec3 gravity, const State& state, RigidPlan& plan);
+void planRigid(const Scene& scene, double dt, RigidPlan& plan);
 inline constexpr double kTeleport = 20.0;    ///< [m/s]
 inline constexpr double kTeleportTurn = 1.0; ///< [rad] in one step
 
 /// Moves every element as planned, and those that go where they are told to exactly there. A dynamic element whose new
 /// state is not finite, or beyond physics::kFarthest, stays where it is, at rest, and the report has
 /// StepFlag::Undone. With dt = 0 only what was told happens. Links are left alone.
-void moveRigid(const Model& model, double dt, const RigidPlan& plan, State& state, physics::StepReport& report);
+void moveRigid(const StepContext& context, const RigidPlan& plan, Scene& scene);
 
 } // namespace filasofia::engine

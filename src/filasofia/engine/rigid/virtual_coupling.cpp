@@ -1,8 +1,5 @@
 #include "filasofia/engine/rigid/virtual_coupling.h"
 
-#include "filasofia/core/error.h"
-#include "filasofia/core/validate.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -50,23 +47,6 @@ void planHand(const Hand& hand, const RigidModel& model, double dt, const Pose& 
     planned.heldInertia = angular * dt * (coupling.angularDamping + dt * coupling.angularStiffness);
     planned.change.angular = inverse(inertia + planned.heldInertia * Mat3::identity()) *
                              (inertia * planned.change.angular + angular * dt * torque);
-}
-
-void checkHands(const std::string& object, const RigidModel& model, const RigidState& state)
-{
-    if (!model.dynamic && !state.hands.empty()) fail(object, ": only a dynamic body is held by hands");
-    for (std::size_t h = 0; h < state.hands.size(); ++h) {
-        const Hand& hand = state.hands[h];
-        const std::string name = text(object, ": hands[", h, "]");
-        if (hand.element < 0 || static_cast<std::size_t>(hand.element) >= state.poses.size())
-            fail(name, ".element must be in [0, ", state.poses.size(), "), got ", hand.element);
-        if (h > 0 && hand.element <= state.hands[h - 1].element) fail(name, ": hands must ascend by their elements");
-        validate(hand.target, name);
-        const Vec3 motion[] = {hand.target.pose.position, hand.target.velocity, hand.target.angularVelocity};
-        const Quat q = hand.target.pose.orientation;
-        if (!usable(motion) || !(std::abs(dot(q, q) - 1.0) < 1e-6))
-            fail(name, ".target must lie within ", physics::kFarthest, " m, with a unit quaternion");
-    }
 }
 
 } // namespace filasofia::engine

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "filasofia/engine/body/soft_model.h"
 #include "filasofia/engine/integration/euler.h"
-#include "filasofia/engine/body/model.h"
 #include "filasofia/linalg/block_sparse_matrix.h"
 #include "filasofia/linalg/linear_solver.h"
 

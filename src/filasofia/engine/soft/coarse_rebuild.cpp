@@ -1,8 +1,8 @@
 #include "filasofia/engine/soft/coarse_rebuild.h"
 
 #include "filasofia/core/sorted.h"
-#include "filasofia/engine/soft/assembled_system.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/soft/assembled_system.h"
 #include "filasofia/geometry/coarse_lattice.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "filasofia/core/background.h"
+#include "filasofia/engine/body/soft_model.h"
 #include "filasofia/engine/soft/mesh_edit.h"
-#include "filasofia/engine/body/model.h"
 #include "filasofia/linalg/two_level_preconditioner.h"
 
 namespace filasofia::engine {

@@ -1,8 +1,8 @@
 // How a MatrixFreeSystem follows an edit of its body's mesh: what the edit did not reach stays as it is.
 #include "filasofia/engine/soft/matrix_free_system.h"
 
-#include "filasofia/engine/soft/coarse_rebuild.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/soft/coarse_rebuild.h"
 
 #include <algorithm>
 

@@ -10,43 +10,78 @@ namespace filasofia::engine {
 using linalg::Blocks;
 using linalg::NodeArray;
 
-MatrixFreeShare::MatrixFreeShare(MatrixFreeSystem& system)
+MatrixFreeOperator::MatrixFreeOperator(MatrixFreeSystem& system)
     : system_(system),
       mass_(std::accumulate(system.masses_.begin(), system.masses_.begin() + system.freeNodes_, 0.0) / system.scale_),
       z_(system.dv_.blocks()), p_(system.dv_.blocks(), system.dv_.heldBlocks()), q_(system.dv_.blocks())
 {
 }
 
-void MatrixFreeShare::prepare(std::span<const Vec3> dv, WorkerPool& pool)
+void MatrixFreeOperator::prepare(std::span<const Vec3> dv, WorkerPool& pool)
 {
     pool_ = &pool;
     system_.load(dv, {}, p_, pool);
 }
 
-void MatrixFreeShare::begin(std::span<const Grip> grips)
+double MatrixFreeOperator::begin(std::span<const ContactPoint> points)
 {
     slots_.clear();
     inverse_.clear();
-    for (const Grip& grip : grips) {
-        slots_.push_back(system_.slotOf_[static_cast<std::size_t>(grip.node)]);
+    for (const ContactPoint& point : points) {
+        slots_.push_back(system_.slotOf_[static_cast<std::size_t>(point.node)]);
         inverse_.push_back(system_.preconditioner_.inverseDiagonal(slots_.back()));
     }
     system_.dv_.setZero();
+    return mass_;
 }
 
-Mat3 MatrixFreeShare::compliance(int grip) const { return system_.scale_ * inverse_[static_cast<std::size_t>(grip)]; }
+Mat3 MatrixFreeOperator::compliance(int point) const
+{
+    return system_.scale_ * inverse_[static_cast<std::size_t>(point)];
+}
 
-double MatrixFreeShare::product(const NodeArray& a, const NodeArray& b)
+void MatrixFreeOperator::readFrom(const NodeArray& vector, std::span<Vec3> out) const
+{
+    for (std::size_t k = 0; k < slots_.size(); ++k) {
+        const float* at = vector[slots_[k]];
+        out[k] = {at[0], at[1], at[2]};
+    }
+}
+
+void MatrixFreeOperator::read(SolveVector from, std::span<Vec3> out) const
+{
+    if (from == SolveVector::Direction) return readFrom(p_, out);
+    if (from == SolveVector::Preconditioned) return readFrom(z_, out);
+    readFrom(system_.residual_, out); // w = D^-1 r is stored nowhere
+    for (std::size_t k = 0; k < slots_.size(); ++k) out[k] = inverse_[k] * out[k];
+}
+
+void MatrixFreeOperator::add(std::span<const Vec3> impulses, SolveVector to)
+{
+    for (std::size_t k = 0; k < slots_.size(); ++k) {
+        if (to == SolveVector::CoarseResidual)
+            system_.preconditioner_.addToSpread(slots_[k], system_.scale_ * impulses[k]);
+        else
+            for (int i = 0; i < 3; ++i)
+                system_.residual_[slots_[k]][i] += static_cast<float>(system_.scale_ * impulses[k][i]);
+    }
+}
+
+double MatrixFreeOperator::product(const NodeArray& a, const NodeArray& b)
 {
     return linalg::sumOfParts(*pool_, linalg::nodeParts(a.blocks()), system_.sums_,
                               [&](Blocks blocks) { return linalg::dot(a, b, blocks); }) /
            system_.scale_;
 }
 
-double MatrixFreeShare::multiply() { return system_.multiply(p_, q_, *pool_) / system_.scale_; }
-double MatrixFreeShare::slope() { return product(p_, system_.residual_); }
+double MatrixFreeOperator::multiply() { return system_.multiply(p_, q_, *pool_) / system_.scale_; }
 
-void MatrixFreeShare::descend(double alpha)
+double MatrixFreeOperator::dot(SolveVector a, SolveVector)
+{
+    return a == SolveVector::Direction ? product(p_, system_.residual_) : product(z_, q_);
+}
+
+void MatrixFreeOperator::step(double alpha)
 {
     const linalg::Parts parts = linalg::nodeParts(p_.blocks());
     pool_->run(parts.count(), [&](int part) {
@@ -54,70 +89,45 @@ void MatrixFreeShare::descend(double alpha)
     });
 }
 
-void MatrixFreeShare::turn(double beta)
+void MatrixFreeOperator::updateDirection(double beta)
 {
     const linalg::Parts parts = linalg::nodeParts(p_.blocks());
     pool_->run(parts.count(), [&](int part) { linalg::turn(z_, static_cast<float>(beta), p_, parts[part]); });
 }
 
-void MatrixFreeShare::smooth() { system_.preconditioner_.smooth(system_.residual_, *pool_); }
-double MatrixFreeShare::spread(std::span<const double> shares)
+void MatrixFreeOperator::smooth() { system_.preconditioner_.smooth(system_.residual_, *pool_); }
+
+double MatrixFreeOperator::applyCoarse(std::span<const double> shares)
 {
     return system_.preconditioner_.spread(system_.residual_, z_, *pool_, shares) / system_.scale_;
 }
 
-void MatrixFreeShare::addPull(std::span<const Vec3> impulses)
+void MatrixFreeOperator::subtractSmoothed(std::span<const Vec3> impulses)
 {
-    pull_.clear();
-    for (std::size_t g = 0; g < slots_.size(); ++g)
-        if (impulses[g] != Vec3{}) pull_.push_back({slots_[g], system_.scale_ * impulses[g]});
-    system_.preconditioner_.addPull(pull_);
+    for (std::size_t k = 0; k < slots_.size(); ++k) {
+        const Vec3 change = system_.scale_ * (inverse_[k] * impulses[k]);
+        for (int i = 0; i < 3; ++i) z_[slots_[k]][i] -= static_cast<float>(change[i]);
+    }
 }
 
-void MatrixFreeShare::answers(int pull, std::span<double> out) const
+void MatrixFreeOperator::addColumn(std::span<const Vec3> impulses)
 {
-    system_.preconditioner_.answers(pull, out);
+    column_.clear();
+    for (std::size_t k = 0; k < slots_.size(); ++k)
+        if (impulses[k] != Vec3{}) column_.push_back({slots_[k], system_.scale_ * impulses[k]});
+    system_.preconditioner_.addPull(column_);
+}
+
+void MatrixFreeOperator::products(int column, std::span<double> out) const
+{
+    system_.preconditioner_.answers(column, out);
     for (double& each : out) each /= system_.scale_;
 }
 
-void MatrixFreeShare::weigh(std::span<double> sums)
+void MatrixFreeOperator::project(std::span<double> out)
 {
-    system_.preconditioner_.weigh(sums, *pool_);
-    for (double& each : sums) each /= system_.scale_;
-}
-
-void MatrixFreeShare::read(const NodeArray& from, std::span<Vec3> out) const
-{
-    for (std::size_t g = 0; g < slots_.size(); ++g) {
-        const float* at = from[slots_[g]];
-        out[g] = {at[0], at[1], at[2]};
-    }
-}
-
-void MatrixFreeShare::add(std::span<const Vec3> impulses, NodeArray& to) const
-{
-    for (std::size_t g = 0; g < slots_.size(); ++g)
-        for (int k = 0; k < 3; ++k) to[slots_[g]][k] += static_cast<float>(system_.scale_ * impulses[g][k]);
-}
-
-void MatrixFreeShare::readSmoothed(std::span<Vec3> w) const
-{
-    read(system_.residual_, w);
-    for (std::size_t g = 0; g < slots_.size(); ++g) w[g] = inverse_[g] * w[g];
-}
-
-void MatrixFreeShare::addToSpread(std::span<const Vec3> impulses)
-{
-    for (std::size_t g = 0; g < slots_.size(); ++g)
-        system_.preconditioner_.addToSpread(slots_[g], system_.scale_ * impulses[g]);
-}
-
-void MatrixFreeShare::subtractSmoothed(std::span<const Vec3> impulses)
-{
-    for (std::size_t g = 0; g < slots_.size(); ++g) {
-        const Vec3 change = system_.scale_ * (inverse_[g] * impulses[g]);
-        for (int k = 0; k < 3; ++k) z_[slots_[g]][k] -= static_cast<float>(change[k]);
-    }
+    system_.preconditioner_.weigh(out, *pool_);
+    for (double& each : out) each /= system_.scale_;
 }
 
 } // namespace filasofia::engine

@@ -5,48 +5,44 @@
 
 namespace filasofia::engine {
 
-/// A matrix-free body's share of a solve that spans several.
-class MatrixFreeShare final : public CoupledBody {
+/// A matrix-free body's part of a solve that spans several.
+class MatrixFreeOperator final : public BodyOperator, public BodyPreconditioner, private CoarseDeflation {
 public:
-    explicit MatrixFreeShare(MatrixFreeSystem& system);
+    explicit MatrixFreeOperator(MatrixFreeSystem& system);
 
     /// `dv`: the first guess. The pool is used until the solve is over.
     void prepare(std::span<const Vec3> dv, WorkerPool& pool);
 
-    void begin(std::span<const Grip> grips) override;
-    [[nodiscard]] Mat3 compliance(int grip) const override;
-    [[nodiscard]] double mass() const override { return mass_; }
+    double begin(std::span<const ContactPoint> points) override;
+    [[nodiscard]] Mat3 compliance(int point) const override;
+    void read(SolveVector from, std::span<Vec3> out) const override;
+    void add(std::span<const Vec3> impulses, SolveVector to) override;
     double multiply() override;
-    double slope() override;
-    void descend(double alpha) override;
-    void turn(double beta) override;
+    double dot(SolveVector a, SolveVector b) override;
+    void step(double alpha) override;
+    void updateDirection(double beta) override;
+
     void smooth() override;
-    double spread(std::span<const double> shares) override;
-    double bent() override { return product(z_, q_); }
-    void readDirection(std::span<Vec3> p) const override { read(p_, p); }
-    void readSmoothed(std::span<Vec3> w) const override;
-    void readSpread(std::span<Vec3> z) const override { read(z_, z); }
-    void addToResidual(std::span<const Vec3> impulses) override { add(impulses, system_.residual_); }
-    void addToSpread(std::span<const Vec3> impulses) override;
+    double applyCoarse(std::span<const double> shares) override;
     void subtractSmoothed(std::span<const Vec3> impulses) override;
-    [[nodiscard]] bool correctable() const override { return system_.coarseNodes() > 0; }
-    void clearPulls() override { system_.preconditioner_.clearPulls(); }
-    void addPull(std::span<const Vec3> impulses) override;
-    void answerPulls() override { system_.preconditioner_.answerPulls(); }
-    void answers(int pull, std::span<double> out) const override;
-    void weigh(std::span<double> sums) override;
+    [[nodiscard]] CoarseDeflation* deflation() override { return system_.coarseNodes() > 0 ? this : nullptr; }
 
 private:
-    void read(const linalg::NodeArray& from, std::span<Vec3> out) const;
-    void add(std::span<const Vec3> impulses, linalg::NodeArray& to) const;
+    void clear() override { system_.preconditioner_.clearPulls(); }
+    void addColumn(std::span<const Vec3> impulses) override;
+    void finish() override { system_.preconditioner_.answerPulls(); }
+    void products(int column, std::span<double> out) const override;
+    void project(std::span<double> out) override;
+
+    void readFrom(const linalg::NodeArray& vector, std::span<Vec3> out) const;
     double product(const linalg::NodeArray& a, const linalg::NodeArray& b);
 
     MatrixFreeSystem& system_;
     WorkerPool* pool_ = nullptr;
     double mass_ = 0.0;
-    std::vector<int> slots_;             ///< per grip
-    std::vector<Mat3> inverse_;          ///< D^-1 there, scaled
-    std::vector<linalg::NodePull> pull_; ///< scratch
+    std::vector<int> slots_;               ///< per contact point
+    std::vector<Mat3> inverse_;            ///< D^-1 there, scaled
+    std::vector<linalg::NodePull> column_; ///< scratch
     linalg::NodeArray z_, p_, q_;
 };
 

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "filasofia/engine/body/soft_model.h"
 #include "filasofia/engine/elastic/corotational.h"
 #include "filasofia/engine/elastic/element_blocks.h"
 #include "filasofia/engine/integration/euler.h"
 #include "filasofia/engine/soft/mesh_edit.h"
-#include "filasofia/engine/body/model.h"
 #include "filasofia/engine/soft/rigid_motion.h"
 #include "filasofia/linalg/matrix_free_cg.h"
 
@@ -76,7 +76,7 @@ public:
     [[nodiscard]] int coarseNodes() const { return preconditioner_.coarseNodes(); }
 
 private:
-    friend class MatrixFreeShare;
+    friend class MatrixFreeOperator;
     static constexpr std::size_t kRotationsPerNode = 4; ///< elements that say how a node turns
     void orderNodes(const SoftModel& model);
     void makeVectors(int heldBlocks);

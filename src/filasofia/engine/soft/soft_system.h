@@ -16,7 +16,7 @@ struct HeldParts {
 /// from its edits. One of the two kinds is there.
 struct SoftSystem {
     std::unique_ptr<MatrixFreeSystem> matrixFree; ///< in float, what a body has unless it asks for something else
-    std::unique_ptr<MatrixFreeShare> share;       ///< of the first kind, once it had to be solved with other bodies
+    std::unique_ptr<MatrixFreeOperator> coupled;  ///< over matrixFree, once it had to be solved with other bodies
     std::unique_ptr<AssembledSystem> assembled;   ///< in double, the reference
 
     HeldParts held;
@@ -27,10 +27,13 @@ struct SoftSystem {
     std::vector<Vec3> x, v, dv, leftover; ///< the new state, until it is known to be finite
 };
 
-using Systems = std::vector<SoftSystem>; ///< one per soft body, in the model's order
-
-/// A spring on an edge, at rest, with the stiffness and damping of another.
-Spring springOn(const std::array<int, 2>& edge, const Spring& like, const std::vector<Vec3>& rest);
+/// Has the system rebuilt after the last command of the step, which may change more. `tuned`: its model is no longer
+/// what its Def says.
+inline void outdate(bool tuned, SoftSystem& system)
+{
+    system.outdated = true;
+    system.tuned = tuned;
+}
 
 /// Brings what pulls at held nodes in line with an edit.
 void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts);

@@ -1,7 +1,11 @@
-#include "filasofia/engine/body/each_body.h"
-#include "filasofia/engine/topology/loose_pieces.h"
+#include "filasofia/engine/step/advance.h"
+
+#include "filasofia/engine/body/usable.h"
+#include "filasofia/engine/contact/solve_island.h"
+#include "filasofia/engine/scene/each_body.h"
+#include "filasofia/engine/step/assemble.h"
 #include "filasofia/engine/step/solve_limits.h"
-#include "filasofia/engine/step/stages.h"
+#include "filasofia/engine/topology/loose_pieces.h"
 
 #include <algorithm>
 #include <atomic>
@@ -18,23 +22,26 @@ using physics::StepFlag;
 // the forces pull, and cannot gather speed.
 constexpr double kCreep = 100.0;
 
-constexpr double kMostTurn = 0.25; // [rad] of a loose piece in a step, as much as one of first order follows
+constexpr double kMaxTurn = 0.25; // [rad] of a loose piece in a step, as much as one of first order follows
 
 /// What the velocities change by.
-linalg::NodeSolveReport solveBody(const SoftModel& model, double dt, double inertia, const linalg::SolveLimits& limits,
-                                  std::span<const Vec3> v, SoftSystem& system, WorkerPool& pool)
+linalg::NodeSolveReport solveBody(double dt, double inertia, const linalg::SolveLimits& limits, SoftBody& body,
+                                  WorkerPool& pool)
 {
-    if (system.assembled) return {solve(model, dt, inertia, v, *system.assembled, system.dv)};
-    if (std::holds_alternative<physics::ImplicitEuler>(model.integrator))
+    SoftSystem& system = body.system;
+    if (system.assembled) return {solve(body.model, dt, inertia, body.state.v, *system.assembled, system.dv)};
+    if (std::holds_alternative<physics::ImplicitEuler>(body.model.integrator))
         return system.matrixFree->solve(limits, system.dv, system.leftover, pool);
     system.matrixFree->solveExplicit(system.dv);
     return {};
 }
 
 /// The new state from the change of the velocities; false where it is not one to go on with.
-bool moveBody(const SoftModel& model, double dt, const SoftState& state, SoftSystem& system, WorkerPool& pool)
+bool moveBody(double dt, SoftBody& body, WorkerPool& pool)
 {
-    const auto* explicitEuler = std::get_if<physics::ExplicitEuler>(&model.integrator);
+    const SoftState& state = body.state;
+    SoftSystem& system = body.system;
+    const auto* explicitEuler = std::get_if<physics::ExplicitEuler>(&body.model.integrator);
     const bool withOld = explicitEuler && !explicitEuler->symplectic;
     const linalg::Parts parts{static_cast<int>(state.x.size()), 512};
     std::atomic<bool> good = true;
@@ -52,39 +59,40 @@ bool moveBody(const SoftModel& model, double dt, const SoftState& state, SoftSys
     return good;
 }
 
-/// Per node, whether it takes part in a contact or an attachment.
-std::vector<char> linkedNodes(std::size_t body, std::size_t nodes, const std::vector<Link>& links)
+/// Per node, whether a constraint acts on it.
+std::vector<char> constrainedNodes(std::size_t body, std::size_t nodes, const std::vector<Constraint>& constraints)
 {
-    std::vector<char> linked(nodes);
-    for (const Link& link : links)
-        for (const BodyPoint& point : link.sides)
+    std::vector<char> constrained(nodes);
+    for (const Constraint& each : constraints)
+        for (const BodyPoint& point : each.sides)
             if (point.of == BodyPoint::Of::Soft && point.body == body)
-                for (int k = 0; k < point.count; ++k) linked[static_cast<std::size_t>(point.nodes[k])] = 1;
-    return linked;
+                for (int k = 0; k < point.count; ++k) constrained[static_cast<std::size_t>(point.nodes[k])] = 1;
+    return constrained;
 }
 
-/// What a solve left undone of crumbs is done, where it is known. Those that touch something were solved with it.
-void finishPieces(const SoftModel& model, std::size_t body, double dt, const std::vector<Link>& links,
-                  const SoftState& state, SoftSystem& system)
+/// Goes on with the solve of small fragments from the residual that is known. Those that touch something were solved
+/// with it.
+void finishPieces(std::size_t index, double dt, const std::vector<Constraint>& constraints, SoftBody& body)
 {
-    const auto isCrumb = [](const BodyPiece& piece) { return !piece.elements.empty(); };
-    if (std::ranges::none_of(model.pieces, isCrumb) || !system.matrixFree || model.elements.empty() ||
+    const SoftModel& model = body.model;
+    SoftSystem& system = body.system;
+    const auto isFragment = [](const BodyPiece& piece) { return !piece.elements.empty(); };
+    if (std::ranges::none_of(model.pieces, isFragment) || !system.matrixFree || model.elements.empty() ||
         !std::holds_alternative<physics::ImplicitEuler>(model.integrator))
         return;
     const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness});
     const auto solved = [&](int node) {
         return NodeSolve{system.matrixFree->solved(node), system.matrixFree->undone(node)};
     };
-    finishCrumbs(model, weights, state, linkedNodes(body, model.rest.size(), links), solved, system.dv,
-                 system.leftover);
+    finishFragments(body, weights, constrainedNodes(index, model.rest.size(), constraints), solved);
 }
 
 /// The impulses that a body was put back for are not where its next step is to start.
-void forget(std::size_t body, std::vector<Link>& links)
+void forget(std::size_t body, std::vector<Constraint>& constraints)
 {
-    for (Link& link : links)
-        for (const BodyPoint& point : link.sides)
-            if (point.of == BodyPoint::Of::Soft && point.body == body) link.next = {};
+    for (Constraint& each : constraints)
+        for (const BodyPoint& point : each.sides)
+            if (point.of == BodyPoint::Of::Soft && point.body == body) each.multiplier = {};
 }
 
 struct BodyOutcome {
@@ -94,18 +102,20 @@ struct BodyOutcome {
     [[nodiscard]] bool has(StepFlag flag) const { return (flags & static_cast<std::uint32_t>(flag)) != 0; }
 };
 
-/// Moves a body by what was solved; where that is no state to go on with it is put back, and creeps.
-void settleBody(const SoftModel& model, Vec3 gravity, double dt, SoftSystem& system, SoftState& state, WorkerPool& pool,
-                BodyOutcome& outcome)
+/// Moves a body by what was solved; if that is no state to go on with, the body is put back, and creeps.
+void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOutcome& outcome)
 {
-    bool good = moveBody(model, dt, state, system, pool);
+    const double dt = context.dt;
+    SoftState& state = body.state;
+    SoftSystem& system = body.system;
+    bool good = moveBody(dt, body, context.pool);
     if (!good) { // stay where it was, forget the motion that led here, and creep
         for (auto* list : {&state.v, &state.dv, &state.leftover}) std::fill(list->begin(), list->end(), Vec3{});
-        assembleBody(model, gravity, dt, kCreep, state, system, pool);
+        assembleBody({gravity, dt, kCreep}, body, context.pool);
         system.dv = state.dv;
-        solveBody(model, dt, kCreep, limitsOf(model), state.v, system, pool);
+        solveBody(dt, kCreep, limitsOf(body.model), body, context.pool);
         std::fill(system.leftover.begin(), system.leftover.end(), Vec3{}); // a heavier body's: nothing to make up for
-        good = moveBody(model, dt, state, system, pool);
+        good = moveBody(dt, body, context.pool);
         outcome.set(StepFlag::Undone);
         if (good) outcome.set(StepFlag::Damped);
     }
@@ -114,7 +124,7 @@ void settleBody(const SoftModel& model, Vec3 gravity, double dt, SoftSystem& sys
         std::swap(system.v, state.v);
         std::swap(system.dv, state.dv);
         std::swap(system.leftover, state.leftover);
-        slowSpin(model, kMostTurn, dt, state);
+        limitSpin(body.model, kMaxTurn, dt, state);
     }
 }
 
@@ -128,109 +138,101 @@ BodyOutcome outcomeOf(BodyId id, const linalg::NodeSolveReport& solve)
 }
 
 /// Where the body's solve starts from.
-void prepareBody(const SoftState& state, SoftSystem& system)
+void prepareBody(SoftBody& body)
 {
-    system.dv = state.dv;
-    std::fill(system.leftover.begin(), system.leftover.end(), Vec3{}); // only the default solver leaves something
+    body.system.dv = body.state.dv;
+    auto& residual = body.system.leftover;
+    std::fill(residual.begin(), residual.end(), Vec3{}); // only the default solver leaves something
 }
 
-/// Soft bodies follow from step to step what they lack, and stiffer contacts only cost iterations: measured, 18 for 3,
-/// 22 for 5 and 35 for 10 where 110 stand on 30000 elements. But their nodes must hold all that moves with them:
-/// against its mass they are the lighter the finer the mesh is, by the root of the third order of the number of nodes
-/// (there are fewer of them by that). A plate drawn slowly over 6500 nodes began to swing below 3.7.
-double softStiffening(const Model& model, const Island& island)
-{
-    constexpr double perNodes = 0.27, least = 3.0, most = 10.0;
-    std::size_t nodes = 0;
-    for (std::size_t b : island.soft) nodes = std::max(nodes, model.softBodies[b].rest.size());
-    return std::clamp(perNodes * std::cbrt(static_cast<double>(nodes)), least, most);
-}
-
-CoupledLimits limitsOf(const Model& model, const Island& island, const physics::ContactMethod& method, double dt,
-                       const linalg::SolveLimits& limits)
-{
-    // Rigid bodies in a tower sway as one, with more inertia than each has by itself. And for so few unknowns it costs
-    // nothing to be exact.
-    constexpr double rigidStiffening = 100.0, rigidHolding = 1000.0; // friction does not bear more
-    // Where a heavy body rests on a light one, what pushes gives as the light one does, and what sways weighs as the
-    // heavy one.
-    constexpr double rigidBearing = 1.0;
-    constexpr int perRound = 40, rigidRaises = 10;
-    constexpr double rigidTolerance = 0.01;
-    constexpr double smallAcceleration = 1.0; // [m/s^2] what nothing in particular does to a body, for a scale
-
-    CoupledLimits how{.linear = limits, .smallChange = smallAcceleration * dt};
-    if (const auto* exact = std::get_if<physics::ExactContact>(&method)) {
-        how.following = perRound * exact->rounds;
-        how.tolerance = exact->tolerance;
+/// Solves the bodies of the scene, coupled ones island by island, and moves the soft ones.
+class Advance {
+public:
+    Advance(const StepContext& context, Scene& scene, Coupling& coupling)
+        : context_(context), scene_(scene), coupling_(coupling),
+          islands_(findIslands(scene.soft.size(), coupling.rigid, coupling.constraints)),
+          limits_(limitsOf(context, scene, islands_)), outcomes_(scene.soft.size()), coupled_(scene.soft.size())
+    {
     }
-    if (island.rigid.empty()) how.stiffening = softStiffening(model, island);
-    if (island.soft.empty()) {
-        how.stiffening = rigidStiffening;
-        how.holding = rigidHolding;
-        how.bearing = rigidBearing;
-        how.raises = rigidRaises;
-        how.tolerance *= rigidTolerance;
+
+    void solveIslands()
+    {
+        for (std::size_t i = 0; i < islands_.size(); ++i) solveIsland(islands_[i], limits_.islands[i]);
     }
-    return how;
-}
+
+    void solveOthers()
+    {
+        forEachBody(scene_, context_.pool, [&](SoftBody& body, std::size_t b) {
+            if (coupled_[b]) return;
+            prepareBody(body);
+            outcomes_[b] =
+                outcomeOf(body.model.id, solveBody(context_.dt, 1.0, limits_.bodies[b], body, context_.pool));
+            settle(b);
+        });
+    }
+
+    void reportSolves() const
+    {
+        for (const auto* list : {&outcomes_, &rigidOutcomes_})
+            for (const BodyOutcome& outcome : *list) {
+                context_.report.solves.push_back(outcome.solve);
+                context_.report.flags |= outcome.flags;
+            }
+    }
+
+private:
+    void solveIsland(const Island& island, const linalg::SolveLimits& limits)
+    {
+        for (std::size_t b : island.soft) {
+            prepareBody(scene_.soft[b]);
+            coupled_[b] = true;
+        }
+        const CoupledReport solve =
+            engine::solveIsland(context_, island, coupledLimitsOf(context_, scene_, island, limits), scene_, coupling_);
+        for (std::size_t b : island.soft) {
+            outcomes_[b] = outcomeOf(scene_.soft[b].model.id, solve);
+            settle(b);
+            if (outcomes_[b].has(StepFlag::Undone)) forget(b, coupling_.constraints);
+        }
+        if (island.soft.empty())
+            rigidOutcomes_.push_back(outcomeOf(scene_.rigid[coupling_.rigid[island.rigid[0]].body].model.id, solve));
+        physics::ContactReport& contacts = context_.report.contacts;
+        contacts.rounds = std::max(contacts.rounds, solve.rounds);
+        contacts.mismatch = std::max(contacts.mismatch, solve.mismatch);
+    }
+
+    void settle(std::size_t b)
+    {
+        finishPieces(b, context_.dt, coupling_.constraints, scene_.soft[b]);
+        settleBody(context_, scene_.gravity, scene_.soft[b], outcomes_[b]);
+    }
+
+    const StepContext& context_;
+    Scene& scene_;
+    Coupling& coupling_;
+    std::vector<Island> islands_;
+    StepLimits limits_;
+    std::vector<BodyOutcome> outcomes_;      ///< per soft body
+    std::vector<BodyOutcome> rigidOutcomes_; ///< per island without a soft body
+    std::vector<char> coupled_;              ///< per soft body: it is in an island
+};
 
 } // namespace
 
-void advance(const Model& model, double dt, const physics::StepBudget* budget, const physics::ContactMethod& method,
-             Systems& systems, Coupling& coupling, State& state, WorkerPool& pool, physics::StepReport& report)
+void advance(const StepContext& context, Scene& scene, Coupling& coupling)
 {
-    if (dt > 0.0) {
-        std::vector<BodyOutcome> outcomes(model.softBodies.size());
-        std::vector<bool> coupled(model.softBodies.size());
-        std::vector<BodyOutcome> rigidOutcomes; // of islands without a soft body
-        const std::vector<Island> islands = findIslands(model, coupling.rigid, coupling.links);
-        const StepLimits limits = limitsOf(model, islands, budget, pool);
-        const auto settle = [&](std::size_t b) {
-            finishPieces(model.softBodies[b], b, dt, coupling.links, state.softBodies[b], systems[b]);
-            settleBody(model.softBodies[b], state.gravity, dt, systems[b], state.softBodies[b], pool, outcomes[b]);
-        };
-
-        for (std::size_t i = 0; i < islands.size(); ++i) {
-            const Island& island = islands[i];
-            for (std::size_t b : island.soft) {
-                prepareBody(state.softBodies[b], systems[b]);
-                coupled[b] = true;
-            }
-            const CoupledLimits how = limitsOf(model, island, method, dt, limits.islands[i]);
-            const CoupledReport solve = solveIsland(model, state, dt, island, how, systems, coupling.rigid,
-                                                    coupling.articulations, coupling.links, coupling.scratch, pool);
-            for (std::size_t b : island.soft) {
-                outcomes[b] = outcomeOf(model.softBodies[b].id, solve);
-                settle(b);
-                if (outcomes[b].has(StepFlag::Undone)) forget(b, coupling.links);
-            }
-            if (island.soft.empty())
-                rigidOutcomes.push_back(outcomeOf(model.rigidBodies[coupling.rigid[island.rigid[0]].body].id, solve));
-            report.contacts.rounds = std::max(report.contacts.rounds, solve.rounds);
-            report.contacts.mismatch = std::max(report.contacts.mismatch, solve.mismatch);
-        }
-        forEachBody(model, pool, [&](std::size_t b) { // each of the others by itself
-            if (coupled[b]) return;
-            const SoftModel& body = model.softBodies[b];
-            prepareBody(state.softBodies[b], systems[b]);
-            const linalg::NodeSolveReport solve =
-                solveBody(body, dt, 1.0, limits.bodies[b], state.softBodies[b].v, systems[b], pool);
-            outcomes[b] = outcomeOf(body.id, solve);
-            settle(b);
-        });
-        outcomes.insert(outcomes.end(), rigidOutcomes.begin(), rigidOutcomes.end());
-        for (const BodyOutcome& outcome : outcomes) {
-            report.solves.push_back(outcome.solve);
-            report.flags |= outcome.flags;
-        }
-        state.time += dt;
-        ++state.step;
+    if (context.dt > 0.0) {
+        Advance stage(context, scene, coupling);
+        stage.solveIslands();
+        stage.solveOthers();
+        stage.reportSolves();
+        scene.time += context.dt;
+        ++scene.step;
     }
-    moveRigid(model, dt, coupling.rigid, state, report);
-    moveArticulations(model, dt, coupling.articulations, coupling.rigid, state, report);
-    report.step = state.step;
-    report.time = state.time;
+    moveRigid(context, coupling.rigid, scene);
+    moveArticulations(context, coupling.articulations, coupling.rigid, scene);
+    context.report.step = scene.step;
+    context.report.time = scene.time;
 }
 
 } // namespace filasofia::engine

@@ -1,5 +1,6 @@
-#include "filasofia/engine/body/each_body.h"
-#include "filasofia/engine/step/stages.h"
+#include "filasofia/engine/step/assemble.h"
+
+#include "filasofia/engine/scene/each_body.h"
 
 namespace filasofia::engine {
 namespace {
@@ -19,21 +20,21 @@ void addGivenForces(const SoftModel& model, Vec3 gravity, const SoftState& state
 
 } // namespace
 
-void assembleBody(const SoftModel& model, Vec3 gravity, double dt, double inertia, SoftState& state, SoftSystem& system,
-                  WorkerPool& pool)
+void assembleBody(const Assembly& how, SoftBody& body, WorkerPool& pool)
 {
-    addGivenForces(model, gravity, state, system.forces);
+    SoftSystem& system = body.system;
+    addGivenForces(body.model, how.gravity, body.state, system.forces);
     if (system.matrixFree)
-        system.matrixFree->assemble(model, system.forces, dt, inertia, state, pool);
+        system.matrixFree->assemble(body.model, system.forces, how.dt, how.inertia, body.state, pool);
     else
-        assembleMatrix(model, system.forces, dt, inertia, state, *system.assembled);
+        assembleMatrix(body.model, system.forces, how.dt, how.inertia, body.state, *system.assembled);
 }
 
-void assemble(const Model& model, double dt, State& state, Systems& systems, WorkerPool& pool)
+void assemble(const StepContext& context, Scene& scene)
 {
-    if (dt == 0.0) return;
-    forEachBody(model, pool, [&](std::size_t b) {
-        assembleBody(model.softBodies[b], state.gravity, dt, 1.0, state.softBodies[b], systems[b], pool);
+    if (context.dt == 0.0) return;
+    forEachBody(scene, context.pool, [&](SoftBody& body, std::size_t) {
+        assembleBody({scene.gravity, context.dt, 1.0}, body, context.pool);
     });
 }
 

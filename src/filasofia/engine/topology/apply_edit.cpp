@@ -1,4 +1,4 @@
-#include "filasofia/engine/body/body_topology.h"
+#include "filasofia/engine/topology/apply_edit.h"
 
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/body/elements.h"
@@ -194,7 +194,7 @@ void followSystem(const MeshEdit& edit, double period, const SoftModel& model, S
         system.tuned = true;
         return;
     }
-    if (system.matrixFree->edit(model, edit)) system.share.reset();
+    if (system.matrixFree->edit(model, edit)) system.coupled.reset();
     for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
         buffer->resize(model.rest.size());
     followHeld(model, edit, system.held);
@@ -215,45 +215,9 @@ void add(const RuptureReport& from, physics::TopologyReport& to)
     to.pending += static_cast<int>(from.pending);
 }
 
-BodyTopology makeTopology(const SoftModel& model)
+OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, SoftBody& body)
 {
-    BodyTopology topology;
-    if (!model.dynamicTopology) return topology;
-    geometry::TetMesh mesh{model.rest, model.tetrahedra};
-    for (const FemElement& element : model.elements) mesh.tetrahedra.push_back(element.nodes);
-    topology.mesh = std::make_unique<EditableMesh>(mesh);
-    topology.pieces.emplace(topology.mesh->data());
-    topology.start = std::make_unique<SoftModel>(model);
-
-    std::map<geometry::Triangle, std::array<int, 2>> faces; // by nodes, ascending
-    const auto key = [](geometry::Triangle nodes) {
-        std::ranges::sort(nodes);
-        return nodes;
-    };
-    const MeshTopology& data = topology.mesh->data();
-    for (int e = 0; e < topology.mesh->tetrahedra(); ++e)
-        for (int f = 0; f < 4; ++f)
-            if (data.neighbours[static_cast<std::size_t>(e)][static_cast<std::size_t>(f)] < 0)
-                faces[key(faceNodes(data.tetrahedra[static_cast<std::size_t>(e)], f))] = {e, f};
-    topology.boundaryPlaces.assign(mesh.tetrahedra.size(), {-1, -1, -1, -1});
-    topology.vertices.assign(model.rest.size(), -1);
-    for (const geometry::Triangle& triangle : model.surface) // by rising node, as extractSurface numbers them
-        for (int node : triangle) topology.vertices[static_cast<std::size_t>(node)] = 0;
-    for (int& vertex : topology.vertices)
-        if (vertex == 0) vertex = topology.vertexCount++;
-    for (const geometry::Triangle& triangle : model.surface) {
-        const auto [element, face] = faces.at(key(triangle));
-        topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)] =
-            static_cast<int>(topology.boundaryFaces.size());
-        topology.boundaryFaces.push_back({element, face});
-    }
-    topology.opened.resize(model.surface.size());
-    return topology;
-}
-
-OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, BodyTopology& topology, SoftModel& model,
-                         SoftState& state, SoftSystem& system)
-{
+    auto& [model, state, system, topology] = body;
     const MeshTopology& mesh = topology.mesh->data();
     const MeshEdit changed = meshEdit(edit, mesh, model);
     const Vec3 momentum = momentumOf(model, state, changed.reached);

@@ -25,9 +25,9 @@ int featureNow(int feature, const CollisionShape& before, const CollisionShape& 
 }
 
 void editMemories(SurfaceName name, const CollisionShape& before, const CollisionShape& now, const ShapeChange& change,
-                  std::vector<ContactMemory>& memories)
+                  std::vector<CachedContact>& memories)
 {
-    std::erase_if(memories, [&](ContactMemory& memory) {
+    std::erase_if(memories, [&](CachedContact& memory) {
         FeaturePair pair = featurePair(memory.feature);
         for (std::size_t side = 0; side < 2; ++side) {
             if (SurfaceName{side == 0 ? memory.first : memory.second, pair.models[side]} != name) continue;
@@ -37,7 +37,7 @@ void editMemories(SurfaceName name, const CollisionShape& before, const Collisio
         memory.feature = featureNumber(pair);
         return false;
     });
-    sortMemories(memories);
+    sortCache(memories);
 }
 
 void editSides(SurfaceName name, const CollisionShape& now, std::vector<SideKept>& sides)
@@ -61,7 +61,7 @@ std::vector<int> behindNow(const OwnSurfaceEdit& edit, const ShapeChange& change
 
 } // namespace
 
-void editCollision(const OwnSurfaceEdit& edit, int model, SoftModel& body, State& state)
+void editCollision(const OwnSurfaceEdit& edit, int model, SoftModel& body, Scene& scene)
 {
     CollisionModel& collision = body.collision[static_cast<std::size_t>(model)];
     FILASOFIA_ASSERT(edit.nodes.size() == edit.surface.vertices.size());
@@ -74,8 +74,8 @@ void editCollision(const OwnSurfaceEdit& edit, int model, SoftModel& body, State
     collision.behind = behindNow(edit, change, collision.behind);
     addTies(edit.nodes, collision.ties);
     const SurfaceName name{body.id, model};
-    editMemories(name, *before, now, change, state.contacts);
-    editSides(name, now, state.sides);
+    editMemories(name, *before, now, change, scene.contacts);
+    editSides(name, now, scene.sides);
     collision.shape = std::make_shared<const CollisionShape>(std::move(now));
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "filasofia/engine/collision/edit_shape.h"
-#include "filasofia/engine/body/model.h"
+#include "filasofia/engine/scene/scene.h"
 
 namespace filasofia::engine {
 
@@ -15,6 +15,6 @@ struct OwnSurfaceEdit {
 /// Carries the edit into a collision model that is the body's own surface, and into what the state knows of it: what
 /// contacts and sides tell of features that are left goes over to their new numbers, of others it goes. The body has
 /// its new nodes already; the surface of the old model is in `body`, at that place.
-void editCollision(const OwnSurfaceEdit& edit, int model, SoftModel& body, State& state);
+void editCollision(const OwnSurfaceEdit& edit, int model, SoftModel& body, Scene& scene);
 
 } // namespace filasofia::engine

@@ -22,12 +22,6 @@ template <class Value> void eraseAt(const std::vector<int>& places, std::vector<
     list.resize(kept);
 }
 
-/// Face f lies opposite corner f.
-int cornerBehind(int element, int face, const BodyTopology& topology)
-{
-    return topology.mesh->data().tetrahedra[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)];
-}
-
 int& placeOf(int element, int face, BodyTopology& topology)
 {
     return topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)];
@@ -139,21 +133,10 @@ OwnSurfaceEdit takeOffSurface(const std::vector<char>& elements, BodyTopology& t
     return out;
 }
 
-std::shared_ptr<const frame::Boundary> boundaryOf(const SoftModel& model, const BodyTopology& topology)
-{
-    if (!topology.mesh || topology.told) return topology.told;
-    frame::Boundary boundary{
-        .revision = topology.revision, .triangles = model.surface, .opened = topology.opened, .rest = model.rest};
-    for (const auto& [element, face] : topology.boundaryFaces)
-        boundary.behind.push_back(cornerBehind(element, face, topology));
-    topology.told = std::make_shared<const frame::Boundary>(std::move(boundary));
-    return topology.told;
-}
-
-void editOwnCollision(const OwnSurfaceEdit& surface, SoftModel& model, State& state)
+void editOwnCollision(const OwnSurfaceEdit& surface, SoftModel& model, Scene& scene)
 {
     for (int m = 0; m < static_cast<int>(model.collision.size()); ++m)
-        if (!model.collision[static_cast<std::size_t>(m)].behind.empty()) editCollision(surface, m, model, state);
+        if (!model.collision[static_cast<std::size_t>(m)].behind.empty()) editCollision(surface, m, model, scene);
 }
 
 } // namespace filasofia::engine

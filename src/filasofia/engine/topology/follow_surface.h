@@ -1,6 +1,7 @@
 #pragma once
 
-#include "filasofia/engine/body/body_topology.h"
+#include "filasofia/engine/scene/scene.h"
+#include "filasofia/engine/topology/edit_collision.h"
 
 namespace filasofia::engine {
 
@@ -12,6 +13,6 @@ OwnSurfaceEdit followSurface(const frame::TopologyEdit& edit, BodyTopology& topo
 OwnSurfaceEdit takeOffSurface(const std::vector<char>& elements, BodyTopology& topology, SoftModel& model);
 
 /// Carries what became of the surface into the collision models that are the body's own surface.
-void editOwnCollision(const OwnSurfaceEdit& surface, SoftModel& model, State& state);
+void editOwnCollision(const OwnSurfaceEdit& surface, SoftModel& model, Scene& scene);
 
 } // namespace filasofia::engine

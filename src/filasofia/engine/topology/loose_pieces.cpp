@@ -11,9 +11,9 @@ namespace filasofia::engine {
 namespace {
 
 /// The matrix of an implicit step for one piece, its nodes numbered by their places in its list.
-class CrumbMatrix {
+class FragmentMatrix {
 public:
-    CrumbMatrix(const SoftModel& model, const BodyPiece& crumb, ImplicitWeights weights, const SoftState& state)
+    FragmentMatrix(const SoftModel& model, const BodyPiece& crumb, ImplicitWeights weights, const SoftState& state)
         : stiffness_(weights.stiffness)
     {
         for (int node : crumb.nodes) masses_.push_back(weights.mass * model.masses[static_cast<std::size_t>(node)]);
@@ -70,7 +70,7 @@ void add(double s, const std::vector<Vec3>& from, std::vector<Vec3>& to)
 }
 
 /// Conjugate gradients in double: so few unknowns are done in about as many iterations.
-std::vector<Vec3> solve(const CrumbMatrix& a, std::vector<Vec3> r)
+std::vector<Vec3> solve(const FragmentMatrix& a, std::vector<Vec3> r)
 {
     constexpr double kTolerance = 1e-6; // [-] of the residual
     std::vector<Vec3> x(r.size()), p = r;
@@ -92,7 +92,7 @@ std::vector<Vec3> solve(const CrumbMatrix& a, std::vector<Vec3> r)
 
 std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces)
 {
-    constexpr std::size_t kCrumb = 32; // elements at most
+    constexpr std::size_t kMaxFragment = 32; // elements at most
     if (pieces.count() < 2) return {};
     const std::vector<int>& pieceOf = pieces.ofTetrahedron();
     std::vector<BodyPiece> list(static_cast<std::size_t>(*std::ranges::max_element(pieceOf)) + 1);
@@ -101,12 +101,12 @@ std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces)
     for (std::size_t e = 0; e < pieceOf.size(); ++e) {
         for (int node : elementNodes(model, e)) ofNode[static_cast<std::size_t>(node)] = pieceOf[e];
         std::vector<int>& elements = list[static_cast<std::size_t>(pieceOf[e])].elements;
-        if (elements.size() <= kCrumb) elements.push_back(static_cast<int>(e));
+        if (elements.size() <= kMaxFragment) elements.push_back(static_cast<int>(e));
     }
     for (std::size_t i = 0; i < ofNode.size(); ++i)
         if (ofNode[i] >= 0) list[static_cast<std::size_t>(ofNode[i])].nodes.push_back(static_cast<int>(i));
     for (BodyPiece& piece : list)
-        if (piece.elements.size() > kCrumb) piece.elements = {};
+        if (piece.elements.size() > kMaxFragment) piece.elements = {};
     std::erase_if(list,
                   [&](const BodyPiece& each) { return each.nodes.empty() || model.removed.contains(each.number); });
     findHeld(model.pins, list);
@@ -122,25 +122,25 @@ void findHeld(const Pins& pins, std::vector<BodyPiece>& pieces)
     for (BodyPiece& piece : pieces) piece.held = std::ranges::any_of(piece.nodes, isHeld);
 }
 
-void finishCrumbs(const SoftModel& model, ImplicitWeights weights, const SoftState& state,
-                  const std::vector<char>& linked, const std::function<NodeSolve(int node)>& solved, std::span<Vec3> dv,
-                  std::span<Vec3> leftover)
+void finishFragments(SoftBody& body, ImplicitWeights weights, const std::vector<char>& constrained,
+                     const std::function<NodeSolve(int node)>& solved)
 {
-    for (const BodyPiece& piece : model.pieces) {
-        const auto isLinked = [&](int node) { return linked[static_cast<std::size_t>(node)] != 0; };
-        if (piece.elements.empty() || piece.held || std::ranges::any_of(piece.nodes, isLinked)) continue;
+    for (const BodyPiece& piece : body.model.pieces) {
+        const auto isConstrained = [&](int node) { return constrained[static_cast<std::size_t>(node)] != 0; };
+        if (piece.elements.empty() || piece.held || std::ranges::any_of(piece.nodes, isConstrained)) continue;
         std::vector<Vec3> impulses;
         for (int node : piece.nodes) impulses.push_back(solved(node).undone);
-        const std::vector<Vec3> more = solve(CrumbMatrix(model, piece, weights, state), std::move(impulses));
+        const std::vector<Vec3> more =
+            solve(FragmentMatrix(body.model, piece, weights, body.state), std::move(impulses));
         for (std::size_t k = 0; k < more.size(); ++k) {
             const auto i = static_cast<std::size_t>(piece.nodes[k]);
-            dv[i] = solved(piece.nodes[k]).dv + more[k];
-            leftover[i] = {};
+            body.system.dv[i] = solved(piece.nodes[k]).dv + more[k];
+            body.system.leftover[i] = {};
         }
     }
 }
 
-void slowSpin(const SoftModel& model, double mostTurn, double dt, SoftState& state)
+void limitSpin(const SoftModel& model, double maxTurn, double dt, SoftState& state)
 {
     for (const BodyPiece& piece : model.pieces) {
         if (piece.held) continue;
@@ -149,8 +149,8 @@ void slowSpin(const SoftModel& model, double mostTurn, double dt, SoftState& sta
             static_cast<int>(piece.nodes.size()), [&](int i) { return model.masses[at(i)]; },
             [&](int i) { return state.x[at(i)]; }, [&](int i) { return model.masses[at(i)] * state.v[at(i)]; });
         const double turn = dt * length(motion.angular);
-        if (!(turn > mostTurn) || !isFinite(motion.angular)) continue;
-        const Vec3 tooMuch = (1.0 - mostTurn / turn) * motion.angular;
+        if (!(turn > maxTurn) || !isFinite(motion.angular)) continue;
+        const Vec3 tooMuch = (1.0 - maxTurn / turn) * motion.angular;
         for (int node : piece.nodes) {
             const auto i = static_cast<std::size_t>(node);
             state.v[i] -= cross(tooMuch, state.x[i] - motion.centre);

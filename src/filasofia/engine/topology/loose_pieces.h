@@ -1,8 +1,8 @@
 #pragma once
 
 #include "filasofia/engine/integration/euler.h"
-#include "filasofia/engine/body/model.h"
 #include "filasofia/engine/rupture/pieces.h"
+#include "filasofia/engine/scene/scene.h"
 
 #include <functional>
 
@@ -23,16 +23,15 @@ struct NodeSolve {
     Vec3 undone; ///< [N s]
 };
 
-/// Goes on with the solve of an implicit step for pieces of few elements that nothing holds and without a linked node,
-/// each by itself, until a part in a million of what was undone is left. Their `dv` are those that come of it, whatever
-/// was made meanwhile of the whole body's, and nothing of them is left over.
-void finishCrumbs(const SoftModel& model, ImplicitWeights weights, const SoftState& state,
-                  const std::vector<char>& linked, const std::function<NodeSolve(int node)>& solved, std::span<Vec3> dv,
-                  std::span<Vec3> leftover);
+/// Goes on with the solve of an implicit step for small fragments: pieces of few elements that nothing holds and
+/// without a constrained node, each by itself, until a millionth of its residual is left. The system's `dv` of these
+/// nodes are the result, whatever the solve of the whole body made of them, and no residual of them is carried on.
+void finishFragments(SoftBody& body, ImplicitWeights weights, const std::vector<char>& constrained,
+                     const std::function<NodeSolve(int node)>& solved);
 
-/// Keeps pieces that nothing holds from turning by more than `mostTurn` [rad] in a step: what is faster is no motion
+/// Keeps pieces that nothing holds from turning by more than `maxTurn` [rad] in a step: what is faster is no motion
 /// that steps of dt [s] can follow, and would only gather energy. Their momentum stays.
-void slowSpin(const SoftModel& model, double mostTurn, double dt, SoftState& state);
+void limitSpin(const SoftModel& model, double maxTurn, double dt, SoftState& state);
 
 /// Numbers of pieces whose first node is farther than `far` [m] from where it began: the smallest first, by nodes, and
 /// last of all 0, the body itself, as what is left of a body is not to be removed.

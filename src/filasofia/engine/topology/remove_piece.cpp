@@ -6,8 +6,11 @@
 #include <algorithm>
 
 namespace filasofia::engine {
-bool removePiece(int piece, BodyTopology& topology, SoftModel& model, SoftState& body, State& state)
+bool removePiece(int piece, SoftBody& body, Scene& scene)
 {
+    SoftModel& model = body.model;
+    SoftState& state = body.state;
+    BodyTopology& topology = body.topology;
     if (!topology.mesh) return false;
     const std::vector<int>& pieces = topology.pieces->ofTetrahedron();
     const MeshTopology& mesh = topology.mesh->data();
@@ -30,21 +33,21 @@ bool removePiece(int piece, BodyTopology& topology, SoftModel& model, SoftState&
     for (std::size_t i = 0; i < gone.size(); ++i) {
         if (!gone[i]) continue;
         model.pins.hard[i] = true;
-        body.v[i] = body.dv[i] = body.leftover[i] = body.forces[i] = {};
+        state.v[i] = state.dv[i] = state.leftover[i] = state.forces[i] = {};
     }
     topology.mesh->remove(elements);
     const auto isGone = [&](int node) { return static_cast<bool>(gone[static_cast<std::size_t>(node)]); };
     for (PinGroup& group : model.pins.groups) std::erase_if(group.nodes, isGone);
     std::erase_if(model.pins.springs, [&](const PinSpring& pin) { return isGone(pin.node); });
-    editOwnCollision(takeOffSurface(goes, topology, model), model, state);
+    editOwnCollision(takeOffSurface(goes, topology, model), model, scene);
     const auto lost = [&](const NodeWeight& each) { return gone[static_cast<std::size_t>(each.node)]; };
-    for (std::size_t a = state.attachments.size(); a-- > 0;) {
-        const Attachment& each = state.attachments[a];
+    for (std::size_t a = scene.attachments.size(); a-- > 0;) {
+        const Attachment& each = scene.attachments[a];
         const bool held = std::ranges::any_of(each.pairs, [&](const auto& pair) {
             return (each.body == model.id && std::ranges::any_of(pair[0].nodes, lost)) ||
                    (each.to == model.id && std::ranges::any_of(pair[1].nodes, lost));
         });
-        if (held) release(each.id, state);
+        if (held) release(each.id, scene);
     }
     return true;
 }

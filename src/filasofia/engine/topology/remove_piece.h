@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/engine/body/body_topology.h"
+#include "filasofia/engine/scene/scene.h"
 
 namespace filasofia::engine {
 
@@ -8,6 +8,6 @@ namespace filasofia::engine {
 /// nodes keep their numbers and their places, held. What held it lets go. Collision meshes that ride on the body beside
 /// its own surface keep what rides on the piece. False where there is no such piece, or nothing else of the body. The
 /// body's system is outdated then.
-bool removePiece(int piece, BodyTopology& topology, SoftModel& model, SoftState& body, State& state);
+bool removePiece(int piece, SoftBody& body, Scene& scene);
 
 } // namespace filasofia::engine

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/hash.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/topology/apply_edit.h"
 #include "filasofia/engine/topology/follow_edit.h"
 #include "filasofia/engine/topology/follow_surface.h"
 #include "filasofia/engine/topology/loose_pieces.h"
@@ -37,13 +38,13 @@ std::vector<std::array<int, 2>> linesOf(const CollisionShape& shape)
 }
 
 /// Where every blade is now and was a step ago. One that jumped has no way, and cuts nothing on it.
-void moveBlades(const Model& model, const RigidPlan& rigid, const State& state, std::vector<Blade>& blades)
+void moveBlades(const RigidPlan& rigid, const Scene& scene, std::vector<Blade>& blades)
 {
     std::vector<Blade> next;
-    const std::vector<std::size_t> first = firstElements(model);
-    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b)
-        for (int m = 0; const CollisionModel& each : model.rigidBodies[b].collision) {
-            const SurfaceName name{model.rigidBodies[b].id, m++};
+    const std::vector<std::size_t> first = firstElements(scene);
+    for (std::size_t b = 0; b < scene.rigid.size(); ++b)
+        for (int m = 0; const CollisionModel& each : scene.rigid[b].model.collision) {
+            const SurfaceName name{scene.rigid[b].model.id, m++};
             if (!each.shape->cutting) continue;
             const auto known = std::ranges::find(blades, name, &Blade::name);
             const bool same = known != blades.end() && known->shape == each.shape;
@@ -52,7 +53,7 @@ void moveBlades(const Model& model, const RigidPlan& rigid, const State& state, 
             const RigidPlanElement& plan = rigid[first[b] + element];
             const bool moved = plan.velocity + plan.change.linear != Vec3{} ||
                                plan.angularVelocity + plan.change.angular != Vec3{}; // else it stands, or jumped
-            const Pose& pose = state.rigidBodies[b].poses[element];
+            const Pose& pose = scene.rigid[b].state.poses[element];
             blade.jumped = !moved && plan.start != pose;
             blade.before.clear();
             blade.now.clear();
@@ -84,9 +85,10 @@ geometry::Box boxOf(const SoftModel& model, const SoftState& state)
 }
 
 /// Ascending.
-std::vector<Tool> toolsNear(const SoftModel& model, const SoftState& state, const std::vector<Blade>& blades,
-                            BodyTopology& topology, physics::TopologyReport& report)
+std::vector<Tool> toolsNear(SoftBody& body, const std::vector<Blade>& blades, physics::TopologyReport& report)
 {
+    const SoftModel& model = body.model;
+    BodyTopology& topology = body.topology;
     std::vector<Tool> tools;
     geometry::Box box;
     const double margin = topology.mesh->meanEdge();
@@ -95,7 +97,7 @@ std::vector<Tool> toolsNear(const SoftModel& model, const SoftState& state, cons
         if (geometry::isEmpty(box)) {
             SlackBox& around = topology.around;
             around.slack += topology.mesh->lastMotion();
-            if (!topology.followed || !(around.slack < 0.5 * margin)) around = {boxOf(model, state)};
+            if (!topology.followed || !(around.slack < 0.5 * margin)) around = {boxOf(model, body.state)};
             box = geometry::grown(around.box, margin + around.slack);
         }
         const auto isNear = [&](const std::vector<Vec3>& vertices) {
@@ -119,7 +121,7 @@ std::vector<Tool> toolsNear(const SoftModel& model, const SoftState& state, cons
 constexpr CutParameters kCut{};
 
 /// One step of a stroke; the tool is gone where there is none.
-RuptureReport go(EditableMesh& mesh, const Tool* tool, Stroke& stroke)
+RuptureReport continueStroke(EditableMesh& mesh, const Tool* tool, Stroke& stroke)
 {
     RuptureReport done;
     if (!stroke.leaving && tool) {
@@ -140,12 +142,13 @@ RuptureReport go(EditableMesh& mesh, const Tool* tool, Stroke& stroke)
 
 /// Lets every tool that is near a body cut it. A stroke goes on until its blades have moved two edges' length without
 /// meeting anything, or are away from the body: what comes then is another cut.
-void cutBody(const SoftModel& model, const SoftState& state, const std::vector<Blade>& blades, BodyTopology& topology,
-             physics::TopologyReport& report)
+void cutBody(SoftBody& body, const std::vector<Blade>& blades, physics::TopologyReport& report)
 {
+    const SoftState& state = body.state;
+    BodyTopology& topology = body.topology;
     EditableMesh& mesh = *topology.mesh;
     std::vector<Stroke>& strokes = topology.strokes;
-    const std::vector<Tool> tools = toolsNear(model, state, blades, topology, report);
+    const std::vector<Tool> tools = toolsNear(body, blades, report);
     for (const Tool& tool : tools) {
         const auto isItsOwn = [&](const Stroke& stroke) { return stroke.tool == tool.body && !stroke.leaving; };
         if (std::ranges::none_of(strokes, isItsOwn)) strokes.push_back({tool.body, BladeStroke(mesh.newSheet())});
@@ -158,7 +161,7 @@ void cutBody(const SoftModel& model, const SoftState& state, const std::vector<B
         mesh.placeAt(state.x);
     for (Stroke& stroke : strokes) {
         const auto tool = std::ranges::find(tools, stroke.tool, &Tool::body);
-        const RuptureReport done = go(mesh, tool == tools.end() ? nullptr : &*tool, stroke);
+        const RuptureReport done = continueStroke(mesh, tool == tools.end() ? nullptr : &*tool, stroke);
         topology.cut += done;
         add(done, report);
     }
@@ -219,77 +222,77 @@ constexpr double kLost = 10.0; // [m] that a piece went: it fell out of the scen
 
 } // namespace
 
-void removeLostPieces(Model& model, State& state, Systems& systems, Topologies& topologies, physics::StepReport& report)
+void removeLostPieces(Scene& scene, physics::StepReport& report)
 {
-    for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
-        SoftModel& body = model.softBodies[b];
+    for (SoftBody& body : scene.soft) {
         int lost = 0;
-        for (int piece : piecesBeyond(kLost, body, state.softBodies[b]))
-            lost += removePiece(piece, topologies[b], body, state.softBodies[b], state) ? 1 : 0;
+        for (int piece : piecesBeyond(kLost, body.model, body.state)) lost += removePiece(piece, body, scene) ? 1 : 0;
         if (lost == 0) continue;
         report.topology.lost += lost;
-        systems[b].outdated = true; // with what the next step's commands change
-        systems[b].tuned = true;    // it is no longer what its Def says
+        body.system.outdated = true; // with what the next step's commands change
+        body.system.tuned = true;    // it is no longer what its Def says
     }
 }
 
-void cutBodies(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
-               physics::StepReport& report)
+void cutBodies(const StepContext& context, const RigidPlan& rigid, Scene& scene, std::vector<Blade>& blades)
 {
-    if (dt == 0.0) return;
-    moveBlades(model, rigid, state, ruptures.blades);
-    for (std::size_t b = 0; b < model.softBodies.size(); ++b)
-        if (model.softBodies[b].dynamicTopology)
-            cutBody(model.softBodies[b], state.softBodies[b], ruptures.blades, ruptures.topologies[b], report.topology);
+    if (context.dt == 0.0) return;
+    moveBlades(rigid, scene, blades);
+    for (SoftBody& body : scene.soft)
+        if (body.model.dynamicTopology) cutBody(body, blades, context.report.topology);
 }
 
-void tearBodies(const Model& model, double dt, const State& state, Systems& systems, Ruptures& ruptures,
-                WorkerPool& pool, physics::StepReport& report)
+void tearBodies(const StepContext& context, Scene& scene)
 {
-    if (dt == 0.0) return;
-    for (std::size_t b = 0; b < model.softBodies.size(); ++b)
-        if (model.softBodies[b].dynamicTopology)
-            tearBody(model.softBodies[b], state.softBodies[b], systems[b], pool, ruptures.topologies[b],
-                     report.topology);
+    if (context.dt == 0.0) return;
+    for (SoftBody& body : scene.soft)
+        if (body.model.dynamicTopology) tearBody(body, context.pool, context.report.topology);
 }
 
-void applyEdits(double period, Model& model, State& state, Systems& systems, Ruptures& ruptures,
-                physics::StepReport& report)
-{
-    for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
-        BodyTopology& topology = ruptures.topologies[b];
-        if (!topology.mesh || !topology.mesh->edited()) continue;
-        SoftModel& body = model.softBodies[b];
-        const frame::TopologyEdit edit = topology.mesh->takeEdit(body.id);
-        const auto nodes = static_cast<int>(body.rest.size());
-        const auto elements = static_cast<int>(elementCount(body));
-        if (!std::exchange(topology.edited, true)) topology.startAttachments = state.attachments;
-        topology.history = historyWith(edit, topology.history);
-        followRiders(edit, *topology.mesh, body, state.attachments);
-        const OwnSurfaceEdit surface = applyEdit(edit, period, topology, body, state.softBodies[b], systems[b]);
-        std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);
-        body.pieces = findPieces(body, *topology.pieces);
-        weigh(body, state.softBodies[b], loose);
-        if (edit.boundary.empty()) continue;
-        editOwnCollision(surface, body, state);
+namespace {
 
-        std::vector<Rupture>& told = report.topology.ruptures;
-        const std::size_t before = told.size();
-        tell(Rupture::Kind::Cut, body.id, topology.cut, told);
-        tell(Rupture::Kind::Tear, body.id, topology.torn, told);
-        if (told.size() == before) continue;
-        told[before].nodes = edit.nodes - nodes;
-        told[before].elements = edit.tetrahedra - elements;
-        told.back().detached = std::move(loose);
-    }
+/// Brings one body, and all that rides on it, in line with the edits of its mesh.
+void applyEditsOf(SoftBody& body, double period, Scene& scene, physics::TopologyReport& report)
+{
+    BodyTopology& topology = body.topology;
+    if (!topology.mesh || !topology.mesh->edited()) return;
+    SoftModel& model = body.model;
+    const frame::TopologyEdit edit = topology.mesh->takeEdit(model.id);
+    const auto nodes = static_cast<int>(model.rest.size());
+    const auto elements = static_cast<int>(elementCount(model));
+    if (!std::exchange(topology.edited, true)) topology.startAttachments = scene.attachments;
+    topology.history = historyWith(edit, topology.history);
+    followRiders(edit, *topology.mesh, model, scene.attachments);
+    const OwnSurfaceEdit surface = applyEdit(edit, period, body);
+    std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);
+    model.pieces = findPieces(model, *topology.pieces);
+    weigh(model, body.state, loose);
+    if (edit.boundary.empty()) return;
+    editOwnCollision(surface, model, scene);
+
+    std::vector<Rupture>& reported = report.ruptures;
+    const std::size_t before = reported.size();
+    tell(Rupture::Kind::Cut, model.id, topology.cut, reported);
+    tell(Rupture::Kind::Tear, model.id, topology.torn, reported);
+    if (reported.size() == before) return;
+    reported[before].nodes = edit.nodes - nodes;
+    reported[before].elements = edit.tetrahedra - elements;
+    reported.back().detached = std::move(loose);
 }
 
-void followPartings(const Model& model, double dt, Systems& systems, BackgroundThread& meanwhile)
+} // namespace
+
+void applyEdits(double period, Scene& scene, physics::StepReport& report)
+{
+    for (SoftBody& body : scene.soft) applyEditsOf(body, period, scene, report.topology);
+}
+
+void followPartings(double dt, Scene& scene, BackgroundThread& meanwhile)
 {
     if (dt == 0.0) return;
-    for (std::size_t b = 0; b < model.softBodies.size(); ++b)
-        if (systems[b].matrixFree && !systems[b].outdated)
-            systems[b].matrixFree->followParting(model.softBodies[b], meanwhile);
+    for (SoftBody& body : scene.soft)
+        if (body.system.matrixFree && !body.system.outdated)
+            body.system.matrixFree->followParting(body.model, meanwhile);
 }
 
 } // namespace filasofia::engine

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "filasofia/engine/rigid/rigid_step.h"
-#include "filasofia/engine/body/body_topology.h"
 #include "filasofia/geometry/box.h"
 
 namespace filasofia::engine {
@@ -16,28 +15,21 @@ struct Blade {
     geometry::Box swept = {};                ///< where it was told to go from, and to
 };
 
-/// What is kept of ruptures from step to step. Blades are kept for their lines only.
-struct Ruptures {
-    std::vector<Blade> blades; ///< ascending
-    Topologies topologies;
-};
+/// Removes pieces that have fallen out of the scene: they would fall for ever, and their body's numbers with them.
+/// Their systems are outdated then.
+void removeLostPieces(Scene& scene, physics::StepReport& report);
 
-/// Takes out what has fallen so far that it is out of every scene: it would fall for ever, and its body's numbers with
-/// it. Systems are outdated then.
-void removeLostPieces(Model& model, State& state, Systems& systems, Topologies& topologies,
-                      physics::StepReport& report);
-/// 5. What blades cut in the step just made. Done in the topologies' meshes: models and states follow in applyEdits.
-void cutBodies(const Model& model, double dt, const RigidPlan& rigid, const State& state, Ruptures& ruptures,
-               physics::StepReport& report);
+/// Cuts what blades were drawn through in the step just made. The topologies' meshes are cut; models and states follow
+/// in applyEdits(). `blades` are kept from step to step for their lines only, ascending.
+void cutBodies(const StepContext& context, const RigidPlan& rigid, Scene& scene, std::vector<Blade>& blades);
 /// The same for what stress tears. Bodies must have followed the cuts.
-void tearBodies(const Model& model, double dt, const State& state, Systems& systems, Ruptures& ruptures,
-                WorkerPool& pool, physics::StepReport& report);
+void tearBodies(const StepContext& context, Scene& scene);
 
-/// 6. The only writer of topology: everything that is kept of a body follows the edits of its mesh.
-void applyEdits(double period, Model& model, State& state, Systems& systems, Ruptures& ruptures,
-                physics::StepReport& report);
+/// The only writer of topology: everything that is kept of a body follows the edits of its mesh. `period` [s]: the step
+/// that solvers prepare for.
+void applyEdits(double period, Scene& scene, physics::StepReport& report);
 
-/// Solvers of bodies that were parted learn of it: begun in the step that parted them, known some steps later.
-void followPartings(const Model& model, double dt, Systems& systems, BackgroundThread& meanwhile);
+/// Lets the solvers of bodies that were parted learn of it: begun in the step that parted them, known some steps later.
+void followPartings(double dt, Scene& scene, BackgroundThread& meanwhile);
 
 } // namespace filasofia::engine

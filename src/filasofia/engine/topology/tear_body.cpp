@@ -3,6 +3,7 @@
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/rupture/stress.h"
+#include "filasofia/engine/topology/apply_edit.h"
 #include "filasofia/math/polar.h"
 
 #include <algorithm>
@@ -45,9 +46,10 @@ bool allHeld(const SoftModel& model, std::size_t e)
 
 } // namespace
 
-bool findStresses(const SoftModel& model, const SoftState& state, double threshold, const SpringsOfElements& springs,
-                  std::span<const std::uint16_t> stressed, WorkerPool& pool, std::vector<Mat3>& stresses)
+bool findStresses(const SoftModel& model, const SoftState& state, const StressSearch& search, WorkerPool& pool,
+                  std::vector<Mat3>& stresses)
 {
+    const auto& [threshold, springs, stressed] = search;
     const bool fem = !model.elements.empty();
     stresses.resize(elementCount(model));
     const linalg::Parts parts{static_cast<int>(stresses.size()), kElementsPerPart};
@@ -84,18 +86,20 @@ SpringsOfElements springsOfElements(const SoftModel& model)
     return out;
 }
 
-void tearBody(const SoftModel& model, const SoftState& state, SoftSystem& system, WorkerPool& pool,
-              BodyTopology& topology, physics::TopologyReport& report)
+void tearBody(SoftBody& body, WorkerPool& pool, physics::TopologyReport& report)
 {
+    const SoftModel& model = body.model;
+    const SoftState& state = body.state;
+    BodyTopology& topology = body.topology;
     const double threshold = model.tearingThreshold;
     if (!(threshold < std::numeric_limits<double>::infinity())) return;
     std::vector<std::uint16_t>& stressed = topology.stressed;
     stressed.clear();
-    if (system.matrixFree && !model.elements.empty() &&
-        !system.matrixFree->findStressed(state, kStressNear * threshold, pool, stressed))
+    if (body.system.matrixFree && !model.elements.empty() &&
+        !body.system.matrixFree->findStressed(state, kStressNear * threshold, pool, stressed))
         return;
     if (model.elements.empty() && topology.springs.ofElement.empty()) topology.springs = springsOfElements(model);
-    if (!findStresses(model, state, threshold, topology.springs, stressed, pool, topology.stresses)) return;
+    if (!findStresses(model, state, {threshold, topology.springs, stressed}, pool, topology.stresses)) return;
     EditableMesh& mesh = *topology.mesh;
     if (!topology.followed) mesh.placeAt(state.x); // else the blades' turn has moved it already
     topology.held.assign(model.rest.size(), 0);

@@ -1,8 +1,11 @@
+#include "filasofia/engine/body/soft_model.h"
+
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/engine/body/check_collision.h"
 #include "filasofia/engine/body/check_size.h"
-#include "filasofia/engine/soft/soft_system.h"
+#include "filasofia/engine/body/usable.h"
+#include "filasofia/engine/elastic/element_blocks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,29 +53,6 @@ void checkSprings(const SoftModel& model, const std::string& object)
     }
 }
 
-/// Whether an element or spring pulls at held nodes: what lies between such nodes is at rest, and does nothing.
-template <class Nodes> bool pulls(const HeldParts& parts, const Nodes& nodes)
-{
-    const auto held = std::ranges::count_if(nodes, [&](int node) { return parts.holders[node] > 0; });
-    return held > 0 && held < std::ssize(nodes);
-}
-
-HeldParts heldParts(const SoftModel& model)
-{
-    HeldParts parts;
-    for (const PinGroup& group : model.pins.groups) {
-        if (group.stiffness != physics::kHard) continue;
-        parts.holders.resize(model.rest.size());
-        for (int node : group.nodes) ++parts.holders[node];
-    }
-    if (parts.holders.empty()) return parts;
-    for (std::size_t e = 0; e < model.elements.size(); ++e)
-        if (pulls(parts, model.elements[e].nodes)) parts.elements.push_back(static_cast<int>(e));
-    for (std::size_t s = 0; s < model.springs.size(); ++s)
-        if (pulls(parts, model.springs[s].nodes)) parts.springs.push_back(static_cast<int>(s));
-    return parts;
-}
-
 void checkPins(const SoftModel& model, const std::string& object)
 {
     checkSize(object, "pins.hard", model.pins.hard.size(), model.rest.size());
@@ -115,14 +95,6 @@ bool mayBeCut(const SoftModel& model, int group)
     if (std::ranges::any_of(model.collision, forBlades))
         return std::ranges::any_of(model.collision, [&](const auto& each) { return forBlades(each) && ofGroup(each); });
     return model.collision.empty() ? group == 0 : std::ranges::any_of(model.collision, ofGroup);
-}
-
-bool usable(std::span<const Vec3> values)
-{
-    constexpr double far = physics::kFarthest;
-    for (const Vec3& v : values)
-        if (!(std::abs(v.x) < far && std::abs(v.y) < far && std::abs(v.z) < far)) return false;
-    return true;
 }
 
 void check(const SoftModel& model, const SoftState& state)
@@ -184,54 +156,27 @@ void setRotation(std::vector<ElementRotations>& rotations, std::size_t element, 
     block.z[lane] = static_cast<float>(q.z);
 }
 
-Spring springOn(const std::array<int, 2>& edge, const Spring& like, const std::vector<Vec3>& rest)
+void setMaterial(const physics::SoftMaterial& material, SoftModel& model)
 {
-    Spring spring = like;
-    spring.nodes = edge;
-    spring.restLength = distance(rest[static_cast<std::size_t>(edge[0])], rest[static_cast<std::size_t>(edge[1])]);
-    return spring;
-}
-
-void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts)
-{
-    if (parts.holders.empty()) return;
-    if (model.elements.empty()) {
-        parts = heldParts(model);
-        return;
-    }
-    const std::size_t known = parts.holders.size();
-    parts.holders.resize(model.rest.size());
-    for (const PinGroup& group : model.pins.groups)
-        if (group.stiffness == physics::kHard)
-            for (auto node = group.nodes.rbegin(); node != group.nodes.rend(); ++node) { // ascending: new ones last
-                if (static_cast<std::size_t>(*node) < known) break;
-                ++parts.holders[static_cast<std::size_t>(*node)];
-            }
-    for (int element : edit.elements) {
-        const auto place = std::ranges::lower_bound(parts.elements, element);
-        const bool listed = place != parts.elements.end() && *place == element;
-        const bool now = pulls(parts, model.elements[static_cast<std::size_t>(element)].nodes);
-        if (now && !listed) parts.elements.insert(place, element);
-        if (!now && listed) parts.elements.erase(place);
+    model.tearingThreshold = std::visit([](const auto& each) { return each.tearingThreshold; }, material);
+    if (const auto* fem = std::get_if<physics::FemMaterial>(&material)) {
+        for (FemElement& element : model.elements) {
+            element.youngModulus = fem->youngModulus;
+            element.poissonRatio = fem->poissonRatio;
+        }
+    } else {
+        const auto& springs = std::get<physics::MassSpringMaterial>(material);
+        for (Spring& spring : model.springs) {
+            spring.stiffness = springs.stiffness;
+            spring.damping = springs.damping;
+        }
     }
 }
 
-SoftSystem makeSystem(const SoftModel& model, double period)
+void setForces(const std::vector<physics::NodalForce>& forces, SoftState& state)
 {
-    SoftSystem system;
-    const auto* cg = std::get_if<physics::ConjugateGradient>(&model.solver);
-    const bool wanted = cg && !cg->assembled;
-    if (wanted && MatrixFreeSystem::fits(model, period))
-        system.matrixFree = std::make_unique<MatrixFreeSystem>(model, period);
-    else
-        system.assembled = std::make_unique<AssembledSystem>(model);
-    if (wanted && !system.matrixFree)
-        logWarning("soft body '", model.name, "': its masses and stiffnesses are too far apart for single precision; ",
-                   "it is solved in double, which takes longer");
-    for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
-        buffer->resize(model.rest.size());
-    system.held = heldParts(model);
-    return system;
+    std::fill(state.forces.begin(), state.forces.end(), Vec3{});
+    for (const physics::NodalForce& force : forces) state.forces[force.node] += force.force;
 }
 
 } // namespace filasofia::engine
