@@ -73,7 +73,7 @@ TEST_CASE("the hash sees time, gravity, and where everything is and goes")
     stage.post(SetGravity{{0, -9.81, 0}});
     stage.run(3, 0.01);
     const std::uint64_t before = stage.world.hash();
-    State& state = stage.world.state();
+    State& state = stage.world.scene();
     const auto nudge = [&](auto& number) {
         const auto old = number;
         number = std::nextafter(number, std::decay_t<decltype(number)>(1e9));
@@ -107,7 +107,7 @@ TEST_CASE("what else a soft body's state has shows in the hash a step later")
             stage.post(SetGravity{{0, -9.81, 0}});
             stage.run(3, 0.001);
         }
-        change(stages[1].world.state().softBodies[0]);
+        change(stages[1].world.scene().softBodies[0]);
         for (Stage& stage : stages) stage.run(1, 0.001);
         CHECK(stages[0].world.hash() != stages[1].world.hash());
     }

@@ -44,7 +44,7 @@ TEST_CASE("a log with tune() says that it cannot be made again")
 {
     physics::PhysicsServer server(engine::makeNativeEngine());
     server.keepLog(true);
-    engine::tune(server, [](engine::Native& native) { native.state.gravity = {}; });
+    engine::tune(server, [](engine::Native& native) { native.scene().gravity = {}; });
     server.step(1e-3);
     record::StepLog log;
     log.drain(server);

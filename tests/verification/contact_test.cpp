@@ -36,7 +36,7 @@ physics::SoftBodyDef softBlock(std::array<int, 3> cells, Vec3 size, Vec3 corner)
 
 Vec3 forceOn(const Stage& stage, BodyId body)
 {
-    return frame::forceOn(body, const_cast<Stage&>(stage).world.state().touching);
+    return frame::forceOn(body, const_cast<Stage&>(stage).world.scene().touching);
 }
 
 struct Means {
@@ -152,7 +152,7 @@ TEST_CASE("a box rests on one that weighs a millionth of it, and a light one on 
         stage.add(light);
         const BodyId top = stage.add(heavy);
         stage.run(1000, 1e-3);
-        const State& state = stage.world.state();
+        const Scene& scene = stage.world.scene();
         moved = std::max({moved, length(scene.rigid[1].state.poses[0].position - Vec3{0, 0.02, 0}),
                           length(scene.rigid[2].state.poses[0].position - Vec3{0.005, 0.06, 0.005})});
         force =
@@ -194,7 +194,7 @@ TEST_CASE("a stone for which told plates leave no room is pressed by a bounded f
             };
             const auto squeeze = [&] {
                 double sum = 0.0;
-                for (const frame::Contact& contact : stage.world.state().touching) sum += contact.normalForce;
+                for (const frame::Contact& contact : stage.world.scene().touching) sum += contact.normalForce;
                 return sum;
             };
             moveTo(0.008 - tooClose, 0.5);

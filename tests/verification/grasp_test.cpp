@@ -39,7 +39,7 @@ TEST_CASE("what is grasped is lifted, and lost when it pulls more than the grasp
             verify("anchored block pulled by a tool: force at which the grasp broke over its break force, less one",
                    std::abs(force / breakForce - 1.0), 0.05);
             stage.step(dt);
-            for (const frame::Attachment& each : stage.world.state().held) CHECK(each.id != grasp);
+            for (const frame::Attachment& each : stage.world.scene().held) CHECK(each.id != grasp);
         } else {
             CHECK(held(stage, grasp).points > 3);
             CHECK(held(stage, grasp).body == BodyId{1});
@@ -82,13 +82,13 @@ TEST_CASE("a block squeezed by two jaws that both grasp it is held for long with
         stage.step(1e-3);
         if (i % 1000 != 999) continue;
         double most = 0.0;
-        for (const auto& pairs : stage.world.state().holding)
+        for (const auto& pairs : stage.world.scene().holding)
             for (Vec3 force : pairs) most = std::max(most, length(force));
-        for (const frame::Contact& each : stage.world.state().touching) most = std::max(most, each.normalForce);
+        for (const frame::Contact& each : stage.world.scene().touching) most = std::max(most, each.normalForce);
         largest.push_back(most);
     }
     const Vec3 sum = held(stage, grasps[0]).force + held(stage, grasps[1]).force +
-                     frame::forceOn(BodyId{1}, stage.world.state().touching);
+                     frame::forceOn(BodyId{1}, stage.world.scene().touching);
     verify("block held by two jaws: largest force at a point after 10 s over that after 1 s, less one",
            std::abs(largest.back() / largest.front() - 1.0), 0.05);
     verify("block held by two jaws: sum of the forces over its weight, less one",

@@ -21,7 +21,7 @@ struct Forces {
 Forces contactForces(Stage& stage)
 {
     Forces all;
-    for (const frame::Contact& c : stage.world.state().touching) {
+    for (const frame::Contact& c : stage.world.scene().touching) {
         all.sum += c.normalForce * c.normal + c.friction;
         all.normal += c.normalForce;
         all.friction += length(c.friction);
@@ -192,7 +192,7 @@ TEST_CASE("a plate scraped over tissue at 1 m/s feels what it would feel were ev
     exact.step(); // bodies are added in a step
     exact.time = 0.0;
     for (int i = 1; i <= 200; ++i) {
-        if (i > 1) exact.stage.world.state() = scrape.stage.world.state();
+        if (i > 1) exact.stage.world.scene() = scrape.stage.world.scene();
         CHECK(scrape.step().flags == 0);
         const physics::StepReport report = exact.step(); // from the same state
         if (scrape.time < 1.2 * Scrape::press) continue;

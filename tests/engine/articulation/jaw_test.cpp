@@ -170,7 +170,7 @@ TEST_CASE("two jaws of one body hold tissue between them by their torques, and a
     stage.post(physics::Grasp{{1}, gripper, held, {}});
     CHECK_FALSE(stage.step(1e-3).has(physics::StepFlag::NothingAttached));
     std::set<int> elements;
-    for (const auto& pair : stage.world.state().attachments.at(0).pairs) elements.insert(pair[1].element);
+    for (const auto& pair : stage.world.scene().attachments.at(0).pairs) elements.insert(pair[1].element);
     CHECK(elements == std::set<int>{1, 2});
     const auto middle = [&] {
         Vec3 sum;

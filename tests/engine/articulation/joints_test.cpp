@@ -196,8 +196,8 @@ TEST_CASE("reset brings joints back to where they were added, with the commands 
     CHECK(std::get<JointForce>(joint(stage).command).value == 0.003);
     const RigidState body = stage.world.scene().rigid[0].state;
     CHECK(length(body.poses[1].position - kArm * Vec3{std::cos(0.2), std::sin(0.2), 0}) < 1e-15);
-    stage.world.state().step = 0;
-    stage.world.state().time = 0.0;
+    stage.world.scene().step = 0;
+    stage.world.scene().time = 0.0;
     stage.step(1e-3);
     CHECK(stage.world.hash() == first);
 }
