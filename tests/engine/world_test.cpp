@@ -73,7 +73,7 @@ TEST_CASE("the hash sees time, gravity, and where everything is and goes")
     stage.post(SetGravity{{0, -9.81, 0}});
     stage.run(3, 0.01);
     const std::uint64_t before = stage.world.hash();
-    State& state = stage.world.scene();
+    Scene& scene = stage.world.scene();
     const auto nudge = [&](auto& number) {
         const auto old = number;
         number = std::nextafter(number, std::decay_t<decltype(number)>(1e9));
@@ -81,14 +81,14 @@ TEST_CASE("the hash sees time, gravity, and where everything is and goes")
         number = old;
         CHECK(stage.world.hash() == before);
     };
-    nudge(state.time);
-    nudge(state.gravity.z);
+    nudge(scene.time);
+    nudge(scene.gravity.z);
     nudge(scene.soft[0].state.pressure);
     for (auto* list : {&scene.soft[0].state.x, &scene.soft[0].state.v})
         for (int axis = 0; axis < 3; ++axis) nudge((*list)[3][axis]);
     nudge(scene.rigid[0].state.poses[0].position.y);
     nudge(scene.rigid[0].state.poses[0].orientation.z);
-    ++state.step;
+    ++scene.step;
     CHECK(stage.world.hash() != before);
 }
 
@@ -107,7 +107,7 @@ TEST_CASE("what else a soft body's state has shows in the hash a step later")
             stage.post(SetGravity{{0, -9.81, 0}});
             stage.run(3, 0.001);
         }
-        change(stages[1].world.scene().softBodies[0]);
+        change(stages[1].soft());
         for (Stage& stage : stages) stage.run(1, 0.001);
         CHECK(stages[0].world.hash() != stages[1].world.hash());
     }

@@ -50,9 +50,8 @@ struct Problem {
             for (int i = 0; i < nodes; ++i) points.back().push_back({.node = i});
         }
         const auto add = [&](const Constraint& c, std::initializer_list<WeightedPoint> at) {
-            const auto first = static_cast<int>(rows.points.size()), count = static_cast<int>(at.size());
+            rows.list.push_back({.first = static_cast<int>(rows.points.size()), .count = static_cast<int>(at.size())});
             rows.points.insert(rows.points.end(), at);
-            rows.list.push_back({.first = first, .count = count});
             constraints.push_back(c);
         };
         for (int k = 0; k < 5; ++k) { // nodes on the floor, or on something that moves

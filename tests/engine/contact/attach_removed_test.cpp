@@ -25,7 +25,7 @@ struct RemovedScene : AttachmentScene {
         mesh.tetrahedra.push_back({first, first + 1, first + 2, first + 3});
         return {.name = "cube", .mesh = shared(std::move(mesh)), .dynamicTopology = true};
     }
-    [[nodiscard]] int crumbNode() { return static_cast<int>(model().softBodies[0].rest.size()) - 4; }
+    [[nodiscard]] int crumbNode() { return static_cast<int>(stage.model().rest.size()) - 4; }
 };
 
 } // namespace

@@ -209,14 +209,14 @@ TEST_CASE("a tune that leaves attachments that cannot be stepped with is undone"
     const auto tuned = [&](const std::function<void(Scene&)>& change) {
         scene.stage.post(physics::Tune{[change](physics::PhysicsEngine& engine) {
             auto& world = dynamic_cast<World&>(engine);
-            change(world.scene(), world.scene());
+            change(world.scene());
         }});
         return !scene.stage.step(1e-3).has(physics::StepFlag::TuneRejected);
     };
-    CHECK(tuned([](Model&, State& state) { state.attachments[0].stiffness = 10.0; }));
-    CHECK_FALSE(tuned([](Model&, State& state) { state.attachments[0].pairs[0][0].nodes[0].node = 27; }));
-    CHECK_FALSE(tuned([](Model&, State& state) { state.attachments[0].to = {7}; }));
-    CHECK_FALSE(tuned([](Model&, State& state) { state.attachments[0].breakForce = 0.0; }));
-    CHECK_FALSE(tuned([](Model&, State& state) { state.holding.clear(); }));
+    CHECK(tuned([](Scene& s) { s.attachments[0].stiffness = 10.0; }));
+    CHECK_FALSE(tuned([](Scene& s) { s.attachments[0].pairs[0][0].nodes[0].node = 27; }));
+    CHECK_FALSE(tuned([](Scene& s) { s.attachments[0].to = {7}; }));
+    CHECK_FALSE(tuned([](Scene& s) { s.attachments[0].breakForce = 0.0; }));
+    CHECK_FALSE(tuned([](Scene& s) { s.holding.clear(); }));
     CHECK(scene.state().attachments[0].stiffness == 10.0);
 }

@@ -240,7 +240,7 @@ TEST_CASE("a chain of ten boxes that are welded together stands out stiffly")
             last = stage.add(box);
         }
         stage.run(static_cast<int>(2.0 / dt), dt);
-        const RigidState& tip = stage.world.scene().rigidBodies.back();
+        const RigidState& tip = stage.world.scene().rigid.back().state;
         CHECK(distance(tip.poses[0].position, {0.36, 0, 0}) < 1e-6);
         CHECK(length(tip.velocities[0]) < 1e-6);
         CHECK(stage.world.scene().held[0].force.y == Approx(10 * 1.6e-5 * 1000 * 9.81).epsilon(1e-4));

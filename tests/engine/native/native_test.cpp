@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/engine/native_engine.h"
+#include "filasofia/engine/scene/scene.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/physics_server.h"
 
@@ -72,6 +73,14 @@ TEST_CASE_METHOD(Fixture, "tune sees the bodies as they are")
     server.pause(true);
     const StepReport report = tuned([&](Native& native) {
         ++runs;
+        REQUIRE(native.softBodies() == std::vector{soft});
+        CHECK(native.rigidBodies() == std::vector{rigid});
+        CHECK(std::ranges::equal(native.softBody(soft).positions, x));
+        CHECK(native.rigidBody(rigid).poses.size() == 1);
+        CHECK(native.elementCount(soft) == 72);
+        CHECK(native.springCount(soft) == 0);
+        CHECK_THROWS_WITH(native.softBody(rigid), Catch::Contains("there is no such soft body"));
+        CHECK_THROWS_WITH(native.element(soft, 72), "tune: element must be in [0, 72), got 72");
         REQUIRE(native.scene().soft.size() == 1);
         CHECK(native.scene().soft[0].model.id == soft);
         CHECK(native.scene().rigid.size() == 1);
@@ -97,8 +106,8 @@ TEST_CASE("one element made stiffer changes the result, most of all there")
     Fixture a, b;
     std::array<int, 4> nodes{};
     a.tuned([&](Native& native) {
-        FemElement& first = native.scene().soft[0].model.elements[0];
-        first.youngModulus *= 1000;
+        const NativeElement first = native.element(a.soft, 0);
+        native.setElement(a.soft, 0, 1000 * first.youngModulus, first.poissonRatio);
         nodes = first.nodes;
     });
     b.server.step(0.01);
@@ -125,7 +134,9 @@ TEST_CASE("a solver changed by tune is the one that solves")
 {
     Fixture a;
     CHECK(a.server.step(0.01).solves[0].iterations > 1);
-    CHECK(a.tuned([](Native& native) { native.scene().soft[0].model.solver = Cholesky{}; }).solves[0].iterations == 1);
+    CHECK(a.tuned([](Native& native) { native.softBody(native.softBodies()[0]).solver = Cholesky{}; })
+              .solves[0]
+              .iterations == 1);
     const StepReport capped = a.tuned([](Native& native) {
         native.scene().soft[0].model.solver = ConjugateGradient{.maxIterations = 2, .tolerance = 1e-12};
     });
@@ -163,7 +174,7 @@ TEST_CASE("a tune that throws is put back completely")
         "changed my mind");
     checkPutBack(
         [](Native& native) {
-            native.state = {};
+            native.scene() = {};
             throw 7;
         },
         "no exception");
@@ -175,8 +186,8 @@ TEST_CASE("a tune that leaves a number that is none is put back completely")
     checkPutBack([](Native& n) { n.scene().soft[0].state.v[3].y = kNan; }, "v[3] must be finite");
     checkPutBack([](Native& n) { n.scene().soft[0].state.pressure = kNan; }, "pressure");
     checkPutBack([](Native& n) { n.scene().soft[0].state.rotations[0].w[3] = static_cast<float>(kNan); }, "rotations");
-    checkPutBack([](Native& n) { n.state.gravity.x = kNan; }, "gravity");
-    checkPutBack([](Native& n) { n.state.time = kNan; }, "time");
+    checkPutBack([](Native& n) { n.scene().gravity.x = kNan; }, "gravity");
+    checkPutBack([](Native& n) { n.scene().time = kNan; }, "time");
     checkPutBack([](Native& n) { n.scene().rigid[0].state.poses[0].position.x = kNan; }, "poses must be finite");
     checkPutBack([](Native& n) { n.scene().rigid[0].state.poses[0].orientation.w = 2; }, "unit quaternion");
     checkPutBack([](Native& n) { n.scene().soft[0].model.masses[2] = 0.0; }, "masses must be > 0 kg, got 0");
@@ -200,13 +211,7 @@ TEST_CASE("a tune that leaves wrong sizes or indices is put back completely")
     checkPutBack([](Native& n) { n.scene().soft[0].model.pins.hard.pop_back(); }, "pins.hard must have 36 entries");
     checkPutBack([](Native& n) { n.scene().soft[0].model.elements[0].nodes[2] = 36; }, "[0, 36), got 36");
     checkPutBack([](Native& n) { n.scene().soft[0].model.surface[0][1] = -1; }, "[0, 36), got -1");
-    checkPutBack([](Native& n) { n.state.softBodies.clear(); }, "same bodies");
-    checkPutBack(
-        [](Native& n) {
-            n.model.softBodies.clear();
-            n.state.softBodies.clear();
-        },
-        "bodies, their ids");
+    checkPutBack([](Native& n) { n.scene().soft.clear(); }, "bodies, their ids");
     checkPutBack([](Native& n) { n.scene().soft[0].model.id = BodyId{77}; }, "bodies, their ids");
     checkPutBack([](Native& n) { n.scene().soft[0].model.rest.pop_back(); }, "bodies, their ids, nodes");
     checkPutBack([](Native& n) { n.scene().rigid[0].model.rest.push_back({}); }, "bodies, their ids, nodes");
@@ -220,7 +225,7 @@ TEST_CASE("commands around a rejected tune are still carried out")
     a.server.setPressure(a.soft, 5);
     a.server.step(0.01);
     CHECK_FALSE(a.tuned([](Native& n) {
-                     CHECK(n.state.gravity == Vec3{1, 0, 0});
+                     CHECK(n.scene().gravity == Vec3{1, 0, 0});
                      CHECK(n.scene().soft[0].state.pressure == 5);
                  }).has(StepFlag::TuneRejected));
 }

@@ -29,19 +29,19 @@ TEST_CASE("density, total mass and a given inertia say what an element weighs")
     def.mass = GivenInertia{.mass = 0.5, .centre = {1, 2, 3}, .moments = {2, 3, 4}, .axes = axes};
     stage.add(def);
     stage.step(0.0);
-    const std::vector<RigidModel>& bodies = stage.world.scene().rigidBodies;
+    const std::vector<RigidBody>& bodies = stage.world.scene().rigid;
     const Mat3 inertia = 1.0 / 12.0 * Mat3::diagonal({0.0125, 0.0425, 0.05}); // of 1 kg
-    REQUIRE(bodies[0].inertias.size() == 2);
-    for (const RigidInertia& each : bodies[0].inertias) {
+    REQUIRE(bodies[0].model.inertias.size() == 2);
+    for (const RigidInertia& each : bodies[0].model.inertias) {
         CHECK(each.mass == Approx(1.0));
         CHECK(distance(each.centre, kBoxCentre) < 1e-15);
         CHECK(frobeniusNorm(each.inertia - inertia) < 1e-15);
     }
-    CHECK(bodies[1].inertias[1].mass == Approx(3.0));
-    CHECK(frobeniusNorm(bodies[1].inertias[1].inertia - 3.0 * inertia) < 1e-15);
-    CHECK(bodies[2].inertias[0].mass == 0.5);
-    CHECK(bodies[2].inertias[0].centre == Vec3{1, 2, 3});
-    CHECK(frobeniusNorm(bodies[2].inertias[0].inertia - Mat3::diagonal({3, 2, 4})) < 1e-15);
+    CHECK(bodies[1].model.inertias[1].mass == Approx(3.0));
+    CHECK(frobeniusNorm(bodies[1].model.inertias[1].inertia - 3.0 * inertia) < 1e-15);
+    CHECK(bodies[2].model.inertias[0].mass == 0.5);
+    CHECK(bodies[2].model.inertias[0].centre == Vec3{1, 2, 3});
+    CHECK(frobeniusNorm(bodies[2].model.inertias[0].inertia - Mat3::diagonal({3, 2, 4})) < 1e-15);
 }
 
 TEST_CASE("a force acts at the centre of mass, though the mesh's centre is off the element's origin")
@@ -241,10 +241,10 @@ TEST_CASE("what changes the plan between its two halves changes the motion")
     stage.add(def);
     stage.add(RigidBodyDef{.elements = {{{0, 5, 0}, {}}}});
     stage.step(0.0);
-    Model& model = stage.world.scene();
-    State& state = stage.world.scene();
+    Scene& scene = stage.world.scene();
+    scene.gravity = {0, -10, 0};
     RigidPlan plan;
-    planRigid(0.01, {0, -10, 0}, scene, plan);
+    planRigid(scene, 0.01, plan);
     REQUIRE(plan.size() == 2);
     CHECK(plan[0].dynamic);
     CHECK(plan[0].mass == Approx(1.0));
@@ -255,7 +255,8 @@ TEST_CASE("what changes the plan between its two halves changes the motion")
 
     plan[0].change = {-1.0 * plan[0].velocity, -1.0 * plan[0].angularVelocity}; // a wall that takes all
     StepReport report;
-    moveRigid(0.01, plan, scene, report);
+    WorkerPool pool(1);
+    moveRigid({0.01, nullptr, ExactContact{}, pool, report}, plan, scene);
     CHECK(report.flags == 0);
     CHECK(distance(scene.rigid[0].state.poses[0].position, {}) < 1e-15);
     CHECK(scene.rigid[0].state.velocities[0] == Vec3{});

@@ -1,3 +1,4 @@
+#include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/build/build_body.h"
 #include "filasofia/math/polar.h"
 
@@ -130,7 +131,7 @@ TEST_CASE("a body of few nodes has room for a coarse node per node, a larger one
 {
     const auto coarse = [](const geometry::TetMesh& mesh) {
         const auto built = buildBody(SoftBodyDef{.mesh = shared(mesh)}, 1e-3);
-        return dynamic_cast<BuiltSoftBody&>(*built).system.matrixFree->coarseNodes();
+        return dynamic_cast<BuiltSoftBody&>(*built).body.system.matrixFree->coarseNodes();
     };
     CHECK(coarse(tetrahedronMesh()) == linalg::kPieceNodes);
     CHECK(coarse(boxMesh({1, 1, 1}, {1, 1, 1})) == linalg::kPieceNodes);
@@ -247,8 +248,8 @@ TEST_CASE("a body whose numbers do not fit single precision is solved in double"
 {
     for (const FemMaterial& material : {FemMaterial{1e300, 0.45}, FemMaterial{1e-300, 0.45}}) {
         const auto built = buildBody(SoftBodyDef{.mesh = bunnyFile(756), .material = material}, 1e-3);
-        CHECK(dynamic_cast<BuiltSoftBody&>(*built).system.matrixFree == nullptr);
-        CHECK(dynamic_cast<BuiltSoftBody&>(*built).system.assembled != nullptr);
+        CHECK(dynamic_cast<BuiltSoftBody&>(*built).body.system.matrixFree == nullptr);
+        CHECK(dynamic_cast<BuiltSoftBody&>(*built).body.system.assembled != nullptr);
     }
 }
 

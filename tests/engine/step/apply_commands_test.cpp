@@ -1,4 +1,4 @@
-#include "filasofia/engine/step/stages.h"
+#include "filasofia/engine/step/apply_commands.h"
 
 #include "engine/stage.h"
 

@@ -21,12 +21,12 @@ SoftBodyDef hangingBox(const SoftMaterial& material = FemMaterial{})
 }
 
 /// A body in motion under gravity, and its material commands: as the server posts them, built beforehand, or plain.
-struct Scene {
+struct TestScene {
     Stage stage;
     SoftBodyDef def;
     BodyId id;
 
-    explicit Scene(const SoftBodyDef& made, int steps = 20) : def(made), id(stage.add(made))
+    explicit TestScene(const SoftBodyDef& made, int steps = 20) : def(made), id(stage.add(made))
     {
         stage.post(SetGravity{{0, -9.81, 0}});
         stage.run(steps, 0.005);
@@ -43,7 +43,8 @@ struct Scene {
     bool takes(const SoftMaterial& material)
     {
         postBuilt(material);
-        const SoftSystem& system = dynamic_cast<BuiltSoftBody&>(*std::get<SetMaterial>(stage.commands[0]).body).system;
+        const SoftSystem& system =
+            dynamic_cast<BuiltSoftBody&>(*std::get<SetMaterial>(stage.commands[0]).body).body.system;
         const void *fast = system.matrixFree.get(), *exact = system.assembled.get();
         stage.world.step({.dt = 0.005, .commands = stage.commands});
         const bool gone = system.matrixFree.get() != fast || system.assembled.get() != exact;
@@ -52,7 +53,7 @@ struct Scene {
     }
 };
 
-void checkSameSteps(Scene& a, Scene& b)
+void checkSameSteps(TestScene& a, TestScene& b)
 {
     for (int i = 0; i < 20; ++i) {
         a.stage.step(0.005);
@@ -93,7 +94,7 @@ TEST_CASE("a material built beforehand makes the bits of one that the step build
     cases.emplace_back(hangingBox(), fem);
     cases.back().first.integrator = ExplicitEuler{};
     for (const auto& [def, material] : cases) {
-        Scene before(def), plain(def), other(def);
+        TestScene before(def), plain(def), other(def);
         CHECK(before.takes(material));
         plain.postPlain(material);
         plain.stage.step(0.005);
@@ -107,7 +108,7 @@ TEST_CASE("a material built beforehand makes the bits of one that the step build
 TEST_CASE("of two materials on their way to one body the last one posted counts, whichever was built first")
 {
     const FemMaterial soft{.youngModulus = 5e3}, stiff{.youngModulus = 40e3};
-    Scene a(hangingBox()), b(hangingBox());
+    TestScene a(hangingBox()), b(hangingBox());
     std::unique_ptr<BuiltBody> builtSoft = a.built(soft), builtStiff = a.built(stiff);
     a.stage.post(SetMaterial{a.id, stiff, std::move(builtStiff)});
     a.stage.post(SetMaterial{a.id, soft, std::move(builtSoft)});
@@ -119,7 +120,7 @@ TEST_CASE("of two materials on their way to one body the last one posted counts,
 TEST_CASE("a material set right after its body was added is the one that the body is made with")
 {
     const FemMaterial stiff{.youngModulus = 40e3};
-    Scene a(hangingBox(), 0), b(hangingBox(stiff), 0);
+    TestScene a(hangingBox(), 0), b(hangingBox(stiff), 0);
     a.postBuilt(stiff);
     checkSameSteps(a, b);
 }
@@ -128,11 +129,11 @@ TEST_CASE("a body goes over to double where float cannot hold its material, and 
 {
     const Logged logged;
     const FemMaterial extreme{.youngModulus = 1e25}, usual{.youngModulus = 20e3};
-    Scene before(hangingBox()), plain(hangingBox());
+    TestScene before(hangingBox()), plain(hangingBox());
     for (const FemMaterial& material : {extreme, usual}) {
         const bool fits = material.youngModulus < 1e20;
         const std::unique_ptr<BuiltBody> built = before.built(material);
-        CHECK((dynamic_cast<BuiltSoftBody&>(*built).system.matrixFree != nullptr) == fits);
+        CHECK((dynamic_cast<BuiltSoftBody&>(*built).body.system.matrixFree != nullptr) == fits);
         CHECK(before.takes(material));
         plain.postPlain(material);
         plain.stage.step(0.005);
@@ -144,7 +145,7 @@ TEST_CASE("a body goes over to double where float cannot hold its material, and 
 
 TEST_CASE("leftover impulse, first guess and rotations stay when the material changes")
 {
-    Scene scene(hangingBox());
+    TestScene scene(hangingBox());
     const SoftState before = scene.stage.soft();
     scene.postBuilt(FemMaterial{.youngModulus = 20e3});
     scene.stage.step(0.0);
@@ -160,8 +161,8 @@ TEST_CASE("leftover impulse, first guess and rotations stay when the material ch
 TEST_CASE("after a tune the step builds the solver of what the tune left, a rejected one changes nothing")
 {
     const Logged logged;
-    Scene tuned(hangingBox()), plain(hangingBox()), rejected(hangingBox());
-    for (Scene* scene : {&tuned, &plain}) {
+    TestScene tuned(hangingBox()), plain(hangingBox()), rejected(hangingBox());
+    for (TestScene* scene : {&tuned, &plain}) {
         makeHeavier(scene->stage);
         scene->stage.step(0.005);
     }

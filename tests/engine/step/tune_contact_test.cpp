@@ -100,16 +100,20 @@ TEST_CASE("a tune that leaves collision, contacts, sides, grasps or pins that ca
         {[](Scene& s) { s.rigid[1].model.collision[0].core[0].x = kNan; }, "core must be finite"},
         {[](Scene& s) { s.rigid[1].model.collision[0].core.clear(); }, "core must have"},
         {[](Scene& s) { s.rigid[1].model.collision.resize(2049); }, "<= 2048 entries, got 2049"},
-        {[](Scene& s) { reshape(s.rigid[1].model.collision[0], [](CollisionShape& s) { s.triangles[3][1] = 8; }); },
+        {[](Scene& s) {
+             reshape(s.rigid[1].model.collision[0], [](CollisionShape& shape) { shape.triangles[3][1] = 8; });
+         },
          "triangles must be in [0, 8), got 8"},
-        {[](Scene& s) { reshape(s.rigid[1].model.collision[0], [](CollisionShape& s) { s.nodes[0].first = 0; }); },
+        {[](Scene& s) {
+             reshape(s.rigid[1].model.collision[0], [](CollisionShape& shape) { shape.nodes[0].first = 0; });
+         },
          "nodes[0] must be a leaf"},
         {[](Scene& s) {
-             reshape(s.rigid[1].model.collision[0], [](CollisionShape& s) { s.vertexEdges.start[2] = 99; });
+             reshape(s.rigid[1].model.collision[0], [](CollisionShape& shape) { shape.vertexEdges.start[2] = 99; });
          },
          "vertexEdges must hold rows"},
         {[](Scene& s) {
-             reshape(s.rigid[1].model.collision[0], [](CollisionShape& s) { s.elements[0].ownEdges[0] = 99; });
+             reshape(s.rigid[1].model.collision[0], [](CollisionShape& shape) { shape.elements[0].ownEdges[0] = 99; });
          },
          "ownEdges must be in"},
         {[](Scene& s) { s.contacts[0].second = {77}; }, "contacts[0]: body 2 or body 77: no such surface"},
@@ -147,7 +151,7 @@ TEST_CASE("a tune that leaves collision, contacts, sides, grasps or pins that ca
         CHECK_THAT(tuned.refusal(change), Catch::Contains("tune() was undone") && Catch::Contains(says));
         CHECK(tuned.stage.world.hash() == twin.stage.world.hash());
     }
-    CHECK(tuned.refusal([](Scene& s) {}).empty());
+    CHECK(tuned.refusal([](Scene&) {}).empty());
     for (int i = 0; i < 10; ++i) { // the model is back too
         twin.stage.step(1e-3);
         tuned.stage.step(1e-3);
@@ -160,7 +164,7 @@ TEST_CASE("a surface that a tune replaces has no history")
     Tuned scene;
     CHECK(scene.refusal([](Scene& s) { reshape(s.rigid[0].model.collision[0], [](CollisionShape&) {}); }).empty());
     CHECK(scene.stage.world.scene().sides.empty());
-    for (const ContactMemory& each : scene.stage.world.scene().contacts)
+    for (const CachedContact& each : scene.stage.world.scene().contacts)
         CHECK((each.first != BodyId{1} && each.second != BodyId{1}));
     CHECK_FALSE(scene.stage.step(1e-3).has(physics::StepFlag::Undone));
 }

@@ -1,5 +1,5 @@
 #include "filasofia/core/worker_pool.h"
-#include "filasofia/engine/body/body_topology.h"
+#include "filasofia/engine/topology/apply_edit.h"
 #include "filasofia/engine/build/build_body.h"
 
 #include "engine/meshes.h"
@@ -17,15 +17,13 @@ namespace {
 
 /// A body with what belongs to it, edited at random.
 struct Edited {
-    BuiltSoftBody body;
-    BodyTopology topology;
+    SoftBody body;
     std::mt19937 random{5};
 
     explicit Edited(const SoftBodyDef& def)
     {
         auto built = buildBody(def, 1e-3);
-        body = std::move(dynamic_cast<BuiltSoftBody&>(*built));
-        topology = makeTopology(body.model);
+        body = std::move(dynamic_cast<BuiltSoftBody&>(*built).body);
         for (std::size_t i = 0; i < body.state.x.size(); ++i) {
             if (body.model.pins.hard[i]) continue;
             body.state.x[i] += randomVec3(random, 2e-4);
@@ -33,14 +31,14 @@ struct Edited {
             body.state.dv[i] = randomVec3(random, 1e-3);
             body.state.leftover[i] = randomVec3(random, 1e-9);
         }
-        topology.mesh->placeAt(body.state.x);
+        body.topology.mesh->placeAt(body.state.x);
     }
 
     int pick(int count) { return static_cast<int>(random() % static_cast<unsigned>(count)); }
 
     void bisectSome(int tries)
     {
-        EditableMesh& mesh = *topology.mesh;
+        EditableMesh& mesh = *body.topology.mesh;
         for (int i = 0; i < tries; ++i) {
             const geometry::Tetrahedron t = mesh.data().tetrahedra[static_cast<std::size_t>(pick(mesh.tetrahedra()))];
             const auto a = static_cast<std::size_t>(pick(4)), b = (a + 1 + static_cast<std::size_t>(pick(3))) % 4;
@@ -54,7 +52,7 @@ struct Edited {
     /// Opens a random set of faces around some nodes; slides one first.
     void splitSome(int tries)
     {
-        EditableMesh& mesh = *topology.mesh;
+        EditableMesh& mesh = *body.topology.mesh;
         for (int i = 0; i < tries; ++i) {
             const int node = pick(mesh.nodes());
             for (int t : std::vector<int>(mesh.data().around[static_cast<std::size_t>(node)]))
@@ -70,7 +68,7 @@ struct Edited {
     /// One that leaves every element around it in shape.
     void slideOne()
     {
-        EditableMesh& mesh = *topology.mesh;
+        EditableMesh& mesh = *body.topology.mesh;
         for (int tries = 0; tries < 100; ++tries) {
             const int node = pick(mesh.nodes());
             if (body.model.rest.size() <= static_cast<std::size_t>(node)) continue;
@@ -83,7 +81,7 @@ struct Edited {
         }
     }
 
-    void apply() { applyEdit(topology.mesh->takeEdit({}), 1e-3, topology, body.model, body.state, body.system); }
+    void apply() { applyEdit(body.topology.mesh->takeEdit({}), 1e-3, body); }
 
     [[nodiscard]] Vec3 momentum() const
     {
@@ -186,7 +184,7 @@ TEST_CASE("the boundary that everyone sees is the surface of the edited elements
         edited.splitSome(6);
         edited.apply();
         const SoftModel& model = edited.body.model;
-        const auto seen = boundaryOf(edited.body.model, edited.topology);
+        const auto seen = boundaryOf(edited.body.model, edited.body.topology);
         const frame::Boundary& boundary = *seen;
         CHECK(boundary.revision == static_cast<std::uint64_t>(round) + 1);
         CHECK(boundary.triangles == model.surface);

@@ -24,12 +24,12 @@ TriangleMeshSource rectangle(double width, double height)
 }
 
 /// A block of 5 x 4 x 3 cm whose diagonal is 7 cm, and a blade above it.
-struct Scene {
+struct TestScene {
     Stage stage;
     BodyId tissue, blade;
     std::size_t nodes = 0, elements = 0;
 
-    explicit Scene(TriangleMeshSource mesh, bool dynamicTopology = true)
+    explicit TestScene(TriangleMeshSource mesh, bool dynamicTopology = true)
     {
         tissue = stage.add(SoftBodyDef{.mesh = shared(boxMesh({5, 4, 3}, {0.05, 0.04, 0.03}, 0.2)),
                                        .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, 1e-6}}}},
@@ -73,14 +73,14 @@ struct Scene {
 
 TEST_CASE("a blade that is hardly longer than a point cuts nothing, and is counted")
 {
-    Scene scene(rectangle(1e-12, 1e-12));
+    TestScene scene(rectangle(1e-12, 1e-12));
     CHECK(scene.move(0.035, 0.001, 40).bladeNoLength > 0);
     scene.checkUnchanged();
 }
 
 TEST_CASE("a blade whose place is no number cuts nothing and spoils nothing")
 {
-    Scene scene(rectangle(0.06, 0.05));
+    TestScene scene(rectangle(0.06, 0.05));
     scene.move(0.035, 0.031, 4);
     scene.stage.world.scene().rigid[0].state.poses[0].position.x = kNaN; // as no server would let it
     TopologyReport all;
@@ -95,12 +95,12 @@ TEST_CASE("a blade whose place is no number cuts nothing and spoils nothing")
 
 TEST_CASE("a blade that goes further in one step than the body is long cuts nothing, and is counted")
 {
-    Scene scene(rectangle(0.06, 0.05));
+    TestScene scene(rectangle(0.06, 0.05));
     TopologyReport all;
     scene.move(0.04, 0.035, 5);
     for (double z : {0.031, -0.069}) { // the second: 10 cm through the block, within the speed that is believed
-        scene.stage.post(SetPose{scene.blade, 0, Scene::at(z)});
-        Scene::add(scene.stage.step(z < 0 ? 2e-2 : 1e-3), all);
+        scene.stage.post(SetPose{scene.blade, 0, TestScene::at(z)});
+        TestScene::add(scene.stage.step(z < 0 ? 2e-2 : 1e-3), all);
     }
     CHECK(all.bladeJump == 1);
     CHECK(all.bladeTooFast == 0);
@@ -110,16 +110,17 @@ TEST_CASE("a blade that goes further in one step than the body is long cuts noth
 TEST_CASE("a blade that is told to jump is counted where it would have cut, and only there")
 {
     const auto jump = [](Pose from, Pose to, double dt, bool dynamicTopology = true) {
-        Scene scene(rectangle(0.06, 0.05), dynamicTopology);
+        TestScene scene(rectangle(0.06, 0.05), dynamicTopology);
         TopologyReport there, all;
         for (const Pose& pose : {from, to, to}) {
             scene.stage.post(SetPose{scene.blade, 0, pose});
-            Scene::add(scene.stage.step(dt), pose == from ? there : all);
+            TestScene::add(scene.stage.step(dt), pose == from ? there : all);
         }
         scene.checkUnchanged();
         return all;
     };
-    const Pose above = Scene::at(0.035), below = Scene::at(-0.06), far = Scene::at(1.0), farther = Scene::at(2.0);
+    const Pose above = TestScene::at(0.035), below = TestScene::at(-0.06), far = TestScene::at(1.0),
+               farther = TestScene::at(2.0);
     CHECK(jump(above, below, 1e-3).bladeTooFast == 1); // 95 m/s, across the block
     CHECK(jump(above, below, 1e-3).refused() == 1);
     CHECK(jump(above, below, 1e-3, false).refused() == 0);
@@ -140,12 +141,12 @@ TEST_CASE("a blade told through the server to go where no number says is refused
                                                  .dynamicTopology = true});
     const BodyId blade =
         server.add(RigidBodyDef{.name = "scalpel",
-                                .elements = {Scene::at(0.035)},
+                                .elements = {TestScene::at(0.035)},
                                 .collision = {{.mesh = rectangle(0.06, 0.05), .proximity = 0, .cutting = true}}});
     for (int i = 0; i < 3; ++i) server.step(1e-3);
     const std::uint64_t hash = server.hash();
 
-    Pose nowhere = Scene::at(0.03), nohow = Scene::at(0.03);
+    Pose nowhere = TestScene::at(0.03), nohow = TestScene::at(0.03);
     nowhere.position.x = kNaN;
     nohow.orientation.y = kNaN;
     CHECK_THROWS_WITH(server.setPose(blade, nowhere), Catch::Contains("scalpel") && Catch::Contains("position.x") &&
@@ -160,7 +161,7 @@ TEST_CASE("a blade told through the server to go where no number says is refused
 
     int opened = 0;
     for (int i = 0; i <= 40; ++i) {
-        server.setPose(blade, Scene::at(0.035 - 5e-4 * i));
+        server.setPose(blade, TestScene::at(0.035 - 5e-4 * i));
         const StepReport report = server.step(1e-3);
         CHECK(report.flags == 0);
         CHECK(report.topology.refused() == 0);
@@ -172,7 +173,7 @@ TEST_CASE("a blade told through the server to go where no number says is refused
 
 TEST_CASE("cutting a body without dynamicTopology is no error: nothing happens")
 {
-    Scene scene(rectangle(0.06, 0.05), false);
+    TestScene scene(rectangle(0.06, 0.05), false);
     const TopologyReport all = scene.move(0.035, 0.0, 70);
     CHECK(all.refused() == 0);
     scene.checkUnchanged();

@@ -1,4 +1,5 @@
 #include "filasofia/engine/rupture/check_topology.h"
+#include "filasofia/engine/scene/check_scene.h"
 
 #include "engine/stage.h"
 

@@ -1,4 +1,5 @@
 #include "filasofia/engine/collision/proximity.h"
+#include "filasofia/engine/scene/check_scene.h"
 #include "filasofia/engine/topology/edit_collision.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/geometry/surface.h"
@@ -49,7 +50,7 @@ std::vector<int> nodesOf(const CollisionModel& model, int feature)
 std::map<std::vector<int>, double> contactsOf(const CollisionModel& model, const Scene& scene)
 {
     std::map<std::vector<int>, double> found;
-    for (const ContactMemory& each : state.contacts) {
+    for (const CachedContact& each : scene.contacts) {
         const bool first = each.first == BodyId{2};
         const FeaturePair pair = featurePair(each.feature);
         found[nodesOf(model, pair.features[first ? 0 : 1])] += length(each.force);
@@ -152,7 +153,7 @@ TEST_CASE("contacts of what an edit leaves keep their forces, and those of what 
     CHECK(gone > 0);
     CHECK(after.size() == before.size() - gone);
     CHECK(after.size() > 5);
-    CHECK(std::ranges::is_sorted(state.contacts, {}, &ContactMemory::feature));
+    CHECK(std::ranges::is_sorted(scene.contacts, {}, &CachedContact::feature));
 
     for (std::size_t t = 0; t < now.behind.size(); ++t) { // outwards, as its tetrahedron says
         const auto [a, b, c] = now.shape->triangles[t];
@@ -160,7 +161,7 @@ TEST_CASE("contacts of what an edit leaves keep their forces, and those of what 
         CHECK(geometry::signedVolume(x(a), x(b), x(c), mesh.nodes[now.behind[t]]) < 0.0);
     }
     check(stage.model(), stage.soft());
-    CHECK_NOTHROW(checkMemories(stage.world.scene(), scene));
+    CHECK_NOTHROW(checkContacts(scene));
     CHECK_FALSE(stage.step(1e-3).has(physics::StepFlag::Undone));
-    CHECK(!state.touching.empty());
+    CHECK(!scene.touching.empty());
 }

@@ -88,19 +88,19 @@ TEST_CASE("a loose piece that spins too fast is slowed to the limit, and keeps i
     constexpr double dt = 1e-3, most = 0.25;
     spin(stage, crumb, {100.0, 0, 150.0}); // 0.18 rad in a step
     const SoftState slow = stage.soft();
-    slowSpin(model, most, dt, stage.soft());
+    limitSpin(model, most, dt, stage.soft());
     CHECK(stage.soft().v == slow.v);
 
     spin(stage, crumb, {1000.0, 0, 1500.0});
     const Momenta before = momentaOf(crumb.nodes, model, stage.soft());
-    slowSpin(model, most, dt, stage.soft());
+    limitSpin(model, most, dt, stage.soft());
     const Momenta after = momentaOf(crumb.nodes, model, stage.soft());
     CHECK(length(after.linear - before.linear) < 1e-12 * length(before.linear));
     CHECK(length(after.angular - before.angular) > 1e-3 * length(before.angular));
     SoftState again = stage.soft(); // at the limit now, and along the same axis
-    slowSpin(model, (1.0 + 1e-9) * most, dt, again);
+    limitSpin(model, (1.0 + 1e-9) * most, dt, again);
     CHECK(again.v == stage.soft().v);
-    slowSpin(model, (1.0 - 1e-6) * most, dt, again);
+    limitSpin(model, (1.0 - 1e-6) * most, dt, again);
     CHECK(again.v != stage.soft().v);
 }
 
@@ -176,7 +176,7 @@ TEST_CASE("a piece knows whether pins hold it, also after they are released and 
     const auto spinsOn = [&] { // faster than a piece may that nothing holds
         spin(stage, stage.model().pieces[1], {2e3, 0, 0});
         const SoftState before = stage.soft();
-        slowSpin(stage.model(), 0.25, 1e-3, stage.soft());
+        limitSpin(stage.model(), 0.25, 1e-3, stage.soft());
         return stage.soft().v == before.v;
     };
     CHECK(spinsOn());

@@ -94,7 +94,7 @@ TEST_CASE("a uniform strain of springs has the stress that pulls at their ends")
     const SoftModel& model = strip.stage.model();
     WorkerPool pool(1);
     std::vector<Mat3> stresses;
-    findStresses(model, strip.stage.soft(), 1e3, springsOfElements(model), {}, pool, stresses);
+    findStresses(model, strip.stage.soft(), {1e3, springsOfElements(model)}, pool, stresses);
     // The mean over the volume, times the cross section, is the force at the ends.
     double pulled = 0.0;
     const std::vector<Vec3>& x = strip.stage.soft().x;
@@ -137,9 +137,9 @@ TEST_CASE("looking only at what may be near tearing finds the same stresses as l
                 const SoftModel& model = strip.stage.model();
                 const SoftState& state = strip.stage.soft();
                 MatrixFreeSystem system(model, 1e-3);
-                const bool torn = findStresses(model, state, kThreshold, {}, {}, pool, all);
+                const bool torn = findStresses(model, state, {kThreshold, {}}, pool, all);
                 const bool any = system.findStressed(state, kStressNear * kThreshold, pool, stressed);
-                const bool found = findStresses(model, state, kThreshold, {}, stressed, pool, some);
+                const bool found = findStresses(model, state, {kThreshold, {}, stressed}, pool, some);
                 REQUIRE(found == torn);
                 REQUIRE((any || !torn));
                 REQUIRE(some == all);
