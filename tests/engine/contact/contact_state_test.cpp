@@ -113,7 +113,7 @@ TEST_CASE("a state goes on in another world as in its own, and has the same hash
     here.post(physics::Grasp{{7}, {1}, {2}, {}});
     here.step(0.0); // it waits
     there.step(0.0);
-    there.world.scene() = here.world.scene();
+    Snapshot(here.world.scene()).restore(there.world.scene());
     REQUIRE(here.world.scene().grasps.size() == 1);
     REQUIRE(!here.world.scene().sides.empty());
     for (int i = 0; i < 50; ++i) {

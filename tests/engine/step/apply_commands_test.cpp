@@ -137,8 +137,8 @@ TEST_CASE("removing a body in the middle leaves the others' results as they are,
     fewer.post(RemoveBody{BodyId{2}});
     all.run(10, 0.01);
     const StepReport report = fewer.run(10, 0.01);
-    REQUIRE(fewer.world.scene().softBodies.size() == 2);
-    REQUIRE(fewer.world.scene().rigidBodies.size() == 1);
+    REQUIRE(fewer.world.scene().soft.size() == 2);
+    REQUIRE(fewer.world.scene().rigid.size() == 1);
     CHECK(fewer.soft(0).x == all.soft(0).x);
     CHECK(fewer.soft(1).x == all.soft(2).x);
     REQUIRE(report.solves.size() == 2);
@@ -163,37 +163,38 @@ TEST_CASE("a body added and removed between two steps never was")
     CHECK(a.world.hash() == b.world.hash());
 }
 
-TEST_CASE("however many commands change a body in a step, its solver is made anew once, after the last")
+TEST_CASE("however many commands change a body in a step, its solver is rebuilt once, after the last")
 {
     SoftBodyDef def = hangingBox();
     def.attachments = {};
     for (int node = 0; node < 10; ++node) def.attachments.push_back({.nodes = {node}, .stiffness = 10.0});
     World world{{.threads = 1}};
-    Model model;
-    State state;
-    Systems systems;
-    Topologies topologies;
+    Scene scene;
     StepReport report;
+    WorkerPool pool(1);
+    const ContactMethod method = ExactContact{};
+    const StepContext context{1e-3, nullptr, method, pool, report};
     std::vector<Command> commands;
     const auto post = [&](auto command) {
         commands.emplace_back(std::in_place_type<decltype(command)>, std::move(command));
     };
     post(AddBody{{1}, std::make_shared<const BodyDef>(def), world.build(def), {1}});
-    applyCommands(commands, world, scene, report);
-    CHECK_FALSE(systems[0].outdated); // built with its body
+    applyCommands(context, commands, world, scene);
+    const SoftSystem& system = scene.soft[0].system;
+    CHECK_FALSE(system.outdated); // built with its body
 
-    const auto* before = systems[0].matrixFree.get();
+    const auto* before = system.matrixFree.get();
     commands.clear();
     for (std::uint32_t id = 1; id <= 10; ++id) post(Release{{id}});
     post(SetMaterial{{1}, FemMaterial{.youngModulus = 50e3}, nullptr});
-    applyCommands(commands, world, scene, report);
+    applyCommands(context, commands, world, scene);
     CHECK(scene.soft[0].model.pins.springs.empty());
-    CHECK(systems[0].matrixFree.get() == before);
-    CHECK((systems[0].outdated && systems[0].tuned));
-    remakeSystems(scene, 1e-3);
-    CHECK(systems[0].matrixFree.get() != before);
-    CHECK((!systems[0].outdated && systems[0].tuned));
-    before = systems[0].matrixFree.get();
-    remakeSystems(scene, 1e-3);
-    CHECK(systems[0].matrixFree.get() == before);
+    CHECK(system.matrixFree.get() == before);
+    CHECK((system.outdated && system.tuned));
+    rebuildSystems(1e-3, scene);
+    CHECK(system.matrixFree.get() != before);
+    CHECK((!system.outdated && system.tuned));
+    before = system.matrixFree.get();
+    rebuildSystems(1e-3, scene);
+    CHECK(system.matrixFree.get() == before);
 }

@@ -191,7 +191,7 @@ TEST_CASE("what an attachment and a collision mesh ride on follows a cut")
     const CollisionModel& surface = scene.stage.model().collision[0];
     CHECK(surface.shape->triangles.size() == scene.stage.model().surface.size());
     CHECK(surface.shape->closed);
-    checkAttachments(scene.stage.world.scene(), scene.stage.world.scene());
+    checkAttachments(scene.stage.world.scene());
 }
 
 TEST_CASE("a piece that came loose can be taken out, and the rest goes on, what is no piece is counted")
