@@ -33,7 +33,7 @@ install(EXPORT FilasofiaTargets NAMESPACE Filasofia:: DESTINATION ${FILASOFIA_PA
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/FilasofiaConfig.cmake.in
   ${PROJECT_BINARY_DIR}/FilasofiaConfig.cmake INSTALL_DESTINATION ${FILASOFIA_PACKAGE_DIR}
   PATH_VARS CMAKE_INSTALL_DATADIR)
-# Below 1.0 a minor version may break its callers (API_CHANGES.md says how).
+# Below 1.0 a minor version may break its callers.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/FilasofiaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/FilasofiaConfig.cmake ${PROJECT_BINARY_DIR}/FilasofiaConfigVersion.cmake
   ${PROJECT_SOURCE_DIR}/cmake/FilasofiaDependencies.cmake
