@@ -34,7 +34,8 @@ struct SceneRecord {
 std::string_view sourceRevision();
 
 /// Writes a run into a file as it goes: steps, what is drawn, and every mesh once, so that a replay needs nothing else.
-/// docs/record.md describes the bytes. What was flushed stays readable whatever happens to the program afterwards.
+/// docs/design/replay.md describes the bytes. What was flushed stays readable whatever happens to the program
+/// afterwards.
 class RecordingWriter {
 public:
     /// Throws an Error naming the file when it cannot be written, or is being written already by this program or

@@ -9,7 +9,7 @@
 #include <string_view>
 
 /// How a recording lies in its file: an opening line, then chunks, each with its length and checksum, so that what was
-/// written stays readable whatever happens after it. docs/record.md has the bytes.
+/// written stays readable whatever happens after it. docs/design/replay.md has the bytes.
 namespace filasofia::record {
 
 inline constexpr std::string_view kOpening = "filasofia recording, version ";
