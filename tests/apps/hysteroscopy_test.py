@@ -65,7 +65,7 @@ class Words(Trainer):
 
 
 class Expert(Trainer):
-    """docs/hysteroscopy.md has twenty seeds."""
+    """docs/lab/hysteroscopy.md has twenty seeds."""
 
     def test_the_expert_brings_the_polyp_out(self):
         for seed in SEEDS:
@@ -81,7 +81,7 @@ class Expert(Trainer):
 
 
 class Clumsy(Trainer):
-    """docs/hysteroscopy.md has a hundred."""
+    """docs/lab/hysteroscopy.md has a hundred."""
 
     def test_clumsy_hands_press_harder_and_nothing_breaks(self):
         for seed in SEEDS:

@@ -23,9 +23,9 @@ TEST_CASE("every metric has a definition, a unit, a source and its evidence, and
     }
 }
 
-TEST_CASE("docs/metrics.md has the table of the code (filasofia report --definitions writes it)")
+TEST_CASE("docs/guide/metrics.md has the table of the code (filasofia report --definitions writes it)")
 {
-    std::ifstream file(FILASOFIA_SOURCE_DIR "/docs/metrics.md");
+    std::ifstream file(FILASOFIA_SOURCE_DIR "/docs/guide/metrics.md");
     const std::string page{std::istreambuf_iterator<char>(file), {}};
     CHECK(page.find(catalogMarkdown()) != std::string::npos);
 }

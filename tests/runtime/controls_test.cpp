@@ -333,7 +333,7 @@ TEST_CASE("who asks for a screenshot and ends the run gets it, one that cannot b
 
 TEST_CASE("the page about showing and the help name every key")
 {
-    std::ifstream file(FILASOFIA_SOURCE_DIR "/docs/showing.md");
+    std::ifstream file(FILASOFIA_SOURCE_DIR "/docs/guide/showing.md");
     const std::string page{std::istreambuf_iterator<char>(file), {}};
     for (const auto& [keys, meaning] : keyLines()) {
         CHECK_THAT(page, Catch::Contains(text("| ", keys, " | ", meaning, " |")));

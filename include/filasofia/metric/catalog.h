@@ -74,7 +74,7 @@ constexpr auto fields(const MeasureDef*)
 /// not.
 std::vector<Value> measure(const Session& session, const MeasureDef& def = {});
 
-/// The table of docs/metrics.md.
+/// The table of docs/guide/metrics.md.
 std::string catalogMarkdown();
 
 /// A number beside those of other sessions.

@@ -7,7 +7,7 @@
 #include <span>
 
 /// A session as JSON Lines: a head, then a line per moment with what all tracks did, a line per event in between, and
-/// an end. docs/report.md describes it. What was written stays readable whatever happens to the writer.
+/// an end. docs/guide/report.md describes it. What was written stays readable whatever happens to the writer.
 namespace filasofia::metric {
 
 inline constexpr int kSessionVersion = 1;
