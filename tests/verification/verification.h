@@ -9,7 +9,7 @@
 
 namespace filasofia::engine {
 
-/// Says what was measured, in the one form that docs/verification.md is written from, and holds it to its bound.
+/// Says what was measured, in the one form that docs/lab/verification.md is written from, and holds it to its bound.
 inline void verify(const std::string& what, double value, double bound)
 {
     std::cout << "verification: " << what << ": " << text(value) << " (bound " << text(bound) << ")\n";
