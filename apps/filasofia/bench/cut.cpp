@@ -1,5 +1,5 @@
-#include "apps/filasofia/bench.h"
-#include "apps/filasofia/bench_cut_run.h"
+#include "apps/filasofia/bench/bench.h"
+#include "apps/filasofia/bench/cut_run.h"
 #include "filasofia/core/text.h"
 #include "filasofia/engine/solver_costs.h"
 

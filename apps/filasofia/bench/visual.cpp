@@ -1,7 +1,7 @@
-#include "apps/filasofia/bench.h"
-#include "apps/filasofia/bench_load.h"
-#include "apps/filasofia/bench_visual_frame.h"
-#include "apps/filasofia/bench_visual_physics.h"
+#include "apps/filasofia/bench/bench.h"
+#include "apps/filasofia/bench/load.h"
+#include "apps/filasofia/bench/visual_frame.h"
+#include "apps/filasofia/bench/visual_physics.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/worker_pool.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "apps/filasofia/bench.h"
-#include "apps/filasofia/bench_contact_cell.h"
+#include "apps/filasofia/bench/bench.h"
+#include "apps/filasofia/bench/contact_cell.h"
 
 namespace filasofia::app {
 

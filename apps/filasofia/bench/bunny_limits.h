@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/filasofia/bench.h"
+#include "apps/filasofia/bench/bench.h"
 
 namespace filasofia::app {
 

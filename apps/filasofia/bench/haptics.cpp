@@ -1,5 +1,5 @@
-#include "apps/filasofia/bench.h"
-#include "apps/filasofia/bench_haptics_run.h"
+#include "apps/filasofia/bench/bench.h"
+#include "apps/filasofia/bench/haptics_run.h"
 #include "filasofia/core/text.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "apps/filasofia/bench_load.h"
+#include "apps/filasofia/bench/load.h"
 
 #include "filasofia/runtime/timing.h"
 

@@ -1,4 +1,4 @@
-#include "apps/filasofia/bench_visual_frame.h"
+#include "apps/filasofia/bench/visual_frame.h"
 
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/mapping/map.h"

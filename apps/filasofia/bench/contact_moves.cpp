@@ -1,4 +1,4 @@
-#include "apps/filasofia/bench_contact_moves.h"
+#include "apps/filasofia/bench/contact_moves.h"
 
 #include "filasofia/geometry/distance.h"
 

@@ -1,5 +1,5 @@
-#include "apps/filasofia/bench.h"
-#include "apps/filasofia/bench_solver_limits.h"
+#include "apps/filasofia/bench/bench.h"
+#include "apps/filasofia/bench/solver_limits.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/geometry/mesh_file.h"

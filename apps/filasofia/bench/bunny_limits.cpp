@@ -1,4 +1,4 @@
-#include "apps/filasofia/bench_bunny_limits.h"
+#include "apps/filasofia/bench/bunny_limits.h"
 
 #include "filasofia/core/text.h"
 

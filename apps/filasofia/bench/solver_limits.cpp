@@ -1,4 +1,4 @@
-#include "apps/filasofia/bench_solver_limits.h"
+#include "apps/filasofia/bench/solver_limits.h"
 
 #include "filasofia/core/text.h"
 

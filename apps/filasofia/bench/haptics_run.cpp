@@ -1,6 +1,6 @@
-#include "apps/filasofia/bench_haptics_run.h"
+#include "apps/filasofia/bench/haptics_run.h"
 
-#include "apps/filasofia/bench_load.h"
+#include "apps/filasofia/bench/load.h"
 #include "filasofia/core/real_time.h"
 #include "filasofia/filasofia.h"
 #include "filasofia/runtime/clock.h"

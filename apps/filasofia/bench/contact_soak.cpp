@@ -1,8 +1,8 @@
-#include "apps/filasofia/bench_contact_soak.h"
+#include "apps/filasofia/bench/contact_soak.h"
 
-#include "apps/filasofia/bench.h"
-#include "apps/filasofia/bench_contact_moves.h"
-#include "apps/filasofia/bench_load.h"
+#include "apps/filasofia/bench/bench.h"
+#include "apps/filasofia/bench/contact_moves.h"
+#include "apps/filasofia/bench/load.h"
 #include "filasofia/core/text.h"
 #include "filasofia/geometry/distance.h"
 #include "filasofia/geometry/shapes.h"

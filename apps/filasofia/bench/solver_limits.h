@@ -1,7 +1,7 @@
 #pragma once
 
-#include "apps/filasofia/bench.h"
-#include "apps/filasofia/bench_solver_cell.h"
+#include "apps/filasofia/bench/bench.h"
+#include "apps/filasofia/bench/solver_cell.h"
 
 namespace filasofia::app {
 

@@ -1,4 +1,4 @@
-#include "apps/filasofia/bench_solver_run.h"
+#include "apps/filasofia/bench/solver_run.h"
 
 #include "filasofia/engine/native.h"
 #include "filasofia/engine/native_engine.h"

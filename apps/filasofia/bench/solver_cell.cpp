@@ -1,7 +1,7 @@
-#include "apps/filasofia/bench_solver_cell.h"
+#include "apps/filasofia/bench/solver_cell.h"
 
-#include "apps/filasofia/bench_load.h"
-#include "apps/filasofia/bench_solver_run.h"
+#include "apps/filasofia/bench/load.h"
+#include "apps/filasofia/bench/solver_run.h"
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/runtime/clock.h"
 

@@ -1,4 +1,4 @@
-#include "apps/filasofia/bench_contact_limits.h"
+#include "apps/filasofia/bench/contact_limits.h"
 
 #include "filasofia/core/text.h"
 

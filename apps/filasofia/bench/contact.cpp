@@ -1,5 +1,5 @@
-#include "apps/filasofia/bench.h"
-#include "apps/filasofia/bench_contact_limits.h"
+#include "apps/filasofia/bench/bench.h"
+#include "apps/filasofia/bench/contact_limits.h"
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/solver_costs.h"
 

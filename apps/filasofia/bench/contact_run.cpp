@@ -1,4 +1,4 @@
-#include "apps/filasofia/bench_contact_run.h"
+#include "apps/filasofia/bench/contact_run.h"
 
 #include "filasofia/core/text.h"
 #include "filasofia/engine/native_engine.h"

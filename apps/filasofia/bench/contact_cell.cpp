@@ -1,6 +1,6 @@
-#include "apps/filasofia/bench_contact_cell.h"
+#include "apps/filasofia/bench/contact_cell.h"
 
-#include "apps/filasofia/bench_load.h"
+#include "apps/filasofia/bench/load.h"
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/runtime/clock.h"
 

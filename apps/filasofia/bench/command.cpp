@@ -1,4 +1,4 @@
-#include "apps/filasofia/bench.h"
+#include "apps/filasofia/bench/bench.h"
 #include "apps/filasofia/commands.h"
 #include "apps/filasofia/json_file.h"
 #include "filasofia/core/error.h"

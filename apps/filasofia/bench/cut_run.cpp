@@ -1,6 +1,6 @@
-#include "apps/filasofia/bench_cut_run.h"
+#include "apps/filasofia/bench/cut_run.h"
 
-#include "apps/filasofia/bench_load.h"
+#include "apps/filasofia/bench/load.h"
 #include "filasofia/geometry/shapes.h"
 
 #include <ctime>

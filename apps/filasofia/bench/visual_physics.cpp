@@ -1,4 +1,4 @@
-#include "apps/filasofia/bench_visual_physics.h"
+#include "apps/filasofia/bench/visual_physics.h"
 
 #include "apps/filasofia/bunny_scene.h"
 

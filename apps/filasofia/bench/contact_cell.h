@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/filasofia/bench_contact_run.h"
+#include "apps/filasofia/bench/contact_run.h"
 #include "filasofia/runtime/timing.h"
 
 #include <string>
