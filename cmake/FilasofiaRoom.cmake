@@ -1,4 +1,4 @@
-# What every target of the project shares, and the two functions that make a room and a room's tests.
+# The flags that all targets share, and the two functions that define a room and a room's tests.
 
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
@@ -8,7 +8,7 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
 endif()
 find_package(Threads REQUIRED)
 
-# Same input, same bits: no contraction of a*b+c, no -ffast-math, on any compiler.
+# Same input, same bits: no contraction of a*b+c and no -ffast-math, on any compiler.
 add_library(filasofia_flags INTERFACE)
 target_compile_features(filasofia_flags INTERFACE cxx_std_20)
 target_compile_options(filasofia_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
@@ -38,7 +38,7 @@ function(filasofia_room name)
 endfunction()
 
 # filasofia_tests(geometry SOURCES mesh_test.cpp ... LINKS extra): one program, one ctest entry per TEST_CASE.
-# Private headers of the room under test are visible.
+# The tests see the private headers of their room.
 function(filasofia_tests name)
   cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
   if(NOT TEST_TIMEOUT)

@@ -23,7 +23,7 @@ Problem restingBunny(const Problem& hanging)
     Problem problem = hanging;
     problem.dt = 0.02;
     problem.steps = 250;
-    problem.rayleighMass = 10.0; // what is left of a swing after these 5 s is below 1e-10
+    problem.rayleighMass = 10.0; // the remaining swing after these 5 s is below 1e-10
     return problem;
 }
 

@@ -1,6 +1,6 @@
 """Runs the hysteroscopy trainer as a user does. Usage: hysteroscopy_test.py PROGRAM [CLASS]
 
-TRAINER_STEPS in the environment cuts the planned motions short: a sanitizer takes minutes for one."""
+If TRAINER_STEPS is set in the environment, the planned motions are cut short: a sanitizer takes minutes for one."""
 import json
 import os
 import re
@@ -39,7 +39,7 @@ class Words(Trainer):
         self.assertIn(says, done.stderr)
         self.assertEqual(done.stdout, "")
 
-    def test_what_is_unknown_is_refused_in_one_line(self):
+    def test_unknown_words_are_refused_in_one_line(self):
         self.refused("--case", "huge", says="--case must be small, medium or lobed, got 'huge'")
         self.refused("--case", "a\nb", says="--case must be")
         self.refused("--seed", "-1", says="--seed must be a whole number in [0, 999999999]")
@@ -65,7 +65,7 @@ class Words(Trainer):
 
 
 class Expert(Trainer):
-    """docs/hysteroscopy.md has twenty seeds."""
+    """A few seeds; docs/hysteroscopy.md reports twenty."""
 
     def test_the_expert_brings_the_polyp_out(self):
         for seed in SEEDS:
@@ -81,7 +81,7 @@ class Expert(Trainer):
 
 
 class Clumsy(Trainer):
-    """docs/hysteroscopy.md has a hundred."""
+    """A few seeds; docs/hysteroscopy.md reports a hundred."""
 
     def test_clumsy_hands_press_harder_and_nothing_breaks(self):
         for seed in SEEDS:
@@ -102,9 +102,9 @@ class Hand(Trainer):
                           "0.8,0,0.03,0,1,0,0,0,0\n1.2,0,0.03,0,1,0,0,0,0\n")
         done = run("--motion", str(motion), "--headless", "--steps", "1200", "--session", self.session)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("1 of 6 steps", done.stdout)  # from 15 mm before the os to 15 mm beyond
+        self.assertIn("1 of 6 steps", done.stdout)  # from 15 mm outside the os to 15 mm inside
         done = run("--motion", str(motion), "--no-picture", "--seconds", "0.5", "--session", self.session)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)  # by the clock, and without a start screen
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)  # in real time, without a start screen
 
 
 class Pictures(Trainer):
@@ -113,7 +113,7 @@ class Pictures(Trainer):
                    "--pictures", self.folder.name)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         picture = Path(self.folder.name) / "os.png"
-        self.assertGreater(picture.stat().st_size, 100_000)  # a black one, or one of one colour, is far smaller
+        self.assertGreater(picture.stat().st_size, 100_000)  # a black or single-coloured picture is far smaller
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
 
 #include "verification/verification.h"
 
-/// Bodies to attach to each other, and what to ask of attachments.
+/// Bodies to attach to each other, and functions that measure attachments.
 namespace filasofia::engine {
 
 inline constexpr double kG = 9.81;
@@ -57,7 +57,7 @@ inline Vec3 placeOf(Stage& stage, const AttachedPoint& point, BodyId id)
     return point.place;
 }
 
-/// [m] the farthest that any two points that are to be one are apart.
+/// [m] The largest distance between two points that should coincide.
 inline double worstGap(Stage& stage)
 {
     double worst = 0.0;
@@ -67,7 +67,7 @@ inline double worstGap(Stage& stage)
     return worst;
 }
 
-/// [N], [N m] about the origin: what an attachment does to its body.
+/// [N], [N m] about the origin: the wrench that an attachment exerts on its body.
 inline Wrench wrenchOf(Stage& stage, AttachmentId id)
 {
     const State& state = stage.world.state();

@@ -9,13 +9,13 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// Uses one instruction set until it goes out of scope.
+/// Uses one instruction set until the end of its scope.
 struct Target {
     explicit Target(const std::string& name) { linalg::useSimdTarget(name); }
     ~Target() { linalg::useSimdTarget(""); }
 };
 
-/// With fused multiply-add all compute the same bits.
+/// Instruction sets with fused multiply-add; all of them compute the same bits.
 bool fused(const std::string& target) { return target == "AVX3" || target == "AVX2" || target == "NEON"; }
 
 std::uint64_t hashAfter(int elements, int threads, int steps, double dt, const Solver& solver = ConjugateGradient{})
@@ -55,7 +55,8 @@ TEST_CASE("every instruction set with fused multiply-add makes the same hash, ot
 {
     Stage best = standingBunny(1492, ConjugateGradient{});
     best.run(50, 0.001);
-    if (!fused(linalg::simdTarget())) WARN("no fused multiply-add on this machine: nothing has equal bits here");
+    if (!fused(linalg::simdTarget()))
+        WARN("no fused multiply-add on this machine: no two instruction sets compute the same bits here");
     for (const std::string& name : simdTargets()) {
         const Target target(name);
         Stage stage = standingBunny(1492, ConjugateGradient{});
@@ -66,9 +67,10 @@ TEST_CASE("every instruction set with fused multiply-add makes the same hash, ot
     }
 }
 
-// No contraction, no -ffast-math, fixed order of sums: every compiler on every machine with fused multiply-add computes
-// these bits. Whoever changes the engine's arithmetic or what a hash is made of copies the new ones from what this test
-// prints:  test_verification "after 50 steps*"  (and says so in CHANGELOG.md: recorded hashes change for users too)
+// No contraction, no -ffast-math, and a fixed order of sums: with fused multiply-add, every compiler on every machine
+// computes these bits. If you change the engine's arithmetic or the content of a hash, copy the new hashes from the
+// output of  test_verification "after 50 steps*"  and say so in CHANGELOG.md, because recorded hashes change for users
+// too.
 TEST_CASE("after 50 steps of 1 ms every bunny has the hash that it had on any machine")
 {
     const std::tuple<int, std::uint64_t, std::uint64_t> goldens[] = {{756, 0x884fb10c8a252e0f, 0xa185c6649d73720e},

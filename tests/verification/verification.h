@@ -9,7 +9,7 @@
 
 namespace filasofia::engine {
 
-/// Says what was measured, in the one form that docs/verification.md is written from, and holds it to its bound.
+/// Prints a measured value in the form that docs/verification.md uses, and checks it against its bound.
 inline void verify(const std::string& what, double value, double bound)
 {
     std::cout << "verification: " << what << ": " << text(value) << " (bound " << text(bound) << ")\n";
@@ -24,7 +24,7 @@ inline void verifyWithin(const std::string& what, double value, double low, doub
     CHECK(value <= high);
 }
 
-/// What is only printed, because nothing says how large it may be.
+/// Prints a value that has no bound.
 inline void tell(const std::string& what, double value)
 {
     std::cout << "verification: " << what << ": " << text(value) << " (bound none)\n";
@@ -46,7 +46,7 @@ inline FemElement randomElement(std::mt19937& random, Corners& rest)
             .poissonRatio = 0.4};
 }
 
-/// The nearest rotation, from no guess.
+/// The nearest rotation, found without an initial guess.
 inline Mat3 nearestRotation(const Mat3& f) { return toMat3(polarRotation(f, {})); }
 
 inline Corners elementForces(const FemElement& element, const Corners& x)
@@ -55,9 +55,9 @@ inline Corners elementForces(const FemElement& element, const Corners& x)
     return corotationalForces(element, f, nearestRotation(f));
 }
 
-/// Finds where a body of elements is at rest under given forces, nodes that are held staying where x has them:
-/// Newton's method on the forces with the warped stiffness, each solved by Cholesky, until a correction is
-/// made from a residual below `tolerance` of the first.
+/// Finds where a body of elements is at rest under given forces; pinned nodes stay where x has them. Newton's method on
+/// the forces with the warped stiffness, each step solved by Cholesky, until a correction is computed from a residual
+/// below `tolerance` times the first.
 inline void solveStatic(const SoftModel& model, std::span<const Vec3> given, std::vector<Vec3>& x,
                         double tolerance = 1e-13)
 {

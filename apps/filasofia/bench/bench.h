@@ -8,50 +8,52 @@
 #include <string>
 #include <vector>
 
-/// What the benches share. Each measures, prints a table, holds it against its limits and returns all of it as JSON.
+/// Shared by all benches. A bench measures, prints a table, compares the figures with its limits and returns everything
+/// as JSON.
 namespace filasofia::app {
 
-/// One limit of the project, held against what was measured.
+/// One limit of the project and the result of the comparison.
 struct Verdict {
-    std::string limit = {};       ///< what is asked
-    std::optional<bool> met = {}; ///< nothing where nothing was measured that says anything about it
+    std::string limit = {};       ///< the limit as a sentence
+    std::optional<bool> met = {}; ///< empty if nothing was measured that could decide it
     std::string measured = {};    ///< the worst case, in words
 };
 
-/// Prints them, a line each.
+/// Prints one line per verdict.
 nlohmann::json printVerdicts(const std::vector<Verdict>& verdicts);
 
 nlohmann::json spreadToJson(const runtime::Spread& spread);
 
-/// Cut to so many decimals: 10 for one, 100 for two.
+/// Rounds to a number of decimals: `digits` is 10 for one decimal, 100 for two.
 double rounded(double value, double digits);
 
-/// The paper's table of tetrahedra x subdivision; `seconds` [s] of wall time per cell; `quick` leaves the smallest mesh
-/// only.
+/// The paper's table of tetrahedra x subdivision. Each cell takes `seconds` [s] of wall time. If `quick`, only the
+/// smallest mesh is measured.
 nlohmann::json benchBunny(double seconds, bool quick);
 
-/// A step's cost by size, time step and threads, against what it costs at least and against the double-precision
-/// reference; `quick` leaves the small meshes and fewer steps.
+/// A step's cost by mesh size, time step and number of threads, compared with a lower bound of the cost and with the
+/// double-precision reference solver. If `quick`, only the small meshes are measured, with fewer steps.
 nlohmann::json benchSolver(bool quick);
 
-/// A step's cost with bodies that touch, detection and response apart, against the step of the same bodies going
-/// through each other; `quick` leaves the smallest meshes and fewer steps.
+/// A step's cost with bodies in contact, detection and response apart, relative to a step of the same bodies without
+/// contact. If `quick`, only the smallest meshes are measured, with fewer steps.
 nlohmann::json benchContact(bool quick);
 
-/// What a step's cutting costs, by stages, while a blade goes through a block at 5 cm/s; iterations of the solver
-/// before, during and after. `quick` leaves a small block.
+/// The cost of cutting per step, by stages, while a blade moves through a block at 5 cm/s, and the solver's iterations
+/// before, during and after the cut. If `quick`, the block is small.
 nlohmann::json benchCut(bool quick);
 
-/// How evenly a haptic servo ticks beside physics, `seconds` [s] of wall time per run; when it lets go of the hand
-/// where physics stands still; what energy it gives. `quick` leaves fewer walls.
+/// How evenly a haptic servo ticks beside physics, with `seconds` [s] of wall time per run; how soon it releases the
+/// hand if physics stalls; and how much energy it gives. If `quick`, fewer walls are measured.
 nlohmann::json benchHaptics(double seconds, bool quick);
 
-/// What the picture costs the main thread, for 5,000 and 50,000 vertices that move in every frame; how long new
-/// triangles take; what is left of physics beside a picture. `quick` leaves the smaller surface and fewer frames.
+/// The main thread's cost of a picture of 5,000 and 50,000 vertices that move in every frame; the time that new
+/// triangles take; and the physics rate beside a picture. If `quick`, only the smaller surface is measured, with fewer
+/// frames.
 nlohmann::json benchVisual(bool quick);
 
-/// What lasts: a tool that presses, scrapes and grasps the bunny at random for so many simulated minutes, a soft ball
-/// on a floor for as long, up to 10, and a tower of boxes for up to 1.
+/// Long runs: a tool presses, scrapes and grasps the bunny at random for `minutes` of simulated time; a soft ball lies
+/// on a floor for the same time, at most 10 min; a tower of boxes stands for at most 1 min.
 nlohmann::json soakContact(double minutes, int seed);
 
 } // namespace filasofia::app

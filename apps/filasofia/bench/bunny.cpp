@@ -12,14 +12,14 @@ using nlohmann::json;
 using runtime::RunTiming;
 using runtime::Spread;
 
-/// One cell of the table: a bunny, a picture, a way to pace.
+/// One cell of the table: a bunny, a render backend and a pace.
 struct Cell {
     BunnyDef bunny;
     visual::Backend backend = visual::Backend::Null;
     bool freeRunning = false;
 };
 
-/// The whole table, as far as it was measured.
+/// All results, including those of a run that was interrupted.
 struct Results {
     std::vector<CellResult> measured;
     json cells = json::array();
@@ -27,13 +27,13 @@ struct Results {
     bool interrupted = false;
 };
 
-constexpr double kRate = 200.0; ///< [Hz], the paper's: T = 5 ms
+constexpr double kRate = 200.0; ///< [Hz] the paper's rate: T = 5 ms
 constexpr const char* kDrawThreads = "LP_NUM_THREADS";
 
 const char* nameOf(visual::Backend backend) { return backend == visual::Backend::Null ? "null" : "filament"; }
 const char* paceOf(const Cell& cell) { return cell.freeRunning ? "free" : "5 ms"; }
 
-/// Microseconds: when each step began, and what it cost.
+/// When each step began and what it cost, both in microseconds.
 json series(const RunTiming& timing)
 {
     json wake = json::array(), cost = json::array();
@@ -44,7 +44,7 @@ json series(const RunTiming& timing)
     return {{"wake_us", wake}, {"cost_us", cost}};
 }
 
-/// What tells the cells apart.
+/// The fields that identify a cell.
 json toJson(const Cell& cell)
 {
     return {{"tets", cell.bunny.tets},
@@ -89,7 +89,8 @@ RunReport run(const Cell& cell, double seconds)
     return sim.run(RunDef{.backend = cell.backend, .seconds = seconds, .freeRunning = cell.freeRunning});
 }
 
-/// Measures a cell. One that cannot start, such as Filament's on a machine without EGL, is named, and the others stay.
+/// Measures one cell. A cell that cannot start is reported as skipped, for example Filament's on a machine without EGL;
+/// the other cells are still measured.
 void measure(const Cell& cell, double seconds, Results& results)
 {
     printCell(cell);
@@ -109,7 +110,7 @@ void measure(const Cell& cell, double seconds, Results& results)
     std::fflush(stdout);
 }
 
-/// The paper's table; `quick` leaves the smallest mesh only.
+/// The paper's table; only the smallest mesh if `quick`.
 std::vector<Cell> paperTable(bool quick)
 {
     const std::vector<int> paper = quick ? std::vector{756} : std::vector{756, 1492, 3004};
@@ -126,8 +127,8 @@ std::vector<Cell> paperTable(bool quick)
     return cells;
 }
 
-/// Where the processor draws (Mesa's llvmpipe), it would take every core from physics: one thread, unless the user has
-/// said how many. Read by the driver when the first visual server starts.
+/// If the processor draws (Mesa's llvmpipe), drawing would take every core from physics. It therefore gets one thread,
+/// unless the user has set a number. The driver reads the variable when the first visual server starts.
 std::string limitDrawThreads()
 {
     const char* asked = std::getenv(kDrawThreads);
@@ -159,10 +160,10 @@ Results measureAll(double seconds, bool quick)
 json benchBunny(double seconds, bool quick)
 {
     const std::string drawThreads = limitDrawThreads();
-    std::printf("%s=%s (threads, where the processor draws)\n", kDrawThreads, drawThreads.c_str());
+    std::printf("%s=%s (drawing threads, if the processor draws)\n", kDrawThreads, drawThreads.c_str());
     const Results results = measureAll(seconds, quick);
     if (!results.skipped.empty())
-        std::printf("\n%zu cells were skipped: the limits below speak of the others only", results.skipped.size());
+        std::printf("\n%zu cells were skipped; the limits below judge only the other cells", results.skipped.size());
     return {{"bench", "bunny"},
             {"rate_hz", kRate},
             {"seconds_per_cell", seconds},

@@ -9,10 +9,10 @@
 namespace filasofia::app {
 namespace {
 
-constexpr double kLowestRate = 196.0;  ///< [1/s] of 200: 2 % may be lost
-constexpr double kRateSpread = 0.02;   ///< [-] of a paced median rate over the levels
-constexpr double kCostSpread = 0.05;   ///< [-] of a free-running median cost over the levels
-constexpr double kRealTimeCost = 5e-3; ///< [s], what one step simulates
+constexpr double kLowestRate = 196.0;  ///< [1/s] 2 % below the requested 200
+constexpr double kRateSpread = 0.02;   ///< [-] spread of a paced median rate over the levels
+constexpr double kCostSpread = 0.05;   ///< [-] spread of a free-running median cost over the levels
+constexpr double kRealTimeCost = 5e-3; ///< [s] simulated time of one step
 
 std::string nameOf(const CellResult& cell)
 {
@@ -33,7 +33,7 @@ Verdict judgeRate(const std::vector<CellResult>& cells)
     return verdict;
 }
 
-/// Holds the medians of cells that differ in nothing but their level against each other: (highest - lowest) / lowest.
+/// Compares the medians of cells that differ only in their level: (highest - lowest) / lowest.
 Verdict judgeLevels(const std::vector<CellResult>& cells, bool freeRunning, double bound, std::string limit)
 {
     std::map<std::string, std::vector<double>> groups;

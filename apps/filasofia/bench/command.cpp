@@ -15,26 +15,26 @@ using nlohmann::json;
 struct Options {
     std::string scene;
     std::string file;
-    double seconds = std::numeric_limits<double>::quiet_NaN(); ///< not given
-    double soak = std::numeric_limits<double>::quiet_NaN();    ///< not given
+    double seconds = std::numeric_limits<double>::quiet_NaN(); ///< NaN if not given
+    double soak = std::numeric_limits<double>::quiet_NaN();    ///< NaN if not given
     int seed = 1;
     bool quick = false;
 };
 
-constexpr double kSeconds = 10.0;     ///< [s] of a cell
-constexpr double kQuickSeconds = 2.0; ///< [s] of a quick run of haptics
+constexpr double kSeconds = 10.0;     ///< [s] wall time per cell
+constexpr double kQuickSeconds = 2.0; ///< [s] wall time per run of haptics if --quick is given
 
-/// Refuses what it cannot do.
+/// Rejects options that do not fit the scene.
 void checkOptions(const Options& options)
 {
     if (options.scene != "bunny" && options.scene != "solver" && options.scene != "contact" && options.scene != "cut" &&
         options.scene != "haptics" && options.scene != "visual")
-        fail("bench: there is no scene '", shortened(options.scene),
-             "'; there are bunny, solver, contact, cut, haptics and visual");
+        fail("bench: unknown scene '", shortened(options.scene),
+             "'; known are bunny, solver, contact, cut, haptics and visual");
     if (!std::isnan(options.seconds) && options.scene != "bunny" && options.scene != "haptics")
-        fail("bench: --seconds is for bunny and haptics; ", options.scene, " makes a fixed number of steps");
-    if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak is for contact");
-    if (!std::isnan(options.soak) && options.quick) fail("bench: --soak says how long it takes: no --quick");
+        fail("bench: --seconds applies to bunny and haptics only; ", options.scene, " makes a fixed number of steps");
+    if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak applies to contact only");
+    if (!std::isnan(options.soak) && options.quick) fail("bench: --soak and --quick exclude each other");
 }
 
 json measure(const Options& options)
@@ -82,38 +82,39 @@ double rounded(double value, double digits) { return std::round(value * digits) 
 
 Command benchCommand()
 {
-    static Options options; // there is one command line, and it outlives this function
-    return {.name = "bench",
-            .meaning = "Measure, print a table and write JSON",
-            .options =
-                {{"SCENE",
-                  &options.scene,
-                  "bunny: the paper's table of tetrahedra x subdivision; solver: what a step costs; contact: what it "
-                  "costs where bodies touch; cut: what it costs while a blade cuts; haptics: how evenly a hand is "
-                  "pushed; visual: what a picture costs",
-                  "",
-                  {},
-                  true},
-                 {"--json", &options.file, "Write every figure to this file", "FILE"},
-                 {.name = "--seconds",
-                  .target = &options.seconds,
-                  .meaning = "Wall time of each of bunny's cells, and of haptics' runs",
-                  .type = "S",
-                  .bound = {openClosed(0, 3600), "s"},
-                  .standard = text(kSeconds)},
-                 {.name = "--soak",
-                  .target = &options.soak,
-                  .meaning = "Of contact: a tool at random for so many simulated minutes, in place of the costs",
-                  .type = "MIN",
-                  .bound = {openClosed(0, 600), "min"},
-                  .standard = "none"},
-                 {.name = "--seed",
-                  .target = &options.seed,
-                  .meaning = "Of the soak's tool",
-                  .type = "N",
-                  .bound = {closed(0, 1000000), "-"}},
-                 {"--quick", &options.quick, "Only the smallest meshes"}},
-            .run = [] { return bench(options); }};
+    static Options options; // static: there is one command line, and its targets must outlive this function
+    return {
+        .name = "bench",
+        .meaning = "Measure, print a table and write JSON",
+        .options =
+            {{"SCENE",
+              &options.scene,
+              "bunny: the paper's table of tetrahedra x subdivision; solver: cost of a step; contact: cost of a step "
+              "with bodies in contact; cut: cost of a step while a blade cuts; haptics: evenness of the haptic "
+              "servo; visual: cost of a picture",
+              "",
+              {},
+              true},
+             {"--json", &options.file, "Write every figure to this file", "FILE"},
+             {.name = "--seconds",
+              .target = &options.seconds,
+              .meaning = "Wall time of each cell of bunny and of each run of haptics",
+              .type = "S",
+              .bound = {openClosed(0, 3600), "s"},
+              .standard = text(kSeconds)},
+             {.name = "--soak",
+              .target = &options.soak,
+              .meaning = "contact only: instead of the costs, run random tool motions for this many simulated minutes",
+              .type = "MIN",
+              .bound = {openClosed(0, 600), "min"},
+              .standard = "none"},
+             {.name = "--seed",
+              .target = &options.seed,
+              .meaning = "Seed of the random tool motions of --soak",
+              .type = "N",
+              .bound = {closed(0, 1000000), "-"}},
+             {"--quick", &options.quick, "Measure only the smallest meshes"}},
+        .run = [] { return bench(options); }};
 }
 
 } // namespace filasofia::app

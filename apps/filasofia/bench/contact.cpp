@@ -71,11 +71,11 @@ json toJson(const ContactCell& cell)
 
 void printHead()
 {
-    std::printf("instruction set %s, %d cores, steps of %g ms; detection: finding who touches whom, response: the rest "
-                "of a step\n",
+    std::printf("instruction set %s, %d cores, steps of %g ms; detection: finding the contacts; response: the rest "
+                "of the step\n",
                 engine::simdTargets().front().c_str(), usableCores(), 1e3 * kContactStep);
-    std::printf("x free: by the step of the same bodies going through each other, median (lowest-highest) of the "
-                "repetitions; others: cores that other programs took\n\n");
+    std::printf("x free: cost relative to a step of the same bodies without contact, median (lowest-highest) over "
+                "the repetitions; others: cores used by other programs\n\n");
     std::printf("%-12s %-20s %6s %3s %8s %8s %8s %8s %8s %18s %6s %6s %6s %7s %8s %9s %6s\n", "body", "scene", "tets",
                 "thr", "step ms", "p99", "max", "detect", "respond", "x free", "found", "push", "rounds", "iter", "N",
                 "deep um", "others");

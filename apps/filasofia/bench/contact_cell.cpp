@@ -10,7 +10,7 @@
 namespace filasofia::app {
 namespace {
 
-/// A run, and what it has shown so far.
+/// A run and its results so far.
 struct Worker {
     ContactTimes times = {};
     std::unique_ptr<ContactRun> run = {};
@@ -19,7 +19,7 @@ struct Worker {
 
 int iterationsOf(const physics::StepReport& report)
 {
-    int most = 0; // bodies that touch are solved together: each tells the same number
+    int most = 0; // bodies in contact are solved together: each reports the same number
     for (const physics::BodySolve& solve : report.solves) most = std::max(most, solve.iterations);
     return most;
 }
@@ -35,7 +35,7 @@ void look(const physics::StepReport& report, ContactRun& run, ContactCell& cell)
     cell.forces.push_back(force);
 }
 
-/// `cell`: where the contacts of the run are to be told, too.
+/// If `cell` is given, the contacts of the run are recorded there too.
 void repeat(int steps, Worker& worker, ContactCell* cell)
 {
     const auto now = runtime::steadyClock().now;

@@ -6,26 +6,26 @@
 #include <string>
 #include <vector>
 
-/// What the cost table of `bench contact` measures, one scene at a time.
+/// The cost table of `bench contact`, measured one scene at a time.
 namespace filasofia::app {
 
-/// How much is measured.
+/// The amount of measurement.
 struct ContactEffort {
     int repetitions = 5; ///< [-]
-    int steps = 150;     ///< [-], of each repetition: the runs take turns, and go on where they were
+    int steps = 150;     ///< [-] per repetition; the runs take turns, and each continues where it stopped
 };
 
 /// The steps of one run.
 struct ContactTimes {
     int threads = 1;
-    bool contacts = true;                ///< else the same bodies going through each other
+    bool contacts = true;                ///< if false, the same bodies pass through each other
     std::vector<double> steps = {};      ///< [s]
-    std::vector<double> detections = {}; ///< [s] of each: finding who touches whom
-    std::vector<double> responses = {};  ///< [s] of each: all the rest
+    std::vector<double> detections = {}; ///< [s] per step: finding the contacts
+    std::vector<double> responses = {};  ///< [s] per step: everything else
     std::vector<double> medians = {};    ///< [s] per repetition
-    std::vector<double> others = {};     ///< [-] cores that other programs took, per repetition
+    std::vector<double> others = {};     ///< [-] cores used by other programs, per repetition
     double iterations = 0.0;             ///< [-] mean
-    std::uint32_t flags = 0;             ///< of all steps, also those before the count
+    std::uint32_t flags = 0;             ///< the union over all steps, also those before counting starts
     int flagged = 0;                     ///< [-] counted steps with a flag
 
     [[nodiscard]] runtime::Spread step() const { return runtime::spreadOf(steps); }
@@ -34,7 +34,7 @@ struct ContactTimes {
 struct ContactCell {
     ContactScene scene = {};
     int elements = 0;
-    std::vector<ContactTimes> runs = {};          ///< one thread; contact-free with one thread; all threads
+    std::vector<ContactTimes> runs = {};          ///< with one thread; contact-free with one thread; with all threads
     std::vector<double> found = {}, pushing = {}; ///< [-] per counted step
     std::vector<double> rounds = {}, forces = {}; ///< [-]; [N] the sum of all contacts' normal forces
     double penetration = 0.0;                     ///< [m] the deepest of all steps
@@ -42,7 +42,8 @@ struct ContactCell {
 
     [[nodiscard]] const ContactTimes& alone() const { return runs[0]; }
     [[nodiscard]] const ContactTimes& free() const { return runs[1]; }
-    [[nodiscard]] runtime::Spread overFree() const; ///< [-] step by contact-free step, over the repetitions
+    [[nodiscard]] runtime::Spread
+    overFree() const; ///< [-] time of a step / time of a contact-free step, over the repetitions
     [[nodiscard]] std::string label() const { return scene.body + ", " + scene.name; }
 };
 

@@ -12,13 +12,13 @@ namespace {
 using Figure = std::function<double(const ContactCell&)>;
 using Which = std::function<bool(const ContactCell&)>;
 
-double shown(double value, double digits = 3.0) // so many digits
+double shown(double value, double digits = 3.0) // rounds to `digits` decimals
 {
     const double unit = std::pow(10.0, digits - 1.0 - std::floor(std::log10(std::max(std::abs(value), 1e-300))));
     return std::round(value * unit) / unit;
 }
 
-/// Holds the highest figure (or the lowest, where `low`) of those cells against a bound.
+/// Compares the highest figure of the selected cells with a bound; the lowest figure if `low`.
 Verdict judge(const std::vector<ContactCell>& cells, const Which& which, const Figure& figure, double bound,
               const std::string& limit, const std::string& unit, bool low = false)
 {
@@ -44,7 +44,7 @@ bool plate(const ContactCell& cell) { return cell.scene.name.starts_with("plate"
 
 Verdict judgeFlags(const std::vector<ContactCell>& cells)
 {
-    Verdict verdict{.limit = "no step raises a flag", .met = true, .measured = "none did"};
+    Verdict verdict{.limit = "no step raises a flag", .met = true, .measured = "no flag was raised"};
     for (const ContactCell& cell : cells)
         for (const ContactTimes& run : cell.runs) {
             if (run.flags == 0 || !*verdict.met) continue;
@@ -63,15 +63,15 @@ std::vector<Verdict> judgeContact(const std::vector<ContactCell>& cells)
         return [tets](const ContactCell& cell) { return scraped(cell) && cell.scene.body == "bunny " + tets; };
     };
     const auto thousand = [](const ContactCell& cell) { return plate(cell) && cell.scene.asked == 1000; };
-    return {judge(cells, slow, found, 60, "at least 60 contacts stand while the bunny is scraped at 0.1 m/s, by median",
-                  "", true),
+    return {judge(cells, slow, found, 60,
+                  "the median number of contacts is at least 60 while the bunny is scraped at 0.1 m/s", "", true),
             judge(cells, bunny("3004"), medianMs, 0.2, "3004 tetrahedra, scraped: median at most 0.2 ms, one thread",
                   " ms"),
             judge(cells, bunny("3004"), p99Ms, 0.8, "3004 tetrahedra, scraped: p99 at most 0.8 ms", " ms"),
             judge(cells, bunny("10000"), medianMs, 0.6, "10000 tetrahedra, scraped: median at most 0.6 ms", " ms"),
             judge(cells, bunny("10000"), p99Ms, 2.0, "10000 tetrahedra, scraped: p99 at most 2 ms", " ms"),
-            judge(cells, thousand, pushing, 1000, "at least 1000 contacts push under the largest plate, by median", "",
-                  true),
+            judge(cells, thousand, pushing, 1000,
+                  "the median number of pushing contacts under the largest plate is at least 1000", "", true),
             judge(cells, thousand, medianMs, 2.0, "1000 contacts on 30000 tetrahedra: median at most 2 ms", " ms"),
             judgeFlags(cells)};
 }

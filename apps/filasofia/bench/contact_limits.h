@@ -5,7 +5,7 @@
 
 namespace filasofia::app {
 
-/// The project's limits for the cost of contacts. What was not measured is not judged.
+/// The project's limits for the cost of contacts. A limit stays undecided if its cells were not measured.
 std::vector<Verdict> judgeContact(const std::vector<ContactCell>& cells);
 
 } // namespace filasofia::app

@@ -9,11 +9,11 @@
 namespace filasofia::app {
 namespace {
 
-constexpr double kFar = 0.17;       ///< [m] from the middle: out of the body's way
-constexpr double kDeepest = 0.015;  ///< [m] of the axis below the surface at rest
-constexpr double kFromHeld = 0.025; ///< [m] from the axis to where the body is held
-constexpr double kOff = 0.02;       ///< [m] between a tool and the surface before and after it touches
-constexpr double kPeak = 1.5;       ///< the highest speed of a smooth step by its mean
+constexpr double kFar = 0.17;       ///< [m] from the middle: far enough not to touch the body
+constexpr double kDeepest = 0.015;  ///< [m] depth of the axis below the surface at rest
+constexpr double kFromHeld = 0.025; ///< [m] from the axis to the pinned part of the body
+constexpr double kOff = 0.02;       ///< [m] distance between a tool and the surface before and after it touches
+constexpr double kPeak = 1.5;       ///< [-] peak speed / mean speed of a smooth step
 
 double smooth(double t) { return t * t * (3.0 - 2.0 * t); }
 
@@ -29,7 +29,7 @@ Pose blend(const Pose& a, const Pose& b, double t)
     return {(1.0 - t) * a.position + t * b.position, blend(a.orientation, b.orientation, t)};
 }
 
-/// The turn that takes y, a capsule's axis, to a direction.
+/// The rotation that takes y, a capsule's axis, to a direction.
 Quat turnTo(Vec3 direction)
 {
     const Vec3 axis = cross(Vec3{0, 1, 0}, direction);
@@ -85,7 +85,7 @@ void RandomMoves::leave(double time)
     doing_ = "leaving";
 }
 
-/// [m] the longest way of any point of a tool, or more.
+/// [m] an upper bound of the longest path of any point of a tool.
 double RandomMoves::lengthOf(const Move& move) const
 {
     double longest = 0.0;
@@ -107,7 +107,7 @@ void RandomMoves::plan()
     }
 }
 
-/// Presses the first tool in, at any angle, and perhaps scrapes along the surface.
+/// Presses the first tool in at a random angle, and in some cases scrapes along the surface.
 bool RandomMoves::planTouch()
 {
     const Place place = randomPlace();
@@ -125,7 +125,7 @@ bool RandomMoves::planTouch()
     if (!fitsAlong(start, deep) || !fitsAlong(deep, scraped) || !fitsAlong(scraped, end)) return false;
     doing_ = scrapes ? "scrape" : "press";
     if (fitsAlong(from_[0], start) && distance(from_[1].position, parked(1).position) < 1e-9)
-        moves_.push_back({{start, parked(1)}, random(0.3, 1.0), 0.0}); // straight there, and through what is in its way
+        moves_.push_back({{start, parked(1)}, random(0.3, 1.0), 0.0}); // straight there, through whatever is in its way
     else
         travel({start, parked(1)});
     moves_.push_back({{deep, parked(1)}, random(0.05, 1.0), random(0.0, 0.2)});
@@ -134,7 +134,7 @@ bool RandomMoves::planTouch()
     return true;
 }
 
-/// Takes a thin part between both tools, to about half of its thickness, pulls and lets go.
+/// Takes a thin part between both tools, closes them to about half of its thickness, pulls and lets go.
 bool RandomMoves::planGrasp()
 {
     const Place near = randomPlace();
@@ -142,7 +142,7 @@ bool RandomMoves::planGrasp()
     const double thick = thickness(near, far);
     if (!(thick > 0.01 && thick < 0.045) || far.point.y < heldBelow_ + kFromHeld) return false;
     const Vec3 way = normalized(far.point - near.point), axis = normalized(cross(way, randomDirection()));
-    const auto jaws = [&](double apart) { // so far from the surface, both
+    const auto jaws = [&](double apart) { // both at the same distance from the surface
         const double out = capsule_.radius + apart;
         return std::array{Pose{near.point - out * way, turnTo(axis)}, Pose{far.point + out * way, turnTo(axis)}};
     };
@@ -176,7 +176,7 @@ void RandomMoves::travel(std::array<Pose, 2> to)
             const Vec3 a = normalized(from[k].position - middle_, {0, 1, 0}),
                        b = normalized(to[k].position - middle_, {0, 1, 0});
             const double t = static_cast<double>(leg) / kLegs;
-            // Around, in equal angles; between opposite places there is no shortest way, and over the top is one.
+            // Around in equal angles. Between opposite places there is no unique shortest path: it goes over the top.
             const Vec3 turn = dot(a, b) < -0.999
                                   ? std::numbers::pi * normalized(cross(a, Vec3{0, 1, 0}), {1, 0, 0})
                                   : std::acos(std::clamp(dot(a, b), -1.0, 1.0)) * normalized(cross(a, b));
@@ -212,7 +212,7 @@ bool RandomMoves::fitsAlong(const Pose& from, const Pose& to) const
     return true;
 }
 
-/// [m] below the surface at rest; 0 outside.
+/// [m] depth below the surface at rest; 0 if the point is outside.
 double RandomMoves::depthOf(Vec3 point) const
 {
     std::vector<int> around;
@@ -232,7 +232,7 @@ double RandomMoves::depthOf(Vec3 point) const
     return std::sqrt(found.value);
 }
 
-/// [m] from a place straight through to the other side.
+/// [m] distance from a place straight through to the other side.
 double RandomMoves::thickness(const Place& place, Place& exit) const
 {
     const Vec3 start = place.point - 1e-5 * place.normal;
@@ -267,7 +267,7 @@ Vec3 RandomMoves::randomDirection()
     }
 }
 
-/// The same numbers with every standard library.
+/// Written out so that every standard library yields the same numbers.
 double RandomMoves::random(double low, double high)
 {
     return low + (high - low) * (static_cast<double>(source_()) / 4294967296.0);

@@ -9,37 +9,37 @@
 #include <string>
 #include <vector>
 
-/// How the soak's two tools move.
+/// Motions of the soak's two tools.
 namespace filasofia::app {
 
-/// A capsule's size.
+/// The size of a capsule.
 struct Capsule {
     double radius = 0.005; ///< [m]
-    double half = 0.025;   ///< [m] of its straight part
+    double half = 0.025;   ///< [m] half the length of the straight part
 };
 
-/// Moves two capsules at random around a body, and into it: presses, scrapes, and grasps between both, at up to 1 m/s,
-/// smoothly. The seed says all. Neither tool's axis is sent where the body has no room to give way: deep below its
-/// surface at rest, or near where it is held.
+/// Moves two capsules at random around a body and into it: presses, scrapes, and grasps with both, smoothly and at up
+/// to 1 m/s. The seed determines everything. Neither tool's axis enters regions where the body has no room to yield:
+/// deep below its surface at rest, or near its pinned part.
 class RandomMoves {
 public:
-    /// `heldBelow` [m]: the body's nodes below that height do not move.
+    /// `heldBelow` [m]: the body's nodes below that height are pinned.
     RandomMoves(const geometry::TetMesh& mesh, double heldBelow, Capsule capsule, int seed);
 
-    /// Where both are at that time; times ascend.
+    /// The poses of both tools at a time. Calls must have ascending times.
     std::array<Pose, 2> at(double time);
-    /// From then on both go straight out of the body's way, and stay there.
+    /// From this time on both tools move straight out of the body's way and stay there.
     void leave(double time);
-    /// What they are at: "press", "scrape", "grasp".
+    /// The current action: "press", "scrape" or "grasp".
     [[nodiscard]] const std::string& doing() const { return doing_; }
-    /// Where they are out of the body's way, the second tool's place while it has nothing to do.
+    /// A pose out of the body's way; the second tool waits there if it has nothing to do.
     [[nodiscard]] Pose parked(int tool) const;
 
 private:
     struct Move {
         std::array<Pose, 2> to = {};
-        double speed = 0.0; ///< [m/s] at most, of any point of a tool
-        double rest = 0.0;  ///< [s] afterwards
+        double speed = 0.0; ///< [m/s] the highest speed of any point of a tool
+        double rest = 0.0;  ///< [s] pause afterwards
     };
     struct Place {
         Vec3 point, normal;
@@ -66,7 +66,7 @@ private:
     double heldBelow_;
     Capsule capsule_;
     std::mt19937 source_;
-    std::vector<Move> moves_; ///< the first is under way
+    std::vector<Move> moves_; ///< the first one is being executed
     std::array<Pose, 2> from_;
     double begun_ = 0.0; ///< [s]
     std::string doing_;

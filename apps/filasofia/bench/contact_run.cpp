@@ -17,14 +17,14 @@ namespace shapes = geometry::shapes;
 constexpr Vec3 kGravity{0.0, -9.81, 0.0};
 constexpr double kFriction = 0.5;
 
-/// How something is pressed down and then scraped along x.
+/// A motion that presses a tool down and then scrapes it along x.
 struct Scrape {
-    Pose touching;                           ///< where it just touches
-    double depth, speed, reach;              ///< [m], [m/s] at most, [m]
-    double above = 0.03, stand = 0.7;        ///< [m], [s] where it waits, and how long
+    Pose touching;                           ///< pose of first touch
+    double depth, speed, reach;              ///< [m], [m/s] peak speed, [m]
+    double above = 0.03, stand = 0.7;        ///< [m], [s] height at which it waits, and how long
     static constexpr double kApproach = 0.1; ///< [m/s]
 
-    [[nodiscard]] double begins() const { return stand + (above + depth) / kApproach; } ///< [s] to scrape
+    [[nodiscard]] double begins() const { return stand + (above + depth) / kApproach; } ///< [s] start of the scraping
     [[nodiscard]] Pose at(double time) const
     {
         Pose pose = touching;
@@ -39,10 +39,11 @@ ToolPath pathOf(BodyId tool, const Scrape& scrape)
     return [tool, scrape](double time) { return std::vector{std::pair{tool, scrape.at(time)}}; };
 }
 
-/// A cube of so many cells along each edge, its shells made round.
+/// A cube with `cells` cells along each edge, deformed into a ball shell by shell.
 std::shared_ptr<const geometry::TetMesh> softBall(int cells, double radius)
 {
-    constexpr double kRound = 0.9; // quite round, the cube's edges would be flat, and tetrahedra there too
+    constexpr double kRound =
+        0.9; // [-] below 1: in an exact sphere the cube's edges would be flat, and so would the tetrahedra there
     geometry::TetMesh mesh = *shapes::block({2, 2, 2}, {cells, cells, cells});
     for (Vec3& p : mesh.nodes) {
         const double shell = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}), from = length(p);
@@ -60,9 +61,11 @@ physics::SoftBodyDef soft(const std::string& name, std::shared_ptr<const geometr
     return def;
 }
 
-/// A plate bent about an axis along x, the middle of its lower side at the origin: it lies on a back like a hand.
+/// A plate curved about an axis along x, with the middle of its lower side at the origin: it lies on a back like a
+/// hand.
 struct BentPlate {
-    double radius = 0.09, thick = 0.006, along = 0.07, around = 0.1; ///< [m] of its lower side, lengths too
+    double radius = 0.09, thick = 0.006, along = 0.07,
+           around = 0.1; ///< [m] radius, thickness and lengths of its lower side
 
     [[nodiscard]] std::shared_ptr<const geometry::TriangleMesh> surface() const
     {
@@ -73,7 +76,8 @@ struct BentPlate {
         }
         return std::make_shared<const geometry::TriangleMesh>(std::move(mesh));
     }
-    /// Its height where it touches those points from above, itself at (x, z) = (at.x, 0), give or take `reach` along x.
+    /// [m] The height at which the plate, placed at (x, z) = (at.x, 0), touches those points from above. Points up to
+    /// `reach` beside it along x count too.
     [[nodiscard]] double touch(const std::vector<Vec3>& points, Vec3 at, double reach) const
     {
         double height = -1.0;
@@ -84,7 +88,7 @@ struct BentPlate {
     }
 };
 
-/// Where a body's nodes are once it stands still.
+/// The positions of a body's nodes after it has come to rest.
 std::vector<Vec3> standing(const physics::SoftBodyDef& def)
 {
     constexpr int kSteps = 1000;
@@ -193,7 +197,7 @@ ContactScene plateOnSlab(int contacts)
     physics::SoftBodyDef slab =
         soft("slab", shapes::block({cells[0] * cell, thick, cells[2] * cell}, cells), {0.0, 0.5 * thick, 0.0});
     slab.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1e-6, 1}}}};
-    const double edge = cell * std::sqrt(1.05 * contacts); // one node of the slab per cell, and not all push
+    const double edge = cell * std::sqrt(1.05 * contacts); // one node of the slab per cell; not all of them push
     const Scrape scrape{.touching = {{0.0011, thick + 5e-3, 0.0013}, {}},
                         .depth = 2e-3,
                         .speed = 0.1,

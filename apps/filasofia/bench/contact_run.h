@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-/// Bodies that touch, in an engine of their own, without a server, a picture or a clock around it.
+/// Bodies in contact in an engine of their own, without a server, a picture or a clock around it.
 namespace filasofia::app {
 
 inline constexpr double kContactStep = 1e-3; ///< [s]
 
-/// Where told bodies are to be at the end of the step that ends at that time.
+/// Target poses of the kinematic bodies at the end of the step that ends at `time`.
 using ToolPath = std::function<std::vector<std::pair<BodyId, Pose>>(double time)>;
 
 struct ContactScene {
@@ -22,19 +22,19 @@ struct ContactScene {
     std::string body = {}; ///< "bunny 3004"
     std::vector<physics::BodyDef> bodies = {};
     ToolPath path = {};
-    std::function<Vec3(double time)> gravity = {}; ///< [m/s^2]; none: 9.81 down
-    double settle = 0.5;                           ///< [s] before anything is counted
-    int asked = 0;                                 ///< [-] contacts that are to push; 0: as they come
-    [[nodiscard]] int elements() const;            ///< tetrahedra
+    std::function<Vec3(double time)> gravity = {}; ///< [m/s^2]; 9.81 downwards if empty
+    double settle = 0.5;                           ///< [s] before counting starts
+    int asked = 0;                      ///< [-] number of contacts that should push; 0 if the scene asks for none
+    [[nodiscard]] int elements() const; ///< number of tetrahedra
 };
 
 /// Makes steps of kContactStep from rest, under gravity.
 class ContactRun {
 public:
-    /// `contacts`: else the same bodies go through each other.
+    /// If `contacts` is false, the bodies pass through each other.
     ContactRun(const ContactScene& scene, int threads, bool contacts = true);
     physics::StepReport step(const physics::StepBudget* budget = nullptr);
-    const frame::Frame& capture(); ///< where everything is now
+    const frame::Frame& capture(); ///< the present state of all bodies
     [[nodiscard]] double time() const { return time_; }
 
 private:
@@ -46,21 +46,22 @@ private:
     double time_ = 0.0;
 };
 
-/// The Stanford bunny of so many tetrahedra, held at its feet or free on the floor; 10 kPa, friction 0.5.
+/// The Stanford bunny of `tets` tetrahedra, pinned at its feet or free on the floor; 10 kPa, friction 0.5.
 physics::SoftBodyDef contactBunny(int tets, bool held);
 /// A floor whose top is at height 0, friction 0.5.
 physics::RigidBodyDef contactFloor();
-/// A body that goes where it is told, friction 0.5.
+/// A kinematic rigid body, friction 0.5.
 physics::RigidBodyDef contactTool(const std::string& name, std::shared_ptr<const geometry::TriangleMesh> mesh, Pose at);
 
 ContactScene bunnyOnFloor(int tets);
-/// A bent plate of 1560 triangles on the back of the bunny, pressed 20 mm and scraped to and fro at up to `speed`
+/// A curved plate of 1560 triangles on the back of the bunny, pressed 20 mm and scraped to and fro at up to `speed`
 /// [m/s].
 ContactScene bunnyScraped(int tets, double speed);
-/// A plate pressed 2 mm into a slab of 30240 tetrahedra and scraped, of such a size that so many contacts push.
+/// A plate pressed 2 mm into a slab of 30240 tetrahedra and scraped. Its size is chosen so that `contacts` contacts
+/// push.
 ContactScene plateOnSlab(int contacts);
 ContactScene blockOnBlock();
-ContactScene ballOnFloor(); ///< soft, dropped 20 mm
+ContactScene ballOnFloor(); ///< a soft ball, dropped 20 mm
 ContactScene towerOfFive();
 
 } // namespace filasofia::app

@@ -17,11 +17,11 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kSettle = 2.0;     ///< [s] before the tools come
-constexpr double kRecover = 1.5;    ///< [s] 0.5 s at most for them to go away, and a rest
-constexpr double kHeldBelow = 0.02; ///< [m] of contactBunny()
-constexpr double kSink = 0.05;      ///< [-] of the sum of proximities
-constexpr double kStands = 1e-3;    ///< [m]
+constexpr double kSettle = 2.0;     ///< [s] before the tools arrive
+constexpr double kRecover = 1.5;    ///< [s] at most 0.5 s for them to leave, then a rest
+constexpr double kHeldBelow = 0.02; ///< [m] contactBunny() is pinned below this height
+constexpr double kSink = 0.05;      ///< [-] relative to the sum of proximities
+constexpr double kStands = 1e-3;    ///< [m] largest motion of a box in a tower that counts as standing
 
 long stepsOf(double seconds) { return std::lround(seconds / kContactStep); }
 
@@ -47,7 +47,8 @@ int invertedIn(const geometry::TetMesh& mesh, const std::vector<Vec3>& x)
     return count;
 }
 
-/// Is a point of the tool's axis inside the tissue: then the tool is in it by its radius, or has gone through.
+/// Whether a point of the tool's axis lies inside the tissue. If so, the tool is in it by at least its radius, or has
+/// passed through.
 bool axisInside(const geometry::TetMesh& mesh, const std::vector<Vec3>& x, const Pose& tool, const Capsule& capsule)
 {
     constexpr int kPoints = 11;
@@ -68,7 +69,7 @@ bool axisInside(const geometry::TetMesh& mesh, const std::vector<Vec3>& x, const
     return false;
 }
 
-/// What every long run looks at after each step.
+/// Checks made after each step of every long run.
 void look(const physics::StepReport& step, const frame::Frame& frame, const std::string& doing, SoakReport& report)
 {
     report.seconds = step.time;
@@ -96,7 +97,7 @@ private:
     runtime::Nanoseconds begun_;
 };
 
-/// The run goes on without tools; what is left of what they did.
+/// Continues without tools and records what remains of the deformation.
 void recover(const geometry::TetMesh& mesh, const std::vector<Vec3>& rested, ContactRun& run, SoakReport& report)
 {
     for (long i = 0; i < stepsOf(kRecover); ++i) {
@@ -143,26 +144,28 @@ std::string written(const Mishap& mishap)
 
 void print(const SoakReport& r)
 {
-    std::printf("%s: %g s simulated in %.1f s; contacts pushed in %ld steps, at most %d at once\n", r.scene.c_str(),
-                r.seconds, r.wall, r.touching, r.mostPushing);
-    std::printf("  deepest %.4f mm (at %.3f s, %s); not finite %s; flags %u in steps %s\n", 1e3 * r.penetration,
-                r.penetratedAt, r.penetrating.c_str(), written(r.notFinite).c_str(), r.flags,
-                written(r.flagged).c_str());
-    std::printf("  steps with an axis in the tissue %s; with inverted elements %s\n", written(r.through).c_str(),
-                written(r.inverted).c_str());
-    std::printf("  at the end: inverted %d, displaced %.4f mm, moved %.4f mm\n", r.invertedAtEnd,
-                1e3 * r.displacedAtEnd, 1e3 * r.lean);
+    std::printf("%s: %g s simulated in %.1f s; contacts pushed in %ld steps, at most %d contacts at once\n",
+                r.scene.c_str(), r.seconds, r.wall, r.touching, r.mostPushing);
+    std::printf(
+        "  deepest penetration %.4f mm (at %.3f s, %s); steps with a state that is not finite: %s; flags %u, in steps: "
+        "%s\n",
+        1e3 * r.penetration, r.penetratedAt, r.penetrating.c_str(), written(r.notFinite).c_str(), r.flags,
+        written(r.flagged).c_str());
+    std::printf("  steps with a tool's axis inside the tissue: %s; with inverted elements: %s\n",
+                written(r.through).c_str(), written(r.inverted).c_str());
+    std::printf("  at the end: %d inverted elements, largest displacement %.4f mm, tower moved by %.4f mm\n",
+                r.invertedAtEnd, 1e3 * r.displacedAtEnd, 1e3 * r.lean);
     std::fflush(stdout);
 }
 
 std::vector<Verdict> judge(const SoakReport& tools, const SoakReport& ball, const SoakReport& tower)
 {
     const long lost = tools.notFinite.steps + ball.notFinite.steps + tower.notFinite.steps;
-    return {{"every state is finite", lost == 0, text(lost, " steps are not")},
-            {"no inverted element is left", tools.invertedAtEnd + ball.invertedAtEnd == 0,
-             text(tools.invertedAtEnd + ball.invertedAtEnd, " are")},
-            {"a tool is never through", tools.through.steps == 0,
-             text("its axis is in the tissue in ", written(tools.through), " steps")},
+    return {{"every state is finite", lost == 0, text(lost, " steps with a state that is not finite")},
+            {"no inverted element is left at the end", tools.invertedAtEnd + ball.invertedAtEnd == 0,
+             text(tools.invertedAtEnd + ball.invertedAtEnd, " inverted elements")},
+            {"no tool passes through the tissue", tools.through.steps == 0,
+             text("its axis is inside the tissue in ", written(tools.through), " steps")},
             {"the soft ball sinks in by at most 5 % of the sum of proximities",
              ball.penetration <= kSink * ball.proximity,
              text(100.0 * rounded(ball.penetration / ball.proximity, 1e4), " %, after ", ball.seconds, " s")},
@@ -186,7 +189,7 @@ SoakReport soakTools(double seconds, int seed)
     const geometry::TetMesh& mesh = *physics::loadMesh(bunny);
     const auto shape = geometry::shapes::capsule(capsule.radius, 2.0 * capsule.half);
     std::array<Pose, 2> poses{Pose{{0.3, 0.1, 0}, {}}, Pose{{-0.3, 0.1, 0}, {}}};
-    std::optional<RandomMoves> moves; // around the bunny as it stands, which is not as the mesh has it
+    std::optional<RandomMoves> moves; // around the bunny in its rest state under gravity, which differs from the mesh
     ContactScene scene{.bodies = {bunny, contactTool("tool", shape, poses[0]), contactTool("jaw", shape, poses[1])}};
     scene.path = [&](double time) {
         if (moves) poses = moves->at(time - kSettle);

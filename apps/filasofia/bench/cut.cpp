@@ -52,7 +52,7 @@ json toJson(const CutTimes& cut)
 
 void printHead()
 {
-    std::printf("instruction set %s, one thread, steps of %g ms; times of the processor in ms, of the steps while the "
+    std::printf("instruction set %s, one thread, steps of %g ms; processor time in ms of the steps in which the "
                 "blade moves; "
                 "iterations: median (highest)\n\n",
                 engine::simdTargets().front().c_str(), 1e3 * kContactStep);
@@ -103,7 +103,7 @@ std::vector<Verdict> judgeCuts(const std::vector<CutTimes>& cuts)
     return {judge(cuts, alone, meanMs, 0.05, "20000 tetrahedra: mean of the topology work at most 0.05 ms", " ms"),
             judge(cuts, alone, p99Ms, 0.5, "20000 tetrahedra: p99 of the topology work at most 0.5 ms", " ms"),
             judge(cuts, touched, p99Ms, 1.0, "with attachments and contact: p99 at most 1 ms", " ms"),
-            judge(cuts, any, ratio, 2.0, "iterations after a cut at most twice those before, by mean", ""),
+            judge(cuts, any, ratio, 2.0, "mean iterations after a cut at most twice those before", ""),
             judge(cuts, any, flags, 0.0, "no step raises a flag", "")};
 }
 

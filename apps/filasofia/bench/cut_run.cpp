@@ -14,21 +14,22 @@ namespace {
 
 namespace shapes = geometry::shapes;
 
-constexpr double kEdge = 0.06, kHeight = 0.048; ///< [m] of the block
-constexpr double kAside = 1.03e-3;              ///< [m] from the middle: through cells, not between them
-constexpr double kStart = 0.2;                  ///< [s] of rest; iterations before the cut are those of its second half
-constexpr double kSwing = 0.1, kSwings = 4.0;   ///< [-] of gravity sideways, [Hz]: what rests needs no iterations
-constexpr double kWait = 5e-3;                  ///< [m] of the blade from the block before and after
+constexpr double kEdge = 0.06, kHeight = 0.048; ///< [m] edge and height of the block
+constexpr double kAside = 1.03e-3; ///< [m] offset from the middle: the blade passes through cells, not between them
+constexpr double kStart = 0.2;     ///< [s] rest; iterations before the cut are those of its second half
+constexpr double kSwing = 0.1,
+                 kSwings = 4.0; ///< [-] sideways gravity relative to g, [Hz]; a body at rest would need no iterations
+constexpr double kWait = 5e-3;  ///< [m] distance of the blade from the block before and after the cut
 
-constexpr double kWide = 0.01, kTall = 0.08; ///< [m] of the blade
+constexpr double kWide = 0.01, kTall = 0.08; ///< [m] size of the blade
 
-/// In place of the lattice: a blade along one of its planes would meet whole faces only. Inner nodes move by up to 15 %
-/// of a cell.
+/// A block whose inner nodes are moved by up to 15 % of a cell. In the regular lattice, a blade along one of its planes
+/// would cut whole faces only.
 std::shared_ptr<const geometry::TetMesh> shaken(const geometry::TetMesh& block, double cell)
 {
     geometry::TetMesh mesh = block;
     std::uint32_t random = 1;
-    const auto next = [&] { // Lehmer's
+    const auto next = [&] { // Lehmer's generator
         random = static_cast<std::uint32_t>(random * std::uint64_t{48271} % 2147483647);
         return 0.3 * (random / 2147483647.0 - 0.5) * cell;
     };
@@ -40,7 +41,7 @@ std::shared_ptr<const geometry::TetMesh> shaken(const geometry::TetMesh& block, 
     return std::make_shared<const geometry::TetMesh>(std::move(mesh));
 }
 
-/// In the plane x = 0, its lower edge at the origin, upright.
+/// A blade in the plane x = 0, upright, with its lower edge at the origin.
 std::shared_ptr<const geometry::TriangleMesh> bladeMesh()
 {
     return std::make_shared<const geometry::TriangleMesh>(
@@ -49,9 +50,9 @@ std::shared_ptr<const geometry::TriangleMesh> bladeMesh()
                                .uv = {}});
 }
 
-constexpr double kWay = kEdge + 2.0 * kWait + kWide; ///< [m] of the blade
+constexpr double kWay = kEdge + 2.0 * kWait + kWide; ///< [m] path of the blade
 
-/// [ns] of this thread: what other programs take is not the cut's.
+/// [ns] processor time of this thread; the time that other programs take is not part of it.
 std::int64_t threadTime()
 {
     timespec time{};
@@ -61,7 +62,7 @@ std::int64_t threadTime()
 
 double timeOfCut(double speed) { return kWay / speed; }
 
-/// The most iterations of any body: the others of this scene are alone or solved with it.
+/// The largest number of iterations of any body: every other body of this scene is alone or solved together with it.
 double iterationsOf(const physics::StepReport& report)
 {
     int most = 0;
@@ -124,12 +125,13 @@ ContactScene CutScene::make() const
         const double gone = std::clamp(way * (time - kStart), 0.0, kWay);
         return std::vector{std::pair{BodyId{2}, Pose{start + Vec3{0, 0, gone}, {}}}};
     };
-    scene.gravity = [end = kStart + timeOfCut(speed)](double time) { // with the blade in it, it would be sawn
+    scene.gravity = [end = kStart + timeOfCut(speed)](double time) { // gravity swings only while the blade is out: with
+                                                                     // the blade inside, the block would saw itself
         const double angle = 2.0 * std::numbers::pi * kSwings * time;
         const double swing = time < kStart || time > end ? kSwing : 0.0;
         return 9.81 * Vec3{swing * std::cos(angle), -1.0, swing * std::sin(angle)};
     };
-    if (touched) { // a bar that hangs on the tissue's upper side, across the cut
+    if (touched) { // a bar attached to the tissue's upper side, across the cut
         physics::SoftBodyDef bar{.name = "bar",
                                  .mesh = shapes::block({0.04, 0.006, 0.01}, {8, 2, 2}),
                                  .pose = {{0, 0.5 * kHeight + 0.0035, 0}, {}},

@@ -17,10 +17,11 @@ constexpr double kMargin = 5e-3;        ///< [s] a few ticks, for a machine that
 json toJson(const ServoTimes& run)
 {
     const device::JitterHistogram& jitter = run.servo.jitter;
-    const auto percentile = [&](double share) { // JSON knows no infinity: beyond the histogram
-        const double value = jitter.percentile(share);
-        return std::isfinite(value) ? json(value) : json();
-    };
+    const auto percentile =
+        [&](double share) { // JSON has no infinity: empty if the percentile lies beyond the histogram
+            const double value = jitter.percentile(share);
+            return std::isfinite(value) ? json(value) : json();
+        };
     json all = {{"name", run.scene.name},
                 {"physics_hz", run.scene.physicsRate},
                 {"seconds", run.scene.seconds},
@@ -59,7 +60,7 @@ void print(const ServoTimes& run)
                 run.servo.rate, 1e3 * jitter.percentile(0.5), 1e3 * jitter.percentile(0.99),
                 1e3 * jitter.percentile(0.999), 1e3 * run.servo.latest, run.servo.energy, run.others);
     if (run.scene.stall > 0.0)
-        std::printf("   zero %.1f ms after physics stood, asked for %.0f ms", 1e3 * run.zeroAfter,
+        std::printf("   zero force %.1f ms after physics stopped, limit %.0f ms", 1e3 * run.zeroAfter,
                     1e3 * run.zeroWithin);
     std::printf("\n");
     std::fflush(stdout);
@@ -71,14 +72,16 @@ std::vector<Verdict> judge(const std::vector<ServoTimes>& runs, const std::vecto
     for (const ServoTimes& run : runs) {
         if (run.scene.stall > 0.0) {
             const bool met = run.zeroAfter <= run.zeroWithin + kMargin && run.pushesInStall == 0;
-            all.push_back({text(run.scene.name, ": no force within the watchdog's ", 1e3 * run.zeroWithin, " ms"), met,
-                           text("after ", rounded(1e3 * run.zeroAfter, 10), " ms; ", run.pushesInStall,
-                                " pushes until physics went on")});
+            all.push_back(
+                {text(run.scene.name, ": the force is zero within the watchdog's ", 1e3 * run.zeroWithin, " ms"), met,
+                 text("after ", rounded(1e3 * run.zeroAfter, 10), " ms; ", run.pushesInStall,
+                      " ticks with a force after that, until physics resumed")});
             continue;
         }
         const double p999 = run.servo.jitter.percentile(0.999);
-        all.push_back({text(run.scene.name, ": p99.9 of the jitter at most 0.2 ms"), p999 <= kJitterLimit,
-                       text(rounded(1e3 * p999, 100), " ms; ", rounded(run.others, 10), " cores were busy elsewhere")});
+        all.push_back(
+            {text(run.scene.name, ": p99.9 of the jitter at most 0.2 ms"), p999 <= kJitterLimit,
+             text(rounded(1e3 * p999, 100), " ms; ", rounded(run.others, 10), " cores used by other programs")});
         all.push_back({text(run.scene.name, ": net energy given to the hand at most 0"), run.servo.energy <= 0.0,
                        text(rounded(run.servo.energy, 1e6), " J")});
     }
@@ -105,8 +108,8 @@ json benchHaptics(double seconds, bool quick)
         print(runs.back());
     }
 
-    std::printf("\na wall that does not yield, undamped, 20 s on a made clock; the most energy [mJ] that the hand was "
-                "given net at any moment,\nand in brackets the most that it had given\n\n%9s %20s %20s %20s %20s\n",
+    std::printf("\na rigid wall, undamped, 20 s on a simulated clock: the highest net energy [mJ] given to the hand at "
+                "any moment,\nand in brackets the highest energy that the hand had put in\n\n%9s %20s %20s %20s %20s\n",
                 "[N/m]", "1 kHz", "1 kHz, late ticks", "20 Hz", "20 Hz, late ticks");
     std::vector<WallEnergy> walls;
     std::vector<double> stiffnesses = {100, 200, 500, 1000, 2000, 5000, 10000};

@@ -16,9 +16,9 @@ using device::DeviceSample;
 using device::Nanoseconds;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kRadius = 5e-3; ///< [m] of the ball
+constexpr double kRadius = 5e-3; ///< [m] radius of the ball
 
-/// Where a hand is that pokes twice a second, 8 mm deep, from 8 mm above, and trembles a little.
+/// The pose of a hand that pokes twice a second, 8 mm deep, from 8 mm above, and trembles a little.
 DeviceSample pokingHand(double t)
 {
     const double w = 4 * kPi, u = 18 * kPi, deep = 8e-3, tremor = 2e-4;
@@ -28,7 +28,7 @@ DeviceSample pokingHand(double t)
     return sample;
 }
 
-/// The poking hand as a device that keeps what it was pushed with, and when.
+/// The poking hand as a device that records each force it receives, and when.
 class WatchedHand final : public device::HapticDevice {
 public:
     struct Push {
@@ -55,17 +55,18 @@ private:
     runtime::Clock clock_ = runtime::steadyClock();
 };
 
-/// What the hand felt from the stall's beginning to its end, and afterwards.
+/// Evaluates the forces on the hand during the stall and after it.
 void readStall(const std::vector<WatchedHand::Push>& pushes, Nanoseconds begin, Nanoseconds end, ServoTimes& out)
 {
-    out.zeroAfter = 1e-9 * static_cast<double>(end - begin); // never, unless one is found
+    out.zeroAfter =
+        1e-9 * static_cast<double>(end - begin); // stays at the length of the stall if no tick without force is found
     bool zero = false;
     double last = 0.0;
     for (const auto& push : pushes) {
         if (push.time >= end) out.ramp = std::max(out.ramp, std::abs(push.force - last));
         last = push.force;
         if (push.time < begin || push.time >= end) continue;
-        if (!zero && push.force == 0.0 && push.time - begin > 10'000'000) { // not one between two pokes
+        if (!zero && push.force == 0.0 && push.time - begin > 10'000'000) { // excludes the time between two pokes
             zero = true;
             out.zeroAfter = 1e-9 * static_cast<double>(push.time - begin);
         }
@@ -95,7 +96,7 @@ ServoTimes timeServo(const ServoScene& scene)
     const runtime::Clock clock = runtime::steadyClock();
     Nanoseconds begin = 0, end = 0;
     sim.everyStep([&](double time) {
-        // In the second half of the run, where the ball is pressed to the wall.
+        // In the second half of the run, while the ball is pressed to the wall.
         if (scene.stall == 0.0 || begin != 0 || time < 0.5 * (scene.seconds - scene.stall)) return;
         if (!(length(sim.haptic(hand).onBody.force) > 1.0)) return;
         begin = clock.now();
@@ -129,7 +130,7 @@ ServoTimes timeClock(double seconds)
                 std::min<Nanoseconds>(late / kBin, device::JitterHistogram::kBins - 1))];
             ++out.servo.ticks;
             out.servo.latest = std::max(out.servo.latest, 1e-9 * static_cast<double>(late));
-            if (late > kPeriod) next += late; // as a servo: the grid begins anew
+            if (late > kPeriod) next += late; // like the servo: the time grid restarts
         }
         out.servo.rate = static_cast<double>(out.servo.ticks) / (1e-9 * static_cast<double>(clock.now() - start));
     }).join();
@@ -154,7 +155,7 @@ WallEnergy pokeWall(double physicsRate, double stiffness, double jitter)
     double work = 0.0;
     for (int i = 1; i < 20000; ++i) {
         const Nanoseconds now = i * Nanoseconds{1'000'000} + static_cast<Nanoseconds>(1e9 * late(random));
-        if (now >= stepDue) { // a body without mass: at the hand, or at the wall
+        if (now >= stepDue) { // a massless body: it is at the hand, or at the wall
             stepDue = now + static_cast<Nanoseconds>(1e9 / physicsRate);
             const bool free = tick.hand.pose.position.y > 0.0;
             ++body.number;
@@ -165,7 +166,7 @@ WallEnergy pokeWall(double physicsRate, double stiffness, double jitter)
         const DeviceSample sample = pokingHand(1e-9 * static_cast<double>(now));
         tick = loop.tick(now, sample, &body);
         seen = now;
-        work += dot(lastForce, sample.hand.pose.position - lastPlace); // counted here, and not by the loop
+        work += dot(lastForce, sample.hand.pose.position - lastPlace); // computed here, independently of the servo loop
         lastPlace = sample.hand.pose.position;
         lastForce = tick.onHand.force;
         out.most = i == 1 ? work : std::max(out.most, work);

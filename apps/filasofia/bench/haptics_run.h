@@ -5,40 +5,41 @@
 #include <string>
 #include <vector>
 
-/// What `bench haptics` measures.
+/// The runs of `bench haptics`.
 namespace filasofia::app {
 
-/// A ball in a scripted hand that pokes a wall twice a second, live: the servo on its thread beside physics on its own.
+/// A ball in a scripted hand pokes a wall twice a second, in real time: the servo and physics each run on their own
+/// thread.
 struct ServoScene {
     std::string name = {};
     double physicsRate = 1000.0; ///< [Hz]
-    double seconds = 10.0;       ///< [s] of wall time
-    double stall = 0.0;          ///< [s] that physics stands still, once, in the middle of a poke; 0: never
+    double seconds = 10.0;       ///< [s] wall time of the run
+    double stall = 0.0;          ///< [s] length of the one stall of physics, in the middle of a poke; 0 for none
 };
 
 struct ServoTimes {
     ServoScene scene = {};
     device::ServoStatistics servo = {};
-    double mostForce = 0.0;  ///< [N] on the hand
+    double mostForce = 0.0;  ///< [N] largest force on the hand
     double zeroAfter = 0.0;  ///< [s] from the stall's beginning to the first tick without force
-    double zeroWithin = 0.0; ///< [s] the watchdog's time
-    int pushesInStall = 0;   ///< ticks with a force after that, while physics still stood
+    double zeroWithin = 0.0; ///< [s] the watchdog's time limit
+    int pushesInStall = 0;   ///< [-] ticks with a force after that, while physics still stalls
     double ramp = 0.0;       ///< [N] the largest change of the force from one tick to the next after the stall
-    double others = 0.0;     ///< [-] cores that other programs took
+    double others = 0.0;     ///< [-] cores used by other programs
 };
 
 ServoTimes timeServo(const ServoScene& scene);
-/// A thread of the same priority that does nothing but wake, alone: how even the machine itself is.
+/// A thread of the same priority that only wakes up, with nothing beside it: how even the machine itself is.
 ServoTimes timeClock(double seconds);
 
-/// A hand that pokes a wall for 20 s on a clock of its own making: no machine's speed is in it.
+/// A hand that pokes a wall for 20 s on a simulated clock, so that the machine's speed has no influence.
 struct WallEnergy {
     double physicsRate = 1000.0; ///< [Hz]
-    double stiffness = 0.0;      ///< [N/m] of the coupling, against a wall that does not yield
-    double jitter = 0.0;         ///< [s] by which ticks are late, at random
+    double stiffness = 0.0;      ///< [N/m] stiffness of the virtual coupling, against a rigid wall
+    double jitter = 0.0;         ///< [s] largest random delay of a tick
     double most = 0.0;           ///< [J] net energy given to the hand, at its highest
-    double given = 0.0;          ///< [J] that the hand had given, at its highest
-    double force = 0.0;          ///< [N] the largest
+    double given = 0.0;          ///< [J] energy that the hand has put in, at its highest
+    double force = 0.0;          ///< [N] the largest force
 };
 
 WallEnergy pokeWall(double physicsRate, double stiffness, double jitter);

@@ -22,7 +22,7 @@ double secondsOf(clockid_t clock)
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// [s] that all programs together had of all cores, and what the host took: proc_stat(5), in ticks.
+/// [s] processor time of all cores used by all programs, including the time that the host took: proc_stat(5), in ticks.
 double allCores()
 {
     std::ifstream stat("/proc/stat");
@@ -48,8 +48,9 @@ double OthersLoad::cores() const
 double coreRoundTrip()
 {
     constexpr int kStop = -1, kBatch = 20;
-    constexpr double kLongest = 0.02; // [s], however long a trip takes: both threads may have to share a core
-    struct alignas(256) Word {        // a cache line, and the one that is fetched with it
+    constexpr double kLongest =
+        0.02;                  // [s] total; a single trip may take long, because both threads may have to share a core
+    struct alignas(256) Word { // fills a cache line and the one that is fetched with it
         std::atomic<int> value = 0;
         int awaitOtherThan(int old) const
         {
@@ -64,7 +65,7 @@ double coreRoundTrip()
         for (int seen = 0; (seen = there.awaitOtherThan(seen)) != kStop;)
             back.value.store(seen, std::memory_order_release);
     });
-    std::vector<double> trips; // mean of each batch
+    std::vector<double> trips; // [s] mean of each batch
     const double begun = secondsOf(CLOCK_MONOTONIC);
     int made = 0;
     for (double last = begun; last < begun + kLongest;) {

@@ -2,18 +2,18 @@
 
 namespace filasofia::app {
 
-/// How many cores other programs kept busy since this was made.
+/// The number of cores that other programs kept busy since construction.
 class OthersLoad {
 public:
     OthersLoad();
-    [[nodiscard]] double cores() const; ///< [-], mean; 0 where the system does not say
+    [[nodiscard]] double cores() const; ///< [-] mean; 0 if the system does not report it
 
 private:
-    double wall_, own_, all_; ///< [s] when this was made
+    double wall_, own_, all_; ///< [s] at construction
 };
 
-/// [s] How long a word takes from a thread on one core to one on another and back. A virtual machine's cores may lie
-/// near each other at one time and far apart at another, and threads that share short loops feel it.
+/// [s] Time of a signal from a thread on one core to a thread on another core and back. A virtual machine's cores may
+/// be near each other at one time and far apart at another, which threads that share short loops feel.
 double coreRoundTrip();
 
 } // namespace filasofia::app

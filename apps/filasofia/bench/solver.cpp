@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 using runtime::Spread;
 
-/// A mesh of the table, and how much is measured on it.
+/// A mesh of the table and the amount of measurement on it.
 struct Row {
     SolverMesh mesh;
     SolverEffort effort;
@@ -24,14 +24,14 @@ geometry::TetMesh bunny(int tets) { return geometry::loadTetMesh(runtime::asset(
 
 SolverMesh meshOf(int tets) { return {text(tets), std::make_shared<const geometry::TetMesh>(bunny(tets)), true}; }
 
-/// Nothing so large is kept as a file: 64 times 1495 comes nearest to 100000.
+/// No file holds a mesh of this size: 64 times 1495 is nearest to 100000.
 SolverMesh largestMesh()
 {
     auto mesh = std::make_shared<const geometry::TetMesh>(geometry::refined(geometry::refined(bunny(1492))));
     return {text(mesh->tetrahedra.size()), mesh, false};
 }
 
-/// The reference takes seconds for a step of the largest mesh: it makes fewer there.
+/// The reference solver takes seconds per step on the largest mesh, so fewer steps are made there.
 std::vector<Row> table(bool quick)
 {
     std::vector<Row> rows;
@@ -119,19 +119,19 @@ json toJson(const StiffRun& run)
 
 void printHead(const std::string& simd)
 {
+    std::printf("instruction set %s, %d cores; a step's median and 99th percentile, the other columns as median "
+                "(lowest-highest) over the repetitions\n",
+                simd.c_str(), usableCores());
+    std::printf("x floor: time of a step / lower bound (one element pass, two products, one preconditioner); x ref: "
+                "time of the "
+                "reference solver (assembled, double precision, tolerance 1e-6, no warm start) / time of a step\n");
     std::printf(
-        "instruction set %s, %d cores; a step's median and 99th percentile, the rest as median (lowest-highest) of "
-        "the repetitions\n",
-        simd.c_str(), usableCores());
-    std::printf(
-        "x floor: a step by one element pass, two products, one preconditioner; x oracle: assembled, double, 1e-6, "
-        "cold, by a step\n");
-    std::printf("error: of the displacement, the worse of hanging and standing, at the default tolerance and at %g\n",
-                kTightTolerance);
-    std::printf("others: cores that other programs took; trip: between two cores and back\n\n");
+        "error: relative to the displacement, the worse of hanging and standing, at the default tolerance and at %g\n",
+        kTightTolerance);
+    std::printf("others: cores used by other programs; trip: a signal between two cores and back\n\n");
     std::printf("%6s %2s %-7s %7s %7s %7s %5s %8s %16s %6s %7s %19s %16s %6s %7s %8s %8s\n", "tets", "ms", "threads",
-                "step ms", "p99", "steps/s", "iter", "floor ms", "x floor", "ns/tet", "GFLOP/s", "x oracle",
-                "x 1 thread", "others", "trip ns", "error", "tight");
+                "step ms", "p99", "steps/s", "iter", "floor ms", "x floor", "ns/tet", "GFLOP/s", "x ref", "x 1 thread",
+                "others", "trip ns", "error", "tight");
 }
 
 std::string written(const Spread& s)

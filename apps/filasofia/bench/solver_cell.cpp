@@ -17,7 +17,7 @@ using runtime::Spread;
 
 double median(const std::vector<double>& values) { return runtime::spreadOf(values).median; }
 
-/// Keeps cores busy, as another program would, while it lives.
+/// Keeps cores busy, as another program would, as long as it lives.
 class Spinners {
 public:
     explicit Spinners(int count)
@@ -34,10 +34,10 @@ public:
 
 private:
     std::atomic<bool> done_ = false;
-    std::vector<std::jthread> threads_; // after the flag they read: joined before it goes
+    std::vector<std::jthread> threads_; // declared after the flag they read, so joined before it is destroyed
 };
 
-/// Alone, on two cores, on all; then alone and on two while the others are busy.
+/// Alone on one core, on two cores, on all cores; then on one and on two while the other cores are busy.
 std::vector<Crew> crews()
 {
     const int cores = usableCores();
@@ -92,7 +92,7 @@ void repeat(const SolverMesh& mesh, double dt, const SolverEffort& effort, Worke
     worker.times.iterations = static_cast<double>(worker.iterations) / static_cast<double>(worker.times.steps.size());
 }
 
-/// Where the body is at moments spread over a run.
+/// States of the body at moments spread over a run.
 std::vector<frame::SoftBodyFrame> moments(SolverRun& run, const SolverEffort& effort)
 {
     std::vector<frame::SoftBodyFrame> all;
@@ -107,7 +107,7 @@ std::vector<frame::SoftBodyFrame> moments(SolverRun& run, const SolverEffort& ef
     return all;
 }
 
-/// From each of those moments one step that is not counted, since it must find the rotations, and some that are.
+/// From each of these states: one step that is not counted, because it must find the rotations, then the counted steps.
 void timeOracle(const std::vector<frame::SoftBodyFrame>& from, int steps, ColdOracle& oracle, SolverCell& cell)
 {
     std::vector<double> costs;
@@ -128,7 +128,7 @@ Spread ratios(const std::vector<double>& above, const std::vector<double>& below
     return runtime::spreadOf(all);
 }
 
-/// Distance of two states [m], root of the sum over nodes.
+/// [m] Distance between two states: the root of the sum of squares over the nodes.
 double distanceOf(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
 {
     double sum = 0.0;
@@ -136,7 +136,7 @@ double distanceOf(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
     return std::sqrt(sum);
 }
 
-/// A run that only its end matters of.
+/// A run of which only the final state is used.
 struct Job {
     std::unique_ptr<SolverRun> run = {};
     std::vector<Vec3> end = {};
@@ -146,7 +146,7 @@ struct Job {
 
 Job job(const physics::SoftBodyDef& def, double dt) { return {std::make_unique<SolverRun>(def, dt, 1)}; }
 
-/// On all cores: nobody times them.
+/// Runs the jobs on all cores, as nobody times them.
 void finish(std::vector<Job>& jobs, int steps)
 {
     WorkerPool pool(usableCores());

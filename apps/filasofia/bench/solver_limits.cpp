@@ -8,12 +8,12 @@
 namespace filasofia::app {
 namespace {
 
-constexpr double kError = 1e-3, kTightError = 1e-5;         ///< [-] of the displacement
+constexpr double kError = 1e-3, kTightError = 1e-5;         ///< [-] relative to the displacement
 constexpr std::array kOverFloor{2.5, 4.0};                  ///< [-] at each of kSolverSteps
 constexpr double kFloorAvx512 = 15e-9, kFloorAvx2 = 25e-9;  ///< [s] per tetrahedron
 constexpr double kExponent = 1.15;                          ///< [-]
-constexpr double kTwoThreads = 1.6, kDisturbed = 1.0 / 1.2; ///< [-] times as fast as one thread
-constexpr int kFirstForTwo = 9000;                          ///< tetrahedra of "10000"; the true number is a little less
+constexpr double kTwoThreads = 1.6, kDisturbed = 1.0 / 1.2; ///< [-] speed-up over one thread
+constexpr int kFirstForTwo = 9000; ///< number of tetrahedra of "10000"; the true number is a little less
 
 std::string nameOf(const SolverCell& cell) { return text(cell.mesh.name, " tetrahedra, ", 1e3 * cell.dt, " ms"); }
 
@@ -21,7 +21,7 @@ std::string nameOf(const SolverCell& cell) { return text(cell.mesh.name, " tetra
 struct Worst {
     std::optional<double> value = {};
     std::string where = {};
-    bool wantsHigh = false; ///< is the lowest the worst
+    bool wantsHigh = false; ///< if true, the lowest value is the worst
 
     void add(double figure, const std::string& name)
     {
@@ -32,7 +32,7 @@ struct Worst {
     [[nodiscard]] Verdict against(double bound, std::string limit, double unit = 1.0) const
     {
         if (!value) return {std::move(limit), {}, "not measured"};
-        const double shown = *value / unit; // four digits
+        const double shown = *value / unit; // rounded to four digits
         const double digits = std::pow(10.0, 3.0 - std::floor(std::log10(std::max(std::abs(shown), 1e-300))));
         return {std::move(limit), wantsHigh ? *value >= bound : *value <= bound,
                 text(wantsHigh ? "lowest " : "highest ", std::round(shown * digits) / digits, " (", where, ")")};
@@ -58,8 +58,8 @@ Verdict judgeFloor(const std::vector<SolverCell>& cells, std::size_t d)
     for (const SolverCell& cell : cells)
         if (cell.mesh.judged && cell.dt == kSolverSteps[d])
             worst.add(cell.find({1, false})->overFloor().median, nameOf(cell));
-    return worst.against(kOverFloor[d], text("a step of ", 1e3 * kSolverSteps[d], " ms costs one thread at most ",
-                                             kOverFloor[d], " times the floor, up to 30000 tetrahedra"));
+    return worst.against(kOverFloor[d], text("a step of ", 1e3 * kSolverSteps[d], " ms takes one thread at most ",
+                                             kOverFloor[d], " times the lower bound, up to 30000 tetrahedra"));
 }
 
 Verdict judgeOracle(const std::vector<SolverCell>& cells, const std::string& mesh, double bound)
@@ -67,15 +67,15 @@ Verdict judgeOracle(const std::vector<SolverCell>& cells, const std::string& mes
     Worst worst{.wantsHigh = true};
     for (const SolverCell& cell : cells)
         if (cell.mesh.name == mesh && cell.dt == kSolverSteps.back()) worst.add(cell.overOracle().median, nameOf(cell));
-    return worst.against(bound, text("one thread is at least ", bound, " times as fast as the oracle at ", mesh,
-                                     " tetrahedra and 5 ms"));
+    return worst.against(bound, text("one thread is at least ", bound, " times as fast as the reference solver at ",
+                                     mesh, " tetrahedra and 5 ms"));
 }
 
 Verdict judgeFloorPerElement(const std::vector<SolverCell>& cells, const std::string& simdTarget)
 {
     const bool avx512 = simdTarget.starts_with("AVX3") || simdTarget.starts_with("AVX10"), avx2 = simdTarget == "AVX2";
     const double bound = avx512 ? kFloorAvx512 : kFloorAvx2;
-    const std::string limit = text("the floor at 3004 tetrahedra is at most ", std::round(1e9 * bound),
+    const std::string limit = text("the lower bound at 3004 tetrahedra is at most ", std::round(1e9 * bound),
                                    " ns per tetrahedron with ", avx512 ? "AVX-512" : "AVX2");
     if (!avx512 && !avx2) return {limit, {}, text("this machine has ", simdTarget)};
     Worst worst;
@@ -95,7 +95,7 @@ Verdict judgeGrowth(const std::vector<SolverCell>& cells)
                       text(1e3 * small.dt, " ms"));
         }
     return worst.against(kExponent,
-                         text("a step's cost grows from 3004 to 30000 tetrahedra no faster than n^", kExponent));
+                         text("the cost of a step grows from 3004 to 30000 tetrahedra no faster than n^", kExponent));
 }
 
 Verdict judgeTwoThreads(const std::vector<SolverCell>& cells, bool othersBusy)
@@ -115,13 +115,13 @@ Verdict judgeTwoThreads(const std::vector<SolverCell>& cells, bool othersBusy)
                                                "as one (are at least 0.833 times as fast)")
                    : worst.against(kTwoThreads, text("two threads are at least ", kTwoThreads,
                                                      " times as fast as one, from 10000 tetrahedra"));
-    if (disturbed > 0) verdict.measured += text("; ", disturbed, " cells not judged: other programs ran");
+    if (disturbed > 0) verdict.measured += text("; ", disturbed, " cells were not judged because other programs ran");
     return verdict;
 }
 
 Verdict judgeStiff(const std::vector<StiffRun>& runs)
 {
-    Verdict verdict{.limit = "E = 1 MPa, nu = 0.49 and both converge within the default cap",
+    Verdict verdict{.limit = "E = 1 MPa, nu = 0.49, and both together converge within the default iteration limit",
                     .measured = "not measured"};
     const StiffRun* worst = nullptr;
     for (const StiffRun& run : runs) {
@@ -138,7 +138,7 @@ Verdict judgeStiff(const std::vector<StiffRun>& runs)
 
 Verdict judgeFlags(const std::vector<SolverCell>& cells)
 {
-    Verdict verdict{.limit = "no step raises a flag", .met = true, .measured = "none did"};
+    Verdict verdict{.limit = "no step raises a flag", .met = true, .measured = "no flag was raised"};
     for (const SolverCell& cell : cells) {
         std::uint32_t flags = cell.errors.flags | cell.oracleFlags;
         for (const CrewTimes& times : cell.crews) flags |= times.flags;

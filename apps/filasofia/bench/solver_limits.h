@@ -5,8 +5,8 @@
 
 namespace filasofia::app {
 
-/// The project's limits for the solver. `simdTarget`: what the machine has, as engine::simdTargets() says it. What was
-/// not measured is not judged.
+/// The project's limits for the solver. `simdTarget` is the machine's instruction set as engine::simdTargets() names
+/// it. A limit stays undecided if its cells were not measured.
 std::vector<Verdict> judgeSolver(const std::vector<SolverCell>& cells, const std::vector<StiffRun>& stiff,
                                  const std::string& simdTarget);
 

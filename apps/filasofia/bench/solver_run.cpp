@@ -53,8 +53,9 @@ ColdOracle::ColdOracle(std::shared_ptr<const geometry::TetMesh> mesh, double dt)
     server_.add(solverBunny(std::move(mesh), Hold::Head, solver));
 }
 
-// The solver starts from the last step's answer; tune() takes it away. It runs in the step, but in the stage of the
-// commands, which nobody times. The frames' pool would be another such stage: only the engine's own times are told.
+// The solver starts from the last step's solution; tune() clears it. tune() runs within the step, but in the stage of
+// the commands, which is not timed. The frame pool would be another such stage, so only the engine's own times are
+// reported.
 physics::StepReport ColdOracle::step(const frame::SoftBodyFrame* from)
 {
     engine::tune(server_, [from](engine::Native& native) {

@@ -30,11 +30,11 @@ private:
     double dt_;
 };
 
-/// The assembled solver at 1e-6, which starts every solve from zero.
+/// The assembled solver at a tolerance of 1e-6, which starts every solve from zero.
 class ColdOracle {
 public:
     ColdOracle(std::shared_ptr<const geometry::TetMesh> mesh, double dt);
-    /// Goes on from `from`, or from where it is.
+    /// Continues from `from`, or from its present state if `from` is null.
     physics::StepReport step(const frame::SoftBodyFrame* from);
 
 private:

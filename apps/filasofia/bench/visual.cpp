@@ -15,13 +15,13 @@ namespace {
 using nlohmann::json;
 using runtime::Spread;
 
-constexpr double kBudget = 4e-3;    ///< [s] of the main thread for 50,000 vertices, without the driver's share
-constexpr double kLeastRate = 0.95; ///< of physics beside a picture, of the rate without
+constexpr double kBudget = 4e-3;    ///< [s] main thread's time for 50,000 vertices, without the driver's part
+constexpr double kLeastRate = 0.95; ///< [-] physics rate beside a picture / rate without one
 
 struct FrameRow {
     FrameScene scene;
     std::vector<FrameTimes> frames;
-    double others = 0.0; ///< cores that other programs took
+    double others = 0.0; ///< [-] cores used by other programs
 
     template <class Part> [[nodiscard]] Spread spread(const Part& part) const
     {
@@ -54,7 +54,7 @@ const char* nameOf(Beside what)
     return what == Beside::Nothing ? "nothing" : what == Beside::Mapping ? "mapping, null" : "picture";
 }
 
-/// The stages of a frame by their names in tables and JSON. There is no Gui in these pictures.
+/// The stages of a frame with their names in tables and JSON. These pictures have no Gui.
 struct Part {
     const char* name;
     double (*of)(const FrameTimes&);
@@ -95,9 +95,8 @@ void printFrame(const FrameRow& row)
 
 std::vector<FrameRow> measureFrames(bool quick)
 {
-    std::printf(
-        "time of the processor per frame [ms], medians; main: all of the main thread; whole: of all threads, the "
-        "driver's too; others: cores that other programs took\n");
+    std::printf("processor time per frame [ms], medians; main: the main thread; whole: all threads, the graphics "
+                "driver's included; others: cores used by other programs\n");
     std::printf("%8s %5s  %-11s %-8s", "vertices", "level", "map", "backend");
     for (const Part& part : kParts) std::printf(" %8.8s", part.name);
     std::printf(" %8s %6s\n", "main p99", "others");
@@ -107,7 +106,7 @@ std::vector<FrameRow> measureFrames(bool quick)
         const OthersLoad load;
         try {
             rows.push_back({scene, timeFrames(scene, quick ? 20 : frames)});
-        } catch (const Error& error) { // a machine without EGL: the others stay
+        } catch (const Error& error) { // for example on a machine without EGL: the other cells are still measured
             std::printf("%8d %5d  skipped: %s\n", scene.vertices, scene.level, error.what());
             continue;
         }
@@ -119,10 +118,10 @@ std::vector<FrameRow> measureFrames(bool quick)
 
 std::vector<TopologyRow> measureTopology(bool quick)
 {
-    std::printf(
-        "\nnew triangles [ms], median and p99: prepare on the worker's thread, adopt on the main one\n%8s %5s %9s %9s "
-        "%9s %9s\n",
-        "vertices", "level", "prepare", "p99", "adopt", "p99");
+    std::printf("\nnew triangles [ms], median and p99: prepare runs on the worker thread, adopt on the main "
+                "thread\n%8s %5s %9s %9s "
+                "%9s %9s\n",
+                "vertices", "level", "prepare", "p99", "adopt", "p99");
     std::vector<TopologyRow> rows;
     for (const int vertices : {5184, 50176})
         for (const int level : {0, 1, 2}) {
@@ -142,7 +141,7 @@ std::vector<TopologyRow> measureTopology(bool quick)
     return rows;
 }
 
-/// Steps in each second of the clock on the wall.
+/// [1/s] Steps per second of wall time.
 double achieved(const runtime::RunReport& report)
 {
     return static_cast<double>(report.timing.stepCount) / report.timing.wallSeconds;
@@ -174,14 +173,15 @@ std::vector<PhysicsRow> measurePhysics(bool quick)
     add(Beside::Mapping, false);
     if (visual::hasBackend(visual::Backend::Headless)) add(Beside::Picture, false);
     add(Beside::Nothing, true);
-    add(Beside::Mapping, true); // software drawing would take the cores: free running is told without it
+    add(Beside::Mapping,
+        true); // free-running physics beside software drawing is left out: drawing would take the cores
     return rows;
 }
 
 Verdict judgeBudget(const std::vector<FrameRow>& rows)
 {
-    Verdict verdict{.limit =
-                        "50,000 vertices moving in every frame take <= 4 ms of the main thread without the driver"};
+    Verdict verdict{
+        .limit = "50,000 vertices that move in every frame take at most 4 ms of the main thread, without the driver"};
     double worst = 0.0;
     for (const FrameRow& row : rows) {
         if (row.scene.vertices < 50000 || row.scene.backend != visual::Backend::Null) continue;
@@ -254,7 +254,7 @@ template <class Row> json listToJson(const std::vector<Row>& rows)
 
 json benchVisual(bool quick)
 {
-    setenv("LP_NUM_THREADS", "1", 0); // where the processor draws, it would take every core from physics
+    setenv("LP_NUM_THREADS", "1", 0); // if the processor draws, drawing would take every core from physics
     const std::vector<FrameRow> frames = measureFrames(quick);
     const std::vector<TopologyRow> topology = measureTopology(quick);
     const std::vector<PhysicsRow> physics = measurePhysics(quick);

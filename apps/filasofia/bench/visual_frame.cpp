@@ -13,7 +13,7 @@
 namespace filasofia::app {
 namespace {
 
-constexpr double kRing = 0.04, kTube = 0.015; ///< [m], radii of the surface, a torus
+constexpr double kRing = 0.04, kTube = 0.015; ///< [m] radii of the surface, a torus
 
 double secondsOf(clockid_t clock)
 {
@@ -24,7 +24,7 @@ double secondsOf(clockid_t clock)
 double threadSeconds() { return secondsOf(CLOCK_THREAD_CPUTIME_ID); }
 double processSeconds() { return secondsOf(CLOCK_PROCESS_CPUTIME_ID); }
 
-/// Closed, and each level of subdivision has exactly four times its vertices.
+/// A closed surface; each level of subdivision has exactly four times the vertices.
 geometry::TriangleMesh torus(int around)
 {
     geometry::TriangleMesh mesh;
@@ -40,7 +40,7 @@ geometry::TriangleMesh torus(int around)
     return mesh;
 }
 
-/// The surface and the nodes that it rides on.
+/// The surface and the nodes that carry it.
 struct Body {
     mapping::MappedSurface mapped;
     std::vector<Vec3> rest;
@@ -62,7 +62,7 @@ struct Body {
         }
         now.positions = rest;
     }
-    /// A wave runs through it: every vertex is elsewhere in every frame.
+    /// Sends a wave through the nodes, so that every vertex moves in every frame.
     void move(int frame)
     {
         for (std::size_t i = 0; i < rest.size(); ++i)
@@ -97,7 +97,7 @@ std::vector<FrameTimes> timeFrames(const FrameScene& scene, int frames)
     Picture picture(scene, body.mapped.surface);
     std::vector<Vec3> vertices(body.mapped.surface.vertices.size());
     std::vector<FrameTimes> times;
-    const int warm = 5; // the first frames compile shaders and find their memory
+    const int warm = 5; // the first frames compile shaders and allocate memory
     for (int i = -warm; i < frames; ++i) {
         body.move(i);
         const visual::VisualStages before = picture.server.statistics().stages;

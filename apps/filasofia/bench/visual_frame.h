@@ -4,24 +4,24 @@
 
 #include <vector>
 
-/// What a picture of one surface costs that moves in every frame, in time of the processor.
+/// The processor time for a picture of one surface that moves in every frame.
 namespace filasofia::app {
 
 enum class MapKind { Identity, Barycentric };
 
-/// A surface on a body, and where it is drawn.
+/// A surface on a body, and the backend that draws it.
 struct FrameScene {
-    int vertices = 5184; ///< drawn, after subdivision: a square times 16
+    int vertices = 5184; ///< drawn vertices, after subdivision: a square number times 16
     int level = 0;
     MapKind map = MapKind::Barycentric;
     visual::Backend backend = visual::Backend::Null;
 };
 
-/// [s] of one frame, of the main thread but for the last.
+/// [s] Times of one frame, all in the main thread except `whole`.
 struct FrameTimes {
     double mapping = 0.0;
     visual::VisualStages stages = {};
-    double whole = 0.0; ///< of all threads, the graphics driver's included
+    double whole = 0.0; ///< in all threads, the graphics driver's included
     [[nodiscard]] double main() const
     {
         return mapping + stages.subdivision + stages.normals + stages.upload + stages.submit;
@@ -30,7 +30,7 @@ struct FrameTimes {
 
 std::vector<FrameTimes> timeFrames(const FrameScene& scene, int frames);
 
-/// [s] of new triangles for the same surface: on the worker's thread and on the main one.
+/// [s] Times to replace the triangles of the same surface, on the worker thread and on the main thread.
 struct TopologyTimes {
     double prepare = 0.0;
     double adopt = 0.0;
