@@ -55,5 +55,6 @@ function(filasofia_tests name)
     FILASOFIA_BINARY_DIR="${PROJECT_BINARY_DIR}")
   target_precompile_headers(test_${name} REUSE_FROM filasofia_test_main)
   set_target_properties(test_${name} PROPERTIES CXX_EXTENSIONS OFF)
-  catch_discover_tests(test_${name} TEST_PREFIX "${name}: " EXTRA_ARGS -w NoTests PROPERTIES TIMEOUT ${TEST_TIMEOUT} LABELS ${name})
+  catch_discover_tests(test_${name} TEST_PREFIX "${name}: " EXTRA_ARGS -w NoTests
+    PROPERTIES TIMEOUT ${TEST_TIMEOUT} LABELS ${name} SKIP_REGULAR_EXPRESSION "SKIPPED:") # tests/skip.h says it
 endfunction()

@@ -133,9 +133,9 @@ Command reportCommand()
                          .target = &options.threads,
                          .meaning = "For a recording: threads within one step; 0: all cores except one, at most 8",
                          .bound = kThreads},
-                        {"--definitions", &options.definitions, "Print the table of all measures (docs/metrics.md)"}},
+                        {"--definitions", &options.definitions, "Print the table of measures (docs/guide/metrics.md)"}},
             .run = [] { return report(options); },
-            .footer = "docs/report.md explains how to read the report."};
+            .footer = "docs/guide/report.md explains how to read the report."};
 }
 
 } // namespace filasofia::app

@@ -168,12 +168,12 @@ std::string metricTables(const Report& report)
 std::string eventTable(const Report& report)
 {
     if (report.session.events.empty()) return "<p class=\"absent\">No event was recorded.</p>\n";
-    constexpr std::size_t most = 500;
+    constexpr std::size_t kMaxRows = 500;
     std::string out = "<table class=\"events\"><thead><tr><th scope=\"col\">Moment</th><th scope=\"col\">Event</th>"
                       "<th scope=\"col\">What</th><th scope=\"col\">How much</th></tr></thead><tbody>\n";
     std::size_t count = 0;
     for (const metric::Event& event : report.session.events) {
-        if (++count > most) break;
+        if (++count > kMaxRows) break;
         const bool area = event.kind == metric::EventKind::Tear || event.kind == metric::EventKind::Cut;
         const char* unit = area ? "m^2" : event.kind == metric::EventKind::Removed ? "m^3" : "-";
         const std::string amount = event.amount ? withUnit(*event.amount, unit) : "";
@@ -183,7 +183,7 @@ std::string eventTable(const Report& report)
                     "</td><td data-label=\"How much\">", amount, "</td></tr>\n");
     }
     out += "</tbody></table>\n";
-    if (count > most) out += text("<p>The first ", most, " of ", report.session.events.size(), ".</p>\n");
+    if (count > kMaxRows) out += text("<p>The first ", kMaxRows, " of ", report.session.events.size(), ".</p>\n");
     return out;
 }
 

@@ -15,9 +15,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Keeps a page of ten minutes at 1 kHz below a megabyte.
-constexpr std::size_t kMostPoints = 6000;
-constexpr std::size_t kMostPathPoints = 1500;
-constexpr std::size_t kMostEvents = 500;
+constexpr std::size_t kMaxPoints = 6000;
+constexpr std::size_t kMaxPathPoints = 1500;
+constexpr std::size_t kMaxEvents = 500;
 constexpr int kBins = 24;
 
 struct Series {
@@ -28,9 +28,9 @@ struct Series {
 Series thinned(const Series& series)
 {
     const std::size_t n = series.times.size();
-    if (n <= kMostPoints) return series;
+    if (n <= kMaxPoints) return series;
     Series out;
-    const std::size_t stretches = kMostPoints / 2;
+    const std::size_t stretches = kMaxPoints / 2;
     for (std::size_t k = 0; k < stretches; ++k) {
         const std::size_t first = k * n / stretches, end = (k + 1) * n / stretches;
         std::size_t low = first, high = first;
@@ -127,10 +127,9 @@ std::vector<metric::Sample> pathOf(const metric::Track& tool)
     for (const metric::Sample& sample : tool.samples)
         if (std::isfinite(sample.time) && isFinite(sample.pose.position) && length(sample.pose.position) < 1e6)
             path.push_back(sample);
-    if (path.size() <= kMostPathPoints) return path;
+    if (path.size() <= kMaxPathPoints) return path;
     std::vector<metric::Sample> few;
-    for (std::size_t k = 0; k < kMostPathPoints; ++k)
-        few.push_back(path[k * (path.size() - 1) / (kMostPathPoints - 1)]);
+    for (std::size_t k = 0; k < kMaxPathPoints; ++k) few.push_back(path[k * (path.size() - 1) / (kMaxPathPoints - 1)]);
     return few;
 }
 
@@ -197,7 +196,7 @@ std::string plotData(const Report& report)
                  {"dates", Json::array()},
                  {"current", 0},
                  {"otherForces", Json::array()}};
-    for (const metric::Event& event : std::span(session.events).first(std::min(session.events.size(), kMostEvents)))
+    for (const metric::Event& event : std::span(session.events).first(std::min(session.events.size(), kMaxEvents)))
         json["events"].push_back(
             {{"t", milliseconds(event.time)}, {"kind", metric::name(event.kind)}, {"what", shownName(event.what)}});
     for (std::size_t i = 0; i < report.own.size(); ++i) {

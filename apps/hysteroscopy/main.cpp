@@ -20,7 +20,7 @@ std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, Body
     using frame::Frame;
     const auto tip = [=](const Frame& now) { return now.rigidBody(scope)->poses[0].position; };
     const auto head = [=](const Frame& now) { return now.softBody(bodies.polyp)->positions[top]; };
-    const auto held = [=, &forceps] { return forceps.holding() == bodies.polyp; };
+    const auto holdsPolyp = [=, &forceps] { return forceps.holding() == bodies.polyp; };
     const auto to = [](Vec3 place) { return [place](const Frame&) { return std::optional(place); }; };
     const auto done = [&](const char* name, const char* instruction, auto when, auto target) {
         return TaskStep{.name = name, .instruction = instruction, .done = when, .target = target};
@@ -35,13 +35,14 @@ std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, Body
                 "find", "Find the polyp and come up to it",
                 [=](const Frame& now) { return distance(tip(now), patient.middle) < 20_mm; }, to(patient.middle)),
             done(
-                "grasp", "Open the forceps, take the polyp and close them", [=](const Frame&) { return held(); },
+                "grasp", "Open the forceps, take the polyp and close them", [=](const Frame&) { return holdsPolyp(); },
                 [=](const Frame& now) { return std::optional(head(now)); }),
             done(
                 "tear", "Pull until it comes off",
                 [=](const Frame& now) { return distance(head(now), root) > 1.8 * patient.height; }, to({0, 32_mm, 0})),
             done(
-                "bring out", "Bring it out", [=](const Frame& now) { return held() && head(now).y < -1_mm; }, to({}))};
+                "bring out", "Bring it out", [=](const Frame& now) { return holdsPolyp() && head(now).y < -1_mm; },
+                to({}))};
 }
 
 int train(const Training& training)

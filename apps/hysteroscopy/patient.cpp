@@ -95,10 +95,10 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
     uterus.collision = {{.proximity = 0.2_mm, .group = ScopeWall}, {.proximity = 0.2_mm, .group = ForcepsWall}};
     uterus.friction = 0.05;
     // Ligaments attach the cervix and the horns.
-    for (const Box& held : {Box{{-1, 2_mm, 9_mm}, {1, 26_mm, 1}}, Box{{-1, 2_mm, -1}, {1, 26_mm, -9_mm}},
-                            Box{{9_mm, 2_mm, -1}, {1, 26_mm, 1}}, Box{{-1, 2_mm, -1}, {-9_mm, 26_mm, 1}},
-                            Box{{20_mm, 40_mm, -1}, {1, 1, 1}}, Box{{-1, 40_mm, -1}, {-20_mm, 1, 1}}})
-        uterus.attachments.push_back({.box = held, .stiffness = 100.0});
+    for (const Box& ligament : {Box{{-1, 2_mm, 9_mm}, {1, 26_mm, 1}}, Box{{-1, 2_mm, -1}, {1, 26_mm, -9_mm}},
+                                Box{{9_mm, 2_mm, -1}, {1, 26_mm, 1}}, Box{{-1, 2_mm, -1}, {-9_mm, 26_mm, 1}},
+                                Box{{20_mm, 40_mm, -1}, {1, 1, 1}}, Box{{-1, 40_mm, -1}, {-20_mm, 1, 1}}})
+        uterus.attachments.push_back({.box = ligament, .stiffness = 100.0});
     Bodies bodies;
     bodies.uterus = sim.add(uterus);
     const MucosaMaterial lining{

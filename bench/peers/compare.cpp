@@ -18,7 +18,7 @@ struct Setting {
     BulletSetting def;
 };
 
-const physics::ConjugateGradient kOracle{.maxIterations = 100000, .tolerance = 1e-12, .assembled = true};
+const physics::ConjugateGradient kReference{.maxIterations = 100000, .tolerance = 1e-12, .assembled = true};
 
 /// The tightest tolerance that Bullet's precision allows.
 double converged() { return std::strcmp(bulletPrecision(), "single") == 0 ? 1e-14 : 1e-22; }
@@ -132,7 +132,7 @@ Cell compare(int tets, double dt, int steps)
     problem.dt = dt;
     problem.steps = steps;
     Cell cell{.tets = tets, .dt = dt};
-    const std::vector<Vec3> exact = runOurs(problem, kOracle).positions;
+    const std::vector<Vec3> exact = runOurs(problem, kReference).positions;
     const auto measureOurs = [&](const char* name, const physics::Solver& solver) {
         cell.rows.push_back(summary(Equations::Ours, name, runOurs(problem, solver), exact, problem));
     };

@@ -11,8 +11,8 @@ namespace filasofia::peers {
 /// The bunny pinned at its head and hanging: the problem given to both engines.
 struct Problem {
     std::shared_ptr<const geometry::TetMesh> mesh = {};
-    std::vector<int> held = {}; ///< nodes that do not move
-    double dt = 5e-3;           ///< [s]
+    std::vector<int> pinned = {}; ///< nodes that do not move
+    double dt = 5e-3;             ///< [s]
     int steps = 200;
     double rayleighMass = 0.1;       ///< [1/s]
     double rayleighStiffness = 0.01; ///< [s]
@@ -22,7 +22,7 @@ inline constexpr double kDensity = 1000.0;    ///< [kg/m^3]
 inline constexpr double kYoungModulus = 10e3; ///< [Pa]
 inline constexpr double kPoissonRatio = 0.45; ///< [-]
 inline constexpr double kGravity = 9.81;      ///< [m/s^2], along -y
-inline constexpr double kHeldAbove = 0.105;   ///< [m] height above which the bunny is pinned; the bunny is 0.15 m high
+inline constexpr double kPinnedAbove = 0.105; ///< [m] height above which the bunny is pinned; the bunny is 0.15 m high
 inline const std::vector<int> kSizes = {756, 1492, 3004, 10000,
                                         30000}; ///< numbers of tetrahedra of the available meshes
 

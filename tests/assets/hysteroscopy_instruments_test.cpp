@@ -12,9 +12,9 @@ constexpr double kHair = 0.02 * kMillimetre;
 
 double radiusAroundZ(const TriangleMesh& mesh)
 {
-    double most = 0.0;
-    for (Vec3 v : mesh.vertices) most = std::max(most, std::hypot(v.x, v.y));
-    return most;
+    double highest = 0.0;
+    for (Vec3 v : mesh.vertices) highest = std::max(highest, std::hypot(v.x, v.y));
+    return highest;
 }
 
 TriangleMesh closedSurface(const std::string& file)

@@ -167,7 +167,7 @@ TEST_CASE("each polyp stands on its base, has the stated size, and the drawn one
     const auto known = facts("polyps.json");
     const double root = known["root"];
     CHECK(known["polyps"].size() >= 6);
-    double least = 1.0, most = 0.0;
+    double smallest = 1.0, largest = 0.0;
     for (const auto& entry : known["polyps"]) {
         const std::string name = entry["name"];
         const TetMesh mesh = tets(name);
@@ -193,15 +193,15 @@ TEST_CASE("each polyp stands on its base, has the stated size, and the drawn one
         CHECK(box.high.x - box.low.x == Approx(entry["width"].get<double>()).margin(1e-6));
         CHECK(box.high.x - box.low.x > 2.0 * foot);
         const double size = std::max(box.high.y, box.high.x - box.low.x);
-        least = std::min(least, size), most = std::max(most, size);
+        smallest = std::min(smallest, size), largest = std::max(largest, size);
         const Surroundings skin(extractSurface(mesh).mesh);
         const double gap = entry["gapOfPicture"];
         CHECK(gap < 1.6 * kMillimetre);
         for (Vec3 v : seen.vertices) REQUIRE(skin.distanceTo(v) < gap + 1e-5);
     }
-    CHECK(least < 8.0 * kMillimetre);
-    CHECK(most > 18.0 * kMillimetre);
-    CHECK(most < 22.0 * kMillimetre);
+    CHECK(smallest < 8.0 * kMillimetre);
+    CHECK(largest > 18.0 * kMillimetre);
+    CHECK(largest < 22.0 * kMillimetre);
 }
 
 TEST_CASE("at each of its sites a polyp stands in the cavity, with only its foot in the wall")

@@ -1,4 +1,4 @@
-"""Builds every program of docs/tutorial.md as its reader would, runs every command and compares its output.
+"""Builds every program of docs/guide/tutorial.md as its reader would, runs every command and compares its output.
 
     tutorial_test.py PAGE PREFIX FOLDER [words for cmake ...]   # builds in FOLDER, against the Filasofia in PREFIX
     tutorial_test.py PAGE --write FOLDER                        # only writes the chapters' programs

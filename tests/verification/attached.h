@@ -33,7 +33,7 @@ inline double weightOf(const Stage& stage, std::size_t body)
     return mass * kG;
 }
 
-inline const frame::Attachment& held(Stage& stage, AttachmentId id)
+inline const frame::Attachment& attachmentOf(Stage& stage, AttachmentId id)
 {
     const auto found = std::ranges::find(stage.world.state().held, id, &frame::Attachment::id);
     REQUIRE(found != stage.world.state().held.end());

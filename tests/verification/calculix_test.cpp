@@ -36,9 +36,9 @@ struct Rest {
     }
     static double largest(const std::vector<Vec3>& vectors)
     {
-        double most = 0.0;
-        for (Vec3 each : vectors) most = std::max(most, length(each));
-        return most;
+        double highest = 0.0;
+        for (Vec3 each : vectors) highest = std::max(highest, length(each));
+        return highest;
     }
     static double gap(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
     {

@@ -313,10 +313,11 @@ TEST_CASE("contacts and friction come out the same for any number of threads")
         Stage stage({.threads = threads});
         stage.post(physics::SetGravity{{0, -kG, 0}});
         stage.add(floorDef());
-        stage.add(softBlock({6, 6, 6}, {0.04, 0.04, 0.04}, {-0.02, 0.0005, -0.02}));
+        stage.add(softBlock({8, 7, 7}, {0.04, 0.04, 0.04}, {-0.02, 0.0005, -0.02})); // threads share it
         stage.add(softBlock({3, 3, 3}, {0.02, 0.02, 0.02}, {-0.012, 0.0415, -0.011}));
         stage.add(rigidBox("box", {0.01, 0.01, 0.01}, {{0.001, 0.074, 0.002}, axisAngle({1, 0.3, 0.2}, 0.3)}));
-        stage.run(200, 1e-3);
+        CHECK(stage.run(200, 1e-3).contacts.active > 0);
+        CHECK((threads == 1 || threadsShare(stage, threads)));
         hashes.push_back(stage.world.hash());
     }
     for (std::uint64_t hash : hashes) CHECK(hash == hashes.front());

@@ -52,7 +52,7 @@ double areaOf(const StepReport& report)
 double massOf(const SoftModel& model) { return std::accumulate(model.masses.begin(), model.masses.end(), 0.0); }
 
 /// The nodes of all elements connected to this one, ascending. Pieces share no nodes.
-std::vector<int> nodesHangingOn(const SoftModel& model, int element)
+std::vector<int> connectedNodes(const SoftModel& model, int element)
 {
     std::vector<char> reached(model.rest.size());
     for (int node : model.elements[static_cast<std::size_t>(element)].nodes)
@@ -202,7 +202,7 @@ TEST_CASE("a piece cut free keeps its momentum during the edits, and falls freel
     };
     const Vec3 start = momentum(all());
     std::vector<int> piece;
-    LoosePiece told;
+    LoosePiece reported;
     double worst = 0.0;
     for (int i = 1; i <= 200; ++i) {
         stage.post(SetPose{tool, 0, {{0.052, 0.02, 0.06 - 5e-4 * i}, {}}});
@@ -210,7 +210,7 @@ TEST_CASE("a piece cut free keeps its momentum during the edits, and falls freel
         CHECK(report.flags == 0);
         worst = std::max(worst, length(momentum(all()) - start) / length(start));
         for (const Rupture& rupture : report.topology.ruptures)
-            for (const LoosePiece& loose : rupture.detached) piece = (told = loose).elements;
+            for (const LoosePiece& loose : rupture.detached) piece = (reported = loose).elements;
     }
     REQUIRE_FALSE(piece.empty());
     verify("cutting, change of momentum by a cut across a flying bar, relative", worst, 1e-9);
@@ -219,13 +219,13 @@ TEST_CASE("a piece cut free keeps its momentum during the edits, and falls freel
         tool, 0, {{0.052, 0.02, 1}, {}}}); // moved away, or it would continue to cut the piece that moves through it
     stage.step(1e-3);
     stage.step(1e-3);
-    const std::vector<int> nodes = nodesHangingOn(stage.model(), piece.front());
+    const std::vector<int> nodes = connectedNodes(stage.model(), piece.front());
     double mass = 0.0;
     for (int node : nodes) mass += stage.model().masses[static_cast<std::size_t>(node)];
     CHECK(mass == Approx(0.48 * massOf(stage.model())).epsilon(0.1));
-    CHECK(told.mass == Approx(mass).epsilon(1e-3));
-    CHECK(std::abs(told.place.x - 0.052) > 0.01); // on one side of the cut, and well away from it
-    CHECK_FALSE(told.held);
+    CHECK(reported.mass == Approx(mass).epsilon(1e-3));
+    CHECK(std::abs(reported.place.x - 0.052) > 0.01); // on one side of the cut, and well away from it
+    CHECK_FALSE(reported.held);
 
     // The same piece in gravity.
     stage.model().gravity = true;

@@ -30,7 +30,7 @@ TEST_CASE("a grasped body is lifted, and lost if it pulls with more than the bre
             y += dt * (anchored ? 0.01 : i < 1000 ? 0.03 : 0.0);
             stage.post(physics::SetPose{id, 0, Pose{{0.0203, y, 0.0197}, {}}});
             CHECK_FALSE(stage.step(dt).has(physics::StepFlag::NothingAttached));
-            const frame::Attachment& now = held(stage, grasp);
+            const frame::Attachment& now = attachmentOf(stage, grasp);
             broken = now.broken;
             force = length(now.force);
         }
@@ -41,11 +41,11 @@ TEST_CASE("a grasped body is lifted, and lost if it pulls with more than the bre
             stage.step(dt);
             for (const frame::Attachment& each : stage.world.state().held) CHECK(each.id != grasp);
         } else {
-            CHECK(held(stage, grasp).points > 3);
-            CHECK(held(stage, grasp).body == BodyId{1});
+            CHECK(attachmentOf(stage, grasp).points > 3);
+            CHECK(attachmentOf(stage, grasp).body == BodyId{1});
             const double weight = weightOf(stage, 0);
             verify("block lifted by a tool: force of the grasp over its weight, minus one",
-                   length(held(stage, grasp).force - Vec3{0, weight, 0}) / weight, 0.02);
+                   length(attachmentOf(stage, grasp).force - Vec3{0, weight, 0}) / weight, 0.02);
             double low = 1.0;
             for (Vec3 p : stage.soft().x) low = std::min(low, p.y);
             CHECK(low > 0.02);
@@ -81,13 +81,13 @@ TEST_CASE("a block squeezed and grasped by two jaws is held for long without gro
     for (int i = 0; i < 10000; ++i) {
         stage.step(1e-3);
         if (i % 1000 != 999) continue;
-        double most = 0.0;
+        double highest = 0.0;
         for (const auto& pairs : stage.world.state().holding)
-            for (Vec3 force : pairs) most = std::max(most, length(force));
-        for (const frame::Contact& each : stage.world.state().touching) most = std::max(most, each.normalForce);
-        largest.push_back(most);
+            for (Vec3 force : pairs) highest = std::max(highest, length(force));
+        for (const frame::Contact& each : stage.world.state().touching) highest = std::max(highest, each.normalForce);
+        largest.push_back(highest);
     }
-    const Vec3 sum = held(stage, grasps[0]).force + held(stage, grasps[1]).force +
+    const Vec3 sum = attachmentOf(stage, grasps[0]).force + attachmentOf(stage, grasps[1]).force +
                      frame::forceOn(BodyId{1}, stage.world.state().touching);
     verify("block held by two jaws: largest force at a point after 10 s over that after 1 s, minus one",
            std::abs(largest.back() / largest.front() - 1.0), 0.05);

@@ -111,7 +111,7 @@ double energyFromNowhere(const Hung& hung)
     stage.post(SetGravity{{0, -9.81, 0}});
     stage.step(0.0);
     const std::vector<Vec3> start = stage.soft().x;
-    double mass = 0.0, most = 0.0;
+    double mass = 0.0, highest = 0.0;
     for (double each : stage.model().masses) mass += each;
     for (int i = 0; i < 4.0 / hung.dt; ++i) {
         stage.step(hung.dt);
@@ -120,9 +120,9 @@ double energyFromNowhere(const Hung& hung)
             const Vec3 v = stage.soft().v[k];
             energy += stage.model().masses[k] * (0.5 * dot(v, v) + 9.81 * (stage.soft().x[k].y - start[k].y));
         }
-        most = std::max(most, energy / (mass * 9.81 * hung.length()));
+        highest = std::max(highest, energy / (mass * 9.81 * hung.length()));
     }
-    return most;
+    return highest;
 }
 
 } // namespace

@@ -54,12 +54,12 @@ double worst(Stage stage, double (*elongation)(Stage&), double dt, int steps,
              const std::function<double(int)>& expected)
 {
     const double start = elongation(stage);
-    double most = 0.0;
+    double highest = 0.0;
     for (int n = 1; n <= steps; ++n) {
         stage.step(dt);
-        most = std::max(most, std::abs(elongation(stage) - start * expected(n)) / start);
+        highest = std::max(highest, std::abs(elongation(stage) - start * expected(n)) / start);
     }
-    return most;
+    return highest;
 }
 
 /// The angular frequency [rad/s] of a stage that swings, from 20 half periods between zero crossings. Each crossing is

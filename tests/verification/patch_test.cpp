@@ -9,7 +9,7 @@ using namespace filasofia::physics;
 namespace {
 
 /// A box with jittered inner nodes and a pinned surface.
-Stage heldBox()
+Stage pinnedBox()
 {
     const geometry::TetMesh mesh = boxMesh({4, 4, 4}, {0.4, 0.3, 0.2}, 0.25);
     SoftBodyDef def = freeBody(mesh);
@@ -38,7 +38,7 @@ TEST_CASE("patch test: if an affine map moves the surface, the inside follows th
     std::mt19937 random(41);
     double still = 0.0, moving = 0.0;
     for (double size : {0.01, 0.1}) {
-        Stage stage = heldBox();
+        Stage stage = pinnedBox();
         const Mat3 a = toMat3(randomRotation(random)) * (Mat3::identity() + randomMat3(random, size));
         std::vector<Vec3> expected, x = stage.model().rest;
         for (const Vec3& p : x) expected.push_back(a * p + Vec3{0.1, -0.2, 0.3});

@@ -47,7 +47,7 @@ Vec3 bodyForce(Vec3 p)
 }
 
 /// The box in n^3 cells, distorted smoothly inside, so that no symmetry makes the result better than it is.
-geometry::TetMesh bentBox(int n)
+geometry::TetMesh distortedBox(int n)
 {
     geometry::TetMesh mesh = boxMesh({n, n, n}, {kSize[0], kSize[1], kSize[2]});
     for (Vec3& p : mesh.nodes) {
@@ -92,7 +92,7 @@ Errors errors(Stage& stage)
 
 Errors solve(int n)
 {
-    const geometry::TetMesh mesh = bentBox(n);
+    const geometry::TetMesh mesh = distortedBox(n);
     SoftBodyDef def = freeBody(mesh);
     def.material = FemMaterial{.youngModulus = 1e6, .poissonRatio = 0.3};
     def.solver = Cholesky{};

@@ -19,9 +19,9 @@ struct Worker {
 
 int iterationsOf(const physics::StepReport& report)
 {
-    int most = 0; // bodies in contact are solved together: each reports the same number
-    for (const physics::BodySolve& solve : report.solves) most = std::max(most, solve.iterations);
-    return most;
+    int highest = 0; // bodies in contact are solved together: each reports the same number
+    for (const physics::BodySolve& solve : report.solves) highest = std::max(highest, solve.iterations);
+    return highest;
 }
 
 void look(const physics::StepReport& report, ContactRun& run, ContactCell& cell)

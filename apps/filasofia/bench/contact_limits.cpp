@@ -12,25 +12,35 @@ namespace {
 using Figure = std::function<double(const ContactCell&)>;
 using Which = std::function<bool(const ContactCell&)>;
 
-double shown(double value, double digits = 3.0) // rounds to `digits` decimals
+double shown(double value, double digits = 3.0) // rounds to `digits` significant digits
 {
     const double unit = std::pow(10.0, digits - 1.0 - std::floor(std::log10(std::max(std::abs(value), 1e-300))));
     return std::round(value * unit) / unit;
 }
 
-/// Compares the highest figure of the selected cells with a bound; the lowest figure if `low`.
-Verdict judge(const std::vector<ContactCell>& cells, const Which& which, const Figure& figure, double bound,
-              const std::string& limit, const std::string& unit, bool low = false)
+/// A bound on a figure of some cells.
+struct Limit {
+    Which which; ///< selects the cells
+    Figure figure;
+    double bound;
+    std::string text;      ///< the limit as a sentence
+    std::string unit = {}; ///< with a space before it
+    bool isLower = false;  ///< the figure must be at least, not at most, the bound
+};
+
+/// Compares the worst figure of the selected cells with the bound.
+Verdict judge(const std::vector<ContactCell>& cells, const Limit& limit)
 {
+    const auto worse = [&](const ContactCell& a, const ContactCell& b) {
+        return limit.isLower ? limit.figure(a) < limit.figure(b) : limit.figure(a) > limit.figure(b);
+    };
     const ContactCell* worst = nullptr;
-    for (const ContactCell& cell : cells) {
-        if (!which(cell)) continue;
-        if (!worst || (low ? figure(cell) < figure(*worst) : figure(cell) > figure(*worst))) worst = &cell;
-    }
-    if (!worst) return {limit, {}, "not measured"};
-    const double value = figure(*worst);
-    return {limit, low ? value >= bound : value <= bound,
-            text(low ? "lowest " : "highest ", shown(value), unit, " (", worst->label(), ")")};
+    for (const ContactCell& cell : cells)
+        if (limit.which(cell) && (!worst || worse(cell, *worst))) worst = &cell;
+    if (!worst) return {limit.text, {}, "not measured"};
+    const double value = limit.figure(*worst);
+    return {limit.text, limit.isLower ? value >= limit.bound : value <= limit.bound,
+            text(limit.isLower ? "lowest " : "highest ", shown(value), limit.unit, " (", worst->label(), ")")};
 }
 
 double medianMs(const ContactCell& cell) { return 1e3 * cell.alone().step().median; }
@@ -63,17 +73,20 @@ std::vector<Verdict> judgeContact(const std::vector<ContactCell>& cells)
         return [tets](const ContactCell& cell) { return scraped(cell) && cell.scene.body == "bunny " + tets; };
     };
     const auto thousand = [](const ContactCell& cell) { return plate(cell) && cell.scene.asked == 1000; };
-    return {judge(cells, slow, found, 60,
-                  "the median number of contacts is at least 60 while the bunny is scraped at 0.1 m/s", "", true),
-            judge(cells, bunny("3004"), medianMs, 0.2, "3004 tetrahedra, scraped: median at most 0.2 ms, one thread",
-                  " ms"),
-            judge(cells, bunny("3004"), p99Ms, 0.8, "3004 tetrahedra, scraped: p99 at most 0.8 ms", " ms"),
-            judge(cells, bunny("10000"), medianMs, 0.6, "10000 tetrahedra, scraped: median at most 0.6 ms", " ms"),
-            judge(cells, bunny("10000"), p99Ms, 2.0, "10000 tetrahedra, scraped: p99 at most 2 ms", " ms"),
-            judge(cells, thousand, pushing, 1000,
-                  "the median number of pushing contacts under the largest plate is at least 1000", "", true),
-            judge(cells, thousand, medianMs, 2.0, "1000 contacts on 30000 tetrahedra: median at most 2 ms", " ms"),
-            judgeFlags(cells)};
+    const Limit limits[] = {
+        {slow, found, 60, "the median number of contacts is at least 60 while the bunny is scraped at 0.1 m/s", "",
+         true},
+        {bunny("3004"), medianMs, 0.2, "3004 tetrahedra, scraped: median at most 0.2 ms, one thread", " ms"},
+        {bunny("3004"), p99Ms, 0.8, "3004 tetrahedra, scraped: p99 at most 0.8 ms", " ms"},
+        {bunny("10000"), medianMs, 0.6, "10000 tetrahedra, scraped: median at most 0.6 ms", " ms"},
+        {bunny("10000"), p99Ms, 2.0, "10000 tetrahedra, scraped: p99 at most 2 ms", " ms"},
+        {thousand, pushing, 1000, "the median number of pushing contacts under the largest plate is at least 1000", "",
+         true},
+        {thousand, medianMs, 2.0, "1000 contacts on 30000 tetrahedra: median at most 2 ms", " ms"}};
+    std::vector<Verdict> verdicts;
+    for (const Limit& limit : limits) verdicts.push_back(judge(cells, limit));
+    verdicts.push_back(judgeFlags(cells));
+    return verdicts;
 }
 
 } // namespace filasofia::app

@@ -9,11 +9,11 @@
 namespace filasofia::app {
 namespace {
 
-constexpr double kFar = 0.17;       ///< [m] from the middle: far enough not to touch the body
-constexpr double kDeepest = 0.015;  ///< [m] depth of the axis below the surface at rest
-constexpr double kFromHeld = 0.025; ///< [m] from the axis to the pinned part of the body
-constexpr double kOff = 0.02;       ///< [m] distance between a tool and the surface before and after it touches
-constexpr double kPeak = 1.5;       ///< [-] peak speed / mean speed of a smooth step
+constexpr double kFar = 0.17;         ///< [m] from the middle: far enough not to touch the body
+constexpr double kDeepest = 0.015;    ///< [m] depth of the axis below the surface at rest
+constexpr double kFromPinned = 0.025; ///< [m] from the axis to the pinned part of the body
+constexpr double kOff = 0.02;         ///< [m] distance between a tool and the surface before and after it touches
+constexpr double kPeak = 1.5;         ///< [-] peak speed / mean speed of a smooth step
 
 double smooth(double t) { return t * t * (3.0 - 2.0 * t); }
 
@@ -50,10 +50,10 @@ std::vector<geometry::Box> boxesOf(const std::vector<Vec3>& points, const auto& 
 
 } // namespace
 
-RandomMoves::RandomMoves(const geometry::TetMesh& mesh, double heldBelow, Capsule capsule, int seed)
+RandomMoves::RandomMoves(const geometry::TetMesh& mesh, double pinnedBelow, Capsule capsule, int seed)
     : mesh_(mesh), surface_(geometry::extractSurface(mesh).mesh),
       triangles_(boxesOf(surface_.vertices, surface_.triangles)), tetrahedra_(boxesOf(mesh_.nodes, mesh_.tetrahedra)),
-      heldBelow_(heldBelow), capsule_(capsule), source_(static_cast<std::uint32_t>(seed))
+      pinnedBelow_(pinnedBelow), capsule_(capsule), source_(static_cast<std::uint32_t>(seed))
 {
     middle_ = 0.5 * (triangles_.bounds().low + triangles_.bounds().high);
     from_ = {parked(0), parked(1)};
@@ -140,7 +140,7 @@ bool RandomMoves::planGrasp()
     const Place near = randomPlace();
     Place far;
     const double thick = thickness(near, far);
-    if (!(thick > 0.01 && thick < 0.045) || far.point.y < heldBelow_ + kFromHeld) return false;
+    if (!(thick > 0.01 && thick < 0.045) || far.point.y < pinnedBelow_ + kFromPinned) return false;
     const Vec3 way = normalized(far.point - near.point), axis = normalized(cross(way, randomDirection()));
     const auto jaws = [&](double apart) { // both at the same distance from the surface
         const double out = capsule_.radius + apart;
@@ -198,7 +198,7 @@ bool RandomMoves::fits(const Pose& pose) const
     constexpr int kPoints = 9;
     for (int i = 0; i < kPoints; ++i) {
         const Vec3 p = transform(pose, {0, capsule_.half * (2.0 * i / (kPoints - 1) - 1.0), 0});
-        if (p.y < heldBelow_ + kFromHeld || depthOf(p) > kDeepest) return false;
+        if (p.y < pinnedBelow_ + kFromPinned || depthOf(p) > kDeepest) return false;
     }
     return true;
 }
@@ -254,7 +254,8 @@ RandomMoves::Place RandomMoves::randomPlace()
         for (std::size_t k = 0; k < 3; ++k)
             c[k] = surface_.vertices[static_cast<std::size_t>(surface_.triangles[t][k])];
         const Vec3 point = (c[0] + c[1] + c[2]) / 3.0;
-        if (point.y > heldBelow_ + kFromHeld) return {point, normalized(cross(c[1] - c[0], c[2] - c[0]), {0, 1, 0})};
+        if (point.y > pinnedBelow_ + kFromPinned)
+            return {point, normalized(cross(c[1] - c[0], c[2] - c[0]), {0, 1, 0})};
     }
 }
 

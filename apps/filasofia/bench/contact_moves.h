@@ -23,8 +23,8 @@ struct Capsule {
 /// deep below its surface at rest, or near its pinned part.
 class RandomMoves {
 public:
-    /// `heldBelow` [m]: the body's nodes below that height are pinned.
-    RandomMoves(const geometry::TetMesh& mesh, double heldBelow, Capsule capsule, int seed);
+    /// `pinnedBelow` [m]: the body's nodes below that height are pinned.
+    RandomMoves(const geometry::TetMesh& mesh, double pinnedBelow, Capsule capsule, int seed);
 
     /// The poses of both tools at a time. Calls must have ascending times.
     std::array<Pose, 2> at(double time);
@@ -63,7 +63,7 @@ private:
     geometry::TriangleMesh surface_;
     geometry::Bvh triangles_, tetrahedra_;
     Vec3 middle_;
-    double heldBelow_;
+    double pinnedBelow_;
     Capsule capsule_;
     std::mt19937 source_;
     std::vector<Move> moves_; ///< the first one is being executed

@@ -146,12 +146,12 @@ const frame::Frame& ContactRun::capture()
     return frame_;
 }
 
-physics::SoftBodyDef contactBunny(int tets, bool held)
+physics::SoftBodyDef contactBunny(int tets, bool pinned)
 {
     auto mesh = std::make_shared<const geometry::TetMesh>(
         geometry::loadTetMesh(runtime::asset(text("meshes/bunny_", tets, ".msh"))));
-    physics::SoftBodyDef def = soft("bunny", std::move(mesh), {0, held ? 0.0 : 5e-4, 0});
-    if (held) def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 0.02, 1}}}};
+    physics::SoftBodyDef def = soft("bunny", std::move(mesh), {0, pinned ? 0.0 : 5e-4, 0});
+    if (pinned) def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 0.02, 1}}}};
     return def;
 }
 

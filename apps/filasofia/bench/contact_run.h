@@ -47,7 +47,7 @@ private:
 };
 
 /// The Stanford bunny of `tets` tetrahedra, pinned at its feet or free on the floor; 10 kPa, friction 0.5.
-physics::SoftBodyDef contactBunny(int tets, bool held);
+physics::SoftBodyDef contactBunny(int tets, bool pinned);
 /// A floor whose top is at height 0, friction 0.5.
 physics::RigidBodyDef contactFloor();
 /// A kinematic rigid body, friction 0.5.

@@ -17,11 +17,11 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kSettle = 2.0;     ///< [s] before the tools arrive
-constexpr double kRecover = 1.5;    ///< [s] at most 0.5 s for them to leave, then a rest
-constexpr double kHeldBelow = 0.02; ///< [m] contactBunny() is pinned below this height
-constexpr double kSink = 0.05;      ///< [-] relative to the sum of proximities
-constexpr double kStands = 1e-3;    ///< [m] largest motion of a box in a tower that counts as standing
+constexpr double kSettle = 2.0;       ///< [s] before the tools arrive
+constexpr double kRecover = 1.5;      ///< [s] at most 0.5 s for them to leave, then a rest
+constexpr double kPinnedBelow = 0.02; ///< [m] contactBunny() is pinned below this height
+constexpr double kSink = 0.05;        ///< [-] relative to the sum of proximities
+constexpr double kStands = 1e-3;      ///< [m] largest motion of a box in a tower that counts as standing
 
 long stepsOf(double seconds) { return std::lround(seconds / kContactStep); }
 
@@ -70,7 +70,7 @@ bool axisInside(const geometry::TetMesh& mesh, const std::vector<Vec3>& x, const
 }
 
 /// Checks made after each step of every long run.
-void look(const physics::StepReport& step, const frame::Frame& frame, const std::string& doing, SoakReport& report)
+void inspect(const physics::StepReport& step, const frame::Frame& frame, const std::string& doing, SoakReport& report)
 {
     report.seconds = step.time;
     if (step.contacts.penetration > report.penetration) {
@@ -79,7 +79,7 @@ void look(const physics::StepReport& step, const frame::Frame& frame, const std:
         report.penetrating = doing;
     }
     report.touching += step.contacts.active > 0 ? 1 : 0;
-    report.mostPushing = std::max(report.mostPushing, step.contacts.active);
+    report.maxPushing = std::max(report.maxPushing, step.contacts.active);
     report.flags |= step.flags;
     if (step.flags != 0) report.flagged.add(step.time, doing);
     if (!allFinite(frame)) report.notFinite.add(step.time, doing);
@@ -102,7 +102,7 @@ void recover(const geometry::TetMesh& mesh, const std::vector<Vec3>& rested, Con
 {
     for (long i = 0; i < stepsOf(kRecover); ++i) {
         const physics::StepReport step = run.step();
-        look(step, run.capture(), "recovering", report);
+        inspect(step, run.capture(), "recovering", report);
     }
     const std::vector<Vec3>& x = run.capture().softBodies.front().positions;
     report.invertedAtEnd = invertedIn(mesh, x);
@@ -130,7 +130,7 @@ json toJson(const SoakReport& r)
             {"through", toJson(r.through)},
             {"inverted", toJson(r.inverted)},
             {"steps_touching", r.touching},
-            {"most_pushing", r.mostPushing},
+            {"most_pushing", r.maxPushing},
             {"inverted_at_end", r.invertedAtEnd},
             {"displaced_at_end_m", r.displacedAtEnd},
             {"lean_m", r.lean}};
@@ -145,7 +145,7 @@ std::string written(const Mishap& mishap)
 void print(const SoakReport& r)
 {
     std::printf("%s: %g s simulated in %.1f s; contacts pushed in %ld steps, at most %d contacts at once\n",
-                r.scene.c_str(), r.seconds, r.wall, r.touching, r.mostPushing);
+                r.scene.c_str(), r.seconds, r.wall, r.touching, r.maxPushing);
     std::printf(
         "  deepest penetration %.4f mm (at %.3f s, %s); steps with a state that is not finite: %s; flags %u, in steps: "
         "%s\n",
@@ -200,11 +200,11 @@ SoakReport soakTools(double seconds, int seed)
     ContactRun run(scene, 1);
     for (long i = 0; i < stepsOf(kSettle); ++i) run.step();
     const std::vector<Vec3> rested = run.capture().softBodies.front().positions;
-    moves.emplace(geometry::TetMesh{rested, mesh.tetrahedra}, kHeldBelow, capsule, seed);
+    moves.emplace(geometry::TetMesh{rested, mesh.tetrahedra}, kPinnedBelow, capsule, seed);
     for (long i = 0; i < stepsOf(seconds); ++i) {
         const physics::StepReport step = run.step();
         const frame::Frame& frame = run.capture();
-        look(step, frame, moves->doing(), report);
+        inspect(step, frame, moves->doing(), report);
         const std::vector<Vec3>& x = frame.softBodies.front().positions;
         if (axisInside(mesh, x, poses[0], capsule) || axisInside(mesh, x, poses[1], capsule))
             report.through.add(step.time, moves->doing());
@@ -224,7 +224,7 @@ SoakReport soakBall(double seconds)
     ContactRun run(scene, 1);
     for (long i = 0; i < stepsOf(seconds); ++i) {
         const physics::StepReport step = run.step();
-        look(step, run.capture(), "", report);
+        inspect(step, run.capture(), "", report);
     }
     report.invertedAtEnd = invertedIn(mesh, run.capture().softBodies.front().positions);
     return report;
@@ -238,7 +238,7 @@ SoakReport soakTower(double seconds)
     const frame::Frame start = run.capture();
     for (long i = 0; i < stepsOf(seconds); ++i) {
         const physics::StepReport step = run.step();
-        look(step, run.capture(), "", report);
+        inspect(step, run.capture(), "", report);
     }
     const frame::Frame& end = run.capture();
     for (std::size_t b = 0; b < end.rigidBodies.size(); ++b)

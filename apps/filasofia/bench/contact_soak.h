@@ -30,7 +30,7 @@ struct SoakReport {
     Mishap through = {};          ///< a tool's axis inside an element of the body
     Mishap inverted = {};         ///< an inverted element while tools act on the body
     long touching = 0;            ///< [-] steps with contacts that push
-    int mostPushing = 0;          ///< [-]
+    int maxPushing = 0;           ///< [-]
     int invertedAtEnd = 0;        ///< [-] elements, after a rest without tools
     double displacedAtEnd = 0.0;  ///< [m] the largest distance of a node, after that rest, from its first rest position
     double lean = 0.0;            ///< [m] the largest motion of a box of the tower

@@ -65,9 +65,9 @@ double timeOfCut(double speed) { return kWay / speed; }
 /// The largest number of iterations of any body: every other body of this scene is alone or solved together with it.
 double iterationsOf(const physics::StepReport& report)
 {
-    int most = 0;
-    for (const physics::BodySolve& solve : report.solves) most = std::max(most, solve.iterations);
-    return most;
+    int highest = 0;
+    for (const physics::BodySolve& solve : report.solves) highest = std::max(highest, solve.iterations);
+    return highest;
 }
 
 void count(const physics::StepReport& report, double wall, CutTimes& times)

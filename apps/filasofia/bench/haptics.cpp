@@ -36,7 +36,7 @@ json toJson(const ServoTimes& run)
                   {"bin_s", device::JitterHistogram::kWidth},
                   {"counts", jitter.counts}}},
                 {"energy_J", run.servo.energy},
-                {"most_force_N", run.mostForce},
+                {"most_force_N", run.maxForce},
                 {"cores_taken_by_others", run.others}};
     if (run.scene.stall > 0.0) {
         all["zero_after_s"] = run.zeroAfter;
@@ -49,8 +49,8 @@ json toJson(const ServoTimes& run)
 
 json toJson(const WallEnergy& wall)
 {
-    return {{"physics_hz", wall.physicsRate}, {"stiffness_N_m", wall.stiffness}, {"jitter_s", wall.jitter},
-            {"most_energy_J", wall.most},     {"given_by_hand_J", wall.given},   {"most_force_N", wall.force}};
+    return {{"physics_hz", wall.physicsRate},  {"stiffness_N_m", wall.stiffness},  {"jitter_s", wall.jitter},
+            {"most_energy_J", wall.netEnergy}, {"given_by_hand_J", wall.handWork}, {"most_force_N", wall.force}};
 }
 
 void print(const ServoTimes& run)
@@ -85,9 +85,9 @@ std::vector<Verdict> judge(const std::vector<ServoTimes>& runs, const std::vecto
         all.push_back({text(run.scene.name, ": net energy given to the hand at most 0"), run.servo.energy <= 0.0,
                        text(rounded(run.servo.energy, 1e6), " J")});
     }
-    const auto worst = std::ranges::max_element(walls, {}, &WallEnergy::most);
+    const auto worst = std::ranges::max_element(walls, {}, &WallEnergy::netEnergy);
     all.push_back({"every wall up to 10 kN/m: net energy given to the hand at most 0, at any moment",
-                   worst->most <= 0.0, text("highest ", worst->most, " J, at ", worst->stiffness, " N/m")});
+                   worst->netEnergy <= 0.0, text("highest ", worst->netEnergy, " J, at ", worst->stiffness, " N/m")});
     return all;
 }
 
@@ -119,7 +119,7 @@ json benchHaptics(double seconds, bool quick)
         for (const double rate : {1000.0, 20.0})
             for (const double jitter : {0.0, 0.2e-3}) {
                 walls.push_back(pokeWall(rate, stiffness, jitter));
-                std::printf(" %11.4f (%6.1f)", 1e3 * walls.back().most, 1e3 * walls.back().given);
+                std::printf(" %11.4f (%6.1f)", 1e3 * walls.back().netEnergy, 1e3 * walls.back().handWork);
             }
         std::printf("\n");
     }

@@ -107,7 +107,7 @@ ServoTimes timeServo(const ServoScene& scene)
     sim.run({.backend = Backend::Null, .seconds = scene.seconds});
 
     ServoTimes out{.scene = scene, .servo = sim.haptic(hand).servo, .others = others.cores()};
-    for (const auto& push : watched.pushes) out.mostForce = std::max(out.mostForce, push.force);
+    for (const auto& push : watched.pushes) out.maxForce = std::max(out.maxForce, push.force);
     out.zeroWithin = device::watchdogOf(1.0 / scene.physicsRate);
     if (begin != 0) readStall(watched.pushes, begin, end, out);
     return out;
@@ -169,8 +169,8 @@ WallEnergy pokeWall(double physicsRate, double stiffness, double jitter)
         work += dot(lastForce, sample.hand.pose.position - lastPlace); // computed here, independently of the servo loop
         lastPlace = sample.hand.pose.position;
         lastForce = tick.onHand.force;
-        out.most = i == 1 ? work : std::max(out.most, work);
-        out.given = std::max(out.given, -work);
+        out.netEnergy = i == 1 ? work : std::max(out.netEnergy, work);
+        out.handWork = std::max(out.handWork, -work);
         out.force = std::max(out.force, length(lastForce));
     }
     return out;

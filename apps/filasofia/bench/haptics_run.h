@@ -20,7 +20,7 @@ struct ServoScene {
 struct ServoTimes {
     ServoScene scene = {};
     device::ServoStatistics servo = {};
-    double mostForce = 0.0;  ///< [N] largest force on the hand
+    double maxForce = 0.0;   ///< [N] largest force on the hand
     double zeroAfter = 0.0;  ///< [s] from the stall's beginning to the first tick without force
     double zeroWithin = 0.0; ///< [s] the watchdog's time limit
     int pushesInStall = 0;   ///< [-] ticks with a force after that, while physics still stalls
@@ -37,8 +37,8 @@ struct WallEnergy {
     double physicsRate = 1000.0; ///< [Hz]
     double stiffness = 0.0;      ///< [N/m] stiffness of the virtual coupling, against a rigid wall
     double jitter = 0.0;         ///< [s] largest random delay of a tick
-    double most = 0.0;           ///< [J] net energy given to the hand, at its highest
-    double given = 0.0;          ///< [J] energy that the hand has put in, at its highest
+    double netEnergy = 0.0;      ///< [J] net energy given to the hand, at its highest
+    double handWork = 0.0;       ///< [J] energy that the hand has put in, at its highest
     double force = 0.0;          ///< [N] the largest force
 };
 

@@ -41,19 +41,19 @@ std::vector<Row> table(bool quick)
                              .repetitions = 3,
                              .seconds = 0.05,
                              .floorRepeats = 50,
-                             .oracleWindows = 2,
-                             .oracleSteps = 2};
+                             .referenceWindows = 2,
+                             .referenceSteps = 2};
     for (int tets : {756, 1492, 3004}) rows.push_back({meshOf(tets), quick ? small : SolverEffort{}});
     if (quick) return rows;
     rows.push_back({meshOf(10000), {}});
-    rows.push_back({meshOf(30000), {.oracleWindows = 4, .oracleSteps = 2}});
+    rows.push_back({meshOf(30000), {.referenceWindows = 4, .referenceSteps = 2}});
     rows.push_back({largestMesh(),
                     {.errorSteps = 20,
                      .stiffSteps = 0,
                      .repetitions = 5,
                      .floorRepeats = 30,
-                     .oracleWindows = 1,
-                     .oracleSteps = 2}});
+                     .referenceWindows = 1,
+                     .referenceSteps = 2}});
     return rows;
 }
 
@@ -66,7 +66,7 @@ json toJson(const CrewTimes& times, const SolverCell& cell)
                 {"step_medians_s", times.medians},
                 {"steps_per_s", 1.0 / times.step().median},
                 {"iterations_mean", times.iterations},
-                {"iterations_most", times.mostIterations},
+                {"iterations_most", times.maxIterations},
                 {"flags", times.flags},
                 {"cores_taken_by_others", times.others}};
     if (times.crew.threads > 1) all["times_as_fast_as_one_thread"] = spreadToJson(cell.speedUp(times.crew));
@@ -94,10 +94,10 @@ json toJson(const SolverCell& cell)
             {"coarse_nodes", cell.crews.front().floors.front().coarseNodes},
             {"dt_s", cell.dt},
             {"runs", crews},
-            {"oracle_step_s", spreadToJson(runtime::spreadOf(cell.oracleSteps))},
-            {"oracle_steps_counted", cell.oracleSteps.size()},
+            {"oracle_step_s", spreadToJson(runtime::spreadOf(cell.referenceSteps))},
+            {"oracle_steps_counted", cell.referenceSteps.size()},
             {"core_round_trip_s", cell.roundTrips},
-            {"oracle_over_step", spreadToJson(cell.overOracle())},
+            {"oracle_over_step", spreadToJson(cell.overReference())},
             {"error",
              {{"steps", cell.errors.steps},
               {"hanging", cell.errors.standard[0]},
@@ -113,7 +113,7 @@ json toJson(const StiffRun& run)
             {"dt_s", run.dt},
             {"young_modulus_pa", run.youngModulus},
             {"poisson_ratio", run.poissonRatio},
-            {"iterations_most", run.mostIterations},
+            {"iterations_most", run.maxIterations},
             {"flags", run.flags}};
 }
 
@@ -153,7 +153,7 @@ void print(const SolverCell& cell, const CrewTimes& times)
         std::printf("%8.3f %16s %6.1f %7.1f ", 1e3 * times.floor().median, written(times.overFloor()).c_str(),
                     1e9 * times.floorPerElement(), 1e-9 * times.flopsPerSecond());
     const bool alone = times.crew == Crew{1, false}, many = times.crew.threads > 1;
-    std::printf("%19s %16s %6.2f", alone ? written(cell.overOracle()).c_str() : "",
+    std::printf("%19s %16s %6.2f", alone ? written(cell.overReference()).c_str() : "",
                 many ? written(cell.speedUp(times.crew)).c_str() : "", runtime::spreadOf(times.others).median);
     if (alone)
         std::printf(" %7s %8.1e %8.1e", "", std::max(cell.errors.standard[0], cell.errors.standard[1]),

@@ -69,7 +69,7 @@ void timeRun(Worker& worker, int steps, std::vector<double>& costs)
         if (i < kUncounted) continue;
         costs.push_back(1e-9 * static_cast<double>(ended - begun));
         worker.iterations += report.solves.front().iterations;
-        worker.times.mostIterations = std::max(worker.times.mostIterations, report.solves.front().iterations);
+        worker.times.maxIterations = std::max(worker.times.maxIterations, report.solves.front().iterations);
     }
 }
 
@@ -99,8 +99,8 @@ std::vector<frame::SoftBodyFrame> moments(SolverRun& run, const SolverEffort& ef
     run.backToRest();
     for (int i = 0; i < effort.steps; ++i) {
         const int next = static_cast<int>(all.size());
-        const int room = effort.steps - kUncounted - effort.oracleSteps;
-        if (next < effort.oracleWindows && i == kUncounted + room * next / effort.oracleWindows)
+        const int room = effort.steps - kUncounted - effort.referenceSteps;
+        if (next < effort.referenceWindows && i == kUncounted + room * next / effort.referenceWindows)
             all.push_back(run.state());
         run.step();
     }
@@ -108,17 +108,17 @@ std::vector<frame::SoftBodyFrame> moments(SolverRun& run, const SolverEffort& ef
 }
 
 /// From each of these states: one step that is not counted, because it must find the rotations, then the counted steps.
-void timeOracle(const std::vector<frame::SoftBodyFrame>& from, int steps, ColdOracle& oracle, SolverCell& cell)
+void timeReference(const std::vector<frame::SoftBodyFrame>& from, int steps, ColdReference& reference, SolverCell& cell)
 {
     std::vector<double> costs;
     for (const frame::SoftBodyFrame& moment : from)
         for (int i = 0; i <= steps; ++i) {
-            const physics::StepReport report = oracle.step(i == 0 ? &moment : nullptr);
-            cell.oracleFlags |= report.flags & ~static_cast<std::uint32_t>(physics::StepFlag::Tuned);
+            const physics::StepReport report = reference.step(i == 0 ? &moment : nullptr);
+            cell.referenceFlags |= report.flags & ~static_cast<std::uint32_t>(physics::StepFlag::Tuned);
             if (i > 0) costs.push_back(report.times.assemble + report.times.advance);
         }
-    cell.oracleMedians.push_back(median(costs));
-    cell.oracleSteps.insert(cell.oracleSteps.end(), costs.begin(), costs.end());
+    cell.referenceMedians.push_back(median(costs));
+    cell.referenceSteps.insert(cell.referenceSteps.end(), costs.begin(), costs.end());
 }
 
 Spread ratios(const std::vector<double>& above, const std::vector<double>& below)
@@ -140,7 +140,7 @@ double distanceOf(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
 struct Job {
     std::unique_ptr<SolverRun> run = {};
     std::vector<Vec3> end = {};
-    int mostIterations = 0;
+    int maxIterations = 0;
     std::uint32_t flags = 0;
 };
 
@@ -155,7 +155,7 @@ void finish(std::vector<Job>& jobs, int steps)
         for (int i = 0; i < steps; ++i) {
             const physics::StepReport report = each.run->step();
             each.flags |= report.flags;
-            each.mostIterations = std::max(each.mostIterations, report.solves.front().iterations);
+            each.maxIterations = std::max(each.maxIterations, report.solves.front().iterations);
         }
     });
     for (Job& each : jobs) each.end = each.run->state().positions;
@@ -186,7 +186,7 @@ const CrewTimes* SolverCell::find(Crew crew) const
     return found == crews.end() ? nullptr : &*found;
 }
 
-Spread SolverCell::overOracle() const { return ratios(oracleMedians, find({1, false})->medians); }
+Spread SolverCell::overReference() const { return ratios(referenceMedians, find({1, false})->medians); }
 
 Spread SolverCell::speedUp(Crew crew) const { return ratios(find({1, crew.othersBusy})->medians, find(crew)->medians); }
 
@@ -206,11 +206,11 @@ SolverCell timeSolver(const SolverMesh& mesh, double dt, const SolverEffort& eff
     const physics::SoftBodyDef def = solverBunny(mesh.mesh, Hold::Head);
     for (const Crew crew : crews())
         workers.push_back({{.crew = crew}, std::make_unique<SolverRun>(def, dt, crew.threads)});
-    ColdOracle oracle(mesh.mesh, dt);
+    ColdReference reference(mesh.mesh, dt);
     const std::vector<frame::SoftBodyFrame> from = moments(*workers.front().run, effort);
     for (int r = 0; r < effort.repetitions; ++r) {
         for (Worker& worker : workers) repeat(mesh, dt, effort, worker);
-        timeOracle(from, effort.oracleSteps, oracle, cell);
+        timeReference(from, effort.referenceSteps, reference, cell);
         if (usableCores() > 1) cell.roundTrips.push_back(coreRoundTrip());
     }
     for (Worker& worker : workers) cell.crews.push_back(std::move(worker.times));
@@ -258,7 +258,7 @@ std::vector<StiffRun> stiffRuns(const SolverMesh& mesh, int steps)
         }
     finish(jobs, steps);
     for (std::size_t j = 0; j < jobs.size(); ++j) {
-        all[j].mostIterations = jobs[j].mostIterations;
+        all[j].maxIterations = jobs[j].maxIterations;
         all[j].flags = jobs[j].flags;
     }
     return all;

@@ -23,14 +23,14 @@ struct SolverMesh {
 
 /// The amount of measurement.
 struct SolverEffort {
-    int steps = 200;        ///< [-] per run
-    int errorSteps = 200;   ///< [-] per run that is compared with the reference solver
-    int stiffSteps = 50;    ///< [-] per run with a stiff material
-    int repetitions = 5;    ///< [-] per timing
-    double seconds = 0.2;   ///< [s] minimum time of the steps of one repetition
-    int floorRepeats = 100; ///< [-] per part of the lower bound, each time
-    int oracleWindows = 5;  ///< [-] moments of the run at which the reference solver is timed
-    int oracleSteps = 3;    ///< [-] at each of these moments
+    int steps = 200;          ///< [-] per run
+    int errorSteps = 200;     ///< [-] per run that is compared with the reference solver
+    int stiffSteps = 50;      ///< [-] per run with a stiff material
+    int repetitions = 5;      ///< [-] per timing
+    double seconds = 0.2;     ///< [s] minimum time of the steps of one repetition
+    int floorRepeats = 100;   ///< [-] per part of the lower bound, each time
+    int referenceWindows = 5; ///< [-] moments of the run at which the reference solver is timed
+    int referenceSteps = 3;   ///< [-] at each of these moments
 };
 
 /// A set of threads that compute, and the load beside them.
@@ -49,7 +49,7 @@ struct CrewTimes {
     std::vector<engine::SolverCosts> floors =
         {};                  ///< lower bounds per repetition; only for crews without load beside them
     double iterations = 0.0; ///< [-] mean over the counted steps
-    int mostIterations = 0;
+    int maxIterations = 0;
     std::uint32_t flags = 0; ///< the union over all steps
 
     [[nodiscard]] runtime::Spread step() const { return runtime::spreadOf(steps); }
@@ -73,15 +73,15 @@ struct SolverCell {
     SolverMesh mesh = {};
     double dt = 0.0; ///< [s]
     std::vector<CrewTimes> crews = {};
-    std::vector<double> oracleSteps = {};   ///< [s] steps of the assembled solver at 1e-6 without warm start
-    std::vector<double> oracleMedians = {}; ///< [s] per repetition
-    std::uint32_t oracleFlags = 0;
+    std::vector<double> referenceSteps = {};   ///< [s] steps of the assembled solver at 1e-6 without warm start
+    std::vector<double> referenceMedians = {}; ///< [s] per repetition
+    std::uint32_t referenceFlags = 0;
     std::vector<double> roundTrips = {}; ///< [s] between two cores, per repetition
     SolverErrors errors = {};
 
     [[nodiscard]] const CrewTimes* find(Crew crew) const; ///< nullptr if it was not measured
     [[nodiscard]] runtime::Spread
-    overOracle() const; ///< [-] time of the reference solver / one thread's step, over the repetitions
+    overReference() const; ///< [-] time of the reference solver / one thread's step, over the repetitions
     /// [-] one thread's time / this crew's time, both with or both without load beside them, over the repetitions
     [[nodiscard]] runtime::Spread speedUp(Crew crew) const;
     /// The same over the repetitions in which other programs used at most kQuiet cores; empty if there were none.
@@ -96,7 +96,7 @@ struct StiffRun {
     double dt = 0.0;           ///< [s]
     double youngModulus = 0.0; ///< [Pa]
     double poissonRatio = 0.0; ///< [-]
-    int mostIterations = 0;
+    int maxIterations = 0;
     std::uint32_t flags = 0;
 };
 

@@ -62,11 +62,12 @@ Verdict judgeFloor(const std::vector<SolverCell>& cells, std::size_t d)
                                              kOverFloor[d], " times the lower bound, up to 30000 tetrahedra"));
 }
 
-Verdict judgeOracle(const std::vector<SolverCell>& cells, const std::string& mesh, double bound)
+Verdict judgeReference(const std::vector<SolverCell>& cells, const std::string& mesh, double bound)
 {
     Worst worst{.wantsHigh = true};
     for (const SolverCell& cell : cells)
-        if (cell.mesh.name == mesh && cell.dt == kSolverSteps.back()) worst.add(cell.overOracle().median, nameOf(cell));
+        if (cell.mesh.name == mesh && cell.dt == kSolverSteps.back())
+            worst.add(cell.overReference().median, nameOf(cell));
     return worst.against(bound, text("one thread is at least ", bound, " times as fast as the reference solver at ",
                                      mesh, " tetrahedra and 5 ms"));
 }
@@ -125,13 +126,13 @@ Verdict judgeStiff(const std::vector<StiffRun>& runs)
                     .measured = "not measured"};
     const StiffRun* worst = nullptr;
     for (const StiffRun& run : runs) {
-        const auto rank = [](const StiffRun& r) { return std::pair(r.flags != 0, r.mostIterations); };
+        const auto rank = [](const StiffRun& r) { return std::pair(r.flags != 0, r.maxIterations); };
         if (!worst || rank(run) > rank(*worst)) worst = &run;
     }
     if (!worst) return verdict;
     verdict.met = worst->flags == 0;
     verdict.measured =
-        text("most iterations ", worst->mostIterations, " (", worst->mesh, " tetrahedra, ", 1e3 * worst->dt,
+        text("most iterations ", worst->maxIterations, " (", worst->mesh, " tetrahedra, ", 1e3 * worst->dt,
              " ms, E = ", 1e-3 * worst->youngModulus, " kPa, nu = ", worst->poissonRatio, "), flags ", worst->flags);
     return verdict;
 }
@@ -140,7 +141,7 @@ Verdict judgeFlags(const std::vector<SolverCell>& cells)
 {
     Verdict verdict{.limit = "no step raises a flag", .met = true, .measured = "no flag was raised"};
     for (const SolverCell& cell : cells) {
-        std::uint32_t flags = cell.errors.flags | cell.oracleFlags;
+        std::uint32_t flags = cell.errors.flags | cell.referenceFlags;
         for (const CrewTimes& times : cell.crews) flags |= times.flags;
         if (flags == 0 || !*verdict.met) continue;
         verdict.met = false;
@@ -158,8 +159,8 @@ std::vector<Verdict> judgeSolver(const std::vector<SolverCell>& cells, const std
             judgeErrors(cells, true),
             judgeFloor(cells, 0),
             judgeFloor(cells, 1),
-            judgeOracle(cells, "3004", 8.0),
-            judgeOracle(cells, "10000", 12.0),
+            judgeReference(cells, "3004", 8.0),
+            judgeReference(cells, "10000", 12.0),
             judgeFloorPerElement(cells, simdTarget),
             judgeGrowth(cells),
             judgeTwoThreads(cells, false),

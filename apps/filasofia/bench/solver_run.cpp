@@ -46,7 +46,7 @@ frame::SoftBodyFrame SolverRun::state() const
     return std::move(frame.softBodies.front());
 }
 
-ColdOracle::ColdOracle(std::shared_ptr<const geometry::TetMesh> mesh, double dt)
+ColdReference::ColdReference(std::shared_ptr<const geometry::TetMesh> mesh, double dt)
     : server_(engine::makeNativeEngine({.period = dt, .threads = 1}), {.gravity = kSolverGravity}), dt_(dt)
 {
     constexpr physics::ConjugateGradient solver{.maxIterations = 100000, .tolerance = 1e-6, .assembled = true};
@@ -56,7 +56,7 @@ ColdOracle::ColdOracle(std::shared_ptr<const geometry::TetMesh> mesh, double dt)
 // The solver starts from the last step's solution; tune() clears it. tune() runs within the step, but in the stage of
 // the commands, which is not timed. The frame pool would be another such stage, so only the engine's own times are
 // reported.
-physics::StepReport ColdOracle::step(const frame::SoftBodyFrame* from)
+physics::StepReport ColdReference::step(const frame::SoftBodyFrame* from)
 {
     engine::tune(server_, [from](engine::Native& native) {
         engine::SoftState& state = native.state.softBodies.front();

@@ -31,9 +31,9 @@ private:
 };
 
 /// The assembled solver at a tolerance of 1e-6, which starts every solve from zero.
-class ColdOracle {
+class ColdReference {
 public:
-    ColdOracle(std::shared_ptr<const geometry::TetMesh> mesh, double dt);
+    ColdReference(std::shared_ptr<const geometry::TetMesh> mesh, double dt);
     /// Continues from `from`, or from its present state if `from` is null.
     physics::StepReport step(const frame::SoftBodyFrame* from);
 

@@ -15,8 +15,8 @@ namespace {
 using nlohmann::json;
 using runtime::Spread;
 
-constexpr double kBudget = 4e-3;    ///< [s] main thread's time for 50,000 vertices, without the driver's part
-constexpr double kLeastRate = 0.95; ///< [-] physics rate beside a picture / rate without one
+constexpr double kBudget = 4e-3;  ///< [s] main thread's time for 50,000 vertices, without the driver's part
+constexpr double kMinRate = 0.95; ///< [-] physics rate beside a picture / rate without one
 
 struct FrameRow {
     FrameScene scene;
@@ -206,7 +206,7 @@ Verdict judgePhysics(const std::vector<PhysicsRow>& rows)
     };
     if (const double with = rateOf(Beside::Picture); with > 0.0) {
         const double ratio = with / rateOf(Beside::Nothing);
-        verdict.met = ratio >= kLeastRate;
+        verdict.met = ratio >= kMinRate;
         verdict.measured = text(rounded(ratio, 1000), " of ", rounded(rateOf(Beside::Nothing), 10), "/s");
     }
     return verdict;
