@@ -53,8 +53,8 @@ public:
     double uniform() { return static_cast<double>(random_()) / 4294967296.0; }
     double normal()
     {
-        double sum =
-            -6.0; // the sum of twelve uniform numbers is the same on every machine, unlike the library's distributions
+        // The sum of twelve uniform numbers is the same on every machine, unlike the library's distributions.
+        double sum = -6.0;
         for (int i = 0; i < 12; ++i) sum += uniform();
         return sum;
     }

@@ -97,8 +97,8 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
     if (rigid.empty() && !session.complete) fail(player.damage());
     if (!session.complete) std::cerr << oneLine(player.damage()) << '\n';
     const BodyId measured = toolOf(rigid, moved, tool, recording.string());
-    for (const physics::AddBody* body :
-         rigid) { // bodies moved by a hand are instruments; the measured one is the first
+    // Bodies moved by a hand are instruments; the measured one comes first.
+    for (const physics::AddBody* body : rigid) {
         const bool instrument = body->id == measured || moved.contains(body->id);
         session.tracks.insert(body->id == measured ? session.tracks.begin() : session.tracks.end(),
                               {.name = nameOf(*body),

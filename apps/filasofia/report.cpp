@@ -89,8 +89,8 @@ std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::
     const std::string name = shortened(folder.string());
     if (!fs::is_directory(folder, problem))
         fail("report: --cohort ", name, fs::exists(folder, problem) ? ": is not a folder" : ": does not exist");
-    std::map<fs::path, fs::path>
-        files; // sorted by name without extension, because the order within a folder is arbitrary
+    // Sorted by name without extension, because the order within a folder is arbitrary.
+    std::map<fs::path, fs::path> files;
     fs::directory_iterator each(folder, problem);
     if (problem) fail("report: --cohort ", name, ": ", problem.message());
     for (; each != fs::directory_iterator(); each.increment(problem)) {

@@ -10,8 +10,8 @@ struct BulletSetting {
     bool massPreconditioner = false;   ///< fill the preconditioner that Bullet allocates but leaves empty
     bool rotationsOfStepStart = false; ///< rotations as in our equations: exact, and those at the start of the step
     int newtonIterations = 0;          ///< [-]; 0 for Bullet's own (1)
-    double tolerance =
-        0.0; ///< [-] squared tolerance of conjugate gradients; 0 for Bullet's own (1.2e-7 in single precision)
+    /// [-] squared tolerance of conjugate gradients; 0 for Bullet's own (1.2e-7 in single precision)
+    double tolerance = 0.0;
     int maxIterations = 0; ///< [-] iteration limit of conjugate gradients; 0 for Bullet's own (300)
 };
 

@@ -23,8 +23,8 @@ inline constexpr double kYoungModulus = 10e3; ///< [Pa]
 inline constexpr double kPoissonRatio = 0.45; ///< [-]
 inline constexpr double kGravity = 9.81;      ///< [m/s^2], along -y
 inline constexpr double kPinnedAbove = 0.105; ///< [m] height above which the bunny is pinned; the bunny is 0.15 m high
-inline const std::vector<int> kSizes = {756, 1492, 3004, 10000,
-                                        30000}; ///< numbers of tetrahedra of the available meshes
+/// Numbers of tetrahedra of the available meshes.
+inline const std::vector<int> kSizes = {756, 1492, 3004, 10000, 30000};
 
 /// One engine's run.
 struct Run {

@@ -292,8 +292,8 @@ TEST_CASE("a ball pressed into a soft block feels the force of Hertz")
     const double coarse = forceOverHertz(18), fine = forceOverHertz(24);
     tell("ball pressed into a block of 18 cells: force over Hertz on a layer", coarse);
     tell("ball pressed into a block of 24 cells: force over Hertz on a layer", fine);
-    const double limit =
-        fine - (coarse - fine) / (24.0 * 24.0 / (18.0 * 18.0) - 1.0); // the elements are of second order
+    // The elements have second order.
+    const double limit = fine - (coarse - fine) / (24.0 * 24.0 / (18.0 * 18.0) - 1.0);
     verifyWithin("ball pressed into a block, extrapolated to small cells: force over Hertz on a layer", limit, 0.95,
                  1.05);
 }

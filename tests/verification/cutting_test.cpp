@@ -215,8 +215,8 @@ TEST_CASE("a piece cut free keeps its momentum during the edits, and falls freel
     REQUIRE_FALSE(piece.empty());
     verify("cutting, change of momentum by a cut across a flying bar, relative", worst, 1e-9);
 
-    stage.post(SetPose{
-        tool, 0, {{0.052, 0.02, 1}, {}}}); // moved away, or it would continue to cut the piece that moves through it
+    // The blade is moved away, or it would continue to cut the piece that moves through it.
+    stage.post(SetPose{tool, 0, {{0.052, 0.02, 1}, {}}});
     stage.step(1e-3);
     stage.step(1e-3);
     const std::vector<int> nodes = connectedNodes(stage.model(), piece.front());

@@ -42,8 +42,8 @@ struct ContactCell {
 
     [[nodiscard]] const ContactTimes& alone() const { return runs[0]; }
     [[nodiscard]] const ContactTimes& free() const { return runs[1]; }
-    [[nodiscard]] runtime::Spread
-    overFree() const; ///< [-] time of a step / time of a contact-free step, over the repetitions
+    /// [-] time of a step / time of a contact-free step, over the repetitions
+    [[nodiscard]] runtime::Spread overFree() const;
     [[nodiscard]] std::string label() const { return scene.body + ", " + scene.name; }
 };
 

@@ -42,8 +42,8 @@ ToolPath pathOf(BodyId tool, const Scrape& scrape)
 /// A cube with `cells` cells along each edge, deformed into a ball shell by shell.
 std::shared_ptr<const geometry::TetMesh> softBall(int cells, double radius)
 {
-    constexpr double kRound =
-        0.9; // [-] below 1: in an exact sphere the cube's edges would be flat, and so would the tetrahedra there
+    // [-] Below 1, because in an exact sphere the cube's edges would be flat, and so would the tetrahedra there.
+    constexpr double kRound = 0.9;
     geometry::TetMesh mesh = *shapes::block({2, 2, 2}, {cells, cells, cells});
     for (Vec3& p : mesh.nodes) {
         const double shell = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}), from = length(p);
@@ -64,8 +64,8 @@ physics::SoftBodyDef soft(const std::string& name, std::shared_ptr<const geometr
 /// A plate curved about an axis along x, with the middle of its lower side at the origin: it lies on a back like a
 /// hand.
 struct BentPlate {
-    double radius = 0.09, thick = 0.006, along = 0.07,
-           around = 0.1; ///< [m] radius, thickness and lengths of its lower side
+    /// [m] radius, thickness and lengths of its lower side
+    double radius = 0.09, thick = 0.006, along = 0.07, around = 0.1;
 
     [[nodiscard]] std::shared_ptr<const geometry::TriangleMesh> surface() const
     {

@@ -17,9 +17,9 @@ namespace shapes = geometry::shapes;
 constexpr double kEdge = 0.06, kHeight = 0.048; ///< [m] edge and height of the block
 constexpr double kAside = 1.03e-3; ///< [m] offset from the middle: the blade passes through cells, not between them
 constexpr double kStart = 0.2;     ///< [s] rest; iterations before the cut are those of its second half
-constexpr double kSwing = 0.1,
-                 kSwings = 4.0; ///< [-] sideways gravity relative to g, [Hz]; a body at rest would need no iterations
-constexpr double kWait = 5e-3;  ///< [m] distance of the blade from the block before and after the cut
+/// [-] sideways gravity relative to g, [Hz]; a body at rest would need no iterations
+constexpr double kSwing = 0.1, kSwings = 4.0;
+constexpr double kWait = 5e-3; ///< [m] distance of the blade from the block before and after the cut
 
 constexpr double kWide = 0.01, kTall = 0.08; ///< [m] size of the blade
 
@@ -125,8 +125,8 @@ ContactScene CutScene::make() const
         const double gone = std::clamp(way * (time - kStart), 0.0, kWay);
         return std::vector{std::pair{BodyId{2}, Pose{start + Vec3{0, 0, gone}, {}}}};
     };
-    scene.gravity = [end = kStart + timeOfCut(speed)](double time) { // gravity swings only while the blade is out: with
-                                                                     // the blade inside, the block would saw itself
+    // Gravity swings only while the blade is out: with the blade inside, the block would saw itself.
+    scene.gravity = [end = kStart + timeOfCut(speed)](double time) {
         const double angle = 2.0 * std::numbers::pi * kSwings * time;
         const double swing = time < kStart || time > end ? kSwing : 0.0;
         return 9.81 * Vec3{swing * std::cos(angle), -1.0, swing * std::sin(angle)};

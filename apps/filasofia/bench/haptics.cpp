@@ -17,11 +17,11 @@ constexpr double kMargin = 5e-3;        ///< [s] a few ticks, for a machine that
 json toJson(const ServoTimes& run)
 {
     const device::JitterHistogram& jitter = run.servo.jitter;
-    const auto percentile =
-        [&](double share) { // JSON has no infinity: empty if the percentile lies beyond the histogram
-            const double value = jitter.percentile(share);
-            return std::isfinite(value) ? json(value) : json();
-        };
+    // JSON has no infinity: empty if the percentile lies beyond the histogram.
+    const auto percentile = [&](double share) {
+        const double value = jitter.percentile(share);
+        return std::isfinite(value) ? json(value) : json();
+    };
     json all = {{"name", run.scene.name},
                 {"physics_hz", run.scene.physicsRate},
                 {"seconds", run.scene.seconds},

@@ -58,8 +58,8 @@ private:
 /// Evaluates the forces on the hand during the stall and after it.
 void readStall(const std::vector<WatchedHand::Push>& pushes, Nanoseconds begin, Nanoseconds end, ServoTimes& out)
 {
-    out.zeroAfter =
-        1e-9 * static_cast<double>(end - begin); // stays at the length of the stall if no tick without force is found
+    // If no tick without force is found, this stays the length of the stall.
+    out.zeroAfter = 1e-9 * static_cast<double>(end - begin);
     bool zero = false;
     double last = 0.0;
     for (const auto& push : pushes) {

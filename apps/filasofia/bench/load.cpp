@@ -48,8 +48,8 @@ double OthersLoad::cores() const
 double coreRoundTrip()
 {
     constexpr int kStop = -1, kBatch = 20;
-    constexpr double kLongest =
-        0.02;                  // [s] total; a single trip may take long, because both threads may have to share a core
+    // [s] In total. A single trip may take long, because both threads may have to share a core.
+    constexpr double kLongest = 0.02;
     struct alignas(256) Word { // fills a cache line and the one that is fetched with it
         std::atomic<int> value = 0;
         int awaitOtherThan(int old) const

@@ -46,8 +46,8 @@ struct CrewTimes {
     std::vector<double> steps = {};   ///< [s] all counted steps
     std::vector<double> medians = {}; ///< [s] per repetition
     std::vector<double> others = {};  ///< [-] cores used by other programs, per repetition
-    std::vector<engine::SolverCosts> floors =
-        {};                  ///< lower bounds per repetition; only for crews without load beside them
+    /// lower bounds per repetition; only for crews without load beside them
+    std::vector<engine::SolverCosts> floors = {};
     double iterations = 0.0; ///< [-] mean over the counted steps
     int maxIterations = 0;
     std::uint32_t flags = 0; ///< the union over all steps
@@ -80,8 +80,8 @@ struct SolverCell {
     SolverErrors errors = {};
 
     [[nodiscard]] const CrewTimes* find(Crew crew) const; ///< nullptr if it was not measured
-    [[nodiscard]] runtime::Spread
-    overReference() const; ///< [-] time of the reference solver / one thread's step, over the repetitions
+    /// [-] time of the reference solver / one thread's step, over the repetitions
+    [[nodiscard]] runtime::Spread overReference() const;
     /// [-] one thread's time / this crew's time, both with or both without load beside them, over the repetitions
     [[nodiscard]] runtime::Spread speedUp(Crew crew) const;
     /// The same over the repetitions in which other programs used at most kQuiet cores; empty if there were none.

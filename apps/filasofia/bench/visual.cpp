@@ -173,8 +173,8 @@ std::vector<PhysicsRow> measurePhysics(bool quick)
     add(Beside::Mapping, false);
     if (visual::hasBackend(visual::Backend::Headless)) add(Beside::Picture, false);
     add(Beside::Nothing, true);
-    add(Beside::Mapping,
-        true); // free-running physics beside software drawing is left out: drawing would take the cores
+    // Free-running physics beside software drawing is left out: drawing would take the cores.
+    add(Beside::Mapping, true);
     return rows;
 }
 
