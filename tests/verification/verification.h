@@ -63,10 +63,10 @@ inline Corners elementForces(const FemElement& element, const Corners& x)
     return corotationalForces(element, f, nearestRotation(f));
 }
 
-/// Finds where a body of elements is at rest under `forces`; pinned nodes stay where x has them. Newton's method on
+/// Finds where a body of elements is at rest under `loads` [N]; pinned nodes stay where x has them. Newton's method on
 /// the forces with the warped stiffness, each step solved by Cholesky, until a correction is computed from a residual
 /// below `tolerance` times the first.
-inline void solveStatic(const SoftModel& model, std::span<const Vec3> forces, std::vector<Vec3>& x,
+inline void solveStatic(const SoftModel& model, std::span<const Vec3> loads, std::vector<Vec3>& x,
                         double tolerance = 1e-13)
 {
     SoftModel implicit = model;
@@ -77,7 +77,7 @@ inline void solveStatic(const SoftModel& model, std::span<const Vec3> forces, st
     std::vector<Vec3> residual(x.size()), dx(x.size());
     double first = 0.0;
     for (int iteration = 0; iteration < 300; ++iteration) {
-        residual.assign(forces.begin(), forces.end());
+        residual.assign(loads.begin(), loads.end());
         system.matrix.setZero();
         for (std::size_t e = 0; e < model.elements.size(); ++e) {
             const FemElement& element = model.elements[e];
