@@ -69,8 +69,8 @@ TEST_CASE("1, 2, 3 and 8 threads make the same hash of bodies that threads share
             stage.add(def);
         }
         stage.run(30, 0.002);
-        const bool shared = threadsShare(stage, threads, 0), divided = !threadsShare(stage, threads, 1);
-        CHECK(((shared && divided) || threads < 3));
+        const bool isShared = threadsShare(stage, threads, 0), isDivided = !threadsShare(stage, threads, 1);
+        CHECK(((isShared && isDivided) || threads < 3)); // two threads divide up all bodies
         return stage.world.hash();
     };
     const std::uint64_t one = hashWith(1);
