@@ -22,7 +22,8 @@ try {
     sim.show(tissue, {.subdivision = 1});
     sim.show(tool, {.material = MetalMaterial{}});
 
-    // A scripted hand presses twice. To use your own: --device mouse, forcedimension or openhaptics (docs/devices.md).
+    // A scripted hand presses twice. To use your own: --device mouse, forcedimension or openhaptics
+    // (docs/guide/devices.md).
     const HapticId hand = sim.add(HapticInterfaceDef{
         .device = ScriptedDevice{asset("motions/press.csv")}, .body = tool, .coupling = {.linearStiffness = 400}});
 
