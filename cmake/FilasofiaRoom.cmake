@@ -22,7 +22,7 @@ endif()
 
 # filasofia_room(geometry SOURCES a.cpp b.cpp DEPENDS core math VENDORS assimp::assimp)
 function(filasofia_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;DEPENDS;VENDORS" ${ARGN})
+  cmake_parse_arguments(ROOM "NOT_INSTALLED" "" "SOURCES;DEPENDS;VENDORS" ${ARGN})
   add_library(filasofia_${name} STATIC ${ROOM_SOURCES})
   add_library(Filasofia::${name} ALIAS filasofia_${name})
   target_include_directories(filasofia_${name} PUBLIC
@@ -34,7 +34,9 @@ function(filasofia_room name)
     PRIVATE $<BUILD_INTERFACE:filasofia_flags> ${ROOM_VENDORS})
   set_target_properties(filasofia_${name} PROPERTIES EXPORT_NAME ${name} CXX_EXTENSIONS OFF
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON POSITION_INDEPENDENT_CODE ON)
-  set_property(GLOBAL APPEND PROPERTY FILASOFIA_ROOM_TARGETS filasofia_${name})
+  if(NOT ROOM_NOT_INSTALLED)
+    set_property(GLOBAL APPEND PROPERTY FILASOFIA_ROOM_TARGETS filasofia_${name})
+  endif()
 endfunction()
 
 # filasofia_tests(geometry SOURCES mesh_test.cpp ... LINKS extra): one program, one ctest entry per TEST_CASE.

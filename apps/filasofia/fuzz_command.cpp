@@ -3,9 +3,9 @@
 #include "apps/filasofia/json_file.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
-#include "filasofia/engine/rupture/fuzz.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/runtime/assets.h"
+#include "filasofia/testing/fuzz_cuts.h"
 
 #include <nlohmann/json.hpp>
 
@@ -26,17 +26,17 @@ struct Options {
 
 constexpr int kShown = 10; ///< number of example faults that are printed
 
-json toJson(const std::vector<engine::CutFuzzCount>& counts)
+json toJson(const std::vector<testing::CutFuzzCount>& counts)
 {
     json all = json::object();
-    for (const engine::CutFuzzCount& each : counts) all[each.name] = each.count;
+    for (const testing::CutFuzzCount& each : counts) all[each.name] = each.count;
     return all;
 }
 
-json toJson(const Options& options, const engine::CutFuzzReport& r)
+json toJson(const Options& options, const testing::CutFuzzReport& r)
 {
     json kinds = json::array();
-    for (const engine::CutFuzzKind& kind : r.kinds)
+    for (const testing::CutFuzzKind& kind : r.kinds)
         kinds.push_back(
             {{"kind", kind.name}, {"cuts", kind.cuts}, {"judged", kind.judged}, {"incomplete", kind.incomplete}});
     return {{"fuzz", options.what},
@@ -62,16 +62,16 @@ json toJson(const Options& options, const engine::CutFuzzReport& r)
             {"hash", hexadecimal(r.hash)}};
 }
 
-void print(const engine::CutFuzzReport& r)
+void print(const testing::CutFuzzReport& r)
 {
     std::printf("%ld cuts in %ld bodies: %ld steps, %ld edits, all invariants checked %ld times\n", r.cuts, r.bodies,
                 r.steps, r.edits, r.checks);
     std::printf("\n%-16s %8s %8s %10s\n", "kind", "cuts", "judged", "incomplete");
-    for (const engine::CutFuzzKind& kind : r.kinds)
+    for (const testing::CutFuzzKind& kind : r.kinds)
         std::printf("%-16s %8ld %8ld %10ld\n", kind.name.c_str(), kind.cuts, kind.judged, kind.incomplete);
-    const auto list = [](const char* title, const std::vector<engine::CutFuzzCount>& counts) {
+    const auto list = [](const char* title, const std::vector<testing::CutFuzzCount>& counts) {
         std::printf("\n%s:\n", title);
-        for (const engine::CutFuzzCount& each : counts) std::printf("  %-28s %ld\n", each.name.c_str(), each.count);
+        for (const testing::CutFuzzCount& each : counts) std::printf("  %-28s %ld\n", each.name.c_str(), each.count);
     };
     list("refused", r.refusals);
     list("done and repaired", r.repairs);
@@ -91,14 +91,14 @@ int fuzz(const Options& options)
 {
     if (options.what != "cut") fail("fuzz: unknown subject '", shortened(options.what), "'; known is cut");
     JsonFile file(options.file);
-    engine::CutFuzzDef def{.seed = static_cast<std::uint64_t>(options.seed),
-                           .cuts = options.cuts,
-                           .meshes = engine::cutFuzzShapes(),
-                           .cutsPerBody = options.perBody};
+    testing::CutFuzzDef def{.seed = static_cast<std::uint64_t>(options.seed),
+                            .cuts = options.cuts,
+                            .meshes = testing::cutFuzzShapes(),
+                            .cutsPerBody = options.perBody};
     for (const char* size : {"756", "1492"})
         def.meshes.push_back(
             {text("bunny ", size), geometry::loadTetMesh(runtime::asset(text("meshes/bunny_", size, ".msh")))});
-    const engine::CutFuzzReport report = engine::fuzzCuts(def);
+    const testing::CutFuzzReport report = testing::fuzzCuts(def);
     print(report);
     file.write(toJson(options, report));
     return report.sound() ? 0 : kFailed;

@@ -4,7 +4,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 #include "filasofia/runtime/replay.h"
 
 #include <cstdio>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/core/error.h"
+#include "filasofia/engine/scene/snapshot.h"
 #include "filasofia/engine/world.h"
 
 #include "engine/meshes.h"
@@ -42,8 +43,8 @@ struct Stage {
         }
         return all;
     }
-    SoftModel& model(std::size_t body = 0) { return world.model().softBodies[body]; }
-    SoftState& soft(std::size_t body = 0) { return world.state().softBodies[body]; }
+    SoftModel& model(std::size_t body = 0) { return world.scene().soft[body].model; }
+    SoftState& soft(std::size_t body = 0) { return world.scene().soft[body].state; }
 };
 
 /// Without gravity, damping and pins: what a test does not name does not act. In double precision: for exact answers.
@@ -59,13 +60,13 @@ inline physics::SoftBodyDef freeBody(geometry::TetMesh mesh)
 /// the body must be explicit.
 inline std::vector<Vec3> forcesNow(Stage& stage, std::size_t body = 0)
 {
-    const State before = stage.world.state();
+    const Snapshot before(stage.world.scene());
     constexpr double dt = 1e-9;
     stage.step(dt);
     std::vector<Vec3> forces;
     for (std::size_t i = 0; i < stage.soft(body).v.size(); ++i)
-        forces.push_back(stage.model(body).masses[i] / dt * (stage.soft(body).v[i] - before.softBodies[body].v[i]));
-    stage.world.state() = before;
+        forces.push_back(stage.model(body).masses[i] / dt * (stage.soft(body).v[i] - before.softState(body).v[i]));
+    before.restore(stage.world.scene());
     return forces;
 }
 

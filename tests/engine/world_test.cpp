@@ -73,7 +73,7 @@ TEST_CASE("the hash sees time, gravity, and where everything is and goes")
     stage.post(SetGravity{{0, -9.81, 0}});
     stage.run(3, 0.01);
     const std::uint64_t before = stage.world.hash();
-    State& state = stage.world.state();
+    State& state = stage.world.scene();
     const auto nudge = [&](auto& number) {
         const auto old = number;
         number = std::nextafter(number, std::decay_t<decltype(number)>(1e9));
@@ -83,11 +83,11 @@ TEST_CASE("the hash sees time, gravity, and where everything is and goes")
     };
     nudge(state.time);
     nudge(state.gravity.z);
-    nudge(state.softBodies[0].pressure);
-    for (auto* list : {&state.softBodies[0].x, &state.softBodies[0].v})
+    nudge(scene.soft[0].state.pressure);
+    for (auto* list : {&scene.soft[0].state.x, &scene.soft[0].state.v})
         for (int axis = 0; axis < 3; ++axis) nudge((*list)[3][axis]);
-    nudge(state.rigidBodies[0].poses[0].position.y);
-    nudge(state.rigidBodies[0].poses[0].orientation.z);
+    nudge(scene.rigid[0].state.poses[0].position.y);
+    nudge(scene.rigid[0].state.poses[0].orientation.z);
     ++state.step;
     CHECK(stage.world.hash() != before);
 }
@@ -107,7 +107,7 @@ TEST_CASE("what else a soft body's state has shows in the hash a step later")
             stage.post(SetGravity{{0, -9.81, 0}});
             stage.run(3, 0.001);
         }
-        change(stages[1].world.state().softBodies[0]);
+        change(stages[1].world.scene().softBodies[0]);
         for (Stage& stage : stages) stage.run(1, 0.001);
         CHECK(stages[0].world.hash() != stages[1].world.hash());
     }

@@ -1,6 +1,6 @@
 #include "filasofia/record/step_log.h"
 
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/replay.h"
@@ -44,7 +44,7 @@ TEST_CASE("a log with tune() says that it cannot be made again")
 {
     physics::PhysicsServer server(engine::makeNativeEngine());
     server.keepLog(true);
-    engine::tune(server, [](engine::Native& native) { native.state.gravity = {}; });
+    engine::tune(server, [](engine::Native& native) { native.scene().gravity = {}; });
     server.step(1e-3);
     record::StepLog log;
     log.drain(server);

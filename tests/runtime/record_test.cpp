@@ -2,7 +2,7 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/engine/native_engine.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/recording.h"
 #include "filasofia/record/replay.h"

@@ -1,6 +1,6 @@
 #include "filasofia/filasofia.h"
 
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 
 #include <csignal>
 #include <unistd.h>
@@ -233,7 +233,7 @@ TEST_CASE("tune() reaches the engine of a simulation")
     Simulation sim;
     sim.add(bunny());
     int elements = 0;
-    sim.tune([&](engine::Native& native) { elements = static_cast<int>(native.model.softBodies[0].elements.size()); });
+    sim.tune([&](engine::Native& native) { elements = static_cast<int>(native.scene().soft[0].model.elements.size()); });
     sim.run(headless(1));
     CHECK(elements == 754); // what the mesh file holds: within 1 % of its name
 }

@@ -69,7 +69,7 @@ TEST_CASE("a spring extends as far as its stiffness says")
     stage.add(box);
     stage.run(2000, 5e-3);
     const double weight = 0.064 * kG;
-    const double fell = -stage.world.state().rigidBodies[0].poses[0].position.y;
+    const double fell = -stage.world.scene().rigid[0].state.poses[0].position.y;
     verify("box on a spring: k x over its weight, minus one", std::abs(k * fell / weight - 1.0), 0.01);
     verify("box on a spring: reported force over k x, minus one",
            std::abs(attachmentOf(stage, {1}).force.y / (k * fell) - 1.0), 0.01);
@@ -163,7 +163,7 @@ TEST_CASE("a rod that hangs from a point swings with the theoretical period")
     for (int i = 0; i < static_cast<int>(5.2 * period / dt); ++i) {
         stage.step(dt);
         worst = std::max(worst, worstGap(stage));
-        const double x = stage.world.state().rigidBodies[0].poses[0].position.x;
+        const double x = stage.world.scene().rigid[0].state.poses[0].position.x;
         if (i > 0 && before > 0.0 && x <= 0.0) {
             last = dt * (i - x / (x - before));
             if (crossings++ == 0) first = last;

@@ -36,7 +36,7 @@ physics::SoftBodyDef softBlock(std::array<int, 3> cells, Vec3 size, Vec3 corner)
 
 Vec3 forceOn(const Stage& stage, BodyId body)
 {
-    return frame::forceOn(body, const_cast<Stage&>(stage).world.state().touching);
+    return frame::forceOn(body, const_cast<Stage&>(stage).world.scene().touching);
 }
 
 struct Means {
@@ -103,11 +103,11 @@ TEST_CASE("a block on a slope slides if the tangent of the slope exceeds the fri
         stage.add(floorDef(0.5, tilt));
         stage.add(rigidBox("box", {0.02, 0.01, 0.02}, {rotate(tilt, {0.003, 0.0101, -0.002}), tilt}));
         stage.run(300, 1e-3);
-        const Vec3 before = stage.world.state().rigidBodies[1].poses[0].position;
-        const Vec3 speed = stage.world.state().rigidBodies[1].velocities[0];
+        const Vec3 before = stage.world.scene().rigid[1].state.poses[0].position;
+        const Vec3 speed = stage.world.scene().rigid[1].state.velocities[0];
         stage.run(500, 1e-3);
-        const Vec3 after = stage.world.state().rigidBodies[1].poses[0].position;
-        const double gained = (length(stage.world.state().rigidBodies[1].velocities[0]) - length(speed)) / 0.5;
+        const Vec3 after = stage.world.scene().rigid[1].state.poses[0].position;
+        const double gained = (length(stage.world.scene().rigid[1].state.velocities[0]) - length(speed)) / 0.5;
         const double expected = std::max(0.0, kG * (std::sin(angle) - 0.5 * std::cos(angle)));
         if (tangent < 0.5)
             verify("block on a slope of tangent 0.49, mu 0.5: moved in 0.5 s [m]", length(after - before), 1e-6);
@@ -127,7 +127,7 @@ TEST_CASE("a tower of five boxes stands")
     stage.run(3000, 1e-3);
     double lean = 0.0;
     for (int k = 0; k < 5; ++k) {
-        const Vec3 p = stage.world.state().rigidBodies[static_cast<std::size_t>(k) + 1].poses[0].position;
+        const Vec3 p = stage.world.scene().rigid[static_cast<std::size_t>(k) + 1].state.poses[0].position;
         lean = std::max(lean, length(p - Vec3{0, 0.02 + 0.04 * k, 0}));
     }
     verify("tower of five boxes after 3 s: largest motion of a box [m]", lean, 1e-4);
@@ -152,9 +152,9 @@ TEST_CASE("a box rests on one that weighs a millionth of it, and a light one on 
         stage.add(light);
         const BodyId top = stage.add(heavy);
         stage.run(1000, 1e-3);
-        const State& state = stage.world.state();
-        moved = std::max({moved, length(state.rigidBodies[1].poses[0].position - Vec3{0, 0.02, 0}),
-                          length(state.rigidBodies[2].poses[0].position - Vec3{0.005, 0.06, 0.005})});
+        const Scene& scene = stage.world.scene();
+        moved = std::max({moved, length(scene.rigid[1].state.poses[0].position - Vec3{0, 0.02, 0}),
+                          length(scene.rigid[2].state.poses[0].position - Vec3{0.005, 0.06, 0.005})});
         force =
             std::max(force, length(measureForce(stage, top, 0.1, 1e-3).mean - Vec3{0, above * kG, 0}) / (above * kG));
     }
@@ -193,7 +193,7 @@ TEST_CASE("a stone squeezed by kinematic plates beyond its size feels a bounded 
             };
             const auto squeeze = [&] {
                 double sum = 0.0;
-                for (const frame::Contact& contact : stage.world.state().touching) sum += contact.normalForce;
+                for (const frame::Contact& contact : stage.world.scene().touching) sum += contact.normalForce;
                 return sum;
             };
             moveTo(0.008 - tooClose, 0.5);
@@ -205,7 +205,7 @@ TEST_CASE("a stone squeezed by kinematic plates beyond its size feels a bounded 
             grown = std::max(grown, std::abs(squeeze() / early - 1.0));
             for (int i = 0; i < 50; ++i) {
                 moveTo(half + 0.01 * dt, dt);
-                fastest = std::max(fastest, length(stage.world.state().rigidBodies[2].velocities[0]));
+                fastest = std::max(fastest, length(stage.world.scene().rigid[2].state.velocities[0]));
             }
             CHECK(length(forceOn(stage, stone)) < 1e-3);
         }
@@ -240,7 +240,7 @@ TEST_CASE("bodies that touch keep their momentum, whatever their integrators and
             stage.step(2.5e-4);
             hit = std::max(hit, length(forceOn(stage, BodyId{1})));
         }
-        Vec3 momentum = mass * stage.world.state().rigidBodies[0].velocities[0];
+        Vec3 momentum = mass * stage.world.scene().rigid[0].state.velocities[0];
         for (std::size_t i = 0; i < stage.soft().v.size(); ++i) momentum += stage.model().masses[i] * stage.soft().v[i];
         CHECK(hit > 0.05);
         verify("momentum lost in a collision, over all", length(momentum - Vec3{0.0, -0.5 * mass, 0.0}) / (0.5 * mass),

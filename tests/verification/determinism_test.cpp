@@ -1,4 +1,4 @@
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 #include "filasofia/linalg/node_kernels.h"
 
 #include "verification/bunny.h"

@@ -1,4 +1,4 @@
-#include "engine/rigid_bodies.h"
+#include "engine/rigid/rigid_bodies.h"
 #include "verification/verification.h"
 
 #include <numbers>

@@ -21,7 +21,7 @@ struct Forces {
 Forces contactForces(Stage& stage)
 {
     Forces all;
-    for (const frame::Contact& c : stage.world.state().touching) {
+    for (const frame::Contact& c : stage.world.scene().touching) {
         all.sum += c.normalForce * c.normal + c.friction;
         all.normal += c.normalForce;
         all.friction += length(c.friction);
@@ -96,11 +96,11 @@ TEST_CASE("a rigid block slides on a soft slab with the friction mu N, and all f
     stage.add(rigidBox(size, {-0.033, 0.0101, 0.0012}, true));
     stage.run(150, kDt);
     std::vector<Forces> steps;
-    std::vector<Vec3> velocities{stage.world.state().rigidBodies[0].velocities[0]};
+    std::vector<Vec3> velocities{stage.world.scene().rigid[0].state.velocities[0]};
     for (int i = 0; i < 100; ++i) {
         stage.step(kDt);
         steps.push_back(contactForces(stage));
-        velocities.push_back(stage.world.state().rigidBodies[0].velocities[0]);
+        velocities.push_back(stage.world.scene().rigid[0].state.velocities[0]);
     }
     CHECK(velocities.back().x > 0.2);
     verify("rigid block sliding on a soft slab: friction over mu N, minus one, means over 5 ms", offCoulomb(steps),
@@ -192,7 +192,7 @@ TEST_CASE("a plate scraped over tissue at 1 m/s feels the same forces as if ever
     exact.step(); // bodies are added in a step
     exact.time = 0.0;
     for (int i = 1; i <= 200; ++i) {
-        if (i > 1) exact.stage.world.state() = scrape.stage.world.state();
+        if (i > 1) exact.stage.world.scene() = scrape.stage.world.scene();
         CHECK(scrape.step().flags == 0);
         const physics::StepReport report = exact.step(); // from the same state
         if (scrape.time < 1.2 * Scrape::press) continue;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "filasofia/core/text.h"
-#include "filasofia/engine/each_body.h"
+#include "filasofia/engine/scene/each_body.h"
 #include "filasofia/math/polar.h"
 
 #include "engine/stage.h"
@@ -31,11 +31,11 @@ inline void tell(const std::string& what, double value)
     std::cout << "verification: " << what << ": " << text(value) << " (bound none)\n";
 }
 
-/// Whether all threads work inside this body, as opposed to one thread per body (engine/each_body.h).
+/// Whether all threads work inside this body, as opposed to one thread per body (engine/scene/each_body.h).
 inline bool threadsShare(Stage& stage, int threads, std::size_t body = 0)
 {
     const WorkerPool pool(threads);
-    return sizeOf(stage.model(body)) > sharedBeyond(stage.world.model(), pool);
+    return sizeOf(stage.model(body)) > sharedBeyond(stage.world.scene(), pool);
 }
 
 /// An element with a random shape of about unit size.

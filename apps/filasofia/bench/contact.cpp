@@ -1,7 +1,7 @@
 #include "apps/filasofia/bench/bench.h"
 #include "apps/filasofia/bench/contact_limits.h"
 #include "filasofia/core/worker_pool.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,7 +1,7 @@
 #include "apps/filasofia/bench/bench.h"
 #include "apps/filasofia/bench/cut_run.h"
 #include "filasofia/core/text.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -72,7 +72,7 @@ json toJson(const CrewTimes& times, const SolverCell& cell)
     if (times.crew.threads > 1) all["times_as_fast_as_one_thread"] = spreadToJson(cell.speedUp(times.crew));
     if (times.floors.empty()) return all;
     json parts = json::array();
-    for (const engine::SolverCosts& costs : times.floors)
+    for (const testing::SolverCosts& costs : times.floors)
         parts.push_back({{"element_pass_s", costs.elementPass},
                          {"product_s", costs.product},
                          {"preconditioner_s", costs.preconditioner}});

@@ -79,8 +79,13 @@ void repeat(const SolverMesh& mesh, double dt, const SolverEffort& effort, Worke
     const Crew crew = worker.times.crew;
     const Spinners spinners(crew.othersBusy ? usableCores() - 1 : 0);
     if (!crew.othersBusy)
-        worker.times.floors.push_back(engine::measureSolver(solverBunny(mesh.mesh, Hold::Head), kSolverGravity, dt,
-                                                            crew.threads, kUncounted, effort.floorRepeats, now));
+        worker.times.floors.push_back(
+            testing::measureSolver(solverBunny(mesh.mesh, Hold::Head), {.gravity = kSolverGravity,
+                                                                        .period = dt,
+                                                                        .threads = crew.threads,
+                                                                        .warmUp = kUncounted,
+                                                                        .repeats = effort.floorRepeats,
+                                                                        .now = now}));
     std::vector<double> costs;
     const OthersLoad others;
     const runtime::Nanoseconds enough = now() + runtime::toNanoseconds(effort.seconds);
@@ -166,14 +171,14 @@ void finish(std::vector<Job>& jobs, int steps)
 Spread CrewTimes::floor() const
 {
     std::vector<double> all;
-    for (const engine::SolverCosts& costs : floors) all.push_back(costs.floor());
+    for (const testing::SolverCosts& costs : floors) all.push_back(costs.floor());
     return runtime::spreadOf(all);
 }
 
 Spread CrewTimes::overFloor() const
 {
     std::vector<double> all;
-    for (const engine::SolverCosts& costs : floors) all.push_back(costs.floor());
+    for (const testing::SolverCosts& costs : floors) all.push_back(costs.floor());
     return ratios(medians, all);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "filasofia/engine/solver_costs.h"
 #include "filasofia/runtime/timing.h"
+#include "filasofia/testing/solver_costs.h"
 
 #include <array>
 #include <memory>
@@ -47,7 +47,7 @@ struct CrewTimes {
     std::vector<double> medians = {}; ///< [s] per repetition
     std::vector<double> others = {};  ///< [-] cores used by other programs, per repetition
     /// lower bounds per repetition; only for crews without load beside them
-    std::vector<engine::SolverCosts> floors = {};
+    std::vector<testing::SolverCosts> floors = {};
     double iterations = 0.0; ///< [-] mean over the counted steps
     int maxIterations = 0;
     std::uint32_t flags = 0; ///< the union over all steps

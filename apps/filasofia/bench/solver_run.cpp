@@ -1,6 +1,6 @@
 #include "apps/filasofia/bench/solver_run.h"
 
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/runtime/clock.h"
 

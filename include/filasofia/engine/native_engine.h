@@ -5,6 +5,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace filasofia::engine {
 
@@ -26,5 +28,9 @@ constexpr auto fields(const NativeEngineDef*)
 /// The native engine: corotational elements and springs, explicit and implicit Euler, conjugate gradients and Cholesky.
 /// Throws an Error naming the field that is out of its range.
 std::unique_ptr<physics::PhysicsEngine> makeNativeEngine(const NativeEngineDef& def = {});
+
+/// The instruction sets for which the inner loops are compiled and which this machine has, the best and used one first:
+/// "AVX3" (AVX-512), "AVX2", "SSE4", "NEON", "EMU128" (plain code).
+std::vector<std::string> simdTargets();
 
 } // namespace filasofia::engine

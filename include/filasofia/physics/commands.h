@@ -112,7 +112,7 @@ struct Reset {};
 struct Pause {
     bool paused = true;
 };
-/// Runs once between two steps with the engine itself in hand; see filasofia/engine/native.h.
+/// Runs once between two steps with the engine itself in hand; see filasofia/engine/native/native.h.
 struct Tune {
     std::function<void(PhysicsEngine&)> change;
 };

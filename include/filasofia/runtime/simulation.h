@@ -165,7 +165,7 @@ public:
     template <event::EventClass E> void post(E event) { post(std::make_unique<E>(std::move(event))); }
     [[nodiscard]] event::EventDispatcher& events();
     [[nodiscard]] physics::PhysicsServer& physics();
-    /// Fine-tuning: see filasofia/engine/native.h.
+    /// Fine-tuning: see filasofia/engine/native/native.h.
     void tune(std::function<void(engine::Native&)> change);
 
     /// Ends the run, from any thread; the report says why. Between two runs: the next one ends at once.

@@ -2,7 +2,7 @@
 
 #include "filasofia/core/date.h"
 #include "filasofia/core/log.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 
 #include <chrono>
 #include <limits>

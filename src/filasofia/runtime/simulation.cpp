@@ -2,7 +2,7 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 #include "filasofia/runtime/parts.h"
 #include "filasofia/runtime/stop_signal.h"
 #include "filasofia/runtime/surfaces.h"

@@ -47,14 +47,14 @@ inline physics::SoftBodyDef cushion(double top)
 
 inline JointState& joint(Stage& stage, std::size_t body = 0, std::size_t j = 0)
 {
-    return stage.world.state().rigidBodies[body].joints[j];
+    return stage.world.scene().rigid[body].state.joints[j];
 }
 
 /// [N m] of all contacts on the body with that id about the z axis of the world's origin.
 inline double contactTorque(Stage& stage, BodyId id)
 {
     double sum = 0.0;
-    for (const frame::Contact& each : stage.world.state().touching) {
+    for (const frame::Contact& each : stage.world.scene().touching) {
         if (each.first == id || each.second == id) sum += cross(each.point, forceOn(id, each)).z;
     }
     return sum;

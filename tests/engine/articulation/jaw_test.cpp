@@ -98,16 +98,16 @@ TEST_CASE("a jaw gives a free box the angular momentum that it loses, and no ene
         stage.run(20, 1e-3);
         if (!pressed) stage.post(SetJoint{{1}, 0, JointForce{0.0}});
         const auto angularMomentum = [&] {
-            const physics::RigidInertia& inertia = stage.world.model().rigidBodies[1].inertias[0];
-            const RigidState& other = stage.world.state().rigidBodies[1];
+            const physics::RigidInertia& inertia = stage.world.scene().rigid[1].model.inertias[0];
+            const RigidState& other = stage.world.scene().rigid[1].state;
             const Vec3 centre = transform(other.poses[0], inertia.centre);
             const Mat3 turning = worldInertia(inertia.inertia, other.poses[0].orientation);
             return kHingeInertia * joint(stage).now.velocity + cross(centre, inertia.mass * other.velocities[0]).z +
                    (turning * other.angularVelocities[0]).z;
         };
         const auto energy = [&] {
-            const physics::RigidInertia& inertia = stage.world.model().rigidBodies[1].inertias[0];
-            const RigidState& other = stage.world.state().rigidBodies[1];
+            const physics::RigidInertia& inertia = stage.world.scene().rigid[1].model.inertias[0];
+            const RigidState& other = stage.world.scene().rigid[1].state;
             const Vec3 w = other.angularVelocities[0];
             const Mat3 turning = worldInertia(inertia.inertia, other.poses[0].orientation);
             return 0.5 * kHingeInertia * joint(stage).now.velocity * joint(stage).now.velocity +
@@ -123,7 +123,7 @@ TEST_CASE("a jaw gives a free box the angular momentum that it loses, and no ene
             CHECK(joint(stage).now.load == Approx(contactTorque(stage, {1})).epsilon(0.02).margin(1e-9));
         }
         CHECK(touched);
-        CHECK(length(stage.world.state().rigidBodies[1].velocities[0]) > 0.1);
+        CHECK(length(stage.world.scene().rigid[1].state.velocities[0]) > 0.1);
         CHECK(angularMomentum() == Approx(before + given).epsilon(0.01));
         if (!pressed) CHECK(energy() <= energyBefore * (1.0 + 1e-6));
     }
@@ -170,7 +170,7 @@ TEST_CASE("two jaws of one body hold tissue between them by their torques, and a
     stage.post(physics::Grasp{{1}, gripper, held, {}});
     CHECK_FALSE(stage.step(1e-3).has(physics::StepFlag::NothingAttached));
     std::set<int> elements;
-    for (const auto& pair : stage.world.state().attachments.at(0).pairs) elements.insert(pair[1].element);
+    for (const auto& pair : stage.world.scene().attachments.at(0).pairs) elements.insert(pair[1].element);
     CHECK(elements == std::set<int>{1, 2});
     const auto middle = [&] {
         Vec3 sum;
@@ -258,8 +258,8 @@ TEST_CASE("a free tool, the body that holds it and the box that its jaw strikes 
         stage.add(hand);
         stage.add(box);
         const auto momentumOf = [&](std::size_t body) {
-            const RigidModel& model = stage.world.model().rigidBodies[body];
-            const RigidState& state = stage.world.state().rigidBodies[body];
+            const RigidModel& model = stage.world.scene().rigid[body].model;
+            const RigidState& state = stage.world.scene().rigid[body].state;
             Vec3 sum;
             for (std::size_t e = 0; e < state.poses.size(); ++e) {
                 const Vec3 arm = rotate(state.poses[e].orientation, model.inertias[e].centre);
@@ -279,8 +279,8 @@ TEST_CASE("a free tool, the body that holds it and the box that its jaw strikes 
         const double kept = length(momentumOf(0) + momentumOf(1) + momentumOf(2)) / length(momentumOf(2));
         std::cout << "a free tool strikes a box: " << 100.0 * kept << " % of the box's momentum comes from nowhere\n";
         CHECK(kept < 0.01);
-        const RigidState& base = stage.world.state().rigidBodies[0];
-        CHECK(length(transform(inverse(base.poses[0]), stage.world.state().rigidBodies[1].poses[0].position) -
+        const RigidState& base = stage.world.scene().rigid[0].state;
+        CHECK(length(transform(inverse(base.poses[0]), stage.world.scene().rigid[1].state.poses[0].position) -
                      Vec3{-0.02, 0, 0}) < 1e-4); // held all the time
     }
 }

@@ -88,7 +88,7 @@ TEST_CASE("a joint goes to its commanded position at its speed, and is then ther
     stage.step(1e-3);
     CHECK(joint(stage).now.position == Approx(0.002));
     CHECK(joint(stage).now.velocity == Approx(2.0));
-    const RigidState& body = stage.world.state().rigidBodies[0];
+    const RigidState& body = stage.world.scene().rigid[0].state;
     CHECK(length(body.velocities[1]) == Approx(2.0 * kArm).epsilon(1e-3));
     CHECK(body.angularVelocities[1].z == Approx(2.0));
     stage.run(250, 1e-3);
@@ -194,10 +194,10 @@ TEST_CASE("reset brings joints back to where they were added, with the commands 
     CHECK(joint(stage).now.position == 0.2);
     CHECK(joint(stage).now.velocity == 0.0);
     CHECK(std::get<JointForce>(joint(stage).command).value == 0.003);
-    const RigidState body = stage.world.state().rigidBodies[0];
+    const RigidState body = stage.world.scene().rigid[0].state;
     CHECK(length(body.poses[1].position - kArm * Vec3{std::cos(0.2), std::sin(0.2), 0}) < 1e-15);
-    stage.world.state().step = 0;
-    stage.world.state().time = 0.0;
+    stage.world.scene().step = 0;
+    stage.world.scene().time = 0.0;
     stage.step(1e-3);
     CHECK(stage.world.hash() == first);
 }
@@ -217,7 +217,7 @@ TEST_CASE("a base goes with the element that takes it along, and stays where it 
     stage.add(more);
     stage.step(0.0);
     const auto pose = [&](std::size_t body, std::size_t element) {
-        return stage.world.state().rigidBodies[body].poses[element];
+        return stage.world.scene().rigid[body].state.poses[element];
     };
     CHECK(length(pose(1, 0).position - Vec3{1, 0, 0.1}) < 1e-15);
     CHECK(length(pose(1, 1).position - Vec3{1, kArm, 0.1}) < 1e-15);
@@ -227,12 +227,12 @@ TEST_CASE("a base goes with the element that takes it along, and stays where it 
     stage.step(1e-3);
     CHECK(length(pose(1, 1).position - Vec3{1.002, kArm, 0.1}) < 1e-15);
     CHECK(length(pose(2, 1).position - Vec3{1.002, kArm, 0.2}) < 1e-15);
-    CHECK(stage.world.state().rigidBodies[2].velocities[1].x == Approx(2.0));
+    CHECK(stage.world.scene().rigid[2].state.velocities[1].x == Approx(2.0));
 
     stage.post(physics::RemoveBody{arm});
     stage.step(1e-3);
     CHECK(length(pose(0, 1).position - Vec3{1.002, kArm, 0.1}) < 1e-15);
-    CHECK(length(stage.world.state().rigidBodies[0].velocities[1]) == 0.0);
+    CHECK(length(stage.world.scene().rigid[0].state.velocities[1]) == 0.0);
     stage.post(physics::SetPose{jaw, 0, {{1.003, 0, 0}, {}}}); // and takes orders
     stage.step(1e-3);
     CHECK(pose(0, 1).position.x == Approx(1.003 + kArm));
@@ -275,8 +275,8 @@ struct Motion {
 };
 Motion motionOf(Stage& stage)
 {
-    const RigidModel& model = stage.world.model().rigidBodies[0];
-    const RigidState& state = stage.world.state().rigidBodies[0];
+    const RigidModel& model = stage.world.scene().rigid[0].model;
+    const RigidState& state = stage.world.scene().rigid[0].state;
     Motion sum;
     for (std::size_t e = 0; e < state.poses.size(); ++e) {
         const physics::RigidInertia& own = model.inertias[e];
@@ -324,7 +324,7 @@ TEST_CASE("a free tool falls as its weight says, and a wrench on its base moves 
     stage.post(physics::SetGravity{});
     stage.post(physics::SetPose{{1}, 0, {{0, 1, 0}, {}}}); // at once and at rest
     stage.step(0.0);
-    CHECK(length(stage.world.state().rigidBodies[0].poses[1].position - Vec3{kArm, 1, 0}) < 1e-9);
+    CHECK(length(stage.world.scene().rigid[0].state.poses[1].position - Vec3{kArm, 1, 0}) < 1e-9);
     stage.post(physics::SetWrench{{1}, 0, {0.07, 0, 0}, {}});
     stage.run(10, 1e-3);
     CHECK(motionOf(stage).momentum.x == Approx(0.07 * 0.01).epsilon(1e-3));
@@ -370,7 +370,7 @@ TEST_CASE("the turning of a free body with joints is damped as that of one witho
     stage.add(def);
     constexpr int steps = 300;
     stage.run(steps, dt);
-    const RigidState& state = stage.world.state().rigidBodies[0];
+    const RigidState& state = stage.world.scene().rigid[0].state;
     for (const Vec3& spin : state.angularVelocities)
         CHECK(spin.z == Approx(start * std::pow(1.0 + perSecond * dt, -steps)).epsilon(1e-9));
     CHECK(state.angularVelocities[0].z == Approx(start * std::exp(-perSecond * steps * dt)).epsilon(5e-3));

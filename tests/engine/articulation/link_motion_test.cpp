@@ -1,6 +1,6 @@
 #include "filasofia/engine/articulation/link_motion.h"
 
-#include "filasofia/engine/integrate/rigid.h"
+#include "filasofia/engine/integration/rigid.h"
 
 #include "engine/meshes.h"
 

@@ -11,8 +11,7 @@ namespace {
 std::set<std::string> faults(const MeshTopology& mesh, double volume)
 {
     std::set<std::string> all;
-    for (const TopologyViolation& v :
-         checkTopology(mesh, {.quality = 0.15, .volume = volume, .mostViolations = 100000}))
+    for (const TopologyViolation& v : checkTopology(mesh, {.quality = 0.15, .volume = volume, .maxViolations = 100000}))
         all.insert(name(v.fault));
     return all;
 }

@@ -2,7 +2,7 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/engine/collision/keep_minima.h"
-#include "filasofia/engine/collision/meeting.h"
+#include "filasofia/engine/collision/surface_pair.h"
 
 #include <algorithm>
 #include <utility>

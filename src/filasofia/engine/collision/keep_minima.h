@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/engine/collision/meeting.h"
+#include "filasofia/engine/collision/surface_pair.h"
 
 #include <vector>
 

@@ -46,4 +46,12 @@ double springEnergy(const Spring& spring, Vec3 a, Vec3 b)
     return 0.5 * spring.stiffness * stretch * stretch;
 }
 
+Spring springOn(const std::array<int, 2>& edge, const Spring& like, const std::vector<Vec3>& rest)
+{
+    Spring spring = like;
+    spring.nodes = edge;
+    spring.restLength = distance(rest[static_cast<std::size_t>(edge[0])], rest[static_cast<std::size_t>(edge[1])]);
+    return spring;
+}
+
 } // namespace filasofia::engine

@@ -38,7 +38,7 @@ public:
 private:
     template <class... Parts> void add(TopologyFault fault, const Parts&... where)
     {
-        if (found_.size() < bounds_.mostViolations) found_.push_back({fault, text(where...)});
+        if (found_.size() < bounds_.maxViolations) found_.push_back({fault, text(where...)});
     }
 
     [[nodiscard]] int tetrahedra() const { return static_cast<int>(mesh_.tetrahedra.size()); }

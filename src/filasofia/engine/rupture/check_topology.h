@@ -35,10 +35,10 @@ struct TopologyViolation {
 };
 
 struct TopologyBounds {
-    double quality = 0.0;           ///< [-]
-    double volume = 0.0;            ///< [m^3] what it should be
-    double volumeTolerance = 1e-3;  ///< [-]
-    std::size_t mostViolations = 8; ///< then it stops
+    double quality = 0.0;          ///< [-]
+    double volume = 0.0;           ///< [m^3] what it should be
+    double volumeTolerance = 1e-3; ///< [-]
+    std::size_t maxViolations = 8; ///< then it stops
 };
 
 /// Everything rebuilt from the elements' nodes and the rest positions alone and held against what the mesh has.

@@ -1,0 +1,104 @@
+#pragma once
+
+#include "filasofia/engine/rupture/check_topology.h"
+#include "filasofia/engine/rupture/cut.h"
+#include "filasofia/engine/rupture/pieces.h"
+#include "filasofia/testing/fuzz_cuts.h"
+
+#include <random>
+
+namespace filasofia::testing {
+using namespace engine;
+
+/// The same numbers on every machine.
+class FuzzRandom {
+public:
+    explicit FuzzRandom(std::uint64_t seed) : bits_(seed) {}
+    double uniform(double low, double high)
+    {
+        return low + (high - low) * 0x1p-53 * static_cast<double>(bits_() >> 11);
+    }
+    int below(int count) { return static_cast<int>(bits_() % static_cast<std::uint64_t>(count)); }
+    bool chance(double probability) { return uniform(0, 1) < probability; }
+    Vec3 direction()
+    {
+        for (;;) {
+            const Vec3 d{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+            if (const double l = length(d); l > 0.1 && l <= 1.0) return d / l;
+        }
+    }
+
+private:
+    std::mt19937_64 bits_;
+};
+
+/// A smooth deformation that changes with time.
+struct Waves {
+    Vec3 centre, a1, a2, k1, k2;
+    double amplitude = 0.0; ///< [m]; 0: at rest
+    double omega = 0.0;     ///< [1/s]
+
+    [[nodiscard]] Vec3 at(Vec3 p, double time) const;
+};
+
+/// A body under the knife, with all that follows its edits and all that is counted.
+class FuzzBody {
+public:
+    FuzzBody(const geometry::TetMesh& mesh, const CutFuzzDef& def, CutFuzzReport& report, RuptureReport& sums,
+             std::string name);
+
+    EditableMesh mesh;
+    double time = 0.0; ///< [s]
+    Waves waves;
+
+    void begin(); ///< the deformation starts, or ends
+    void step(BladeStroke& stroke, std::span<const BladeSegment> blade);
+    void finish(BladeStroke& stroke);
+    void tear(int node, Vec3 direction);
+    void look(); ///< at everything
+
+    /// Per part that hangs together, by the heights of its elements' middles: does one reach from more than h below to
+    /// more than h above? Then the cut was incomplete.
+    template <class Height> bool bridged(const Height& height) const
+    {
+        int count = 0;
+        const std::vector<int> part = parts(count);
+        std::vector<double> low(count, 0.0), high(count, 0.0);
+        for (int t = 0; t < mesh.tetrahedra(); ++t) {
+            Vec3 centre;
+            for (int n : mesh.data().tetrahedra[t]) centre += 0.25 * mesh.data().rest[n];
+            const double h = height(centre);
+            low[part[t]] = std::min(low[part[t]], h);
+            high[part[t]] = std::max(high[part[t]], h);
+        }
+        for (int p = 0; p < count; ++p)
+            if (low[p] < -mesh.meanEdge() && high[p] > mesh.meanEdge()) return true;
+        return false;
+    }
+    /// [-] the share of the second largest part's volume.
+    [[nodiscard]] double secondPart() const;
+
+private:
+    [[nodiscard]] std::vector<int> parts(int& count) const;
+    void follow();
+    void followPieces(const frame::TopologyEdit& edit);
+
+    const CutFuzzDef& def_;
+    CutFuzzReport& report_;
+    RuptureReport& sums_;
+    std::string name_;
+    double bound_ = 0.0; ///< of quality
+    frame::TopologyMirror mirror_;
+    std::vector<Vec3> positions_;
+    Pieces pieces_, walked_; ///< by searching and by walking: the same
+    int edits_ = 0;
+};
+
+/// The kinds of cuts, and one of each.
+enum class FuzzKind { Plane, Progressive, Curled, Resumed, Strip, Sawing, Scissors, Crossing, Tears, count_ };
+const char* name(FuzzKind kind);
+
+/// Whether it left a bridge; nothing where that cannot be said.
+std::optional<bool> fuzzCut(FuzzBody& body, FuzzKind kind, FuzzRandom& random, bool fresh);
+
+} // namespace filasofia::testing
