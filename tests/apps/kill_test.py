@@ -40,7 +40,7 @@ with tempfile.TemporaryDirectory() as folder:
         assert done.returncode == 2, f"round {number}: {done}"
         assert re.search(r": cut off at byte \d+: .*; it (is whole up to step \d+|has no whole step)\n$", done.stderr), done
         if "no whole step" in done.stderr:
-            continue  # killed before the first step
+            continue  # killed before the first
         whole = int(re.search(r"up to step (\d+)", done.stderr)[1])
         assert "every step has the recorded hash\n" in done.stdout and f"{whole} steps, " in done.stdout, done
         steps_made += whole

@@ -316,6 +316,6 @@ TEST_CASE("bindings may end while triangles are being made")
         stage.map();
         begun.wait();
     }
-    CHECK(jobsBegun >= 1);
-    CHECK(jobsEnded == jobsBegun); // no job was running when its bindings had ended
+    CHECK(jobsBegun.load() >= 1);
+    CHECK(jobsEnded.load() == jobsBegun.load()); // no job was running when its bindings had ended
 }
