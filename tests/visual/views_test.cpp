@@ -6,6 +6,8 @@
 #include "filasofia/visual/null_backend.h"
 #include "filasofia/visual/scene.h"
 
+#include "skip.h"
+
 using namespace filasofia;
 using namespace filasofia::visual;
 using Catch::Contains;
@@ -36,7 +38,11 @@ TEST_CASE("a preset's effects are those that its view gets")
     CHECK(effectsOf(Quality::Medium).vignette.has_value());
     CHECK_FALSE(effectsOf(Quality::Medium).bloom.has_value());
     CHECK(effectsOf(Quality::High, 0.02).ambientOcclusion == AmbientOcclusion{.radius = 0.02});
-    if (!hasBackend(Backend::Headless)) return;
+}
+
+TEST_CASE("a preset's picture is that of its effects, given one by one")
+{
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     for (Quality quality : {Quality::Low, Quality::Medium, Quality::High}) {
         LittleScene scene(Backend::Headless, quality);
         const Image preset = scene.server.capture();
@@ -105,7 +111,7 @@ TEST_CASE("an off-screen view has a picture of its own size, which follows a cha
 
 TEST_CASE("an off-screen view shows the same as the window does")
 {
-    if (!hasBackend(Backend::Headless)) return;
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     for (const bool lens : {false, true}) {
         LittleScene scene;
         lookFromFront(scene);
@@ -124,7 +130,7 @@ TEST_CASE("an off-screen view shows the same as the window does")
 
 TEST_CASE("endoscope optics: black outside the mask, whatever its shape, the first frame already")
 {
-    if (!hasBackend(Backend::Headless)) return;
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     LittleScene scene;
     EnvironmentDef white; // everything in the picture is white
     white.background = {1, 1, 1};
@@ -155,7 +161,7 @@ TEST_CASE("endoscope optics: black outside the mask, whatever its shape, the fir
 
 TEST_CASE("an unlit material shows the colour asked for, in spite of the tone mapping")
 {
-    if (!hasBackend(Backend::Headless)) return;
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     VisualServer server({.width = 16, .height = 16});
     Camera& camera = server.add(CameraDef{});
     camera.setPose({{0, 0, 0.05}, {}});
@@ -250,7 +256,7 @@ TEST_CASE("a view that sees itself on a screen is drawn")
 
 TEST_CASE("a hidden view is not drawn, a hidden light does not shine")
 {
-    if (!hasBackend(Backend::Headless)) return;
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     LittleScene scene;
     const Image before = scene.server.capture();
     scene.look.view->setVisible(false);
@@ -305,7 +311,7 @@ TEST_CASE("a scale enlarges a body and what hangs on it, in size and in distance
 
 TEST_CASE("a body of half the size at twice the scale looks the same")
 {
-    if (!hasBackend(Backend::Headless)) return;
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     LittleScene scene;
     scene.body.setMaterial(MetalMaterial{}); // tissue's pattern keeps to the mesh at rest
     const Image before = scene.server.capture();
