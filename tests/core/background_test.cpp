@@ -5,7 +5,7 @@
 
 using namespace filasofia;
 
-TEST_CASE("a background job that nobody has begun is done by who needs it")
+TEST_CASE("a background job that nobody has begun is done by the thread that needs it")
 {
     const auto here = std::this_thread::get_id();
     std::thread::id by;
@@ -22,7 +22,7 @@ TEST_CASE("a background job is done once, whoever asks for it and however often"
     for (int& each : done) {
         jobs.push_back(std::make_shared<BackgroundJob>([&each] { ++each; }));
         thread.give(jobs.back());
-        if (jobs.size() % 3 == 0) jobs.back()->finish(); // against the thread
+        if (jobs.size() % 3 == 0) jobs.back()->finish(); // races with the thread
     }
     for (const auto& job : jobs) job->finish();
     for (const auto& job : jobs) job->finish();

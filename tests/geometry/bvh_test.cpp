@@ -27,7 +27,7 @@ std::vector<int> overlappingByHand(std::span<const Box> boxes, const Box& query)
     return found;
 }
 
-// Triangles as primitives, the way collision and picking use the tree.
+// Triangles as primitives, as collision detection and picking use the tree.
 struct Triangles {
     std::vector<std::array<Vec3, 3>> corners;
 

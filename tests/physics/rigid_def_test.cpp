@@ -181,11 +181,11 @@ TEST_CASE("the inertia of a surface that is open or inside out is refused")
     mesh.triangles.pop_back();
     def.mesh = std::make_shared<const geometry::TriangleMesh>(mesh);
     checkError([&] { static_cast<void>(inertiaOf(def)); },
-               {"rigid body 'forceps': mesh", "must be closed", "vertices 0 and 1"});
+               {"rigid body 'forceps': mesh", "must be a closed surface", "vertices 0 and 1"});
     mesh = *corner();
     for (geometry::Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
     def.mesh = std::make_shared<const geometry::TriangleMesh>(mesh);
-    checkError([&] { static_cast<void>(inertiaOf(def)); }, {"rigid body 'forceps': mesh", "turned inside out"});
+    checkError([&] { static_cast<void>(inertiaOf(def)); }, {"rigid body 'forceps': mesh", "must not be inside out"});
 }
 
 TEST_CASE("a wrench arrives as it was given, one for no dynamic body's element is an error at the caller")

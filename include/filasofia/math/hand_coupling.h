@@ -4,8 +4,9 @@
 
 #include <limits>
 
-/// A spring and a damper in all six directions between a hand and what it holds: the one law that the physics step and
-/// a haptic device's servo loop both compute, each at its own rate.
+/// A spring and a damper in all six directions between a haptic device's end effector and a body (the virtual coupling
+/// of Colgate, Stanley and Brown 1995). The physics step and the device's servo loop compute the same law, each at its
+/// own rate.
 namespace filasofia {
 
 struct HandCoupling {
@@ -13,40 +14,41 @@ struct HandCoupling {
     double linearDamping = 2.0;                                   ///< [N s/m], >= 0
     double angularStiffness = 0.5;                                ///< [N m/rad], >= 0
     double angularDamping = 2e-3;                                 ///< [N m s/rad], >= 0
-    double forceLimit = std::numeric_limits<double>::infinity();  ///< [N], > 0: it pulls no harder
-    double torqueLimit = std::numeric_limits<double>::infinity(); ///< [N m], > 0, the same of its turning
+    double forceLimit = std::numeric_limits<double>::infinity();  ///< [N], > 0, upper bound of the force
+    double torqueLimit = std::numeric_limits<double>::infinity(); ///< [N m], > 0, upper bound of the torque
 
     friend constexpr bool operator==(const HandCoupling&, const HandCoupling&) = default;
 };
 constexpr auto fields(const HandCoupling*)
 {
     using T = HandCoupling;
-    return describe("HandCoupling",
-                    field("linearStiffness", &T::linearStiffness, "N/m", nonNegative(), "of the spring"),
-                    field("linearDamping", &T::linearDamping, "N s/m", nonNegative(), "of the damper"),
-                    field("angularStiffness", &T::angularStiffness, "N m/rad", nonNegative(), "of the spring"),
-                    field("angularDamping", &T::angularDamping, "N m s/rad", nonNegative(), "of the damper"),
-                    field("forceLimit", &T::forceLimit, "N", positiveOrInfinite(), "it pulls no harder"),
-                    field("torqueLimit", &T::torqueLimit, "N m", positiveOrInfinite(), "it turns no harder"));
+    return describe(
+        "HandCoupling",
+        field("linearStiffness", &T::linearStiffness, "N/m", nonNegative(), "stiffness of the linear spring"),
+        field("linearDamping", &T::linearDamping, "N s/m", nonNegative(), "damping of the linear damper"),
+        field("angularStiffness", &T::angularStiffness, "N m/rad", nonNegative(), "stiffness of the angular spring"),
+        field("angularDamping", &T::angularDamping, "N m s/rad", nonNegative(), "damping of the angular damper"),
+        field("forceLimit", &T::forceLimit, "N", positiveOrInfinite(), "upper bound of the force"),
+        field("torqueLimit", &T::torqueLimit, "N m", positiveOrInfinite(), "upper bound of the torque"));
 }
 
-/// Something that moves, by one of its points.
+/// The motion of a rigid thing, seen at one of its points.
 struct Moving {
-    Pose pose = {};            ///< of the point
-    Vec3 velocity = {};        ///< [m/s] of the point
+    Pose pose = {};            ///< position of the point [m] and orientation of the thing
+    Vec3 velocity = {};        ///< [m/s] velocity of the point
     Vec3 angularVelocity = {}; ///< [rad/s] in world axes
 
     friend constexpr bool operator==(const Moving&, const Moving&) = default;
 };
 
 struct CouplingForce {
-    Vec3 force = {};  ///< [N] at the point that is held, in world axes
+    Vec3 force = {};  ///< [N] at the coupled point, in world axes
     Vec3 torque = {}; ///< [N m] in world axes
 
     friend constexpr bool operator==(const CouplingForce&, const CouplingForce&) = default;
 };
 
-/// The same seen at another point of the thing, given in its own coordinates.
+/// The same motion seen at another point of the thing, given in the thing's coordinates.
 constexpr Moving atPoint(const Moving& thing, Vec3 point)
 {
     const Vec3 arm = rotate(thing.pose.orientation, point);
@@ -55,11 +57,11 @@ constexpr Moving atPoint(const Moving& thing, Vec3 point)
             thing.angularVelocity};
 }
 
-/// [-] by what a spring and damper that would pull with `size` is weakened so that it does not pull harder than limit.
+/// [-] The factor that scales a force (or torque) of this size down to `limit`; 1 if it is not larger.
 constexpr double weakened(double size, double limit) { return size > limit ? limit / size : 1.0; }
 
-/// What the coupling does to the body that the hand holds, both seen at the point that is held; the hand gets the
-/// opposite. Turns go the short way round.
+/// The force and torque of the coupling on the body, at the coupled point; the hand gets the opposite. The angular
+/// spring takes the shorter way round.
 inline CouplingForce couplingForce(const HandCoupling& coupling, const Moving& hand, const Moving& body)
 {
     const Vec3 apart = hand.pose.position - body.pose.position;

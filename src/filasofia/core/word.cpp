@@ -14,7 +14,8 @@ constexpr std::size_t kLongestWord = 80, kLongestInLine = 160, kShown = 40; // b
 std::string beginning(std::string_view word)
 {
     std::size_t end = kShown;
-    while (end > 0 && (static_cast<unsigned char>(word[end]) & 0xc0u) == 0x80u) --end; // no half of a letter
+    while (end > 0 && (static_cast<unsigned char>(word[end]) & 0xc0u) == 0x80u)
+        --end; // do not cut a letter (UTF-8) in half
     return text(word.substr(0, end), "…");
 }
 
@@ -58,7 +59,7 @@ std::string withShortWords(std::string_view line)
 int wholeNumber(std::string_view name, std::string_view word, const Bound& bound)
 {
     using Limits = std::numeric_limits<int>;
-    Range range = bound.range; // what it is written to is a bound too
+    Range range = bound.range; // the bounds of an int count too
     if (range.low < Limits::min()) range.low = Limits::min(), range.lowOpen = false;
     if (range.high > Limits::max()) range.high = Limits::max(), range.highOpen = false;
     const std::optional<int> value = parsed<int>(word);

@@ -40,15 +40,15 @@ Vec3 placeOf(const GridPoint& p, Vec3 size, const std::array<int, 3>& cells)
     return {along(p[0], cells[0], size.x), along(p[1], cells[1], size.y), along(p[2], cells[2], size.z)};
 }
 
-/// Points on a circle about the y axis; one point where it has no radius.
+/// Points on a circle about the y axis; a single point if the radius is 0.
 struct Ring {
     double y = 0.0;      ///< [m]
     double radius = 0.0; ///< [m]
-    int count = 1;       ///< of points
+    int count = 1;       ///< number of points
 };
 
-/// The surface that rings span, from the lowest to the highest; the first and the last are points. From one ring to
-/// the next the count stays, changes by one in every quarter, or goes from or to one point.
+/// The surface spanned by rings from the lowest to the highest; the first and the last are points. From one ring to the
+/// next the count stays the same, changes by one per quarter, or goes from or to one point.
 class Turned {
 public:
     TriangleMesh mesh;
@@ -71,12 +71,12 @@ private:
         [[nodiscard]] int at(int i) const { return start + i % count; }
     };
 
-    /// Goes around both rings at once; the one that is behind makes the next edge.
+    /// Goes around both rings at once; the ring that lags behind gets the next edge.
     void span(Row low, Row high)
     {
         const long lows = low.count > 1 ? low.count : 0, highs = high.count > 1 ? high.count : 0;
         for (long i = 0, j = 0; i < lows || j < highs;) {
-            // Cross-multiplied, so that equal angles are found equal: (2 i + 1) / lows against (2 j + 1) / highs.
+            // Cross-multiplied, so that equal angles compare equal: (2 i + 1) / lows with (2 j + 1) / highs.
             const bool stepLow = j == highs || (i < lows && (2 * i + 1) * highs <= (2 * j + 1) * lows);
             const int a = low.at(static_cast<int>(i)), b = high.at(static_cast<int>(j));
             mesh.triangles.push_back({a, b, stepLow ? low.at(static_cast<int>(++i)) : high.at(static_cast<int>(++j))});
@@ -86,7 +86,7 @@ private:
     int start_ = 0, last_ = 0;
 };
 
-/// The rings of a sphere's lower half, pole first, equator last.
+/// The rings of a sphere's lower half, from the pole to the equator.
 std::vector<Ring> halfSphere(double radius, int quarter)
 {
     std::vector<Ring> rings;
@@ -97,12 +97,12 @@ std::vector<Ring> halfSphere(double radius, int quarter)
     return rings;
 }
 
-/// The surface of the rings and their mirror images; with `apart` > 0 [m] a band of that length lies between them.
+/// The surface of the rings and their mirror images; if `apart` > 0 [m], a band of that length lies between them.
 std::shared_ptr<const TriangleMesh> mirrored(std::vector<Ring> lower, double apart)
 {
     Turned turned;
     for (Ring ring : lower) turned.add({ring.y - 0.5 * apart, ring.radius, ring.count});
-    if (apart == 0.0) lower.pop_back(); // both halves have one equator
+    if (apart == 0.0) lower.pop_back(); // both halves share one equator
     for (std::size_t i = lower.size(); i-- > 0;)
         turned.add({-lower[i].y + 0.5 * apart, lower[i].radius, lower[i].count});
     return std::make_shared<const TriangleMesh>(std::move(turned.mesh));
@@ -171,8 +171,8 @@ std::shared_ptr<const TetMesh> block(Vec3 size, std::array<int, 3> cells)
     for (int i = 0; i <= cells[0]; ++i)
         for (int j = 0; j <= cells[1]; ++j)
             for (int k = 0; k <= cells[2]; ++k) mesh.nodes.push_back(placeOf({i, j, k}, size, cells));
-    // Kuhn's six: each walks from one corner of the cell to the opposite one, along the axes in another order. In a
-    // cell of odd place along an axis the walk goes backwards along it, so that neighbours are mirror images.
+    // Kuhn's six: each goes from one corner of the cell to the opposite one, along the axes in a different order. In a
+    // cell of odd index along an axis the path runs backwards along it, so neighbouring cells are mirror images.
     const auto cell = [&](const GridPoint& low) {
         std::array<std::size_t, 3> axes{0, 1, 2};
         do {

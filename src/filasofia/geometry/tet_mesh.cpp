@@ -27,7 +27,7 @@ void checkEveryNodeIsUsed(const TetMesh& mesh, std::string_view name)
         for (int node : t) used[static_cast<std::size_t>(node)] = true;
     const auto unused = std::ranges::find(used, false);
     if (unused != used.end())
-        fail(name, ": node ", unused - used.begin(), " is in no tetrahedron; every node must be in one");
+        fail(name, ": node ", unused - used.begin(), " must be in at least one tetrahedron, got none");
 }
 
 } // namespace
@@ -61,10 +61,10 @@ std::string elementFault(const TetMesh& mesh, const Tetrahedron& t)
     const double bound = kFlattest * longest * longest * longest;
     if (volume > bound && std::isfinite(volume)) return {};
     return text(volume < 0.0 ? " is inverted" : " is flat", ": its volume must be > ", bound,
-                " m^3 (1e-12 of its longest edge cubed), got ", volume);
+                " m^3 (1e-12 times its longest edge cubed), got ", volume);
 }
 
-// Two neighbours walk their common face in opposite directions; the same direction means that both lie on one side.
+// Two neighbours orient their common face in opposite directions; the same direction means that both lie on one side.
 std::optional<std::array<int, 2>> sameSidePair(const TetMesh& mesh)
 {
     const std::vector<Face> faces = sortedFaces(mesh);
@@ -76,7 +76,7 @@ std::optional<std::array<int, 2>> sameSidePair(const TetMesh& mesh)
 
 void check(const TetMesh& mesh, std::string_view name)
 {
-    if (mesh.tetrahedra.empty()) fail(name, ": has no tetrahedra; it must have at least 1");
+    if (mesh.tetrahedra.empty()) fail(name, ": must have at least 1 tetrahedron, got 0");
     checkNumbers(mesh, name);
     for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
         if (const std::string fault = elementFault(mesh, mesh.tetrahedra[i]); !fault.empty())
@@ -84,7 +84,7 @@ void check(const TetMesh& mesh, std::string_view name)
     checkEveryNodeIsUsed(mesh, name);
     if (const auto pair = sameSidePair(mesh))
         fail(name, ": tetrahedra ", (*pair)[0], " and ", (*pair)[1],
-             " lie on the same side of their common face; at most one may");
+             " lie on the same side of their common face; they must lie on opposite sides");
 }
 
 } // namespace filasofia::geometry

@@ -2,7 +2,7 @@
 
 #include "filasofia/geometry/raw_tet_mesh.h"
 
-// The format: Si 2020, TetGen user's manual 1.6, sections 5.2.1 (.node) and 5.2.3 (.ele). A line is a record.
+// The format: Si 2020, TetGen user's manual 1.6, sections 5.2.1 (.node) and 5.2.3 (.ele). Each line is a record.
 namespace filasofia::geometry {
 namespace {
 
@@ -15,10 +15,11 @@ std::int64_t integerOnLine(NumberSource& in, std::string_view what)
 
 void endLine(NumberSource& in, std::string_view record)
 {
-    if (!in.wordOnThisLine().empty()) in.failHere(record, " has more numbers than its file's first line announces");
+    if (!in.wordOnThisLine().empty())
+        in.failHere(record, " has more numbers than the first line of the file announces");
 }
 
-// Attributes and markers: numbers we have no use for.
+// Skips attributes and markers, which are not used.
 void passOver(NumberSource& in, std::int64_t numbers)
 {
     for (std::int64_t i = 0; i < numbers; ++i) {
@@ -28,7 +29,7 @@ void passOver(NumberSource& in, std::int64_t numbers)
     }
 }
 
-// How many numbers of one kind a record carries; the bound keeps sums of them far from overflow.
+// The number of values of one kind per record; the bound keeps their sum far from overflow.
 std::int64_t announced(NumberSource& in, std::string_view what, std::int64_t most)
 {
     const std::int64_t number = integerOnLine(in, what);
@@ -58,7 +59,7 @@ void readNodes(NumberSource& in, RawTetMesh& mesh)
         }
         passOver(in, extra);
         endLine(in, "a point");
-        // Points are numbered through from 0 or 1; anything else is a line lost or doubled.
+        // Points are numbered consecutively from 0 or 1; anything else means that a line is missing or doubled.
         const std::int64_t first = mesh.nodes.front().number;
         if (first != 0 && first != 1) in.failHere("the first point's number must be 0 or 1, got ", first);
         if (node.number != first + static_cast<std::int64_t>(i))
@@ -70,7 +71,7 @@ void readElements(NumberSource& in, RawTetMesh& mesh)
 {
     const std::size_t count = in.count("the number of tetrahedra", 5, 1, 4);
     const std::int64_t corners = integerOnLine(in, "the number of nodes per tetrahedron");
-    if (corners == 10) in.failHere("second-order tetrahedra (10 nodes) are not taken; 4 nodes per tetrahedron are");
+    if (corners == 10) in.failHere("the number of nodes per tetrahedron must be 4, got 10 (second order)");
     if (corners != 4) in.failHere("the number of nodes per tetrahedron must be 4, got ", corners);
     const std::int64_t extra = announced(in, "the number of attributes", kMostAttributes);
     endLine(in, "the first line");
