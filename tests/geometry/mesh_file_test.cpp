@@ -202,7 +202,7 @@ TEST_CASE("what is no mesh file at all is refused by name")
 {
     const std::filesystem::path folder = std::filesystem::path(FILASOFIA_BINARY_DIR) / "test_files" / "folder.obj";
     std::filesystem::create_directories(folder);
-    CHECK_THAT(errorOf([&] { loadTriangleMesh(folder); }), Contains("folder.obj: is a directory"));
+    CHECK_THAT(errorOf([&] { loadTriangleMesh(folder); }), Contains("folder.obj: must be a file, got a directory"));
     CHECK_THAT(errorOf([] { loadTriangleMesh("nowhere.obj"); }), Contains("nowhere.obj: no such file"));
     CHECK_THAT(errorOf([] { loadTetMesh("nowhere.msh"); }), Contains("nowhere.msh: no such file"));
     CHECK_THAT(errorOf([] { loadTetMesh("nowhere.node"); }), Contains("nowhere.node: no such file"));

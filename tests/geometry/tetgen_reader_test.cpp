@@ -97,7 +97,7 @@ TEST_CASE("what is wrong in an .ele file is named with its line")
     CHECK_THAT(errorIn(kNodes, "1 4 0\n0 0 1 2\n"),
                Contains("a.ele:2: the line ends before a tetrahedron's four nodes"));
     CHECK_THAT(errorIn(kNodes, "1 4 0\n0 0 1 2 4\n"),
-               Contains("a.ele:2: tetrahedron 0 names node 4, which the file does not give"));
+               Contains("a.ele:2: tetrahedron 0 names node 4, which the file does not define"));
     CHECK_THAT(errorIn(kNodes, "1 4 0\n0 1 0 2 3\n"),
                Contains("a.ele:2: tetrahedron 0 is inverted: its volume must be > "));
     CHECK_THAT(errorIn(kNodes, "1 4 0\n0 0 1 2 3 9\n"), Contains("a.ele:2: a tetrahedron has more numbers"));

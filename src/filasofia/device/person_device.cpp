@@ -7,9 +7,9 @@
 namespace filasofia::device {
 namespace {
 
-constexpr double kFollow = 0.02;  ///< [s] within which the place follows what a person wants
-constexpr double kLongest = 0.1;  ///< [s] between two readings; what is longer was a pause
-constexpr double kFarthest = 0.5; ///< [m] from the origin that a place may be wanted at
+constexpr double kFollow = 0.02;  ///< [s] time constant with which the position follows the target
+constexpr double kLongest = 0.1;  ///< [s] longest time between two readings; a longer one was a pause
+constexpr double kFarthest = 0.5; ///< [m] largest distance of the target from the origin, per axis
 
 } // namespace
 
@@ -34,8 +34,8 @@ void PersonDevice::feed(const PersonInput& input)
     if (input.buttons) input_.buttons = input.buttons;
 }
 
-// The place goes to the wanted one as a spring that just does not swing (critically damped), exactly for any dt. What a
-// person gives comes in jerks, a picture or a mouse's report apart; a coupling needs a velocity.
+// The position follows the target like a critically damped spring, integrated exactly for any dt. The user's input
+// comes in jerks, once per picture or mouse report, but a coupling needs a velocity.
 DeviceSample PersonDevice::read(double time) noexcept
 {
     PersonInput input;

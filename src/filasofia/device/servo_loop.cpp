@@ -8,14 +8,14 @@
 namespace filasofia::device {
 namespace {
 
-constexpr double kFarthestHand = 10.0; ///< [m] from the device's origin: no arm is so long
-constexpr double kFastestHand = 50.0;  ///< [m/s], and none so fast
+constexpr double kFarthestHand = 10.0; ///< [m] from the device's origin: no arm is that long
+constexpr double kFastestHand = 50.0;  ///< [m/s]: no hand is that fast
 constexpr double kFastestTurn = 500.0; ///< [rad/s]
-constexpr double kSettle = 0.1;        ///< [s] that a device must be right for after it was wrong
-constexpr double kMargin = 1.5;        ///< [-] times a tick that the next force may last
-constexpr double kAcceleration = 20.0; ///< [m/s^2] of a hand within a tick, beside its velocity
-constexpr double kBrake = 5.0;         ///< [N s/m] with which too much energy is taken back
-constexpr double kTurnBrake = 5e-3;    ///< [N m s/rad] the same of turning
+constexpr double kSettle = 0.1;        ///< [s] for which a device must work after a fault before it gets a force
+constexpr double kMargin = 1.5;        ///< [-] the next force may last for this many ticks
+constexpr double kAcceleration = 20.0; ///< [m/s^2] largest assumed acceleration of a hand within a tick
+constexpr double kBrake = 5.0;         ///< [N s/m] damping that takes excess energy back
+constexpr double kTurnBrake = 5e-3;    ///< [N m s/rad] the same for rotation
 
 double seconds(Nanoseconds time) { return 1e-9 * static_cast<double>(time); }
 
@@ -45,7 +45,7 @@ ServoState stateOf(DeviceStatus status)
     return ServoState::Failed;
 }
 
-/// Where the body is `time` [s] after it was seen.
+/// The motion of the body extrapolated by `time` [s].
 Moving later(const Moving& body, double time)
 {
     Moving out = body;
@@ -55,12 +55,12 @@ Moving later(const Moving& body, double time)
     return out;
 }
 
-/// Takes from `force` what would give more than `room` [J] to what moves by `way`, and pays back `debt` [J] where it
-/// can, braking with no more than `brake` [N s/m] beyond that. Force and way, or torque and turn.
+/// Scales the component of `force` along `way` by `share` if it pushes the hand on its way, and takes back `debt` [J],
+/// with at most `brake` [N] for it. Either force and displacement or torque and rotation.
 Vec3 withoutGift(Vec3 force, Vec3 way, double share, double debt, double brake)
 {
     const double size = length(way);
-    if (size < 1e-12) return force; // it rests: nothing is given
+    if (size < 1e-12) return force; // the hand rests, so no energy flows
     const Vec3 direction = way / size;
     const double along = dot(force, direction);
     const double allowed = along > 0.0 ? share * along : along;
@@ -85,7 +85,7 @@ std::string_view describe(ServoState state)
 HandCoupling sceneCoupling(const ServoDef& def)
 {
     HandCoupling coupling = def.coupling;
-    const double share = def.forceScale > 0.0 ? def.forceScale : 1.0; // a hand that is not pushed pushes all the same
+    const double share = def.forceScale > 0.0 ? def.forceScale : 1.0; // if the hand gets no force, the body still does
     coupling.forceLimit = std::min(coupling.forceLimit, def.forceLimit / share);
     coupling.torqueLimit = std::min(coupling.torqueLimit, def.torqueLimit * def.scale / share);
     return coupling;
@@ -126,7 +126,7 @@ ServoState ServoLoop::judge(Nanoseconds now, const DeviceSample& device) const
     if (!isFinite(hand) || !(std::abs(dot(q, q) - 1.0) < 1e-2) || !(length(hand.pose.position) < kFarthestHand) ||
         !(length(hand.velocity) < kFastestHand) || !(length(hand.angularVelocity) < kFastestTurn))
         return ServoState::Implausible;
-    if (lastHand_ && last_) { // a jump; one in no time at all is measured by a tick
+    if (lastHand_ && last_) { // a jump; if no time has passed, it is compared with one tick
         const double dt = std::max(seconds(now - *last_), 1.0 / def_.rate);
         if (!(distance(hand.pose.position, lastHand_->pose.position) < kFastestHand * dt))
             return ServoState::Implausible;
@@ -144,9 +144,9 @@ bool ServoLoop::fresh(Nanoseconds now, const BodySample* body)
     return seconds(now - newest_) <= watchdogOf(def_.stepPeriod);
 }
 
-// Between two ticks the device holds the force, so the work is exactly force times way (the passivity observer of
-// Hannaford and Ryu 2002). What the hand gave is kept for it, up to a limit: energy that was lost in tissue long ago is
-// no reason to push a hand now.
+// Between two ticks the device holds the force, so the work is exactly force times displacement (the passivity observer
+// of Hannaford and Ryu 2002). The energy that the hand has put in is stored for it, up to a limit: energy that was
+// dissipated in tissue long ago is no reason to push a hand now.
 void ServoLoop::countEnergy(const Moving& hand)
 {
     if (!lastHand_) return;
@@ -158,13 +158,13 @@ void ServoLoop::countEnergy(const Moving& hand)
 
 CouplingForce ServoLoop::coupled(Nanoseconds now, const Moving& inScene, const BodySample& body) const
 {
-    // A state is at most one period old when the next one comes, and another while that is computed.
+    // A state is at most one period old when the next one arrives, and may be used for another while that is computed.
     const double age = std::clamp(seconds(now - body.time), 0.0, 2.0 * def_.stepPeriod);
     const Moving hand = atPoint(inScene, body.centre);
     const CouplingForce onBody = couplingForce(sceneCoupling(def_), hand, later(atPoint(body.body, body.centre), age));
     const Vec3 arm = hand.pose.position - inScene.pose.position;
     const Quat toDevice = conjugate(def_.origin.orientation);
-    // The hand moves 1 / scale times as far: so that no energy is made, its torque is to the scene's as its work is.
+    // The hand moves 1 / scale times as far. To conserve energy, its torque is scaled from the scene's as its work is.
     return {-def_.forceScale * rotate(toDevice, onBody.force),
             -def_.forceScale / def_.scale * rotate(toDevice, onBody.torque + cross(arm, onBody.force))};
 }
@@ -177,9 +177,9 @@ CouplingForce ServoLoop::limited(const CouplingForce& force) const
             weakened(length(force.torque), mostTorque) * force.torque};
 }
 
-// The passivity controller: of a force that would push the hand on its way only so much is left as the hand has given
-// before, less what an acceleration within the tick may take. Where the hand has got too much all the same it is
-// braked.
+// The passivity controller: a force that would push the hand on its way is limited to the energy that the hand has put
+// in before, minus what an acceleration within the tick may extract. If the hand has got too much energy all the same,
+// it is braked.
 CouplingForce ServoLoop::passive(const CouplingForce& force, const Moving& hand) const
 {
     const double tick = 1.0 / def_.rate;
@@ -213,7 +213,7 @@ ServoTick ServoLoop::tick(Nanoseconds now, const DeviceSample& device, const Bod
     if (badUntil_ && now >= *badUntil_) badUntil_.reset();
     if (badUntil_) return {.hand = lastInScene_, .state = bad_, .energy = energy_};
 
-    // A tick that comes so late, or a body of which nothing is heard: the hand is let go before it is pulled again.
+    // If a tick is so late, or nothing is heard of the body, the hand is released before it is pulled again.
     const bool late = dt > watchdogOf(def_.stepPeriod);
     if (!stateIsNew) {
         ramp_ = 0.0;
@@ -225,7 +225,7 @@ ServoTick ServoLoop::tick(Nanoseconds now, const DeviceSample& device, const Bod
     if (!capabilities_.torque) force.torque = {};
     if (!capabilities_.force) force.force = {};
     force = limited(passive(force, *lastHand_));
-    if (!isFinite(force)) { // two numbers of which each was fine
+    if (!isFinite(force)) { // two finite numbers may overflow together
         interrupt();
         return {.hand = lastInScene_, .state = ServoState::Waiting, .energy = energy_};
     }
