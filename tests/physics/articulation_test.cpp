@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A shaft with two jaws; the second slides.
+/// A shaft with two jaws; the second one slides.
 RigidBodyDef tool()
 {
     RigidBodyDef def{.name = "forceps", .elements = {Pose{{0, 1, 0}, {}}}};
@@ -41,11 +41,11 @@ TEST_CASE("links of an articulated body are where their joints put them, in the 
     CHECK(length(def.elements[1].position - Vec3{1, 1, 0}) < 1e-15);
     CHECK(length(rotationVector(def.elements[1].orientation) - Vec3{0, 0, 0.5}) < 1e-14);
     CHECK(length(rotationVector(def.elements[2].orientation) - Vec3{0, 0, 0.5}) < 1e-14);
-    CHECK_NOTHROW(server.add(def)); // as a recording has it
+    CHECK_NOTHROW(server.add(def)); // as a recording stores it
     CHECK(elementCount(tool()) == 3);
 }
 
-TEST_CASE("joints that make no tree, or that nobody could build, are refused with their names and values")
+TEST_CASE("joints that make no tree, or that cannot be built, are refused with their names and values")
 {
     const auto joint = [](std::size_t j, auto change) {
         return [=](RigidBodyDef& def, PhysicsServer&) { change(def.articulation.joints[j]); };
@@ -84,7 +84,7 @@ TEST_CASE("joints that make no tree, or that nobody could build, are refused wit
                  {first + ".mass.moments", "sum of the other two"});
 }
 
-TEST_CASE("an articulated body's elements, base and carrier are refused where they cannot be")
+TEST_CASE("an articulated body's elements, base and carrier are refused if they are invalid")
 {
     checkRefused([](RigidBodyDef& def, PhysicsServer&) { def.dynamic = true; },
                  {"rigid body 'forceps': mass of a dynamic body"});
@@ -98,7 +98,7 @@ TEST_CASE("an articulated body's elements, base and carrier are refused where th
     checkRefused([](RigidBodyDef& def, PhysicsServer&) { def.elements.resize(2); },
                  {"rigid body 'forceps': elements", "1 entry", "or 3", "got 2"});
     checkRefused([](RigidBodyDef& def, PhysicsServer&) { def.elements.resize(3); },
-                 {"rigid body 'forceps': elements[1]", "where its joint puts it"});
+                 {"rigid body 'forceps': elements[1]", "the pose that follows from its joint"});
     checkRefused(
         [](RigidBodyDef& def, PhysicsServer&) {
             def.collision = {{.mesh = geometry::shapes::box({1, 1, 1}), .element = 3}};
@@ -113,11 +113,11 @@ TEST_CASE("an articulated body's elements, base and carrier are refused where th
     checkRefused(to([](PhysicsServer&) { return BodyId{7}; }), {"articulation.to", "body 7", "no such body"});
     checkRefused(
         to([](PhysicsServer& physics) { return physics.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()}); }),
-        {"articulation.to", "soft body 'liver'", "rigid body that goes where it is told"});
+        {"articulation.to", "must be a kinematic rigid body", "soft body 'liver'"});
     checkRefused(to([](PhysicsServer& physics) {
                      return physics.add(RigidBodyDef{.name = "ball", .dynamic = true, .mass = GivenInertia{}});
                  }),
-                 {"articulation.to", "rigid body 'ball'", "goes where it is told"});
+                 {"articulation.to", "must be a kinematic rigid body", "rigid body 'ball'"});
     checkRefused(to([](PhysicsServer& physics) { return physics.add(RigidBodyDef{}); }, 1),
                  {"articulation.toElement", "[0, 1)", "got 1"});
     checkRefused(to([](PhysicsServer& physics) { return physics.add(tool()); }, 1),
@@ -132,7 +132,7 @@ TEST_CASE("an articulated body's elements, base and carrier are refused where th
         {"articulation.joints", "at least one entry"});
 }
 
-TEST_CASE("joints are told from outside, a wrong command is an error at the caller")
+TEST_CASE("joints follow commands, and a wrong command is an error at the caller")
 {
     Told told;
     PhysicsServer server = fakeServer(told);
@@ -156,7 +156,7 @@ TEST_CASE("joints are told from outside, a wrong command is an error at the call
     checkError([&] { server.setJoint(id, 0, JointPosition{1.01}); }, {"joint 0: position", "[-1, 1] rad", "got 1.01"});
     checkError([&] { server.setJoint(id, 0, JointPosition{kNan}); }, {"joint 0", "must be finite", "got nan"});
     checkError([&] { server.setJoint(id, 1, JointForce{kNan}); }, {"joint 1", "must be finite", "got nan"});
-    checkError([&] { server.setJoint(id, 0, JointForce{1.0}); }, {"joint 0", "a force needs something that resists"});
+    checkError([&] { server.setJoint(id, 0, JointForce{1.0}); }, {"joint 0", "must not be a force without an inertia"});
     checkError([&] { server.setPose(id, Pose{}, 1); }, {"'forceps'", "element 1", "only the base"});
 
     RigidBodyDef carried = tool();
@@ -167,5 +167,5 @@ TEST_CASE("joints are told from outside, a wrong command is an error at the call
     server.remove(plain);
     server.setPose(follower, Pose{});
     server.step(0.1);
-    CHECK(told.commands.size() == 3); // what was wrong has not come
+    CHECK(told.commands.size() == 3); // refused commands have not arrived
 }

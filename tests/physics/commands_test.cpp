@@ -36,7 +36,7 @@ TEST_CASE("commands reach the engine at the next step, in the order of posting, 
     CHECK(std::get<SoftBodyDef>(rebuilt.def).name == "tissue");
     CHECK(std::get<FemMaterial>(std::get<SoftBodyDef>(rebuilt.def).material).youngModulus == 77);
     CHECK(std::get<FemMaterial>(std::get<SoftBodyDef>(*server.def(soft)).material).youngModulus ==
-          FemMaterial{}.youngModulus); // what it was made from stays
+          FemMaterial{}.youngModulus); // the Def stays what the body was made from
     REQUIRE(command<SetForces>(told, 6).forces.size() == 1);
     CHECK(command<SetForces>(told, 6).forces[0].node == 3);
     CHECK(command<SetPressure>(told, 7).pressure == -11);
@@ -49,7 +49,7 @@ TEST_CASE("commands reach the engine at the next step, in the order of posting, 
     CHECK(told.dts == std::vector{0.25, 0.5});
 }
 
-TEST_CASE("ids are given once, rise, and are never zero")
+TEST_CASE("ids are used once, increase, and are never zero")
 {
     Told told;
     PhysicsServer server = fakeServer(told);
@@ -79,7 +79,7 @@ TEST_CASE("while paused the engine steps with dt = 0 and still gets its commands
     CHECK(server.step(0.1).dt == 0.1);
     CHECK_FALSE(server.paused());
     server.pause(true);
-    server.pause(false); // the last word counts
+    server.pause(false); // the last command counts
     server.step(0.1);
     CHECK(told.dts == std::vector{0.1, 0.0, 0.0, 0.1, 0.1});
 }
@@ -104,7 +104,7 @@ TEST_CASE("tune runs once, on the stepping thread, with the engine in hand")
     CHECK(where == std::this_thread::get_id());
 }
 
-TEST_CASE("def() tells what a body was made from")
+TEST_CASE("def() returns what a body was made from")
 {
     Told told;
     PhysicsServer server = fakeServer(told);
@@ -127,7 +127,7 @@ TEST_CASE("commands from several threads all arrive, each thread's in its own or
         });
     for (int i = 0; i < 200; ++i) server.step(0.1);
     for (std::thread& thread : threads) thread.join();
-    for (int i = 0; i < 3; ++i) server.step(0.1); // a step takes 4096 commands at most
+    for (int i = 0; i < 3; ++i) server.step(0.1); // a step takes at most 4096 commands
 
     REQUIRE(told.commands.size() == 1 + kThreads * kEach);
     std::vector<int> next(kThreads, 0);
@@ -163,7 +163,7 @@ TEST_CASE("whatever other threads do, no command follows the removal of its body
         for (BodyId id : ids) {
             try {
                 for (;;) post(id);
-            } catch (const Error&) { // removed by the other thread: on to the next
+            } catch (const Error&) { // removed by the other thread: take the next body
             }
         }
     };

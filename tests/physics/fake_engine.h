@@ -10,26 +10,26 @@ namespace filasofia::physics {
 
 struct FakeBody final : BuiltBody {
     int nodes = 0;
-    BodyDef def = {}; ///< what it was made from
+    BodyDef def = {}; ///< the Def that it was made from
     [[nodiscard]] int nodeCount() const override { return nodes; }
 };
 
-/// What a fake engine was asked to do. It outlives the server that owns the engine.
+/// The calls that a fake engine received. It outlives the server that owns the engine.
 struct Told {
-    std::vector<Command> commands = {}; ///< all, in the order in which they arrived
+    std::vector<Command> commands = {}; ///< all, in the order of arrival
     std::vector<double> dts = {};       ///< one per step
     int captures = 0;
     int hashes = 0;
     std::vector<std::int64_t> deadlines = {}; ///< one per step that had a clock
 
-    int needed = 0;                     ///< iterations that each soft body's solver makes when nothing stops it
+    int needed = 0;                     ///< iterations that each soft body's solver makes if nothing stops it
     std::function<void()> build = {};   ///< called while a body is built
-    std::function<void()> iterate = {}; ///< called for each: where a fake clock goes on
-    std::vector<std::vector<int>> iterations = {}; ///< made, per step and soft body
+    std::function<void()> iterate = {}; ///< called for each iteration: a fake clock can advance here
+    std::vector<std::vector<int>> iterations = {}; ///< iterations made, per step and soft body
 };
 
-/// An engine that moves nothing and writes down what it is told. Soft bodies have four nodes, and solvers whose
-/// iterations are the only thing that the hash depends on besides the number of the step.
+/// An engine that moves nothing and records its calls. Soft bodies have four nodes. The hash depends only on the number
+/// of the step and the solvers' iterations.
 class FakeEngine final : public PhysicsEngine {
 public:
     explicit FakeEngine(Told& told) : told_(told) {}
@@ -71,7 +71,7 @@ public:
     }
 
 private:
-    /// As the seam says: the built body is moved out, the rest of the command stays for the log.
+    /// As the seam requires: the built body is moved out, the rest of the command stays for the log.
     static Command taken(Command& command)
     {
         if (auto* add = std::get_if<AddBody>(&command))
@@ -87,7 +87,7 @@ private:
         return copy;
     }
 
-    /// As the seam says: a deadline is looked at between iterations; recorded counts stand in its place.
+    /// As the seam requires: the deadline is checked between iterations; recorded counts replace it.
     void solve(const StepBudget& budget, StepReport& report)
     {
         told_.iterations.emplace_back();
@@ -130,7 +130,7 @@ inline std::shared_ptr<const geometry::TetMesh> oneTetrahedron()
     return std::make_shared<const geometry::TetMesh>(mesh);
 }
 
-/// Runs `act` and holds its Error against every part of the message.
+/// Runs `act` and checks that its Error contains every part.
 template <class Act> void checkError(Act&& act, const std::vector<std::string>& parts)
 {
     try {

@@ -27,7 +27,7 @@ TEST_CASE("the log holds every step once, in order")
             CHECK(record->report.step == expected++);
             CHECK(record->report.dt == 0.1 * (round + 1));
             CHECK(record->rigidPoses.size() == 2);
-            CHECK(record->hash == 0); // not asked for
+            CHECK(record->hash == 0); // hashes were not turned on
             server.popRecord();
         }
         CHECK(server.nextRecord() == nullptr);
@@ -40,7 +40,7 @@ TEST_CASE("a record holds the commands applied at the start of its step, and no 
     PhysicsServer server = fakeServer(told, {.gravity = {1, 2, 3}, .logLength = 2});
     server.keepLog(true);
     const BodyId id = server.add(SoftBodyDef{.name = "tissue", .mesh = oneTetrahedron()});
-    for (int i = 0; i < 4; ++i) { // longer than the ring: a slot is used again
+    for (int i = 0; i < 4; ++i) { // longer than the ring, so that a slot is used again
         if (i == 2) server.setPressure(id, 7);
         server.step(0.1);
         const auto& commands = server.nextRecord()->commands;
@@ -58,7 +58,7 @@ TEST_CASE("a record holds the commands applied at the start of its step, and no 
     }
 }
 
-TEST_CASE("flags that the caller knows reach the engine's report and the log")
+TEST_CASE("flags that the caller sets reach the engine's report and the log")
 {
     Told told;
     PhysicsServer server = fakeServer(told);
@@ -83,7 +83,7 @@ TEST_CASE("when the log is full the step says that its record is lost")
     for (std::uint64_t step : {2u, 3u, 6u}) {
         REQUIRE(server.nextRecord() != nullptr);
         CHECK(server.nextRecord()->report.step == step);
-        CHECK(server.nextRecord()->report.has(StepFlag::RecordLost) == (step == 6)); // the gap lies before this one
+        CHECK(server.nextRecord()->report.has(StepFlag::RecordLost) == (step == 6)); // the gap is before this record
         server.popRecord();
     }
 }

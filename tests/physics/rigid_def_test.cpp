@@ -21,7 +21,7 @@ RigidBodyDef dynamicBody() { return {.name = "forceps", .mesh = corner(), .dynam
 
 std::string bunnySurface() { return FILASOFIA_SOURCE_DIR "/assets/meshes/bunny.obj"; }
 
-/// Holds the Error of adding what `change` makes of a dynamic body against every part of the message.
+/// Adds a dynamic body changed by `change` and checks that the Error contains every part.
 template <class Change> void checkRefused(Change change, const std::vector<std::string>& parts)
 {
     Told told;
@@ -33,7 +33,7 @@ template <class Change> void checkRefused(Change change, const std::vector<std::
 
 } // namespace
 
-TEST_CASE("a rigid body's surface, and what it is touched by, are read from their files once, when it is added")
+TEST_CASE("a rigid body's surface, and its collision meshes are read from their files once, when it is added")
 {
     Told told;
     PhysicsServer server = fakeServer(told);
@@ -44,7 +44,7 @@ TEST_CASE("a rigid body's surface, and what it is touched by, are read from thei
     CHECK(std::get<Mesh>(def.mesh)->triangles.size() > 1000);
     REQUIRE(std::holds_alternative<Mesh>(def.collision[0].mesh));
     CHECK(std::get<Mesh>(def.collision[0].mesh)->triangles == std::get<Mesh>(def.mesh)->triangles);
-    CHECK(std::get<std::string>(def.collision[1].mesh).empty()); // none: the body's own
+    CHECK(std::get<std::string>(def.collision[1].mesh).empty()); // none: the body's own surface
 }
 
 TEST_CASE("a soft body's collision meshes are read when it is added")
@@ -57,7 +57,7 @@ TEST_CASE("a soft body's collision meshes are read when it is added")
     CHECK(std::get<std::string>(def.collision[1].mesh).empty());
 }
 
-TEST_CASE("a surface that is none is refused by the name of the field that asks for it")
+TEST_CASE("an invalid surface is refused by the name of the field that asks for it")
 {
     checkRefused([](RigidBodyDef& def) { def.mesh = "no_such.obj"; }, {"no_such.obj"});
     checkRefused([](RigidBodyDef& def) { def.mesh = std::shared_ptr<const geometry::TriangleMesh>(); },
@@ -92,7 +92,7 @@ TEST_CASE("a dynamic body needs a mesh or an inertia")
     CHECK_NOTHROW(server.add(RigidBodyDef{}));
 }
 
-TEST_CASE("moments of inertia that no body has are refused, those of a rod and of a plate are not")
+TEST_CASE("impossible moments of inertia are refused, those of a rod and of a plate are not")
 {
     const auto refused = [](GivenInertia given, const std::vector<std::string>& parts) {
         checkRefused([&](RigidBodyDef& def) { def.mass = given; }, parts);
@@ -109,7 +109,7 @@ TEST_CASE("moments of inertia that no body has are refused, those of a rod and o
         CHECK_NOTHROW(server.add(RigidBodyDef{.dynamic = true, .mass = GivenInertia{.moments = moments}}));
 }
 
-TEST_CASE("an element that is none is refused wherever it is named")
+TEST_CASE("an element that does not exist is refused wherever it is named")
 {
     checkRefused([](RigidBodyDef& def) { def.elements.clear(); }, {"rigid body 'forceps': elements", "at least one"});
     checkRefused(
@@ -138,7 +138,7 @@ TEST_CASE("a collision model without any mesh is refused on a rigid body")
             def.mass = GivenInertia{};
             def.collision = {{.mesh = corner()}, {}};
         },
-        {"rigid body 'forceps': collision[1].mesh", "the body has none either"});
+        {"rigid body 'forceps': collision[1].mesh", "the body has no mesh of its own"});
 }
 
 TEST_CASE("numbers of a rigid body out of their range are refused")
@@ -156,7 +156,7 @@ TEST_CASE("numbers of a rigid body out of their range are refused")
     checkRefused([](RigidBodyDef& def) { def.mass = Density{0}; }, {"mass.value", "must be > 0 kg/m^3", "got 0"});
 }
 
-TEST_CASE("what an element weighs follows from mesh and density, from mesh and mass, or is given")
+TEST_CASE("an element's inertia follows from mesh and density, from mesh and mass, or is given")
 {
     RigidBodyDef def = dynamicBody();
     def.mass = Density{600.0};
@@ -188,7 +188,8 @@ TEST_CASE("the inertia of a surface that is open or inside out is refused")
     checkError([&] { static_cast<void>(inertiaOf(def)); }, {"rigid body 'forceps': mesh", "must not be inside out"});
 }
 
-TEST_CASE("a wrench arrives as it was given, one for no dynamic body's element is an error at the caller")
+TEST_CASE(
+    "a wrench arrives as it was given, one for an element of a body that is not dynamic is an error at the caller")
 {
     Told told;
     PhysicsServer server = fakeServer(told);
@@ -203,7 +204,7 @@ TEST_CASE("a wrench arrives as it was given, one for no dynamic body's element i
     CHECK((arrived.force == Vec3{1, 2, 3} && arrived.torque == Vec3{4, 5, 6}));
 
     checkError([&] { server.setWrench(tool, {}, {}); }, {"rigid body 'tool'", "dynamic body only"});
-    checkError([&] { server.setWrench(soft, {}, {}); }, {"soft body 'liver'", "rigid body only"});
+    checkError([&] { server.setWrench(soft, {}, {}); }, {"soft body 'liver'", "must be a dynamic rigid body"});
     checkError([&] { server.setWrench(BodyId{99}, {}, {}); }, {"body 99", "no such body"});
     checkError([&] { server.setWrench(body, {}, {}, 2); }, {"rigid body 'forceps'", "element", "[0, 2)", "got 2"});
     checkError([&] { server.setWrench(body, {}, {}, -1); }, {"rigid body 'forceps'", "element", "[0, 2)", "got -1"});

@@ -181,8 +181,9 @@ TEST_CASE("ids of attachments that run over are refused")
     lines[2].replace(place, was.size(), "\"attachments\":4294967295"); // the body has two
     const record::ScratchFile file("ids.rec");
     file.write(record::framed(joined(lines)));
-    CHECK_THROWS_WITH(record::replay(record::readRecording(file.path()).steps, *engine::makeNativeEngine()),
-                      "step 1: attachment 4294967295: must be <= 4294967294: 2 ids follow from it");
+    CHECK_THROWS_WITH(
+        record::replay(record::readRecording(file.path()).steps, *engine::makeNativeEngine()),
+        "step 1: attachment 4294967295: id must be <= 4294967294 to leave room for 2 ids, got 4294967295");
 }
 
 TEST_CASE("the steps before a damaged line can be made again")

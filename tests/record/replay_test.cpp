@@ -139,7 +139,7 @@ TEST_CASE("a recording's commands are held to what a server holds its callers to
     checkRefused(wrongStep(SetPressure{BodyId{1}, kInf}), {"step 1", "pressure", "finite"});
     checkRefused(wrongStep(SetGravity{{kInf, 0, 0}}), {"step 1", "gravity", "finite"});
     const auto twice = std::make_shared<const BodyDef>(RigidBodyDef{});
-    checkRefused(wrongStep(AddBody{BodyId{2}, twice, nullptr}), {"step 1", "body 2", "ids rise"});
+    checkRefused(wrongStep(AddBody{BodyId{2}, twice, nullptr}), {"step 1", "body 2", "id must be > "});
     const auto empty = std::make_shared<const BodyDef>(RigidBodyDef{.name = "nothing", .elements = {}});
     checkRefused(wrongStep(AddBody{BodyId{3}, empty, nullptr}), {"step 1", "nothing"});
     checkRefused(wrongStep(Tune{}), {"step 1", "tune"});

@@ -206,7 +206,7 @@ TEST_CASE("without a display a window is an error of one line")
     const ScopedVariable none("DISPLAY", nullptr);
     std::string why;
     CHECK(!displayAvailable(&why));
-    CHECK(why == "DISPLAY is not set: run on a desktop, under xvfb-run, or headless");
+    CHECK(why == "DISPLAY is not set; run on a desktop, under xvfb-run, or headless");
     CHECK_THROWS_WITH(openWindow({.title = "lost"}), "window 'lost': " + why);
 }
 
