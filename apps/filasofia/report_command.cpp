@@ -133,7 +133,7 @@ Command reportCommand()
                          .target = &options.threads,
                          .meaning = "Of a recording: threads within one step; 0: the cores but one, up to 8",
                          .bound = kThreads},
-                        {"--definitions", &options.definitions, "Print the table of all measures (docs/metrics.md)"}},
+                        {"--definitions", &options.definitions, "Print the list of all measures (docs/metrics.md)"}},
             .run = [] { return report(options); },
             .footer = "docs/report.md says how to read it."};
 }

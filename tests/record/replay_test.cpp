@@ -22,7 +22,7 @@ void recordEventfulRun(const record::ScratchFile& file)
     });
 }
 
-/// A step of a recording of one soft body (1) and one rigid body (2), in which `wrong` happens.
+/// A step of a recording of one soft body (1) and one rigid body (2), with an invalid command `wrong`.
 StepRecord wrongStep(Command wrong)
 {
     StepRecord step;
@@ -47,7 +47,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 
 } // namespace
 
-TEST_CASE("a run read back from its file is made again with the same hash at every step")
+TEST_CASE("a run read back from its file is replayed with the same hash at every step")
 {
     const record::ScratchFile file("eventful.rec");
     recordEventfulRun(file);
@@ -110,7 +110,7 @@ TEST_CASE("a step in which nothing ran out of time must come out by itself")
     server.step(1e-3);
     record::StepLog log;
     log.drain(server);
-    Told again{.needed = 11}; // another engine: told the counts, it would hide that it is
+    Told again{.needed = 11}; // a different engine: if it got the counts, it would hide that it differs
     FakeEngine fresh(again);
     const auto difference = record::replay(log.steps(), fresh);
     REQUIRE(difference);
@@ -126,7 +126,7 @@ TEST_CASE("a step out of time without a count for every soft body is refused")
     checkRefused(step, {"step 1", "iterations", "got 2"});
 }
 
-TEST_CASE("a recording's commands are held to what a server holds its callers to")
+TEST_CASE("a recording's commands get the same checks as those of a server's callers")
 {
     checkRefused(wrongStep(RemoveBody{BodyId{3}}), {"step 1", "body 3", "no such body"});
     checkRefused(wrongStep(SetPose{BodyId{1}, 0, {}}), {"step 1", "soft body 'liver'", "pose"});

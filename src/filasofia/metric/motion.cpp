@@ -24,7 +24,7 @@ std::vector<Point> pointsOf(const Track& track)
     return points;
 }
 
-/// Neither a gap nor a jump lies between two points.
+/// True if there is neither a gap nor a jump between two points.
 bool goesOn(const Point& before, const Point& after, const MeasureDef& def)
 {
     const double dt = after.time - before.time;

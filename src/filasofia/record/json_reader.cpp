@@ -3,7 +3,7 @@
 namespace filasofia::record {
 namespace {
 
-constexpr std::size_t kLongestShown = 40; // characters of a wrong value
+constexpr std::size_t kLongestShown = 40; // characters of a wrong value that an error shows
 
 } // namespace
 

@@ -14,7 +14,7 @@ namespace {
 using physics::Command;
 using physics::StepRecord;
 
-/// A recorded command, ready to be applied again: bodies are built anew from their Defs.
+/// A recorded command, ready to be applied again: bodies are rebuilt from their Defs.
 struct Again {
     const physics::PhysicsEngine& engine;
 
@@ -29,21 +29,21 @@ struct Again {
 } // namespace
 
 struct Replayer::Impl {
-    const physics::PhysicsEngine& builder; ///< of bodies
-    physics::PhysicsEngine* engine;        ///< that steps; none: the server does
+    const physics::PhysicsEngine& builder; ///< builds bodies
+    physics::PhysicsEngine* engine;        ///< computes the steps; null if the server does
     physics::PhysicsServer* server;
-    /// A recording may come from anywhere: its commands are held to what the server holds its callers to.
+    /// A recording is not trusted: its commands get the same checks as those of a server's callers.
     physics::Registry bodies = {};
-    std::uint64_t made = 0; ///< the last step's number
+    std::uint64_t made = 0; ///< number of the last step
 
     void checkOrder(const StepRecord& recorded) const
     {
         const std::uint64_t step = recorded.report.step;
         if (const auto why = whyNotRepeatable(recorded); !why.empty())
-            fail("step ", step, " cannot be made again: ", why);
-        const bool paused = recorded.report.dt == 0.0; // made, and not counted
+            fail("step ", step, " cannot be replayed: ", why);
+        const bool paused = recorded.report.dt == 0.0; // computed, but not counted
         if (step != made + 1 && !(paused && step == made))
-            fail("step ", step, " cannot be made again: step ", made + 1, " is missing");
+            fail("step ", step, " cannot be replayed: step ", made + 1, " is missing");
         if (!(std::isfinite(recorded.report.dt) && recorded.report.dt >= 0.0))
             fail("step ", step, ": dt must be >= 0 s, got ", recorded.report.dt);
     }
@@ -63,14 +63,15 @@ struct Replayer::Impl {
         return commands;
     }
 
-    /// Of a step that was not cut short the iterations are not needed; a list of another length is damage all the same.
+    /// If a step was not cut short, the iterations are not needed; a list of the wrong length is still an error.
     physics::StepBudget budgetOf(const StepRecord& recorded) const
     {
-        const bool paused = recorded.report.dt == 0.0; // none is solved
+        const bool paused = recorded.report.dt == 0.0; // nothing is solved
         const std::size_t least = paused ? 0 : bodies.softBodyCount();
-        const std::size_t most = paused ? 0 : least + bodies.dynamicElementCount(); // rigid ones as they touch
+        const std::size_t most =
+            paused ? 0 : least + bodies.dynamicElementCount(); // rigid bodies form groups by contacts
         if (const std::size_t count = recorded.report.solves.size(); count < least || count > most)
-            fail("step ", recorded.report.step, ": iterations must have as many entries as bodies were solved, in [",
+            fail("step ", recorded.report.step, ": iterations must have one entry per solve, a number of entries in [",
                  least, ", ", most, "], got ", count);
         physics::StepBudget budget;
         if (!recorded.report.has(physics::StepFlag::OutOfTime)) return budget;
