@@ -21,12 +21,12 @@ struct RigidBodyDef {
     TriangleMeshSource mesh = {};
     bool dynamic =
         false; ///< moved by forces; otherwise kinematic: its motion is prescribed (setPose), whatever is in its way
-    RigidMass mass = Density{};  ///< of each element of a dynamic body; Density and TotalMass need a closed mesh
-    Vec3 velocity = {};          ///< [m/s], initial, of a dynamic body's elements (with joints: of its base's origin)
-    Vec3 angularVelocity = {};   ///< [rad/s], the same, in world axes
-    double linearDamping = 0.0;  ///< [1/s], >= 0, damping of a dynamic body's velocity
-    double angularDamping = 0.0; ///< [1/s], >= 0, damping of its angular velocity
-    bool gravity = true;         ///< whether gravity acts on it
+    RigidMass mass = Density{}; ///< inertia of each element of a dynamic body; Density and TotalMass need a closed mesh
+    Vec3 velocity = {}; ///< [m/s], initial, of a dynamic body's elements (with joints: that of its base's origin)
+    Vec3 angularVelocity = {};                ///< [rad/s], the same, in world axes
+    double linearDamping = 0.0;               ///< [1/s], >= 0, damping of a dynamic body's velocity
+    double angularDamping = 0.0;              ///< [1/s], >= 0, damping of its angular velocity
+    bool gravity = true;                      ///< whether gravity acts on it
     std::vector<CollisionDef> collision = {}; ///< its collision models; none: it collides with nothing
     double friction = 0.3; ///< [-], >= 0, Coulomb's mu; a pair of bodies uses the square root of the product of both
     std::vector<RigidAttachmentDef> attachments = {}; ///< attachments of its elements

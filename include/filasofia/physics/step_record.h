@@ -10,7 +10,7 @@ namespace filasofia::physics {
 /// What the log keeps of every step: enough to replay it, and to verify that the result is the same.
 struct StepRecord {
     StepReport report = {};
-    std::uint64_t hash = 0;                    ///< of the state after the step; 0 unless hashes were turned on
+    std::uint64_t hash = 0;                    ///< hash of the state after the step; 0 unless hashes were turned on
     std::vector<Command> commands = {};        ///< applied at its start; without the built bodies, but with their Defs
     std::vector<Pose> rigidPoses = {};         ///< poses of all rigid elements, in the order of bodies and elements
     std::vector<frame::Contact> contacts = {}; ///< contacts with their forces

@@ -24,7 +24,7 @@ constexpr std::string_view kForceFound =
 constexpr std::string_view kForceKin =
     "Related to the mean force (Golahmadi 2021); we know of no study of this metric itself.";
 constexpr std::string_view kNotKnown = "We know of no study.";
-constexpr std::string_view kSafety = "Counted because it indicates harm. In one study, experienced surgeons even "
+constexpr std::string_view kSafety = "Counted because it indicates harm. In one study, experienced participants even "
                                      "scored worse in safety than novices (Bajka 2010).";
 
 struct Entry {

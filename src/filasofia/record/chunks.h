@@ -16,7 +16,7 @@ inline constexpr std::string_view kOpening = "filasofia recording, version ";
 inline constexpr std::string_view kChunkMark = "FRec"; ///< the first bytes of a chunk
 inline constexpr std::size_t kChunkHeader = 20;        ///< [bytes]
 inline constexpr std::size_t kMaximumChunk =
-    1 << 16; ///< [bytes] of content: bounds what a chunk can make the reader allocate
+    1 << 16; ///< [bytes], content: bounds what a chunk can make the reader allocate
 
 /// Damage of the file itself; the message names the file and the byte.
 struct FileDamage : Error {

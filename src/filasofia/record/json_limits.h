@@ -6,7 +6,7 @@
 
 namespace filasofia::record {
 
-inline constexpr std::size_t kMaximumLine = 16 << 20; ///< [bytes] of one record without its mesh
+inline constexpr std::size_t kMaximumLine = 16 << 20; ///< [bytes], one record without its mesh
 inline constexpr int kMaximumDepth = 32;              ///< nesting of lists and objects
 inline constexpr int kMaximumMembers = 64;            ///< members of an object; the lookup of one takes linear time
 

@@ -66,7 +66,8 @@ struct RecordingWriter::Impl {
         for (const Mesh& mesh : json.takeNewMeshes()) std::visit([this](const auto& held) { appendMesh(*held); }, mesh);
     }
 
-    /// Fields equal to those of the previous step are left out: of 600,000 steps most differ only in their hash.
+    /// Fields equal to those of the previous step are left out, because most of 600,000 steps differ only in their
+    /// hash.
     Json lineFor(const physics::StepRecord& step)
     {
         const physics::StepReport& report = step.report;
