@@ -21,7 +21,7 @@ TEST_CASE("a background job is done once, whoever asks for it and however often"
     std::vector<std::shared_ptr<BackgroundJob>> jobs;
     for (int& each : done) {
         jobs.push_back(std::make_shared<BackgroundJob>([&each] { ++each; }));
-        thread.give(jobs.back());
+        thread.submit(jobs.back());
         if (jobs.size() % 3 == 0) jobs.back()->finish(); // races with the thread
     }
     for (const auto& job : jobs) job->finish();
@@ -36,8 +36,8 @@ TEST_CASE("a background job that was dropped is not done, and a thread with jobs
     dropped->drop();
     {
         BackgroundThread thread;
-        thread.give(dropped);
-        for (int i = 0; i < 100; ++i) thread.give(std::make_shared<BackgroundJob>([] {}));
+        thread.submit(dropped);
+        for (int i = 0; i < 100; ++i) thread.submit(std::make_shared<BackgroundJob>([] {}));
     }
     dropped->finish();
     CHECK(done == 0);

@@ -55,7 +55,7 @@ TEST_CASE("a motion goes through its samples, without a jump and without oversho
     }
     const double h = 1e-6;
     for (double t = 0.01; t < 3.99; t += 0.01) {
-        const Moving at = motion.at(t).hand;
+        const MotionState at = motion.at(t).hand;
         CHECK(distance((motion.at(t + h).hand.pose.position - motion.at(t - h).hand.pose.position) / (2 * h),
                        at.velocity) < 1e-6);
         CHECK(at.pose.position.x >= 0.0);
@@ -65,7 +65,7 @@ TEST_CASE("a motion goes through its samples, without a jump and without oversho
     CHECK(motion.at(0.5).hand.angularVelocity.z == Approx(0.5));
     CHECK(length(rotationVector(motion.at(0.5).hand.pose.orientation)) == Approx(0.25));
     CHECK(motion.at(-1.0).hand.pose.position == Vec3{});
-    CHECK(motion.at(9.0).hand == Moving{{{0, 0.2, 0}, {}}, {}, {}});
+    CHECK(motion.at(9.0).hand == MotionState{{{0, 0.2, 0}, {}}, {}, {}});
     CHECK(motion.at(5.0, true).buttons == 1); // one second into the second repetition
 }
 

@@ -74,9 +74,9 @@ TEST_CASE("scale, origin and force scale map into the scene and back, and create
 
     // The work on the hand is force scale over scale times the loss of the coupling's energy, for rotations as for
     // displacements.
-    const auto energy = [&](const Moving& hand) {
-        const Moving there = atPoint(inScene(def, hand), bench.body.centre),
-                     here = atPoint(bench.body.body, {0.1, 0, 0});
+    const auto energy = [&](const MotionState& hand) {
+        const MotionState there = atPoint(inScene(def, hand), bench.body.centre),
+                          here = atPoint(bench.body.body, {0.1, 0, 0});
         const Vec3 turn = rotationVector(there.pose.orientation * conjugate(here.pose.orientation));
         return 0.5 * 200 * lengthSquared(there.pose.position - here.pose.position) + 0.5 * 0.5 * lengthSquared(turn);
     };
@@ -88,7 +88,7 @@ TEST_CASE("scale, origin and force scale map into the scene and back, and create
     for (int k = 0; k < 3; ++k) {
         Vec3 step;
         step[k] = h;
-        Moving more = sample.hand, less = sample.hand;
+        MotionState more = sample.hand, less = sample.hand;
         more.pose.position += step;
         less.pose.position -= step;
         CHECK(2 * h * force.force[k] == Approx(-0.5 / 4.0 * (energy(more) - energy(less))).epsilon(1e-6));

@@ -7,7 +7,7 @@ using physics::SetHaptic;
 
 namespace {
 
-Moving centreOf(Stage& stage)
+MotionState centreOf(Stage& stage)
 {
     const RigidState& state = rigidState(stage);
     const Vec3 centre = stage.world.model().rigidBodies[0].inertias[0].centre;

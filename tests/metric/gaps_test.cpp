@@ -34,7 +34,7 @@ TEST_CASE("without a track, without samples, with few of them: no number, and a 
         Session session = sampled(100, 1.0, minimumJerk(0.1, 1.0), [](double t) { return Vec3{t, 0, 0}; });
         session.tracks[0].samples.resize(static_cast<std::size_t>(count));
         checkHonest(session);
-        CHECK(measured("path_length", session).value.has_value() == (count >= kFewest));
+        CHECK(measured("path_length", session).value.has_value() == (count >= kMinSamples));
         CHECK(measured("duration", session).value.has_value() == (count >= 2));
     }
 }

@@ -22,8 +22,8 @@ RigidBodyDef tool()
 
 template <class Change> void checkRefused(Change change, const std::vector<std::string>& parts)
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     RigidBodyDef def = tool();
     change(def, server);
     checkError([&] { server.add(def); }, parts);
@@ -33,8 +33,8 @@ template <class Change> void checkRefused(Change change, const std::vector<std::
 
 TEST_CASE("links of an articulated body are where their joints put them, in the Def that everyone sees")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId id = server.add(tool());
     const auto& def = std::get<RigidBodyDef>(*server.def(id));
     REQUIRE(def.elements.size() == 3);
@@ -134,19 +134,19 @@ TEST_CASE("an articulated body's elements, base and carrier are refused if they 
 
 TEST_CASE("joints follow commands, and a wrong command is an error at the caller")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId id = server.add(tool()), plain = server.add(RigidBodyDef{.name = "probe"}),
                  soft = server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()});
     server.setJoint(id, 0, JointPosition{0.25});
     server.setJoint(id, 1, JointForce{-3.0});
     server.setPose(id, Pose{});
     server.step(0.1);
-    const SetJoint& position = command<SetJoint>(told, 4);
+    const SetJoint& position = command<SetJoint>(calls, 4);
     CHECK((position.id == id && position.joint == 0));
     CHECK(std::get<JointPosition>(position.command).value == 0.25);
-    CHECK(std::get<JointForce>(command<SetJoint>(told, 5).command).value == -3.0);
-    told.commands.clear();
+    CHECK(std::get<JointForce>(command<SetJoint>(calls, 5).command).value == -3.0);
+    calls.commands.clear();
 
     checkError([&] { server.setJoint(id, 2, JointPosition{}); }, {"'forceps': joint", "[0, 2)", "got 2"});
     checkError([&] { server.setJoint(id, -1, JointPosition{}); }, {"'forceps': joint", "[0, 2)", "got -1"});
@@ -167,5 +167,5 @@ TEST_CASE("joints follow commands, and a wrong command is an error at the caller
     server.remove(plain);
     server.setPose(follower, Pose{});
     server.step(0.1);
-    CHECK(told.commands.size() == 3); // refused commands have not arrived
+    CHECK(calls.commands.size() == 3); // refused commands have not arrived
 }

@@ -18,8 +18,8 @@ std::shared_ptr<const geometry::TriangleMesh> corner()
 
 /// A soft body (1), a tool without a mesh (2), a dynamic body of two elements (3), another tool (4).
 struct Fixture {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     BodyId soft = server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()});
     BodyId tool = server.add(RigidBodyDef{.name = "tool"});
     BodyId box =
@@ -29,7 +29,7 @@ struct Fixture {
     Fixture()
     {
         server.step(0.1);
-        told.commands.clear();
+        calls.commands.clear();
     }
     void refused(const AttachmentDef& def, const std::vector<std::string>& parts)
     {
@@ -44,7 +44,7 @@ struct Fixture {
     void checkNothingCame()
     {
         server.step(0.1);
-        CHECK(told.commands.empty());
+        CHECK(calls.commands.empty());
         CHECK(server.attach(soft, AttachmentDef{.nodes = {0}}) == AttachmentId{1});
     }
 };
@@ -59,17 +59,17 @@ TEST_CASE_METHOD(Fixture, "attachments reach the engine with their ids, as they 
     server.release(b);
     CHECK((a == AttachmentId{1} && b == AttachmentId{2} && c == AttachmentId{3}));
     server.step(0.1);
-    REQUIRE(told.commands.size() == 4);
-    const auto& first = command<Attach>(told, 0);
+    REQUIRE(calls.commands.size() == 4);
+    const auto& first = command<Attach>(calls, 0);
     CHECK((first.id == a && first.body == soft && first.def.to == box && first.def.element == 1));
     CHECK((first.def.nodes == std::vector{1, 3} && first.def.stiffness == 7));
-    const auto& second = command<AttachRigid>(told, 1);
+    const auto& second = command<AttachRigid>(calls, 1);
     CHECK((second.id == b && second.body == box && second.def.element == 1 && second.def.to == soft));
     CHECK(second.def.points == std::vector<Vec3>{{1, 2, 3}});
-    const auto& third = command<Grasp>(told, 2);
+    const auto& third = command<Grasp>(calls, 2);
     CHECK((third.id == c && third.rigid == tool && third.target == soft));
     CHECK((third.def.stiffness == 5 && third.def.breakForce == 6));
-    CHECK(command<Release>(told, 3).id == b);
+    CHECK(command<Release>(calls, 3).id == b);
 }
 
 TEST_CASE_METHOD(Fixture, "the attachments of a Def have ids in its order")
@@ -84,7 +84,7 @@ TEST_CASE_METHOD(Fixture, "the attachments of a Def have ids in its order")
     CHECK(server.attach(soft, AttachmentDef{.nodes = {0}}) == AttachmentId{5});
     checkError([&] { static_cast<void>(server.attachments(BodyId{99})); }, {"body 99", "no such body"});
     server.step(0.1);
-    CHECK(command<AddBody>(told, 1).attachments == AttachmentId{2});
+    CHECK(command<AddBody>(calls, 1).attachments == AttachmentId{2});
 }
 
 TEST_CASE_METHOD(Fixture, "an attachment of nothing, or of a node that does not exist, is an error at the caller")
@@ -120,7 +120,7 @@ TEST_CASE_METHOD(Fixture, "an attachment to no body, to itself or to no element 
     checkError([&] { server.attach(box, AttachmentDef{.nodes = {0}}); }, {"rigid body 'box'", "RigidAttachmentDef"});
     checkError([&] { server.attach(BodyId{99}, AttachmentDef{.nodes = {0}}); }, {"body 99", "no such body"});
     server.step(0.1);
-    told.commands.clear();
+    calls.commands.clear();
     checkNothingCame();
 }
 

@@ -15,7 +15,7 @@ struct FakeBody final : BuiltBody {
 };
 
 /// The calls that a fake engine received. It outlives the server that owns the engine.
-struct Told {
+struct EngineCalls {
     std::vector<Command> commands = {}; ///< all, in the order of arrival
     std::vector<double> dts = {};       ///< one per step
     int captures = 0;
@@ -32,14 +32,14 @@ struct Told {
 /// of the step and the solvers' iterations.
 class FakeEngine final : public PhysicsEngine {
 public:
-    explicit FakeEngine(Told& told) : told_(told) {}
+    explicit FakeEngine(EngineCalls& calls) : calls_(calls) {}
 
     [[nodiscard]] std::unique_ptr<BuiltBody> build(const BodyDef& def) const override
     {
         auto body = std::make_unique<FakeBody>();
         const auto* rigid = std::get_if<RigidBodyDef>(&def);
         body->def = def;
-        if (told_.build) told_.build();
+        if (calls_.build) calls_.build();
         body->nodes = rigid ? static_cast<int>(rigid->elements.size()) : 4;
         return body;
     }
@@ -49,24 +49,24 @@ public:
             if (auto* tune = std::get_if<Tune>(&command)) tune->change(*this);
             if (const auto* add = std::get_if<AddBody>(&command))
                 softBodies_ += std::holds_alternative<SoftBodyDef>(*add->def);
-            told_.commands.push_back(taken(command));
+            calls_.commands.push_back(taken(command));
         }
-        told_.dts.push_back(in.dt);
+        calls_.dts.push_back(in.dt);
         ++steps_;
         StepReport report{.step = steps_, .time = 0.5, .dt = in.dt, .flags = in.flags};
-        if (told_.needed > 0) solve(in.budget ? *in.budget : StepBudget{}, report);
-        if (in.budget && in.budget->now) told_.deadlines.push_back(in.budget->deadline);
+        if (calls_.needed > 0) solve(in.budget ? *in.budget : StepBudget{}, report);
+        if (in.budget && in.budget->now) calls_.deadlines.push_back(in.budget->deadline);
         return report;
     }
     void capture(frame::Frame& out) const override
     {
-        ++told_.captures;
+        ++calls_.captures;
         out.step = steps_;
     }
     void record(StepRecord& out) const override { out.rigidPoses.assign(2, Pose{}); }
     [[nodiscard]] std::uint64_t hash() const override
     {
-        ++told_.hashes;
+        ++calls_.hashes;
         return 1000 + steps_ + 1'000'000 * iterationsMade_;
     }
 
@@ -90,35 +90,35 @@ private:
     /// As the seam requires: the deadline is checked between iterations; recorded counts replace it.
     void solve(const StepBudget& budget, StepReport& report)
     {
-        told_.iterations.emplace_back();
+        calls_.iterations.emplace_back();
         for (std::size_t body = 0; body < softBodies_; ++body) {
-            const int wanted = budget.iterations.empty() ? told_.needed : budget.iterations[body];
+            const int wanted = budget.iterations.empty() ? calls_.needed : budget.iterations[body];
             int made = 0;
             for (; made < wanted && !(budget.now && budget.now() >= budget.deadline); ++made)
-                if (told_.iterate) told_.iterate();
+                if (calls_.iterate) calls_.iterate();
             if (made < wanted) report.set(StepFlag::OutOfTime);
             iterationsMade_ = 31 * iterationsMade_ + static_cast<std::uint64_t>(made);
             report.solves.push_back({.body = {}, .iterations = made});
-            told_.iterations.back().push_back(made);
+            calls_.iterations.back().push_back(made);
         }
     }
 
-    Told& told_;
+    EngineCalls& calls_;
     std::uint64_t steps_ = 0;
     std::size_t softBodies_ = 0;
     std::uint64_t iterationsMade_ = 0;
 };
 
-inline PhysicsServer fakeServer(Told& told, const PhysicsServerDef& def = {})
+inline PhysicsServer fakeServer(EngineCalls& calls, const PhysicsServerDef& def = {})
 {
-    return PhysicsServer(std::make_unique<FakeEngine>(told), def);
+    return PhysicsServer(std::make_unique<FakeEngine>(calls), def);
 }
 
 /// The command at `place`, which must be of kind C.
-template <class C> const C& command(const Told& told, std::size_t place)
+template <class C> const C& command(const EngineCalls& calls, std::size_t place)
 {
-    REQUIRE(place < told.commands.size());
-    const C* found = std::get_if<C>(&told.commands[place]);
+    REQUIRE(place < calls.commands.size());
+    const C* found = std::get_if<C>(&calls.commands[place]);
     REQUIRE(found != nullptr);
     return *found;
 }

@@ -8,14 +8,14 @@ using namespace filasofia::physics;
 TEST_CASE("a haptic target arrives as it was given, an invalid one is an error at the caller")
 {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId tool = server.add(RigidBodyDef{.name = "tool", .elements = {Pose{}, Pose{}}}),
                  soft = server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()});
     const HapticTarget good{.pose = {{1, 2, 3}, {0.5, 0, 0, 0}}, .velocity = {4, 5, 6}};
     server.setHaptic(tool, good, 1);
     server.step(0.1);
-    const SetHaptic& arrived = command<SetHaptic>(told, 3);
+    const SetHaptic& arrived = command<SetHaptic>(calls, 3);
     CHECK((arrived.id == tool && arrived.element == 1));
     CHECK(arrived.target.pose == good.pose); // the engine normalises its orientation
     CHECK(arrived.target.velocity == Vec3{4, 5, 6});
@@ -48,15 +48,15 @@ TEST_CASE("a haptic target arrives as it was given, an invalid one is an error a
     checkError([&] { server.setHaptic(free, good); },
                {"forceps", "must not be a dynamic body with joints to be held by a hand"});
     server.step(0.1);
-    told.commands.clear();
+    calls.commands.clear();
     server.step(0.1);
-    CHECK(told.commands.empty());
+    CHECK(calls.commands.empty());
 }
 
 TEST_CASE("a base that follows another body cannot be held by a hand until that body is removed")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId arm = server.add(RigidBodyDef{.name = "arm"});
     const BodyId forceps =
         server.add(RigidBodyDef{.name = "forceps", .articulation = {.joints = {{.lower = -1, .upper = 1}}, .to = arm}});
@@ -64,5 +64,5 @@ TEST_CASE("a base that follows another body cannot be held by a hand until that 
     server.remove(arm);
     server.setHaptic(forceps, {});
     server.step(0.1);
-    CHECK(command<SetHaptic>(told, 4).id == forceps);
+    CHECK(command<SetHaptic>(calls, 4).id == forceps);
 }

@@ -12,20 +12,20 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 
 /// A server with one body of each kind and no queued command; every test ends with nothing having reached the engine.
 struct Fixture {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     BodyId soft = server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()});
     BodyId rigid = server.add(RigidBodyDef{.name = "forceps", .elements = {Pose{}, Pose{}}});
 
     Fixture()
     {
         server.step(0.1);
-        told.commands.clear();
+        calls.commands.clear();
     }
     ~Fixture()
     {
         server.step(0.1);
-        CHECK(told.commands.empty());
+        CHECK(calls.commands.empty());
     }
 };
 
@@ -47,7 +47,7 @@ TEST_CASE_METHOD(Fixture, "a command for a body that was removed or never was is
     const BodyId gone = server.add(SoftBodyDef{.mesh = oneTetrahedron()});
     server.remove(gone);
     server.step(0.1);
-    told.commands.clear();
+    calls.commands.clear();
     each(gone);
 }
 
@@ -64,7 +64,7 @@ TEST_CASE_METHOD(Fixture, "the bodies are those that were added and not removed"
     server.remove(gone);
     CHECK(server.bodies() == std::vector{soft, rigid});
     server.step(0.1);
-    told.commands.clear();
+    calls.commands.clear();
 }
 
 TEST_CASE_METHOD(Fixture, "a command for a body of the other kind is an error")
@@ -125,19 +125,19 @@ TEST_CASE_METHOD(Fixture, "a pressure that is not finite is an error")
 
 TEST_CASE("a server def out of its range is an error")
 {
-    Told told;
-    checkError([&] { fakeServer(told, {.gravity = {0, kNan, 0}}); }, {"physics server", "gravity.y", "finite", "nan"});
-    checkError([&] { fakeServer(told, {.logLength = 0}); }, {"physics server", "logLength", "[1, 1000000]", "got 0"});
+    EngineCalls calls;
+    checkError([&] { fakeServer(calls, {.gravity = {0, kNan, 0}}); }, {"physics server", "gravity.y", "finite", "nan"});
+    checkError([&] { fakeServer(calls, {.logLength = 0}); }, {"physics server", "logLength", "[1, 1000000]", "got 0"});
 }
 
 TEST_CASE_METHOD(
     Fixture, "other threads continue while a material is built, and an error results if its body was removed meanwhile")
 {
     const BodyId gone = server.add(SoftBodyDef{.name = "bile", .mesh = oneTetrahedron()});
-    told.build = [&] { server.remove(gone); };
+    calls.build = [&] { server.remove(gone); };
     checkError([&] { server.setMaterial(gone, FemMaterial{}); }, {text("body ", gone.value), "no such body"});
-    told.build = {};
+    calls.build = {};
     server.step(0.1);
-    REQUIRE(told.commands.size() == 2); // the body was added and removed
-    told.commands.clear();
+    REQUIRE(calls.commands.size() == 2); // the body was added and removed
+    calls.commands.clear();
 }

@@ -24,8 +24,8 @@ std::string bunnySurface() { return FILASOFIA_SOURCE_DIR "/assets/meshes/bunny.o
 /// Adds a dynamic body changed by `change` and checks that the Error contains every part.
 template <class Change> void checkRefused(Change change, const std::vector<std::string>& parts)
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     RigidBodyDef def = dynamicBody();
     change(def);
     checkError([&] { server.add(def); }, parts);
@@ -35,8 +35,8 @@ template <class Change> void checkRefused(Change change, const std::vector<std::
 
 TEST_CASE("a rigid body's surface, and its collision meshes are read from their files once, when it is added")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId id = server.add(RigidBodyDef{.mesh = bunnySurface(), .collision = {{.mesh = bunnySurface()}, {}}});
     const auto& def = std::get<RigidBodyDef>(*server.def(id));
     using Mesh = std::shared_ptr<const geometry::TriangleMesh>;
@@ -49,8 +49,8 @@ TEST_CASE("a rigid body's surface, and its collision meshes are read from their 
 
 TEST_CASE("a soft body's collision meshes are read when it is added")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId id = server.add(SoftBodyDef{.mesh = oneTetrahedron(), .collision = {{.mesh = bunnySurface()}, {}}});
     const auto& def = std::get<SoftBodyDef>(*server.def(id));
     CHECK(std::get<std::shared_ptr<const geometry::TriangleMesh>>(def.collision[0].mesh) != nullptr);
@@ -70,8 +70,8 @@ TEST_CASE("an invalid surface is refused by the name of the field that asks for 
             def.collision = {{}, {.mesh = broken}};
         },
         {"rigid body 'forceps': collision[1].mesh", "names vertex 1"});
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     checkError(
         [&] { server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron(), .collision = {{.mesh = broken}}}); },
         {"soft body 'liver': collision[0].mesh", "names vertex 1"});
@@ -86,8 +86,8 @@ TEST_CASE("a dynamic body needs a mesh or an inertia")
                 def.mass = mass;
             },
             {"rigid body 'forceps': mass", "mesh", "GivenInertia"});
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     CHECK_NOTHROW(server.add(RigidBodyDef{.dynamic = true, .mass = GivenInertia{}}));
     CHECK_NOTHROW(server.add(RigidBodyDef{}));
 }
@@ -103,8 +103,8 @@ TEST_CASE("impossible moments of inertia are refused, those of a rod and of a pl
     refused({.moments = {1, 1, 2.1}}, {"rigid body 'forceps': mass.moments", "sum of the other two", "1 1 2.1"});
     refused({.moments = {5, 1, 2}}, {"rigid body 'forceps': mass.moments", "sum of the other two", "5 1 2"});
     refused({.axes = {0, 0, 0, 0}}, {"rigid body 'forceps': mass.axes", "orientation", "length", "got 0"});
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     for (Vec3 moments : {Vec3{1e-8, 1, 1}, Vec3{0.1, 0.2, 0.1 + 0.2}, Vec3{0.7, 0.7, 0.7}})
         CHECK_NOTHROW(server.add(RigidBodyDef{.dynamic = true, .mass = GivenInertia{.moments = moments}}));
 }
@@ -123,8 +123,8 @@ TEST_CASE("an element that does not exist is refused wherever it is named")
             def.attachments = {{.element = 1}, {.element = 2}};
         },
         {"rigid body 'forceps': attachments[1].element", "[0, 2)", "got 2"});
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     checkError(
         [&] { server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron(), .collision = {{.element = 1}}}); },
         {"soft body 'liver': collision[0].element must be 0", "got 1"});
@@ -191,15 +191,15 @@ TEST_CASE("the inertia of a surface that is open or inside out is refused")
 TEST_CASE(
     "a wrench arrives as it was given, one for an element of a body that is not dynamic is an error at the caller")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     RigidBodyDef def = dynamicBody();
     def.elements.resize(2);
     const BodyId body = server.add(def), tool = server.add(RigidBodyDef{.name = "tool"}),
                  soft = server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()});
     server.setWrench(body, {1, 2, 3}, {4, 5, 6}, 1);
     server.step(0.1);
-    const SetWrench& arrived = command<SetWrench>(told, 4);
+    const SetWrench& arrived = command<SetWrench>(calls, 4);
     CHECK((arrived.id == body && arrived.element == 1));
     CHECK((arrived.force == Vec3{1, 2, 3} && arrived.torque == Vec3{4, 5, 6}));
 
@@ -210,7 +210,7 @@ TEST_CASE(
     checkError([&] { server.setWrench(body, {}, {}, -1); }, {"rigid body 'forceps'", "element", "[0, 2)", "got -1"});
     checkError([&] { server.setWrench(body, {0, kNan, 0}, {}); }, {"forceps", "force.y", "must be finite", "got nan"});
     checkError([&] { server.setWrench(body, {}, {0, 0, kNan}); }, {"forceps", "torque.z", "must be finite", "got nan"});
-    told.commands.clear();
+    calls.commands.clear();
     server.step(0.1);
-    CHECK(told.commands.empty());
+    CHECK(calls.commands.empty());
 }

@@ -71,12 +71,12 @@ TEST_CASE("a step that differs is named with both hashes, whatever comes after i
 
 TEST_CASE("a solver that a deadline stopped makes the same iterations again, without a clock")
 {
-    Told told{.needed = 10};
+    EngineCalls calls{.needed = 10};
     std::int64_t time = 0;
-    told.iterate = [&] { time += 100; };
+    calls.iterate = [&] { time += 100; };
     const record::ScratchFile file("deadline.rec");
     {
-        PhysicsServer server = fakeServer(told);
+        PhysicsServer server = fakeServer(calls);
         server.keepLog(true);
         server.hashEveryStep(true);
         server.add(SoftBodyDef{.mesh = oneTetrahedron()});
@@ -91,9 +91,9 @@ TEST_CASE("a solver that a deadline stopped makes the same iterations again, wit
         }
     }
     const std::vector<std::vector<int>> made = {{10, 10}, {10, 3}, {4, 0}, {0, 0}, {10, 10}};
-    CHECK(told.iterations == made);
+    CHECK(calls.iterations == made);
 
-    Told again{.needed = 10};
+    EngineCalls again{.needed = 10};
     FakeEngine fresh(again);
     CHECK_FALSE(record::replay(record::readRecording(file.path()).steps, fresh));
     CHECK(again.iterations == made);
@@ -102,15 +102,15 @@ TEST_CASE("a solver that a deadline stopped makes the same iterations again, wit
 
 TEST_CASE("a step in which nothing ran out of time must come out by itself")
 {
-    Told told{.needed = 10};
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls{.needed = 10};
+    PhysicsServer server = fakeServer(calls);
     server.keepLog(true);
     server.hashEveryStep(true);
     server.add(SoftBodyDef{.mesh = oneTetrahedron()});
     server.step(1e-3);
     record::StepLog log;
     log.drain(server);
-    Told again{.needed = 11}; // a different engine: if it got the counts, it would hide that it differs
+    EngineCalls again{.needed = 11}; // a different engine: if it got the counts, it would hide that it differs
     FakeEngine fresh(again);
     const auto difference = record::replay(log.steps(), fresh);
     REQUIRE(difference);

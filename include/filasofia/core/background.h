@@ -43,7 +43,7 @@ public:
     BackgroundThread(const BackgroundThread&) = delete;
     BackgroundThread& operator=(const BackgroundThread&) = delete;
 
-    void give(std::shared_ptr<BackgroundJob> job);
+    void submit(std::shared_ptr<BackgroundJob> job);
 
 private:
     struct Impl;

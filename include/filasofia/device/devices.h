@@ -114,7 +114,7 @@ private:
     const double reach_, speed_, turnSpeed_;
     std::mutex mutex_;
     PersonInput input_;          ///< what is held down, and the pixels that are not read yet
-    Moving hand_;                ///< current position, on its way to the target
+    MotionState hand_;           ///< current position, on its way to the target
     Vec3 wanted_;                ///< [m] target position
     std::optional<double> last_; ///< [s]
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/math/hand_coupling.h"
+#include "filasofia/math/virtual_coupling.h"
 
 #include <cstdint>
 #include <limits>
@@ -22,7 +22,7 @@ enum class DeviceStatus {
 
 /// The pose and velocity of the hand, in metres along the device's own axes.
 struct DeviceSample {
-    Moving hand = {};
+    MotionState hand = {};
     std::uint32_t buttons = 0; ///< one bit per pressed button
     DeviceStatus status = DeviceStatus::Ready;
 };

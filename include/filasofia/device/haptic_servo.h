@@ -107,8 +107,8 @@ private:
     void read(double time);
     void render();
     void takePlacing();
-    void tell(ServoState state);
-    void tellButtons(std::uint32_t buttons);
+    void report(ServoState state);
+    void reportButtons(std::uint32_t buttons);
     void watchCall(Nanoseconds before, const char* call);
     void reopenAfterAWhile();
     void countWake(Nanoseconds late);
@@ -118,9 +118,9 @@ private:
     ServoClock clock_;
     std::function<void(const DeviceNotice&)> notice_;
     bool open_ = false;
-    std::optional<ServoState> told_ = {}; ///< what is wrong and was reported
-    bool slow_ = false;                   ///< a call took too long, and this was reported
-    bool refused_ = false;                ///< the last write was refused
+    std::optional<ServoState> reported_ = {}; ///< what is wrong and was reported
+    bool slow_ = false;                       ///< a call took too long, and this was reported
+    bool refused_ = false;                    ///< the last write was refused
     std::uint32_t buttons_ = 0;
     Nanoseconds tryAgain_ = 0; ///< when to try to open it again
     DeviceSample sample_ = {};

@@ -11,14 +11,14 @@
 namespace filasofia::device {
 
 struct ServoDef {
-    double rate = 1000.0;       ///< [Hz], in [1, 10000], ticks per second
-    double scale = 1.0;         ///< [-], in [1e-3, 1e3]: metres of the scene per metre of the device
-    Pose origin = {};           ///< pose of the device's axes in the scene
-    Quat grip = {};             ///< orientation of the body in the hand
-    HandCoupling coupling = {}; ///< the virtual coupling, in the scene's units
-    double forceScale = 1.0;    ///< [-], in [0, 1e3]: newtons on the hand per newton in the scene
-    double forceLimit = 3.0;    ///< [N], > 0, largest force on the hand
-    double torqueLimit = 0.1;   ///< [N m], > 0, largest torque on the hand
+    double rate = 1000.0;          ///< [Hz], in [1, 10000], ticks per second
+    double scale = 1.0;            ///< [-], in [1e-3, 1e3]: metres of the scene per metre of the device
+    Pose origin = {};              ///< pose of the device's axes in the scene
+    Quat grip = {};                ///< orientation of the body in the hand
+    VirtualCoupling coupling = {}; ///< the virtual coupling, in the scene's units
+    double forceScale = 1.0;       ///< [-], in [0, 1e3]: newtons on the hand per newton in the scene
+    double forceLimit = 3.0;       ///< [N], > 0, largest force on the hand
+    double torqueLimit = 0.1;      ///< [N m], > 0, largest torque on the hand
     double rampIn =
         0.3; ///< [s], >= 0: time in which the force rises from zero to its full value after every interruption
     double energyLimit =
@@ -49,16 +49,16 @@ constexpr double watchdogOf(double stepPeriod) { return 3.0 * stepPeriod > 0.05 
 
 /// The coupling for the physics step. Its limits are those of the hand in the scene's newtons, so that body and hand
 /// get the same force.
-HandCoupling sceneCoupling(const ServoDef& def);
+VirtualCoupling sceneCoupling(const ServoDef& def);
 
 /// The motion of the device's hand in the scene, with the orientation of the body in the hand.
-Moving inScene(const ServoDef& def, const Moving& hand);
+MotionState inScene(const ServoDef& def, const MotionState& hand);
 
 /// The body's newest state.
 struct BodySample {
     std::uint64_t number = 0; ///< differs for each state
     Nanoseconds time = 0;     ///< when the body was in this state
-    Moving body = {};         ///< motion of its element's origin
+    MotionState body = {};    ///< motion of its element's origin
     Vec3 centre = {};         ///< [m] centre of mass in the element's coordinates, where the coupling acts
 };
 
@@ -77,7 +77,7 @@ constexpr bool isGood(ServoState state) { return state == ServoState::Waiting ||
 
 struct ServoTick {
     CouplingForce onHand = {}; ///< along the device's axes
-    Moving hand = {};          ///< in the scene; the last valid one
+    MotionState hand = {};     ///< in the scene; the last valid one
     ServoState state = ServoState::Waiting;
     double energy = 0.0; ///< [J] net energy given to the hand since the start
 };
@@ -99,16 +99,16 @@ public:
 private:
     [[nodiscard]] ServoState judge(Nanoseconds now, const DeviceSample& device) const;
     [[nodiscard]] bool fresh(Nanoseconds now, const BodySample* body);
-    void countEnergy(const Moving& hand);
-    [[nodiscard]] CouplingForce coupled(Nanoseconds now, const Moving& inScene, const BodySample& body) const;
+    void countEnergy(const MotionState& hand);
+    [[nodiscard]] CouplingForce coupled(Nanoseconds now, const MotionState& inScene, const BodySample& body) const;
     [[nodiscard]] CouplingForce limited(const CouplingForce& force) const;
-    [[nodiscard]] CouplingForce passive(const CouplingForce& force, const Moving& hand) const;
+    [[nodiscard]] CouplingForce passive(const CouplingForce& force, const MotionState& hand) const;
 
     ServoDef def_;
     Capabilities capabilities_;
-    std::optional<Nanoseconds> last_; ///< time of the last tick
-    std::optional<Moving> lastHand_;  ///< along the device's axes, while it is valid
-    Moving lastInScene_;
+    std::optional<Nanoseconds> last_;     ///< time of the last tick
+    std::optional<MotionState> lastHand_; ///< along the device's axes, while it is valid
+    MotionState lastInScene_;
     CouplingForce given_;                 ///< force given to the hand since the last tick
     std::optional<Nanoseconds> badUntil_; ///< end of the settling time after a fault
     std::optional<std::uint64_t> number_; ///< number of the newest state

@@ -91,7 +91,7 @@ struct Comparison {
     std::string reason = {};      ///< why z is missing
 };
 /// With fewer others than this, their deviation is not meaningful.
-inline constexpr int kFewestOthers = 3;
+inline constexpr int kMinOthers = 3;
 Comparison compare(const Value& value, std::span<const double> others);
 
 } // namespace filasofia::metric

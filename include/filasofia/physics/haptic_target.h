@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/math/hand_coupling.h"
+#include "filasofia/math/virtual_coupling.h"
 
 namespace filasofia::physics {
 
@@ -10,7 +10,7 @@ struct HapticTarget {
     Pose pose = {};            ///< pose of the hand: target of the element's origin
     Vec3 velocity = {};        ///< [m/s]
     Vec3 angularVelocity = {}; ///< [rad/s] in world axes
-    HandCoupling coupling =
+    VirtualCoupling coupling =
         {}; ///< virtual coupling between the element's centre of mass and the same point of the hand
 
     friend constexpr bool operator==(const HapticTarget&, const HapticTarget&) = default;

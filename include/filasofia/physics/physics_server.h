@@ -87,7 +87,7 @@ public:
     /// were posted now (Error). From now on the server knows their bodies.
     void expect(std::vector<Command> commands);
     /// Replaces step() in a replay: uses exactly the commands set by expect(). dt >= 0 [s]; with 0 nothing moves.
-    StepReport stepAgain(double dt, const StepBudget& budget = {});
+    StepReport replayStep(double dt, const StepBudget& budget = {});
     [[nodiscard]] std::uint64_t hash() const;
     /// Computes the state's hash after every step, for the log.
     void hashEveryStep(bool on);

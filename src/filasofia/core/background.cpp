@@ -77,7 +77,7 @@ BackgroundThread::~BackgroundThread()
     if (impl_->thread.joinable()) impl_->thread.join();
 }
 
-void BackgroundThread::give(std::shared_ptr<BackgroundJob> job)
+void BackgroundThread::submit(std::shared_ptr<BackgroundJob> job)
 {
     if (impl_->refused) return; // finish() will do it
     {

@@ -9,7 +9,7 @@
 namespace filasofia {
 namespace {
 
-constexpr std::size_t kLongestWord = 80, kLongestInLine = 160, kShown = 40; // bytes
+constexpr std::size_t kMaxWord = 80, kMaxWordInLine = 160, kShown = 40; // bytes
 
 std::string beginning(std::string_view word)
 {
@@ -31,10 +31,7 @@ template <class T> std::optional<T> parsed(std::string_view word)
 
 } // namespace
 
-std::string shortened(std::string_view word)
-{
-    return word.size() > kLongestWord ? beginning(word) : std::string(word);
-}
+std::string shortened(std::string_view word) { return word.size() > kMaxWord ? beginning(word) : std::string(word); }
 
 std::string shownWord(std::string_view word)
 {
@@ -47,7 +44,7 @@ std::string withShortWords(std::string_view line)
     std::string out;
     while (!line.empty()) {
         const std::string_view word = line.substr(0, line.find(' '));
-        out += word.size() > kLongestInLine ? beginning(word) : std::string(word);
+        out += word.size() > kMaxWordInLine ? beginning(word) : std::string(word);
         line.remove_prefix(word.size());
         const std::size_t spaces = std::min(line.find_first_not_of(' '), line.size());
         out += line.substr(0, spaces);

@@ -27,14 +27,14 @@ using std::chrono::milliseconds;
 
 constexpr microseconds kIdleSpin{
     40}; // how long a worker spins before it sleeps: longer than the pause between two loops
-constexpr microseconds kPatience{20}; // how long the caller waits for begun parts before it asks why they are not done
-constexpr microseconds kWaitSpin{50}; // how long the caller spins for begun parts before it sleeps
-constexpr microseconds kLostAtLeast{50}; // a smaller loss does not pay for doing without the worker
-constexpr milliseconds kFirstRest{1};    // the first rest of a worker that lost its core
-constexpr milliseconds kLastRest{1000};  // the longest rest, for a worker that loses its core again and again
-constexpr milliseconds kRare{50};        // if losses are further apart, they cost less than doing without the worker
-constexpr milliseconds kCrowdedRest{2};  // the rest of a worker that runs on the caller's core
-constexpr int kClockEvery = 32;          // pauses between two readings of the clock, some 0.5 µs
+constexpr microseconds kPatience{20};  // how long the caller waits for begun parts before it asks why they are not done
+constexpr microseconds kWaitSpin{50};  // how long the caller spins for begun parts before it sleeps
+constexpr microseconds kMinLoss{50};   // a smaller loss does not pay for doing without the worker
+constexpr milliseconds kMinRest{1};    // the first rest of a worker that lost its core
+constexpr milliseconds kMaxRest{1000}; // the longest rest, for a worker that loses its core again and again
+constexpr milliseconds kRare{50};      // if losses are further apart, they cost less than doing without the worker
+constexpr milliseconds kCrowdedRest{2}; // the rest of a worker that runs on the caller's core
+constexpr int kClockEvery = 32;         // pauses between two readings of the clock, some 0.5 µs
 
 // Neighbouring cache lines are fetched in pairs, so data that two threads write is kept two lines apart.
 constexpr std::size_t kApart = 128;
@@ -100,7 +100,7 @@ struct alignas(kApart) Worker {
     clockid_t cpuClock = {};
     bool awaited = false;
     std::chrono::nanoseconds cpuTime{}; // the worker's CPU time when the caller began to watch it
-    milliseconds lastRest = kFirstRest;
+    milliseconds lastRest = kMinRest;
     Time lastRestEnd{};
 
     [[nodiscard]] std::chrono::nanoseconds readCpuTime() const
@@ -114,7 +114,7 @@ struct alignas(kApart) Worker {
     void sendToRest(Time now)
     {
         const bool rare = now - lastRestEnd > kRare;
-        lastRest = rare ? std::max(lastRest / 2, kFirstRest) : std::min(2 * lastRest, kLastRest);
+        lastRest = rare ? std::max(lastRest / 2, kMinRest) : std::min(2 * lastRest, kMaxRest);
         lastRestEnd = now + lastRest;
         restUntil.store(lastRestEnd, std::memory_order_relaxed);
     }
@@ -301,7 +301,7 @@ void WorkerPool::Impl::judgeLateWorkers(Time begun, Time watched)
         const Time now = Clock::now();
         const std::chrono::nanoseconds lost = now - watched - (worker.readCpuTime() - worker.cpuTime);
         // With two threads, the loop took longer than the caller alone would have taken.
-        if (lost > kLostAtLeast && lost > (now - begun) / 2) worker.sendToRest(now);
+        if (lost > kMinLoss && lost > (now - begun) / 2) worker.sendToRest(now);
     }
 }
 

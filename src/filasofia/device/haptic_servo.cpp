@@ -18,9 +18,9 @@ constexpr Nanoseconds kLongCall = 20'000'000; ///< a call that takes longer mean
 
 double seconds(Nanoseconds time) { return 1e-9 * static_cast<double>(time); }
 
-template <class T> void raise(std::atomic<T>& most, T value) // one writer only
+template <class T> void storeMax(std::atomic<T>& maximum, T value) // one writer only
 {
-    if (value > most.load(std::memory_order_relaxed)) most.store(value, std::memory_order_relaxed);
+    if (value > maximum.load(std::memory_order_relaxed)) maximum.store(value, std::memory_order_relaxed);
 }
 
 } // namespace
@@ -74,12 +74,12 @@ void HapticServo::open()
         slow_ = refused_ = false;
         loop_.setCapabilities(device_.capabilities());
         loop_.interrupt();
-        if (!told_)
+        if (!reported_)
             notice_(
                 {.kind = DeviceNotice::Kind::Connected}); // otherwise the notice comes when it has worked for a while
     } catch (const std::exception& problem) {
         device_.close();
-        if (!std::exchange(told_, ServoState::Lost))
+        if (!std::exchange(reported_, ServoState::Lost))
             notice_({.kind = DeviceNotice::Kind::Error, .problem = problem.what()});
     }
 }
@@ -103,7 +103,7 @@ std::uint64_t HapticServo::place(double scale, const Pose& origin, Quat grip)
 void HapticServo::watchCall(Nanoseconds before, const char* call)
 {
     const Nanoseconds took = clock_.now() - before;
-    raise(longestCall_, took);
+    storeMax(longestCall_, took);
     if (took <= kLongCall) return;
     loop_.interrupt();
     if (!std::exchange(slow_, true))
@@ -111,20 +111,20 @@ void HapticServo::watchCall(Nanoseconds before, const char* call)
                  .problem = text(call, " took ", took / 1'000'000, " ms; the force rises from zero again")});
 }
 
-void HapticServo::tell(ServoState state)
+void HapticServo::report(ServoState state)
 {
     if (isGood(state)) {
-        if (std::exchange(told_, std::nullopt)) notice_({.kind = DeviceNotice::Kind::Connected});
+        if (std::exchange(reported_, std::nullopt)) notice_({.kind = DeviceNotice::Kind::Connected});
         return;
     }
-    if (told_ && (*told_ == ServoState::Lost || state != ServoState::Lost)) return; // one notice per fault
-    told_ = state;
+    if (reported_ && (*reported_ == ServoState::Lost || state != ServoState::Lost)) return; // one notice per fault
+    reported_ = state;
     const std::string why = device_.problem();
     notice_({.kind = state == ServoState::Lost ? DeviceNotice::Kind::Lost : DeviceNotice::Kind::Error,
              .problem = text(describe(state), why.empty() ? "" : ": ", why)});
 }
 
-void HapticServo::tellButtons(std::uint32_t buttons)
+void HapticServo::reportButtons(std::uint32_t buttons)
 {
     const std::uint32_t changed = buttons ^ std::exchange(buttons_, buttons);
     for (int b = 0; changed >> b != 0; ++b)
@@ -170,7 +170,7 @@ void HapticServo::read(double time)
     if (sample_.status != DeviceStatus::Lost) tryAgain_ = sampled_ + kSecond;
     watchCall(sampled_, "a read");
     if (sample_.status != DeviceStatus::Ready) return;
-    tellButtons(sample_.buttons);
+    reportButtons(sample_.buttons);
     if (MotionSample* place = tape_ ? tape_->beginWrite() : nullptr) {
         *place = {time, sample_.hand.pose, sample_.buttons};
         tape_->publish();
@@ -190,7 +190,7 @@ void HapticServo::render()
                      .problem = text("the device refuses the force: ", device_.problem())});
         if (!refused) refused_ = false;
     }
-    tell(tick.state);
+    report(tick.state);
     energy_.store(tick.energy, std::memory_order_relaxed);
     ticks_.fetch_add(1, std::memory_order_relaxed);
     snapshot_.write({sampled_, sample_, tick, placed_});
@@ -201,7 +201,7 @@ void HapticServo::countWake(Nanoseconds late)
     const Nanoseconds bin = std::max<Nanoseconds>(0, late) / static_cast<Nanoseconds>(JitterHistogram::kWidth * 1e9);
     jitter_[static_cast<std::size_t>(std::min<Nanoseconds>(bin, JitterHistogram::kBins - 1))].fetch_add(
         1, std::memory_order_relaxed);
-    raise(latest_, late);
+    storeMax(latest_, late);
 }
 
 void HapticServo::run(bool realTime)

@@ -11,7 +11,7 @@ namespace filasofia::device {
 namespace {
 
 constexpr std::string_view kHeader = "time,x,y,z,qw,qx,qy,qz,buttons";
-constexpr double kFarthestHand = 10.0; ///< [m]
+constexpr double kMaxHandDistance = 10.0; ///< [m]
 
 /// The slope at a sample between two intervals with slopes `before` and `after`: zero if the path turns back, otherwise
 /// between the two, nearer to the smaller one.
@@ -38,9 +38,9 @@ void checkSample(const MotionSample& sample, const std::string& place)
 {
     if (!std::isfinite(sample.time)) fail(place, ": time must be finite, got ", sample.time);
     const Vec3 p = sample.pose.position;
-    if (!isFinite(p) || !(length(p) <= kFarthestHand))
-        fail(place, ": the position x, y, z must lie within ", kFarthestHand, " m of the origin, got ", p.x, " ", p.y,
-             " ", p.z);
+    if (!isFinite(p) || !(length(p) <= kMaxHandDistance))
+        fail(place, ": the position x, y, z must lie within ", kMaxHandDistance, " m of the origin, got ", p.x, " ",
+             p.y, " ", p.z);
     const double size = std::sqrt(dot(sample.pose.orientation, sample.pose.orientation));
     if (!(std::isfinite(size) && size > 1e-6))
         fail(place, ": the quaternion qw, qx, qy, qz must have a length > 1e-06, got ", size);

@@ -64,7 +64,7 @@ struct Hd {
 
 constexpr Handle kNoHandle = 0xFFFFFFFF;
 constexpr unsigned int kButtons = 0x2000, kVelocity = 0x2051, kTransform = 0x2052, kAngularVelocity = 0x2053;
-constexpr unsigned int kCalibrationStyle = 0x2555, kMostForce = 0x2603, kForce = 0x2700, kForceOutput = 0x4000;
+constexpr unsigned int kCalibrationStyle = 0x2555, kMaxForce = 0x2603, kForce = 0x2700, kForceOutput = 0x4000;
 constexpr unsigned int kDeviceFault = 0x0300, kCommunicationError = 0x0302;
 constexpr unsigned int kCalibrated = 0x5000, kNeedsUpdate = 0x5001;
 constexpr unsigned int kContinue = 1;
@@ -92,8 +92,8 @@ struct FrameSample {
     unsigned int error = 0;
 };
 
-/// The library's own loop reads and writes the device; this driver only passes the data on. It adds at most one of the
-/// library's frames of delay.
+/// The library's own loop reads and writes the device; this driver only passes the data on. It adds at most one of
+/// the library's frames of delay.
 class OpenHapticsDriver final : public HapticDevice {
 public:
     OpenHapticsDriver(std::string device, const std::string& library) : hd_(library), device_(std::move(device)) {}
@@ -117,9 +117,9 @@ public:
         }
         ++shared.devices;
         hd_.enable(kForceOutput);
-        double most = 0.0;
-        hd_.getDoubles(kMostForce, &most);
-        mostForce_ = most > 0.0 ? most : mostForce_;
+        double reported = 0.0;
+        hd_.getDoubles(kMaxForce, &reported);
+        maxForce_ = reported > 0.0 ? reported : maxForce_;
         sinceOpened_ = 0;
         const std::uint64_t before = frame_; // its loop is stopped
         seenAt_.reset();
@@ -143,7 +143,7 @@ public:
     /// Torque exists only on a few models, in a unit of its own, so it is not used.
     [[nodiscard]] Capabilities capabilities() const override
     {
-        return {.orientation = true, .force = true, .buttons = 4, .forceLimit = mostForce_};
+        return {.orientation = true, .force = true, .buttons = 4, .forceLimit = maxForce_};
     }
     DeviceSample read(double time) noexcept override
     {
@@ -242,7 +242,7 @@ private:
     std::string device_;
     Handle handle_ = kNoHandle;
     unsigned long task_ = 0;
-    double mostForce_ = 3.3; ///< [N], a Touch's value, used if the library does not report one
+    double maxForce_ = 3.3; ///< [N], a Touch's value, used if the library does not report one
 
     // Used by the library's thread.
     std::uint64_t frame_ = 0, sinceOpened_ = 0;

@@ -2,7 +2,7 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/core/log.h"
-#include "filasofia/event/wait_circle.h"
+#include "filasofia/event/wait_cycle.h"
 
 #include <algorithm>
 
@@ -48,7 +48,7 @@ bool ObserverList::detach(ObserverId id)
         return true;
     }
     if (runner_ == std::this_thread::get_id()) return false;
-    if (!wait_circle::enter(runner_)) return false;
+    if (!wait_cycle::enter(runner_)) return false;
     waiters_.push_back(std::this_thread::get_id());
     ended_.wait(lock, [&] { return running_ != id.value; }); // it is off the list, so it cannot begin again
     return true;
@@ -105,7 +105,7 @@ void ObserverList::end(Observer& observer, bool failed)
     }
     running_ = 0;
     runner_ = {};
-    for (const std::thread::id waiter : waiters_) wait_circle::leave(waiter);
+    for (const std::thread::id waiter : waiters_) wait_cycle::leave(waiter);
     waiters_.clear();
     // Notify with the lock held: once it is released, a detach() that returns may be followed by the destruction of
     // this object.

@@ -26,9 +26,9 @@ void checkStl(std::string_view bytes, std::string_view name)
             fail(name, ": the file ends before endsolid");
         return;
     }
-    const std::uint64_t most = (bytes.size() - kHeader) / kTriangle;
-    if (count > most)
-        fail(name, ": byte 80: the number of triangles must be in [0, ", most, "] (the file holds no more), got ",
+    const std::uint64_t max = (bytes.size() - kHeader) / kTriangle;
+    if (count > max)
+        fail(name, ": byte 80: the number of triangles must be in [0, ", max, "] (the file holds no more), got ",
              count);
 }
 
@@ -62,11 +62,11 @@ std::uintmax_t sizeOfBuffers(const std::filesystem::path& file, std::string_view
 // bytes.
 void checkGltf(const std::filesystem::path& file, std::string_view bytes)
 {
-    const double most = static_cast<double>(bytes.size() + sizeOfBuffers(file, bytes));
+    const double max = static_cast<double>(bytes.size() + sizeOfBuffers(file, bytes));
     for (std::string_view key : {"\"count\"", "\"byteLength\"", "\"byteOffset\"", "\"byteStride\""})
         for (std::size_t at = bytes.find(key); at != std::string_view::npos; at = bytes.find(key, at + 1))
-            if (const double value = numberBehind(bytes, at + key.size()); !(value >= 0.0 && value <= most))
-                fail(file.string(), ": byte ", at, ": ", key, " must be in [0, ", most,
+            if (const double value = numberBehind(bytes, at + key.size()); !(value >= 0.0 && value <= max))
+                fail(file.string(), ": byte ", at, ": ", key, " must be in [0, ", max,
                      "] (the file and its buffers hold no more), got ", value);
 }
 

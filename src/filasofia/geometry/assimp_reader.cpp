@@ -52,9 +52,9 @@ void checkMesh(const aiMesh& mesh, std::string_view name)
 
 void appendMesh(const aiMesh& mesh, const aiMatrix4x4& place, std::string_view name, Soup& soup)
 {
-    constexpr std::size_t kMost = 500'000'000;
+    constexpr std::size_t kMaxCount = 500'000'000;
     const std::size_t first = soup.mesh.vertices.size();
-    if (first + mesh.mNumVertices > kMost) fail(name, ": has more than ", kMost, " vertices");
+    if (first + mesh.mNumVertices > kMaxCount) fail(name, ": has more than ", kMaxCount, " vertices");
     const bool hasUv = mesh.HasTextureCoords(0);
     (hasUv ? soup.anyUv : soup.anyWithout) = true;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {

@@ -10,10 +10,10 @@
 namespace filasofia::geometry {
 namespace {
 
-constexpr double kWeakest = 0.05;  // a coarse node with a smaller fraction of the median node's support is dropped
-constexpr double kLeastKept = 0.2; // dropping must leave a node at least this fraction of its weight
-constexpr double kSmallestWeight = 1e-6; // below it a corner counts as not used
-constexpr double kFarthest = 1e100;      // [m]
+constexpr double kMinSupport = 0.05;   // a coarse node with a smaller fraction of the median node's support is dropped
+constexpr double kMinKeptWeight = 0.2; // dropping must leave a node at least this fraction of its weight
+constexpr double kMinWeight = 1e-6;    // below it a corner counts as not used
+constexpr double kMaxCoordinate = 1e100; // [m]
 
 // A lattice point's three coordinates, or a cell (the coordinates of its lowest corner and the order of its steps), in
 // one number. A piece spans less than 2^18 cells, so no coordinate overflows into the next. Different pieces may have
@@ -78,7 +78,7 @@ double longestSide(const Box& box)
 
 constexpr int kNone = -1;
 
-struct Laid {
+struct LatticeLayout {
     std::vector<Place> places;               // per node
     std::vector<std::array<int, 4>> corners; // per node, its coarse nodes; kNone if the weight is 0
     int count = 0;
@@ -92,7 +92,7 @@ struct Cells {
     double fit = 1.0;
 };
 
-void placeNodes(const Graph& graph, const Cells& cells, Laid& out)
+void placeNodes(const Graph& graph, const Cells& cells, LatticeLayout& out)
 {
     out.places.reserve(graph.nodes.size());
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
@@ -105,7 +105,7 @@ void placeNodes(const Graph& graph, const Cells& cells, Laid& out)
 }
 
 // Cuts the body along the cells, then joins the parts again along the body's edges.
-void connect(const Graph& graph, Laid& out)
+void connect(const Graph& graph, LatticeLayout& out)
 {
     // Nodes of one cell that are connected inside it share one copy of the cell.
     const int n = static_cast<int>(graph.nodes.size());
@@ -133,7 +133,7 @@ void connect(const Graph& graph, Laid& out)
     out.corners.assign(graph.nodes.size(), {kNone, kNone, kNone, kNone});
     for (int i = 0; i < n; ++i)
         for (int k = 0; k < 4; ++k) {
-            if (out.places[i].weights[k] < kSmallestWeight) continue;
+            if (out.places[i].weights[k] < kMinWeight) continue;
             int& point = number[points.find(4 * copy[i] + k)];
             if (point == kNone) point = out.count++;
             out.corners[i][k] = point;
@@ -141,7 +141,7 @@ void connect(const Graph& graph, Laid& out)
 }
 
 // Which coarse nodes support enough of the body, compared with the median node of their piece.
-std::vector<bool> strongEnough(const Graph& graph, const Laid& laid)
+std::vector<bool> strongEnough(const Graph& graph, const LatticeLayout& laid)
 {
     std::vector<double> support(laid.count, 0.0);
     std::vector<int> piece(laid.count, 0);
@@ -153,21 +153,21 @@ std::vector<bool> strongEnough(const Graph& graph, const Laid& laid)
             }
     std::vector<std::vector<double>> ofPiece(graph.box.size());
     for (int c = 0; c < laid.count; ++c) ofPiece[piece[c]].push_back(support[c]);
-    std::vector<double> least;
+    std::vector<double> minimum;
     for (std::vector<double>& supports : ofPiece) {
         const auto middle = supports.begin() + static_cast<std::ptrdiff_t>(supports.size() / 2);
         std::nth_element(supports.begin(), middle, supports.end());
-        least.push_back(kWeakest * *middle);
+        minimum.push_back(kMinSupport * *middle);
     }
     std::vector<bool> strong(laid.count);
-    for (int c = 0; c < laid.count; ++c) strong[c] = support[c] >= least[piece[c]];
+    for (int c = 0; c < laid.count; ++c) strong[c] = support[c] >= minimum[piece[c]];
     return strong;
 }
 
 // Drops the weak coarse nodes: they cost as much as the others, and a coarse node that only one or two nodes use makes
 // the Galerkin matrix singular. Using finer cells instead saved up to a quarter of the iterations (bunnies, a beam, a
 // membrane; block Jacobi plus this lattice) and cost 4 % at worst. A limit of 0.1 slowed a static membrane.
-void dropWeak(const Graph& graph, Laid& laid)
+void dropWeak(const Graph& graph, LatticeLayout& laid)
 {
     std::vector<bool> strong = strongEnough(graph, laid);
     // If a node would be left with too little weight, its largest corner is kept.
@@ -177,7 +177,7 @@ void dropWeak(const Graph& graph, Laid& laid)
         for (int k = 0; k < 4; ++k)
             if (laid.corners[i][k] != kNone && strong[laid.corners[i][k]]) kept += weights[k];
         const auto largest = std::ranges::max_element(weights) - weights.begin();
-        if (kept < kLeastKept) strong[laid.corners[i][largest]] = true;
+        if (kept < kMinKeptWeight) strong[laid.corners[i][largest]] = true;
     }
     std::vector<int> number(laid.count, kNone);
     laid.count = 0;
@@ -188,9 +188,9 @@ void dropWeak(const Graph& graph, Laid& laid)
             if (corner != kNone) corner = number[corner];
 }
 
-Laid lay(const Graph& graph, const Cells& cells)
+LatticeLayout lay(const Graph& graph, const Cells& cells)
 {
-    Laid laid;
+    LatticeLayout laid;
     placeNodes(graph, cells, laid);
     connect(graph, laid);
     dropWeak(graph, laid);
@@ -209,7 +209,7 @@ public:
         best_ = lay(graph_, {2.0 * extent_, cells_.shift, cells_.fit});
     }
 
-    Laid run()
+    LatticeLayout run()
     {
         // The count jumps when the body's sides coincide with lattice planes: then other offsets of the lattice are
         // tried.
@@ -229,7 +229,7 @@ private:
     bool fits(double cube)
     {
         cells_.cube = cube;
-        Laid laid = lay(graph_, cells_);
+        LatticeLayout laid = lay(graph_, cells_);
         const int count = laid.count;
         const bool nearer = std::abs(count - target_) < std::abs(best_.count - target_);
         if (nearer && 20 * count <= 21 * target_) best_ = std::move(laid);
@@ -239,7 +239,7 @@ private:
     void bisect()
     {
         double large = 2.0 * extent_, small = extent_;
-        const double smallest = std::max(large * std::exp2(-kHalvings), 1.0 / kFarthest);
+        const double smallest = std::max(large * std::exp2(-kHalvings), 1.0 / kMaxCoordinate);
         while (small > smallest && fits(small)) {
             large = small;
             small *= 0.5;
@@ -254,11 +254,11 @@ private:
     int target_;
     double extent_ = 0.0;
     Cells cells_;
-    Laid best_;
+    LatticeLayout best_;
 };
 
 // Weights in single precision that sum to 1 whatever was dropped; unused corners name a used one.
-void write(const std::vector<int>& original, const Laid& laid, CoarseLattice& out)
+void write(const std::vector<int>& original, const LatticeLayout& laid, CoarseLattice& out)
 {
     for (std::size_t i = 0; i < original.size(); ++i) {
         const std::array<int, 4>& corners = laid.corners[i];
@@ -284,7 +284,7 @@ CoarseLattice coarseLattice(std::span<const Vec3> nodes, std::span<const std::ar
                           std::vector<std::array<float, 4>>(nodes.size())};
     Graph graph = subgraph(nodes, edges, [&](int i) { return active[i]; });
     const auto isUsable = [](Vec3 p) {
-        return isFinite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kFarthest;
+        return isFinite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kMaxCoordinate;
     };
     if (graph.nodes.empty() || target < 4 || !std::ranges::all_of(graph.nodes, isUsable)) return lattice;
     findPieces(graph);
@@ -295,7 +295,7 @@ CoarseLattice coarseLattice(std::span<const Vec3> nodes, std::span<const std::ar
         Graph large = subgraph(graph.nodes, graph.edges, [&](int i) { return graph.piece[i] < budget.laid; });
         findPieces(large);
         for (int& node : large.original) node = graph.original[node];
-        const Laid laid = Search(large, budget.target - budget.single).run();
+        const LatticeLayout laid = Search(large, budget.target - budget.single).run();
         write(large.original, laid, lattice);
         lattice.nodeCount = laid.count;
     }

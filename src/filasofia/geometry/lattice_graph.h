@@ -11,8 +11,8 @@
 /// A body as coarseLattice() sees it: a graph, and its connected pieces.
 namespace filasofia::geometry {
 
-inline constexpr int kFewest = 16;     ///< pieces with fewer nodes get no lattice of four coarse nodes
-inline constexpr int kMostPieces = 64; ///< small pieces that are listed one by one
+inline constexpr int kMinLatticeNodes = 16; ///< pieces with fewer nodes get no lattice of four coarse nodes
+inline constexpr int kMaxListedPieces = 64; ///< small pieces that are listed one by one
 
 /// Disjoint sets of numbers (union-find). The lowest number of a set represents it, in whatever order sets were joined.
 class DisjointSets {
@@ -64,12 +64,12 @@ Graph subgraph(std::span<const Vec3> nodes, std::span<const std::array<int, 2>> 
 }
 
 /// The number of coarse nodes allowed, and how the pieces share them: the first `laid` pieces get a lattice, the first
-/// `small` of the pieces with fewer than kFewest nodes are listed one by one, and the first `single` of the others get
-/// one coarse node each.
+/// `small` of the pieces with fewer than kMinLatticeNodes nodes are listed one by one, and the first `single` of the
+/// others get one coarse node each.
 struct Budget {
     int target = 0;
     int laid = 0;
-    int large = 0; ///< pieces with kFewest nodes or more
+    int large = 0; ///< pieces with kMinLatticeNodes nodes or more
     int small = 0;
     int single = 0;
 

@@ -15,10 +15,10 @@ bool isSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 // A word as it may appear in a message: short, and printable whatever the file holds.
 std::string quoted(std::string_view word)
 {
-    constexpr std::size_t kLongest = 40;
+    constexpr std::size_t kMaxLength = 40;
     std::string out = "'";
-    for (char c : word.substr(0, kLongest)) out += c >= ' ' && c <= '~' ? c : '?';
-    return out + (word.size() > kLongest ? "...'" : "'");
+    for (char c : word.substr(0, kMaxLength)) out += c >= ' ' && c <= '~' ? c : '?';
+    return out + (word.size() > kMaxLength ? "...'" : "'");
 }
 
 } // namespace
@@ -141,11 +141,11 @@ void NumberSource::boundCount(std::int64_t count, std::string_view what, std::si
 {
     // As text, a number takes a digit and a space; the last space may be missing. The limit keeps the number of face
     // indices within an int.
-    constexpr std::int64_t kMost = 500'000'000;
+    constexpr std::int64_t kMaxCount = 500'000'000;
     const std::size_t smallest = binary_ ? rawBytes : 2 * numbers;
-    const std::size_t most = std::min<std::size_t>((remaining() + 1) / smallest, kMost);
-    if (count < 0 || static_cast<std::uint64_t>(count) > most)
-        failHere(what, " must be in [0, ", most, "] (the rest of the file holds no more), got ", count);
+    const std::size_t max = std::min<std::size_t>((remaining() + 1) / smallest, kMaxCount);
+    if (count < 0 || static_cast<std::uint64_t>(count) > max)
+        failHere(what, " must be in [0, ", max, "] (the rest of the file holds no more), got ", count);
 }
 
 std::size_t NumberSource::count(std::string_view what, std::size_t numbers, std::size_t rawBytes, int rawSize)

@@ -10,26 +10,26 @@
 namespace filasofia::geometry::shapes {
 namespace {
 
-constexpr int kFinestSurface = 500; ///< [-], edges along a side: 6 million triangles at most
-constexpr int kFinestBlock = 200;   ///< [-], cells along a side: 48 million tetrahedra at most
+constexpr int kMaxSurfaceCells = 500; ///< [-], edges along a side: 6 million triangles at most
+constexpr int kMaxBlockCells = 200;   ///< [-], cells along a side: 48 million tetrahedra at most
 
 void checkLength(const char* shape, const char* argument, double value)
 {
     if (!(value > 0.0 && std::isfinite(value))) fail(shape, ": ", argument, " must be > 0 m, got ", value);
 }
 
-void checkCount(const char* shape, const char* argument, int value, int most)
+void checkCount(const char* shape, const char* argument, int value, int max)
 {
-    if (value < 1 || value > most) fail(shape, ": ", argument, " must be in [1, ", most, "], got ", value);
+    if (value < 1 || value > max) fail(shape, ": ", argument, " must be in [1, ", max, "], got ", value);
 }
 
-void checkGrid(const char* shape, Vec3 size, const std::array<int, 3>& cells, int most)
+void checkGrid(const char* shape, Vec3 size, const std::array<int, 3>& cells, int max)
 {
     checkLength(shape, "size.x", size.x);
     checkLength(shape, "size.y", size.y);
     checkLength(shape, "size.z", size.z);
     constexpr const char* names[] = {"cells[0]", "cells[1]", "cells[2]"};
-    for (std::size_t axis = 0; axis < 3; ++axis) checkCount(shape, names[axis], cells[axis], most);
+    for (std::size_t axis = 0; axis < 3; ++axis) checkCount(shape, names[axis], cells[axis], max);
 }
 
 /// A point of a grid that fills a box around the origin.
@@ -112,7 +112,7 @@ std::shared_ptr<const TriangleMesh> mirrored(std::vector<Ring> lower, double apa
 
 std::shared_ptr<const TriangleMesh> box(Vec3 size, std::array<int, 3> cells)
 {
-    checkGrid("box", size, cells, kFinestSurface);
+    checkGrid("box", size, cells, kMaxSurfaceCells);
     TriangleMesh mesh;
     std::map<GridPoint, int> numbers;
     const auto vertex = [&](const GridPoint& p) {
@@ -143,7 +143,7 @@ std::shared_ptr<const TriangleMesh> box(Vec3 size, std::array<int, 3> cells)
 std::shared_ptr<const TriangleMesh> sphere(double radius, int quarter)
 {
     checkLength("sphere", "radius", radius);
-    checkCount("sphere", "quarter", quarter, kFinestSurface);
+    checkCount("sphere", "quarter", quarter, kMaxSurfaceCells);
     return mirrored(halfSphere(radius, quarter), 0.0);
 }
 
@@ -151,7 +151,7 @@ std::shared_ptr<const TriangleMesh> capsule(double radius, double length, int qu
 {
     checkLength("capsule", "radius", radius);
     checkLength("capsule", "length", length);
-    checkCount("capsule", "quarter", quarter, kFinestSurface);
+    checkCount("capsule", "quarter", quarter, kMaxSurfaceCells);
     return mirrored(halfSphere(radius, quarter), length);
 }
 
@@ -159,13 +159,13 @@ std::shared_ptr<const TriangleMesh> cylinder(double radius, double length, int q
 {
     checkLength("cylinder", "radius", radius);
     checkLength("cylinder", "length", length);
-    checkCount("cylinder", "quarter", quarter, kFinestSurface);
+    checkCount("cylinder", "quarter", quarter, kMaxSurfaceCells);
     return mirrored({{0.0, 0.0, 1}, {0.0, radius, 4 * quarter}}, length);
 }
 
 std::shared_ptr<const TetMesh> block(Vec3 size, std::array<int, 3> cells)
 {
-    checkGrid("block", size, cells, kFinestBlock);
+    checkGrid("block", size, cells, kMaxBlockCells);
     TetMesh mesh;
     const auto node = [&](const GridPoint& p) { return (p[0] * (cells[1] + 1) + p[1]) * (cells[2] + 1) + p[2]; };
     for (int i = 0; i <= cells[0]; ++i)

@@ -10,7 +10,7 @@
 namespace filasofia::geometry {
 namespace {
 
-constexpr double kFlattest = 1e-12; // volume over the cube of the longest edge
+constexpr double kMinRelativeVolume = 1e-12; // volume over the cube of the longest edge
 
 void checkNumbers(const TetMesh& mesh, std::string_view name)
 {
@@ -58,7 +58,7 @@ std::string elementFault(const TetMesh& mesh, const Tetrahedron& t)
     double longest = 0.0;
     for (auto [i, j] : kTetrahedronEdges) longest = std::max(longest, distance(mesh.nodes[t[i]], mesh.nodes[t[j]]));
     const double volume = signedVolume(mesh.nodes[t[0]], mesh.nodes[t[1]], mesh.nodes[t[2]], mesh.nodes[t[3]]);
-    const double bound = kFlattest * longest * longest * longest;
+    const double bound = kMinRelativeVolume * longest * longest * longest;
     if (volume > bound && std::isfinite(volume)) return {};
     return text(volume < 0.0 ? " is inverted" : " is flat", ": its volume must be > ", bound,
                 " m^3 (1e-12 times its longest edge cubed), got ", volume);

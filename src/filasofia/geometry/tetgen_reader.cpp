@@ -30,14 +30,14 @@ void passOver(NumberSource& in, std::int64_t numbers)
 }
 
 // The number of values of one kind per record; the bound keeps their sum far from overflow.
-std::int64_t announced(NumberSource& in, std::string_view what, std::int64_t most)
+std::int64_t announced(NumberSource& in, std::string_view what, std::int64_t max)
 {
     const std::int64_t number = integerOnLine(in, what);
-    if (number < 0 || number > most) in.failHere(what, " must be in [0, ", most, "], got ", number);
+    if (number < 0 || number > max) in.failHere(what, " must be in [0, ", max, "], got ", number);
     return number;
 }
 
-constexpr std::int64_t kMostAttributes = 1000;
+constexpr std::int64_t kMaxAttributes = 1000;
 
 void readNodes(NumberSource& in, RawTetMesh& mesh)
 {
@@ -45,7 +45,7 @@ void readNodes(NumberSource& in, RawTetMesh& mesh)
     const std::int64_t dimension = integerOnLine(in, "the dimension");
     if (dimension != 3) in.failHere("the dimension must be 3, got ", dimension);
     const std::int64_t extra =
-        announced(in, "the number of attributes", kMostAttributes) + announced(in, "the number of boundary markers", 1);
+        announced(in, "the number of attributes", kMaxAttributes) + announced(in, "the number of boundary markers", 1);
     endLine(in, "the first line");
     mesh.nodes.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -73,7 +73,7 @@ void readElements(NumberSource& in, RawTetMesh& mesh)
     const std::int64_t corners = integerOnLine(in, "the number of nodes per tetrahedron");
     if (corners == 10) in.failHere("the number of nodes per tetrahedron must be 4, got 10 (second order)");
     if (corners != 4) in.failHere("the number of nodes per tetrahedron must be 4, got ", corners);
-    const std::int64_t extra = announced(in, "the number of attributes", kMostAttributes);
+    const std::int64_t extra = announced(in, "the number of attributes", kMaxAttributes);
     endLine(in, "the first line");
     mesh.elements.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {

@@ -7,7 +7,7 @@
 namespace filasofia::mapping {
 namespace {
 
-constexpr int kLongestWalk = 256; ///< triangles: a longer walk is taken to be going in circles
+constexpr int kMaxWalk = 256; ///< triangles: a longer walk is taken to be going in circles
 
 /// The weights of the point of the triangle's plane that is nearest to p; they sum to 1.
 std::array<double, 3> inPlane(Vec3 p, const std::array<Vec3, 3>& corners)
@@ -100,7 +100,7 @@ std::optional<RimEdge> Outside::rimBetween(const OutsidePlace& from, const Outsi
     OutsidePlace here{from.triangle, inwards(from)};
     const Vec3 goal = to.triangle < 0 ? to.point : inwards(to);
     int cameFrom = -1;
-    for (int walked = 0; here.triangle != to.triangle && walked < kLongestWalk; ++walked) {
+    for (int walked = 0; here.triangle != to.triangle && walked < kMaxWalk; ++walked) {
         const Corners places = corners(here.triangle);
         const auto start = inPlane(here.point, places), end = inPlane(goal, places);
         // Leave through the edge that the straight path crosses first. If the path ends inside, as over a crease, leave

@@ -298,8 +298,8 @@ Comparison compare(const Value& value, std::span<const double> others)
     if (others.size() > 1) comparison.deviation = std::sqrt(squares / static_cast<double>(others.size() - 1));
     if (!value.value) {
         comparison.reason = value.reason;
-    } else if (comparison.others < kFewestOthers) {
-        comparison.reason = text("needs ", kFewestOthers, " other sessions, got ", comparison.others);
+    } else if (comparison.others < kMinOthers) {
+        comparison.reason = text("needs ", kMinOthers, " other sessions, got ", comparison.others);
     } else if (comparison.deviation <= 1e-12 * std::abs(comparison.mean)) {
         comparison.reason = "all other sessions have the same number";
     } else {

@@ -27,9 +27,9 @@ std::vector<Vec3> furthest(const std::vector<Vec3>& points)
                      turn = static_cast<double>(k) * std::numbers::pi * (3.0 - std::sqrt(5.0));
         const Vec3 direction = {r * std::cos(turn), r * std::sin(turn), z};
         std::size_t best = 0;
-        double most = dot(direction, points[0]);
+        double largest = dot(direction, points[0]);
         for (std::size_t i = 1; i < points.size(); ++i)
-            if (const double far = dot(direction, points[i]); far > most) most = far, best = i;
+            if (const double far = dot(direction, points[i]); far > largest) largest = far, best = i;
         chosen.push_back(best);
     }
     sortUnique(chosen);

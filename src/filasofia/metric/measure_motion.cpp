@@ -18,7 +18,7 @@ std::string noSpeeds(const Material& m)
     if (!m.tool) return kNoTool;
     for (const Motion& motion : m.motions)
         if (!motion.speeds.empty()) return {};
-    return text("needs ", kFewest, " consecutive samples with a position, at most ", m.def.maximumGap, " s apart");
+    return text("needs ", kMinSamples, " consecutive samples with a position, at most ", m.def.maximumGap, " s apart");
 }
 
 /// For measures that need one motion from start to end: returns nullptr, and the reason, if gaps leave less than nine
@@ -198,7 +198,7 @@ Value bimanualCorrelation(const Material& m)
             n += 1, sx += pairs.back().first, sy += pairs.back().second;
             break;
         }
-    if (pairs.size() < kFewest) return none("the two tools were not observed at the same time");
+    if (pairs.size() < kMinSamples) return none("the two tools were not observed at the same time");
     double xx = 0, yy = 0, xy = 0;
     for (const auto& [x, y] : pairs) {
         xx += (x - sx / n) * (x - sx / n);

@@ -82,7 +82,7 @@ Motion motionOf(std::span<const Point> points, const MeasureDef& def)
         }
     }
     lowPass(motion.positions, motion.interval, def.lowPass);
-    if (motion.positions.size() >= kFewest)
+    if (motion.positions.size() >= kMinSamples)
         for (const Vec3& velocity : derivative(motion.positions, motion.interval, 1))
             motion.speeds.push_back(length(velocity));
     return motion;

@@ -18,10 +18,10 @@ using Json = nlohmann::json;
 
 constexpr const char* kFormat = "filasofia session";
 // The file is not trusted: nothing in it makes the reader use more memory than this.
-constexpr std::size_t kLongestLine = 1 << 20;
-constexpr std::size_t kMostTracks = 64;
-constexpr std::size_t kMostSamples = 50'000'000;
-constexpr std::size_t kMostEvents = 1'000'000;
+constexpr std::size_t kMaxLine = 1 << 20;
+constexpr std::size_t kMaxTracks = 64;
+constexpr std::size_t kMaxSamples = 50'000'000;
+constexpr std::size_t kMaxEvents = 1'000'000;
 
 void appendNumber(std::string& out, double value)
 {
@@ -172,7 +172,7 @@ private:
         forEach(json, "steps", [&](const Json& each) { session_.steps.push_back(word(each, "steps")); });
         forEach(json, "watched", [&](const Json& each) { session_.watched.push_back(kindOf(word(each, "watched"))); });
         forEach(json, "tracks", [&](const Json& each) { readTrack(each); });
-        if (session_.tracks.size() > kMostTracks) wrong(text("the number of tracks must be <= ", kMostTracks));
+        if (session_.tracks.size() > kMaxTracks) wrong(text("the number of tracks must be <= ", kMaxTracks));
     }
 
     EventKind kindOf(const std::string& word) const
@@ -223,7 +223,7 @@ private:
 
     void readEvent(const Json& json, const std::string& kind)
     {
-        if (session_.events.size() >= kMostEvents) wrong(text("the number of events must be <= ", kMostEvents));
+        if (session_.events.size() >= kMaxEvents) wrong(text("the number of events must be <= ", kMaxEvents));
         Event event{.time = time(json), .kind = kindOf(kind)};
         take(json, "what", event.what);
         if (const Json* amount = find(json, "amount")) event.amount = number(*amount, "amount");
@@ -255,7 +255,7 @@ private:
 
     void count(std::size_t samples)
     {
-        if ((samples_ += samples) > kMostSamples) wrong(text("the number of samples must be <= ", kMostSamples));
+        if ((samples_ += samples) > kMaxSamples) wrong(text("the number of samples must be <= ", kMaxSamples));
     }
 
     Sample sampleFrom(double when, const Json& json) const
@@ -271,7 +271,7 @@ private:
 
     const std::string& name_;
     std::istream& stream_;
-    std::vector<char> buffer_ = std::vector<char>(kLongestLine);
+    std::vector<char> buffer_ = std::vector<char>(kMaxLine);
     std::string_view text_; ///< the current line, in the buffer
     std::size_t line_ = 0, samples_ = 0;
     std::vector<Sample> row_; ///< one per track

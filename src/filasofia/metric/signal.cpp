@@ -43,7 +43,7 @@ std::vector<double> derivativeWeights(double at, std::span<const double> nodes, 
 
 std::vector<Vec3> derivative(const std::vector<Vec3>& values, double interval, int order)
 {
-    constexpr std::size_t width = kFewest, middle = width / 2;
+    constexpr std::size_t width = kMinSamples, middle = width / 2;
     FILASOFIA_ASSERT(values.size() >= width);
     std::array<double, width> nodes = {};
     for (std::size_t i = 0; i < width; ++i) nodes[i] = static_cast<double>(i);
@@ -140,9 +140,9 @@ void fourier(std::vector<std::complex<double>>& values)
 
 double spectralArcLength(const std::vector<double>& speeds, double interval)
 {
-    constexpr double highest = 10.0, threshold = 0.05; // [Hz], [-]; from the 2015 paper
-    constexpr std::size_t most = std::size_t{1} << 22; // 64 MB; only a session of an hour gets less padding
-    const std::size_t size = std::max(powerOfTwo(speeds.size()), std::min(most, 16 * powerOfTwo(speeds.size())));
+    constexpr double highest = 10.0, threshold = 0.05;        // [Hz], [-]; from the 2015 paper
+    constexpr std::size_t largestSize = std::size_t{1} << 22; // 64 MB; only a session of an hour gets less padding
+    const std::size_t size = std::max(powerOfTwo(speeds.size()), std::min(largestSize, 16 * powerOfTwo(speeds.size())));
     std::vector<std::complex<double>> spectrum(size);
     std::copy(speeds.begin(), speeds.end(), spectrum.begin());
     fourier(spectrum);

@@ -14,7 +14,7 @@ namespace filasofia::metric {
 std::vector<double> derivativeWeights(double at, std::span<const double> nodes, int order);
 
 /// The derivative of an order in [1, 6], at every sample, of polynomials of degree 6 through the seven nearest samples;
-/// needs at least kFewest samples.
+/// needs at least kMinSamples samples.
 std::vector<Vec3> derivative(const std::vector<Vec3>& values, double interval, int order);
 
 /// The integral by Simpson's rule, with the 3/8 rule at the end if the number of intervals is odd.

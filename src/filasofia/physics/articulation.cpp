@@ -184,7 +184,7 @@ void checkBase(const Registry& registry, const RigidBodyDef& def)
                  field + ".toElement");
 }
 
-void checkNotALink(const Registry& registry, const RigidBodyDef& def, int element)
+void checkSettable(const Registry& registry, const RigidBodyDef& def, int element)
 {
     if (def.articulation.joints.empty()) return;
     if (element != 0)

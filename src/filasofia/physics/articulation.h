@@ -14,7 +14,7 @@ void checkArticulation(const RigidBodyDef& def, const std::string& object);
 /// The body that the base follows must exist and be kinematic.
 void checkBase(const Registry& registry, const RigidBodyDef& def);
 /// For an articulated body, only the base can be set, and only if it does not follow another body.
-void checkNotALink(const Registry& registry, const RigidBodyDef& def, int element);
+void checkSettable(const Registry& registry, const RigidBodyDef& def, int element);
 void checkCommand(const RigidBodyDef& def, const std::vector<bool>& takesForce, const SetJoint& set);
 
 /// Per joint, whether a force can command it.

@@ -7,7 +7,7 @@ namespace filasofia::physics {
 namespace {
 
 /// The body that it is attached to, which must be another one.
-const Registry::Body& holderOf(const Registry& registry, const Attaching& body, BodyId to, const std::string& object)
+const Registry::Body& targetOf(const Registry& registry, const Attaching& body, BodyId to, const std::string& object)
 {
     if (to == body.id) fail(object, ".to must name another body, got body ", to.value, " itself");
     if (!registry.has(to)) fail(object, ".to: body ", to.value, ": no such body (it was removed, or never added)");
@@ -17,14 +17,14 @@ const Registry::Body& holderOf(const Registry& registry, const Attaching& body, 
 bool hasRegion(const AttachmentDef& def) { return def.box || def.ball || def.within || !def.nodes.empty(); }
 
 /// Checks an element of the body that it is attached to: it must be 0 for a soft body.
-void checkHolderElement(const Registry::Body& holder, int element, const std::string& field)
+void checkTargetElement(const Registry::Body& target, int element, const std::string& field)
 {
-    if (std::holds_alternative<RigidBodyDef>(*holder.def))
-        return checkElement(element, static_cast<std::size_t>(holder.nodeCount), field);
+    if (std::holds_alternative<RigidBodyDef>(*target.def))
+        return checkElement(element, static_cast<std::size_t>(target.nodeCount), field);
     if (element != 0) fail(field, " must be 0 if `to` is a soft body, got ", element);
 }
 
-bool goesWhereItIsTold(const BodyDef& def)
+bool isKinematic(const BodyDef& def)
 {
     const auto* rigid = std::get_if<RigidBodyDef>(&def);
     return rigid && !rigid->dynamic;
@@ -46,9 +46,9 @@ void checkAttachment(const Registry& registry, const Attaching& body, const Atta
         if (def.element != 0) fail(object, ".element must be 0 if `to` names no body, got ", def.element);
         return;
     }
-    const Registry::Body& holder = holderOf(registry, body, def.to, object);
-    checkHolderElement(holder, def.element, object + ".element");
-    const auto* rigid = std::get_if<RigidBodyDef>(holder.def.get());
+    const Registry::Body& target = targetOf(registry, body, def.to, object);
+    checkTargetElement(target, def.element, object + ".element");
+    const auto* rigid = std::get_if<RigidBodyDef>(target.def.get());
     if (rigid && !isGiven(rigid->mesh) && (def.within || !hasRegion(def)))
         fail(object, def.within ? ".within" : "", " needs a mesh of rigid body '", rigid->name,
              "' to find the nodes near it; that body has none");
@@ -62,12 +62,12 @@ void checkAttachment(const Registry& registry, const Attaching& body, const Rigi
     for (std::size_t i = 0; i < def.points.size(); ++i)
         if (!(length(def.points[i]) < kFarthest))
             fail(object, ".points[", i, "] must lie within ", kFarthest, " m of the element's origin");
-    const Registry::Body* holder = def.to ? &holderOf(registry, body, def.to, object) : nullptr;
-    if (holder)
-        checkHolderElement(*holder, def.toElement, object + ".toElement");
+    const Registry::Body* target = def.to ? &targetOf(registry, body, def.to, object) : nullptr;
+    if (target)
+        checkTargetElement(*target, def.toElement, object + ".toElement");
     else if (def.toElement != 0)
         fail(object, ".toElement must be 0 if `to` names no body, got ", def.toElement);
-    if (goesWhereItIsTold(body.def) && (!holder || goesWhereItIsTold(*holder->def)))
+    if (isKinematic(body.def) && (!target || isKinematic(*target->def)))
         fail(object, " must have a dynamic or soft body on one side; both are kinematic");
 }
 

@@ -15,8 +15,8 @@
 namespace filasofia::physics {
 namespace {
 
-constexpr std::size_t kMaximumCommands = 4096; // per step
-constexpr std::size_t kMaximumSpent = 64;
+constexpr std::size_t kMaxCommands = 4096; // per step
+constexpr std::size_t kMaxSpent = 64;
 
 } // namespace
 
@@ -27,7 +27,7 @@ struct PhysicsServer::Impl {
     frame::FramePool frames;
     SpscRing<StepRecord> log;
     /// Replaced material data on its way back, because freeing it may take longer than a step has. Read under the lock.
-    SpscRing<std::unique_ptr<BuiltBody>> spent{kMaximumSpent};
+    SpscRing<std::unique_ptr<BuiltBody>> spent{kMaxSpent};
     bool hashing = false;
     bool recordLost = false; ///< since the last record written
     bool paused = false;
@@ -97,7 +97,7 @@ struct PhysicsServer::Impl {
     void drainInbox()
     {
         commands.clear();
-        while (commands.size() < kMaximumCommands) { // further commands wait: a step must end
+        while (commands.size() < kMaxCommands) { // further commands wait: a step must end
             auto command = inbox.pop();
             if (!command) break;
             if (const auto* pause = std::get_if<Pause>(&*command)) paused = pause->paused;
@@ -250,9 +250,9 @@ void PhysicsServer::expect(std::vector<Command> commands)
     impl_->commands = std::move(commands);
 }
 
-StepReport PhysicsServer::stepAgain(double dt, const StepBudget& budget)
+StepReport PhysicsServer::replayStep(double dt, const StepBudget& budget)
 {
-    if (!(std::isfinite(dt) && dt >= 0.0)) fail("physics: stepAgain: dt must be >= 0 s and finite, got ", dt);
+    if (!(std::isfinite(dt) && dt >= 0.0)) fail("physics: replayStep: dt must be >= 0 s and finite, got ", dt);
     const StepReport report = impl_->engine->step({.dt = dt, .commands = impl_->commands, .budget = &budget});
     impl_->giveBackSpent();
     impl_->commands.clear();

@@ -32,7 +32,7 @@ struct Registry::Check {
         const Body& body = find<RigidBodyDef>(set.id, "must be a rigid body to have its pose set");
         const std::string object = describeBody(*body.def);
         checkElement(set.element, static_cast<std::size_t>(body.nodeCount), object + ": element");
-        checkNotALink(registry, std::get<RigidBodyDef>(*body.def), set.element);
+        checkSettable(registry, std::get<RigidBodyDef>(*body.def), set.element);
         validate(set.pose, object);
         static_cast<void>(unitPose(set.pose, object));
     }
@@ -61,7 +61,7 @@ struct Registry::Check {
             fail(object, ": must not be a dynamic body with joints to be held by a hand; attach its base to a body "
                          "that the hand "
                          "holds");
-        checkNotALink(registry, def, set.element);
+        checkSettable(registry, def, set.element);
         static_cast<void>(unitPose(set.target.pose, object + ": target.pose"));
         for (const Vec3 v : {set.target.velocity, set.target.angularVelocity})
             if (!(length(v) < kFarthest))
@@ -155,9 +155,9 @@ private:
         if (first <= registry.lastAttachment_)
             fail("attachment ", first.value, ": id must be > ", registry.lastAttachment_.value,
                  ", the last one used, got ", first.value);
-        constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
-        if (first.value > most - (count - 1))
-            fail("attachment ", first.value, ": id must be <= ", most - (count - 1), " to leave room for ", count,
+        constexpr std::uint32_t maxId = std::numeric_limits<std::uint32_t>::max();
+        if (first.value > maxId - (count - 1))
+            fail("attachment ", first.value, ": id must be <= ", maxId - (count - 1), " to leave room for ", count,
                  " ids, got ", first.value);
     }
 

@@ -12,7 +12,7 @@
 namespace filasofia::record {
 namespace {
 
-constexpr std::size_t kLongestLine = 4096; ///< bytes read from a file of another kind to say what it is
+constexpr std::size_t kMaxOpeningLine = 4096; ///< bytes read from a file of another kind to say what it is
 /// The deflated size of kMaximumChunk incompressible bytes, with a margin.
 constexpr std::size_t kMaximumStored = kMaximumChunk + kMaximumChunk / 100 + 64;
 
@@ -94,7 +94,7 @@ ChunkReader::ChunkReader(const std::string& name) : name_(name), in_(name, std::
 {
     if (!in_) fail(name_, ": cannot be read");
     std::string line;
-    for (char c = 0; line.size() < kLongestLine && in_.get(c) && c != '\n';) line += c;
+    for (char c = 0; line.size() < kMaxOpeningLine && in_.get(c) && c != '\n';) line += c;
     if (in_.bad()) fail(name_, ": cannot be read");
     if (line.empty() && in_.eof()) fail(name_, ": must be a recording, got an empty file");
     if (line + '\n' == openingLine() && !in_.eof()) {

@@ -63,7 +63,7 @@ public:
     /// Throws an Error if the object has members other than the `count` that were read; `known` says which names those
     /// have.
     template <class Known>
-    static void noOthers(const Json& object, std::size_t count, Known&& known, const Place* outer = nullptr)
+    static void refuseUnknown(const Json& object, std::size_t count, Known&& known, const Place* outer = nullptr)
     {
         if (object.size() == count) return;
         for (const auto& item : object.items())
@@ -148,7 +148,7 @@ private:
             forEachField<T>([&](const auto& each) { found = found || each.name == name; });
             return found;
         };
-        noOthers(json, fieldCount<T>(), known, &place);
+        refuseUnknown(json, fieldCount<T>(), known, &place);
     }
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 using physics::StepRecord;
 
-constexpr std::size_t kMostOfAList = 1 << 28; ///< nodes or elements of a mesh
+constexpr std::size_t kMaxListLength = 1 << 28; ///< nodes or elements of a mesh
 
 /// A predicate for a set of names, to find unknown ones.
 template <class... Names> auto oneOf(Names... names)
@@ -46,8 +46,8 @@ RecordingHeader headerOf(const Json& json, const JsonReader& reader)
     reader.member(json, "session", header.session);
     reader.member(json, "trainee", header.trainee);
     reader.member(json, "date", header.date);
-    reader.noOthers(json, 9,
-                    oneOf("filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee", "date"));
+    reader.refuseUnknown(
+        json, 9, oneOf("filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee", "date"));
     return header;
 }
 
@@ -169,12 +169,12 @@ struct RecordingReader::Impl {
         std::vector<std::size_t> counts;
         forEachList(mesh, [&](const char* name, const auto&) {
             reader.member(json, name, counts.emplace_back());
-            if (counts.back() > kMostOfAList)
-                Place{nullptr, name}.refuse(text("must be <= ", kMostOfAList), json[name]);
+            if (counts.back() > kMaxListLength)
+                Place{nullptr, name}.refuse(text("must be <= ", kMaxListLength), json[name]);
             ++members;
         });
         const std::uint64_t digest = hashOf(json, "digest", reader);
-        reader.noOthers(json, members, [&](std::string_view name) {
+        reader.refuseUnknown(json, members, [&](std::string_view name) {
             bool known = oneOf("mesh", "digest")(name);
             forEachList(mesh, [&](std::string_view each, const auto&) { known = known || each == name; });
             return known;
@@ -202,7 +202,7 @@ struct RecordingReader::Impl {
             if (!held) Place{nullptr, "surfaces"}.refuse("must be numbers of meshes", number);
             out.surfaces.push_back(*held);
         }
-        reader.noOthers(json, 2, oneOf("scene", "surfaces"));
+        reader.refuseUnknown(json, 2, oneOf("scene", "surfaces"));
     }
 
     StepRecord stepOf(const Json& json)
@@ -233,7 +233,7 @@ struct RecordingReader::Impl {
             step.hash = hashOf(json, "hash", reader);
         }
         given("commands", step.commands);
-        reader.noOthers(json, members, oneOf("step", "dt", "flags", "iterations", "hash", "commands"));
+        reader.refuseUnknown(json, members, oneOf("step", "dt", "flags", "iterations", "hash", "commands"));
         last.step = report.step;
         last.dt = report.dt;
         last.solves = report.solves;
@@ -245,7 +245,7 @@ struct RecordingReader::Impl {
     {
         std::uint64_t count = 0;
         reader.member(json, "end", count);
-        reader.noOthers(json, 1, oneOf("end"));
+        reader.refuseUnknown(json, 1, oneOf("end"));
         if (count != steps) fail("the end of the session announces ", count, " steps, but the file holds ", steps);
         ended = true;
         if (stream.line()) fail("the file must end after the end of the session");

@@ -7,7 +7,7 @@
 #include "filasofia/record/json_writer.h"
 #include "filasofia/record/mesh_bytes.h"
 #include "filasofia/record/output_file.h"
-#include "filasofia/record/repeatable.h"
+#include "filasofia/record/replayable.h"
 
 #include <algorithm>
 #include <utility>
@@ -88,7 +88,7 @@ struct RecordingWriter::Impl {
 
     void warnOnce(const physics::StepRecord& step)
     {
-        const auto why = whyNotRepeatable(step);
+        const auto why = whyNotReplayable(step);
         if (why.empty() || std::exchange(warned, true)) return;
         logWarning(file.name(), ": a replay will stop at step ", step.report.step, ": ", why);
     }

@@ -4,7 +4,7 @@
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/physics_server.h"
 #include "filasofia/physics/registry.h"
-#include "filasofia/record/repeatable.h"
+#include "filasofia/record/replayable.h"
 
 #include <cmath>
 
@@ -15,7 +15,7 @@ using physics::Command;
 using physics::StepRecord;
 
 /// A recorded command, ready to be applied again: bodies are rebuilt from their Defs.
-struct Again {
+struct ReplayedCommand {
     const physics::PhysicsEngine& engine;
 
     Command operator()(const physics::AddBody& add) const
@@ -39,7 +39,7 @@ struct Replayer::Impl {
     void checkOrder(const StepRecord& recorded) const
     {
         const std::uint64_t step = recorded.report.step;
-        if (const auto why = whyNotRepeatable(recorded); !why.empty())
+        if (const auto why = whyNotReplayable(recorded); !why.empty())
             fail("step ", step, " cannot be replayed: ", why);
         const bool paused = recorded.report.dt == 0.0; // computed, but not counted
         if (step != made + 1 && !(paused && step == made))
@@ -53,7 +53,7 @@ struct Replayer::Impl {
         std::vector<Command> commands;
         try {
             for (const Command& command : recorded.commands) {
-                commands.push_back(std::visit(Again{builder}, command));
+                commands.push_back(std::visit(ReplayedCommand{builder}, command));
                 bodies.check(commands.back());
                 bodies.note(commands.back());
             }
@@ -67,12 +67,12 @@ struct Replayer::Impl {
     physics::StepBudget budgetOf(const StepRecord& recorded) const
     {
         const bool paused = recorded.report.dt == 0.0; // nothing is solved
-        const std::size_t least = paused ? 0 : bodies.softBodyCount();
-        const std::size_t most =
-            paused ? 0 : least + bodies.dynamicElementCount(); // rigid bodies form groups by contacts
-        if (const std::size_t count = recorded.report.solves.size(); count < least || count > most)
+        const std::size_t minimum = paused ? 0 : bodies.softBodyCount();
+        const std::size_t maximum =
+            paused ? 0 : minimum + bodies.dynamicElementCount(); // rigid bodies form groups by contacts
+        if (const std::size_t count = recorded.report.solves.size(); count < minimum || count > maximum)
             fail("step ", recorded.report.step, ": iterations must have one entry per solve, a number of entries in [",
-                 least, ", ", most, "], got ", count);
+                 minimum, ", ", maximum, "], got ", count);
         physics::StepBudget budget;
         if (!recorded.report.has(physics::StepFlag::OutOfTime)) return budget;
         for (const physics::BodySolve& solve : recorded.report.solves) budget.iterations.push_back(solve.iterations);
@@ -97,7 +97,7 @@ physics::StepReport Replayer::step(const StepRecord& recorded, const std::functi
     }
     impl_->server->expect(std::move(commands));
     if (between) between();
-    return impl_->server->stepAgain(dt, budget);
+    return impl_->server->replayStep(dt, budget);
 }
 
 std::optional<Difference> replay(const std::vector<StepRecord>& steps, physics::PhysicsEngine& fresh)

@@ -9,7 +9,7 @@
 /// own rate.
 namespace filasofia {
 
-struct HandCoupling {
+struct VirtualCoupling {
     double linearStiffness = 500.0;                               ///< [N/m], >= 0
     double linearDamping = 2.0;                                   ///< [N s/m], >= 0
     double angularStiffness = 0.5;                                ///< [N m/rad], >= 0
@@ -17,13 +17,13 @@ struct HandCoupling {
     double forceLimit = std::numeric_limits<double>::infinity();  ///< [N], > 0, upper bound of the force
     double torqueLimit = std::numeric_limits<double>::infinity(); ///< [N m], > 0, upper bound of the torque
 
-    friend constexpr bool operator==(const HandCoupling&, const HandCoupling&) = default;
+    friend constexpr bool operator==(const VirtualCoupling&, const VirtualCoupling&) = default;
 };
-constexpr auto fields(const HandCoupling*)
+constexpr auto fields(const VirtualCoupling*)
 {
-    using T = HandCoupling;
+    using T = VirtualCoupling;
     return describe(
-        "HandCoupling",
+        "VirtualCoupling",
         field("linearStiffness", &T::linearStiffness, "N/m", nonNegative(), "stiffness of the linear spring"),
         field("linearDamping", &T::linearDamping, "N s/m", nonNegative(), "damping of the linear damper"),
         field("angularStiffness", &T::angularStiffness, "N m/rad", nonNegative(), "stiffness of the angular spring"),
@@ -33,12 +33,12 @@ constexpr auto fields(const HandCoupling*)
 }
 
 /// The motion of a rigid thing, seen at one of its points.
-struct Moving {
+struct MotionState {
     Pose pose = {};            ///< position of the point [m] and orientation of the thing
     Vec3 velocity = {};        ///< [m/s] velocity of the point
     Vec3 angularVelocity = {}; ///< [rad/s] in world axes
 
-    friend constexpr bool operator==(const Moving&, const Moving&) = default;
+    friend constexpr bool operator==(const MotionState&, const MotionState&) = default;
 };
 
 struct CouplingForce {
@@ -49,7 +49,7 @@ struct CouplingForce {
 };
 
 /// The same motion seen at another point of the thing, given in the thing's coordinates.
-constexpr Moving atPoint(const Moving& thing, Vec3 point)
+constexpr MotionState atPoint(const MotionState& thing, Vec3 point)
 {
     const Vec3 arm = rotate(thing.pose.orientation, point);
     return {{thing.pose.position + arm, thing.pose.orientation},
@@ -58,19 +58,19 @@ constexpr Moving atPoint(const Moving& thing, Vec3 point)
 }
 
 /// [-] The factor that scales a force (or torque) of this size down to `limit`; 1 if it is not larger.
-constexpr double weakened(double size, double limit) { return size > limit ? limit / size : 1.0; }
+constexpr double limitFactor(double size, double limit) { return size > limit ? limit / size : 1.0; }
 
 /// The force and torque of the coupling on the body, at the coupled point; the hand gets the opposite. The angular
 /// spring takes the shorter way round.
-inline CouplingForce couplingForce(const HandCoupling& coupling, const Moving& hand, const Moving& body)
+inline CouplingForce couplingForce(const VirtualCoupling& coupling, const MotionState& hand, const MotionState& body)
 {
     const Vec3 apart = hand.pose.position - body.pose.position;
     const Vec3 turned = rotationVector(hand.pose.orientation * conjugate(body.pose.orientation));
     const Vec3 force = coupling.linearStiffness * apart + coupling.linearDamping * (hand.velocity - body.velocity);
     const Vec3 torque =
         coupling.angularStiffness * turned + coupling.angularDamping * (hand.angularVelocity - body.angularVelocity);
-    return {weakened(length(force), coupling.forceLimit) * force,
-            weakened(length(torque), coupling.torqueLimit) * torque};
+    return {limitFactor(length(force), coupling.forceLimit) * force,
+            limitFactor(length(torque), coupling.torqueLimit) * torque};
 }
 
 } // namespace filasofia

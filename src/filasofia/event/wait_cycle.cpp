@@ -1,9 +1,9 @@
-#include "filasofia/event/wait_circle.h"
+#include "filasofia/event/wait_cycle.h"
 
 #include <map>
 #include <mutex>
 
-namespace filasofia::event::wait_circle {
+namespace filasofia::event::wait_cycle {
 namespace {
 
 std::mutex mutex;
@@ -33,4 +33,4 @@ void leave(std::thread::id waiter)
     waitsFor.erase(waiter);
 }
 
-} // namespace filasofia::event::wait_circle
+} // namespace filasofia::event::wait_cycle

@@ -7,7 +7,7 @@
 namespace filasofia::record {
 
 /// Why this step and those after it cannot be replayed; empty if they can.
-inline std::string_view whyNotRepeatable(const physics::StepRecord& step)
+inline std::string_view whyNotReplayable(const physics::StepRecord& step)
 {
     if (step.report.has(physics::StepFlag::RecordLost)) return "steps before it were lost during recording";
     if (step.report.has(physics::StepFlag::Tuned)) return "tune() ran before it";
