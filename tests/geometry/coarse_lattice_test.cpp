@@ -201,7 +201,7 @@ TEST_CASE("two boxes a millimetre apart share no coarse node")
     }
 }
 
-TEST_CASE("two prongs with a slit between them share coarse nodes where they meet and none at their tips")
+TEST_CASE("two prongs with a slit between them share coarse nodes where they join and none at their tips")
 {
     // Every element of one layer is removed, except at the end where the prongs join.
     TetMesh mesh = boxMesh({30, 21, 6}, {0.3, 0.105, 0.06});
@@ -278,7 +278,7 @@ TEST_CASE("flat, straight, shrunk and stretched bodies get a lattice of finite w
     CHECK(moved([](Vec3 p, std::size_t) { return p + Vec3{1e9, -1e9, 1e9}; }) >= 20);
 }
 
-TEST_CASE("there is no lattice where it would not pay, and none for numbers that are not")
+TEST_CASE("there is no lattice if it would not pay, and none for numbers that are not finite")
 {
     const TetMesh box = boxMesh({4, 4, 4}, {1.0, 1.0, 1.0});
     const Edges all = edges(box);
@@ -296,32 +296,32 @@ TEST_CASE("there is no lattice where it would not pay, and none for numbers that
     }
 }
 
-TEST_CASE("crumbs around a body are told one by one, then get one coarse node each, and the last ones none")
+TEST_CASE("fragments around a body are listed one by one, then get one coarse node each, and the last ones none")
 {
     TetMesh mesh = boxMesh({12, 12, 12}, {0.1, 0.1, 0.1});
     const std::size_t bodySize = mesh.nodes.size();
-    TetMesh crumb = tetrahedronMesh();
-    for (Vec3& p : crumb.nodes) p *= 0.001;
-    const auto withCrumbs = [&](TetMesh body, int count) {
-        for (int i = 0; i < count; ++i) body = together(std::move(body), crumb, {0.11, 0.002 * i, 0});
+    TetMesh fragment = tetrahedronMesh();
+    for (Vec3& p : fragment.nodes) p *= 0.001;
+    const auto withFragments = [&](TetMesh body, int count) {
+        for (int i = 0; i < count; ++i) body = together(std::move(body), fragment, {0.11, 0.002 * i, 0});
         return body;
     };
     const CoarseLattice body = latticeOf(mesh, 100);
-    const auto isTold = [](const CoarseLattice& lattice, std::size_t first, int crumbs) {
-        REQUIRE(lattice.pieces.size() == static_cast<std::size_t>(crumbs));
-        for (int i = 0; i < crumbs; ++i) {
+    const auto isTold = [](const CoarseLattice& lattice, std::size_t first, int fragments) {
+        REQUIRE(lattice.pieces.size() == static_cast<std::size_t>(fragments));
+        for (int i = 0; i < fragments; ++i) {
             const int at = static_cast<int>(first) + 4 * i;
             CHECK(lattice.pieces[static_cast<std::size_t>(i)] == std::vector<int>{at, at + 1, at + 2, at + 3});
         }
     };
-    const CoarseLattice few = latticeOf(withCrumbs(mesh, 64), 100);
+    const CoarseLattice few = latticeOf(withFragments(mesh, 64), 100);
     isTold(few, bodySize, 64);
     std::vector<bool> taken(few.corners.size());
     for (std::size_t i = 0; i < taken.size(); ++i) taken[i] = i < bodySize;
     checkSound(few, taken);
     CHECK(few.nodeCount == body.nodeCount); // the pieces cost the body none of its coarse nodes
 
-    const TetMesh many = withCrumbs(mesh, 100);
+    const TetMesh many = withFragments(mesh, 100);
     const CoarseLattice partly = latticeOf(many, 100);
     isTold(partly, bodySize, 64);
     taken.resize(many.nodes.size());
@@ -331,11 +331,11 @@ TEST_CASE("crumbs around a body are told one by one, then get one coarse node ea
     CHECK(partly.nodeCount <= 105);
     CHECK(usedWhere(partly, many, [](Vec3 p) { return p.x > 0.105; }).size() == 25);
 
-    isTold(latticeOf(withCrumbs({}, 60), 100), 0, 60);
-    CHECK(latticeOf(withCrumbs({}, 60), 100).nodeCount == 0);
+    isTold(latticeOf(withFragments({}, 60), 100), 0, 60);
+    CHECK(latticeOf(withFragments({}, 60), 100).nodeCount == 0);
     isTold(latticeOf(tetrahedronMesh(), 12), 0, 1);
-    CHECK(latticeOf(withCrumbs({}, 100), 100).nodeCount == 36);
-    CHECK(isEmpty(latticeOf(withCrumbs({}, 400), 100)));
+    CHECK(latticeOf(withFragments({}, 100), 100).nodeCount == 36);
+    CHECK(isEmpty(latticeOf(withFragments({}, 400), 100)));
 }
 
 TEST_CASE("several bodies in one mesh share the coarse nodes, each with enough to turn and strain")

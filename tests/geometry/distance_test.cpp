@@ -100,7 +100,7 @@ TEST_CASE("barycentric weights give the point back, inside, outside and far from
         }
 }
 
-TEST_CASE("a ray meets a triangle where a walk along it arrives, and misses beside, behind and along it")
+TEST_CASE("a ray hits a triangle where a walk along it arrives, and misses beside, behind and along it")
 {
     std::mt19937 random(4);
     std::uniform_real_distribution<double> number(0.1, 3.0);

@@ -44,7 +44,7 @@ TEST_CASE("a refined tetrahedron is eight of an eighth of its volume, around its
     }
 }
 
-TEST_CASE("a refined mesh is whole: same volume, closed surface, faces that meet, old nodes where they were")
+TEST_CASE("a refined mesh is conforming: same volume, closed surface, matching faces, old nodes unmoved")
 {
     for (const TetMesh& mesh : {cubeMesh(3, 7), bunny()}) {
         const TetMesh fine = refined(mesh);

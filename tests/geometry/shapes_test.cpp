@@ -66,7 +66,7 @@ TEST_CASE("round shapes are closed, face outwards, and come as near to their vol
     for (const double lack : lacks) CHECK(lack < 3e-3);
 }
 
-TEST_CASE("the vertices of round shapes lie where the round is, and both ends are alike")
+TEST_CASE("the vertices of round shapes lie on the round surface, and both ends are alike")
 {
     const auto sphere = shapes::sphere(0.01), capsule = shapes::capsule(0.01, 0.04),
                cylinder = shapes::cylinder(0.01, 0.04);

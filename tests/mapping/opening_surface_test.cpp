@@ -174,7 +174,7 @@ TEST_CASE("a slit opens down to its end and no further")
     }
 }
 
-TEST_CASE("a surface above its body gets a strip down to the rim, also where it has none of the body's nodes")
+TEST_CASE("a surface above its body gets a strip down to the rim, even if it has none of the body's nodes")
 {
     const PartedBlock block([](Vec3) { return true; });
     const auto whole = skin(block.rest, 0.5e-3);

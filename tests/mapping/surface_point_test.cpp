@@ -44,7 +44,7 @@ TEST_CASE("a point on a surface at rest lies there, its frame looks outwards and
     CHECK(distance(axis(pose, 1), {0, 1, 0}) < 1e-12);
 }
 
-TEST_CASE("on a floor or a ceiling, where no direction of the surface is upwards, there is a frame too")
+TEST_CASE("there is a frame on a floor or a ceiling too, where no direction of the surface is upwards")
 {
     for (const double side : {1.0, -1.0}) {
         const SurfacePoint point = nearestPoint(mapBoundary(block()), {0.001, side, 0.002}, "lamp");

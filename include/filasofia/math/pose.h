@@ -28,7 +28,7 @@ inline bool isFinite(const Pose& pose) { return isFinite(pose.position) && isFin
 
 constexpr auto fields(const Pose*)
 {
-    return describe("Pose", field("position", &Pose::position, "m", finite(), "where the origin lies"),
+    return describe("Pose", field("position", &Pose::position, "m", finite(), "position of the origin"),
                     field("orientation", &Pose::orientation, "unit quaternion"));
 }
 
