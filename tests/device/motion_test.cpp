@@ -109,7 +109,7 @@ TEST_CASE("an invalid motion file is refused with file, line, field and value")
     CHECK(refusal(head + "0,0,0,0,1,0,0,0\n") == "motion file 'FILE': line 2: must have 9 numbers, got 8");
     CHECK(refusal(head + "0,0,zero,0,1,0,0,0,0\n") ==
           "motion file 'FILE': line 2: must be 9 numbers, the last one whole and >= 0, got '0,0,zero,0,1,0,0,0,0'");
-    CHECK(refusal(head + "0,0,0,0,1,0,0,0,-1\n").find("the last a whole one") != std::string::npos);
+    CHECK(refusal(head + "0,0,0,0,1,0,0,0,-1\n").find("the last one whole") != std::string::npos);
     CHECK(refusal(head + "0,0,0,0,1,0,0,0,0,\n") == "motion file 'FILE': line 2: must have 9 numbers, got 10");
     CHECK(refusal(head + "0,0,0,0,1,0,0,0,0\r\n1, 0.1,0,0,1,0,0,0,0") == "nothing"); // spaces, other line ends
 }

@@ -151,7 +151,7 @@ TEST_CASE("a file that is not a session is refused by file and line")
     CHECK(second("{\"t\":0}") == ", line 2: 's' must be a list of samples of 2 tracks");
     CHECK(second("{\"s\":[]}") == ", line 2: field 't', the time, is missing");
     CHECK(second("{\"t\":0,\"s\":[[1],[2]]}") ==
-          ", line 2: a sample must be 7, 11 or 14 numbers, the eleventh the number of contacts");
+          ", line 2: a sample must have 7, 11 or 14 numbers, of which the eleventh is the number of contacts");
     CHECK(second("{\"t\":0,\"event\":\"party\"}") ==
           ", line 2: the kind of an event must be one of Filasofia's, got 'party'");
     CHECK(second(endLine(0) + eventLine({})) == ", line 3: there must be no line after the end");
