@@ -5,7 +5,8 @@
 #include <string_view>
 #include <tuple>
 
-/// The one list of a Def's fields. Validation, recordings, the inspector and the bounds of command-line options read it.
+/// The one list of a Def's fields. Validation, recordings, the inspector and the bounds of command-line options read
+/// it.
 ///
 ///     struct Spring { double stiffness = 100; };
 ///     constexpr auto fields(const Spring*)
