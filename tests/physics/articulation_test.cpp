@@ -57,8 +57,8 @@ TEST_CASE("joints that make no tree, or that cannot be built, are refused with t
     checkRefused(joint(1, [](JointDef& j) { j.child = 3; }), {second + ".child", "[0, 3)", "got 3"});
     checkRefused(joint(1, [](JointDef& j) { j.parent = 3; }), {second + ".parent", "[0, 3)", "got 3"});
     checkRefused(joint(1, [](JointDef& j) { j.parent = -1; }), {"joints[1].parent", ">= 0", "got -1"});
-    checkRefused(joint(1, [](JointDef& j) { j.child = 0; }), {second + ".child", "element 0 is the base"});
-    checkRefused(joint(1, [](JointDef& j) { j.child = 1; }), {second + ".child", "child of joints[0] already"});
+    checkRefused(joint(1, [](JointDef& j) { j.child = 0; }), {second + ".child", "must not be 0, the base"});
+    checkRefused(joint(1, [](JointDef& j) { j.child = 1; }), {second + ".child", "already the child of joints[0]"});
     checkRefused(joint(0, [](JointDef& j) { j.parent = 2; }), {first, "part of a loop", "element 1"});
     checkRefused(joint(1, [](JointDef& j) { j.parent = 2; }), {second, "part of a loop", "element 2"});
     checkRefused(joint(0, [](JointDef& j) { j.lower = 2.0; }), {first + ".upper", ">= lower", "2", "got 1"});
@@ -66,7 +66,8 @@ TEST_CASE("joints that make no tree, or that cannot be built, are refused with t
     checkRefused(joint(0, [](JointDef& j) { j.start = -1.5; }), {first + ".start", "[-1, 1] rad", "got -1.5"});
     checkRefused(joint(0, [](JointDef& j) { j.command = JointPosition{1.5}; }),
                  {first + ".command", "[-1, 1] rad", "got 1.5"});
-    checkRefused(joint(0, [](JointDef& j) { j.command = JointForce{1.0}; }), {first + ".command", "resists"});
+    checkRefused(joint(0, [](JointDef& j) { j.command = JointForce{1.0}; }),
+                 {first + ".command", "without an inertia"});
     checkRefused(joint(0, [](JointDef& j) { j.command = JointForce{kNan}; }), {"joints[0].command", "got nan"});
     checkRefused(joint(0, [](JointDef& j) { j.speed = 0.0; }), {"joints[0].speed", "> 0", "got 0"});
     checkRefused(joint(0, [](JointDef& j) { j.friction = -1.0; }), {"joints[0].friction", ">= 0", "got -1"});
@@ -94,7 +95,7 @@ TEST_CASE("an articulated body's elements, base and carrier are refused if they 
             def.mass = GivenInertia{};
             def.articulation.to = physics.add(RigidBodyDef{});
         },
-        {"rigid body 'forceps': articulation.to", "no body", "got body 1"});
+        {"rigid body 'forceps': articulation.to", "must not name a body", "got body 1"});
     checkRefused([](RigidBodyDef& def, PhysicsServer&) { def.elements.resize(2); },
                  {"rigid body 'forceps': elements", "1 entry", "or 3", "got 2"});
     checkRefused([](RigidBodyDef& def, PhysicsServer&) { def.elements.resize(3); },
@@ -151,7 +152,7 @@ TEST_CASE("joints follow commands, and a wrong command is an error at the caller
     checkError([&] { server.setJoint(id, 2, JointPosition{}); }, {"'forceps': joint", "[0, 2)", "got 2"});
     checkError([&] { server.setJoint(id, -1, JointPosition{}); }, {"'forceps': joint", "[0, 2)", "got -1"});
     checkError([&] { server.setJoint(plain, 0, JointPosition{}); }, {"rigid body 'probe'", "no such joint"});
-    checkError([&] { server.setJoint(soft, 0, JointPosition{}); }, {"soft body 'liver'", "rigid body has joints"});
+    checkError([&] { server.setJoint(soft, 0, JointPosition{}); }, {"soft body 'liver'", "must be a rigid body"});
     checkError([&] { server.setJoint(BodyId{99}, 0, JointPosition{}); }, {"body 99", "no such body"});
     checkError([&] { server.setJoint(id, 0, JointPosition{1.01}); }, {"joint 0: position", "[-1, 1] rad", "got 1.01"});
     checkError([&] { server.setJoint(id, 0, JointPosition{kNan}); }, {"joint 0", "must be finite", "got nan"});
@@ -163,7 +164,7 @@ TEST_CASE("joints follow commands, and a wrong command is an error at the caller
     carried.name = "carried";
     carried.articulation.to = plain;
     const BodyId follower = server.add(carried);
-    checkError([&] { server.setPose(follower, Pose{}); }, {"'carried'", "goes with body 2"});
+    checkError([&] { server.setPose(follower, Pose{}); }, {"'carried'", "follows body 2"});
     server.remove(plain);
     server.setPose(follower, Pose{});
     server.step(0.1);

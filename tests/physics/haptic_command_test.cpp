@@ -40,11 +40,11 @@ TEST_CASE("a haptic target arrives as it was given, an invalid one is an error a
     checkError(with([](HapticTarget& t) { t.coupling.linearStiffness = -1; }), {"linearStiffness", "must be >= 0 N/m"});
     checkError(with([](HapticTarget& t) { t.coupling.forceLimit = 0; }), {"forceLimit", "must be > 0 N", "got 0"});
     RigidBodyDef forceps{.name = "forceps", .articulation = {.joints = {{.lower = -1, .upper = 1}}}};
-    const BodyId told1 = server.add(forceps);
+    const BodyId kinematic = server.add(forceps);
     forceps.dynamic = true;
     forceps.mass = GivenInertia{.mass = 0.1};
     const BodyId free = server.add(forceps);
-    checkError([&] { server.setHaptic(told1, good, 1); }, {"forceps", "element 1", "only the base, element 0"});
+    checkError([&] { server.setHaptic(kinematic, good, 1); }, {"forceps", "element 1", "only the base, element 0"});
     checkError([&] { server.setHaptic(free, good); },
                {"forceps", "must not be a dynamic body with joints to be held by a hand"});
     server.step(0.1);

@@ -203,7 +203,7 @@ TEST_CASE(
     CHECK((arrived.id == body && arrived.element == 1));
     CHECK((arrived.force == Vec3{1, 2, 3} && arrived.torque == Vec3{4, 5, 6}));
 
-    checkError([&] { server.setWrench(tool, {}, {}); }, {"rigid body 'tool'", "dynamic body only"});
+    checkError([&] { server.setWrench(tool, {}, {}); }, {"rigid body 'tool'", "must be a dynamic body"});
     checkError([&] { server.setWrench(soft, {}, {}); }, {"soft body 'liver'", "must be a dynamic rigid body"});
     checkError([&] { server.setWrench(BodyId{99}, {}, {}); }, {"body 99", "no such body"});
     checkError([&] { server.setWrench(body, {}, {}, 2); }, {"rigid body 'forceps'", "element", "[0, 2)", "got 2"});

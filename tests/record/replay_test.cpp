@@ -121,7 +121,7 @@ TEST_CASE("a step out of time without a count for every soft body is refused")
 {
     StepRecord step = wrongStep(Reset{});
     step.report.set(StepFlag::OutOfTime);
-    checkRefused(step, {"step 1", "iterations", "bodies were solved", "got 0"});
+    checkRefused(step, {"step 1", "iterations", "one per solve", "got 0"});
     step.report.solves.resize(2);
     checkRefused(step, {"step 1", "iterations", "got 2"});
 }

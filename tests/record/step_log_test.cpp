@@ -104,7 +104,7 @@ TEST_CASE("a list of iterations that is not one per soft body is refused, of a s
             report.solves.resize(2 + change);
             CHECK_THROWS_WITH(record::replay(steps, *engine::makeNativeEngine()),
                               text("step ", report.step,
-                                   ": iterations must have one entry per solve, a number of entries in [2, 2], got ",
+                                   ": iterations must have a number of entries in [2, 2], one per solve, got ",
                                    2 + change));
         }
 }
@@ -117,5 +117,5 @@ TEST_CASE("a paused step has no iterations")
     CHECK(paused->report.solves.empty());
     paused->report.solves.resize(1);
     CHECK_THROWS_WITH(record::replay(steps, *engine::makeNativeEngine()),
-                      Catch::Contains("one entry per solve, a number of entries in [0, 0], got 1"));
+                      Catch::Contains("a number of entries in [0, 0], one per solve, got 1"));
 }

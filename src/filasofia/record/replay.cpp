@@ -71,8 +71,8 @@ struct Replayer::Impl {
         const std::size_t maximum =
             paused ? 0 : minimum + bodies.dynamicElementCount(); // rigid bodies form groups by contacts
         if (const std::size_t count = recorded.report.solves.size(); count < minimum || count > maximum)
-            fail("step ", recorded.report.step, ": iterations must have one entry per solve, a number of entries in [",
-                 minimum, ", ", maximum, "], got ", count);
+            fail("step ", recorded.report.step, ": iterations must have a number of entries in [", minimum, ", ",
+                 maximum, "], one per solve, got ", count);
         physics::StepBudget budget;
         if (!recorded.report.has(physics::StepFlag::OutOfTime)) return budget;
         for (const physics::BodySolve& solve : recorded.report.solves) budget.iterations.push_back(solve.iterations);
