@@ -85,7 +85,7 @@ struct TopologyReport {
     int bladeNoLength = 0;              ///< refused: a blade has no length
     int bladeJump = 0;                  ///< refused: a blade moved further in one step than the body is long
     int bladeTooFast = 0; ///< refused: a blade jumped across a body, faster than 20 m/s or by more than 1 rad
-    int edgeGone = 0;     ///< refused: an edge to be cut had already been cut in the step
+    int edgeGone = 0;     ///< refused: an edge to be cut had been cut meanwhile
     int tearClosed = 0;   ///< refused: a tear would have opened nothing, or left an invalid surface
     int noPiece = 0;      ///< refused: a piece to be removed does not exist, or is all that is left of the body
     int lost = 0;         ///< pieces that went farther than 10 m and were removed
