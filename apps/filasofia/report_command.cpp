@@ -133,7 +133,7 @@ Command reportCommand()
                          .target = &options.threads,
                          .meaning = "For a recording: threads within one step; 0: all cores except one, at most 8",
                          .bound = kThreads},
-                        {"--definitions", &options.definitions, "Print the table of measures (docs/guide/metrics.md)"}},
+                        {"--definitions", &options.definitions, "Print the list of all measures (docs/guide/metrics.md)"}},
             .run = [] { return report(options); },
             .footer = "docs/guide/report.md explains how to read the report."};
 }

@@ -396,8 +396,8 @@ class Replay(Program):
         pipe = os.path.join(self.folder.name, "pipe.rec")
         os.mkfifo(pipe)
         for file in (pipe, "/dev/zero", "/dev/null"):
-            self.refused("replay", file, says=[f"{file}: is no regular file"])
-        self.refused("replay", self.folder.name, says=[f"{self.folder.name}: is a folder"])
+            self.refused("replay", file, says=[f"{file}: is not a regular file"])
+        self.refused("replay", self.folder.name, says=[f"{self.folder.name}: must be a file, got a directory"])
 
     def test_one_file_by_two_names_is_refused_for_log_and_recording(self):
         table = Path(self.folder.name, "bunny.csv")
@@ -405,7 +405,7 @@ class Replay(Program):
             self.file.write_text("")
             link(self.file)
             self.refused("run", "bunny", "--tets", "756", "--headless", "--steps", "3", "--record", str(self.file),
-                         "--log", str(table), says=["is being written already"])
+                         "--log", str(table), says=["is already being written"])
             table.unlink()
 
     def test_a_changed_command_is_seen_in_the_first_step_it_changes(self):
@@ -418,17 +418,17 @@ class Replay(Program):
     def test_a_damaged_recording_is_refused_with_file_and_place(self):
         self.record("--headless", "--steps", "5")
         whole, records = self.file.read_bytes(), self.records()
-        self.refused("replay", "/nonexistent.rec", says=["/nonexistent.rec", "cannot be read"])
+        self.refused("replay", "/nonexistent.rec", says=["/nonexistent.rec", "no such file"])
         self.refused("replay", says=["RECORDING"])
         fourth = self.steps()[3]
         self.change(fourth, '"hash":', '"xx":')
-        self.ends_early("replayed", f"{self.file}: record {fourth + 1}: unknown field 'xx'; it is whole up to step 3")
+        self.ends_early("replayed", f"{self.file}: record {fourth + 1}: unknown field 'xx'; it is complete up to step 3")
         self.write(records[:-2])
-        self.ends_early("4 steps, ", f"{self.file}: cut off at byte ", "the session's end is missing; it is whole up to step 4")
+        self.ends_early("4 steps, ", f"{self.file}: cut off at byte ", "before the end of the session; it is complete up to step 4")
         self.file.write_bytes(whole[:-20])
-        self.ends_early(f"{self.file}: cut off at byte ", "a part of a chunk is missing; it has no whole step")
+        self.ends_early(f"{self.file}: cut off at byte ", "in the middle of a chunk; it has no complete step")
         self.file.write_bytes(whole[:60] + b"?" + whole[61:])
-        self.refused("replay", str(self.file), says=[f"{self.file}: damaged at byte 31: the checksum differs"])
+        self.refused("replay", str(self.file), says=[f"{self.file}: damaged at byte 31: the checksum of the chunk does not match"])
         self.file.write_bytes(whole.replace(b"version 5", b"version 9", 1))
         self.refused("replay", str(self.file), says=["version 9", "reads version 5"])
         self.file.write_text('{"format":"filasofia recording","version":3,"filasofia":"0.1.0","revision":"abc"}\n')
@@ -437,7 +437,7 @@ class Replay(Program):
         self.write([records[0], b'{"end":0}\n'])
         self.refused("replay", str(self.file), says=["holds no step"])
         self.file.write_bytes(b"\x00\xff\n" * 10)
-        self.refused("replay", str(self.file), says=["no Filasofia recording"])
+        self.refused("replay", str(self.file), says=["not a Filasofia recording"])
 
     def ends_early(self, *says):
         """The undamaged part is replayed with equal hashes; then the exit code is 2."""

@@ -38,8 +38,8 @@ with tempfile.TemporaryDirectory() as folder:
         assert not judged or age < 1.0, f"round {number}: the last write was {age:.3f} s before the kill"
         done = subprocess.run([PROGRAM, "replay", file, "--check", "--threads", "1"], capture_output=True, text=True)
         assert done.returncode == 2, f"round {number}: {done}"
-        assert re.search(r": cut off at byte \d+: .*; it (is whole up to step \d+|has no whole step)\n$", done.stderr), done
-        if "no whole step" in done.stderr:
+        assert re.search(r": cut off at byte \d+, .*; it (is complete up to step \d+|has no complete step)\n$", done.stderr), done
+        if "no complete step" in done.stderr:
             continue  # killed before the first
         whole = int(re.search(r"up to step (\d+)", done.stderr)[1])
         assert "every step has the recorded hash\n" in done.stdout and f"{whole} steps, " in done.stdout, done

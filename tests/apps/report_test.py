@@ -81,7 +81,7 @@ class Outputs(Report):
         self.assertAlmostEqual(metrics["force_over_time"]["value"], 2.0 / 3.0, 3)
         self.assertEqual(metrics["tears_unintended"]["value"], 1)
         self.assertIsNone(metrics["perforations"]["value"])
-        self.assertIn("not watched", metrics["perforations"]["reason"])
+        self.assertIn("did not record events", metrics["perforations"]["reason"])
         for metric in metrics.values():
             for key in ("name", "unit", "definition", "source", "evidence", "found"):
                 self.assertTrue(metric[key], metric)
@@ -127,7 +127,7 @@ class Outputs(Report):
         self.assertIn("cut off at byte", done.stderr)
         self.assertIn("the record of the session is incomplete", done.stdout)
         (self.folder / "cut.rec").write_bytes(whole[:2000])
-        self.refused("cut.rec", says=["cut.rec: cut off at byte", "no whole step"])
+        self.refused("cut.rec", says=["cut.rec: cut off at byte", "no complete step"])
 
     def test_a_session_of_odd_numbers_is_reported(self):
         head = session().splitlines()[0]
@@ -146,7 +146,7 @@ class Outputs(Report):
                 self.assertNotIn("nan", re.sub(r"<script.*?</script>|<!--.*?-->", "", page, flags=re.S).lower().split())
 
     def test_the_definitions_are_those_of_the_docs(self):
-        self.assertIn("| Path length `path_length` |", self.report("--definitions"))
+        self.assertIn("- **Path length** `path_length` [m], lower is better.", self.report("--definitions"))
 
 
 class Untrusted(Report):
@@ -187,7 +187,7 @@ class Cohort(Report):
         self.assertEqual(metrics["path_length"]["cohort"]["sessions"], 3)
         self.assertAlmostEqual(metrics["path_length"]["z"], 0.08 / 0.02, 4)
         self.assertIsNone(metrics["duration"]["z"])
-        self.assertEqual(metrics["duration"]["cohort"]["reason"], "all others have the same number")
+        self.assertEqual(metrics["duration"]["cohort"]["reason"], "all other sessions have the same number")
         sessions = json.loads(self.report(file, "--cohort", "cohort", "--json", "-"))["sessions"]
         self.assertEqual([each["date"] for each in sessions], ["2026-11-10", "2026-11-20"])
         self.assertEqual([each["current"] for each in sessions], [False, True])
@@ -231,7 +231,7 @@ class Cohort(Report):
         file = self.write("a.jsonl", session())
         self.write("cohort/b.jsonl", session(trainee="B"))
         metrics = self.metrics(file, "--cohort", "cohort")
-        self.assertEqual(metrics["path_length"]["cohort"]["reason"], "needs 3 other sessions, has 1")
+        self.assertEqual(metrics["path_length"]["cohort"]["reason"], "needs 3 other sessions, got 1")
 
     def test_a_folder_that_is_not_a_cohort_is_refused(self):
         file = self.write("a.jsonl", session())
@@ -250,7 +250,7 @@ class Cohort(Report):
         self.write("mixed/one.jsonl", session(trainee="B"))
         done = run("report", file, "--cohort", "mixed", "--html", "p.html", folder=self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("two.jsonl, line 1: is a session of version 2, and this program reads 1", done.stderr)
+        self.assertIn("two.jsonl, line 1: the session has version 2, but this program reads version 1", done.stderr)
         self.assertIn("empty.jsonl: is empty", done.stderr)
         self.assertIn("two.jsonl could not be read", (self.folder / "p.html").read_text())
 
@@ -283,7 +283,7 @@ class Cohort(Report):
     def test_words_that_do_not_fit_are_refused(self):
         file = self.write("a.jsonl", session())
         self.refused(says=["--example"])
-        self.refused("nothing.jsonl", says=["nothing.jsonl: there is no such file"])
+        self.refused("nothing.jsonl", says=["nothing.jsonl: no such file"])
         self.refused("a.txt", says=["must be a session (.jsonl) or a recording (.rec)"])
         self.refused(file, "--example", says=["--example needs no file"])
         self.refused(file, "--html", "nowhere/p.html", says=["nowhere/p.html: cannot be written"])

@@ -38,7 +38,7 @@ struct Poke {
     {
         return frame::forceOn(probe, const_cast<physics::PhysicsServer&>(server).latest()->contacts);
     }
-    Moving probeNow() const
+    MotionState probeNow() const
     {
         const auto frame = const_cast<physics::PhysicsServer&>(server).latest();
         const frame::RigidBodyFrame* body = frame->rigidBody(probe);
@@ -64,9 +64,9 @@ Felt pokeByHand(Vec3 above, double depth, double physicsRate, double servoRate)
     loop.setCapabilities({.force = true});
     const auto handAt = [&](double t) {
         const double s = std::min(t, 1.0), w = std::numbers::pi;
-        return Moving{{above - Vec3{0, 0.5 * depth * (1.0 - std::cos(w * s)), 0}, {}},
-                      {0, t < 1.0 ? -0.5 * depth * w * std::sin(w * s) : 0.0, 0},
-                      {}};
+        return MotionState{{above - Vec3{0, 0.5 * depth * (1.0 - std::cos(w * s)), 0}, {}},
+                           {0, t < 1.0 ? -0.5 * depth * w * std::sin(w * s) : 0.0, 0},
+                           {}};
     };
     BodySample body;
     Felt felt;
@@ -77,7 +77,7 @@ Felt pokeByHand(Vec3 above, double depth, double physicsRate, double servoRate)
         const double t = i / servoRate;
         const auto now = static_cast<Nanoseconds>(std::llround(t * 1e9));
         while (nextStep <= t + 1e-12) {
-            const Moving hand = handAt(nextStep);
+            const MotionState hand = handAt(nextStep);
             poke.server.setHaptic(poke.probe, {hand.pose, hand.velocity, hand.angularVelocity, sceneCoupling(def)});
             poke.server.step(1.0 / physicsRate);
             ++body.number;

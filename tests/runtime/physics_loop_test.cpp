@@ -116,8 +116,8 @@ TEST_CASE("every live step is given the time until its deadline, counted from it
 {
     FakeClock fake;
     fake.oversleep = 70'000;
-    physics::Told told;
-    physics::PhysicsServer server = physics::fakeServer(told);
+    physics::EngineCalls calls;
+    physics::PhysicsServer server = physics::fakeServer(calls);
     std::vector<Nanoseconds> expected;
     const Nanoseconds start = fake.time;
     const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maximumSteps = 50},
@@ -127,7 +127,7 @@ TEST_CASE("every live step is given the time until its deadline, counted from it
                                         });
     for (const StepTiming& step : timing.steps) expected.push_back(start + step.wake + kMs);
     CHECK(expected.size() == 50);
-    CHECK(told.deadlines == expected);
+    CHECK(calls.deadlines == expected);
 }
 
 TEST_CASE("a deadline that never comes is the end of all time, and so is none")
@@ -136,20 +136,20 @@ TEST_CASE("a deadline that never comes is the end of all time, and so is none")
     for (const std::optional<Nanoseconds> deadline :
          {std::optional<Nanoseconds>(), std::optional<Nanoseconds>(never)}) {
         FakeClock fake;
-        physics::Told told;
-        physics::PhysicsServer server = physics::fakeServer(told);
+        physics::EngineCalls calls;
+        physics::PhysicsServer server = physics::fakeServer(calls);
         runPhysics(server, {.period = kMs, .deadline = deadline, .maximumSteps = 3}, fake.clock(), kNeverStop,
                    [](const physics::StepReport&) { return 0u; });
-        CHECK(told.deadlines == std::vector<Nanoseconds>(3, never)); // and there is a clock for the stages' times
+        CHECK(calls.deadlines == std::vector<Nanoseconds>(3, never)); // and there is a clock for the stages' times
     }
 }
 
 TEST_CASE("a step whose solver is stopped ends at its deadline and says so")
 {
     FakeClock fake;
-    physics::Told told{.needed = 10};
-    told.iterate = [&] { fake.time += 300'000; };
-    physics::PhysicsServer server = physics::fakeServer(told);
+    physics::EngineCalls calls{.needed = 10};
+    calls.iterate = [&] { fake.time += 300'000; };
+    physics::PhysicsServer server = physics::fakeServer(calls);
     server.add(physics::SoftBodyDef{.mesh = physics::oneTetrahedron()});
     int outOfTime = 0;
     const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maximumSteps = 4},
@@ -158,7 +158,7 @@ TEST_CASE("a step whose solver is stopped ends at its deadline and says so")
                                             return 0u;
                                         });
     CHECK(outOfTime == 4);
-    CHECK(told.iterations == std::vector<std::vector<int>>(4, {4})); // the fourth goes over: only then it looks again
+    CHECK(calls.iterations == std::vector<std::vector<int>>(4, {4})); // the fourth goes over: only then it looks again
     for (const StepTiming& step : timing.steps) CHECK(step.cost == 1'200'000);
 }
 
@@ -189,7 +189,7 @@ TEST_CASE("what is called before a step is told the length that the step then ha
 {
     FakeClock fake;
     physics::PhysicsServer server(engine::makeNativeEngine());
-    std::vector<double> told, made;
+    std::vector<double> calls, made;
     std::mt19937 random(5);
     std::uniform_int_distribution<Nanoseconds> load(kMs / 2, 5 * kMs); // some late, some clamped
     const auto afterStep = [&](const physics::StepReport& report) {
@@ -199,9 +199,9 @@ TEST_CASE("what is called before a step is told the length that the step then ha
     };
     runPhysics(server, {.period = kMs, .slack = kMs, .maximumSteps = 50}, fake.clock(), kNeverStop, afterStep,
                [&](double dt) {
-                   CHECK(told.size() == made.size());
-                   told.push_back(dt);
+                   CHECK(calls.size() == made.size());
+                   calls.push_back(dt);
                });
-    CHECK(told.size() == 50);
-    CHECK(told == made);
+    CHECK(calls.size() == 50);
+    CHECK(calls == made);
 }

@@ -248,7 +248,7 @@ TEST_CASE("one file by two names is refused for log and recording")
     std::filesystem::create_symlink(folder / "run.rec", folder / "run.csv");
     Simulation sim;
     CHECK_THROWS_WITH(sim.run({.headless = true, .steps = 3, .log = folder / "run.csv", .record = folder / "run.rec"}),
-                      folder / "run.rec" + ": is being written already, by this name or another");
+                      folder / "run.rec" + ": is already being written, under this or another name");
 }
 
 TEST_CASE("a run that begins paused is made again from its recording")

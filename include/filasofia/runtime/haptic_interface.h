@@ -18,15 +18,15 @@ struct HapticInterfaceDef {
     /// Of the device's axes in the scene: the body is where the hand is. Not given: its axes are the scene's, and where
     /// the hand is at first, the body is as it was added.
     std::optional<Pose> origin = {};
-    BodyId body = {};           ///< a rigid body
-    int element = 0;            ///< [-], >= 0, of it
-    HandCoupling coupling = {}; ///< in the scene
-    double forceScale = 1.0;    ///< [-], in [0, 1e3]: newtons on the hand for one in the scene
-    double forceLimit = 3.0;    ///< [N], > 0, on the hand, and by force scale on the body; the device's own holds too
-    double torqueLimit = 0.1;   ///< [N m], > 0, the same of its turning
-    double rampIn = 0.3;        ///< [s], >= 0: from nothing to the whole force, after every interruption
-    double energyLimit = 0.25;  ///< [J], >= 0: of what the hand has given, so much may be given back later
-    double rate = 1000.0;       ///< [Hz], in [100, 10000], of the servo loop in a live run
+    BodyId body = {};              ///< a rigid body
+    int element = 0;               ///< [-], >= 0, of it
+    VirtualCoupling coupling = {}; ///< in the scene
+    double forceScale = 1.0;       ///< [-], in [0, 1e3]: newtons on the hand for one in the scene
+    double forceLimit = 3.0;   ///< [N], > 0, on the hand, and by force scale on the body; the device's own holds too
+    double torqueLimit = 0.1;  ///< [N m], > 0, the same of its turning
+    double rampIn = 0.3;       ///< [s], >= 0: from nothing to the whole force, after every interruption
+    double energyLimit = 0.25; ///< [J], >= 0: of what the hand has given, so much may be given back later
+    double rate = 1000.0;      ///< [Hz], in [100, 10000], of the servo loop in a live run
 };
 constexpr auto fields(const HapticInterfaceDef*)
 {
@@ -57,7 +57,7 @@ struct HapticId {
 /// How a haptic interface is doing, all in the scene's axes.
 struct HapticState {
     device::ServoState state = device::ServoState::Waiting;
-    Moving hand = {};          ///< the last that was good
+    MotionState hand = {};     ///< the last that was good
     std::uint32_t buttons = 0; ///< a bit for each that is pressed
     CouplingForce onHand = {}; ///< [N], [N m], as the device was told last
     CouplingForce onBody = {}; ///< [N] at its centre of mass, [N m]: the coupling's at the end of the last step

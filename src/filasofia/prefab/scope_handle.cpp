@@ -81,7 +81,7 @@ void ScopeHandle::feel(const frame::Frame& now, BodyId scope, BodyId instrument)
     if (const frame::RigidBodyFrame* jaws = now.rigidBody(instrument))
         add(frame::forceOn(instrument, now.attachments), jaws->poses.back().position);
     constexpr double kForces = 1e5, kTorques = 1e7; // in [N], [N m]: for the recording's size
-    simulation_.physics().setWrench(body_, rounded(weakened(length(force), kForceLimit) * force, kForces),
+    simulation_.physics().setWrench(body_, rounded(limitFactor(length(force), kForceLimit) * force, kForces),
                                     rounded(torque, kTorques));
 }
 

@@ -71,7 +71,7 @@ struct Haptics::Interface {
     Pose origin;
     Quat grip;
     // And what the stepping thread is told of it.
-    device::Latest<HandCoupling> coupling;
+    device::Latest<VirtualCoupling> coupling;
     std::atomic<bool> aligns = false;       ///< it has no origin of its own
     std::atomic<std::uint64_t> placing = 0; ///< snapshots of an earlier one are of another place
 
@@ -164,12 +164,12 @@ HapticInterfaceDef Haptics::def(HapticId id) const
     return now;
 }
 
-Moving Haptics::deviceHand(HapticId id) const
+MotionState Haptics::deviceHand(HapticId id) const
 {
     const std::lock_guard lock(mutex_);
     device::ServoSnapshot seen;
     const Interface& each = find(id);
-    return each.servo && each.servo->latest(seen) ? seen.sample.hand : Moving{};
+    return each.servo && each.servo->latest(seen) ? seen.sample.hand : MotionState{};
 }
 
 HapticState Haptics::state(HapticId id) const
@@ -334,7 +334,7 @@ void Haptics::afterStep(const physics::StepReport& report, physics::PhysicsServe
         const auto e = static_cast<std::size_t>(each.def.element);
         const Vec3 arm = rotate(body->poses[e].orientation, each.centre);
         const Vec3 turning = body->angularVelocities[e];
-        const Moving now{body->poses[e], body->velocities[e] - cross(turning, arm), turning};
+        const MotionState now{body->poses[e], body->velocities[e] - cross(turning, arm), turning};
         each.servo->setBody({++each.states, each.seen, now, each.centre});
         const physics::HapticTarget& t = each.target;
         if (each.dynamic && each.states > 1)

@@ -34,7 +34,7 @@ public:
     void place(HapticId id, double scale, const Pose& origin);
     [[nodiscard]] std::vector<HapticId> ids() const;
     [[nodiscard]] HapticInterfaceDef def(HapticId id) const; ///< as it is placed now
-    [[nodiscard]] Moving deviceHand(HapticId id) const;      ///< along the device's own axes
+    [[nodiscard]] MotionState deviceHand(HapticId id) const; ///< along the device's own axes
 
     // A run. Between begin() and end() none may be added.
     /// Throws an Error where the run asks for a device or motion that cannot be. Headless the servos tick at their

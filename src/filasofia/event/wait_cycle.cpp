@@ -1,9 +1,9 @@
-#include "filasofia/event/wait_circle.h"
+#include "filasofia/event/wait_cycle.h"
 
 #include <map>
 #include <mutex>
 
-namespace filasofia::event::wait_circle {
+namespace filasofia::event::wait_cycle {
 namespace {
 
 std::mutex mutex;
@@ -15,7 +15,7 @@ bool enter(std::thread::id runner)
 {
     const std::thread::id self = std::this_thread::get_id();
     const std::lock_guard lock(mutex);
-    // No circle was ever let in, so that this walk ends.
+    // A cycle is never entered, so this loop ends.
     for (auto at = runner; at != self;) {
         const auto next = waitsFor.find(at);
         if (next == waitsFor.end()) {
@@ -33,4 +33,4 @@ void leave(std::thread::id waiter)
     waitsFor.erase(waiter);
 }
 
-} // namespace filasofia::event::wait_circle
+} // namespace filasofia::event::wait_cycle
