@@ -9,14 +9,14 @@
 
 namespace filasofia::runtime {
 
-Inspector::Inspector(Simulation::Impl& parts, visual::VisualServer& visual)
-    : parts_(parts), visual_(visual), rates_(parts), bodies_(parts), hands_(parts), scene_(parts)
+Inspector::Inspector(Simulation::Impl& impl, visual::VisualServer& visual)
+    : impl_(impl), visual_(visual), rates_(impl), bodies_(impl), hands_(impl), scene_(impl)
 {
 }
 
 Inspector::~Inspector()
 {
-    parts_.feed.watch(false);
+    impl_.feed.watch(false);
     if (gui_) visual_.remove(*gui_);
 }
 
@@ -24,8 +24,8 @@ void Inspector::setOpen(bool open)
 {
     if (open == open_) return;
     open_ = open;
-    parts_.feed.read([](const physics::StepReport&) {}); // those of the last time it was open
-    parts_.feed.watch(open);
+    impl_.feed.read([](const physics::StepReport&) {}); // those of the last time it was open
+    impl_.feed.watch(open);
     if (open) rates_.restart();
     if (open && !gui_)
         gui_ = &visual_.add(visual::GuiDef{.name = "inspector", .renderCallback = [this] { drawPanel(); }});
@@ -43,7 +43,7 @@ bool Inspector::handle(const event::Event& event)
 void Inspector::beforePicture()
 {
     if (!open_) return;
-    parts_.feed.read([this](const physics::StepReport& report) { rates_.add(report); });
+    impl_.feed.read([this](const physics::StepReport& report) { rates_.add(report); });
     rates_.addPicture(visual_.statistics().lastGuiSeconds);
     drawScene();
 }
@@ -87,11 +87,11 @@ void Inspector::drawPanel()
 void Inspector::drawRun()
 {
     const bool paused = rates_.paused();
-    if (ImGui::Button(paused ? "Go on" : "Pause")) parts_.physics.pause(!paused);
+    if (ImGui::Button(paused ? "Go on" : "Pause")) impl_.physics.pause(!paused);
     ImGui::SameLine();
-    if (ImGui::Button("Step")) parts_.stepAsked.store(true);
+    if (ImGui::Button("Step")) impl_.pause.askSingleStep();
     ImGui::SameLine();
-    if (ImGui::Button("Reset")) parts_.reset();
+    if (ImGui::Button("Reset")) impl_.reset();
     ImGui::SameLine();
     if (ImGui::Button("Screenshot")) askForScreenshot();
     if (!screenshot_.empty()) ImGui::TextDisabled("%s", screenshot_.c_str());

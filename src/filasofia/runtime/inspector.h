@@ -16,7 +16,7 @@ namespace filasofia::runtime {
 /// commands: physics does not know it.
 class Inspector {
 public:
-    Inspector(Simulation::Impl& parts, visual::VisualServer& visual);
+    Inspector(Simulation::Impl& impl, visual::VisualServer& visual);
     ~Inspector();
     Inspector(const Inspector&) = delete;
     Inspector& operator=(const Inspector&) = delete;
@@ -46,7 +46,7 @@ private:
     void drawScene();
     void takeScreenshot();
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     visual::VisualServer& visual_;
     visual::Gui* gui_ = nullptr; ///< made when it is first opened
     InspectorRates rates_;

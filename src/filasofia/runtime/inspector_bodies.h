@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/runtime/parts.h"
+#include "filasofia/runtime/simulation_impl.h"
 
 #include <map>
 #include <memory>
@@ -10,7 +10,7 @@ namespace filasofia::runtime {
 /// The bodies, their Defs' fields, and those fields that a command can change.
 class InspectorBodies {
 public:
-    explicit InspectorBodies(Simulation::Impl& parts);
+    explicit InspectorBodies(Simulation::Impl& impl);
 
     void draw();
     /// Why physics refused the last change that it refused, as its Error says.
@@ -33,7 +33,7 @@ private:
     void drawPlaces(const frame::RigidBodyFrame& state, bool dynamic);
     void drawAttachments(const frame::Frame& frame) const;
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     Vec3 gravity_;
     std::map<BodyId, Body> bodies_;
     std::string problem_;

@@ -25,14 +25,14 @@ Pose originThrough(Vec3 place, Vec3 hand, double scale, Quat orientation)
 
 void InspectorHands::draw()
 {
-    for (const HapticId id : parts_.haptics.ids()) drawHand(id);
+    for (const HapticId id : impl_.haptics.ids()) drawHand(id);
     if (!problem_.empty()) ImGui::TextWrapped("%s", problem_.c_str());
 }
 
 void InspectorHands::drawHand(HapticId id)
 {
-    const HapticState state = parts_.haptics.state(id);
-    const HapticInterfaceDef def = parts_.haptics.def(id);
+    const HapticState state = impl_.haptics.state(id);
+    const HapticInterfaceDef def = impl_.haptics.def(id);
     ImGui::PushID(static_cast<int>(id.value));
     const std::string_view word = device::describe(state.state);
     ImGui::Text("%s: %.*s", def.name.c_str(), static_cast<int>(word.size()), word.data());
@@ -63,9 +63,9 @@ void InspectorHands::drawJitter(const device::ServoStatistics& servo) const
 
 void InspectorHands::drawPlace(HapticId id, const HapticState& state)
 {
-    HapticInterfaceDef def = parts_.haptics.def(id);
+    HapticInterfaceDef def = impl_.haptics.def(id);
     const Pose origin = def.origin.value_or(Pose{});
-    const Vec3 hand = parts_.haptics.deviceHand(id).pose.position;
+    const Vec3 hand = impl_.haptics.deviceHand(id).pose.position;
     auto scale = static_cast<float>(def.scale);
     if (ImGui::SliderFloat("scale", &scale, 0.1F, 10.0F, "%.3g", ImGuiSliderFlags_Logarithmic)) // about where it is now
         place(id, scale, originThrough(state.hand.pose.position, hand, scale, origin.orientation));
@@ -74,7 +74,7 @@ void InspectorHands::drawPlace(HapticId id, const HapticState& state)
     if (ImGui::DragFloat3("origin [mm]", at.data(), 0.1F))
         place(id, def.scale, {1e-3 * Vec3{at[0], at[1], at[2]}, origin.orientation});
     if (!ImGui::Button("The hand is where the body is")) return;
-    const frame::FrameRef frame = parts_.physics.latest();
+    const frame::FrameRef frame = impl_.physics.latest();
     const frame::RigidBodyFrame* body = frame ? frame->rigidBody(def.body) : nullptr;
     if (!body) return;
     const Vec3 there = body->poses[static_cast<std::size_t>(def.element)].position;
@@ -84,7 +84,7 @@ void InspectorHands::drawPlace(HapticId id, const HapticState& state)
 void InspectorHands::place(HapticId id, double scale, const Pose& origin)
 {
     try {
-        parts_.haptics.place(id, scale, origin);
+        impl_.haptics.place(id, scale, origin);
         problem_.clear();
     } catch (const Error& error) {
         problem_ = error.what();

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/runtime/parts.h"
+#include "filasofia/runtime/simulation_impl.h"
 
 namespace filasofia::runtime {
 
@@ -11,9 +11,9 @@ Pose originThrough(Vec3 place, Vec3 hand, double scale, Quat orientation);
 /// where the device is in the scene, to be changed while it is held.
 class InspectorHands {
 public:
-    explicit InspectorHands(Simulation::Impl& parts) : parts_(parts) {}
+    explicit InspectorHands(Simulation::Impl& impl) : impl_(impl) {}
 
-    [[nodiscard]] bool any() const { return !parts_.haptics.ids().empty(); }
+    [[nodiscard]] bool any() const { return !impl_.haptics.ids().empty(); }
     void draw();
 
 private:
@@ -22,7 +22,7 @@ private:
     void drawPlace(HapticId id, const HapticState& state);
     void place(HapticId id, double scale, const Pose& origin);
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     std::string problem_;
 };
 

@@ -38,7 +38,7 @@ void stage(const char* name, double seconds, double period)
 void InspectorRates::restart()
 {
     now_ = {};
-    since_ = parts_.clock.now();
+    since_ = impl_.clock.now();
 }
 
 void InspectorRates::add(const physics::StepReport& report)
@@ -67,7 +67,7 @@ void InspectorRates::add(const physics::StepReport& report)
 void InspectorRates::addPicture(double guiSeconds)
 {
     guiSeconds_ = guiSeconds;
-    const Nanoseconds now = parts_.clock.now();
+    const Nanoseconds now = impl_.clock.now();
     const double seconds = toSeconds(now - since_);
     if (seconds < kPoint) return;
     physics_.add(now_.steps / seconds);
@@ -83,16 +83,16 @@ void InspectorRates::addPicture(double guiSeconds)
 
 void InspectorRates::draw()
 {
-    const double asked = parts_.def.physics.rate;
+    const double asked = impl_.def.physics.rate;
     plot("physics", physics_, asked, "Hz");
-    plot("picture", pictures_, parts_.def.look.rate, "Hz");
+    plot("picture", pictures_, impl_.def.look.rate, "Hz");
     plot("step", stepTime_, 0.5e6 / asked, "\xc2\xb5s");
     ImGui::Text("t = %.3f s   step %llu", time_, static_cast<unsigned long long>(step_));
     if (lastSeconds_ > 0.0) ImGui::Text("%.2f s simulated per second", last_.simulated / lastSeconds_);
     const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
     ImGui::Text("late %llu   clamped %llu   undone %llu", count(late_), count(clamped_), count(undone_));
     ImGui::Text("not converged %llu   out of time %llu", count(notConverged_), count(outOfTime_));
-    if (const std::uint64_t lost = parts_.feed.lost()) ImGui::Text("%llu steps not seen here", count(lost));
+    if (const std::uint64_t lost = impl_.feed.lost()) ImGui::Text("%llu steps not seen here", count(lost));
     drawStages();
     drawSolvers();
 }
@@ -100,7 +100,7 @@ void InspectorRates::draw()
 void InspectorRates::drawStages() const
 {
     if (!ImGui::TreeNodeEx("Time per stage", ImGuiTreeNodeFlags_DefaultOpen)) return;
-    const double steps = std::max(last_.steps, 1), period = 1.0 / parts_.def.physics.rate;
+    const double steps = std::max(last_.steps, 1), period = 1.0 / impl_.def.physics.rate;
     if (ImGui::BeginTable("stages", 3, ImGuiTableFlags_SizingFixedFit)) {
         ImGui::TableSetupColumn("stage");
         ImGui::TableSetupColumn("mean");
@@ -110,7 +110,7 @@ void InspectorRates::drawStages() const
         stage("assemble", last_.times.assemble / steps, period);
         stage("advance", last_.times.advance / steps, period);
         stage("topology", last_.times.topology / steps, period);
-        stage("this Gui", guiSeconds_, 1.0 / parts_.def.look.rate);
+        stage("this Gui", guiSeconds_, 1.0 / impl_.def.look.rate);
         ImGui::EndTable();
     }
     ImGui::TreePop();
@@ -119,7 +119,7 @@ void InspectorRates::drawStages() const
 std::string InspectorRates::nameOf(BodyId id) const
 {
     try {
-        return std::visit([](const auto& body) { return body.name; }, *parts_.physics.def(id));
+        return std::visit([](const auto& body) { return body.name; }, *impl_.physics.def(id));
     } catch (const Error&) {
         return text("body ", id.value); // removed meanwhile
     }

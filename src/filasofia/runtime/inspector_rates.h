@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/runtime/parts.h"
+#include "filasofia/runtime/simulation_impl.h"
 
 #include <array>
 #include <map>
@@ -34,7 +34,7 @@ private:
 /// How fast both servers go, where a step's time goes, and how its solvers do.
 class InspectorRates {
 public:
-    explicit InspectorRates(Simulation::Impl& parts) : parts_(parts) {}
+    explicit InspectorRates(Simulation::Impl& impl) : impl_(impl) {}
 
     /// Forgets the time in which nobody looked.
     void restart();
@@ -63,7 +63,7 @@ private:
         int pictures = 0;
     };
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     Trace physics_, pictures_, stepTime_;
     Sums now_;
     Sums last_; ///< of the newest point: what the numbers are about

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/runtime/parts.h"
+#include "filasofia/runtime/simulation_impl.h"
 #include "filasofia/visual/debug_draw.h"
 
 #include <map>
@@ -20,7 +20,7 @@ struct InspectorShow {
 /// Draws it, from what can be seen from outside: visual bodies, Frames, Defs.
 class InspectorScene {
 public:
-    explicit InspectorScene(Simulation::Impl& parts) : parts_(parts) {}
+    explicit InspectorScene(Simulation::Impl& impl) : impl_(impl) {}
 
     void draw(const InspectorShow& show, visual::VisualServer& visual);
     /// [m/N]: what is asked for, or the round number found for the last forces.
@@ -50,7 +50,7 @@ private:
     /// It goes where it is told, whatever pushes it.
     [[nodiscard]] bool isLed(BodyId id) const;
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     std::map<const visual::VisualBody*, Wires> wires_;
     std::map<BodyId, std::vector<Model>> models_;
     std::vector<Vec3> vertices_;

@@ -18,29 +18,29 @@ constexpr std::uint64_t kBehind = 2048; // steps: half of the log
 
 } // namespace
 
-RunFiles::RunFiles(Simulation::Impl& parts, const RunDef& def) : parts_(parts)
+RunFiles::RunFiles(Simulation::Impl& impl, const RunDef& def) : impl_(impl)
 {
     if (!def.log.empty()) table_.emplace(def.log);
     if (!def.record.empty()) {
         recording_.emplace(def.record, record::RecordingHeader{.simd = engine::simdTargets().front(),
-                                                               .period = 1.0 / parts.def.physics.rate,
-                                                               .contact = parts.def.physics.contact,
+                                                               .period = 1.0 / impl.def.physics.rate,
+                                                               .contact = impl.def.physics.contact,
                                                                .seed = static_cast<std::uint64_t>(def.seed),
                                                                .session = def.session,
                                                                .trainee = def.trainee,
                                                                .date = dateNow()});
-        parts.journal.watch();
-        if (const visual::VisualServer* visual = parts.bindings.visual()) parts.journal.observe(*visual, 0);
-        const window::WindowDef& window = parts.def.window;
-        const SceneBegan began{parts.def.look, window.width, window.height, !parts.dresses.empty()};
+        impl.journal.watch();
+        if (const visual::VisualServer* visual = impl.bindings.visual()) impl.journal.observe(*visual, 0);
+        const window::WindowDef& window = impl.def.window;
+        const SceneBegan began{impl.def.look, window.width, window.height, !impl.picture.dresses.empty()};
         attempt(recording_, [&](record::RecordingWriter& file) { file.write(recordOf(began)); });
     } else {
-        parts.journal.close();
+        impl.journal.close();
     }
-    while (parts.physics.nextRecord()) parts.physics.popRecord(); // left by a run that failed
+    while (impl.physics.nextRecord()) impl.physics.popRecord(); // left by a run that failed
     const bool any = table_ || recording_;
-    parts.physics.keepLog(any);
-    parts.physics.hashEveryStep(any);
+    impl.physics.keepLog(any);
+    impl.physics.hashEveryStep(any);
     if (!any) return;
     flush(); // a program that is killed at once leaves a file that says what it is
     thread_ = std::thread([this] { work(); });
@@ -56,11 +56,11 @@ template <class File, class Write> void RunFiles::attempt(std::optional<File>& f
     } catch (const std::exception& problem) {
         file.reset();
         logError(problem.what(), "; the run goes on without this file");
-        parts_.fileProblems.emplace_back(problem.what()); // read when the thread has ended
+        impl_.files.addFileProblem(problem.what()); // read when the thread has ended
         auto event = std::make_unique<FileFailedEvent>();
         event->problem = problem.what();
-        parts_.stamp(*event);
-        if (!parts_.events.tryPost(std::move(event))) logWarning("the event queue is full: nobody is told of this");
+        impl_.now.stamp(*event);
+        if (!impl_.events.tryPost(std::move(event))) logWarning("the event queue is full: nobody is told of this");
     }
 }
 
@@ -87,9 +87,9 @@ void RunFiles::work()
 
 void RunFiles::drain()
 {
-    while (const physics::StepRecord* step = parts_.physics.nextRecord()) {
+    while (const physics::StepRecord* step = impl_.physics.nextRecord()) {
         write(*step);
-        parts_.physics.popRecord();
+        impl_.physics.popRecord();
         written_.fetch_add(1);
     }
 }
@@ -104,7 +104,7 @@ void RunFiles::write(const physics::StepRecord& step)
 
 void RunFiles::writeScene(std::uint64_t beforeStep)
 {
-    while (auto event = parts_.journal.takeBefore(beforeStep))
+    while (auto event = impl_.journal.takeBefore(beforeStep))
         attempt(recording_, [&](record::RecordingWriter& file) {
             for (const std::string& name : filesOf(*event)) {
                 const auto known = filesTold_.insert(name).second ? digested(name) : std::nullopt;

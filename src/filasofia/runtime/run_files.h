@@ -2,7 +2,7 @@
 
 #include "filasofia/record/recording.h"
 #include "filasofia/record/step_table.h"
-#include "filasofia/runtime/parts.h"
+#include "filasofia/runtime/simulation_impl.h"
 
 #include <condition_variable>
 #include <set>
@@ -17,7 +17,7 @@ class RunFiles {
 public:
     /// Opens the files and begins. Switches log and hashes on where a file was asked for, and off where none was. An
     /// Error where a file cannot be opened.
-    RunFiles(Simulation::Impl& parts, const RunDef& def);
+    RunFiles(Simulation::Impl& impl, const RunDef& def);
     /// Writes what there is, and ends.
     ~RunFiles();
     RunFiles(const RunFiles&) = delete;
@@ -38,7 +38,7 @@ private:
     /// Runs `write`, unless the file has failed before; where it fails now, tells and forgets the file.
     template <class File, class Write> void attempt(std::optional<File>& file, Write&& write);
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     std::optional<record::StepTable> table_;
     std::optional<record::RecordingWriter> recording_;
     std::set<std::string> filesTold_;     ///< that materials name

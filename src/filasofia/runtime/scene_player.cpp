@@ -4,8 +4,8 @@
 
 namespace filasofia::runtime {
 
-ScenePlayer::ScenePlayer(Simulation::Impl& parts, const ReplayDef& def)
-    : parts_(parts), def_(def), drawing_(!def.picture.empty() || !def.video.empty())
+ScenePlayer::ScenePlayer(Simulation::Impl& impl, const ReplayDef& def)
+    : impl_(impl), def_(def), drawing_(!def.picture.empty() || !def.video.empty())
 {
 }
 
@@ -32,8 +32,8 @@ void ScenePlayer::beforeStep()
 
 bool ScenePlayer::knows(const SceneEvent& event) const
 {
-    if (const auto* shown = std::get_if<SceneShown>(&event)) return parts_.physics.has(shown->body);
-    if (const auto* painted = std::get_if<ScenePainted>(&event)) return parts_.physics.has(painted->body);
+    if (const auto* shown = std::get_if<SceneShown>(&event)) return impl_.physics.has(shown->body);
+    if (const auto* painted = std::get_if<ScenePainted>(&event)) return impl_.physics.has(painted->body);
     return true;
 }
 
@@ -51,7 +51,7 @@ void ScenePlayer::apply(const SceneEvent& event)
 void ScenePlayer::apply(const SceneBegan& began)
 {
     began_ = began;
-    parts_.def.look = began.look;
+    impl_.def.look = began.look;
 }
 
 void ScenePlayer::apply(const SceneFile& file)
@@ -68,29 +68,26 @@ void ScenePlayer::apply(const SceneFile& file)
 
 void ScenePlayer::apply(const SceneShown& shown)
 {
-    shown_[shown.shown] = parts_.bindings.show(shown.body, shown.def, parts_.physics);
+    shown_[shown.shown] = impl_.bindings.show(shown.body, shown.def, impl_.physics);
 }
 
 void ScenePlayer::apply(const SceneVisible& visible)
 {
-    if (const ShownId id = shownBy(visible.shown)) parts_.bindings.setVisible(id, visible.visible);
+    if (const ShownId id = shownBy(visible.shown)) impl_.bindings.setVisible(id, visible.visible);
 }
 
 void ScenePlayer::apply(const SceneMaterial& material)
 {
-    if (const ShownId id = shownBy(material.shown)) parts_.bindings.setMaterial(id, material.material);
+    if (const ShownId id = shownBy(material.shown)) impl_.bindings.setMaterial(id, material.material);
 }
 
 void ScenePlayer::apply(const SceneUnshown& unshown)
 {
-    if (const ShownId id = shownBy(unshown.shown)) parts_.bindings.remove(id);
+    if (const ShownId id = shownBy(unshown.shown)) impl_.bindings.remove(id);
 }
 
-void ScenePlayer::apply(const ScenePainted& painted)
-{
-    parts_.bindings.paint(painted.body, painted.def, parts_.physics);
-}
-void ScenePlayer::apply(const SceneCleaned&) { parts_.bindings.clearPaint(); }
+void ScenePlayer::apply(const ScenePainted& painted) { impl_.bindings.paint(painted.body, painted.def, impl_.physics); }
+void ScenePlayer::apply(const SceneCleaned&) { impl_.bindings.clearPaint(); }
 
 void ScenePlayer::apply(const SceneStage& stage)
 {
@@ -147,10 +144,10 @@ void ScenePlayer::open()
         setStage(); // before the bodies: their materials may be of its pool
         setPlaces();
     }
-    parts_.bindings.addPending(*visual_);
+    impl_.bindings.addPending(*visual_);
     if (stage_) return;
     lookIsLacking_ = began_.dressed;
-    parts_.dressScene(*visual_);
+    impl_.dressScene(*visual_);
     // What a stage that comes later replaces.
     cameras_ = visual_->cameras();
     lights_ = visual_->lights();
@@ -159,16 +156,16 @@ void ScenePlayer::open()
 
 void ScenePlayer::draw()
 {
-    if (!video_ || !video_->due(parts_.time.load())) return;
-    parts_.mapFinishedFrame(*visual_);
-    video_->show(visual_->capture(), parts_.time.load());
+    if (!video_ || !video_->due(impl_.now.seconds())) return;
+    impl_.mapFinishedFrame(*visual_);
+    video_->show(visual_->capture(), impl_.now.seconds());
 }
 
 void ScenePlayer::last(ReplayReport& report)
 {
     if (!visual_) return;
-    if (!def_.picture.empty()) parts_.takePicture(*visual_, def_.picture);
-    report.pictures = parts_.pictures;
+    if (!def_.picture.empty()) impl_.takePicture(*visual_, def_.picture);
+    report.pictures = impl_.files.pictures();
     if (video_) {
         video_->close();
         report.pictures.push_back(def_.video);

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "filasofia/runtime/parts.h"
 #include "filasofia/runtime/replay.h"
+#include "filasofia/runtime/simulation_impl.h"
 #include "filasofia/runtime/video_file.h"
 
 namespace filasofia::runtime {
@@ -9,8 +9,8 @@ namespace filasofia::runtime {
 /// Draws a recorded run from what its recording tells of the scene.
 class ScenePlayer {
 public:
-    /// `parts` is made again by a Replayer; with neither picture nor video asked for, nothing is drawn.
-    ScenePlayer(Simulation::Impl& parts, const ReplayDef& def);
+    /// `impl` is made again by a Replayer; with neither picture nor video asked for, nothing is drawn.
+    ScenePlayer(Simulation::Impl& impl, const ReplayDef& def);
 
     /// What happened before the step that is made next. Events that name bodies of that step wait for it.
     void take(const std::vector<record::SceneRecord>& scene);
@@ -38,7 +38,7 @@ private:
     void setStage();
     void setPlaces();
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     const ReplayDef& def_;
     const bool drawing_;
     SceneBegan began_ = {};
@@ -49,7 +49,7 @@ private:
     std::vector<visual::Camera*> cameras_; ///< of the stage, like these
     std::vector<visual::Light*> lights_;
     std::vector<visual::View*> views_;
-    const DrawnBindings drawn_{parts_.bindings};
+    const DrawnBindings drawn_{impl_.bindings};
     std::unique_ptr<visual::VisualServer> visual_;
     std::optional<VideoFile> video_;
     bool lookIsLacking_ = false;
