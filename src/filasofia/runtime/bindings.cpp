@@ -89,7 +89,7 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
         binding.subdivision = def.subdivision;
         const auto element = binding.soft ? std::nullopt : std::optional<int>(binding.rigidMap.element);
         painted_.add(binding.key, {binding.id, element, binding.start}, binding.mapped);
-        askMesh(binding); // what is shown of a body that has been cut already
+        askMesh(binding); // the body may have been cut already
         pending_.push_back(std::move(binding));
     }
     return shown;
@@ -151,7 +151,7 @@ void Bindings::followTopology(const frame::Frame& frame)
         if (!body.boundary) continue;
         const auto last = std::exchange(boundaries_[body.id], body.boundary);
         if (last == body.boundary) continue;
-        if (!last && body.boundary->revision == 0 && !isCut(body.id)) continue; // drawn as it was made
+        if (!last && body.boundary->revision == 0 && !isCut(body.id)) continue; // drawn as it was built
         const auto part = [&](bool opened) {
             return std::make_shared<const mapping::MappedSurface>(mapping::mapBoundary(*body.boundary, opened));
         };
@@ -171,7 +171,7 @@ void Bindings::apply(const Wish& wish, Binding& binding)
     if (wish.visible) binding.drawn->setVisible(*wish.visible);
     try {
         if (wish.material) binding.drawn->setMaterial(binding.def.material);
-    } catch (const Error& problem) { // what cannot be seen before, as a file that is gone: the picture goes on
+    } catch (const Error& problem) { // a problem that shows only now, such as a missing file; the picture goes on
         logError(problem.what());
     }
 }
@@ -226,7 +226,7 @@ void Bindings::openInteriors()
             inside.mapped = newest->second.interior;
             inside.nodes = mapping::nodesNeeded(inside.mapped->map);
             inside.def.material = skin.def.interior.value_or(interiorOf(skin.def.material));
-            inside.subdivision = 0; // until the worker has it
+            inside.subdivision = 0; // until the worker has prepared it
             painted_.add(inside.key, {inside.id, std::nullopt, inside.start}, inside.mapped);
             askMesh(inside);
         }
@@ -259,7 +259,7 @@ void Bindings::addPending(visual::VisualServer& visual)
     try {
         for (; added < pending_.size(); ++added) {
             const Binding& binding = pending_[added];
-            if (binding.def.interior && !binding.interior) // what is wrong with it is told now, not at the first cut
+            if (binding.def.interior && !binding.interior) // a wrong material is reported now, not at the first cut
                 visual.addMaterial(text(kInteriorOf, binding.name, " ", binding.key), *binding.def.interior);
             visual::VisualBody& drawn = visual.add(visual::VisualBodyDef{.name = binding.name,
                                                                          .mesh = binding.mapped->surface,
@@ -319,7 +319,7 @@ bool Bindings::place(Binding& binding, const frame::Frame& frame)
         binding.subdivision = ready->subdivision;
         painted_.moveTo(binding.key, ready->surface, ready->transfers);
     }
-    // What nobody sees costs nothing; and where nodes are missing it stays as it was.
+    // An invisible surface costs nothing; if nodes are missing it stays as it was.
     if (!ready && !binding.def.visible) return true;
     if (binding.nodes > static_cast<int>(body->positions.size())) return true;
     vertices_.resize(binding.mapped->surface.vertices.size());
@@ -361,7 +361,7 @@ void Bindings::release()
 {
     const std::lock_guard lock(mutex_);
     boundaries_.clear();
-    std::erase_if(shown_, [](const Binding& binding) { return binding.interior; }); // they open anew
+    std::erase_if(shown_, [](const Binding& binding) { return binding.interior; }); // openInteriors() makes them again
     for (Binding& binding : shown_) {
         binding.drawn = nullptr;
         binding.seen = false;

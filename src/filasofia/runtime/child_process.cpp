@@ -21,9 +21,9 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr int kPatience = 30; ///< [s] in which it takes nothing
+constexpr int kPatience = 30; ///< [s] for which the program may take no data
 
-/// What posix_spawn is told, freed at the end.
+/// The settings of posix_spawn, freed at the end.
 struct SpawnPlan {
     posix_spawn_file_actions_t files{};
     posix_spawnattr_t attributes{};
@@ -34,7 +34,7 @@ struct SpawnPlan {
         sigset_t none, pipe;
         sigemptyset(&none);
         sigemptyset(&pipe);
-        sigaddset(&pipe, SIGPIPE); // a program may have switched it off for itself
+        sigaddset(&pipe, SIGPIPE); // a program may have ignored it for itself
         posix_spawnattr_setsigmask(&attributes, &none);
         posix_spawnattr_setsigdefault(&attributes, &pipe);
         posix_spawnattr_setpgroup(&attributes, 0);
@@ -59,7 +59,8 @@ void closeOnce(int& file)
 
 ChildProcess::ChildProcess(const std::string& path, const std::vector<std::string>& arguments)
 {
-    // A socket, not a pipe: writing into one that nobody reads is an error of that call, not a signal to the process.
+    // A socket instead of a pipe: writing to a socket without a reader makes that call fail and sends no signal to the
+    // process.
     int ends[2] = {-1, -1};
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
         fail(path, ": cannot be started: ", std::strerror(errno));
@@ -72,7 +73,7 @@ ChildProcess::ChildProcess(const std::string& path, const std::vector<std::strin
     posix_spawn_file_actions_adddup2(&plan.files, ends[1], STDIN_FILENO);
     posix_spawn_file_actions_addopen(&plan.files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     if (complaints_ >= 0) posix_spawn_file_actions_adddup2(&plan.files, complaints_, STDERR_FILENO);
-    std::vector<char*> words{const_cast<char*>(path.c_str())}; // execve(2) takes them so, and changes none
+    std::vector<char*> words{const_cast<char*>(path.c_str())}; // execve(2) takes them as non-const and changes none
     for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
     words.push_back(nullptr);
     const int problem = posix_spawn(&process_, path.c_str(), &plan.files, &plan.attributes, words.data(), environ);
@@ -108,7 +109,7 @@ bool ChildProcess::feed(std::span<const unsigned char> data)
 bool ChildProcess::ended(double seconds) const
 {
     const int handle = static_cast<int>(syscall(SYS_pidfd_open, process_, 0));
-    if (handle < 0) return true; // an old kernel: waitpid() alone waits, without end
+    if (handle < 0) return true; // an old kernel: waitpid() alone waits, without a time limit
     pollfd until{.fd = handle, .events = POLLIN, .revents = 0};
     int ready = 0;
     do ready = poll(&until, 1, static_cast<int>(seconds * 1e3));

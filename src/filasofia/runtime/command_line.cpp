@@ -11,11 +11,12 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr int kNotWhole = 1; ///< exit code: the run went on, but a file of it ends before
+constexpr int kNotWhole = 1; ///< exit code: the run reached its end, but one of its files is incomplete
 constexpr int kRefused = 2;  ///< exit code: the user's words or files were wrong
 constexpr int kHeadlessSteps = 1000;
 
-/// An option that sets a field of the RunDef. CLI11 hands us the words as they are: what we say of them is in our own.
+/// Adds an option that sets a field of the RunDef. CLI11 passes on the words unchanged, so that errors are in our own
+/// form.
 template <class Value>
 void addOption(CLI::App& app, const std::string& name, Value RunDef::*member, RunDef& def, const std::string& meaning)
 {
@@ -51,7 +52,9 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
     for (const std::string& word : words) arguments.push_back(word.c_str());
     RunDef def;
     CLI::App app("A Filasofia simulation");
-    if (own.empty()) app.footer("Mouse and keys in the window:\n" + keyHelp()); // else they are the program's own
+    if (own.empty())
+        app.footer("Mouse and keys in the window:\n" +
+                   keyHelp()); // a program with options of its own prints its own help
     app.add_flag("--headless", def.headless, "a plain loop without window or clock, the same every time");
     bool blind = false;
     app.add_flag("--no-picture", blind,
@@ -81,10 +84,10 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
         if (blind) def.backend = visual::Backend::Null;
         if (blind && !(def.picture.empty() && def.video.empty()))
             fail("run: --no-picture draws nothing for --picture or --video");
-        const bool endless = def.headless && def.steps == 0; // nobody could close it
+        const bool endless = def.headless && def.steps == 0; // a headless run has no window that a user could close
         if (endless) def.steps = kHeadlessSteps;
         RunReport report = simulation.run(def);
-        if (blind) report.visual.framesDrawn = 0; // the Null backend counts what it does not draw
+        if (blind) report.visual.framesDrawn = 0; // the Null backend counts pictures although it draws nothing
         std::cout << summary(report);
         if (endless && report.steps == kHeadlessSteps)
             std::cout << "a headless run without --steps ends after " << kHeadlessSteps << " of them\n";
@@ -102,7 +105,7 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
         return report(Error(problem.what()));
     } catch (const Error& problem) {
         return report(problem);
-    } catch (const std::exception& problem) { // of what the user's dress() or window calls
+    } catch (const std::exception& problem) { // thrown by the user's dress() or window
         return report(Error(text("the run ended by an exception: ", problem.what())));
     }
 }

@@ -43,7 +43,7 @@ void ContactWatch::beginRun()
 
 bool ContactWatch::concerns(const physics::StepReport& report) const
 {
-    return report.dt > 0.0 && (report.contacts.active > 0 || touching_ > 0); // paused: all is as it was
+    return report.dt > 0.0 && (report.contacts.active > 0 || touching_ > 0); // a paused step changes nothing
 }
 
 bool ContactWatch::observe(const std::vector<frame::Contact>& contacts, const Post& post)

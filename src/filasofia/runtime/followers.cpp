@@ -73,7 +73,7 @@ void Followers::update(const frame::Frame& frame, const physics::PhysicsServer& 
         if (each.life.expired() || each.transform->parent()) return true;
         const bool found = place(each, frame);
         each.seen = each.seen || found;
-        return !found && (each.seen || !physics.has(each.id)); // one that has not come yet is waited for
+        return !found && (each.seen || !physics.has(each.id)); // a body that has not come yet is waited for
     });
 }
 

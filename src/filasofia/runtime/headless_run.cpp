@@ -21,9 +21,9 @@ std::string numbered(const std::string& picture, double time)
     return (path.parent_path() / text(path.stem().string(), "_", milliseconds, "ms.png")).string();
 }
 
-constexpr double kRounding = 1e-9; // [s], 250 steps of 5 ms sum to a little less than 1.25 s
+constexpr double kRounding = 1e-9; // [s]; 250 steps of 5 ms sum to a little less than 1.25 s
 
-/// Pictures of a run that has no window: an own visual server, only when there is something to draw.
+/// Pictures of a run that has no window. Makes a visual server of its own, but only if there is something to draw.
 class Pictures {
 public:
     Pictures(Simulation::Impl& impl, const RunDef& def) : impl_(impl), def_(def)
@@ -55,7 +55,7 @@ public:
     }
 
 private:
-    /// A screenshot may be the first thing that is to be drawn; where nothing can be, the run goes on without.
+    /// A screenshot may be the first thing to be drawn. If nothing can be drawn, the run goes on without it.
     bool opened()
     {
         try {
@@ -78,7 +78,7 @@ private:
 
     Simulation::Impl& impl_;
     const RunDef& def_;
-    const double start_ = impl_.now.seconds(); ///< [s], simulated, when the run begins
+    const double start_ = impl_.now.seconds(); ///< [s], simulated time at which the run begins
     std::optional<VideoFile> video_;
     const DrawnBindings drawn_{impl_.bindings};
     std::unique_ptr<visual::VisualServer> visual_;
@@ -97,7 +97,8 @@ RunReport runHeadless(Simulation::Impl& impl, const RunDef& def)
     RunReport report;
     const auto afterStep = [&](const physics::StepReport& step) {
         const std::uint32_t flags = impl.afterStep(step);
-        impl.events.deliverAll(); // before the next step begins: observers' commands come at the same step every time
+        impl.events
+            .deliverAll(); // before the next step begins, so that observers' commands reach the same step in every run
         files.keepUp();
         impl.haptics.drain();
         pictures.afterStep(step.time);
@@ -108,7 +109,7 @@ RunReport runHeadless(Simulation::Impl& impl, const RunDef& def)
                                [&](double dt) { impl.beforeStep(dt); });
     impl.control.finish(text("made ", report.timing.stepCount, report.timing.stepCount == 1 ? " step" : " steps"));
     pictures.last(report);
-    files.close(); // they know how the last picture was taken
+    files.close(); // after the last picture: the files record how it was taken
     return report;
 }
 

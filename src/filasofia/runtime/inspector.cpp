@@ -24,7 +24,7 @@ void Inspector::setOpen(bool open)
 {
     if (open == open_) return;
     open_ = open;
-    impl_.feed.read([](const physics::StepReport&) {}); // those of the last time it was open
+    impl_.feed.read([](const physics::StepReport&) {}); // drops reports of the last time it was open
     impl_.feed.watch(open);
     if (open) rates_.restart();
     if (open && !gui_)
@@ -52,7 +52,7 @@ void Inspector::drawScene()
 {
     try {
         scene_.draw(show, visual_);
-    } catch (const Error& error) { // a body that goes between two looks at it
+    } catch (const Error& error) { // a body may be removed while it is drawn
         problem_ = error.what();
     }
 }
@@ -134,7 +134,7 @@ void Inspector::takeScreenshot()
             file = std::filesystem::path(screenshotFolder) / name;
             if (!std::filesystem::exists(file)) break;
         }
-        gui_->setVisible(false); // the picture is of the scene
+        gui_->setVisible(false); // the picture shows the scene without the panel
         drawScene();
         const visual::Image image = visual_.capture();
         gui_->setVisible(open_);

@@ -9,8 +9,8 @@
 namespace filasofia::runtime {
 namespace {
 
-/// A number that a person drags or types; true where it is to be taken over: at the end of a drag, not at each pixel of
-/// it.
+/// A number that the user drags or types. Returns true at the end of a drag, when the value is to be applied, not at
+/// each pixel.
 bool editNumber(const char* name, double& value, double speed, const char* format, double low = 0.0, double high = 0.0)
 {
     auto shown = float(value);
@@ -74,7 +74,7 @@ InspectorBodies::Body* InspectorBodies::bodyOf(BodyId id)
         }
         return &(bodies_[id] = std::move(body));
     } catch (const Error&) {
-        return nullptr; // removed, and the next frame knows
+        return nullptr; // removed; the next frame lacks it
     }
 }
 
@@ -132,7 +132,7 @@ void InspectorBodies::drawPlaces(const frame::RigidBodyFrame& state, bool dynami
         Pose pose = state.poses[element];
         Vec3 millimetres = 1e3 * pose.position;
         float shown[3] = {float(millimetres.x), float(millimetres.y), float(millimetres.z)};
-        if (ImGui::DragFloat3("at [mm]", shown, 0.1F, 0.0F, 0.0F, "%.1f")) { // it follows the mouse
+        if (ImGui::DragFloat3("at [mm]", shown, 0.1F, 0.0F, 0.0F, "%.1f")) { // the body follows the mouse
             pose.position = 1e-3 * Vec3{double(shown[0]), double(shown[1]), double(shown[2])};
             attempt([&] { impl_.physics.setPose(state.id, pose, int(element)); });
         }

@@ -13,7 +13,7 @@
 #include <variant>
 #include <vector>
 
-/// Any Def as lines of "name value unit", read from its fields() list.
+/// Shows any Def as lines of "name value unit", read from its fields() list.
 namespace filasofia::runtime {
 
 template <HasFields T> void drawFields(const T& def);
@@ -52,7 +52,7 @@ template <class T> struct Draw {
                 ImGui::TreePop();
             }
         }
-        // Meshes, which are shared, have no line: they are seen.
+        // Meshes are shared data and have no line: the picture shows them.
     }
 };
 
@@ -74,7 +74,7 @@ template <class... T> struct Draw<std::variant<T...>> {
 template <class T> struct Draw<std::vector<T>> {
     static void apply(std::string_view name, const std::vector<T>& values, std::string_view)
     {
-        constexpr std::size_t most = 20; // a list of a thousand nodes is nothing to read
+        constexpr std::size_t most = 20; // nobody reads a list of a thousand nodes
         const std::string title = std::string(name) + " (" + std::to_string(values.size()) + ")";
         if (values.empty() || !ImGui::TreeNode(title.c_str())) return;
         for (std::size_t i = 0; i < std::min(values.size(), most); ++i)

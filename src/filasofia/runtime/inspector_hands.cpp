@@ -50,9 +50,9 @@ void InspectorHands::drawJitter(const device::ServoStatistics& servo) const
 {
     const device::JitterHistogram& jitter = servo.jitter;
     ImGui::Text("servo %.1f Hz, longest call %.2f ms", servo.rate, 1e3 * servo.longestCall);
-    if (jitter.total() == 0) return; // a headless run's
+    if (jitter.total() == 0) return; // a headless run has no jitter
     std::array<float, device::JitterHistogram::kBins> bars{};
-    for (std::size_t i = 0; i < bars.size(); ++i) // by their logarithm: what is rare is what matters
+    for (std::size_t i = 0; i < bars.size(); ++i) // logarithmic, because the rare late ticks matter
         bars[i] = jitter.counts[i] > 0 ? 1.0F + std::log10(static_cast<float>(jitter.counts[i])) : 0.0F;
     char overlay[96];
     std::snprintf(overlay, sizeof overlay, "late by: median %.2f, p99.9 %.2f, most %.2f ms",
@@ -67,7 +67,8 @@ void InspectorHands::drawPlace(HapticId id, const HapticState& state)
     const Pose origin = def.origin.value_or(Pose{});
     const Vec3 hand = impl_.haptics.deviceHand(id).pose.position;
     auto scale = static_cast<float>(def.scale);
-    if (ImGui::SliderFloat("scale", &scale, 0.1F, 10.0F, "%.3g", ImGuiSliderFlags_Logarithmic)) // about where it is now
+    if (ImGui::SliderFloat("scale", &scale, 0.1F, 10.0F, "%.3g",
+                           ImGuiSliderFlags_Logarithmic)) // about the hand's present place
         place(id, scale, originThrough(state.hand.pose.position, hand, scale, origin.orientation));
     std::array<float, 3> at{};
     for (int k = 0; k < 3; ++k) at[static_cast<std::size_t>(k)] = static_cast<float>(1e3 * origin.position[k]);

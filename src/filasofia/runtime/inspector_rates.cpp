@@ -8,7 +8,7 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr double kPoint = 0.1; // [s] that one point of a plot stands for
+constexpr double kPoint = 0.1; // [s], interval of one point in a plot
 
 void plot(const char* name, const Trace& trace, double reference, const char* unit)
 {

@@ -24,7 +24,7 @@ double rounded(double value)
     return power * (digits >= 5.0 ? 5.0 : digits >= 2.0 ? 2.0 : 1.0);
 }
 
-/// The arrow [m] of a force; a scale that is far too large may not lead out of what can be drawn.
+/// The arrow [m] of a force. Its length is limited, so that no scale leads out of what can be drawn.
 Vec3 arrowOf(Vec3 force, double metresPerNewton)
 {
     constexpr double kLongest = 1e4; // [m]
@@ -76,7 +76,7 @@ InspectorScene::Edges InspectorScene::edgesOf(std::span<const geometry::Triangle
 
 void InspectorScene::drawWireframe(visual::VisualServer& visual)
 {
-    std::map<const visual::VisualBody*, Wires> still; // of bodies that are there still
+    std::map<const visual::VisualBody*, Wires> still; // the bodies that still exist
     for (const visual::VisualBody* body : visual.bodies()) {
         if (!body->visible()) continue;
         Wires wires = std::move(wires_[body]);
@@ -130,7 +130,7 @@ void InspectorScene::drawModels(const frame::Frame& frame, DebugDraw& debug)
             debug.line(vertices_[std::size_t(a)], vertices_[std::size_t(b)], {.color = kModel, .width = 1.0});
     };
     for (const frame::SoftBodyFrame& body : frame.softBodies) {
-        if (!impl_.physics.has(body.id)) continue; // removed, and the next frame knows
+        if (!impl_.physics.has(body.id)) continue; // removed; the next frame lacks it
         for (const Model& model : modelsOf(body.id)) {
             vertices_.resize(model.surface.surface.vertices.size());
             mapping::apply(model.surface.map, body, vertices_);
@@ -168,7 +168,7 @@ void InspectorScene::drawForces(const frame::Frame& frame, double metresPerNewto
     for (const frame::ContactPair& pair : frame::contactPairs(frame.contacts)) {
         if (!(pair.normalForce > 0.0)) continue;
         const double scale = (isLed(pair.first) ? -1.0 : 1.0) * metresPerNewton;
-        Vec3 middle; // of where they push
+        Vec3 middle; // mean of the contact points, weighted by normal force
         for (const frame::Contact& contact : frame.contacts) {
             if (contact.first != pair.first || contact.second != pair.second || contact.normalForce == 0.0) continue;
             middle += contact.normalForce / pair.normalForce * contact.point;

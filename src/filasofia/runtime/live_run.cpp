@@ -17,7 +17,7 @@
 namespace filasofia::runtime {
 namespace {
 
-/// The physics thread: it runs from construction to join(), also when the main thread throws.
+/// The physics thread. It runs from construction to join(), also if the main thread throws.
 class PhysicsThread {
 public:
     PhysicsThread(Simulation::Impl& impl, const RunDef& def) : impl_(impl)
@@ -26,7 +26,8 @@ public:
                             .slack = toNanoseconds(impl.def.physics.slack),
                             .freeRunning = def.freeRunning,
                             .maximumSteps = static_cast<std::uint64_t>(def.steps)};
-        if (!def.freeRunning) loop.deadline = impl.deadline(); // else it measures what steps cost
+        if (!def.freeRunning)
+            loop.deadline = impl.deadline(); // a free run measures what steps cost, so it has no deadline
         thread_ = std::thread([this, loop] {
             realTime_ = impl_.def.physics.realTime && !loop.freeRunning && requestRealTime();
             timing_ = runPhysics(
@@ -57,7 +58,7 @@ private:
     std::thread thread_;
 };
 
-/// Delivers events on the dispatcher's own thread while it lives.
+/// While it lives, events are delivered on the dispatcher's own thread.
 class EventThread {
 public:
     explicit EventThread(event::EventDispatcher& events) : events_(events) { events_.start(); }
@@ -74,7 +75,7 @@ private:
     event::EventDispatcher& events_;
 };
 
-constexpr int kLargestPicture = 8192; // [px], what a visual server takes
+constexpr int kLargestPicture = 8192; // [px], the largest size that a visual server takes
 
 /// The main thread's loop: input, mapping, picture.
 class Screen {
@@ -111,7 +112,7 @@ public:
             visual_->resize(std::clamp(now.width, 1, kLargestPicture), std::clamp(now.height, 1, kLargestPicture));
         }
     }
-    /// `wall` [s] since the run's start.
+    /// `wall` [s] is the time since the run's start.
     void draw(double wall)
     {
         impl_.mapNewestFrame(*visual_);
@@ -129,22 +130,24 @@ public:
     {
         if (video_) video_->close();
     }
-    /// A picture for a file is of the scene.
+    /// A picture for a file shows the scene without the inspector.
     void closeInspector() { inspector_->setOpen(false); }
     [[nodiscard]] visual::VisualServer& visual() { return *visual_; }
 
 private:
-    /// The way of a person's input: whoever comes first may keep it. A Gui belongs before all others: what it keeps
-    /// neither acts on the run, nor turns the camera, nor is told to observers. They hear of what the other two used.
+    /// Offers an event to inspector, Guis, haptics, keys and camera in this order; the first that takes it may keep it.
+    /// A Gui comes before all others: what it keeps neither acts on the run, nor turns the camera, nor reaches
+    /// observers. Observers still hear of events that keys and camera have used.
     void route(std::unique_ptr<event::Event> event)
     {
-        // What is for a Gui is for nobody else; observers hear of all else, also of what keys and camera act on.
+        // An event for a Gui is for nobody else. Observers hear of all others, including those that keys and camera act
+        // on.
         if (inspector_->handle(*event) || visual_->handle(*event)) return;
         if (!impl_.haptics.handle(*event) && !act(*event)) impl_.steering.handle(*event, impl_.bindings);
         post(std::move(event));
     }
 
-    /// True: a key of the run.
+    /// Returns whether the event was a key of the run.
     bool act(const event::Event& event)
     {
         const auto* key = dynamic_cast<const event::KeyEvent*>(&event);
@@ -184,7 +187,7 @@ private:
     const DrawnBindings drawn_{impl_.bindings};
     std::unique_ptr<window::Window> window_;
     window::WindowSize size_;
-    std::unique_ptr<visual::VisualServer> visual_; ///< after the window: it goes first
+    std::unique_ptr<visual::VisualServer> visual_; ///< after the window, so that it is destroyed first
     std::optional<VideoFile> video_;
     std::unique_ptr<Inspector> inspector_; ///< after the server, whose Gui it is
     std::unique_ptr<KeyOverlay> keys_;
@@ -222,7 +225,7 @@ RunReport runLive(Simulation::Impl& impl, const RunDef& def)
     }
     screen.closeInspector();
     if (!def.picture.empty()) impl.takePicture(screen.visual(), def.picture);
-    if (impl.screenshots.asked()) { // by who ended the run
+    if (impl.screenshots.asked()) { // whoever ended the run may have asked for one
         impl.mapNewestFrame(screen.visual());
         impl.takeScreenshots(screen.visual());
     }

@@ -17,7 +17,7 @@ std::uint32_t flagsOf(const Tick& tick)
     return flags;
 }
 
-/// The sum, or the end of all time where that comes first.
+/// The sum of both; the largest time if the sum would overflow.
 Nanoseconds later(Nanoseconds time, Nanoseconds by)
 {
     constexpr Nanoseconds end = std::numeric_limits<Nanoseconds>::max();
@@ -30,7 +30,7 @@ RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, 
                      const std::atomic<bool>& stop, const AfterStep& afterStep, const BeforeStep& beforeStep)
 {
     RunTiming timing;
-    timing.steps.resize(kMaximumTimings); // touched now, so that no step of the loop meets a fresh page
+    timing.steps.resize(kMaximumTimings); // touched now, so that no step of the loop takes a page fault
     timing.steps.clear();
     StepGrid grid(def.period, def.slack);
     const Nanoseconds start = clock.now();

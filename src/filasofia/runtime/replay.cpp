@@ -11,7 +11,7 @@
 namespace filasofia::runtime {
 namespace {
 
-/// The next step; nothing at the session's end, and where the file is damaged.
+/// The next step; nothing at the session's end, or if the file is damaged.
 std::optional<physics::StepRecord> nextOf(record::RecordingReader& reader, ReplayReport& report)
 {
     try {

@@ -12,9 +12,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLook = 5ms;             // between looks at the log: it holds four times what 100 kHz make in that time
-constexpr auto kFlush = 250ms;          // what a killed program loses, and a quarter of what we promise
-constexpr std::uint64_t kBehind = 2048; // steps: half of the log
+constexpr auto kLook = 5ms; // interval between looks at the log, which holds four times what 100 kHz make in that time
+constexpr auto kFlush = 250ms;          // a killed program loses as much; a quarter of what we promise
+constexpr std::uint64_t kBehind = 2048; // [steps], half of the log
 
 } // namespace
 
@@ -42,7 +42,7 @@ RunFiles::RunFiles(Simulation::Impl& impl, const RunDef& def) : impl_(impl)
     impl.physics.keepLog(any);
     impl.physics.hashEveryStep(any);
     if (!any) return;
-    flush(); // a program that is killed at once leaves a file that says what it is
+    flush(); // so that even a program that is killed at once leaves a valid header
     thread_ = std::thread([this] { work(); });
 }
 
@@ -96,7 +96,7 @@ void RunFiles::drain()
 
 void RunFiles::write(const physics::StepRecord& step)
 {
-    // A paused step has the number of the one before it: what happened meanwhile was after that one too.
+    // A paused step has the number of the step before it, so an event between the two came after both.
     writeScene(step.report.step);
     attempt(table_, [&](record::StepTable& file) { file.write(step); });
     attempt(recording_, [&](record::RecordingWriter& file) { file.write(step); });

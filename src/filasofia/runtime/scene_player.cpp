@@ -14,7 +14,7 @@ void ScenePlayer::take(const std::vector<record::SceneRecord>& scene)
     if (!drawing_) return;
     for (const record::SceneRecord& record : scene) {
         SceneEvent event = eventOf(record);
-        // In their order: what follows an event that waits may be about the same.
+        // In order: an event that follows a waiting one may concern the same thing.
         if (waiting_.empty() && knows(event))
             apply(event);
         else
@@ -141,14 +141,14 @@ void ScenePlayer::open()
         visual::VisualServerDef{.backend = visual::Backend::Headless, .width = began_.width, .height = began_.height});
     if (!def_.video.empty()) video_.emplace(def_.video, began_.width, began_.height, def_.fps);
     if (stage_) {
-        setStage(); // before the bodies: their materials may be of its pool
+        setStage(); // before the bodies, whose materials may come from its pool
         setPlaces();
     }
     impl_.bindings.addPending(*visual_);
     if (stage_) return;
     lookIsLacking_ = began_.dressed;
     impl_.dressScene(*visual_);
-    // What a stage that comes later replaces.
+    // A stage that comes later replaces these.
     cameras_ = visual_->cameras();
     lights_ = visual_->lights();
     views_ = visual_->views();

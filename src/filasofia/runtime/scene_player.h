@@ -6,17 +6,17 @@
 
 namespace filasofia::runtime {
 
-/// Draws a recorded run from what its recording tells of the scene.
+/// Draws a recorded run from the scene events of its recording.
 class ScenePlayer {
 public:
-    /// `impl` is made again by a Replayer; with neither picture nor video asked for, nothing is drawn.
+    /// A Replayer steps `impl`. If neither a picture nor a video is asked for, nothing is drawn.
     ScenePlayer(Simulation::Impl& impl, const ReplayDef& def);
 
-    /// What happened before the step that is made next. Events that name bodies of that step wait for it.
+    /// Takes what happened before the next step. Events that name bodies of that step wait for it.
     void take(const std::vector<record::SceneRecord>& scene);
-    /// The step's bodies are known.
+    /// Call it when the bodies of the step are known.
     void beforeStep();
-    /// Of the last step, once what happened after it is known.
+    /// Draws the last step, once everything that happened after it is known.
     void draw();
     void last(ReplayReport& report);
 
@@ -43,10 +43,10 @@ private:
     const bool drawing_;
     SceneBegan began_ = {};
     std::vector<SceneEvent> waiting_;
-    std::map<std::uint32_t, ShownId> shown_; ///< by the number that the recording has
+    std::map<std::uint32_t, ShownId> shown_; ///< by the number in the recording
     std::optional<SceneStage> stage_;
     ScenePlaces places_;                   ///< the newest
-    std::vector<visual::Camera*> cameras_; ///< of the stage, like these
+    std::vector<visual::Camera*> cameras_; ///< made for the stage, like the two lists below
     std::vector<visual::Light*> lights_;
     std::vector<visual::View*> views_;
     const DrawnBindings drawn_{impl_.bindings};

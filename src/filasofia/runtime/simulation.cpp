@@ -29,7 +29,7 @@ void check(const RunDef& def)
     if (def.headless && def.seconds > 0.0) fail("run: a headless run ends after steps, not seconds");
 }
 
-/// Whoever does not look at the report should hear it once.
+/// Logs what went wrong, for a caller who does not read the report.
 void warn(const RunReport& report)
 {
     const auto steps = [](std::uint64_t count) { return text("in ", count, count == 1 ? " step" : " steps"); };
@@ -58,7 +58,7 @@ ShownId Simulation::show(BodyId id, const ShowDef& def)
 {
     const std::string object = text("show ", physics::describeBody(*impl_->physics.def(id)));
     validate(def, object);
-    ShowDef held = def; // with the surface itself: a recording needs no other file
+    ShowDef held = def; // with the surface itself, so that a recording needs no other file
     held.surface = std::string();
     if (auto surface = loadSurface(def.surface, object)) held.surface = std::move(surface);
     const ShownId shown = impl_->bindings.show(id, held, impl_->physics);
@@ -151,7 +151,7 @@ RunReport Simulation::run(const RunDef& def)
                  " steps");
         impl_->haptics.begin(def, impl_->def.physics, impl_->clock, [this](std::unique_ptr<DeviceEvent> event) {
             impl_->now.stamp(*event);
-            static_cast<void>(impl_->events.tryPost(std::move(event))); // full: the log has it
+            static_cast<void>(impl_->events.tryPost(std::move(event))); // if the queue is full, the log still has it
         });
         RunReport report = def.headless ? runHeadless(*impl_, def) : runLive(*impl_, def);
         impl_->haptics.end();

@@ -16,9 +16,9 @@ std::string line(const char* format, auto... values)
     return std::string(buffer) + "\n";
 }
 
-constexpr std::size_t kMostPairs = 12; ///< lines of the table
+constexpr std::size_t kMostPairs = 12; ///< rows of the table
 
-/// Who touched whom, and how hard; nothing where nothing touched.
+/// A table of who touched whom and how hard; empty if nothing touched.
 std::string contactTable(std::vector<ContactPairReport> pairs)
 {
     if (pairs.empty()) return {};
