@@ -10,25 +10,25 @@ namespace filasofia::runtime {
 
 /// How a simulation is run.
 struct RunDef {
-    /// a plain loop of steps of one period each, without threads or clock; every run gives the same result
+    /// A plain loop of steps of one period each, without threads or clock; every run gives the same result.
     bool headless = false;
     visual::Backend backend = visual::Backend::Window; ///< where a live run draws
     int steps = 0;                                     ///< [-], >= 0, the run ends after as many steps; 0: no limit
     double seconds = 0.0;     ///< [s], in [0, 1e8], wall time after which a live run ends; 0: no limit
     std::string picture = {}; ///< a PNG file for the last state; empty: none
-    double pictureEvery =
-        0.0;                 ///< [s], 0 or >= 1e-3, headless only: numbered pictures at this interval of simulated time
-    std::string log = {};    ///< a CSV file with a line per step; empty: none
-    std::string record = {}; ///< a .rec file for `filasofia replay`, only in a simulation's first run; empty: none
+    /// [s], 0 or >= 1e-3, headless only: interval of numbered pictures, simulated.
+    double pictureEvery = 0.0;
+    std::string log = {};     ///< a CSV file with a line per step; empty: none
+    std::string record = {};  ///< a .rec file for `filasofia replay`, only in a simulation's first run; empty: none
     bool freeRunning = false; ///< a live run does not wait between steps, to measure what they cost
     std::string video = {};   ///< an MP4 file, encoded by the program ffmpeg; empty: none
-    /// device of the first haptic interface, in place of its own: NAME, or NAME:LIBRARY; empty: its own
+    /// Device of the first haptic interface, in place of its own: NAME, or NAME:LIBRARY; empty: its own.
     std::string device = {};
     std::string motion = {};       ///< a motion file that is played in place of that device; empty: none
     std::string recordMotion = {}; ///< a motion file that records the hand at the first haptic interface; empty: none
-    double fps = 30.0; ///< [1/s], in [1, 240], pictures per second in the video: of simulated time if headless, else of
-                       ///< wall time
-    int seed = 0;      ///< [-], >= 0, seed of your program's random numbers; only stored in the recording
+    /// [1/s], in [1, 240], pictures per second of the video; headless in simulated time, else wall time.
+    double fps = 30.0;
+    int seed = 0;             ///< [-], >= 0, seed of your program's random numbers; only stored in the recording
     std::string session = {}; ///< name of the session, any text; only stored in the recording
     std::string trainee = {}; ///< name of the trainee, any text; only stored in the recording
 };
