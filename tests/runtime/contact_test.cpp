@@ -89,7 +89,7 @@ TEST_CASE("a run in which nothing touches tells of no contacts")
     const RunReport report = scene.sim.run({.headless = true, .steps = 20});
     CHECK(heard == 0);
     CHECK(report.contacts.empty());
-    CHECK_THAT(summary(report), !Catch::Contains("contacts of"));
+    CHECK_THAT(summary(report), !Catch::Contains("contacts between"));
 }
 
 TEST_CASE("pausing ends no contact, removing a body does")

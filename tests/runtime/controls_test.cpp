@@ -275,12 +275,12 @@ TEST_CASE("only a camera of the visual server, without a parent, can be steered"
     visual::VisualServer other({.backend = Backend::Null});
     visual::Camera& foreign = other.add(visual::CameraDef{});
     CHECK_THROWS_WITH(live.sim.steer(foreign, {}),
-                      Catch::Contains("steer: the camera is not one of the visual server's"));
+                      Catch::Contains("steer: the camera does not belong to the visual server"));
     live.sim.dress([&](visual::VisualServer& visual) {
         CHECK_THROWS_AS(live.sim.steer(foreign, {}), Error);
         visual::Camera& camera = visual.add(visual::CameraDef{.name = "eye"});
         camera.attachTo(visual.addTransform("rig"));
-        CHECK_THROWS_WITH(live.sim.steer(camera, {}), "steer: 'eye' hangs on 'rig': steer that");
+        CHECK_THROWS_WITH(live.sim.steer(camera, {}), "steer: 'eye' has the parent 'rig': steer the parent");
         visual::Transform& gone = visual.addTransform("gone");
         live.sim.steer(gone, {});
         visual.remove(gone); // nobody touches it any more

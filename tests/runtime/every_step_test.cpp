@@ -107,7 +107,7 @@ TEST_CASE("a script that throws is not called again, and the others go on")
 TEST_CASE("nothing is no script, and a run takes no new one")
 {
     Simulation sim;
-    CHECK_THROWS_WITH(sim.everyStep({}), "simulation: everyStep: the function to call must be one, got nothing");
+    CHECK_THROWS_WITH(sim.everyStep({}), "simulation: everyStep: needs a function to call, got an empty one");
     std::string refused;
     sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent&) {
         try {
@@ -117,7 +117,7 @@ TEST_CASE("nothing is no script, and a run takes no new one")
         }
     });
     sim.run({.headless = true, .steps = 2});
-    CHECK(refused == "simulation: everyStep is to be set before a run, and one is going on");
+    CHECK(refused == "simulation: everyStep must be set before a run, but one is going on");
 }
 
 TEST_CASE("an orientation of any length is made unit where a body goes")

@@ -140,7 +140,7 @@ TEST_CASE("wrong things to follow are Errors that name them")
 
     visual::VisualServer other({.backend = visual::Backend::Null});
     CHECK_THROWS_WITH(stage.follow(other.add(visual::LightDef{}), box),
-                      "follow: the transform is not one of the visual server's");
+                      "follow: the transform does not belong to the visual server");
     stage.bindings.release();
     CHECK_THROWS_WITH(stage.follow(light, box), Catch::Contains("there is no visual server yet"));
 }

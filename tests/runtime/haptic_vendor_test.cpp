@@ -56,6 +56,6 @@ TEST_CASE("a run asks for a vendor's device by its word, and bears that it is un
     CHECK(pushed < -0.1); // on its way it held the hand back
     CHECK(kinds == std::vector{DeviceNotice::Kind::Connected, DeviceNotice::Kind::Lost});
     CHECK(lines == std::vector<std::string>{"haptic interface 'right hand': device forcedimension: lost: communication "
-                                            "error; it gets no force until it is right again"});
+                                            "error; it gets no force until it works again"});
     with(STANDIN_DHD, [](Standin& all) { CHECK_FALSE(all.open[0]); });
 }

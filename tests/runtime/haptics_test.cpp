@@ -239,7 +239,7 @@ TEST_CASE("a device that is unplugged is an event and one line in the log, and t
         REQUIRE(log.lines.size() == 1);
         CHECK(log.lines[0] ==
               "haptic interface 'haptic interface': device fake: lost: the cable; it gets no force until "
-              "it is right again");
+              "it works again");
         CHECK(sim.haptic(hand).state == ServoState::Lost);
         CHECK(sim.haptic(hand).onHand == CouplingForce{});
         if (live) continue;
@@ -351,11 +351,11 @@ TEST_CASE("haptic interfaces that cannot be are refused, and so are runs that as
     const BodyId body = sim.add(tool());
     const BodyId soft = sim.add(SoftBodyDef{.name = "block", .mesh = shapes::block({0.1, 0.1, 0.1}, {1, 1, 1})});
     CHECK_THROWS_WITH(sim.run({.headless = true, .steps = 1, .device = "mouse"}),
-                      "run: device needs a haptic interface, and there is none");
+                      "run: device needs a haptic interface, but there is none");
     HapticInterfaceDef def{.name = "left", .body = body};
     sim.add(def);
     def.name = "right";
-    CHECK_THROWS_WITH(sim.add(def), "haptic interface 'right': body 'tool' is controlled by 'left' already");
+    CHECK_THROWS_WITH(sim.add(def), "haptic interface 'right': body 'tool' is already controlled by 'left'");
     def.element = 1;
     CHECK_THROWS_WITH(sim.add(def), "haptic interface 'right': element must be in [0, 1), got 1");
     def.body = soft;
@@ -364,7 +364,7 @@ TEST_CASE("haptic interfaces that cannot be are refused, and so are runs that as
     CHECK_THROWS_WITH(sim.add(def), Catch::Contains("body 9: no such body"));
     def = {.body = body, .forceLimit = 0.0};
     CHECK_THROWS_WITH(sim.add(def), "haptic interface 'haptic interface': forceLimit must be > 0 N, got 0");
-    CHECK_THROWS_WITH(sim.haptic(HapticId{2}), "haptic interface 2: there is none");
+    CHECK_THROWS_WITH(sim.haptic(HapticId{2}), "haptic interface 2: it does not exist");
 
     const auto run = [&](const RunDef& wanted) { sim.run(wanted); };
     CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .device = "omega"}),

@@ -110,7 +110,7 @@ TEST_CASE("only a simulation's first run can be recorded")
     Simulation sim;
     sim.run({.headless = true, .steps = 2});
     CHECK_THROWS_WITH(sim.run({.headless = true, .steps = 2, .record = folder / "run.rec"}),
-                      "run: record is for a simulation's first run, and this one has made 2 steps");
+                      "run: record is for a simulation's first run, but this one has already made 2 steps");
     CHECK(sim.run({.headless = true, .steps = 2}).steps == 4);
 }
 
@@ -150,7 +150,7 @@ TEST_CASE("a run whose files find no room on the disk goes on, and says so once 
         std::ranges::sort(logged);
         REQUIRE(logged.size() == 2);
         for (std::size_t i = 0; i < 2; ++i) CHECK_THAT(logged[i], Catch::StartsWith(problems[i]));
-        CHECK_THAT(runtime::summary(report), Catch::Contains("not whole: " + problems[1]));
+        CHECK_THAT(runtime::summary(report), Catch::Contains("incomplete: " + problems[1]));
     }
 }
 
@@ -207,15 +207,18 @@ TEST_CASE("the summary counts what did not go as asked")
 {
     RunReport report;
     CHECK_THAT(runtime::summary(report), Catch::StartsWith("0 steps, "));
-    CHECK_THAT(runtime::summary(report), Catch::Contains("put back 0, solver at its cap 0, at the deadline 0\n"));
+    CHECK_THAT(runtime::summary(report),
+               Catch::Contains("rolled back 0, solver at its iteration limit 0, at the deadline 0\n"));
     report.timing.stepCount = 1;
     CHECK_THAT(runtime::summary(report), Catch::StartsWith("1 step, "));
     report.undone = 5;
     report.notConverged = 2;
     report.damped = 3;
     report.outOfTime = 4;
-    CHECK_THAT(runtime::summary(report),
-               Catch::Contains("put back 5 (3 made again damped), solver at its cap 2, at the deadline 4\n"));
+    CHECK_THAT(
+        runtime::summary(report),
+        Catch::Contains(
+            "rolled back 5 (3 advanced again with damping), solver at its iteration limit 2, at the deadline 4\n"));
 }
 
 TEST_CASE("a simulation's command line refuses in one line what is no number, out of bounds or unknown")
@@ -237,7 +240,7 @@ TEST_CASE("a simulation's command line refuses in one line what is no number, ou
     CHECK(refusal({"--picture-every", "often"}) == "run: --picture-every must be >= 0 s, got 'often'\n");
     CHECK(refusal({"--record", ""}) == "run: --record must not be empty\n");
     CHECK(refusal({"--steps"}) == "--steps must be given once, with one value\n");
-    CHECK(refusal({"--stesp", "3"}) == "unknown word '--stesp'; --help lists those known\n");
+    CHECK(refusal({"--stesp", "3"}) == "unknown word '--stesp'; --help lists the known ones\n");
     const std::string endless = text("/", std::string(1000, 'x'), ".rec");
     CHECK(refusal({"--record", endless.c_str()}).size() < 200);
 }

@@ -210,7 +210,7 @@ TEST_CASE("several dress a scene, in their order, and none from inside a run")
     });
     sim.run({.backend = visual::Backend::Null, .steps = 3});
     CHECK(order == "ab");
-    CHECK(refused == "simulation: dress is to be set before a run, and one is going on");
+    CHECK(refused == "simulation: dress must be set before a run, but one is going on");
 }
 
 TEST_CASE("a kinematic rigid body goes where it was put")
@@ -262,7 +262,8 @@ TEST_CASE("what cannot be run is refused before anything starts")
     CHECK_THROWS_WITH(Simulation({.physics = {.deadline = 0.0}}), "simulation: physics.deadline must be > 0 s, got 0");
     CHECK_THROWS_WITH(sim.run({.headless = true, .picture = "/no/folder/x.png"}),
                       "run: picture '/no/folder/x.png': there is no such folder");
-    CHECK_THROWS_WITH(sim.run({.headless = true, .seconds = 1}), "run: a headless run ends after steps, not seconds");
+    CHECK_THROWS_WITH(sim.run({.headless = true, .seconds = 1}),
+                      "run: seconds is for live runs; a headless run ends after steps");
     CHECK_THROWS_WITH(Simulation({.physics = {.rate = 0}}),
                       "simulation: physics.rate must be in [1, 100000] Hz, got 0");
     RunDef longName = headless(1);

@@ -47,9 +47,9 @@ constexpr auto fields(const PhysicsDef*)
         field("slack", &T::slack, "s", closed(0, 10), "a step is never longer than 1/rate + slack"),
         field("gravity", &T::gravity, "m/s^2", finite(), "acts on every body"),
         field("realTime", &T::realTime, "schedule physics before ordinary threads"),
-        field("threads", &T::threads, "-", closed(1, 256), "at work within one step"),
+        field("threads", &T::threads, "-", closed(1, 256), "threads at work within one step"),
         field("contact", &T::contact, "how bodies that touch push each other"),
-        field("deadline", &T::deadline, "s", positiveOrInfinite(), "solvers stop so long after a step's start"));
+        field("deadline", &T::deadline, "s", positiveOrInfinite(), "time after a step's start at which solvers stop"));
 }
 
 /// The picture that a simulation has unless it makes its own: an endoscope's.
@@ -66,7 +66,7 @@ constexpr auto fields(const LookDef*)
     using T = LookDef;
     return describe("LookDef", field("around", &T::around, "what to see"),
                     field("direction", &T::direction, "-", finite(), "from there towards the camera"),
-                    field("quality", &T::quality, "effects"),
+                    field("quality", &T::quality, "quality of the effects"),
                     field("rate", &T::rate, "Hz", closed(1, 1000), "pictures per second at most"),
                     field("mouse", &T::mouse, "a person turns the look's camera"),
                     field("keys", &T::keys, "the keys of a live run work"));

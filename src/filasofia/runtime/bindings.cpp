@@ -51,9 +51,10 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
         if (surface && soft->dynamicTopology) {
             opening = mapping::OpeningSurface::make(mapped, rest);
             if (!opening)
-                logWarning(object,
-                           ": this surface bends with the body but does not open where it is cut, as it is not near "
-                           "its skin everywhere; without a surface the body's own boundary is drawn, which does");
+                logWarning(
+                    object,
+                    ": this surface deforms with the body but does not open where it is cut, because parts of it are "
+                    "not near the body's skin; without a surface the body's own boundary is drawn, which opens");
         }
         const int nodes = mapping::nodesNeeded(mapped->map);
         made.push_back({.id = id,
@@ -352,8 +353,8 @@ void Bindings::finishMeshes(const frame::Frame* newest)
 void Bindings::follow(visual::Transform& transform, BodyId id, const FollowDef& def,
                       const physics::PhysicsServer& physics)
 {
-    if (!visual_) fail("follow: there is no visual server yet: follow from where dress() is called");
-    if (!visual_->has(transform)) fail("follow: the transform is not one of the visual server's");
+    if (!visual_) fail("follow: there is no visual server yet; call it from the function given to dress()");
+    if (!visual_->has(transform)) fail("follow: the transform does not belong to the visual server");
     followers_.follow(transform, id, def, physics);
 }
 

@@ -24,7 +24,8 @@ std::unique_ptr<device::HapticDevice> deviceOf(const std::string& word)
 {
     const auto colon = word.find(':');
     const device::DeviceDef def = device::deviceNamed(word.substr(0, colon));
-    if (std::holds_alternative<device::ScriptedDevice>(def)) fail("run: device scripted is asked for by its motion");
+    if (std::holds_alternative<device::ScriptedDevice>(def))
+        fail("run: device scripted needs a motion file; set motion instead");
     return device::makeDevice(def, colon == std::string::npos ? "" : word.substr(colon + 1));
 }
 
@@ -42,9 +43,9 @@ Pose unitPose(Pose pose)
 void logNotice(const std::string& who, const DeviceNotice& notice, bool wasWrong)
 {
     if (notice.kind == DeviceNotice::Kind::Lost || notice.kind == DeviceNotice::Kind::Error)
-        logWarning(who, ": ", notice.problem, "; it gets no force until it is right again");
+        logWarning(who, ": ", notice.problem, "; it gets no force until it works again");
     else if (notice.kind == DeviceNotice::Kind::Connected && wasWrong)
-        logInfo(who, ": it is right again");
+        logInfo(who, ": it works again");
 }
 
 } // namespace
@@ -121,10 +122,10 @@ HapticId Haptics::add(const HapticInterfaceDef& def, std::unique_ptr<device::Hap
         fail(object, ": element must be in [0, ", rigid->elements.size(), "), got ", def.element);
 
     const std::lock_guard lock(mutex_);
-    if (running_) fail(object, ": to be added before a run, and one is going on");
+    if (running_) fail(object, ": must be added before a run, but one is going on");
     for (const auto& other : interfaces_)
         if (other->def.body == def.body)
-            fail(object, ": body '", rigid->name, "' is controlled by '", other->def.name, "' already");
+            fail(object, ": body '", rigid->name, "' is already controlled by '", other->def.name, "'");
     auto made = std::make_unique<Interface>();
     made->device = own ? std::move(own) : device::makeDevice(def.device);
     made->id = {static_cast<std::uint32_t>(interfaces_.size()) + 1};
@@ -142,7 +143,7 @@ HapticId Haptics::add(const HapticInterfaceDef& def, std::unique_ptr<device::Hap
 
 Haptics::Interface& Haptics::find(HapticId id) const
 {
-    if (id.value == 0 || id.value > interfaces_.size()) fail("haptic interface ", id.value, ": there is none");
+    if (id.value == 0 || id.value > interfaces_.size()) fail("haptic interface ", id.value, ": it does not exist");
     return *interfaces_[id.value - 1];
 }
 
@@ -210,7 +211,7 @@ void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& c
     for (const auto& [field, value] :
          {std::pair{"device", &run.device}, {"motion", &run.motion}, {"recordMotion", &run.recordMotion}})
         if (!value->empty() && interfaces_.empty())
-            fail("run: ", field, " needs a haptic interface, and there is none");
+            fail("run: ", field, " needs a haptic interface, but there is none");
     if (!run.device.empty() && !run.motion.empty()) fail("run: device and motion: only one of the two can be given");
     const double stepPeriod = 1.0 / physics.rate;
     live_ = !run.headless;
@@ -317,7 +318,7 @@ void Haptics::beforeStep(double dt, double end, physics::PhysicsServer& physics)
         } catch (const Error& problem) { // the body was removed meanwhile, or the hand is outside the legal range
             each.holding = false;
             if (physics.has(each.def.body) && !std::exchange(each.refused, true))
-                logWarning(each.who(), ": a step cannot take it: ", problem.what());
+                logWarning(each.who(), ": its pose was refused: ", problem.what());
         }
     }
 }

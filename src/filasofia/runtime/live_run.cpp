@@ -180,7 +180,7 @@ private:
     {
         impl_.now.stamp(*event);
         if (!impl_.events.tryPost(std::move(event)) && !std::exchange(warned_, true))
-            logWarning("events come faster than observers take them: some are lost");
+            logWarning("events arrive faster than observers handle them: some are lost");
     }
 
     Simulation::Impl& impl_;

@@ -60,7 +60,7 @@ template <class File, class Write> void RunFiles::attempt(std::optional<File>& f
         auto event = std::make_unique<FileFailedEvent>();
         event->problem = problem.what();
         impl_.now.stamp(*event);
-        if (!impl_.events.tryPost(std::move(event))) logWarning("the event queue is full: nobody is told of this");
+        if (!impl_.events.tryPost(std::move(event))) logWarning("the event queue is full: no event reports this");
     }
 }
 
