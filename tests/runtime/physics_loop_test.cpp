@@ -47,7 +47,7 @@ TEST_CASE("on a quiet machine simulated time equals wall time to the microsecond
     physics::PhysicsServer server(engine::makeNativeEngine());
     const Nanoseconds start = fake.time;
     double last = 0.0;
-    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .maximumSteps = 1000}, fake.clock(),
+    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .maxSteps = 1000}, fake.clock(),
                                         kNeverStop, [&](const physics::StepReport& report) {
                                             last = report.time;
                                             fake.time += 400'000; // what the step took
@@ -71,7 +71,7 @@ TEST_CASE("under load no step is longer than period and slack, the report counts
     std::uniform_int_distribution<Nanoseconds> load(kMs, 20 * kMs);
     double longest = 0.0;
     std::uint64_t clampedReports = 0;
-    const RunTiming timing = runPhysics(server, {.period = period, .slack = slack, .maximumSteps = 200}, fake.clock(),
+    const RunTiming timing = runPhysics(server, {.period = period, .slack = slack, .maxSteps = 200}, fake.clock(),
                                         kNeverStop, [&](const physics::StepReport& report) {
                                             longest = std::max(longest, report.dt);
                                             clampedReports += report.has(physics::StepFlag::Clamped);
@@ -94,7 +94,7 @@ TEST_CASE("flags that the runtime knows reach the next report")
     physics::PhysicsServer server(engine::makeNativeEngine());
     int lost = 0;
     const auto flag = static_cast<std::uint32_t>(physics::StepFlag::EventLost);
-    runPhysics(server, {.period = kMs, .maximumSteps = 3}, fake.clock(), kNeverStop,
+    runPhysics(server, {.period = kMs, .maxSteps = 3}, fake.clock(), kNeverStop,
                [&](const physics::StepReport& report) {
                    lost += report.has(physics::StepFlag::EventLost);
                    return flag;
@@ -106,7 +106,7 @@ TEST_CASE("a free-running loop does not sleep and steps by the period")
 {
     FakeClock fake;
     physics::PhysicsServer server(engine::makeNativeEngine());
-    const RunTiming timing = runPhysics(server, {.period = kMs, .freeRunning = true, .maximumSteps = 10}, fake.clock(),
+    const RunTiming timing = runPhysics(server, {.period = kMs, .freeRunning = true, .maxSteps = 10}, fake.clock(),
                                         kNeverStop, [](const physics::StepReport&) { return 0u; });
     CHECK(fake.sleeps == 0);
     CHECK(timing.simulatedSeconds == Approx(0.01));
@@ -120,7 +120,7 @@ TEST_CASE("every live step is given the time until its deadline, counted from it
     physics::PhysicsServer server = physics::fakeServer(told);
     std::vector<Nanoseconds> expected;
     const Nanoseconds start = fake.time;
-    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maximumSteps = 50},
+    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maxSteps = 50},
                                         fake.clock(), kNeverStop, [&](const physics::StepReport&) {
                                             fake.time += 400'000;
                                             return 0u;
@@ -138,7 +138,7 @@ TEST_CASE("a deadline that never comes is the end of all time, and so is none")
         FakeClock fake;
         physics::Told told;
         physics::PhysicsServer server = physics::fakeServer(told);
-        runPhysics(server, {.period = kMs, .deadline = deadline, .maximumSteps = 3}, fake.clock(), kNeverStop,
+        runPhysics(server, {.period = kMs, .deadline = deadline, .maxSteps = 3}, fake.clock(), kNeverStop,
                    [](const physics::StepReport&) { return 0u; });
         CHECK(told.deadlines == std::vector<Nanoseconds>(3, never)); // and there is a clock for the stages' times
     }
@@ -152,7 +152,7 @@ TEST_CASE("a step whose solver is stopped ends at its deadline and says so")
     physics::PhysicsServer server = physics::fakeServer(told);
     server.add(physics::SoftBodyDef{.mesh = physics::oneTetrahedron()});
     int outOfTime = 0;
-    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maximumSteps = 4},
+    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maxSteps = 4},
                                         fake.clock(), kNeverStop, [&](const physics::StepReport& report) {
                                             outOfTime += report.has(physics::StepFlag::OutOfTime);
                                             return 0u;
@@ -197,7 +197,7 @@ TEST_CASE("what is called before a step is told the length that the step then ha
         fake.time += load(random);
         return 0u;
     };
-    runPhysics(server, {.period = kMs, .slack = kMs, .maximumSteps = 50}, fake.clock(), kNeverStop, afterStep,
+    runPhysics(server, {.period = kMs, .slack = kMs, .maxSteps = 50}, fake.clock(), kNeverStop, afterStep,
                [&](double dt) {
                    CHECK(told.size() == made.size());
                    told.push_back(dt);

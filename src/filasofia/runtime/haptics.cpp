@@ -76,7 +76,7 @@ struct Haptics::Interface {
     std::atomic<bool> aligns = false;       ///< it has no origin of its own, so it starts at the body
     std::atomic<std::uint64_t> placing = 0; ///< snapshots with an earlier number belong to another place
 
-    void tellPlace() // under the mutex
+    void updatePlace() // under the mutex
     {
         coupling.write(device::sceneCoupling(servoDef(def.rate, 1e-3)));
         if (servo) placing.store(servo->place(scale, origin, grip));
@@ -202,7 +202,7 @@ void Haptics::place(HapticId id, double scale, const Pose& origin)
     each.scale = scale;
     each.origin = *def.origin;
     each.aligns.store(false); // an explicit origin replaces alignment
-    each.tellPlace();
+    each.updatePlace();
 }
 
 void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& clock, const Post& post)
@@ -281,7 +281,7 @@ void Haptics::align(Interface& each, const device::ServoSnapshot& seen, physics:
     const std::lock_guard lock(mutex_);
     each.origin = {pose.position - each.scale * hand.position, {}};
     each.grip = conjugate(hand.orientation) * pose.orientation;
-    each.tellPlace();
+    each.updatePlace();
     each.placed = true;
 }
 

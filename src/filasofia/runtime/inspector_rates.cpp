@@ -8,17 +8,17 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr double kPoint = 0.1; // [s], interval of one point in a plot
+constexpr double kPointInterval = 0.1; // [s], interval of one point in a plot
 
 void plot(const char* name, const Trace& trace, double reference, const char* unit)
 {
     char overlay[64];
     std::snprintf(overlay, sizeof overlay, "%s %.0f %s", name, trace.newest(), unit);
-    float most = float(1.25 * reference);
-    for (int i = 0; i < trace.count(); ++i) most = std::max(most, trace.data()[i]);
+    float top = float(1.25 * reference);
+    for (int i = 0; i < trace.count(); ++i) top = std::max(top, trace.data()[i]);
     const ImVec2 size{ImGui::GetContentRegionAvail().x, 3.2F * ImGui::GetFontSize()};
     ImGui::PushID(name);
-    ImGui::PlotLines("##plot", trace.data(), trace.count(), trace.oldest(), overlay, 0.0F, most, size);
+    ImGui::PlotLines("##plot", trace.data(), trace.count(), trace.oldest(), overlay, 0.0F, top, size);
     ImGui::PopID();
 }
 
@@ -69,7 +69,7 @@ void InspectorRates::addPicture(double guiSeconds)
     guiSeconds_ = guiSeconds;
     const Nanoseconds now = impl_.clock.now();
     const double seconds = toSeconds(now - since_);
-    if (seconds < kPoint) return;
+    if (seconds < kPointInterval) return;
     physics_.add(now_.steps / seconds);
     pictures_.add(now_.pictures / seconds);
     const physics::StageTimes& times = now_.times;

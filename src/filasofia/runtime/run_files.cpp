@@ -107,7 +107,7 @@ void RunFiles::writeScene(std::uint64_t beforeStep)
     while (auto event = impl_.journal.takeBefore(beforeStep))
         attempt(recording_, [&](record::RecordingWriter& file) {
             for (const std::string& name : filesOf(*event)) {
-                const auto known = filesTold_.insert(name).second ? digested(name) : std::nullopt;
+                const auto known = filesDescribed_.insert(name).second ? digested(name) : std::nullopt;
                 if (known) file.write(recordOf(*known));
             }
             file.write(recordOf(*event));

@@ -16,13 +16,13 @@ std::string line(const char* format, auto... values)
     return std::string(buffer) + "\n";
 }
 
-constexpr std::size_t kMostPairs = 12; ///< rows of the table
+constexpr std::size_t kMaxPairs = 12; ///< rows of the table
 
 /// A table of who touched whom and how hard; empty if nothing touched.
 std::string contactTable(std::vector<ContactPairReport> pairs)
 {
     if (pairs.empty()) return {};
-    const std::size_t left = pairs.size() - std::min(pairs.size(), kMostPairs);
+    const std::size_t left = pairs.size() - std::min(pairs.size(), kMaxPairs);
     std::ranges::stable_sort(pairs, std::greater{}, &ContactPairReport::maxNormalForce);
     pairs.resize(pairs.size() - left);
     const std::string title = "contacts between";

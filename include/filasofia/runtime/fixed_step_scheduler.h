@@ -29,9 +29,9 @@ struct Tick {
 /// Schedules absolute wake-up times, a period apart. The sum of all dt is the time passed since start(), unless a dt
 /// was clamped. After a wake-up more than a period late the schedule restarts there, so there is never a burst of
 /// catch-up steps.
-class StepGrid {
+class FixedStepScheduler {
 public:
-    StepGrid(Nanoseconds period, Nanoseconds slack) : period_(period), slack_(slack) {}
+    FixedStepScheduler(Nanoseconds period, Nanoseconds slack) : period_(period), slack_(slack) {}
 
     void start(Nanoseconds now)
     {
