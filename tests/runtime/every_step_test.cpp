@@ -51,7 +51,7 @@ TEST_CASE("a body that a script moves is exactly where the script says, headless
     }
 }
 
-TEST_CASE("what a script commands is in the recording: it is made again without the script")
+TEST_CASE("a script's commands are in the recording, which is replayed without the script")
 {
     const std::string file =
         (std::filesystem::temp_directory_path() / text("filasofia_every_step_test_", getpid(), ".rec")).string();
@@ -81,7 +81,7 @@ TEST_CASE("a script rests while physics is paused")
     sim.run({.headless = true, .steps = 5});
     sim.physics().pause(true);
     sim.run({.headless = true, .steps = 5});
-    CHECK(calls == 6); // the step that a pause comes with is known to be paused only when it is made
+    CHECK(calls == 6); // the step that starts the pause is known to be paused only when it is made
     sim.physics().pause(false);
     sim.run({.headless = true, .steps = 5});
     CHECK(calls == 10);
@@ -104,7 +104,7 @@ TEST_CASE("a script that throws is not called again, and the others go on")
     }
 }
 
-TEST_CASE("nothing is no script, and a run takes no new one")
+TEST_CASE("an empty script is refused, and so is a new one during a run")
 {
     Simulation sim;
     CHECK_THROWS_WITH(sim.everyStep({}), "simulation: everyStep: needs a function to call, got an empty one");

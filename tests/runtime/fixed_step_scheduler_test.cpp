@@ -52,7 +52,7 @@ TEST_CASE("a wake-up that is a little late does not move the schedule")
     CHECK(tick.dt == kMs + 300'000);
     CHECK_FALSE(tick.late);
     CHECK(scheduler.nextWake() == 2 * kMs);
-    CHECK(scheduler.wake(2 * kMs).dt == kMs - 300'000); // what was too much before is too little now
+    CHECK(scheduler.wake(2 * kMs).dt == kMs - 300'000); // what was too long before is too short now
 }
 
 TEST_CASE("after a wake-up more than a period late the schedule restarts, without a burst of catch-up steps")

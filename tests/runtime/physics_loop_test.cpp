@@ -12,7 +12,7 @@ namespace {
 
 constexpr Nanoseconds kMs = 1'000'000;
 
-/// A clock that a test turns: sleeping takes it to the wake-up time and a given lateness further.
+/// A clock that a test sets: sleeping moves it to the wake-up time plus a given lateness.
 struct FakeClock {
     Nanoseconds time = 12345;
     Nanoseconds oversleep = 0;
@@ -50,7 +50,7 @@ TEST_CASE("on a quiet machine simulated time equals wall time to the microsecond
     const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .maxSteps = 1000}, fake.clock(),
                                         kNeverStop, [&](const physics::StepReport& report) {
                                             last = report.time;
-                                            fake.time += 400'000; // what the step took
+                                            fake.time += 400'000; // duration of the step
                                             return 0u;
                                         });
     const Nanoseconds lastWake = timing.steps.back().wake + start;
@@ -130,7 +130,7 @@ TEST_CASE("every live step is given the time until its deadline, counted from it
     CHECK(told.deadlines == expected);
 }
 
-TEST_CASE("a deadline that never comes is the end of all time, and so is none")
+TEST_CASE("an infinite deadline is the largest time, and so is none at all")
 {
     constexpr Nanoseconds never = std::numeric_limits<Nanoseconds>::max();
     for (const std::optional<Nanoseconds> deadline :
@@ -140,7 +140,7 @@ TEST_CASE("a deadline that never comes is the end of all time, and so is none")
         physics::PhysicsServer server = physics::fakeServer(told);
         runPhysics(server, {.period = kMs, .deadline = deadline, .maxSteps = 3}, fake.clock(), kNeverStop,
                    [](const physics::StepReport&) { return 0u; });
-        CHECK(told.deadlines == std::vector<Nanoseconds>(3, never)); // and there is a clock for the stages' times
+        CHECK(told.deadlines == std::vector<Nanoseconds>(3, never)); // there is still a clock for the stages' times
     }
 }
 
@@ -158,11 +158,13 @@ TEST_CASE("a step whose solver is stopped ends at its deadline and says so")
                                             return 0u;
                                         });
     CHECK(outOfTime == 4);
-    CHECK(told.iterations == std::vector<std::vector<int>>(4, {4})); // the fourth goes over: only then it looks again
+    CHECK(told.iterations ==
+          std::vector<std::vector<int>>(
+              4, {4})); // the fourth iteration goes over the deadline, which is checked after each one
     for (const StepTiming& step : timing.steps) CHECK(step.cost == 1'200'000);
 }
 
-TEST_CASE("the loop ends when it is told to")
+TEST_CASE("the loop ends when its stop flag is set")
 {
     FakeClock fake;
     physics::PhysicsServer server(engine::makeNativeEngine());
@@ -185,7 +187,7 @@ TEST_CASE("the machine's clock wakes no earlier than asked")
     }
 }
 
-TEST_CASE("what is called before a step is told the length that the step then has")
+TEST_CASE("a callback before a step gets the length that the step then has")
 {
     FakeClock fake;
     physics::PhysicsServer server(engine::makeNativeEngine());

@@ -30,7 +30,7 @@ SoftBodyDef bunny()
             .attachments = {{.box = Box{{-1, 0.105, -1}, {1, 1, 1}}}}};
 }
 
-/// Files of this test's own in a folder that goes away.
+/// A folder for this test's files, removed at the end.
 struct Folder {
     std::filesystem::path path =
         std::filesystem::temp_directory_path() / text("filasofia_runtime_record_test_", getpid());
@@ -39,7 +39,7 @@ struct Folder {
     [[nodiscard]] std::string operator/(const char* name) const { return (path / name).string(); }
 };
 
-/// Makes a recorded run again and returns its last hash; the test fails where a step differs.
+/// Replays a recorded run and returns its last hash; the test fails if a step differs.
 std::uint64_t madeAgain(const std::string& file, std::size_t steps)
 {
     const record::Recording recording = record::readRecording(file);
@@ -51,7 +51,7 @@ std::uint64_t madeAgain(const std::string& file, std::size_t steps)
 
 } // namespace
 
-TEST_CASE("a headless run with commands on its way is made again from its recording")
+TEST_CASE("a headless run with commands on its way is replayed from its recording")
 {
     const Folder folder;
     Simulation sim({.physics = {.rate = 500}});
@@ -71,25 +71,25 @@ TEST_CASE("a headless run with commands on its way is made again from its record
     CHECK(madeAgain(folder / "run.rec", 25) == report.hash);
 }
 
-TEST_CASE("a live run is made again from its recording")
+TEST_CASE("a live run is replayed from its recording")
 {
     const Folder folder;
     Simulation sim;
     const BodyId body = sim.add(bunny());
     sim.show(body);
     sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
-        if (update.step == 50) sim.physics().setPressure(body, 20.0); // comes whenever it comes
+        if (update.step == 50) sim.physics().setPressure(body, 20.0); // at whichever step it comes
     });
     const RunReport report =
         sim.run({.backend = Backend::Null, .steps = 300, .log = folder / "run.csv", .record = folder / "run.rec"});
     CHECK(madeAgain(folder / "run.rec", 300) == report.hash);
-    std::ifstream table(folder / "run.csv"); // both files are fed from the one log
+    std::ifstream table(folder / "run.csv"); // both files are written from the same log
     int lines = 0;
     for (std::string line; std::getline(table, line);) ++lines;
     CHECK(lines == 301);
 }
 
-TEST_CASE("a live run whose solvers were stopped by the deadline is made again without one")
+TEST_CASE("a live run whose solvers were stopped by the deadline is replayed without one")
 {
     const Folder folder;
     Simulation sim({.physics = {.deadline = 1e-9}}); // has always passed
@@ -114,7 +114,7 @@ TEST_CASE("only a simulation's first run can be recorded")
     CHECK(sim.run({.headless = true, .steps = 2}).steps == 4);
 }
 
-TEST_CASE("a run whose files find no room on the disk goes on, and says so once for each")
+TEST_CASE("a run whose files find no room on the disk goes on, and reports each file once")
 {
     const Folder folder;
     std::filesystem::create_symlink("/dev/full", folder.path / "full.rec");
@@ -159,7 +159,7 @@ TEST_CASE("physics goes on while a disk takes nothing, and no step is lost")
     const Folder folder;
     const std::string pipe = folder / "slow.rec";
     REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
-    std::promise<void> far; // physics has come far while nobody took what it wrote
+    std::promise<void> far; // set when physics has come far although nobody read its data
     std::thread disk([&] {
         const int from = open(pipe.c_str(), O_RDONLY);
         fcntl(from, F_SETPIPE_SZ, 4096);
@@ -172,7 +172,8 @@ TEST_CASE("physics goes on while a disk takes nothing, and no step is lost")
     Simulation sim;
     sim.add(bunny());
     sim.on<PhysicsUpdateEvent>([&, told = false](const PhysicsUpdateEvent& update) mutable {
-        if (update.step >= 1500 && !std::exchange(told, true)) far.set_value(); // else it would wait for ever
+        if (update.step >= 1500 && !std::exchange(told, true))
+            far.set_value(); // otherwise the reader would wait for ever
     });
     const RunReport report = sim.run({.backend = Backend::Null, .steps = 1600, .record = pipe});
     disk.join();
@@ -182,7 +183,7 @@ TEST_CASE("physics goes on while a disk takes nothing, and no step is lost")
     for (const auto& step : recording.steps) REQUIRE_FALSE(step.report.has(physics::StepFlag::RecordLost));
 }
 
-TEST_CASE("a run tells its recording what it is called")
+TEST_CASE("a recording has the run's session and trainee names")
 {
     const Folder folder;
     Simulation sim;
@@ -254,7 +255,7 @@ TEST_CASE("one file by two names is refused for log and recording")
                       folder / "run.rec" + ": is being written already, by this name or another");
 }
 
-TEST_CASE("a run that begins paused is made again from its recording")
+TEST_CASE("a run that begins paused is replayed from its recording")
 {
     const Folder folder;
     Simulation sim;
