@@ -16,7 +16,7 @@ namespace {
 
 runtime::SimulationDef weightless() { return {.physics = {.gravity = {}}}; }
 
-/// Where closed jaws reach: a block of 2 x 2 x 4 mm, held at its far end.
+/// A block of 2 x 2 x 4 mm within reach of closed jaws, pinned at its far end.
 BodyId addBlock(Simulation& sim, bool cut = false)
 {
     physics::SoftBodyDef def{.name = "block",
@@ -67,10 +67,10 @@ TEST_CASE("jaws close on a soft block and hold it, it follows, and opening lets 
     run(sim, 800);
     REQUIRE(forceps.holding() == block);
     REQUIRE(told == std::vector<std::pair<BodyId, bool>>{{block, true}});
-    CHECK(forceps.opening() > 0.05); // the block is between them
+    CHECK(forceps.opening() > 0.05); // the block is between the jaws
     const Vec3 before = nearEnd(sim, block);
 
-    // Moved by 1 mm aside the near end goes along; the far end is held, so the block pulls back.
+    // Moved aside by 1 mm, the near end follows; the far end is pinned, so the block pulls back.
     double start = sim.physics().latest()->time;
     sim.everyStep([&](double time) { forceps.move({{1_mm * std::clamp((time - start) / 0.2, 0.0, 1.0), 0, 0}, {}}); });
     run(sim, 400);

@@ -13,7 +13,7 @@ namespace shapes = geometry::shapes;
 
 namespace {
 
-/// A wall 10 mm thick on a hard floor, and a rod above it that goes where the test says: at height(time) is its end.
+/// A wall 10 mm thick on a rigid floor, and a kinematic rod above it whose end is at height(time).
 struct Scene {
     explicit Scene(bool touching = true)
     {
@@ -51,7 +51,7 @@ TEST_CASE(
 {
     Scene scene;
     const PerforationWatch watch = scene.watch({.force = 0.5});
-    // From 8 mm (the wall's top is at 5 mm) down to 1 mm within 50 ms; away from 0.4 to 1.1 s; again.
+    // From 8 mm (the wall's top is at 5 mm) down to 1 mm within 50 ms; away from 0.4 to 1.1 s; then again.
     scene.run(
         [](double time) {
             const double in = std::clamp(std::min(time - 0.1, 0.4 - time) / 0.05, 0.0, 1.0);
@@ -62,14 +62,14 @@ TEST_CASE(
     REQUIRE(scene.told.size() == 2);
     CHECK(watch.count() == 2);
     CHECK(scene.told[0].second > 0.5);
-    CHECK(scene.told[0].first.y == Approx(3_mm).margin(2.1_mm)); // where the rod's end was
+    CHECK(scene.told[0].first.y == Approx(3_mm).margin(2.1_mm)); // at the rod's end
 }
 
 TEST_CASE("a touch is no perforation")
 {
     Scene scene;
     const PerforationWatch watch = scene.watch({.force = 50.0});
-    scene.run([](double time) { return 8_mm - std::min(time, 0.2) * 20_mm; }, 400); // 1 mm in
+    scene.run([](double time) { return 8_mm - std::min(time, 0.2) * 20_mm; }, 400); // 1 mm deep
     CHECK(scene.told.empty());
     CHECK(watch.count() == 0);
 }
@@ -80,7 +80,7 @@ TEST_CASE("a tip inside the tissue has perforated it, whatever the force")
     const PerforationWatch watch = scene.watch({.force = 1e3});
     scene.run([](double time) { return 8_mm - std::min(time, 0.5) * 16_mm; }, 500); // its end comes to 0
     REQUIRE(scene.told.size() == 1);
-    CHECK(scene.told[0].first.y == Approx(5_mm).margin(0.2_mm)); // the watched point is seen as it enters
+    CHECK(scene.told[0].first.y == Approx(5_mm).margin(0.2_mm)); // detected as the watched point enters
     CHECK(scene.told[0].second == 0.0);
 }
 

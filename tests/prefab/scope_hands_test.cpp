@@ -12,7 +12,7 @@ using runtime::Simulation;
 
 namespace {
 
-/// A scope and forceps that touch nothing, and their hands, about a fulcrum off the origin.
+/// A scope and forceps that touch nothing, and their hands, about a fulcrum away from the origin.
 struct Scene {
     Simulation sim;
     Endoscope scope{sim, {.groups = {}}};
@@ -24,7 +24,7 @@ struct Scene {
     [[nodiscard]] Pose element(BodyId body) { return sim.physics().latest()->rigidBody(body)->poses[0]; }
 };
 
-/// The least distance of a point from the axis of a pose.
+/// The distance of a point from the axis of a pose.
 double fromAxis(const Pose& pose, Vec3 point)
 {
     return length(cross(point - pose.position, rotate(pose.orientation, {0, 0, -1})));
@@ -55,7 +55,7 @@ TEST_CASE("a script is played move by move, each begun and ended once, at its ti
     std::vector<std::pair<std::string, double>> told;
     const auto tell = [&](const char* what) {
         return [&, what] {
-            const auto frame = scene.sim.physics().latest(); // none before the first step
+            const auto frame = scene.sim.physics().latest(); // null before the first step
             told.emplace_back(what, frame ? frame->time : 0.0);
         };
     };
@@ -99,7 +99,7 @@ TEST_CASE("a person's wheel and keys move the hands smoothly and within their bo
     event::KeyEvent key;
     key.key = event::KeyCode::G;
     key.pressed = true;
-    scene.sim.post(key); // opens
+    scene.sim.post(key); // opens the jaws
     scene.run(1000);
     CHECK(scene.element(scene.scope.body()).position.y == Approx(20_mm - 30_mm + 15_mm).epsilon(1e-4));
     CHECK(scene.forceps.opening() == Approx(1.0).epsilon(1e-6));
@@ -142,7 +142,7 @@ TEST_CASE("hands pull no harder at what they hold than they are strong")
         const auto run = [&](int steps) {
             sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps});
         };
-        run(10); // to where the hands begin
+        run(10); // to the start pose of the hands
         sim.physics().attach(block, {.box = geometry::Box{{-1, -1, -1}, {1, -4.9_mm, 1}}, .to = forceps.body()});
         ScopeHand back{.depth = 10_mm};
         hands.play({{.seconds = 1.0, .to = back}});

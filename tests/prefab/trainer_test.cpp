@@ -15,7 +15,7 @@ using runtime::Simulation;
 
 namespace {
 
-/// A trainer without anything to see: what it was called with, and what it said of wrong words.
+/// A trainer without pictures. It records what it was called with and what it printed about wrong words.
 struct Program {
     TrainerDef def{.name = "drill",
                    .about = "A drill.",
@@ -26,7 +26,7 @@ struct Program {
                        return caseIndex == 1 && seed == 3 ? std::string("too hard") : std::string();
                    }};
     std::vector<Training> trained;
-    int steps = 0; ///< of the last session
+    int steps = 0; ///< in the last session
     std::string said;
 
     int run(std::vector<const char*> words)

@@ -32,7 +32,7 @@ std::vector<JawDef> jawsOf(InstrumentKind kind)
         const std::string_view side = upper ? "upper" : "lower";
         JawDef jaw{.axis = {upper ? 1.0 : -1.0, 0.0, 0.0}};
         if (kind == InstrumentKind::Scissors) {
-            // The blade's collision mesh would push away what its edge is to cut: the edge alone meets tissue.
+            // A collision mesh of the blade would push away what its edge has to cut, so only the edge touches tissue.
             const double y = upper ? -0.06e-3 : 0.06e-3;
             jaw.edge = {{{0.0, y, -1.0e-3}, {0.0, y, -6.4e-3}}};
             jaw.opensBy = 35.0 * degree;
@@ -68,7 +68,8 @@ ArticulatedInstrumentDef completed(ArticulatedInstrumentDef def)
     return def;
 }
 
-/// An edge as a surface, which is what collision models are made of: a strip of a tenth of its length, whose rim cuts.
+/// A cutting edge as a surface, because collision models are surfaces: a strip a tenth as wide as it is long, whose rim
+/// cuts.
 std::shared_ptr<const geometry::TriangleMesh> blade(const JawDef& jaw)
 {
     const auto [from, to] = *jaw.edge;
@@ -77,7 +78,7 @@ std::shared_ptr<const geometry::TriangleMesh> blade(const JawDef& jaw)
         geometry::TriangleMesh{.vertices = {from, to, from - back}, .triangles = {{0, 1, 2}}, .uv = {}});
 }
 
-/// A joint that goes where it is told, and, pressed by the closing torque, moves at `speed`, which it reaches in 20 ms.
+/// A position-controlled joint that under the closing torque moves at `speed`, which it reaches in 20 ms.
 JointDef jointOf(const ArticulatedInstrumentDef& def, const JawDef& jaw, int link)
 {
     const double damping = def.closingTorque / def.speed;
@@ -87,13 +88,13 @@ JointDef jointOf(const ArticulatedInstrumentDef& def, const JawDef& jaw, int lin
     joint.speed = def.speed;
     joint.damping = damping;
     joint.inertia = 0.02 * damping;
-    // A jaw weighs little against its drive: a tenth of a gram, 3 mm long.
+    // A jaw weighs little compared with its drive: a tenth of a gram, 3 mm long.
     joint.mass = physics::GivenInertia{.mass = 1e-4, .centre = {0.0, 0.0, -3e-3}, .moments = {1e-9, 1e-9, 1e-9}};
     return joint;
 }
 
-/// How hard tissue pushes one side of the mouth and the other [N]: forces across the shaft, along the direction in
-/// which a jaw opens and against it.
+/// The forces of tissue on the two sides of the mouth [N]: across the shaft, along the direction in which a jaw opens
+/// and against it.
 std::array<double, 2> squeezed(const frame::Frame& frame, BodyId tool, BodyId target, Vec3 opens)
 {
     std::array<double, 2> sides = {};
@@ -110,11 +111,11 @@ std::array<double, 2> squeezed(const frame::Frame& frame, BodyId tool, BodyId ta
 
 struct ArticulatedInstrument::Impl {
     enum class State {
-        Open,    ///< goes where it was told; holds nothing
+        Open,    ///< goes to the commanded angle; holds nothing
         Closing, ///< presses
         Asked,   ///< has asked for a grasp, and waits for the step that makes it
-        Holding, ///< tied to what it holds
-        Slipped  ///< presses, and will hold nothing before it was opened again
+        Holding, ///< attached to the tissue it holds
+        Slipped  ///< presses, and holds nothing until it has been opened
     };
 
     Impl(runtime::Simulation& sim, const ArticulatedInstrumentDef& asked)
@@ -153,7 +154,7 @@ struct ArticulatedInstrument::Impl {
         return simulation.add(rigid);
     }
 
-    /// Every moving jaw by its own command, given its joint and its Def.
+    /// Gives every moving jaw the command for its joint and Def.
     template <class CommandOf> void tell(CommandOf commandOf)
     {
         int joint = 0;
@@ -177,7 +178,7 @@ struct ArticulatedInstrument::Impl {
         force = 0.0;
     }
 
-    // The stepping thread, before each step.
+    // Stepping thread, before each step.
     void watch()
     {
         const frame::FrameRef frame = simulation.physics().latest();
@@ -201,7 +202,7 @@ struct ArticulatedInstrument::Impl {
         return most;
     }
 
-    /// Is there tissue between the jaws? The ids of soft bodies ascend: the first that is squeezed is held.
+    /// Looks for tissue between the jaws. The ids of soft bodies ascend: the first squeezed body is held.
     void seek(const frame::Frame& frame, const frame::RigidBodyFrame& now)
     {
         const JawDef& jaw = def.jaws.front();
@@ -222,7 +223,7 @@ struct ArticulatedInstrument::Impl {
         }
     }
 
-    /// Did the grasp come about, and does it still hold?
+    /// Checks whether the grasp has been made and still holds.
     void follow(const frame::Frame& frame)
     {
         const auto found =
@@ -242,7 +243,8 @@ struct ArticulatedInstrument::Impl {
 
     runtime::Simulation& simulation;
     const ArticulatedInstrumentDef def;
-    mutable std::recursive_mutex mutex; // of what follows, and of the order of commands; onGrasp may call back
+    mutable std::recursive_mutex
+        mutex; // guards the members below and the order of commands; recursive because onGrasp may call back
     Pose told;
     State state = State::Open;
     double torque = 0.0;
@@ -251,7 +253,7 @@ struct ArticulatedInstrument::Impl {
     std::uint64_t askedAt = 0;
     double force = 0.0;
     double widest = 0.0;
-    const BodyId body; // made of the Def
+    const BodyId body; // built from the Def
 };
 
 ArticulatedInstrument::ArticulatedInstrument(runtime::Simulation& simulation, const ArticulatedInstrumentDef& def)
@@ -290,7 +292,7 @@ void ArticulatedInstrument::close(std::optional<double> torque)
         fail("instrument '", impl_->def.name, "': close: torque must be > 0 N m, got ", *torque);
     const std::lock_guard lock(impl_->mutex);
     impl_->torque = torque.value_or(impl_->def.closingTorque);
-    if (impl_->state == Impl::State::Asked || impl_->state == Impl::State::Holding) return; // it has closed
+    if (impl_->state == Impl::State::Asked || impl_->state == Impl::State::Holding) return; // it is closed already
     if (impl_->state == Impl::State::Open) impl_->state = Impl::State::Closing;
     impl_->press();
 }

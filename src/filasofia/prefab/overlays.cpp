@@ -13,7 +13,7 @@
 namespace filasofia::prefab {
 namespace {
 
-constexpr double kCalm = 0.8; ///< [-], of the warning, below which it is over
+constexpr double kCalm = 0.8; ///< [-], fraction of the warning below which the warning is over
 
 void line(const std::string& text) { ImGui::TextUnformatted(text.c_str(), text.c_str() + text.size()); }
 
@@ -37,7 +37,7 @@ struct Guidance::Impl {
         if (server != nullptr && now.target) point(*now.target);
     }
 
-    /// From the middle of what is seen to the target, drawn through everything.
+    /// Draws an arrow from the middle of the view to the target, through everything.
     void point(Vec3 target)
     {
         const visual::DebugStyle style{.color = {0.2, 0.9, 0.4}, .width = 2.5, .onTop = true};
@@ -74,7 +74,7 @@ struct ForceBar::Impl {
 
     [[nodiscard]] bool counts(BodyId id) const { return std::ranges::find(def.bodies, id) != def.bodies.end(); }
 
-    /// Before every step: the forces of the last one, as a mean that forgets with `smoothing`.
+    /// Before every step: updates the smoothed force from the last step.
     void watch()
     {
         const frame::FrameRef frame = simulation.physics().latest();
@@ -86,7 +86,7 @@ struct ForceBar::Impl {
             if (held.to && counts(held.body) != counts(held.to)) sum += length(held.force);
         mean = smoothed.follow(frame->time, sum);
         most = std::max(most.load(), mean.load());
-        // A force that trembles about the threshold is one warning, not a hundred.
+        // A force that oscillates about the threshold is one warning, not a hundred.
         if (mean > def.warning && !warned) ++warnings;
         warned = mean > (warned ? kCalm : 1.0) * def.warning;
     }
@@ -111,8 +111,8 @@ struct ForceBar::Impl {
 
     runtime::Simulation& simulation;
     const ForceBarDef def;
-    Smoothed smoothed;   // of the stepping thread
-    bool warned = false; // of the same
+    Smoothed smoothed;   // stepping thread only
+    bool warned = false; // stepping thread only
     std::atomic<double> mean = 0.0;
     std::atomic<double> most = 0.0;
     std::atomic<int> warnings = 0;

@@ -23,7 +23,7 @@ namespace {
 const std::string kKeys =
     "T switches guidance, Space pauses, R takes the next patient, H shows what keys do, Escape ends.";
 constexpr int kMostSeeds = 1'000'000'000;
-/// What a start screen offers to hold, and the drivers' names; the first is no device.
+/// The devices offered by a start screen, with the drivers' names; the first means no device.
 const std::vector<std::string> kDevices = {"mouse and keys", "forcedimension", "openhaptics"};
 
 int placeOf(const std::vector<std::string>& words, const std::string& word)
@@ -35,7 +35,7 @@ const std::string& at(const std::vector<std::string>& words, int place)
     return words[static_cast<std::size_t>(place)];
 }
 
-/// Was anything seen of it.
+/// Whether the session recorded nothing.
 bool isEmptySession(const std::string& file)
 {
     try {
@@ -43,11 +43,11 @@ bool isEmptySession(const std::string& file)
         return session.events.empty() &&
                std::ranges::all_of(session.tracks, [](const metric::Track& track) { return track.samples.empty(); });
     } catch (const Error&) {
-        return false; // whatever it is, it stays
+        return false; // not a readable session, so it is kept
     }
 }
 
-/// A session that was refused before it began leaves no file behind that nobody asked for.
+/// If a session is refused before it begins, removes the file that was made for it, unless the user named it.
 int trainOnce(const std::function<int(const Training&)>& train, const Training& training, bool ownName)
 {
     constexpr int kRefused = 2;
@@ -68,7 +68,7 @@ struct TrainerProgram {
     TrainerDef def;
     std::string caseName, difficulty, motion = "hand", trainee, session, pictures, seed = "1", checkSeeds;
     std::vector<std::string> rest; ///< for Simulation::run
-    int device = 0;                ///< of kDevices, as chosen on the screen
+    int device = 0;                ///< index in kDevices, as chosen on the screen
     bool another = false;          ///< the trainee asked for the next patient
 
     /// "hand, expert, clumsy".
@@ -106,7 +106,7 @@ struct TrainerProgram {
     {
         rest = runtime::takeOptions(def.name, argc, argv, options());
         if (wantsHelp()) return;
-        static_cast<void>(seedNumber()); // what is wrong is told before any window opens
+        static_cast<void>(seedNumber()); // reports errors before any window opens
         if (motion != "hand" && !planned()) {
             if (!std::filesystem::is_regular_file(motion))
                 fail(def.name, ": --motion must be ", motions(), " or a motion file, and there is no file ",
@@ -141,7 +141,7 @@ struct TrainerProgram {
         return good == count ? 0 : 1;
     }
 
-    /// Who, which case, which seed. False: the window was closed.
+    /// Asks for trainee, case and seed. Returns false if the window was closed.
     bool ask()
     {
         const bool choosesDevice = !has("--device") && !has("--motion");
@@ -204,7 +204,7 @@ struct TrainingSession::Impl {
     TrainerProgram& program;
     EndScreen end;
     Guidance* guidance = nullptr;
-    bool guided = false; // of the thread that delivers events
+    bool guided = false; // used by the thread that delivers events
     std::atomic<bool> unwritten = false, keysShown = false;
 };
 
@@ -257,7 +257,7 @@ int TrainingSession::run(int steps)
 {
     const TrainerProgram& program = impl_->program;
     std::vector<std::string> words = {program.rest.front()};
-    // What a recording tells of the session. Ours come first: a user's last word may lack its value.
+    // What the recording stores about the session. Our words come first: the user's last word may lack its value.
     words.insert(words.end(),
                  {text("--seed=", program.seed), text("--session=", program.def.name, " ", program.caseName)});
     if (!program.trainee.empty()) words.push_back("--trainee=" + program.trainee);
