@@ -86,7 +86,7 @@ TEST_CASE("jaws close on a soft block and hold it, it follows, and opening lets 
     CHECK(std::abs(nearEnd(sim, block).x - before.x) < 0.3_mm);
 }
 
-TEST_CASE("a grip gives way beyond its break force, and holds again only after it was opened")
+TEST_CASE("a grasp breaks beyond its break force, and holds again only after it was opened")
 {
     Simulation sim(weightless());
     const BodyId block = addBlock(sim);
@@ -100,7 +100,7 @@ TEST_CASE("a grip gives way beyond its break force, and holds again only after i
     CHECK_FALSE(forceps.holding());
 }
 
-TEST_CASE("closed jaws with nothing between them meet and hold nothing")
+TEST_CASE("closed jaws with nothing between them touch and hold nothing")
 {
     for (const auto kind : {InstrumentKind::Forceps, InstrumentKind::Grasper, InstrumentKind::Scissors}) {
         Simulation sim(weightless());
@@ -135,7 +135,7 @@ TEST_CASE("a jaw that is fixed to the shaft stays with it")
     CHECK(sim.physics().latest()->rigidBody(tool.body())->poses.size() == 2);
 }
 
-TEST_CASE("an instrument that cannot be is refused with its name, the field and the bound")
+TEST_CASE("a wrong instrument Def is refused with its name, the field and the bound")
 {
     Simulation sim;
     using Def = ArticulatedInstrumentDef;
@@ -144,7 +144,7 @@ TEST_CASE("an instrument that cannot be is refused with its name, the field and 
     };
     refused({.name = "tool", .opening = 1.5}, "instrument 'tool': opening must be in [0, 1], got 1.5");
     refused({.closingTorque = 0.0}, "closingTorque must be > 0 N m, got 0");
-    refused({.jaws = {{}, {}, {}}}, "jaws must be one or two, got 3");
+    refused({.jaws = {{}, {}, {}}}, "jaws must have one or two entries, got 3");
     refused({.jaws = {{.opensBy = 0.0}}}, "at least one must have opensBy > 0");
     refused({.jaws = {{.axis = {}}}}, "jaws[0].axis must have a length > 0");
     ArticulatedInstrument tool(sim, {.name = "tool"});

@@ -94,7 +94,7 @@ TEST_CASE("an endoscope's light and camera are where its body is, and its channe
     CHECK(near(scope.channel().position, transform(kTip, EndoscopeDef{}.channel.position)));
 }
 
-TEST_CASE("an endoscope that cannot be is refused with its name, the field and the bound")
+TEST_CASE("a wrong endoscope Def is refused with its name, the field and the bound")
 {
     Simulation sim;
     CHECK_THROWS_WITH(Endoscope(sim, {.name = "scope", .inclination = 2.0}),

@@ -78,7 +78,7 @@ metric::Session parsed(const std::string& lines)
 
 } // namespace
 
-TEST_CASE("what a session would miss without a word is told: a target that no body is, a step that is none")
+TEST_CASE("a warning says what a session would silently miss: a target that is no body, a step that is unknown")
 {
     Log log;
     Simulation sim;
@@ -87,7 +87,7 @@ TEST_CASE("what a session would miss without a word is told: a target that no bo
     def.session.steps = {"reach"};
     MetricTracker tracker(sim, def);
     REQUIRE(log.lines.size() == 1);
-    CHECK(log.lines[0] == "metric tracker: session.targets: no body is called 'prob 2' now");
+    CHECK(log.lines[0] == "metric tracker: session.targets: no body has the name 'prob 2' now");
     tracker.mark(EventKind::Step, "reach");
     CHECK(log.lines.size() == 1);
     tracker.mark(EventKind::Step, "reech");
@@ -207,7 +207,7 @@ TEST_CASE("a full disk is one line in the log and an event, and the session goes
     CHECK(troubles == 1);
     REQUIRE(log.lines.size() == 1);
     CHECK(log.lines[0] ==
-          text("metric tracker: ", file, ": cannot be written (disk full?); the session goes on unrecorded"));
+          text("metric tracker: ", file, ": cannot be written (disk full?); the session goes on without recording"));
     std::filesystem::remove(file);
 }
 
@@ -264,7 +264,7 @@ TEST_CASE("forces of contact, tears and what the simulator marks are in the sess
     CHECK(tool.contacts > 0);
 }
 
-TEST_CASE("a file for spreadsheets has a row per moment, and names that are no formulas")
+TEST_CASE("a file for spreadsheets has a row per moment, and names that cannot act as formulas")
 {
     const std::string file = temporary(".csv");
     Simulation sim;
@@ -302,7 +302,7 @@ TEST_CASE("a tracker may end before the run, and the simulation goes on")
     CHECK(sim.run({.headless = true, .steps = 10}).steps == 20);
 }
 
-TEST_CASE("what is asked of a tracker is checked")
+TEST_CASE("a wrong tracker Def is refused with its field")
 {
     Simulation sim;
     const auto bodies = addProbes(sim, 1);
@@ -320,5 +320,5 @@ TEST_CASE("what is asked of a tracker is checked")
     CHECK_THROWS_WITH(MetricTracker(sim, (Def{.bodies = bodies, .session = {.forceLimit = -1.0}})),
                       "metric tracker: session.forceLimit must be > 0, got -1");
     MetricTracker tracker(sim, {.bodies = bodies});
-    CHECK_THROWS_WITH(tracker.session(), "metric tracker: session() needs `keep`");
+    CHECK_THROWS_WITH(tracker.session(), "metric tracker: session() needs keep");
 }

@@ -98,11 +98,11 @@ TEST_CASE("a tracker notes a perforation, with its force")
     CHECK(tracker.session().events[0].amount == 0.0);
 }
 
-TEST_CASE("a watch that cannot be is refused with its field")
+TEST_CASE("a wrong perforation Def is refused with its field")
 {
     Scene scene;
     const auto make = [&](const PerforationDef& def) { PerforationWatch(scene.sim, def); };
-    CHECK_THROWS_WITH(make({.wall = scene.wall}), Catch::Contains("perforation: tools must be at least one"));
+    CHECK_THROWS_WITH(make({.wall = scene.wall}), Catch::Contains("perforation: tools must have at least one entry"));
     CHECK_THROWS_WITH(make({.wall = scene.rod, .tools = {{.body = scene.rod}}}),
                       Catch::Contains("wall must be a soft"));
     CHECK_THROWS_WITH(make({.wall = scene.wall, .tools = {{.body = scene.wall}}}),

@@ -32,7 +32,7 @@ double fromAxis(const Pose& pose, Vec3 point)
 
 } // namespace
 
-TEST_CASE("hands that are to reach a target have the instrument before it, and the shaft through the fulcrum")
+TEST_CASE("at() places the instrument before a target, with the shaft through the fulcrum")
 {
     Scene scene;
     const Vec3 target = {6_mm, 50_mm, 3_mm};
@@ -74,7 +74,7 @@ TEST_CASE("a script is played move by move, each begun and ended once, at its ti
     CHECK(durationOf({{.seconds = 1.5}, {.seconds = 2.0}}) == 3.5);
 }
 
-TEST_CASE("a move that looks first goes where it is told as it begins")
+TEST_CASE("a move with `aim` goes where that function says when the move begins")
 {
     Scene scene;
     double depth = 1_mm;
@@ -118,7 +118,7 @@ TEST_CASE("a person's wheel and keys move the hands smoothly and within their bo
     CHECK(angle == Approx(0.2).epsilon(1e-3));
 }
 
-TEST_CASE("hands that cannot be are refused with the field and the bound")
+TEST_CASE("wrong hands are refused with the field and the bound")
 {
     Scene scene;
     const auto make = [&](const ScopeHandsDef& def) { ScopeHands(scene.sim, scene.scope, scene.forceps, def); };
@@ -128,7 +128,7 @@ TEST_CASE("hands that cannot be are refused with the field and the bound")
     CHECK_THROWS_WITH(scene.hands.play({{.seconds = 0.0}}), Catch::Contains("moves[0].seconds must be > 0 s, got 0"));
 }
 
-TEST_CASE("hands pull no harder at what they hold than they are strong")
+TEST_CASE("hands pull on what they hold no harder than their strength")
 {
     const auto pullWith = [](double strength) {
         Simulation sim{{.physics = {.gravity = {}}}};

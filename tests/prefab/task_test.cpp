@@ -104,16 +104,16 @@ TEST_CASE("a task fails at its time limit, and a step that takes too long is a m
     CHECK(kinds == std::vector{metric::EventKind::Mistake, metric::EventKind::Step});
 }
 
-TEST_CASE("a task that cannot be is refused with its name and field")
+TEST_CASE("a wrong task Def is refused with its name and field")
 {
     Simulation sim;
-    CHECK_THROWS_WITH(Task(sim, {.name = "t"}), Catch::Contains("task 't': steps must be at least one"));
+    CHECK_THROWS_WITH(Task(sim, {.name = "t"}), Catch::Contains("task 't': steps must have at least one entry"));
     CHECK_THROWS_WITH(Task(sim, {.name = "t", .steps = {{}}}), Catch::Contains("steps[0].done must be a function"));
     CHECK_THROWS_WITH(Task(sim, {.name = "t", .steps = {after(1, "a")}, .timeLimit = 0.0}),
                       Catch::Contains("timeLimit must be > 0"));
 }
 
-TEST_CASE("what somebody typed is shown as one line, cut between letters")
+TEST_CASE("typed text is shown as one line, cut between characters")
 {
     CHECK(shown("plain") == "plain");
     CHECK(shown("two\nlines") == "two lines");
@@ -143,11 +143,11 @@ TEST_CASE("a force bar shows the weight of what lies on a body, and counts warni
     sim.physics().setWrench(weight, {}, {});
     run(sim, 300);
     CHECK(bar.warnings() == 2);
-    CHECK_THROWS_WITH(ForceBar(sim, {}), Catch::Contains("force bar: bodies must be at least one"));
+    CHECK_THROWS_WITH(ForceBar(sim, {}), Catch::Contains("force bar: bodies must have at least one entry"));
     CHECK_THROWS_WITH(ForceBar(sim, {.bodies = {weight}, .warning = 3.0}), Catch::Contains("full must be > warning"));
 }
 
-TEST_CASE("guidance, bar and screens draw names of any length and content without a complaint")
+TEST_CASE("guidance, bar and screens draw names of any length and content without an error")
 {
     Simulation sim;
     std::string nasty(10'000, 'n');

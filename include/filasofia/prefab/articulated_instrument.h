@@ -37,9 +37,9 @@ constexpr auto fields(const JawDef*)
 {
     using T = JawDef;
     return describe("JawDef", field("surface", &T::surface, "what is drawn"),
-                    field("collision", &T::collision, "by what it touches"),
-                    field("axis", &T::axis, "-", finite(), "it opens by turning about this"),
-                    field("opensBy", &T::opensBy, "rad", closed(0, 3), "at most; 0: it is fixed"),
+                    field("collision", &T::collision, "collision mesh"),
+                    field("axis", &T::axis, "-", finite(), "axis of its opening"),
+                    field("opensBy", &T::opensBy, "rad", closed(0, 3), "largest opening angle; 0: it is fixed"),
                     field("edge", &T::edge, "its cutting edge"));
 }
 
@@ -71,19 +71,20 @@ constexpr auto fields(const ArticulatedInstrumentDef*)
     using T = ArticulatedInstrumentDef;
     return describe(
         "ArticulatedInstrumentDef", field("name", &T::name, "what errors and reports call it"),
-        field("kind", &T::kind, "whose meshes it has where none are given"),
-        field("pose", &T::pose, "of the pivot at the start"), field("shaft", &T::shaft, "what is drawn of the shaft"),
-        field("shaftCollision", &T::shaftCollision, "by what the shaft touches"), field("jaws", &T::jaws, "one or two"),
-        field("groups", &T::groups, "of its collision models"),
-        field("opening", &T::opening, "-", closed(0, 1), "at the start"),
-        field("closingTorque", &T::closingTorque, "N m", positive(), "of each jaw, closing"),
-        field("speed", &T::speed, "rad/s", positive(), "of a jaw at most"),
-        field("proximity", &T::proximity, "m", nonNegative(), "from where on contacts are found"),
+        field("kind", &T::kind, "which meshes and jaws it has by default"),
+        field("pose", &T::pose, "pose of the pivot at the start"),
+        field("shaft", &T::shaft, "what is drawn of the shaft"),
+        field("shaftCollision", &T::shaftCollision, "collision mesh of the shaft"),
+        field("jaws", &T::jaws, "one or two"), field("groups", &T::groups, "collision groups of its models"),
+        field("opening", &T::opening, "-", closed(0, 1), "opening at the start"),
+        field("closingTorque", &T::closingTorque, "N m", positive(), "torque that closes each jaw"),
+        field("speed", &T::speed, "rad/s", positive(), "largest speed of a jaw"),
+        field("proximity", &T::proximity, "m", nonNegative(), "distance at which contacts are found"),
         field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
-        field("grasps", &T::grasps, "may its jaws hold tissue"),
-        field("gripForce", &T::gripForce, "N", positive(), "on each side, at which tissue is grasped"),
-        field("gripStiffness", &T::gripStiffness, "N/m", positiveOrInfinite(), "at each point that it holds"),
-        field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "beyond which it slips out"),
+        field("grasps", &T::grasps, "whether its jaws can hold tissue"),
+        field("gripForce", &T::gripForce, "N", positive(), "force on each side at which tissue is grasped"),
+        field("gripStiffness", &T::gripStiffness, "N/m", positiveOrInfinite(), "stiffness of each held point"),
+        field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "force beyond which tissue slips out"),
         field("material", &T::material, "what it looks like"));
 }
 

@@ -35,16 +35,19 @@ constexpr auto fields(const EndoscopeDef*)
     using T = EndoscopeDef;
     return describe(
         "EndoscopeDef", field("name", &T::name, "what errors and reports call it"),
-        field("pose", &T::pose, "of its tip at the start"), field("surfaces", &T::surfaces, "what is drawn"),
-        field("collision", &T::collision, "by what it touches"), field("groups", &T::groups, "of its collision models"),
-        field("proximity", &T::proximity, "m", nonNegative(), "from where on contacts are found"),
+        field("pose", &T::pose, "pose of its tip at the start"), field("surfaces", &T::surfaces, "what is drawn"),
+        field("collision", &T::collision, "collision mesh"),
+        field("groups", &T::groups, "collision groups of its models"),
+        field("proximity", &T::proximity, "m", nonNegative(), "distance at which contacts are found"),
         field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
-        field("lens", &T::lens, "m", finite(), "where the camera is, from the tip"),
-        field("inclination", &T::inclination, "rad", closed(0, 1.5), "of the view against the shaft"),
-        field("fieldOfView", &T::fieldOfView, "rad", closed(0.2, 2.6), "of the height of the picture"),
-        field("intensity", &T::intensity, "cd", positive(), "of its light"),
-        field("lightColor", &T::lightColor, "of its light"), field("optics", &T::optics, "mask, distortion, darkening"),
-        field("quality", &T::quality, "effects"), field("channel", &T::channel, "mouth of the working channel"));
+        field("lens", &T::lens, "m", finite(), "place of the camera, from the tip"),
+        field("inclination", &T::inclination, "rad", closed(0, 1.5), "angle between view and shaft"),
+        field("fieldOfView", &T::fieldOfView, "rad", closed(0.2, 2.6), "angle over the height of the picture"),
+        field("intensity", &T::intensity, "cd", positive(), "intensity of its light"),
+        field("lightColor", &T::lightColor, "color of its light"),
+        field("optics", &T::optics, "mask, distortion, darkening"),
+        field("quality", &T::quality, "quality of the effects"),
+        field("channel", &T::channel, "mouth of the working channel"));
 }
 
 /// The entities that dress() made.

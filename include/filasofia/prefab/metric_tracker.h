@@ -22,11 +22,11 @@ struct TrackedBody {
 constexpr auto fields(const TrackedBody*)
 {
     using T = TrackedBody;
-    return describe("TrackedBody", field("body", &T::body, "which"), field("name", &T::name, "its name in the session"),
-                    field("role", &T::role, "tool, scope or other"),
-                    field("element", &T::element, "-", closed(0, 1000000), "of a rigid body"),
+    return describe("TrackedBody", field("body", &T::body, "the body"),
+                    field("name", &T::name, "its name in the session"), field("role", &T::role, "tool, scope or other"),
+                    field("element", &T::element, "-", closed(0, 1000000), "index in a rigid body"),
                     field("tip", &T::tip, "m", finite(), "the point that is followed"),
-                    field("force", &T::force, "contacts too"),
+                    field("force", &T::force, "whether contacts are recorded too"),
                     field("axis", &T::axis, "-", finite(), "where it points"),
                     field("up", &T::up, "-", finite(), "the upper side of a scope's picture"));
 }
@@ -48,8 +48,9 @@ constexpr auto fields(const MetricTrackerDef*)
     using T = MetricTrackerDef;
     return describe("MetricTrackerDef", field("bodies", &T::bodies, "what is observed"),
                     field("rate", &T::rate, "Hz", closed(1, 100000), "samples per second"),
-                    field("buffer", &T::buffer, "s", closed(0.1, 600), "of samples that may wait"),
-                    field("file", &T::file, "a .jsonl or .csv file"), field("keep", &T::keep, "in memory as well"));
+                    field("buffer", &T::buffer, "s", closed(0.1, 600), "length of the samples that can wait"),
+                    field("file", &T::file, "a .jsonl or .csv file"),
+                    field("keep", &T::keep, "keep the session in memory too"));
 }
 
 /// Observes bodies of a simulation, from its construction to close(), and writes what they did.

@@ -30,11 +30,11 @@ struct ForceBarDef {
 constexpr auto fields(const ForceBarDef*)
 {
     using T = ForceBarDef;
-    return describe("ForceBarDef", field("name", &T::name, "beside the bar"),
+    return describe("ForceBarDef", field("name", &T::name, "label of the bar"),
                     field("bodies", &T::bodies, "whose contacts and grasps count"),
-                    field("warning", &T::warning, "N", positive(), "red beyond"),
-                    field("full", &T::full, "N", positive(), "of a full bar"),
-                    field("smoothing", &T::smoothing, "s", openClosed(0, 10), "of the mean"));
+                    field("warning", &T::warning, "N", positive(), "the bar is red above it"),
+                    field("full", &T::full, "N", positive(), "force of a full bar"),
+                    field("smoothing", &T::smoothing, "s", openClosed(0, 10), "time constant of the mean"));
 }
 
 /// Shows how hard bodies press and pull on others, smoothed: the sum of the normal forces of their contacts and of the

@@ -20,8 +20,8 @@ struct PiercingTool {
 constexpr auto fields(const PiercingTool*)
 {
     using T = PiercingTool;
-    return describe("PiercingTool", field("body", &T::body, "which"),
-                    field("element", &T::element, "-", nonNegative(), "of the body"),
+    return describe("PiercingTool", field("body", &T::body, "the body"),
+                    field("element", &T::element, "-", nonNegative(), "index in the body"),
                     field("tip", &T::tip, "m", finite(), "in the element's coordinates"));
 }
 
@@ -38,9 +38,9 @@ constexpr auto fields(const PerforationDef*)
 {
     using T = PerforationDef;
     return describe("PerforationDef", field("wall", &T::wall, "a soft body"),
-                    field("tools", &T::tools, "what may go through it"),
-                    field("force", &T::force, "N", positive(), "one that presses harder is through"),
-                    field("smoothing", &T::smoothing, "s", openClosed(0, 10), "of the mean"));
+                    field("tools", &T::tools, "points that may pierce it"),
+                    field("force", &T::force, "N", positive(), "a larger force counts as perforation"),
+                    field("smoothing", &T::smoothing, "s", openClosed(0, 10), "time constant of the mean"));
 }
 
 /// Detects that a tool perforates a wall: its tip lies inside the tissue, or the tools press harder than `force`. The

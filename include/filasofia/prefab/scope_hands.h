@@ -23,9 +23,9 @@ constexpr auto fields(const ScopeHand*)
 {
     using T = ScopeHand;
     return describe("ScopeHand", field("aim", &T::aim, "-", finite(), "direction of the shaft"),
-                    field("depth", &T::depth, "m", finite(), "of the tip beyond the fulcrum"),
-                    field("roll", &T::roll, "rad", finite(), "of the scope"),
-                    field("reach", &T::reach, "m", finite(), "of the instrument out of the channel"));
+                    field("depth", &T::depth, "m", finite(), "distance of the tip beyond the fulcrum"),
+                    field("roll", &T::roll, "rad", finite(), "roll of the scope"),
+                    field("reach", &T::reach, "m", finite(), "distance of the instrument from the channel"));
 }
 
 struct ScopeHandsDef {
@@ -44,15 +44,17 @@ struct ScopeHandsDef {
 constexpr auto fields(const ScopeHandsDef*)
 {
     using T = ScopeHandsDef;
-    return describe("ScopeHandsDef", field("fulcrum", &T::fulcrum, "m", finite(), "the shaft goes through it"),
-                    field("up", &T::up, "-", finite(), "of the picture"), field("start", &T::start, "of the hands"),
-                    field("leastDepth", &T::leastDepth, "m", finite(), "of a person's hand"),
-                    field("mostDepth", &T::mostDepth, "m", finite(), "of a person's hand"),
-                    field("leastReach", &T::leastReach, "m", finite(), "of a person's hand"),
-                    field("mostReach", &T::mostReach, "m", finite(), "of a person's hand"),
-                    field("mostTurn", &T::mostTurn, "rad", openClosed(0, 1.5), "against where it starts"),
-                    field("strength", &T::strength, "N", positiveOrInfinite(), "against more they go no further"),
-                    field("handle", &T::handle, "held by a haptic device"));
+    return describe(
+        "ScopeHandsDef", field("fulcrum", &T::fulcrum, "m", finite(), "the shaft goes through it"),
+        field("up", &T::up, "-", finite(), "upper side of the picture"),
+        field("start", &T::start, "initial pose of the hands"),
+        field("leastDepth", &T::leastDepth, "m", finite(), "lower limit for a person"),
+        field("mostDepth", &T::mostDepth, "m", finite(), "upper limit for a person"),
+        field("leastReach", &T::leastReach, "m", finite(), "lower limit for a person"),
+        field("mostReach", &T::mostReach, "m", finite(), "upper limit for a person"),
+        field("mostTurn", &T::mostTurn, "rad", openClosed(0, 1.5), "largest angle from the start"),
+        field("strength", &T::strength, "N", positiveOrInfinite(), "the hands do not move against a larger force"),
+        field("handle", &T::handle, "whether a haptic device holds the handle"));
 }
 
 /// One movement of a script; it starts and ends at rest.

@@ -28,9 +28,9 @@ struct TaskStep {
 constexpr auto fields(const TaskStep*)
 {
     using T = TaskStep;
-    return describe("TaskStep", field("name", &T::name, "in the session"),
+    return describe("TaskStep", field("name", &T::name, "as the session records it"),
                     field("instruction", &T::instruction, "what the trainee reads"),
-                    field("timeLimit", &T::timeLimit, "s", positiveOrInfinite(), "beyond it is a mistake"));
+                    field("timeLimit", &T::timeLimit, "s", positiveOrInfinite(), "exceeding it is a mistake"));
 }
 
 struct TaskDef {
@@ -44,9 +44,8 @@ struct TaskDef {
 constexpr auto fields(const TaskDef*)
 {
     using T = TaskDef;
-    return describe("TaskDef", field("name", &T::name, "what errors call it"),
-                    field("steps", &T::steps, "in their order"),
-                    field("timeLimit", &T::timeLimit, "s", positiveOrInfinite(), "for all of it"));
+    return describe("TaskDef", field("name", &T::name, "what errors call it"), field("steps", &T::steps, "in order"),
+                    field("timeLimit", &T::timeLimit, "s", positiveOrInfinite(), "limit for the whole task"));
 }
 
 /// The progress of a task.
@@ -76,7 +75,7 @@ private:
     std::shared_ptr<Impl> impl_; // shared with the simulation's callback
 };
 
-/// Typed text as it can be shown: one line of at most `most` bytes, cut between characters, with an ellipsis.
-std::string shown(std::string_view text, std::size_t most = 80);
+/// Typed text as it can be shown: one line of at most `maxBytes` bytes, cut between characters, with an ellipsis.
+std::string shown(std::string_view text, std::size_t maxBytes = 80);
 
 } // namespace filasofia::prefab

@@ -41,10 +41,11 @@ struct TrainerDef {
 constexpr auto fields(const TrainerDef*)
 {
     using T = TrainerDef;
-    return describe("TrainerDef", field("name", &T::name, "of the program"), field("about", &T::about, "for --help"),
-                    field("hands", &T::hands, "for --help"), field("cases", &T::cases, "to choose from"),
-                    field("difficulties", &T::difficulties, "to choose from"),
-                    field("motions", &T::motions, "planned ones"), field("window", &T::window, "of every session"));
+    return describe(
+        "TrainerDef", field("name", &T::name, "the program's name"), field("about", &T::about, "one line for --help"),
+        field("hands", &T::hands, "keys, for --help"), field("cases", &T::cases, "to choose from"),
+        field("difficulties", &T::difficulties, "to choose from"), field("motions", &T::motions, "planned motions"),
+        field("window", &T::window, "the window of every session"));
 }
 
 /// One session of a trainer. Construct it before a run.

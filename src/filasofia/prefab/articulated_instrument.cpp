@@ -54,7 +54,7 @@ ArticulatedInstrumentDef completed(ArticulatedInstrumentDef def)
     validate(def, object);
     def.pose = physics::unitPose(def.pose, text(object, ": pose"));
     if (def.jaws.empty()) def.jaws = jawsOf(def.kind);
-    if (def.jaws.size() > 2) fail(object, ": jaws must be one or two, got ", def.jaws.size());
+    if (def.jaws.size() > 2) fail(object, ": jaws must have one or two entries, got ", def.jaws.size());
     if (std::ranges::none_of(def.jaws, [](const JawDef& jaw) { return jaw.opensBy > 0.0; }))
         fail(object, ": jaws: at least one must have opensBy > 0 rad, got none");
     for (std::size_t i = 0; i < def.jaws.size(); ++i) {
@@ -111,15 +111,15 @@ std::array<double, 2> squeezed(const frame::Frame& frame, BodyId tool, BodyId ta
 
 struct ArticulatedInstrument::Impl {
     enum class State {
-        Open,    ///< goes to the commanded angle; holds nothing
-        Closing, ///< presses
-        Asked,   ///< has asked for a grasp, and waits for the step that makes it
-        Holding, ///< attached to the tissue it holds
-        Slipped  ///< presses, and holds nothing until it has been opened
+        Open,      ///< goes to the commanded angle; holds nothing
+        Closing,   ///< presses
+        Requested, ///< has asked for a grasp, and waits for the step that makes it
+        Holding,   ///< attached to the tissue it holds
+        Slipped    ///< presses, and holds nothing until it has been opened
     };
 
     Impl(runtime::Simulation& sim, const ArticulatedInstrumentDef& asked)
-        : simulation(sim), def(completed(asked)), told(def.pose), body(addBody())
+        : simulation(sim), def(completed(asked)), lastPose(def.pose), body(addBody())
     {
         simulation.show(body, {.surface = def.shaft, .element = kShaft, .material = def.material});
         for (std::size_t i = 0; i < def.jaws.size(); ++i)
@@ -155,7 +155,7 @@ struct ArticulatedInstrument::Impl {
     }
 
     /// Gives every moving jaw the command for its joint and Def.
-    template <class CommandOf> void tell(CommandOf commandOf)
+    template <class CommandOf> void commandJaws(CommandOf commandOf)
     {
         int joint = 0;
         for (const JawDef& jaw : def.jaws)
@@ -166,10 +166,10 @@ struct ArticulatedInstrument::Impl {
     }
     void press()
     {
-        tell([this](std::size_t, const JawDef&) { return physics::JointCommand(JointForce{-torque}); });
+        commandJaws([this](std::size_t, const JawDef&) { return physics::JointCommand(JointForce{-torque}); });
     }
 
-    void letGo()
+    void release()
     {
         if (grip) simulation.physics().release(grip);
         if (state == State::Holding && def.onGrasp) def.onGrasp(held, false);
@@ -189,17 +189,18 @@ struct ArticulatedInstrument::Impl {
         widest = widestOf(*now);
         if (state == State::Closing && def.grasps)
             seek(*frame, *now);
-        else if (state == State::Asked || state == State::Holding)
+        else if (state == State::Requested || state == State::Holding)
             follow(*frame);
     }
 
     [[nodiscard]] double widestOf(const frame::RigidBodyFrame& now) const
     {
-        double most = 0.0;
+        double widestFraction = 0.0;
         std::size_t joint = 0;
         for (const JawDef& jaw : def.jaws)
-            if (jaw.opensBy > 0.0) most = std::max(most, now.joints[joint++].position / jaw.opensBy);
-        return most;
+            if (jaw.opensBy > 0.0)
+                widestFraction = std::max(widestFraction, now.joints[joint++].position / jaw.opensBy);
+        return widestFraction;
     }
 
     /// Looks for tissue between the jaws. The ids of soft bodies ascend: the first squeezed body is held.
@@ -212,13 +213,13 @@ struct ArticulatedInstrument::Impl {
             if (sides[0] < def.gripForce || sides[1] < def.gripForce) continue;
             grip = simulation.physics().grasp(body, soft.id,
                                               {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
-            tell([&](std::size_t joint, const JawDef& each) {
+            commandJaws([&](std::size_t joint, const JawDef& each) {
                 const double position = std::clamp(now.joints[joint].position, 0.0, each.opensBy);
                 return physics::JointCommand(JointPosition{position});
             });
             held = soft.id;
-            askedAt = frame.step;
-            state = State::Asked;
+            requestedAt = frame.step;
+            state = State::Requested;
             return;
         }
     }
@@ -231,11 +232,11 @@ struct ArticulatedInstrument::Impl {
         const bool there = found != frame.attachments.end() && !found->broken && found->points > 0;
         if (there) {
             force = length(found->force);
-            if (state == State::Asked && def.onGrasp) def.onGrasp(held, true);
+            if (state == State::Requested && def.onGrasp) def.onGrasp(held, true);
             state = State::Holding;
-        } else if (frame.step > askedAt) {
+        } else if (frame.step > requestedAt) {
             const bool slipped = state == State::Holding;
-            letGo();
+            release();
             state = slipped ? State::Slipped : State::Closing;
             press();
         }
@@ -245,12 +246,12 @@ struct ArticulatedInstrument::Impl {
     const ArticulatedInstrumentDef def;
     mutable std::recursive_mutex
         mutex; // guards the members below and the order of commands; recursive because onGrasp may call back
-    Pose told;
+    Pose lastPose;
     State state = State::Open;
     double torque = 0.0;
     AttachmentId grip = {};
     BodyId held = {};
-    std::uint64_t askedAt = 0;
+    std::uint64_t requestedAt = 0;
     double force = 0.0;
     double widest = 0.0;
     const BodyId body; // built from the Def
@@ -271,7 +272,7 @@ void ArticulatedInstrument::move(const Pose& pivot)
 {
     const Pose unit = physics::unitPose(pivot, text("instrument '", impl_->def.name, "'"));
     const std::lock_guard lock(impl_->mutex);
-    impl_->told = unit;
+    impl_->lastPose = unit;
     impl_->simulation.physics().setPose(impl_->body, rounded(unit), kShaft);
 }
 
@@ -280,9 +281,9 @@ void ArticulatedInstrument::open(double opening)
     if (!(opening >= 0.0 && opening <= 1.0))
         fail("instrument '", impl_->def.name, "': open must be in [0, 1], got ", opening);
     const std::lock_guard lock(impl_->mutex);
-    impl_->letGo();
+    impl_->release();
     impl_->state = Impl::State::Open;
-    impl_->tell(
+    impl_->commandJaws(
         [&](std::size_t, const JawDef& jaw) { return physics::JointCommand(JointPosition{opening * jaw.opensBy}); });
 }
 
@@ -292,7 +293,7 @@ void ArticulatedInstrument::close(std::optional<double> torque)
         fail("instrument '", impl_->def.name, "': close: torque must be > 0 N m, got ", *torque);
     const std::lock_guard lock(impl_->mutex);
     impl_->torque = torque.value_or(impl_->def.closingTorque);
-    if (impl_->state == Impl::State::Asked || impl_->state == Impl::State::Holding) return; // it is closed already
+    if (impl_->state == Impl::State::Requested || impl_->state == Impl::State::Holding) return; // it is closed already
     if (impl_->state == Impl::State::Open) impl_->state = Impl::State::Closing;
     impl_->press();
 }
@@ -300,7 +301,7 @@ void ArticulatedInstrument::close(std::optional<double> torque)
 Pose ArticulatedInstrument::pose() const
 {
     const std::lock_guard lock(impl_->mutex);
-    return impl_->told;
+    return impl_->lastPose;
 }
 
 BodyId ArticulatedInstrument::holding() const

@@ -39,7 +39,7 @@ Pose mounted(const EndoscopeDef& def, double cameraRoll)
 
 struct Endoscope::Impl {
     Impl(runtime::Simulation& sim, const EndoscopeDef& asked)
-        : simulation(sim), def(completed(asked)), told(def.pose), body(addBody())
+        : simulation(sim), def(completed(asked)), lastPose(def.pose), body(addBody())
     {
         // The scope's surfaces cast no shadow, because its own light is inside them.
         for (const runtime::SurfaceSource& surface : def.surfaces)
@@ -58,7 +58,7 @@ struct Endoscope::Impl {
         return simulation.add(rigid);
     }
 
-    [[nodiscard]] Pose tip() const { return told * Pose{{}, axisAngle(kBackwards, rolled)}; }
+    [[nodiscard]] Pose tip() const { return lastPose * Pose{{}, axisAngle(kBackwards, rolled)}; }
     [[nodiscard]] Pose camera() const { return tip() * mounted(def, cameraRolled); }
 
     void send()
@@ -75,7 +75,7 @@ struct Endoscope::Impl {
     runtime::Simulation& simulation;
     const EndoscopeDef def;
     mutable std::mutex mutex; // guards the members below and the order of commands
-    Pose told;
+    Pose lastPose;
     double rolled = 0.0;
     double cameraRolled = 0.0;
     const BodyId body; // built from the members above
@@ -93,7 +93,7 @@ void Endoscope::move(const Pose& tip)
 {
     const Pose unit = physics::unitPose(tip, text("endoscope '", impl_->def.name, "'"));
     const std::lock_guard lock(impl_->mutex);
-    impl_->told = unit;
+    impl_->lastPose = unit;
     impl_->send();
 }
 

@@ -28,8 +28,8 @@ using metric::Sample;
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostBodies = 64;
-constexpr int kMostEvents = 100'000;    ///< [-], events that can wait
+constexpr std::size_t kMaxBodies = 64;
+constexpr int kMaxEvents = 100'000;     ///< [-], events that can wait
 constexpr std::size_t kChunk = 1 << 16; ///< [bytes] written at once
 constexpr std::chrono::milliseconds kRest = std::chrono::milliseconds(20);
 
@@ -41,8 +41,8 @@ std::string nameOf(runtime::Simulation& simulation, BodyId body)
 void check(const MetricTrackerDef& def)
 {
     validate(def, "metric tracker");
-    if (def.bodies.empty() || def.bodies.size() > kMostBodies)
-        fail("metric tracker: bodies must be in [1, ", kMostBodies, "], got ", def.bodies.size());
+    if (def.bodies.empty() || def.bodies.size() > kMaxBodies)
+        fail("metric tracker: bodies must be in [1, ", kMaxBodies, "], got ", def.bodies.size());
     for (std::size_t i = 0; i < def.bodies.size(); ++i) {
         const TrackedBody& body = def.bodies[i];
         for (const auto& [vector, field] : {std::pair{body.axis, "axis"}, {body.up, "up"}})
@@ -72,7 +72,7 @@ void checkBodies(runtime::Simulation& simulation, const MetricTrackerDef& def)
     const std::vector<BodyId> bodies = simulation.physics().bodies();
     for (const std::string& target : def.session.targets)
         if (std::ranges::none_of(bodies, [&](BodyId body) { return nameOf(simulation, body) == target; }))
-            logWarning("metric tracker: session.targets: no body is called ", shownWord(target), " now");
+            logWarning("metric tracker: session.targets: no body has the name ", shownWord(target), " now");
 }
 
 /// The session before its first sample.
@@ -182,7 +182,7 @@ struct MetricTracker::Impl {
 
     void add(Event event)
     {
-        if (waiting.fetch_add(1, std::memory_order_relaxed) >= kMostEvents) {
+        if (waiting.fetch_add(1, std::memory_order_relaxed) >= kMaxEvents) {
             waiting.fetch_sub(1, std::memory_order_relaxed);
             lost.fetch_add(1, std::memory_order_relaxed);
             return;
@@ -236,9 +236,9 @@ struct MetricTracker::Impl {
             if (def.keep) keep(std::move(*event));
         }
         // At most one buffer's worth: whoever waits for room must not wait as long as new samples keep coming.
-        const std::size_t most = rowsOf(def);
+        const std::size_t limit = rowsOf(def);
         Row* row = nullptr;
-        for (std::size_t count = 0; count < most && (row = rows.beginRead()); ++count, rows.release()) {
+        for (std::size_t count = 0; count < limit && (row = rows.beginRead()); ++count, rows.release()) {
             attempt([&] {
                 writer.samples(session, *row);
                 if (writer.gathered() > kChunk) writer.flush();
@@ -265,7 +265,7 @@ struct MetricTracker::Impl {
         } catch (const std::exception& problem) {
             failed.store(true);
             runtime::FileFailedEvent failure;
-            failure.problem = text("metric tracker: ", problem.what(), "; the session goes on unrecorded");
+            failure.problem = text("metric tracker: ", problem.what(), "; the session goes on without recording");
             logError(failure.problem);
             try {
                 simulation.post(std::move(failure));
@@ -343,8 +343,8 @@ void MetricTracker::close() { impl_->end(); }
 
 const metric::Session& MetricTracker::session() const
 {
-    if (!impl_->def.keep) fail("metric tracker: session() needs `keep`");
-    if (impl_->thread.joinable()) fail("metric tracker: session() is to be asked for after close()");
+    if (!impl_->def.keep) fail("metric tracker: session() needs keep");
+    if (impl_->thread.joinable()) fail("metric tracker: session() must be called after close()");
     return impl_->session;
 }
 

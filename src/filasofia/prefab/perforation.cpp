@@ -24,7 +24,7 @@ constexpr double kShown = 3.0; ///< [s], minimum time for which the picture show
 PerforationDef checked(runtime::Simulation& simulation, PerforationDef def)
 {
     validate(def, "perforation");
-    if (def.tools.empty()) fail("perforation: tools must be at least one, got none");
+    if (def.tools.empty()) fail("perforation: tools must have at least one entry, got none");
     if (!std::holds_alternative<physics::SoftBodyDef>(*simulation.physics().def(def.wall)))
         fail("perforation: wall must be a soft body, got a rigid one");
     for (std::size_t i = 0; i < def.tools.size(); ++i) {
@@ -96,10 +96,11 @@ struct PerforationWatch::Impl {
     }
     [[nodiscard]] std::optional<Vec3> hardest(const frame::Frame& frame) const
     {
-        const frame::Contact* most = nullptr;
+        const frame::Contact* largest = nullptr;
         for (const frame::Contact& contact : frame.contacts)
-            if (counts(contact) && (most == nullptr || contact.normalForce > most->normalForce)) most = &contact;
-        return most != nullptr ? std::optional(most->point) : std::nullopt;
+            if (counts(contact) && (largest == nullptr || contact.normalForce > largest->normalForce))
+                largest = &contact;
+        return largest != nullptr ? std::optional(largest->point) : std::nullopt;
     }
     [[nodiscard]] std::optional<Vec3> tipInside(const frame::Frame& frame) const
     {

@@ -15,8 +15,8 @@
 namespace filasofia::prefab {
 namespace {
 
-constexpr double kFollow = 0.06;  ///< [s], time constant with which a hand follows its person
-constexpr double kFastest = 0.25; ///< [m/s], largest speed of a hand that was held up
+constexpr double kFollow = 0.06;   ///< [s], time constant with which a hand follows its person
+constexpr double kMaxSpeed = 0.25; ///< [m/s], largest speed of a hand that was held up
 
 ScopeHandsDef checked(ScopeHandsDef def)
 {
@@ -88,8 +88,8 @@ struct ScopeHands::Impl {
             const bool against = dot(onScope, tip) + dot(onInstrument, pivot) < 0.0;
             if (against && length(onScope) + length(onInstrument) > def.strength) return;
         }
-        const double way = std::max(length(tip), length(pivot)), most = kFastest * dt;
-        now = way > most ? between(now, to, most / way) : to;
+        const double way = std::max(length(tip), length(pivot)), maxWay = kMaxSpeed * dt;
+        now = way > maxWay ? between(now, to, maxWay / way) : to;
     }
 
     /// Before a step that ends at `time`.
@@ -98,7 +98,7 @@ struct ScopeHands::Impl {
         const std::lock_guard lock(mutex);
         const double dt = time - std::exchange(last, time);
         if (moves.empty() && handle)
-            go(feelOurWay(), dt);
+            go(poseFromHandle(), dt);
         else if (moves.empty())
             go(between(now, wanted, 1.0 - std::exp(-dt / kFollow)), dt);
         else
@@ -107,7 +107,7 @@ struct ScopeHands::Impl {
     }
 
     /// The pose given by a haptic device at the handle.
-    ScopeHand feelOurWay()
+    ScopeHand poseFromHandle()
     {
         const frame::FrameRef frame = simulation.physics().latest();
         if (!frame) return now;

@@ -12,9 +12,9 @@ TaskDef checked(TaskDef def)
 {
     const std::string object = text("task '", shown(def.name), "'");
     validate(def, object);
-    if (def.steps.empty()) fail(object, ": steps must be at least one, got none");
+    if (def.steps.empty()) fail(object, ": steps must have at least one entry, got none");
     for (std::size_t i = 0; i < def.steps.size(); ++i)
-        if (!def.steps[i].done) fail(object, ": steps[", i, "].done must be a function, got nothing");
+        if (!def.steps[i].done) fail(object, ": steps[", i, "].done must be a function, got an empty one");
     return def;
 }
 
@@ -107,10 +107,10 @@ void Task::restart()
     impl_->late = false;
 }
 
-std::string shown(std::string_view text, std::size_t most)
+std::string shown(std::string_view text, std::size_t maxBytes)
 {
-    if (text.size() <= most) return oneLine(std::string(text));
-    std::size_t end = most;
+    if (text.size() <= maxBytes) return oneLine(std::string(text));
+    std::size_t end = maxBytes;
     while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end; // inside a UTF-8 character
     return oneLine(std::string(text.substr(0, end))) + "\u2026";
 }
