@@ -16,7 +16,7 @@ int pixelDifference(const Image& a, const Image& b, std::size_t pixel)
     return most;
 }
 
-/// Ten times the difference, so that the eye finds it.
+/// Ten times the difference, so that it can be seen.
 Image differenceImage(const Image& a, const Image& b)
 {
     Image out = a;

@@ -52,7 +52,7 @@ TEST_CASE("triangles prepared on another thread come out as those of setMesh, to
         CHECK(sameBytes(a.vertices.frames, b.vertices.frames));
         CHECK(later.vertices()[3] == moved[3]);
         CHECK(later.triangles().size() == cut.triangles.size());
-        // And it goes on deforming.
+        // It can still be deformed.
         later.setVertices(cut.vertices);
         CHECK(bodyOf(later).geometry.vertices.positions == b.rest);
     }

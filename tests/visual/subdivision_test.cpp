@@ -19,7 +19,7 @@ std::vector<Float3> toFloats(const std::vector<Vec3>& positions)
     return floats;
 }
 
-/// A flat square of n x n cells in the plane z = 0, with a border.
+/// A flat square of n x n cells in the plane z = 0, with a boundary.
 geometry::TriangleMesh square(int n)
 {
     geometry::TriangleMesh mesh;

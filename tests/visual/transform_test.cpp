@@ -44,7 +44,7 @@ TEST_CASE("a detached child stays where it is")
     CHECK(near(b.worldPose(), before));
     CHECK(b.parent() == nullptr);
     CHECK(a.children().empty());
-    b.detach(); // twice does no harm
+    b.detach(); // a second detach() has no effect
     CHECK(near(b.worldPose(), before));
 }
 
@@ -73,7 +73,7 @@ TEST_CASE("a circle of parents is an error, and changes nothing")
     CHECK_THROWS_WITH(a.attachTo(c), Contains("alpha") && Contains("gamma"));
     CHECK_THROWS_AS(a.attachTo(a), Error);
     CHECK(a.parent() == nullptr);
-    c.attachTo(a); // another parent is no circle
+    c.attachTo(a); // another parent makes no cycle
     CHECK(c.parent() == &a);
     CHECK(b.children().empty());
 }

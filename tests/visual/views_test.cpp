@@ -1,4 +1,4 @@
-// Effects, off-screen views, scale and visibility, and long lives: what works and what is an Error.
+// Effects, off-screen views, scale and visibility, and long runs: what works and what is an Error.
 #include "little_scene.h"
 #include "organs.h"
 
@@ -93,7 +93,7 @@ TEST_CASE("an off-screen view has a picture of its own size, which follows a cha
         def.target = OffScreen{64, 64};
         view.set(def);
         CHECK(view.capture().width == 64);
-        CHECK(scene.server.capture() == window); // the window is not concerned
+        CHECK(scene.server.capture() == window); // the window is not affected
         def.target = InWindow{};
         view.set(def);
         CHECK_THROWS_WITH(view.capture(), Contains("side") && Contains("window"));
@@ -146,7 +146,7 @@ TEST_CASE("endoscope optics: black outside the mask, whatever its shape, the fir
             for (int x = 0; x < 320; ++x) {
                 const double r = std::hypot(x + 0.5 - 160, y + 0.5 - 120) / 120.0;
                 if (r > optics.maskRadius + 0.01) wrong += brightnessAt(image, x, y) > 1;
-                // Were anything fetched from outside the picture, it would be darker here.
+                // A value from outside the picture would be darker here.
                 if (r < optics.maskRadius - optics.maskSoftness - 0.02) wrong += brightnessAt(image, x, y) < inside - 1;
             }
         CHECK(wrong == 0);
@@ -223,7 +223,7 @@ TEST_CASE("what shows a view that is removed, resized or renamed lives on")
         def.target = OffScreen{16, 16};
         view->set(def);
         const Image coarse = scene.server.capture();
-        def.name = std::string("b"); // GCC 12 warns wrongly of the plain letter
+        def.name = std::string("b"); // GCC 12 gives a false warning for the plain letter
         view->set(def);
         const Image renamed = scene.server.capture();
         if (backend == Backend::Headless) {
@@ -307,7 +307,7 @@ TEST_CASE("a body of half the size at twice the scale looks the same")
 {
     if (!hasBackend(Backend::Headless)) return;
     LittleScene scene;
-    scene.body.setMaterial(MetalMaterial{}); // tissue's pattern keeps to the mesh at rest
+    scene.body.setMaterial(MetalMaterial{}); // tissue's pattern follows the mesh at rest
     const Image before = scene.server.capture();
     scene.server.remove(scene.body);
     VisualBodyDef def = sphereDef(0.025);

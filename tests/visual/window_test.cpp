@@ -15,7 +15,7 @@ using Catch::Contains;
 
 namespace {
 
-/// An X server in memory, for the length of a test; DISPLAY names it.
+/// An X server in memory during a test; DISPLAY names it.
 class TestDisplay {
 public:
     TestDisplay()
@@ -50,7 +50,7 @@ private:
     pid_t process_ = -1;
 };
 
-/// A window without decoration, and the id as the server takes it.
+/// A window without decoration, and its id in the form that the server takes.
 class TestWindow {
 public:
     TestWindow(unsigned width, unsigned height) : display_(XOpenDisplay(nullptr))

@@ -1,4 +1,4 @@
-// What a user may do wrong, on every backend of this build: an Error each time, and the server lives on.
+// Wrong use, on every backend of this build: an Error each time, and the server goes on.
 #include "little_scene.h"
 
 #include "filasofia/core/error.h"

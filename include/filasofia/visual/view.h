@@ -8,7 +8,7 @@
 
 namespace filasofia::visual {
 
-/// A rectangle of the window in fractions of it, from its upper left corner.
+/// A rectangle of the window, as fractions of it from its upper left corner.
 struct Viewport {
     double left = 0.0;   ///< [-], in [0, 1)
     double top = 0.0;    ///< [-], in [0, 1)
@@ -26,14 +26,14 @@ constexpr auto fields(const Viewport*)
                     field("height", &Viewport::height, "-", openClosed(0, 1), "of the window's height"));
 }
 
-/// The view is seen in the window.
+/// The view is shown in the window.
 struct InWindow {
     friend constexpr bool operator==(const InWindow&, const InWindow&) = default;
 };
 
 constexpr auto fields(const InWindow*) { return describe("InWindow"); }
 
-/// The view has a picture of its own: to be read (View::capture), or to be seen on a body (ViewPicture).
+/// The view has a picture of its own, which can be read (View::capture) or shown on a body (ViewPicture).
 struct OffScreen {
     int width = 640;  ///< [px], in [1, 8192]
     int height = 480; ///< [px], in [1, 8192]
@@ -48,11 +48,11 @@ constexpr auto fields(const OffScreen*)
 }
 
 struct ViewDef {
-    std::string name = "view"; ///< no two off-screen views of a server may share one
-    Viewport viewport = {};    ///< of a view in the window
+    std::string name = "view"; ///< off-screen views of a server must have different names
+    Viewport viewport = {};    ///< for a view in the window
     Quality quality = Quality::High;
-    double occlusionRadius = 0.012;                ///< [m], > 0: how far corners darken (Quality::High)
-    std::optional<Effects> effects = {};           ///< none: those of `quality`
+    double occlusionRadius = 0.012;                ///< [m], > 0, reach of the darkening around corners (Quality::High)
+    std::optional<Effects> effects = {};           ///< not given: those of `quality`
     std::variant<InWindow, OffScreen> target = {}; ///< where its picture goes
 };
 
@@ -67,8 +67,8 @@ constexpr auto fields(const ViewDef*)
 }
 
 /// Shows what a camera sees, in a rectangle of the window or in a picture of its own; made by VisualServer::add. Every
-/// frame draws the off-screen views first, then the window's; each in the order they were made, so that later ones of
-/// the window lie on top. Main thread only.
+/// frame draws first the off-screen views, then the window's, each in the order in which they were made, so that later
+/// ones in the window lie on top. Main thread only.
 class View {
 public:
     struct Impl;
@@ -81,16 +81,16 @@ public:
     /// Throws an Error naming the view and the field that is out of range.
     void set(const ViewDef& def);
     [[nodiscard]] Camera& camera() const;
-    /// Throws an Error when the camera belongs to another server.
+    /// Throws an Error if the camera belongs to another server.
     void setCamera(Camera& camera);
 
     [[nodiscard]] bool visible() const;
-    /// A hidden view is not drawn; the picture of an off-screen one stays what it was.
+    /// A hidden view is not drawn; the picture of an off-screen view stays as it was.
     void setVisible(bool visible);
 
-    /// Draws this view as the scene is now and reads its picture back; off-screen views made before it are drawn too,
-    /// since it may show them. Throws an Error when it is a view of the window (VisualServer::capture reads that), or
-    /// when the graphics library gives no picture.
+    /// Draws this view with the present scene and returns its picture; earlier off-screen views are drawn too, because
+    /// it may show them. Throws an Error if it is a view of the window (use VisualServer::capture), or if the graphics
+    /// library gives no picture.
     Image capture();
 
     [[nodiscard]] Impl& impl() { return *impl_; }

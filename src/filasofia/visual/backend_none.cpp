@@ -19,7 +19,7 @@ GpuReport probeGpu() noexcept
     GpuReport report;
     try {
         report.problem = "this build draws nothing (FILASOFIA_FILAMENT=OFF)";
-    } catch (...) { // no memory for a line of text: the report is still true
+    } catch (...) { // not enough memory for the text: the report is still true
     }
     return report;
 }

@@ -1,4 +1,4 @@
-// Lights, cameras and views: their checks and what changes them.
+// Lights, cameras and views: their checks and changes.
 #include "filasofia/core/error.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/visual/scene.h"
@@ -8,7 +8,7 @@
 namespace filasofia::visual {
 namespace {
 
-// Filament 1.9 keeps two shadow maps for spot lights, draws the shadows of no point light, and one directional light.
+// Filament 1.9 has two shadow maps for spot lights, none for point lights, and one directional light.
 constexpr int kShadowSpots = 2;
 
 bool isShadowSpot(const LightDef& def) { return def.castShadows && std::holds_alternative<SpotLight>(def.kind); }
@@ -59,7 +59,7 @@ void check(const ViewDef& def, const Scene& scene, const ViewDef* replaced)
     const std::string name = text("view '", def.name, "'");
     validate(def, name);
     const Viewport& port = def.viewport;
-    constexpr double kRounding = 1e-9; // a third and two thirds fill the window
+    constexpr double kRounding = 1e-9; // so that a third and two thirds fill the window
     if (port.left + port.width > 1.0 + kRounding)
         fail(name, ": viewport.left + width must be <= 1, got ", port.left + port.width);
     if (port.top + port.height > 1.0 + kRounding)

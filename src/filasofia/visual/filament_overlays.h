@@ -23,7 +23,7 @@ public:
 
     /// Within a frame, before the scene's views.
     void drawCanvases();
-    /// Within a frame, after them.
+    /// Within a frame, after the scene's views.
     void drawGuis(int windowWidth, int windowHeight);
 
 private:
@@ -38,7 +38,7 @@ private:
     MaterialPool& pool_;
     FilamentDebug inside_, onTop_;
     std::map<Slot, std::unique_ptr<FilamentCanvas>> canvases_;
-    std::map<Slot, PlacedGui> guis_; ///< in the order they were made: later ones lie on top
+    std::map<Slot, PlacedGui> guis_; ///< in the order in which they were made: later ones lie on top
 };
 
 } // namespace filasofia::visual

@@ -12,10 +12,10 @@
 namespace filasofia::visual {
 namespace {
 
-constexpr int kLargest = 8192; ///< [px] a side: what every card takes
+constexpr int kLargest = 8192; ///< [px] per side; every card supports it
 
-/// Width and height as a PNG's first chunk has them; zero when this is no PNG. stb refuses large ones without telling
-/// their size.
+/// Width and height from a PNG's first chunk; zero if it is not a PNG. stb refuses large ones without reporting their
+/// size.
 std::array<std::uint64_t, 2> pngSize(const std::filesystem::path& file)
 {
     std::array<unsigned char, 24> head{};

@@ -35,7 +35,7 @@ bool fitsFloat(const ParameterValue& value)
     return true;
 }
 
-/// The only texture of a built-in material.
+/// The texture of a built-in material, of which there is at most one.
 const Texture* textureOf(const Material& material)
 {
     return std::visit(

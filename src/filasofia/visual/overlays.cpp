@@ -9,7 +9,7 @@
 namespace filasofia::visual {
 namespace {
 
-constexpr double kSmallest = 0.5, kLargest = 8.0; // scales of texts
+constexpr double kSmallest = 0.5, kLargest = 8.0; // scales of text
 
 bool isMouse(const event::Event& event)
 {
@@ -23,7 +23,7 @@ PixelArea areaOf(const View* view, int width, int height)
     return pixelArea(view ? view->def().viewport : Viewport{}, width, height);
 }
 
-/// While it lives a flag is set.
+/// Sets a flag while it lives.
 class Raised {
 public:
     explicit Raised(bool& flag) : flag_(flag) { flag_ = true; }
@@ -108,7 +108,7 @@ void Overlays::checkNotCalled(const char* function) const
 void Overlays::setGuiScale(double scale)
 {
     if (!(scale >= kSmallest && scale <= kLargest)) fail("visual server: guiScale must be in [0.5, 8], got ", scale);
-    guiScale_ = scale; // each Gui takes it up in its next frame
+    guiScale_ = scale; // each Gui applies it in its next frame
 }
 
 bool Overlays::handle(const event::Event& event)
@@ -116,7 +116,7 @@ bool Overlays::handle(const event::Event& event)
     bool taken = false;
     for (auto gui = guis_.rbegin(); gui != guis_.rend(); ++gui) {
         if (taken && isMouse(event)) {
-            (*gui)->impl().surface.leave(); // a panel above lies between
+            (*gui)->impl().surface.leave(); // a panel above covers it
         } else if (!taken || event.type == event::EventType::Window) {
             taken = (*gui)->handle(event) || taken;
         }

@@ -9,7 +9,7 @@
 namespace filasofia::visual {
 namespace {
 
-bool gErrorSeen = false; // Xlib's error handler is one for the process and takes no context
+bool gErrorSeen = false; // Xlib has one error handler per process, which takes no context
 
 int noteError(Display*, XErrorEvent*)
 {
