@@ -41,7 +41,7 @@ TEST_CASE("a debug drawing is in one picture, or in all until it is cleared")
     CHECK(drawn.debug.onTop.indices.empty());
 }
 
-TEST_CASE("an arrow begins and ends where it is told, and has its length")
+TEST_CASE("an arrow begins and ends at its points, and has its length")
 {
     LittleScene scene(Backend::Null);
     scene.server.debug().arrow({1, 2, 3}, {1, 2, 5}, {.color = {1, 0, 0}});

@@ -101,7 +101,7 @@ TEST_CASE("a Gui is cut off at its view's edges and drawn larger on a finer scre
     CHECK(scene.server.capture() != image);
 }
 
-TEST_CASE("a Canvas hangs in the scene, sharp, and hidden by what is in front of it")
+TEST_CASE("a Canvas in the scene is sharp, and hidden by bodies in front of it")
 {
     LittleScene scene;
     lookFromFront(scene);

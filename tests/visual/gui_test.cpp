@@ -87,7 +87,7 @@ TEST_CASE("a thousand typed letters arrive, all of them")
     CHECK(std::string(text.data()) == typed);
 }
 
-TEST_CASE("the Gui takes what is for it and leaves the rest to the scene")
+TEST_CASE("the Gui takes its own events and leaves the rest to the scene")
 {
     GuiScene scene;
     CHECK_FALSE(scene.person.move(300, 200));
@@ -178,7 +178,7 @@ TEST_CASE("an upper Gui keeps the mouse from a lower one, a hidden one does not"
     CHECK_THROWS_WITH(scene.server.remove(*scene.gui->view()), Catch::Contains("gui 'panel' lies on it"));
 }
 
-TEST_CASE("keys and buttons that are held when the window loses the focus are let go")
+TEST_CASE("keys and buttons are released when the window loses the focus")
 {
     GuiScene scene;
     scene.person.move(scene.panel.sliderAt.x, scene.panel.sliderAt.y);

@@ -194,7 +194,7 @@ TEST_CASE("exposure and lamps change the brightness")
     CHECK(brightness(scene.server.capture()) > before);
 }
 
-TEST_CASE("so much more light at so much more exposure gives the same picture, over all exposures")
+TEST_CASE("more light at a correspondingly higher exposure value gives the same picture, over all exposures")
 {
     LittleScene scene;
     scene.look.light->set(LightDef{.kind = SpotLight{.intensity = 60.0}});
@@ -212,7 +212,7 @@ TEST_CASE("so much more light at so much more exposure gives the same picture, o
     }
 }
 
-TEST_CASE("one body throws its shadow on another")
+TEST_CASE("one body casts its shadow on another")
 {
     LittleScene scene(Backend::Headless, Quality::Medium);
     geometry::TriangleMesh wall;
@@ -230,7 +230,7 @@ TEST_CASE("one body throws its shadow on another")
     CHECK(brightnessAt(lit, 250, 120) == brightnessAt(shaded, 250, 120));
 }
 
-TEST_CASE("the native door leads to the library's objects")
+TEST_CASE("native.h gives access to the library's objects")
 {
     LittleScene scene;
     CHECK(native::engine(scene.server) != nullptr);

@@ -38,7 +38,7 @@ Look lookOf(const Image& image)
 
 } // namespace
 
-TEST_CASE("the bunny looks like wet tissue under an endoscope: red, glistening, not burnt out, in the dark")
+TEST_CASE("the bunny looks like wet tissue under an endoscope: red, glistening, not overexposed, on black")
 {
     VisualBodyDef def;
     def.name = "bunny";

@@ -68,7 +68,7 @@ const NullBackend::Body& kept(VisualBody& body)
 
 } // namespace
 
-TEST_CASE("a number or colour that is none is an error in every material")
+TEST_CASE("an invalid number or colour is an error in every material")
 {
     const std::vector<std::pair<Material, const char*>> wrong = {
         {TissueMaterial{.baseColor = {kNan, 0, 0}}, "baseColor.red"},
@@ -209,7 +209,7 @@ TEST_CASE("wrong use of the pool is an error that names the material")
 
 #ifdef FILASOFIA_TEST_MATERIAL
 
-TEST_CASE("a material file tells its parameters, and wrong ones are errors that name file and parameter")
+TEST_CASE("a material file lists its parameters, and wrong ones are errors that name file and parameter")
 {
     const std::string own = FILASOFIA_TEST_MATERIAL;
     const MaterialPackage package = readMaterialPackage(own);
@@ -252,7 +252,7 @@ TEST_CASE("a material file tells its parameters, and wrong ones are errors that 
     }
 }
 
-TEST_CASE("a material file that is none, damaged, of another version or purpose is an error that names it")
+TEST_CASE("a material file that is invalid, damaged, of another version or purpose is an error that names it")
 {
     const std::string own = readAll(FILASOFIA_TEST_MATERIAL);
     std::string version = own, shaders = own, blending = own;
@@ -264,7 +264,7 @@ TEST_CASE("a material file that is none, damaged, of another version or purpose 
     const std::vector<std::pair<std::string, const char*>> wrong = {
         {tempFile("nowhere.filamat"), "no such file"},
         {written("empty.filamat", ""), "empty"},
-        {written("text.filamat", "material { name : text }"), "no compiled material"},
+        {written("text.filamat", "material { name : text }"), "not a compiled material"},
         {written("short.filamat", own.substr(0, 5)), "damaged"},
         {written("cut.filamat", own.substr(0, own.size() / 2)), "damaged"},
         {written("end.filamat", own.substr(0, own.size() - 1)), "damaged"},

@@ -152,7 +152,7 @@ TEST_CASE("F shows all of the scene and no more, in a wide picture and in a narr
     }
 }
 
-TEST_CASE("F frames the scene where it is now, a scene that is none changes nothing")
+TEST_CASE("F frames the scene where it is now, an empty scene changes nothing")
 {
     OrbitCamera camera(cube());
     camera.setScene({{9, -1, -1}, {11, 1, 1}});
@@ -186,7 +186,7 @@ TEST_CASE("the size of the window is the picture's")
     CHECK(distance(camera.pose().position, {-3, 0, 0}) < 1e-12);
 }
 
-TEST_CASE("what is not for the camera is left to others")
+TEST_CASE("events that are not for the camera are left to others")
 {
     OrbitCamera camera(cube());
     CHECK_FALSE(button(camera, MouseButton::Right, true));
@@ -206,7 +206,7 @@ TEST_CASE("what is not for the camera is left to others")
     CHECK_FALSE(move(camera, 10, 10));
 }
 
-TEST_CASE("an orbit camera refuses a scene that is none and limits that cross")
+TEST_CASE("an orbit camera refuses an empty scene and limits in the wrong order")
 {
     OrbitDef def = cube();
     def.around = {};

@@ -118,7 +118,7 @@ TEST_CASE("a callback may replace itself")
     CHECK(second == 2);
 }
 
-TEST_CASE("a callback may not draw or remove what it is called from, and can make more")
+TEST_CASE("a callback may not draw or remove its caller, and can add more")
 {
     const Logged log;
     GuiScene scene;

@@ -78,7 +78,7 @@ TEST_CASE("a circle of parents is an error, and changes nothing")
     CHECK(b.children().empty());
 }
 
-TEST_CASE("a pose that is no pose is an error")
+TEST_CASE("an invalid pose is an error")
 {
     Transform a("alpha");
     const double nan = std::numeric_limits<double>::quiet_NaN();

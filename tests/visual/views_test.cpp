@@ -202,7 +202,7 @@ TEST_CASE("wrong off-screen views are errors")
     }
 }
 
-TEST_CASE("what shows a view that is removed, resized or renamed lives on")
+TEST_CASE("a body that shows a removed, resized or renamed view lives on")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
@@ -236,7 +236,7 @@ TEST_CASE("what shows a view that is removed, resized or renamed lives on")
     }
 }
 
-TEST_CASE("a view that sees itself on a screen is drawn")
+TEST_CASE("a view that shows itself on a screen is drawn")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
@@ -263,7 +263,7 @@ TEST_CASE("a hidden view is not drawn, a hidden light does not shine")
     CHECK(scene.server.capture() == before);
 }
 
-TEST_CASE("what hangs on a hidden transform is hidden, and comes back with it")
+TEST_CASE("children of a hidden transform are hidden, and come back with it")
 {
     LittleScene scene(Backend::Null);
     Transform& rig = scene.server.addTransform("rig");
@@ -281,7 +281,7 @@ TEST_CASE("what hangs on a hidden transform is hidden, and comes back with it")
     CHECK(kept.visible);
 }
 
-TEST_CASE("a scale enlarges a body and what hangs on it, in size and in distance")
+TEST_CASE("a scale enlarges a body and its children, in size and in distance")
 {
     LittleScene scene(Backend::Null);
     Transform& rig = scene.server.addTransform("rig");
@@ -316,7 +316,7 @@ TEST_CASE("a body of half the size at twice the scale looks the same")
     CHECK(difference(scene.server.capture(), before) <= 1);
 }
 
-TEST_CASE("fifty servers one after another, with effects and textures, and one of a thousand bodies")
+TEST_CASE("fifty servers one after another, with effects and textures, and one with a thousand bodies work")
 {
     for (Backend backend : backends()) {
         for (int i = 0; i < 50; ++i) {
@@ -353,13 +353,13 @@ TEST_CASE("one body too many is an error, and the server draws on")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
-        for (std::size_t i = 1; i < kMostBodies; ++i) scene.server.add(sphereDef(0.01, 0));
+        for (std::size_t i = 1; i < kMaxBodies; ++i) scene.server.add(sphereDef(0.01, 0));
         CHECK_THROWS_WITH(scene.server.add(sphereDef()), Contains("ball") && Contains("1400"));
         CHECK(scene.server.render());
     }
 }
 
-TEST_CASE("a body cut, clad or looked at anew very often does not use up the library")
+TEST_CASE("a body whose mesh, material or view changes very often does not exhaust the library's handles")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);

@@ -94,7 +94,7 @@ TEST_CASE("a window shows the same picture as no window")
     CHECK(difference(expected, server.capture()) <= 2);
 }
 
-TEST_CASE("without a display or a window, the window backend is an error and not the end")
+TEST_CASE("without a display or a window, the window backend is an Error and does not end the process")
 {
     unsetenv("DISPLAY");
     void* const nowhere = reinterpret_cast<void*>(std::uintptr_t{12345});

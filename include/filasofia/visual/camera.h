@@ -27,9 +27,9 @@ constexpr auto fields(const CameraDef*)
                     field("verticalFieldOfView", &D::verticalFieldOfView, "rad", closed(0.01, 3), "full angle"),
                     field("near", &D::near, "m", positive(), "nothing nearer is drawn"),
                     field("far", &D::far, "m", positive(), "nothing farther is drawn"),
-                    field("exposure", &D::exposure, "EV at ISO 100", closed(-10, 25), "more is darker"),
-                    field("focusDistance", &D::focusDistance, "m", positive(), "what is sharp"),
-                    field("aperture", &D::aperture, "-", closed(0.5, 64), "f-number: less blurs more"));
+                    field("exposure", &D::exposure, "EV at ISO 100", closed(-10, 25), "larger is darker"),
+                    field("focusDistance", &D::focusDistance, "m", positive(), "distance that is sharp"),
+                    field("aperture", &D::aperture, "-", closed(0.5, 64), "f-number; a smaller one blurs more"));
 }
 
 /// A camera; made by VisualServer::add, drawn where a View shows it. Main thread only.

@@ -23,10 +23,10 @@ constexpr auto fields(const CanvasDef*)
     return describe("CanvasDef", field("name", &D::name, "name in errors"),
                     field("width", &D::width, "m", openClosed(0, 1e4), "in the scene"),
                     field("height", &D::height, "m", openClosed(0, 1e4), "in the scene"),
-                    field("pixelWidth", &D::pixelWidth, "px", closed(16, 4096), "what it is drawn with"),
-                    field("pixelHeight", &D::pixelHeight, "px", closed(16, 4096), "what it is drawn with"),
-                    field("scale", &D::scale, "-", closed(0.5, 8), "size of texts and spaces"),
-                    field("window", &D::window, "a window fills it"));
+                    field("pixelWidth", &D::pixelWidth, "px", closed(16, 4096), "resolution"),
+                    field("pixelHeight", &D::pixelHeight, "px", closed(16, 4096), "resolution"),
+                    field("scale", &D::scale, "-", closed(0.5, 8), "size of text and spacing"),
+                    field("window", &D::window, "whether a window fills it"));
 }
 
 /// A sheet in the scene that ImGui draws on: centred at the origin of its pose, x to the right, y up, visible from +z

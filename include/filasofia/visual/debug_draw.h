@@ -20,9 +20,9 @@ struct DebugStyle {
 constexpr auto fields(const DebugStyle*)
 {
     using D = DebugStyle;
-    return describe("DebugStyle", field("color", &D::color, "of lines, points and texts"),
-                    field("width", &D::width, "px", closed(0.5, 100), "of lines and points"),
-                    field("onTop", &D::onTop, "seen through everything"),
+    return describe("DebugStyle", field("color", &D::color, "color of lines, points and texts"),
+                    field("width", &D::width, "px", closed(0.5, 100), "width of lines and points"),
+                    field("onTop", &D::onTop, "visible through everything"),
                     field("keep", &D::keep, "until cleared; else for one picture"));
 }
 

@@ -33,7 +33,8 @@ struct Bloom {
 
 constexpr auto fields(const Bloom*)
 {
-    return describe("Bloom", field("strength", &Bloom::strength, "-", closed(0, 1), "share of the light that spills"),
+    return describe("Bloom",
+                    field("strength", &Bloom::strength, "-", closed(0, 1), "fraction of the light that spills"),
                     field("onlyHighlights", &Bloom::onlyHighlights, "only what is brighter than white spills"));
 }
 
@@ -46,7 +47,8 @@ struct DepthOfField {
 
 constexpr auto fields(const DepthOfField*)
 {
-    return describe("DepthOfField", field("strength", &DepthOfField::strength, "-", closed(0, 10), "times the blur"));
+    return describe("DepthOfField",
+                    field("strength", &DepthOfField::strength, "-", closed(0, 10), "factor on the blur"));
 }
 
 /// Darkens the picture towards its corners.
@@ -76,9 +78,10 @@ struct Fog {
 
 constexpr auto fields(const Fog*)
 {
-    return describe("Fog", field("density", &Fog::density, "1/m", openClosed(0, 1e4), "inverse of how far one sees"),
-                    field("start", &Fog::start, "m", closed(0, 1e6), "no fog before"),
-                    field("opacity", &Fog::opacity, "-", closed(0, 1), "at most"),
+    return describe("Fog",
+                    field("density", &Fog::density, "1/m", openClosed(0, 1e4), "inverse of the visible distance"),
+                    field("start", &Fog::start, "m", closed(0, 1e6), "distance at which it begins"),
+                    field("opacity", &Fog::opacity, "-", closed(0, 1), "maximum"),
                     field("brightness", &Fog::brightness, "-", closed(0, 100), "relative to the surroundings"),
                     field("color", &Fog::color, "colour of the fog"));
 }
@@ -99,9 +102,10 @@ struct EndoscopeOptics {
 constexpr auto fields(const EndoscopeOptics*)
 {
     using E = EndoscopeOptics;
-    return describe("EndoscopeOptics", field("maskRadius", &E::maskRadius, "-", openClosed(0, 2), "of the round field"),
+    return describe("EndoscopeOptics",
+                    field("maskRadius", &E::maskRadius, "-", openClosed(0, 2), "radius of the round field"),
                     field("maskSoftness", &E::maskSoftness, "-", closed(0, 0.5), "width of its edge"),
-                    field("distortion", &E::distortion, "-", closed(0, 1), "how much the middle is larger"),
+                    field("distortion", &E::distortion, "-", closed(0, 1), "how much larger the middle is"),
                     field("vignette", &E::vignette, "-", closed(0, 1), "how dark the rim is"),
                     field("rimBlur", &E::rimBlur, "-", closed(0, 0.05), "radius of the blur at the rim"));
 }

@@ -26,7 +26,7 @@ struct GuiDef {
 constexpr auto fields(const GuiDef*)
 {
     return describe("GuiDef", field("name", &GuiDef::name, "name in errors"),
-                    field("scale", &GuiDef::scale, "-", closed(0.5, 8), "size of texts and spaces"));
+                    field("scale", &GuiDef::scale, "-", closed(0.5, 8), "size of text and spacing"));
 }
 
 /// Panels, buttons and texts over a view or over the whole window, for mouse and keyboard; made by VisualServer::add.

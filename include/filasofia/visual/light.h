@@ -19,10 +19,11 @@ struct SpotLight {
 constexpr auto fields(const SpotLight*)
 {
     using L = SpotLight;
-    return describe("SpotLight", field("intensity", &L::intensity, "cd", positive(), "on the axis"),
-                    field("innerAngle", &L::innerAngle, "rad", openClosed(0, 1.5), "half angle of full light"),
-                    field("outerAngle", &L::outerAngle, "rad", openClosed(0, 1.5), "half angle where it ends"),
-                    field("range", &L::range, "m", positive(), "no light beyond"));
+    return describe(
+        "SpotLight", field("intensity", &L::intensity, "cd", positive(), "on the axis"),
+        field("innerAngle", &L::innerAngle, "rad", openClosed(0, 1.5), "half angle of full light"),
+        field("outerAngle", &L::outerAngle, "rad", openClosed(0, 1.5), "half angle at which the light ends"),
+        field("range", &L::range, "m", positive(), "distance at which the light ends"));
 }
 
 /// Parallel light along -Z of its pose; at most one in a scene.
@@ -45,7 +46,7 @@ struct PointLight {
 constexpr auto fields(const PointLight*)
 {
     return describe("PointLight", field("intensity", &PointLight::intensity, "cd", positive(), "to every side"),
-                    field("range", &PointLight::range, "m", positive(), "no light beyond"));
+                    field("range", &PointLight::range, "m", positive(), "distance at which the light ends"));
 }
 
 struct LightDef {
@@ -103,7 +104,7 @@ constexpr auto fields(const EnvironmentDef*)
                     field("lampStrength", &D::lampStrength, "-", nonNegative(), "radiance in the lamp's middle"),
                     field("lampSize", &D::lampSize, "rad", closed(0.05, 3), "where it has fallen to 60 %"),
                     field("lampDirection", &D::lampDirection, "-", finite(), "from the scene towards the lamp"),
-                    field("background", &D::background, "where there is no body"));
+                    field("background", &D::background, "color of pixels without a body"));
 }
 
 } // namespace filasofia::visual

@@ -33,9 +33,9 @@ constexpr auto fields(const TissueMaterial*)
                     field("subsurfaceColor", &M::subsurfaceColor, "colour of light that has travelled inside"),
                     field("vesselColor", &M::vesselColor, "colour of the small vessels"),
                     field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness below the film"),
-                    field("wetness", &M::wetness, "-", closed(0, 1), "how much of the surface the film covers"),
+                    field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that the film covers"),
                     field("thickness", &M::thickness, "-", closed(0, 1), "thin tissue lets more light through"),
-                    field("noiseScale", &M::noiseScale, "1/m", positive(), "mottles per metre"),
+                    field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
                     field("mottling", &M::mottling, "-", closed(0, 1), "strength of the blotches"),
                     field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
                     field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
@@ -67,9 +67,9 @@ constexpr auto fields(const MucosaMaterial*)
                     field("subsurfaceColor", &M::subsurfaceColor, "colour of light that has travelled inside"),
                     field("vesselColor", &M::vesselColor, "colour of the small vessels"),
                     field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness below the film"),
-                    field("wetness", &M::wetness, "-", closed(0, 1), "how much of the surface the film covers"),
+                    field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that the film covers"),
                     field("thickness", &M::thickness, "-", closed(0, 1), "a thin lining lets more light through"),
-                    field("noiseScale", &M::noiseScale, "1/m", positive(), "mottles per metre"),
+                    field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
                     field("pits", &M::pits, "-", closed(0, 1), "strength of the pattern of pits"),
                     field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
                     field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
@@ -96,8 +96,8 @@ constexpr auto fields(const BoneMaterial*)
     return describe("BoneMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
                     field("stainColor", &M::stainColor, "colour in pores and stains"),
                     field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness where it is dry"),
-                    field("wetness", &M::wetness, "-", closed(0, 1), "how much of the surface is moist"),
-                    field("noiseScale", &M::noiseScale, "1/m", positive(), "mottles per metre"),
+                    field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that is moist"),
+                    field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
                     field("pores", &M::pores, "-", closed(0, 1), "strength of pores and stains"),
                     field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
                     field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
@@ -133,7 +133,7 @@ struct GlassMaterial {
 constexpr auto fields(const GlassMaterial*)
 {
     using M = GlassMaterial;
-    return describe("GlassMaterial", field("tint", &M::tint, "share of light that comes through"),
+    return describe("GlassMaterial", field("tint", &M::tint, "fraction of transmitted light"),
                     field("roughness", &M::roughness, "-", closed(0, 1), "blur of what lies behind"),
                     field("refractiveIndex", &M::refractiveIndex, "-", closed(1, 2.5), "how much it bends light"),
                     field("thickness", &M::thickness, "m", closed(0, 1), "how far light travels inside"));
@@ -150,7 +150,7 @@ struct UnlitMaterial {
 constexpr auto fields(const UnlitMaterial*)
 {
     return describe("UnlitMaterial", field("color", &UnlitMaterial::color, "colour, or the texture's factor"),
-                    field("texture", &UnlitMaterial::texture, "what is seen"));
+                    field("texture", &UnlitMaterial::texture, "texture"));
 }
 
 /// Refers to the material of this name in the server's pool (VisualServer::addMaterial), and follows its changes.
@@ -162,7 +162,7 @@ struct NamedMaterial {
 
 constexpr auto fields(const NamedMaterial*)
 {
-    return describe("NamedMaterial", field("name", &NamedMaterial::name, "of a material in the server's pool"));
+    return describe("NamedMaterial", field("name", &NamedMaterial::name, "name of a material in the server's pool"));
 }
 
 using Material = std::variant<TissueMaterial, MetalMaterial, MucosaMaterial, BoneMaterial, GlassMaterial, UnlitMaterial,

@@ -24,11 +24,12 @@ constexpr auto fields(const OrbitDef*)
     using T = OrbitDef;
     return describe(
         "OrbitDef", field("around", &T::around, "the scene"), field("start", &T::start, "where the camera begins"),
-        field("verticalFieldOfView", &T::verticalFieldOfView, "rad", closed(0.01, 3), "of the camera"),
-        field("width", &T::width, "px", closed(1, 8192), "of the picture"),
-        field("height", &T::height, "px", closed(1, 8192), "of the picture"),
-        field("closest", &T::closest, "-", positive(), "to what it turns about, in radii of the scene"),
-        field("farthest", &T::farthest, "-", positive(), "from what it turns about, in radii of the scene"));
+        field("verticalFieldOfView", &T::verticalFieldOfView, "rad", closed(0.01, 3),
+              "vertical field of view of the camera"),
+        field("width", &T::width, "px", closed(1, 8192), "size of the picture"),
+        field("height", &T::height, "px", closed(1, 8192), "size of the picture"),
+        field("closest", &T::closest, "-", positive(), "smallest distance to the target, in radii of the scene"),
+        field("farthest", &T::farthest, "-", positive(), "largest distance to the target, in radii of the scene"));
 }
 
 /// Turns what a person does with mouse and keys into the pose of a camera. It knows no window and no server; +Y stays

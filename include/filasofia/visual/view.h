@@ -20,10 +20,10 @@ struct Viewport {
 
 constexpr auto fields(const Viewport*)
 {
-    return describe("Viewport", field("left", &Viewport::left, "-", closedOpen(0, 1), "of the window's width"),
-                    field("top", &Viewport::top, "-", closedOpen(0, 1), "of the window's height"),
-                    field("width", &Viewport::width, "-", openClosed(0, 1), "of the window's width"),
-                    field("height", &Viewport::height, "-", openClosed(0, 1), "of the window's height"));
+    return describe("Viewport", field("left", &Viewport::left, "-", closedOpen(0, 1), "fraction of the window's width"),
+                    field("top", &Viewport::top, "-", closedOpen(0, 1), "fraction of the window's height"),
+                    field("width", &Viewport::width, "-", openClosed(0, 1), "fraction of the window's width"),
+                    field("height", &Viewport::height, "-", openClosed(0, 1), "fraction of the window's height"));
 }
 
 /// The view is shown in the window.
@@ -43,8 +43,8 @@ struct OffScreen {
 
 constexpr auto fields(const OffScreen*)
 {
-    return describe("OffScreen", field("width", &OffScreen::width, "px", closed(1, 8192), "of the picture"),
-                    field("height", &OffScreen::height, "px", closed(1, 8192), "of the picture"));
+    return describe("OffScreen", field("width", &OffScreen::width, "px", closed(1, 8192), "size of the picture"),
+                    field("height", &OffScreen::height, "px", closed(1, 8192), "size of the picture"));
 }
 
 struct ViewDef {
@@ -60,7 +60,7 @@ constexpr auto fields(const ViewDef*)
 {
     return describe("ViewDef", field("name", &ViewDef::name, "name in errors"),
                     field("viewport", &ViewDef::viewport, "where in the window"),
-                    field("quality", &ViewDef::quality, "what it spends on the picture"),
+                    field("quality", &ViewDef::quality, "effort for the picture"),
                     field("occlusionRadius", &ViewDef::occlusionRadius, "m", positive(), "reach of dark corners"),
                     field("effects", &ViewDef::effects, "in place of those of quality"),
                     field("target", &ViewDef::target, "where its picture goes"));

@@ -26,7 +26,7 @@ constexpr auto fields(const VisualBodyDef*)
                     field("mesh", &D::mesh, "surface at rest"),
                     field("subdivision", &D::subdivision, "-", closed(0, 3), "Loop subdivision steps"),
                     field("material", &D::material, "what it looks like"),
-                    field("castShadows", &D::castShadows, "whether it throws shadows"));
+                    field("castShadows", &D::castShadows, "whether it casts shadows"));
 }
 
 /// The state of the surface at one vertex.
@@ -41,7 +41,7 @@ struct SurfaceState {
 constexpr auto fields(const SurfaceState*)
 {
     using S = SurfaceState;
-    return describe("SurfaceState", field("blood", &S::blood, "-", closed(0, 1), "share of full"),
+    return describe("SurfaceState", field("blood", &S::blood, "-", closed(0, 1), "covered by blood"),
                     field("burn", &S::burn, "-", closed(0, 1), "charred by cautery"),
                     field("wetness", &S::wetness, "-", closed(0, 1), "liquid on top of the material's own"));
 }

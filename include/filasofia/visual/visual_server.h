@@ -31,8 +31,8 @@ constexpr auto fields(const VisualServerDef*)
 {
     using D = VisualServerDef;
     return describe("VisualServerDef", field("backend", &D::backend, "where the pictures go"),
-                    field("width", &D::width, "px", closed(1, 8192), "of the window"),
-                    field("height", &D::height, "px", closed(1, 8192), "of the window"));
+                    field("width", &D::width, "px", closed(1, 8192), "size of the window"),
+                    field("height", &D::height, "px", closed(1, 8192), "size of the window"));
 }
 
 /// Time that the main thread's work on the picture has taken, by the clock given to timeStages(); zeros without a

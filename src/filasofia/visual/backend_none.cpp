@@ -10,7 +10,8 @@ bool hasBackend(Backend backend) { return backend == Backend::Null; }
 std::unique_ptr<RenderBackend> makeBackend(const VisualServerDef& def)
 {
     if (!hasBackend(def.backend))
-        fail("visual server: backend: this build draws nothing (FILASOFIA_FILAMENT=OFF), only Backend::Null is there");
+        fail("visual server: backend: this build draws nothing (FILASOFIA_FILAMENT=OFF), only Backend::Null is "
+             "available");
     return std::make_unique<NullBackend>(def.width, def.height);
 }
 

@@ -65,10 +65,10 @@ void check(const ViewDef& def, const Scene& scene, const ViewDef* replaced)
     if (port.top + port.height > 1.0 + kRounding)
         fail(name, ": viewport.top + height must be <= 1, got ", port.top + port.height);
     if (!isOffScreen(def)) return;
-    if (port != Viewport{}) fail(name, ": viewport must be the whole of an off-screen picture");
+    if (port != Viewport{}) fail(name, ": viewport must be the whole picture for an off-screen view");
     for (const View* other : scene.views)
         if (&other->def() != replaced && isOffScreen(other->def()) && other->def().name == def.name)
-            fail(name, ": there is an off-screen view of this name already");
+            fail(name, ": an off-screen view of this name already exists");
 }
 
 void check(const EnvironmentDef& def)
@@ -134,7 +134,8 @@ Image View::capture()
 {
     impl_->scene.assertThread();
     if (!isOffScreen(impl_->def))
-        fail("view '", impl_->def.name, "': is in the window and has no picture of its own; capture the server");
+        fail("view '", impl_->def.name,
+             "': is in the window and has no picture of its own; use VisualServer::capture()");
     sendPlaces(impl_->scene);
     return impl_->scene.backend->capture(impl_->slot);
 }

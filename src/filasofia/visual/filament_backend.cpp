@@ -329,7 +329,7 @@ bool FilamentBackend::draw()
 
 Image FilamentBackend::capture()
 {
-    if (!beginFrame(100)) fail("visual server: Filament begins no frame to capture");
+    if (!beginFrame(100)) fail("visual server: Filament did not begin a frame to capture");
     drawViews();
     return read(nullptr, width_, height_, true);
 }

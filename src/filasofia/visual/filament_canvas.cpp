@@ -19,13 +19,13 @@ struct Corner {
 
 } // namespace
 
-FilamentCanvas::FilamentCanvas(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool, double width,
-                               double height, int pixelWidth, int pixelHeight)
+FilamentCanvas::FilamentCanvas(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool,
+                               const CanvasSize& size)
     : engine_(engine), scene_(scene), gui_(engine, pool), sheet_(utils::EntityManager::get().create()),
       instance_(pool.get("canvas").createInstance())
 {
-    makeTarget(pixelWidth, pixelHeight);
-    makeSheet(width, height);
+    makeTarget(size.pixelWidth, size.pixelHeight);
+    makeSheet(size.width, size.height);
 }
 
 FilamentCanvas::~FilamentCanvas()

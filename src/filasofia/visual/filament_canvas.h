@@ -10,8 +10,7 @@ namespace filasofia::visual {
 /// in the scene.
 class FilamentCanvas {
 public:
-    FilamentCanvas(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool, double width, double height,
-                   int pixelWidth, int pixelHeight);
+    FilamentCanvas(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool, const CanvasSize& size);
     ~FilamentCanvas();
     FilamentCanvas(const FilamentCanvas&) = delete;
     FilamentCanvas& operator=(const FilamentCanvas&) = delete;

@@ -13,7 +13,7 @@ using Attribute = filament::VertexAttribute;
 using Type = filament::VertexBuffer::AttributeType;
 using Renderable = filament::RenderableManager;
 
-constexpr std::size_t kMostCommands = 4096; // limit of a renderable, and more than anybody could read
+constexpr std::size_t kMaxCommands = 4096; // limit of a renderable, and more than anybody could read
 
 std::size_t roomFor(std::size_t count)
 {
@@ -78,7 +78,7 @@ void FilamentGui::setGlyphs(std::shared_ptr<const GlyphSheet> glyphs)
 
 bool FilamentGui::setPicture(GuiPicture picture)
 {
-    if (picture.commands.size() > kMostCommands) picture.commands.resize(kMostCommands);
+    if (picture.commands.size() > kMaxCommands) picture.commands.resize(kMaxCommands);
     if (picture == picture_) return false;
     picture_ = std::move(picture);
     upload();

@@ -29,11 +29,10 @@ void FilamentOverlays::putGui(Slot slot, std::shared_ptr<const GlyphSheet> glyph
     placed.gui->setGlyphs(std::move(glyphs));
 }
 
-void FilamentOverlays::putCanvas(Slot slot, double width, double height, int pixelWidth, int pixelHeight,
-                                 std::shared_ptr<const GlyphSheet> glyphs)
+void FilamentOverlays::putCanvas(Slot slot, const CanvasSize& size, std::shared_ptr<const GlyphSheet> glyphs)
 {
     auto& canvas = canvases_[slot];
-    canvas = std::make_unique<FilamentCanvas>(engine_, scene_, pool_, width, height, pixelWidth, pixelHeight);
+    canvas = std::make_unique<FilamentCanvas>(engine_, scene_, pool_, size);
     canvas->setGlyphs(std::move(glyphs));
 }
 

@@ -14,8 +14,7 @@ public:
                      MaterialPool& pool);
 
     void putGui(Slot slot, std::shared_ptr<const GlyphSheet> glyphs) override;
-    void putCanvas(Slot slot, double width, double height, int pixelWidth, int pixelHeight,
-                   std::shared_ptr<const GlyphSheet> glyphs) override;
+    void putCanvas(Slot slot, const CanvasSize& size, std::shared_ptr<const GlyphSheet> glyphs) override;
     void setGuiPicture(Slot gui, const PixelArea& area, GuiPicture picture) override;
     void setCanvasPicture(Slot canvas, const Pose& world, GuiPicture picture) override;
     void setDebug(const DebugPicture& picture) override;

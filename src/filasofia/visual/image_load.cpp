@@ -52,7 +52,7 @@ Image loadImage(const std::filesystem::path& file)
     int width = 0, height = 0, channels = 0;
     const auto refuse = [&] {
         const char* reason = stbi_failure_reason();
-        fail("picture '", file.string(), "': is no whole PNG or JPEG", reason ? text(" (", reason, ")") : "");
+        fail("picture '", file.string(), "': is not a complete PNG or JPEG", reason ? text(" (", reason, ")") : "");
     };
     if (!stbi_info_from_file(in.get(), &width, &height, &channels)) refuse();
     checkSize(file, std::uint64_t(width), std::uint64_t(height));

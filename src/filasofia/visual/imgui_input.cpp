@@ -15,7 +15,7 @@ namespace {
 
 using namespace event;
 
-constexpr std::size_t kMostWaiting = 8192; // reached after about a minute without a drawn frame
+constexpr std::size_t kMaxWaiting = 8192; // reached after about a minute without a drawn frame
 
 constexpr std::array<std::pair<ImGuiKey, KeyCode>, ImGuiKey_COUNT> kKeys = {{
     {ImGuiKey_Tab, KeyCode::Tab},
@@ -105,8 +105,8 @@ void ImguiInput::mapKeys(ImGuiIO& io)
 
 void ImguiInput::push(Input input)
 {
-    if (waiting_.size() >= kMostWaiting) {
-        logWarning("gui: more than ", kMostWaiting, " inputs wait to be drawn: they are dropped");
+    if (waiting_.size() >= kMaxWaiting) {
+        logWarning("gui: more than ", kMaxWaiting, " inputs wait for a frame: they are dropped");
         releaseAll();
     }
     waiting_.push_back(std::move(input));

@@ -161,7 +161,7 @@ GuiPicture ImguiSurface::frame(int width, int height, double seconds)
                  problem) { // an assertion: the callback has left a state that cannot be repaired by ending windows
         callback.call([](const RenderCallback&) { return false; });
         logError(def_.object, ": renderCallback: ", std::string_view(problem.what()),
-                 "; it is not called again, and ImGui starts anew");
+                 "; it is not called again, and ImGui is restarted");
         picture = {};
         makeContext();
     }

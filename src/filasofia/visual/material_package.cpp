@@ -66,7 +66,7 @@ Chunks chunksOf(std::span<const std::uint8_t> bytes, const std::string& file)
     while (!in.empty()) {
         const auto letters = in.take(8);
         const std::string name(letters.rbegin(), letters.rend());
-        if (chunks.empty() && name != "MAT_VERS") fail("material file '", file, "': is no compiled material");
+        if (chunks.empty() && name != "MAT_VERS") fail("material file '", file, "': is not a compiled material");
         chunks[name] = in.take(in.number<std::uint32_t>());
     }
     if (chunks.empty()) fail("material file '", file, "': is empty");
@@ -169,7 +169,7 @@ MaterialPackage parseMaterialPackage(std::span<const std::uint8_t> bytes, const 
         fail("material file '", file, "': must be of material version ", kVersion, " (matc of Filament 1.9), got ",
              version);
     if (chunk("MAT_DOMN").number<std::uint8_t>() != 0)
-        fail("material file '", file, "': must be of the surface domain, not a post-process");
+        fail("material file '", file, "': must be of the surface domain, not a post-process material");
     if (!chunks.contains("MAT_GLSL") || !chunks.contains("DIC_TEXT"))
         fail("material file '", file, "': is not compiled for desktop OpenGL (matc -p desktop -a opengl)");
     chunk("MAT_NAME").text();

@@ -217,7 +217,7 @@ std::string MaterialPool::nameOf(const Material& material)
         std::string operator()(const GlassMaterial&) const { return "glass"; }
         std::string operator()(const UnlitMaterial&) const { return "unlit"; }
         std::string operator()(const CustomMaterial& m) const { return "file " + m.file; }
-        std::string operator()(const NamedMaterial&) const { fail("a material's name is no material"); }
+        std::string operator()(const NamedMaterial&) const { fail("a material's name is not a material"); }
     };
     return std::visit(Visitor{}, material);
 }

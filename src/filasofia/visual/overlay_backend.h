@@ -66,6 +66,14 @@ struct DebugPicture {
     DebugLayer inside, onTop;
 };
 
+/// The size of a Canvas in the scene and of its texture.
+struct CanvasSize {
+    double width = 0.0;  ///< [m]
+    double height = 0.0; ///< [m]
+    int pixelWidth = 0;  ///< [px]
+    int pixelHeight = 0; ///< [px]
+};
+
 /// Draws what lies over the scene, or stands in it and is not a body. Its input has been checked.
 class OverlayBackend {
 public:
@@ -76,8 +84,7 @@ public:
 
     /// Make one, or give it other glyphs.
     virtual void putGui(Slot slot, std::shared_ptr<const GlyphSheet> glyphs) = 0;
-    virtual void putCanvas(Slot slot, double width, double height, int pixelWidth, int pixelHeight,
-                           std::shared_ptr<const GlyphSheet> glyphs) = 0;
+    virtual void putCanvas(Slot slot, const CanvasSize& size, std::shared_ptr<const GlyphSheet> glyphs) = 0;
 
     virtual void setGuiPicture(Slot gui, const PixelArea& area, GuiPicture picture) = 0; ///< `area` of the window
     virtual void setCanvasPicture(Slot canvas, const Pose& world, GuiPicture picture) = 0;

@@ -24,12 +24,12 @@ PixelArea areaOf(const View* view, int width, int height)
 }
 
 /// Sets a flag while it lives.
-class Raised {
+class FlagGuard {
 public:
-    explicit Raised(bool& flag) : flag_(flag) { flag_ = true; }
-    ~Raised() { flag_ = false; }
-    Raised(const Raised&) = delete;
-    Raised& operator=(const Raised&) = delete;
+    explicit FlagGuard(bool& flag) : flag_(flag) { flag_ = true; }
+    ~FlagGuard() { flag_ = false; }
+    FlagGuard(const FlagGuard&) = delete;
+    FlagGuard& operator=(const FlagGuard&) = delete;
 
 private:
     bool& flag_;
@@ -64,7 +64,7 @@ Canvas& Overlays::add(const CanvasDef& def, Slot slot, OverlayBackend& backend)
     ImguiSurface& surface = canvas->impl().surface;
     surface.callback.set(def.renderCallback);
     surface.setScale(def.scale);
-    backend.putCanvas(slot, def.width, def.height, def.pixelWidth, def.pixelHeight, surface.glyphs());
+    backend.putCanvas(slot, {def.width, def.height, def.pixelWidth, def.pixelHeight}, surface.glyphs());
     canvases_.push_back(std::move(canvas));
     return *canvases_.back();
 }
@@ -151,7 +151,7 @@ void Overlays::drawCanvas(Canvas& canvas, double seconds)
 
 void Overlays::callAll(int width, int height, double seconds)
 {
-    const Raised raised(calling_);
+    const FlagGuard guard(calling_);
     for (const auto& canvas : canvases_) drawCanvas(*canvas, seconds);
     for (const auto& gui : guis_) drawGui(*gui, width, height, seconds);
 }

@@ -13,7 +13,7 @@ namespace filasofia::visual {
 
 /// Filament 1.9 keeps its handles in a fixed arena, and the process ends when that is full: about 10,900 handles of the
 /// size of buffers, of which a body takes seven. (Measured: 1,650 bodies and nothing else.)
-constexpr std::size_t kMostBodies = 1400;
+constexpr std::size_t kMaxBodies = 1400;
 
 /// What a server shares with its entities.
 struct Scene {

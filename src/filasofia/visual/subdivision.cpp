@@ -44,7 +44,7 @@ std::unique_ptr<Far::TopologyRefiner> refinerOf(const geometry::TriangleMesh& me
     rules.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
     std::unique_ptr<Far::TopologyRefiner> refiner(
         Factory::Create(descriptor, Factory::Options(Sdc::SCHEME_LOOP, rules)));
-    if (!refiner) fail(name, ": the surface cannot be subdivided: its triangles do not make a surface");
+    if (!refiner) fail(name, ": the surface cannot be subdivided: its triangles do not form a surface");
     return refiner;
 }
 

@@ -99,8 +99,8 @@ VisualBody& VisualServer::add(const VisualBodyDef& def)
 {
     impl_->scene.assertThread();
     check(def);
-    if (impl_->bodies.size() >= kMostBodies)
-        fail("body '", def.name, "': a server has at most ", kMostBodies, " bodies at a time");
+    if (impl_->bodies.size() >= kMaxBodies)
+        fail("body '", def.name, "': a server has at most ", kMaxBodies, " bodies at a time");
     Subdivision subdivision(def.mesh, def.subdivision, text("body '", def.name, "'"));
     const ReadyMaterial material = readyMaterial(impl_->scene, def.material, def.mesh, def.name);
     BodyGeometry geometry = bodyGeometry(subdivision, def.mesh.vertices, def.mesh);
