@@ -55,9 +55,9 @@ TEST_CASE("jaws close on a soft block and hold it, it follows, and opening lets 
 {
     Simulation sim(weightless());
     const BodyId block = addBlock(sim);
-    std::vector<std::pair<BodyId, bool>> told;
+    std::vector<std::pair<BodyId, bool>> grasps;
     ArticulatedInstrument forceps(sim, {.name = "forceps", .opening = 1.0, .onGrasp = [&](BodyId body, bool on) {
-                                            told.emplace_back(body, on);
+                                            grasps.emplace_back(body, on);
                                         }});
     run(sim, 20);
     CHECK(forceps.opening() == Approx(1.0).epsilon(1e-6));
@@ -66,7 +66,7 @@ TEST_CASE("jaws close on a soft block and hold it, it follows, and opening lets 
     forceps.close();
     run(sim, 800);
     REQUIRE(forceps.holding() == block);
-    REQUIRE(told == std::vector<std::pair<BodyId, bool>>{{block, true}});
+    REQUIRE(grasps == std::vector<std::pair<BodyId, bool>>{{block, true}});
     CHECK(forceps.opening() > 0.05); // the block is between the jaws
     const Vec3 before = nearEnd(sim, block);
 
@@ -79,7 +79,7 @@ TEST_CASE("jaws close on a soft block and hold it, it follows, and opening lets 
 
     forceps.open();
     CHECK_FALSE(forceps.holding());
-    CHECK(told.back() == std::pair{block, false});
+    CHECK(grasps.back() == std::pair{block, false});
     run(sim, 600);
     CHECK(forceps.opening() == Approx(1.0).epsilon(1e-6));
     CHECK(sim.physics().latest()->attachments.size() == 1); // the block's own

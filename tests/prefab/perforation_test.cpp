@@ -30,7 +30,7 @@ struct Scene {
     {
         def.wall = wall;
         def.tools = {{.body = rod, .tip = {0, -12_mm, 0}}}; // 1 mm behind its end
-        def.perforated = [this](Vec3 place, double force) { told.emplace_back(place, force); };
+        def.perforated = [this](Vec3 place, double force) { perforations.emplace_back(place, force); };
         return {sim, def};
     }
     void run(const std::function<double(double)>& height, int steps)
@@ -41,7 +41,7 @@ struct Scene {
 
     Simulation sim;
     BodyId wall, rod;
-    std::vector<std::pair<Vec3, double>> told;
+    std::vector<std::pair<Vec3, double>> perforations;
 };
 
 } // namespace
@@ -59,10 +59,10 @@ TEST_CASE(
             return 8_mm - (in + again) * 7_mm;
         },
         1400);
-    REQUIRE(scene.told.size() == 2);
+    REQUIRE(scene.perforations.size() == 2);
     CHECK(watch.count() == 2);
-    CHECK(scene.told[0].second > 0.5);
-    CHECK(scene.told[0].first.y == Approx(3_mm).margin(2.1_mm)); // at the rod's end
+    CHECK(scene.perforations[0].second > 0.5);
+    CHECK(scene.perforations[0].first.y == Approx(3_mm).margin(2.1_mm)); // at the rod's end
 }
 
 TEST_CASE("a touch is no perforation")
@@ -70,7 +70,7 @@ TEST_CASE("a touch is no perforation")
     Scene scene;
     const PerforationWatch watch = scene.watch({.force = 50.0});
     scene.run([](double time) { return 8_mm - std::min(time, 0.2) * 20_mm; }, 400); // 1 mm deep
-    CHECK(scene.told.empty());
+    CHECK(scene.perforations.empty());
     CHECK(watch.count() == 0);
 }
 
@@ -79,9 +79,9 @@ TEST_CASE("a tip inside the tissue has perforated it, whatever the force")
     Scene scene(false);
     const PerforationWatch watch = scene.watch({.force = 1e3});
     scene.run([](double time) { return 8_mm - std::min(time, 0.5) * 16_mm; }, 500); // its end comes to 0
-    REQUIRE(scene.told.size() == 1);
-    CHECK(scene.told[0].first.y == Approx(5_mm).margin(0.2_mm)); // detected as the watched point enters
-    CHECK(scene.told[0].second == 0.0);
+    REQUIRE(scene.perforations.size() == 1);
+    CHECK(scene.perforations[0].first.y == Approx(5_mm).margin(0.2_mm)); // detected as the watched point enters
+    CHECK(scene.perforations[0].second == 0.0);
 }
 
 TEST_CASE("a tracker notes a perforation, with its force")

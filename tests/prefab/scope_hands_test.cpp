@@ -52,24 +52,24 @@ TEST_CASE("at() places the instrument before a target, with the shaft through th
 TEST_CASE("a script is played move by move, each begun and ended once, at its time")
 {
     Scene scene;
-    std::vector<std::pair<std::string, double>> told;
-    const auto tell = [&](const char* what) {
+    std::vector<std::pair<std::string, double>> calls;
+    const auto record = [&](const char* what) {
         return [&, what] {
             const auto frame = scene.sim.physics().latest(); // null before the first step
-            told.emplace_back(what, frame ? frame->time : 0.0);
+            calls.emplace_back(what, frame ? frame->time : 0.0);
         };
     };
     const ScopeHand in{.aim = {0, 1, 0}, .depth = 10_mm};
-    scene.hands.play({{.seconds = 0.02, .to = in, .begin = tell("in"), .end = tell("is in")},
-                      {.seconds = 0.01, .to = in, .begin = tell("rest"), .end = tell("has rested")}});
+    scene.hands.play({{.seconds = 0.02, .to = in, .begin = record("in"), .end = record("is in")},
+                      {.seconds = 0.01, .to = in, .begin = record("rest"), .end = record("has rested")}});
     scene.run(100);
-    REQUIRE(told.size() == 4);
-    CHECK(told[0].first == "in");
-    CHECK(told[1].first == "is in");
-    CHECK(told[2].first == "rest");
-    CHECK(told[3].first == "has rested");
-    CHECK(told[1].second - told[0].second == Approx(19e-3).margin(1.1e-3));
-    CHECK(told[3].second - told[2].second == Approx(10e-3).margin(1.1e-3));
+    REQUIRE(calls.size() == 4);
+    CHECK(calls[0].first == "in");
+    CHECK(calls[1].first == "is in");
+    CHECK(calls[2].first == "rest");
+    CHECK(calls[3].first == "has rested");
+    CHECK(calls[1].second - calls[0].second == Approx(19e-3).margin(1.1e-3));
+    CHECK(calls[3].second - calls[2].second == Approx(10e-3).margin(1.1e-3));
     CHECK(scene.element(scene.scope.body()).position.y == Approx(30_mm).epsilon(1e-9));
     CHECK(durationOf({{.seconds = 1.5}, {.seconds = 2.0}}) == 3.5);
 }

@@ -123,12 +123,12 @@ TEST_CASE("an empty script is refused, and so is a new one during a run")
 TEST_CASE("an orientation of any length is made unit where a body goes")
 {
     Simulation sim;
-    const BodyId told = sim.add(physics::RigidBodyDef{.name = "told"});
+    const BodyId kinematic = sim.add(physics::RigidBodyDef{.name = "kinematic"});
     const BodyId free = sim.add(physics::RigidBodyDef{
         .name = "free", .dynamic = true, .mass = physics::GivenInertia{.mass = 1.0}, .gravity = false});
-    for (const BodyId body : {told, free}) sim.physics().setPose(body, {{0, 1e-3, 0}, {0.3, 0, 0, 0.4}});
+    for (const BodyId body : {kinematic, free}) sim.physics().setPose(body, {{0, 1e-3, 0}, {0.3, 0, 0, 0.4}});
     sim.run({.headless = true, .backend = visual::Backend::Null, .steps = 2});
-    for (const BodyId body : {told, free}) {
+    for (const BodyId body : {kinematic, free}) {
         const Quat q = sim.physics().latest()->rigidBody(body)->poses[0].orientation;
         CHECK(std::sqrt(dot(q, q)) == Approx(1.0).epsilon(1e-15));
         CHECK(q.z == Approx(0.8).epsilon(1e-12));

@@ -279,8 +279,7 @@ TEST_CASE("while a device blocks, physics and picture go on")
     const HapticId hand = sim.add(HapticInterfaceDef{.body = body}, std::make_unique<FakeDevice>([&](double) {
                                       if (++reads == 100) {
                                           const std::uint64_t step = steps, picture = pictures;
-                                          blocked =
-                                              true; // for a hundred steps and three pictures, and for at least 100 ms
+                                          blocked = true; // for 100 steps, three pictures and at least 100 ms
                                           std::this_thread::sleep_for(std::chrono::milliseconds(100));
                                           while (steps < step + 100 || pictures < picture + 3)
                                               std::this_thread::yield();
@@ -291,7 +290,7 @@ TEST_CASE("while a device blocks, physics and picture go on")
     std::vector<DeviceNotice> errors;
     sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
         steps = update.step;
-        if (released && !errors.empty()) sim.finish("told");
+        if (released && !errors.empty()) sim.finish("reported");
     });
     sim.on<VisualUpdateEvent>([&](const VisualUpdateEvent&) { ++pictures; });
     sim.on<DeviceEvent>([&](const DeviceEvent& event) {

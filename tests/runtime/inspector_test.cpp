@@ -226,7 +226,7 @@ TEST_CASE("a thousand blind clicks and drags in the inspector break nothing")
     scene.inspector.screenshotFolder = "/no/such/folder";
     scene.run(3);
     std::mt19937 random(7);
-    const auto upTo = [&](int most) { return int(random() % unsigned(most)); };
+    const auto upTo = [&](int bound) { return int(random() % unsigned(bound)); };
     for (int i = 0; i < 1000; ++i) {
         scene.person.move(10 + upTo(320), 10 + upTo(590));
         scene.person.press();

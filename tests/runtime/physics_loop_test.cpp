@@ -191,7 +191,7 @@ TEST_CASE("a callback before a step gets the length that the step then has")
 {
     FakeClock fake;
     physics::PhysicsServer server(engine::makeNativeEngine());
-    std::vector<double> told, made;
+    std::vector<double> announced, made;
     std::mt19937 random(5);
     std::uniform_int_distribution<Nanoseconds> load(kMs / 2, 5 * kMs); // some late, some clamped
     const auto afterStep = [&](const physics::StepReport& report) {
@@ -201,9 +201,9 @@ TEST_CASE("a callback before a step gets the length that the step then has")
     };
     runPhysics(server, {.period = kMs, .slack = kMs, .maxSteps = 50}, fake.clock(), kNeverStop, afterStep,
                [&](double dt) {
-                   CHECK(told.size() == made.size());
-                   told.push_back(dt);
+                   CHECK(announced.size() == made.size());
+                   announced.push_back(dt);
                });
-    CHECK(told.size() == 50);
-    CHECK(told == made);
+    CHECK(announced.size() == 50);
+    CHECK(announced == made);
 }

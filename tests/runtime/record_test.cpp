@@ -123,10 +123,10 @@ TEST_CASE("a run whose files find no room on the disk goes on, and reports each 
         Simulation sim;
         sim.add(bunny());
         std::mutex mutex;
-        std::vector<std::string> logged, told;
+        std::vector<std::string> logged, posted;
         sim.on<FileFailedEvent>([&](const FileFailedEvent& failed) {
             const std::lock_guard lock(mutex);
-            told.push_back(failed.problem);
+            posted.push_back(failed.problem);
         });
         setLogSink([&](LogLevel level, std::string_view line) {
             const std::lock_guard lock(mutex);
@@ -145,8 +145,8 @@ TEST_CASE("a run whose files find no room on the disk goes on, and reports each 
         std::vector<std::string> found = report.fileProblems;
         std::ranges::sort(found);
         CHECK(found == problems);
-        std::ranges::sort(told);
-        CHECK(told == problems);
+        std::ranges::sort(posted);
+        CHECK(posted == problems);
         std::ranges::sort(logged);
         REQUIRE(logged.size() == 2);
         for (std::size_t i = 0; i < 2; ++i) CHECK_THAT(logged[i], Catch::StartsWith(problems[i]));
@@ -171,8 +171,8 @@ TEST_CASE("physics goes on while a disk takes nothing, and no step is lost")
     });
     Simulation sim;
     sim.add(bunny());
-    sim.on<PhysicsUpdateEvent>([&, told = false](const PhysicsUpdateEvent& update) mutable {
-        if (update.step >= 1500 && !std::exchange(told, true))
+    sim.on<PhysicsUpdateEvent>([&, reached = false](const PhysicsUpdateEvent& update) mutable {
+        if (update.step >= 1500 && !std::exchange(reached, true))
             far.set_value(); // otherwise the reader would wait for ever
     });
     const RunReport report = sim.run({.backend = Backend::Null, .steps = 1600, .record = pipe});

@@ -84,10 +84,10 @@ inline int brightnessAt(const Image& image, int x, int y)
 /// The largest difference of any byte, in 255ths.
 inline int difference(const Image& a, const Image& b)
 {
-    int most = a.rgba.size() == b.rgba.size() ? 0 : 255;
-    for (std::size_t i = 0; i < a.rgba.size() && most < 255; ++i)
-        most = std::max(most, std::abs(int(a.rgba[i]) - int(b.rgba[i])));
-    return most;
+    int largest = a.rgba.size() == b.rgba.size() ? 0 : 255;
+    for (std::size_t i = 0; i < a.rgba.size() && largest < 255; ++i)
+        largest = std::max(largest, std::abs(int(a.rgba[i]) - int(b.rgba[i])));
+    return largest;
 }
 
 } // namespace filasofia::visual

@@ -71,7 +71,7 @@ void collectRecovery(void* lines, const char* format, ...)
 
 GuiCommand commandOf(const ImDrawCmd& from, std::uint32_t firstIndex, int width, int height)
 {
-    const auto edge = [](float at, int most) { return std::clamp(int(at), 0, most); };
+    const auto edge = [](float at, int limit) { return std::clamp(int(at), 0, limit); };
     GuiCommand command{firstIndex, from.ElemCount, {}};
     command.clip.left = edge(from.ClipRect.x, width);
     command.clip.top = edge(from.ClipRect.y, height);
