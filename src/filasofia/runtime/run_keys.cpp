@@ -25,7 +25,7 @@ constexpr KeyLine kLines[] = {
     {"Left drag", "turn the camera"},
     {"Middle drag, Shift + left drag", "shift the camera"},
     {"Wheel", "nearer and farther"},
-    {"Right drag, arrow keys", "move the hand of a haptic interface driven by the mouse"},
+    {"Right drag, arrow keys", "move the hand of a haptic interface that is the mouse"},
     {"F", "frame all that is shown"},
     {"Home", "the camera back to where it was at the start"},
     {"Space", "pause and go on"},
