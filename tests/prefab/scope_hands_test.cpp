@@ -74,7 +74,7 @@ TEST_CASE("a script is played move by move, each begun and ended once, at its ti
     CHECK(durationOf({{.seconds = 1.5}, {.seconds = 2.0}}) == 3.5);
 }
 
-TEST_CASE("a move with `aim` goes where that function says when the move begins")
+TEST_CASE("a move with an aim function goes where it says when the move begins")
 {
     Scene scene;
     double depth = 1_mm;

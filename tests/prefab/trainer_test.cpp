@@ -142,7 +142,7 @@ TEST_CASE("a session that is refused leaves no file behind, unless it was named 
     CHECK(leaves({"drill", "--headless", "--session", "named.jsonl"}, 0));
 }
 
-TEST_CASE("--check-seeds checks the patients of many seeds without a session")
+TEST_CASE("the option --check-seeds checks the patients of many seeds without a session")
 {
     Program program;
     CHECK(program.run({"--check-seeds", "5"}) == 0);

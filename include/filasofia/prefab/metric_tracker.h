@@ -80,8 +80,8 @@ public:
     [[nodiscard]] const metric::Session& session() const;
 
     [[nodiscard]] std::uint64_t taken() const; ///< [-], number of sampled moments
-    [[nodiscard]] std::uint64_t
-    lost() const;                      ///< [-], moments that were due but not sampled, and events that did not fit
+    /// [-], moments that were due but not sampled, and events that did not fit.
+    [[nodiscard]] std::uint64_t lost() const;
     [[nodiscard]] bool failed() const; ///< writing ended early
     /// The memory [bytes] of the samples that can wait.
     [[nodiscard]] static std::size_t memory(const MetricTrackerDef& def);

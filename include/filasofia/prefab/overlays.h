@@ -47,8 +47,8 @@ public:
     // Any thread.
     [[nodiscard]] double force() const;   ///< [N], smoothed
     [[nodiscard]] double highest() const; ///< [N], largest smoothed force since the start
-    [[nodiscard]] int
-    warnings() const; ///< [-], how often the force rose above the warning, after it had been below 80 % of it
+    /// [-], how often the force rose above the warning, after it had been below 80 % of it.
+    [[nodiscard]] int warnings() const;
 
 private:
     struct Impl;

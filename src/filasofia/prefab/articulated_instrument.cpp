@@ -244,8 +244,8 @@ struct ArticulatedInstrument::Impl {
 
     runtime::Simulation& simulation;
     const ArticulatedInstrumentDef def;
-    mutable std::recursive_mutex
-        mutex; // guards the members below and the order of commands; recursive because onGrasp may call back
+    // Guards the members below and the order of commands; recursive because onGrasp may call back.
+    mutable std::recursive_mutex mutex;
     Pose lastPose;
     State state = State::Open;
     double torque = 0.0;

@@ -97,8 +97,8 @@ RunReport runHeadless(Simulation::Impl& impl, const RunDef& def)
     RunReport report;
     const auto afterStep = [&](const physics::StepReport& step) {
         const std::uint32_t flags = impl.afterStep(step);
-        impl.events
-            .deliverAll(); // before the next step begins, so that observers' commands reach the same step in every run
+        // Before the next step begins, so that observers' commands reach the same step in every run.
+        impl.events.deliverAll();
         files.keepUp();
         impl.haptics.drain();
         pictures.afterStep(step.time);

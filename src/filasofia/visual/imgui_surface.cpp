@@ -124,8 +124,8 @@ void ImguiSurface::makeContext()
     io.IniFilename = nullptr; // a simulator leaves no files in the folder where it was started
     io.LogFilename = nullptr;
     io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
-    io.ConfigInputTextCursorBlink =
-        false; // the same input gives the same picture, and nothing flickers in a surgeon's view
+    // The same input gives the same picture, and nothing flickers in a surgeon's view.
+    io.ConfigInputTextCursorBlink = false;
     io.ConfigWindowsMoveFromTitleBarOnly = true; // a missed slider does not move the panel
     ImguiInput::mapKeys(io);
     if (scale_ > 0.0) context_->Style = themeOf(scale_);

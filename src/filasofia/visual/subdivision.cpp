@@ -18,8 +18,8 @@ namespace Sdc = OpenSubdiv::Sdc;
 // OpenSubdiv takes some non-manifold meshes and refuses others; a rule that can be stated in advance is better.
 void checkManifold(const geometry::TriangleMesh& mesh, std::string_view name)
 {
-    std::vector<std::array<int, 2>>
-        edges; // directed: a manifold mesh has none twice, and no undirected one three times
+    // Directed: a manifold mesh has none twice, and no undirected one three times.
+    std::vector<std::array<int, 2>> edges;
     edges.reserve(3 * mesh.triangles.size());
     for (const geometry::Triangle& t : mesh.triangles)
         for (int k = 0; k < 3; ++k) edges.push_back({t[std::size_t(k)], t[std::size_t((k + 1) % 3)]});
