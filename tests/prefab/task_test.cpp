@@ -212,8 +212,7 @@ TEST_CASE("a start screen holds the simulation until Start is pressed, and an en
                                 if (pictures == 20)
                                     end.show("Done", {{"a", "1"}, {"b", "2"}, {"c", "3"}}, "file.jsonl");
                                 if (pictures > 30 && pictures % 10 == 0)
-                                    for (double x = 280; x <= 360; x += 20)
-                                        click(x, 295); // the Close button, wherever it begins
+                                    for (double x = 280; x <= 360; x += 20) click(x, 295); // the Close button, anywhere
                             }});
     const auto report = sim.run({.backend = visual::Backend::Null, .seconds = 60});
     CHECK(report.finished == "closed");

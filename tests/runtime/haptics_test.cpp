@@ -229,8 +229,7 @@ TEST_CASE("a device that is unplugged is an event and one line in the log, and t
         const RunReport report = live ? sim.run({.backend = Backend::Null}) : sim.run({.headless = true, .steps = 900});
         CHECK(report.undone == 0);
         const auto slow = [](const std::string& line) { return line.find(" took ") != std::string::npos; };
-        std::erase_if(notices,
-                      [&](const DeviceNotice& notice) { return slow(notice.problem); }); // caused by a busy machine
+        std::erase_if(notices, [&](const DeviceNotice& notice) { return slow(notice.problem); }); // a busy machine
         REQUIRE(notices.size() == 2);
         CHECK(notices[0].kind == DeviceNotice::Kind::Connected);
         CHECK(notices[1].kind == DeviceNotice::Kind::Lost);

@@ -109,7 +109,7 @@ TEST_CASE("the inspector shows its rates, and every panel is drawn")
     const visual::Image image = scene.visual.capture();
     if (hasBackend(Backend::Headless))
         visual::savePng(image,
-                        std::filesystem::path(FILASOFIA_BINARY_DIR) / "inspector.png"); // for a person to look at
+                        std::filesystem::path(FILASOFIA_BINARY_DIR) / "inspector.png"); // to look at
     CHECK(scene.inspector.problem().empty());
 }
 

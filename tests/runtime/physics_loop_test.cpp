@@ -158,9 +158,8 @@ TEST_CASE("a step whose solver is stopped ends at its deadline and says so")
                                             return 0u;
                                         });
     CHECK(outOfTime == 4);
-    CHECK(told.iterations ==
-          std::vector<std::vector<int>>(
-              4, {4})); // the fourth iteration goes over the deadline, which is checked after each one
+    // The fourth iteration goes over the deadline, which is checked after each one.
+    CHECK(told.iterations == std::vector<std::vector<int>>(4, {4}));
     for (const StepTiming& step : timing.steps) CHECK(step.cost == 1'200'000);
 }
 

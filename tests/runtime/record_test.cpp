@@ -172,8 +172,7 @@ TEST_CASE("physics goes on while a disk takes nothing, and no step is lost")
     Simulation sim;
     sim.add(bunny());
     sim.on<PhysicsUpdateEvent>([&, reached = false](const PhysicsUpdateEvent& update) mutable {
-        if (update.step >= 1500 && !std::exchange(reached, true))
-            far.set_value(); // otherwise the reader would wait for ever
+        if (update.step >= 1500 && !std::exchange(reached, true)) far.set_value(); // else the reader waits for ever
     });
     const RunReport report = sim.run({.backend = Backend::Null, .steps = 1600, .record = pipe});
     disk.join();
