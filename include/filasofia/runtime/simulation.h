@@ -123,7 +123,7 @@ public:
     /// server: from inside the function given to dress().
     void follow(visual::Transform& transform, BodyId id, const FollowDef& def = {});
     void unfollow(visual::Transform& transform);
-    /// Lets the person at the window move a camera, or the rig that it hangs on, in place of the one before. It must
+    /// Lets the person at the window move a camera, or the rig that carries it, in place of the one before. It must
     /// not have a parent. Call it from inside the function given to dress(), as follow().
     void steer(visual::Transform& camera, const visual::OrbitDef& def);
 
