@@ -110,7 +110,7 @@ soak_run() {
     fi
   done
   wait $run || return 1
-  grep -q 'put back 0,' "$said" || { cat "$said" >&2; echo "a state was not finite" >&2; return 1; }
+  grep -q 'rolled back 0,' "$said" || { cat "$said" >&2; echo "a state was not finite" >&2; return 1; }
   echo "$(awk '/^state hash/ {print $3}' "$said") $first $last"
 }
 

@@ -226,8 +226,8 @@ class Run(Program):
             self.assertIsNotNone(row, said)
             self.assertLessEqual(int(row[1]), int(steps))
             self.assertAlmostEqual(float(row[2 if scene == "friction" else 3]), force, delta=0.15 * force)
-        self.assertNotIn("contacts of", self.output(*self.BUNNY, "--steps", "3"))
-        self.assertNotIn("contacts of", self.output("run", "poke", "--headless", "--steps", "3"))
+        self.assertNotIn("contacts between", self.output(*self.BUNNY, "--steps", "3"))
+        self.assertNotIn("contacts between", self.output("run", "poke", "--headless", "--steps", "3"))
 
     def test_every_scene_can_be_seen_if_the_build_draws(self):
         if not can_draw():
@@ -246,7 +246,7 @@ class Run(Program):
             for scene in ("cut", "tear"):
                 file = os.path.join(folder, scene + ".rec")
                 said = self.output("run", scene, "--headless", "--steps", "800", "--record", file)
-                self.assertIn("put back 0, solver at its cap 0", said)
+                self.assertIn("rolled back 0, solver at its iteration limit 0", said)
                 self.assertIn("every step has the recorded hash\n", self.output("replay", file, "--check"))
 
     def test_an_option_of_the_bunny_is_refused_for_other_scenes(self):
@@ -467,7 +467,7 @@ class Replay(Program):
         done = run("run", "bunny", "--tets", "756", "--headless", "--steps", "50", "--record", str(self.file))
         self.assertEqual(done.returncode, 1)
         self.assertIn("50 steps, ", done.stdout)
-        self.assertIn(f"not whole: {self.file}: cannot be written (disk full?)\n", done.stdout)
+        self.assertIn(f"incomplete: {self.file}: cannot be written (disk full?)\n", done.stdout)
         self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
 
     def test_a_replay_draws_the_picture_of_the_run(self):

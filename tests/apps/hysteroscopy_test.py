@@ -45,7 +45,7 @@ class Words(Trainer):
         self.refused("--seed", "-1", says="--seed must be a whole number in [0, 999999999]")
         self.refused("--seed", "one", says="--seed must be a whole number")
         self.refused("--difficulty", "brutal", says="--difficulty must be easy, normal or hard, got 'brutal'")
-        self.refused("--motion", "fast", says="--motion must be hand, expert, clumsy or a motion file, and there is no file 'fast'")
+        self.refused("--motion", "fast", says="--motion must be hand, expert, clumsy or a motion file, but there is no file 'fast'")
         self.refused("--device", "tricorder", says="device: must be one of")
         self.refused("--check-seeds", "0", says="--check-seeds must be a whole number in [1, 1000000]")
         self.refused("--seed", says="--seed needs a value")

@@ -1,4 +1,4 @@
-// Effects, off-screen views, scale and visibility, and long lives: what works and what is an Error.
+// Effects, off-screen views, scale and visibility, and long runs: what works and what is an Error.
 #include "little_scene.h"
 #include "organs.h"
 
@@ -99,7 +99,7 @@ TEST_CASE("an off-screen view has a picture of its own size, which follows a cha
         def.target = OffScreen{64, 64};
         view.set(def);
         CHECK(view.capture().width == 64);
-        CHECK(scene.server.capture() == window); // the window is not concerned
+        CHECK(scene.server.capture() == window); // the window is not affected
         def.target = InWindow{};
         view.set(def);
         CHECK_THROWS_WITH(view.capture(), Contains("side") && Contains("window"));
@@ -152,7 +152,7 @@ TEST_CASE("endoscope optics: black outside the mask, whatever its shape, the fir
             for (int x = 0; x < 320; ++x) {
                 const double r = std::hypot(x + 0.5 - 160, y + 0.5 - 120) / 120.0;
                 if (r > optics.maskRadius + 0.01) wrong += brightnessAt(image, x, y) > 1;
-                // Were anything fetched from outside the picture, it would be darker here.
+                // A value from outside the picture would be darker here.
                 if (r < optics.maskRadius - optics.maskSoftness - 0.02) wrong += brightnessAt(image, x, y) < inside - 1;
             }
         CHECK(wrong == 0);
@@ -208,7 +208,7 @@ TEST_CASE("wrong off-screen views are errors")
     }
 }
 
-TEST_CASE("what shows a view that is removed, resized or renamed lives on")
+TEST_CASE("a body that shows a removed, resized or renamed view lives on")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
@@ -229,7 +229,7 @@ TEST_CASE("what shows a view that is removed, resized or renamed lives on")
         def.target = OffScreen{16, 16};
         view->set(def);
         const Image coarse = scene.server.capture();
-        def.name = std::string("b"); // GCC 12 warns wrongly of the plain letter
+        def.name = std::string("b"); // GCC 12 gives a false warning for the plain letter
         view->set(def);
         const Image renamed = scene.server.capture();
         if (backend == Backend::Headless) {
@@ -242,7 +242,7 @@ TEST_CASE("what shows a view that is removed, resized or renamed lives on")
     }
 }
 
-TEST_CASE("a view that sees itself on a screen is drawn")
+TEST_CASE("a view that shows itself on a screen is drawn")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
@@ -269,7 +269,7 @@ TEST_CASE("a hidden view is not drawn, a hidden light does not shine")
     CHECK(scene.server.capture() == before);
 }
 
-TEST_CASE("what hangs on a hidden transform is hidden, and comes back with it")
+TEST_CASE("children of a hidden transform are hidden, and come back with it")
 {
     LittleScene scene(Backend::Null);
     Transform& rig = scene.server.addTransform("rig");
@@ -287,7 +287,7 @@ TEST_CASE("what hangs on a hidden transform is hidden, and comes back with it")
     CHECK(kept.visible);
 }
 
-TEST_CASE("a scale enlarges a body and what hangs on it, in size and in distance")
+TEST_CASE("a scale enlarges a body and its children, in size and in distance")
 {
     LittleScene scene(Backend::Null);
     Transform& rig = scene.server.addTransform("rig");
@@ -313,7 +313,7 @@ TEST_CASE("a body of half the size at twice the scale looks the same")
 {
     if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     LittleScene scene;
-    scene.body.setMaterial(MetalMaterial{}); // tissue's pattern keeps to the mesh at rest
+    scene.body.setMaterial(MetalMaterial{}); // tissue's pattern follows the mesh at rest
     const Image before = scene.server.capture();
     scene.server.remove(scene.body);
     VisualBodyDef def = sphereDef(0.025);
@@ -322,7 +322,7 @@ TEST_CASE("a body of half the size at twice the scale looks the same")
     CHECK(difference(scene.server.capture(), before) <= 1);
 }
 
-TEST_CASE("fifty servers one after another, with effects and textures, and one of a thousand bodies")
+TEST_CASE("fifty servers one after another, with effects and textures, and one with a thousand bodies work")
 {
     for (Backend backend : backends()) {
         for (int i = 0; i < 50; ++i) {
@@ -359,13 +359,13 @@ TEST_CASE("one body too many is an error, and the server draws on")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
-        for (std::size_t i = 1; i < kMostBodies; ++i) scene.server.add(sphereDef(0.01, 0));
+        for (std::size_t i = 1; i < kMaxBodies; ++i) scene.server.add(sphereDef(0.01, 0));
         CHECK_THROWS_WITH(scene.server.add(sphereDef()), Contains("ball") && Contains("1400"));
         CHECK(scene.server.render());
     }
 }
 
-TEST_CASE("a body cut, clad or looked at anew very often does not use up the library")
+TEST_CASE("a body whose mesh, material or view changes very often does not exhaust the library's handles")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);

@@ -1,4 +1,4 @@
-#include "filasofia/runtime/step_grid.h"
+#include "filasofia/runtime/fixed_step_scheduler.h"
 
 using namespace filasofia::runtime;
 
@@ -17,11 +17,11 @@ TEST_CASE("a step is as long as the time since the last wake-up, but never longe
 
 TEST_CASE("wake-ups on time give steps of one period")
 {
-    StepGrid grid(kMs, kMs);
-    grid.start(100 * kMs);
+    FixedStepScheduler scheduler(kMs, kMs);
+    scheduler.start(100 * kMs);
     for (int i = 1; i <= 10; ++i) {
-        CHECK(grid.nextWake() == (100 + i) * kMs);
-        const Tick tick = grid.wake(grid.nextWake());
+        CHECK(scheduler.nextWake() == (100 + i) * kMs);
+        const Tick tick = scheduler.wake(scheduler.nextWake());
         CHECK(tick.dt == kMs);
         CHECK_FALSE(tick.late);
         CHECK_FALSE(tick.clamped);
@@ -32,39 +32,39 @@ TEST_CASE("simulated time is wall time, to the nanosecond, however unpunctual th
 {
     std::mt19937 random(11);
     std::uniform_int_distribution<Nanoseconds> lateness(0, 3 * kMs);
-    StepGrid grid(kMs, 10 * kMs); // slack larger than any lateness
+    FixedStepScheduler scheduler(kMs, 10 * kMs); // slack larger than any lateness
     Nanoseconds now = 0, simulated = 0;
-    grid.start(now);
+    scheduler.start(now);
     for (int i = 0; i < 10000; ++i) {
-        now = std::max(now, grid.nextWake()) + lateness(random);
-        const Tick tick = grid.wake(now);
+        now = std::max(now, scheduler.nextWake()) + lateness(random);
+        const Tick tick = scheduler.wake(now);
         CHECK_FALSE(tick.clamped);
         simulated += tick.dt;
     }
     CHECK(simulated == now);
 }
 
-TEST_CASE("a wake-up that is a little late does not move the grid")
+TEST_CASE("a wake-up that is a little late does not move the schedule")
 {
-    StepGrid grid(kMs, 2 * kMs);
-    grid.start(0);
-    const Tick tick = grid.wake(kMs + 300'000);
+    FixedStepScheduler scheduler(kMs, 2 * kMs);
+    scheduler.start(0);
+    const Tick tick = scheduler.wake(kMs + 300'000);
     CHECK(tick.dt == kMs + 300'000);
     CHECK_FALSE(tick.late);
-    CHECK(grid.nextWake() == 2 * kMs);
-    CHECK(grid.wake(2 * kMs).dt == kMs - 300'000); // what was too much before is too little now
+    CHECK(scheduler.nextWake() == 2 * kMs);
+    CHECK(scheduler.wake(2 * kMs).dt == kMs - 300'000); // what was too long before is too short now
 }
 
-TEST_CASE("after a wake-up more than a period late the grid starts anew, without a burst of catch-up steps")
+TEST_CASE("after a wake-up more than a period late the schedule restarts, without a burst of catch-up steps")
 {
-    StepGrid grid(kMs, kMs);
-    grid.start(0);
-    const Tick tick = grid.wake(50 * kMs);
+    FixedStepScheduler scheduler(kMs, kMs);
+    scheduler.start(0);
+    const Tick tick = scheduler.wake(50 * kMs);
     CHECK(tick.late);
     CHECK(tick.clamped);
     CHECK(tick.dt == 2 * kMs);
-    CHECK(grid.nextWake() == 51 * kMs);
-    const Tick next = grid.wake(51 * kMs);
+    CHECK(scheduler.nextWake() == 51 * kMs);
+    const Tick next = scheduler.wake(51 * kMs);
     CHECK_FALSE(next.late);
     CHECK(next.dt == kMs);
 }

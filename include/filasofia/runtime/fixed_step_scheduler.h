@@ -3,10 +3,10 @@
 #include <cmath>
 #include <cstdint>
 
-/// When physics steps. Pure arithmetic: it reads no clock, so that a test can feed it any.
+/// When physics steps. Pure arithmetic: it reads no clock, so that a test can feed it any time.
 namespace filasofia::runtime {
 
-/// Nanoseconds on a steady clock: sums are exact.
+/// Nanoseconds on a steady clock; integers, so sums are exact.
 using Nanoseconds = std::int64_t;
 
 inline Nanoseconds toNanoseconds(double seconds) { return std::llround(seconds * 1e9); }
@@ -22,25 +22,26 @@ constexpr Nanoseconds clampStep(Nanoseconds sinceLastWake, Nanoseconds period, N
 /// What a wake-up means for the step that follows.
 struct Tick {
     Nanoseconds dt = 0;   ///< length of the step
-    bool late = false;    ///< woke up more than a period late: the grid starts anew
-    bool clamped = false; ///< slack bit: simulated time fell behind wall time
+    bool late = false;    ///< woke up more than a period late: the schedule restarts here
+    bool clamped = false; ///< dt was limited to period + slack: simulated time fell behind wall time
 };
 
-/// A grid of absolute wake-up times, a period apart. The sum of all dt is the time passed since start(), unless slack
-/// bites. After a wake-up more than a period late the grid starts anew there: there is never a burst of catch-up steps.
-class StepGrid {
+/// Schedules absolute wake-up times, a period apart. The sum of all dt is the time passed since start(), unless a dt
+/// was clamped. After a wake-up more than a period late the schedule restarts there, so there is never a burst of
+/// catch-up steps.
+class FixedStepScheduler {
 public:
-    StepGrid(Nanoseconds period, Nanoseconds slack) : period_(period), slack_(slack) {}
+    FixedStepScheduler(Nanoseconds period, Nanoseconds slack) : period_(period), slack_(slack) {}
 
     void start(Nanoseconds now)
     {
         last_ = now;
         next_ = now + period_;
     }
-    /// When to wake up. In the past where a step took longer than the period: then at once.
+    /// When to wake up. In the past if a step took longer than the period: then wake up at once.
     [[nodiscard]] Nanoseconds nextWake() const { return next_; }
 
-    /// Told when the wake-up really happened, at nextWake() or later.
+    /// Call it when the wake-up really happened, at nextWake() or later.
     Tick wake(Nanoseconds now)
     {
         Tick tick;
