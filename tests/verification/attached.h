@@ -4,7 +4,7 @@
 
 #include "verification/verification.h"
 
-/// Bodies to attach to each other, and what to ask of attachments.
+/// Bodies to attach to each other, and functions that measure attachments.
 namespace filasofia::engine {
 
 inline constexpr double kG = 9.81;
@@ -33,7 +33,7 @@ inline double weightOf(const Stage& stage, std::size_t body)
     return mass * kG;
 }
 
-inline const frame::Attachment& held(Stage& stage, AttachmentId id)
+inline const frame::Attachment& attachmentOf(Stage& stage, AttachmentId id)
 {
     const auto found = std::ranges::find(stage.world.scene().held, id, &frame::Attachment::id);
     REQUIRE(found != stage.world.scene().held.end());
@@ -57,7 +57,7 @@ inline Vec3 placeOf(Stage& stage, const AttachedPoint& point, BodyId id)
     return point.place;
 }
 
-/// [m] the farthest that any two points that are to be one are apart.
+/// [m] The largest distance between two points that should coincide.
 inline double worstGap(Stage& stage)
 {
     double worst = 0.0;
@@ -67,7 +67,7 @@ inline double worstGap(Stage& stage)
     return worst;
 }
 
-/// [N], [N m] about the origin: what an attachment does to its body.
+/// [N], [N m] about the origin: the wrench that an attachment exerts on its body.
 inline Wrench wrenchOf(Stage& stage, AttachmentId id)
 {
     const Scene& scene = stage.world.scene();

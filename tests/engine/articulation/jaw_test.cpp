@@ -33,7 +33,7 @@ TEST_CASE("a jaw that closes with a torque stalls against tissue and holds that 
         scene.stage.run(1000, 1e-3);
         const double before = joint(scene.stage).now.position;
         double load = 0.0, byFrame = 0.0, worst = 0.0;
-        constexpr int steps = 20; // at single steps contacts that come and go shake it (contact.md)
+        constexpr int steps = 20; // at single steps contacts that come and go shake it (docs/lab/contact.md)
         for (int i = 0; i < 10 * steps; ++i) {
             if (i % steps == 0) load = byFrame = 0.0;
             scene.stage.step(1e-3);

@@ -66,7 +66,8 @@ TEST_CASE("a rigid body that no step could be made with is refused when built")
     geometry::TriangleMesh mesh = *boxSurface(kBoxSize);
     mesh.triangles.pop_back();
     def.mesh = std::make_shared<const geometry::TriangleMesh>(mesh);
-    CHECK_THAT(refusalOf(def), Catch::Contains("rigid body 'box': mesh: must be closed; the edge between vertices"));
+    CHECK_THAT(refusalOf(def),
+               Catch::Contains("rigid body 'box': mesh: must be a closed surface; the edge between vertices"));
     def.dynamic = false; // nobody asks for its inertia
     CHECK(refusalOf(def) == "accepted");
     def = boxBody();

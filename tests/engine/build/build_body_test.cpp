@@ -102,7 +102,7 @@ TEST_CASE("an attachment that holds nothing is refused")
           }) == "soft body 'liver': attachments[0]: must hold at least one node, got none in its box");
     CHECK(refusal([](SoftBodyDef& d) {
               d.attachments = {{.box = Box{{0, 0, 0}, {1, -1, 1}}}};
-          }) == "soft body 'liver': attachments[0].box: high must be >= low in every axis");
+          }) == "soft body 'liver': attachments[0].box.high must be >= low on every axis");
 }
 
 TEST_CASE("meshes that cannot be simulated are refused, naming the body")
@@ -144,7 +144,7 @@ TEST_CASE("rigid bodies with no element or a pose that is none are refused")
     };
     CHECK(refusalOf({.name = "forceps"}) == "accepted");
     CHECK(refusalOf({.name = "forceps", .elements = {}}) ==
-          "rigid body 'forceps': elements must have at least one entry");
+          "rigid body 'forceps': elements must have at least one entry, got none");
     CHECK(refusalOf({.name = "forceps", .elements = {{}, {{0, kNan, 0}, {}}}}) ==
           "rigid body 'forceps': elements[1].position.y must be finite, got nan");
     CHECK(refusalOf({.name = "forceps", .elements = {{{}, {0, 0, 0, 0}}}}) ==

@@ -7,7 +7,7 @@ using physics::SetHaptic;
 
 namespace {
 
-Moving centreOf(Stage& stage)
+MotionState centreOf(Stage& stage)
 {
     const RigidState& state = rigidState(stage);
     const Vec3 centre = stage.world.scene().rigid[0].model.inertias[0].centre;

@@ -109,7 +109,7 @@ TEST_CASE("a coarse level made anew has the same bits whoever makes it")
     for (const bool busy : {false, true}) {
         std::latch hold(1);
         BackgroundThread thread;
-        if (busy) thread.give(std::make_shared<BackgroundJob>([&] { hold.wait(); }));
+        if (busy) thread.submit(std::make_shared<BackgroundJob>([&] { hold.wait(); }));
         CoarseRemake remake(block.model(), block.plan, thread);
         linalg::TwoLevelPreconditioner preconditioner =
             preconditionerAtRest(block.model(), block.plan, remadeCoarseChoice(block.nodes.size()));

@@ -7,7 +7,7 @@ namespace filasofia::engine {
 
 void hold(const Hand& hand, RigidState& state)
 {
-    const HandCoupling& coupling = hand.target.coupling;
+    const VirtualCoupling& coupling = hand.target.coupling;
     const auto place = std::ranges::lower_bound(state.hands, hand.element, {}, &Hand::element);
     const bool there = place != state.hands.end() && place->element == hand.element;
     const bool holds = coupling.linearStiffness > 0.0 || coupling.linearDamping > 0.0 ||
@@ -27,13 +27,13 @@ void hold(const Hand& hand, RigidState& state)
 void planHand(const Hand& hand, const RigidModel& model, double dt, const Pose& pose, RigidPlanElement& planned)
 {
     if (dt == 0.0) return;
-    const Moving target = atPoint({hand.target.pose, hand.target.velocity, hand.target.angularVelocity},
-                                  model.inertias[planned.element].centre);
-    const HandCoupling& coupling = hand.target.coupling;
+    const MotionState target = atPoint({hand.target.pose, hand.target.velocity, hand.target.angularVelocity},
+                                       model.inertias[planned.element].centre);
+    const VirtualCoupling& coupling = hand.target.coupling;
 
     const Vec3 apart = target.pose.position - planned.centre - dt * planned.velocity;
     const Vec3 force = coupling.linearStiffness * apart + coupling.linearDamping * (target.velocity - planned.velocity);
-    const double linear = weakened(length(force), coupling.forceLimit);
+    const double linear = limitFactor(length(force), coupling.forceLimit);
     const double mass = (1.0 + dt * model.linearDamping) * planned.mass;
     planned.heldMass = linear * dt * (coupling.linearDamping + dt * coupling.linearStiffness);
     planned.change.linear = (mass * planned.change.linear + linear * dt * force) / (mass + planned.heldMass);
@@ -42,7 +42,7 @@ void planHand(const Hand& hand, const RigidModel& model, double dt, const Pose& 
         rotationVector(target.pose.orientation * conjugate(pose.orientation)) - dt * planned.angularVelocity;
     const Vec3 torque = coupling.angularStiffness * turned +
                         coupling.angularDamping * (target.angularVelocity - planned.angularVelocity);
-    const double angular = weakened(length(torque), coupling.torqueLimit);
+    const double angular = limitFactor(length(torque), coupling.torqueLimit);
     const Mat3 inertia = (1.0 + dt * model.angularDamping) * planned.inertia;
     planned.heldInertia = angular * dt * (coupling.angularDamping + dt * coupling.angularStiffness);
     planned.change.angular = inverse(inertia + planned.heldInertia * Mat3::identity()) *

@@ -28,7 +28,7 @@ void checkAttachments(const Scene& scene)
             point.element < 0 || static_cast<std::size_t>(point.element) >= elements)
             fail(object, ": element must be in [0, ", elements, "), got ", point.element);
     };
-    const auto goesWhereItIsTold = [&](const std::optional<BodyPlace>& body) {
+    const auto isKinematic = [&](const std::optional<BodyPlace>& body) {
         return !body || (!body->soft && !scene.rigid[body->index].model.dynamic); // as space does
     };
     const auto checkPair = [&](BodyId body, BodyId to, const std::string& object) {
@@ -36,7 +36,7 @@ void checkAttachments(const Scene& scene)
         if (!held) fail(object, ": body ", body.value, ": no such body");
         if (to && !holder) fail(object, ": body ", to.value, ": no such body");
         if (body == to) fail(object, ": must hold two bodies, got body ", body.value, " twice");
-        if (goesWhereItIsTold(held) && goesWhereItIsTold(holder))
+        if (isKinematic(held) && isKinematic(holder))
             fail(object, ": what goes where it is told cannot be held: one of the two must be dynamic, or soft");
     };
     for (std::size_t a = 0; a < scene.attachments.size(); ++a) {

@@ -358,7 +358,7 @@ CoarseRemake::CoarseRemake(const SoftModel& model, const PreconditionerPlan& pla
       job_(std::make_shared<BackgroundJob>([work = work_] { work->make(); })),
       stepsLeft_(stepsToMake(model.elements.size() + model.springs.size(), plan.nodes.size(), plan.period))
 {
-    meanwhile.give(job_);
+    meanwhile.submit(job_);
 }
 
 CoarseRemake::~CoarseRemake() { job_->drop(); }
