@@ -258,13 +258,13 @@ TEST_CASE("a coarse level whose matrices are given is that of the matrix")
     flat.freePieces = {};
     TwoLevelPreconditioner m(flat);
     m.rotations() = whole.rotations();
-    REQUIRE(m.takeCoarseLevel(TwoLevelPreconditioner(CoarseInput{.matrix = lattice,
-                                                                 .pieces = small,
-                                                                 .freePieces = problem.freePieces,
-                                                                 .coarseNodes = coarseNodes,
-                                                                 .rows = problem.rows,
-                                                                 .corners = problem.corners,
-                                                                 .weights = problem.weights})));
+    REQUIRE(m.takeCoarseLevel(CoarseLevel(CoarseInput{.matrix = lattice,
+                                                      .pieces = small,
+                                                      .freePieces = problem.freePieces,
+                                                      .coarseNodes = coarseNodes,
+                                                      .rows = problem.rows,
+                                                      .corners = problem.corners,
+                                                      .weights = problem.weights})));
     const NodeArray r = randomNodes(random, unknowns);
     NodeArray z(r.blocks()), expected(r.blocks());
     m.apply(r, z, pool);
@@ -365,7 +365,7 @@ TEST_CASE("a node that is interpolated anew follows the coarse nodes as told las
     m.interpolate(3, {.corners = {1, 1, 4, 0}, .weights = {0.5f, 0.5f, 0.25f, 0.0f}}); // one corner twice
     m.interpolate(3, own);
     m.interpolate(3, own);
-    CHECK_FALSE(m.takeCoarseLevel(TwoLevelPreconditioner{})); // one without a coarse level
+    CHECK_FALSE(m.takeCoarseLevel(CoarseLevel{})); // one without a coarse level
     CHECK(m.coarseNodes() == 6);
     TwoLevelPreconditioner as = fresh;
     const NodeArray a = randomNodes(random, 40), b = randomNodes(random, 40);
@@ -376,8 +376,7 @@ TEST_CASE("a node that is interpolated anew follows the coarse nodes as told las
     CHECK((dense(za, 40) - dense(fa, 40)).norm() <= 1e-6 * dense(fa, 40).norm());
     CHECK(std::abs(dense(a, 40).dot(dense(zb, 40)) - dense(b, 40).dot(dense(za, 40))) <=
           1e-6 * dense(a, 40).norm() * dense(zb, 40).norm());
-    TwoLevelPreconditioner other(problem.input());
-    CHECK(m.takeCoarseLevel(std::move(other)));
+    CHECK(m.takeCoarseLevel(CoarseLevel(problem.input(), blocksFor(40))));
 }
 
 TEST_CASE("pulls are weighed by the coarse level's answers, and taken from what it spreads")
@@ -394,9 +393,9 @@ TEST_CASE("pulls are weighed by the coarse level's answers, and taken from what 
     const Eigen::MatrixXd coarse = whole - densePreconditioner(flat, m.rotations());
     for (int again = 0; again < 2; ++again) { // the second time after another lot was cleared
         Eigen::MatrixXd f = Eigen::MatrixXd::Zero(3 * unknowns, pulls);
-        m.clearPulls();
+        m.clearColumns();
         for (int p = 0; p < pulls; ++p) {
-            std::vector<NodePull> pull;
+            std::vector<ColumnEntry> pull;
             for (int k = 0; k < 4; ++k) {
                 int node = static_cast<int>(random() % unknowns);
                 while ((p == 7 || p == 8 || p == pulls - 1) &&
@@ -406,25 +405,25 @@ TEST_CASE("pulls are weighed by the coarse level's answers, and taken from what 
                 pull.push_back({node, at});
                 f.block<3, 1>(3 * node, p) += Eigen::Vector3d(at.x, at.y, at.z);
             }
-            m.addPull(pull);
+            m.addColumn(pull);
         }
-        m.answerPulls();
+        m.finishColumns();
         const Eigen::MatrixXd answers = f.transpose() * coarse * f;
         std::vector<double> found(pulls), shares(pulls);
         for (int p = 0; p < pulls; ++p) {
-            m.answers(p, found);
+            m.products(p, found);
             for (int q = 0; q < pulls; ++q)
                 CHECK(std::abs(found[static_cast<std::size_t>(q)] - answers(p, q)) <= 1e-5 * answers.norm());
         }
         const NodeArray r = randomNodes(random, unknowns);
         NodeArray z(r.blocks());
         m.smooth(r, pool);
-        m.weigh(found, pool);
+        m.project(found, pool);
         const Eigen::VectorXd weighed = f.transpose() * coarse * dense(r, unknowns);
         for (int p = 0; p < pulls; ++p)
             CHECK(std::abs(found[static_cast<std::size_t>(p)] - weighed[p]) <= 1e-5 * weighed.norm());
         for (double& share : shares) share = randomFloat(random);
-        m.spread(r, z, pool, shares);
+        m.applyCoarse(r, z, pool, shares);
         const Eigen::VectorXd exact =
             whole * dense(r, unknowns) - coarse * f * Eigen::Map<Eigen::VectorXd>(shares.data(), pulls);
         CHECK((dense(z, unknowns) - exact).norm() <= 1e-5 * exact.norm());

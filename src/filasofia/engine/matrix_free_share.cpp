@@ -63,7 +63,7 @@ void MatrixFreeShare::turn(double beta)
 void MatrixFreeShare::smooth() { system_.preconditioner_.smooth(system_.residual_, *pool_); }
 double MatrixFreeShare::spread(std::span<const double> shares)
 {
-    return system_.preconditioner_.spread(system_.residual_, z_, *pool_, shares) / system_.scale_;
+    return system_.preconditioner_.applyCoarse(system_.residual_, z_, *pool_, shares) / system_.scale_;
 }
 
 void MatrixFreeShare::addPull(std::span<const Vec3> impulses)
@@ -71,18 +71,18 @@ void MatrixFreeShare::addPull(std::span<const Vec3> impulses)
     pull_.clear();
     for (std::size_t g = 0; g < slots_.size(); ++g)
         if (impulses[g] != Vec3{}) pull_.push_back({slots_[g], system_.scale_ * impulses[g]});
-    system_.preconditioner_.addPull(pull_);
+    system_.preconditioner_.addColumn(pull_);
 }
 
 void MatrixFreeShare::answers(int pull, std::span<double> out) const
 {
-    system_.preconditioner_.answers(pull, out);
+    system_.preconditioner_.products(pull, out);
     for (double& each : out) each /= system_.scale_;
 }
 
 void MatrixFreeShare::weigh(std::span<double> sums)
 {
-    system_.preconditioner_.weigh(sums, *pool_);
+    system_.preconditioner_.project(sums, *pool_);
     for (double& each : sums) each /= system_.scale_;
 }
 
@@ -109,7 +109,7 @@ void MatrixFreeShare::readSmoothed(std::span<Vec3> w) const
 void MatrixFreeShare::addToSpread(std::span<const Vec3> impulses)
 {
     for (std::size_t g = 0; g < slots_.size(); ++g)
-        system_.preconditioner_.addToSpread(slots_[g], system_.scale_ * impulses[g]);
+        system_.preconditioner_.addToCoarseResidual(slots_[g], system_.scale_ * impulses[g]);
 }
 
 void MatrixFreeShare::subtractSmoothed(std::span<const Vec3> impulses)

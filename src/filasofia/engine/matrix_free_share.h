@@ -30,9 +30,9 @@ public:
     void addToSpread(std::span<const Vec3> impulses) override;
     void subtractSmoothed(std::span<const Vec3> impulses) override;
     [[nodiscard]] bool correctable() const override { return system_.coarseNodes() > 0; }
-    void clearPulls() override { system_.preconditioner_.clearPulls(); }
+    void clearPulls() override { system_.preconditioner_.clearColumns(); }
     void addPull(std::span<const Vec3> impulses) override;
-    void answerPulls() override { system_.preconditioner_.answerPulls(); }
+    void answerPulls() override { system_.preconditioner_.finishColumns(); }
     void answers(int pull, std::span<double> out) const override;
     void weigh(std::span<double> sums) override;
 
@@ -44,9 +44,9 @@ private:
     MatrixFreeSystem& system_;
     WorkerPool* pool_ = nullptr;
     double mass_ = 0.0;
-    std::vector<int> slots_;             ///< per grip
-    std::vector<Mat3> inverse_;          ///< D^-1 there, scaled
-    std::vector<linalg::NodePull> pull_; ///< scratch
+    std::vector<int> slots_;                ///< per grip
+    std::vector<Mat3> inverse_;             ///< D^-1 there, scaled
+    std::vector<linalg::ColumnEntry> pull_; ///< scratch
     linalg::NodeArray z_, p_, q_;
 };
 

@@ -1,19 +1,12 @@
 #pragma once
 
 #include "filasofia/linalg/linear_solver.h"
+#include "filasofia/linalg/node_operator.h"
 #include "filasofia/linalg/two_level_preconditioner.h"
 
 #include <functional>
 
 namespace filasofia::linalg {
-
-/// A symmetric positive definite matrix of which only the product is known, in floats.
-class NodeOperator {
-public:
-    virtual ~NodeOperator() = default;
-    /// q = A p; returns p . q
-    virtual double multiply(const NodeArray& p, NodeArray& q, WorkerPool& pool) = 0;
-};
 
 /// When a solve ends.
 struct SolveLimits {

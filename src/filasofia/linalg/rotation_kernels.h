@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/linalg/node_kernels.h"
+#include "filasofia/math/mat3.h"
 
 /// The inner loops over nodes that turn vectors, or find out how nodes are turned; made as those of node_kernels.h are.
 namespace filasofia::linalg {
@@ -8,6 +9,14 @@ namespace filasofia::linalg {
 struct alignas(64) RotationBlock {
     float m[9][kBlock]; ///< by rows
 };
+/// The rotation of one node.
+inline Mat3 rotationAt(const std::vector<RotationBlock>& rotations, int node)
+{
+    const auto& m = rotations[static_cast<std::size_t>(node / kBlock)].m;
+    const auto at = [&](int k) { return static_cast<double>(m[k][node % kBlock]); };
+    return {{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}, {at(6), at(7), at(8)}}};
+}
+
 struct alignas(64) SymmetricBlock {
     float m[6][kBlock]; ///< xx xy xz yy yz zz
 };
