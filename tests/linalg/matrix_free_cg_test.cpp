@@ -72,7 +72,7 @@ struct Problem : NodeOperator {
         products = 0;
         residual = NodeArray(blocksFor(count));
         store(b, residual);
-        return cg.solve(*this, preconditioner, residual, product(b, b), x, limits, pool);
+        return cg.solve({*this, preconditioner, residual, product(b, b)}, x, limits, pool);
     }
     NodeSolveReport solveFrom(const std::vector<Vec3>& guess, const SolveLimits& limits)
     {
@@ -100,13 +100,13 @@ struct Problem : NodeOperator {
     std::vector<int> order;
     std::vector<Vec3> q, b, exact;
     TwoLevelPreconditioner preconditioner;
-    NodeArray residual, x{blocksFor(count), 1}; // one block of held nodes, that stays zero
+    NodeArray residual, x{blocksFor(count), 1}; // one block of pinned nodes, which stays zero
     MatrixFreeCg cg{blocksFor(count), 1};
 };
 
 bool isFinite(const NodeArray& x)
 {
-    return std::all_of(x.data(), x.data() + 64 * (x.blocks() + x.heldBlocks()),
+    return std::all_of(x.data(), x.data() + 64 * (x.blocks() + x.pinnedBlocks()),
                        [](float each) { return std::isfinite(each); });
 }
 

@@ -51,12 +51,12 @@ inline Sum product(const NodeArray& a, const NodeArray& b, Blocks range)
     return sum;
 }
 
-/// Corners of elements around nodes: `most` or fewer for each, also none, in random places.
-inline Gather randomGather(std::mt19937& random, int blocks, int elementBlocks, int most)
+/// Corners of elements around nodes: up to `maxCorners` for each, or none, in random places.
+inline Gather randomGather(std::mt19937& random, int blocks, int elementBlocks, int maxCorners)
 {
     std::vector<std::vector<int>> places(static_cast<std::size_t>(kBlock * blocks));
     for (std::vector<int>& list : places)
-        for (int left = static_cast<int>(random() % (most + 1)); left > 0; --left)
+        for (int left = static_cast<int>(random() % (maxCorners + 1)); left > 0; --left)
             list.push_back(4 * static_cast<int>(random() % (64u * elementBlocks)));
     return Gather(places);
 }

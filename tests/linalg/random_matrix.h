@@ -57,9 +57,9 @@ inline float randomFloat(std::mt19937& random)
 }
 
 /// The first `count` nodes are random, x y z 0, and the rest of the array zero.
-inline NodeArray randomNodes(std::mt19937& random, int count, int heldBlocks = 0)
+inline NodeArray randomNodes(std::mt19937& random, int count, int pinnedBlocks = 0)
 {
-    NodeArray nodes(blocksFor(count), heldBlocks);
+    NodeArray nodes(blocksFor(count), pinnedBlocks);
     for (int node = 0; node < count; ++node)
         for (int i = 0; i < 3; ++i) nodes[node][i] = randomFloat(random);
     return nodes;

@@ -84,7 +84,7 @@ TEST_CASE("what the coarse nodes say is added, turned back and multiplied by the
                 const NodeArray w = randomBlocks(random, blocks), r = randomBlocks(random, blocks);
                 const NodeArray before = randomBlocks(random, blocks);
                 NodeArray z = before;
-                const double found = prolongAndUnwarp(rotations, coarse.from, coarse.values, w, r, z, range);
+                const double found = prolongAndUnwarp(rotations, {coarse.from, coarse.values}, w, r, z, range);
                 CHECK(untouchedOutside(range, before, z));
                 const Sum exact = product(r, z, range); // of z as it is: how it came about is looked at below
                 WorstError sum;
@@ -166,9 +166,9 @@ TEST_CASE("rotations and what they turn have the same bits on instruction sets w
         found.add("warp", floats(x));
         found.add("smooth", floats(q));
         const Coarse coarse(random, kBlocks, kCoarse);
-        const double rz = prolongAndUnwarp(rotations, coarse.from, coarse.values, q, r, z, range);
+        const double rz = prolongAndUnwarp(rotations, {coarse.from, coarse.values}, q, r, z, range);
         found.add("prolong", floats(z), rz);
-        const double rw = prolongAndUnwarp(rotations, {}, {}, q, r, z, range);
+        const double rw = prolongAndUnwarp(rotations, {}, q, r, z, range);
         found.add("unwarp", floats(z), rw);
         const Gather gather = randomGather(random, kBlocks, 5, 20);
         NodeArray quaternions(5); // at random: sums that cancel, and that do not

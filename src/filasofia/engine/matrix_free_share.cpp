@@ -13,7 +13,7 @@ using linalg::NodeArray;
 MatrixFreeShare::MatrixFreeShare(MatrixFreeSystem& system)
     : system_(system),
       mass_(std::accumulate(system.masses_.begin(), system.masses_.begin() + system.freeNodes_, 0.0) / system.scale_),
-      z_(system.dv_.blocks()), p_(system.dv_.blocks(), system.dv_.heldBlocks()), q_(system.dv_.blocks())
+      z_(system.dv_.blocks()), p_(system.dv_.blocks(), system.dv_.pinnedBlocks()), q_(system.dv_.blocks())
 {
 }
 
@@ -50,14 +50,15 @@ void MatrixFreeShare::descend(double alpha)
 {
     const linalg::Parts parts = linalg::nodeParts(p_.blocks());
     pool_->run(parts.count(), [&](int part) {
-        linalg::descend(static_cast<float>(alpha), p_, q_, system_.dv_, system_.residual_, parts[part]);
+        linalg::stepAlong(static_cast<float>(alpha), p_, q_, system_.dv_, system_.residual_, parts[part]);
     });
 }
 
 void MatrixFreeShare::turn(double beta)
 {
     const linalg::Parts parts = linalg::nodeParts(p_.blocks());
-    pool_->run(parts.count(), [&](int part) { linalg::turn(z_, static_cast<float>(beta), p_, parts[part]); });
+    pool_->run(parts.count(),
+               [&](int part) { linalg::updateDirection(z_, static_cast<float>(beta), p_, parts[part]); });
 }
 
 void MatrixFreeShare::smooth() { system_.preconditioner_.smooth(system_.residual_, *pool_); }

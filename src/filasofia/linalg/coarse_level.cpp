@@ -79,7 +79,7 @@ void CoarseLevel::solve(std::span<const float> residuals, std::span<float> corre
                        {.count = static_cast<int>(end - v),
                         .rows = coarseRows(latticeNodes_),
                         .stride = static_cast<int>(rows),
-                        .answerStride = static_cast<int>(entries)},
+                        .resultStride = static_cast<int>(entries)},
                        blocksFor(3 * latticeNodes_));
     }
     for (std::size_t v = 0; v < count; ++v)

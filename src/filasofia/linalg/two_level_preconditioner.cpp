@@ -62,7 +62,7 @@ double TwoLevelPreconditioner::applyCoarse(const NodeArray& r, NodeArray& z, Wor
         deflation_.subtract(coefficients, coarse_.correction());
     }
     return sumOfParts(pool, nodeParts(r.blocks()), sums_, [&](Blocks blocks) {
-        return prolongAndUnwarp(rotations_, coarse_.interpolation().blocks(), coarse_.correction(), smoothed_, r, z,
+        return prolongAndUnwarp(rotations_, {coarse_.interpolation().blocks(), coarse_.correction()}, smoothed_, r, z,
                                 blocks);
     });
 }
