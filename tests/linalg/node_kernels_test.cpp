@@ -7,7 +7,7 @@ using namespace filasofia::linalg;
 
 namespace {
 
-/// a * b + c as an instruction set with or without fused multiply-add does it.
+/// a * b + c as an instruction set computes it that has, or does not have, fused multiply-add.
 float multiplyAdd(bool fused, float a, float b, float c) { return fused ? std::fma(a, b, c) : a * b + c; }
 
 /// The sum of products that the header promises: lane by lane, then over the sixteen lanes in double.
@@ -53,10 +53,10 @@ TEST_CASE("the best instruction set comes first, is in use, and comes back after
     CHECK(simdTargets() == targets);
 }
 
-TEST_CASE("an instruction set fuses multiply and add where its name says so, and only there")
+TEST_CASE("an instruction set fuses multiply and add if its name says so, and only then")
 {
     onEveryTarget([](const std::string& target) {
-        // (1 + e)^2 - (1 + 2 e) is e^2, but zero where the product is rounded first.
+        // (1 + e)^2 - (1 + 2 e) is e^2, but zero if the product is rounded first.
         NodeArray z(1), p(1);
         z[5][1] = -(1.0f + 0x1p-11f);
         p[5][1] = 1.0f + 0x1p-12f;
@@ -101,7 +101,7 @@ TEST_CASE("sums of products are right to the rounding of each lane's own sum")
             const Sum exact = product(a, b, range);
             WorstError worst;
             worst.compare(dot(a, b, range), exact.value, exact.size);
-            CHECK(worst.roundings() <= 4 * blocks + 1); // four rows of a block after the other, products and sums
+            CHECK(worst.roundings() <= 4 * blocks + 1); // four rows per block, one after another, products and sums
         });
     });
 }
@@ -193,7 +193,7 @@ TEST_CASE("nodes gather their corners, many, one or none, with their own masses 
                 compare(vectors, f[node], old + sum - diagonal * v, size + absolute(old));
             }
         });
-        CHECK(vectors.roundings() <= 15); // half of twenty corners one after the other, and five more
+        CHECK(vectors.roundings() <= 15); // half of twenty corners, one after another, and five more
     });
 }
 

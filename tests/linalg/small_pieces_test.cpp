@@ -42,7 +42,7 @@ TEST_CASE("a small piece that nothing holds moves rigidly in the coarse level")
     const NodeArray x = randomNodes(random, unknowns), r = randomNodes(random, unknowns);
     std::vector<float> masses(static_cast<std::size_t>(unknowns));
     for (float& mass : masses) mass = 0.5f + std::abs(randomFloat(random));
-    std::vector<int> nodes; // of the free piece
+    std::vector<int> nodes; // the nodes of the free piece
     for (int i = 0; i < unknowns; ++i)
         if (problem.rows[static_cast<std::size_t>(i)] < Problem::kPieceRows) nodes.push_back(i);
     REQUIRE(nodes.size() == Problem::kPieceRows);

@@ -26,8 +26,8 @@ TEST_CASE("the preconditioner is its definition, with coarse nodes and without, 
             const double rz = m.apply(r, z, pool);
             const Eigen::VectorXd exact = densePreconditioner(problem, m.rotations()) * dense(r, unknowns);
             const Eigen::VectorXd found = dense(z, unknowns);
-            // Every entry of D^-1, P and A_c^-1 is rounded to float, 6e-8 of it, and a few hundred are summed up. With
-            // fewer unknowns than coarse ones A_c is singular, and they cancel to a part in the hundred thousand.
+            // Every entry of D^-1, P and A_c^-1 is rounded to float, with a relative error of 6e-8, and a few hundred
+            // are summed. If there are fewer unknowns than coarse nodes, A_c is singular, and they cancel to 1e-5.
             CHECK((found - exact).norm() <= (unknowns < coarseNodes ? 1e-2 : 1e-5) * exact.norm());
             CHECK(std::abs(rz - found.dot(dense(r, unknowns))) <= 1e-5 * found.norm() * dense(r, unknowns).norm());
             for (int node = unknowns; node < kBlock * r.blocks(); ++node) CHECK(vectorOf(z[node]) == Vec3{});
@@ -66,13 +66,13 @@ TEST_CASE("the preconditioner is symmetric and positive")
 }
 
 TEST_CASE(
-    "coarse nodes that say the same twice, hold nothing, or are no use at all leave a finite positive preconditioner")
+    "coarse nodes that are the same twice, carry nothing, or have no weight leave a finite positive preconditioner")
 {
     std::mt19937 random(4);
     WorkerPool pool(1);
     Problem twins(random, 80, 70, 8), empty(random, 80, 70, 8), useless(random, 80, 70, 8);
     for (std::size_t row = 0; row < 80; ++row) {
-        twins.corners[row] = {1, 5, 2, 3}; // the columns of coarse nodes 1 and 5 are one and the same
+        twins.corners[row] = {1, 5, 2, 3}; // the columns of coarse nodes 1 and 5 are equal
         twins.weights[row][1] = twins.weights[row][0];
         for (int& corner : empty.corners[row]) corner = std::max(corner, 3);
         useless.weights[row] = {};
@@ -86,7 +86,7 @@ TEST_CASE(
             const double rz = m.apply(r, z, pool);
             CHECK(rz > 0.0);
             CHECK(std::isfinite(dense(z, 70).squaredNorm()));
-            // Where A_c is singular, the two columns share what one of them would get: D^-1 and the rest are as ever.
+            // If A_c is singular, the two equal columns share what one of them would get; the rest is not affected.
             const Eigen::VectorXd exact = densePreconditioner(*problem, m.rotations()) * dense(r, 70);
             CHECK((dense(z, 70) - exact).norm() <= (problem == &twins ? 0.05 : 1e-5) * exact.norm());
         }
@@ -96,7 +96,7 @@ TEST_CASE(
 TEST_CASE("any number of threads gives the same bits")
 {
     std::mt19937 random(5);
-    const Problem problem(random, 1500, 1400, 45); // six parts of nodes, three of coarse nodes and of panels
+    const Problem problem(random, 1500, 1400, 45); // six parts of nodes, three parts of coarse nodes and of panels
     TwoLevelPreconditioner m = rotatedPreconditioner(problem, random);
     const NodeArray r = randomNodes(random, 1400);
     std::optional<double> rz;

@@ -62,7 +62,7 @@ template <class Value> struct Lists {
     }
 
 private:
-    /// Records where the lists' places end. Only changes of lists need it, so most Lists never have it.
+    /// Records where the lists' places end, if no change of a list has needed it before.
     void recordLimits()
     {
         for (std::size_t i = limits_.size(); i < ranges.size(); ++i) limits_.push_back(ranges[i].end);

@@ -10,11 +10,11 @@ namespace filasofia::linalg {
 
 /// When a solve ends.
 struct SolveLimits {
-    double tolerance = 1e-2; ///< [-], of the error relative to the answer, in the norm of the energy x . A x
-    int maxIterations = 300;
+    double tolerance = 1e-2;              ///< [-], error relative to the answer, in the norm of the energy x . A x
+    int maxIterations = 300;              ///< the solve ends there, converged or not
     int minIterations = 0;                ///< iterations before outOfTime is asked
     std::function<bool()> outOfTime = {}; ///< asked between iterations; empty: never out of time
-    int stopAt = -1;                      ///< out of time after as many iterations; -1: never
+    int stopAt = -1;                      ///< iterations after which the solve is out of time; -1: never
 };
 
 /// How a solve went; `residual` is the error that the tolerance is about.
@@ -32,7 +32,7 @@ struct NodeSystem {
 
 /// Preconditioned conjugate gradients (Shewchuk 1994, section B3) in single precision.
 ///
-///     x  answer            z = M^-1 r  preconditioned residual     alpha  step length, r.z / p.q
+///     x  solution          z = M^-1 r  preconditioned residual     alpha  step length, r.z / p.q
 ///     r  residual b - A x  q = A p     product                     beta   r.z / (r.z of the iteration before)
 ///     p  direction         p.q         curvature                   x.A x  energy of the answer
 ///

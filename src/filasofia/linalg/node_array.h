@@ -22,7 +22,7 @@ public:
     {
     }
 
-    [[nodiscard]] int blocks() const { return unknown_; } ///< of unknowns
+    [[nodiscard]] int blocks() const { return unknown_; } ///< without the pinned ones
     [[nodiscard]] int pinnedBlocks() const { return static_cast<int>(blocks_.size()) - unknown_; }
     [[nodiscard]] float* data() { return blocks_.empty() ? nullptr : blocks_.data()->values[0]; }
     [[nodiscard]] const float* data() const { return blocks_.empty() ? nullptr : blocks_.data()->values[0]; }

@@ -75,8 +75,8 @@ double gatherForces(const NodeTerms& terms, const NodeArray& p, NodeArray& y, Bl
 
 /// Sums over the nodes by which the end of a step is judged.
 ///
-///     w = v + dv   new velocities             r      residual of a system whose right-hand side
-///     M            lumped masses              carry  includes an impulse carried over
+///     w = v + dv  new velocities     r      residual of the system
+///     M           lumped masses      carry  the impulse that was carried into its right-hand side
 struct StepWork {
     double work = 0.0;   ///< (r - carry) . w
     double change = 0.0; ///< dv . M dv

@@ -8,7 +8,7 @@ namespace filasofia::linalg {
 /// coarse node per node: kPieceNodes each, after all other coarse nodes, whether it needs them or not.
 constexpr int kPieceNodes = 16;
 constexpr int kPieceUnknowns = 3 * kPieceNodes, kPiecePanels = kPieceUnknowns / kBlock;
-constexpr std::size_t kPieceRows = static_cast<std::size_t>(kPieceUnknowns) * kPiecePanels; ///< of its inverse
+constexpr std::size_t kPieceRows = static_cast<std::size_t>(kPieceUnknowns) * kPiecePanels; ///< in an inverse
 constexpr int firstPieceNode(int coarseNodes) { return (coarseNodes + kPieceNodes - 1) / kPieceNodes * kPieceNodes; }
 
 /// Where the nodes of small pieces are now.
@@ -29,10 +29,10 @@ struct PieceMotion {
 /// If nothing holds a piece, followRigidMotions() replaces A_p^-1 by its rigid motions. An impulse at one node of it
 /// moves another by
 ///
-///     R_i^T (1/m + [d_i]^T J^-1 [d_j]) R_j,
+///     1 / massWeight  R_i^T (1/m + [d_i]^T J^-1 [d_j]) R_j
 ///
-/// in the axes in which both nodes were at rest. What such a piece was at rest says little about it once it is crushed,
-/// and takes its rotations for stiff.
+/// in the rest frames of both nodes ([d] is the matrix of the cross product with d). The matrix at rest says little
+/// about such a piece once it is crushed, and would treat its rotations as stiff.
 class SmallPieces {
 public:
     SmallPieces() = default;
@@ -46,7 +46,7 @@ public:
     void followRigidMotions(const CoarseInterpolation& interpolation, const PieceMotion& motion);
 
 private:
-    std::vector<PanelRow> inverses_; ///< of all pieces, one after another
+    std::vector<PanelRow> inverses_; ///< A_p^-1, one piece after another
     std::vector<char> freePieces_;   ///< per piece: 1 if nothing holds it
     int firstNode_ = 0;              ///< the first coarse node of the first piece
 };
