@@ -87,7 +87,7 @@ TEST_CASE("a coarse level made anew is the one that the body would be made with"
                                        other = fresh;
         BackgroundThread thread;
         CoarseRemake remake(block.model(), block.plan, thread);
-        linalg::TwoLevelPreconditioner&& made = remake.take();
+        linalg::CoarseLevel&& made = remake.take();
         REQUIRE(fresh.coarseNodes() > 10);
         REQUIRE(made.coarseNodes() == fresh.coarseNodes());
         other.takeCoarseLevel(std::move(made));
@@ -126,7 +126,7 @@ TEST_CASE("what a cut has parted shares no coarse nodes once the coarse level is
     const auto sidesOfCoarseNodes = [&] {
         BackgroundThread thread;
         CoarseRemake remake(block.model(), block.plan, thread);
-        const linalg::TwoLevelPreconditioner made = remake.take();
+        const linalg::CoarseLevel made = remake.take();
         std::array<std::set<int>, 2> sides;
         for (std::size_t i = 0; i < block.nodes.size(); ++i) {
             // A node of the cut itself lies on the side of its elements' middle.

@@ -231,7 +231,7 @@ struct CoarseRemake::Work {
     std::vector<double> masses;
     std::vector<bool> held;
     std::vector<PinSpring> pins;
-    linalg::TwoLevelPreconditioner made;
+    linalg::CoarseLevel made;
 
     Work(const SoftModel& model, const PreconditionerPlan& plan)
         : nodes(plan.nodes.begin(), plan.nodes.end()), scale(plan.scale),
@@ -254,13 +254,13 @@ void CoarseRemake::Work::make()
     const auto [lattice, isFree] = lay({rest, edges(), nodes, held, pins, masses}, remadeCoarseChoice(nodes.size()));
     if (lattice.nodeCount > 0 || !lattice.pieces.empty()) {
         const CoarseMatrix matrix = coarseMatrix(lattice);
-        made = linalg::TwoLevelPreconditioner(linalg::CoarseInput{.matrix = matrix.lattice(),
-                                                                  .pieces = matrix.pieces(),
-                                                                  .freePieces = isFree,
-                                                                  .coarseNodes = lattice.nodeCount,
-                                                                  .rows = nodes,
-                                                                  .corners = lattice.corners,
-                                                                  .weights = lattice.weights});
+        made = linalg::CoarseLevel(linalg::CoarseInput{.matrix = matrix.lattice(),
+                                                       .pieces = matrix.pieces(),
+                                                       .freePieces = isFree,
+                                                       .coarseNodes = lattice.nodeCount,
+                                                       .rows = nodes,
+                                                       .corners = lattice.corners,
+                                                       .weights = lattice.weights});
     }
     springs = {};
     elements = {}; // given back here, where there is time for it
@@ -363,7 +363,7 @@ CoarseRemake::CoarseRemake(const SoftModel& model, const PreconditionerPlan& pla
 
 CoarseRemake::~CoarseRemake() { job_->drop(); }
 
-linalg::TwoLevelPreconditioner&& CoarseRemake::take()
+linalg::CoarseLevel&& CoarseRemake::take()
 {
     job_->finish();
     return std::move(work_->made);

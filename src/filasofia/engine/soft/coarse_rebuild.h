@@ -51,7 +51,7 @@ public:
 
     /// Once a step: true in the one in which it is taken over.
     bool isDue() { return --stepsLeft_ <= 0; }
-    linalg::TwoLevelPreconditioner&& take();
+    linalg::CoarseLevel&& take();
 
     /// Nodes that came since it was begun.
     void add(std::span<const MeshEdit::Node> nodes) { since_.insert(since_.end(), nodes.begin(), nodes.end()); }

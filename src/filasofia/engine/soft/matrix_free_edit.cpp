@@ -82,7 +82,7 @@ bool MatrixFreeSystem::reserve(const SoftModel& model, const MeshEdit& edit)
     int free = 0, held = 0;
     for (std::size_t i = slotOf_.size(); i < slotOf_.size() + edit.nodes.size(); ++i)
         ++(model.pins.hard[i] ? held : free);
-    const int heldRoom = kBlock * x_.heldBlocks() - heldNodes_;
+    const int heldRoom = kBlock * x_.pinnedBlocks() - heldNodes_;
     if (freeNodes_ + free <= kBlock * freeBlocks_ && held <= heldRoom) return false;
 
     // More room: those that are held move back.

@@ -13,7 +13,7 @@ using linalg::NodeArray;
 MatrixFreeOperator::MatrixFreeOperator(MatrixFreeSystem& system)
     : system_(system),
       mass_(std::accumulate(system.masses_.begin(), system.masses_.begin() + system.freeNodes_, 0.0) / system.scale_),
-      z_(system.dv_.blocks()), p_(system.dv_.blocks(), system.dv_.heldBlocks()), q_(system.dv_.blocks())
+      z_(system.dv_.blocks()), p_(system.dv_.blocks(), system.dv_.pinnedBlocks()), q_(system.dv_.blocks())
 {
 }
 
@@ -60,7 +60,7 @@ void MatrixFreeOperator::add(std::span<const Vec3> impulses, SolveVector to)
 {
     for (std::size_t k = 0; k < slots_.size(); ++k) {
         if (to == SolveVector::CoarseResidual)
-            system_.preconditioner_.addToSpread(slots_[k], system_.scale_ * impulses[k]);
+            system_.preconditioner_.addToCoarseResidual(slots_[k], system_.scale_ * impulses[k]);
         else
             for (int i = 0; i < 3; ++i)
                 system_.residual_[slots_[k]][i] += static_cast<float>(system_.scale_ * impulses[k][i]);
@@ -85,21 +85,21 @@ void MatrixFreeOperator::step(double alpha)
 {
     const linalg::Parts parts = linalg::nodeParts(p_.blocks());
     pool_->run(parts.count(), [&](int part) {
-        linalg::descend(static_cast<float>(alpha), p_, q_, system_.dv_, system_.residual_, parts[part]);
+        linalg::stepAlong(static_cast<float>(alpha), p_, q_, system_.dv_, system_.residual_, parts[part]);
     });
 }
 
 void MatrixFreeOperator::updateDirection(double beta)
 {
     const linalg::Parts parts = linalg::nodeParts(p_.blocks());
-    pool_->run(parts.count(), [&](int part) { linalg::turn(z_, static_cast<float>(beta), p_, parts[part]); });
+    pool_->run(parts.count(), [&](int part) { linalg::updateDirection(z_, static_cast<float>(beta), p_, parts[part]); });
 }
 
 void MatrixFreeOperator::smooth() { system_.preconditioner_.smooth(system_.residual_, *pool_); }
 
 double MatrixFreeOperator::applyCoarse(std::span<const double> shares)
 {
-    return system_.preconditioner_.spread(system_.residual_, z_, *pool_, shares) / system_.scale_;
+    return system_.preconditioner_.applyCoarse(system_.residual_, z_, *pool_, shares) / system_.scale_;
 }
 
 void MatrixFreeOperator::subtractSmoothed(std::span<const Vec3> impulses)
@@ -115,18 +115,18 @@ void MatrixFreeOperator::addColumn(std::span<const Vec3> impulses)
     column_.clear();
     for (std::size_t k = 0; k < slots_.size(); ++k)
         if (impulses[k] != Vec3{}) column_.push_back({slots_[k], system_.scale_ * impulses[k]});
-    system_.preconditioner_.addPull(column_);
+    system_.preconditioner_.addColumn(column_);
 }
 
 void MatrixFreeOperator::products(int column, std::span<double> out) const
 {
-    system_.preconditioner_.answers(column, out);
+    system_.preconditioner_.products(column, out);
     for (double& each : out) each /= system_.scale_;
 }
 
 void MatrixFreeOperator::project(std::span<double> out)
 {
-    system_.preconditioner_.weigh(out, *pool_);
+    system_.preconditioner_.project(out, *pool_);
     for (double& each : out) each /= system_.scale_;
 }
 

@@ -28,9 +28,9 @@ public:
     [[nodiscard]] CoarseDeflation* deflation() override { return system_.coarseNodes() > 0 ? this : nullptr; }
 
 private:
-    void clear() override { system_.preconditioner_.clearPulls(); }
+    void clear() override { system_.preconditioner_.clearColumns(); }
     void addColumn(std::span<const Vec3> impulses) override;
-    void finish() override { system_.preconditioner_.answerPulls(); }
+    void finish() override { system_.preconditioner_.finishColumns(); }
     void products(int column, std::span<double> out) const override;
     void project(std::span<double> out) override;
 
@@ -42,7 +42,7 @@ private:
     double mass_ = 0.0;
     std::vector<int> slots_;               ///< per contact point
     std::vector<Mat3> inverse_;            ///< D^-1 there, scaled
-    std::vector<linalg::NodePull> column_; ///< scratch
+    std::vector<linalg::ColumnEntry> column_; ///< scratch
     linalg::NodeArray z_, p_, q_;
 };
 

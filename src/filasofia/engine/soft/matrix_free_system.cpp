@@ -104,7 +104,7 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
     });
     size_ = linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
         if (implicit && !elements_.empty()) averageRotations(turns_, quaternions, preconditioner_.rotations(), blocks);
-        return gatherForces(gather_, corners, asFloat(dt * rayleigh.mass), masses_, diagonal_, v_, residual_, blocks);
+        return gatherForces({gather_, corners, asFloat(dt * rayleigh.mass), masses_, diagonal_}, v_, residual_, blocks);
     });
     if (implicit) preconditioner_.followPieces(x_, masses_, massWeight_);
 }
@@ -122,7 +122,7 @@ double MatrixFreeSystem::multiply(const NodeArray& p, NodeArray& q, WorkerPool& 
                         springs[part].end);
     });
     return linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
-        return gatherAndAdd(gather_, corners, asFloat(massWeight_), masses_, diagonal_, p, q, blocks);
+        return gatherAndAdd({gather_, corners, asFloat(massWeight_), masses_, diagonal_}, p, q, blocks);
     });
 }
 
@@ -138,7 +138,7 @@ linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limit
     linalg::SolveLimits closer = limits;
     if (freeNodes_ <= kFewNodes)
         closer.tolerance = std::min(limits.tolerance, std::max(kCloser * limits.tolerance, kClosest));
-    const linalg::NodeSolveReport report = cg_.solve(*this, preconditioner_, residual_, size_, dv_, closer, pool);
+    const linalg::NodeSolveReport report = cg_.solve({*this, preconditioner_, residual_, size_}, dv_, closer, pool);
     finish(report, rigidPush(), dv, leftover, pool);
     return report;
 }

@@ -71,7 +71,7 @@ public:
     /// z = M^-1 r, M close to the matrix; returns r . z
     double precondition(const linalg::NodeArray& r, linalg::NodeArray& z, WorkerPool& pool);
     /// A vector of unknowns, zero.
-    [[nodiscard]] linalg::NodeArray unknowns() const { return linalg::NodeArray(dv_.blocks(), dv_.heldBlocks()); }
+    [[nodiscard]] linalg::NodeArray unknowns() const { return linalg::NodeArray(dv_.blocks(), dv_.pinnedBlocks()); }
 
     [[nodiscard]] int coarseNodes() const { return preconditioner_.coarseNodes(); }
 
