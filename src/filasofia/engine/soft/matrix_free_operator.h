@@ -5,12 +5,12 @@
 
 namespace filasofia::engine {
 
-/// A matrix-free body's part of a solve that spans several.
+/// The body operator of a matrix-free body, for coupled solves.
 class MatrixFreeOperator final : public BodyOperator, public BodyPreconditioner, private CoarseDeflation {
 public:
     explicit MatrixFreeOperator(MatrixFreeSystem& system);
 
-    /// `dv`: the first guess. The pool is used until the solve is over.
+    /// `dv` [m/s]: the first guess. The pool must outlive the solve.
     void prepare(std::span<const Vec3> dv, WorkerPool& pool);
 
     double begin(std::span<const ContactPoint> points) override;
@@ -40,8 +40,8 @@ private:
     MatrixFreeSystem& system_;
     WorkerPool* pool_ = nullptr;
     double mass_ = 0.0;
-    std::vector<int> slots_;               ///< per contact point
-    std::vector<Mat3> inverse_;            ///< D^-1 there, scaled
+    std::vector<int> slots_;               ///< slot of the node, per contact point
+    std::vector<Mat3> inverse_;            ///< scaled D^-1, per contact point
     std::vector<linalg::NodePull> column_; ///< scratch
     linalg::NodeArray z_, p_, q_;
 };
