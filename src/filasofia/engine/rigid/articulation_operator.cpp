@@ -9,8 +9,8 @@ ArticulationOperator::ArticulationOperator(const LinkTree& tree, const Articulat
     : DenseOperator(plan.free.size()), tree_(tree), plan_(plan), origins_(std::move(origins)),
       rightHandSide_(plan.free.size())
 {
-    engine::multiply(plan.matrix, plan.change,
-                     rightHandSide_); // so that without constraints the solve gives the planned change
+    // Without constraints the solve gives the planned change.
+    engine::multiply(plan.matrix, plan.change, rightHandSide_);
 }
 
 double ArticulationOperator::begin(std::span<const ContactPoint> points)

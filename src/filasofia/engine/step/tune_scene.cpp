@@ -20,7 +20,7 @@ void checkSameBodies(const Snapshot& before, const Scene& scene)
     bool all = scene.soft.size() == before.softCount() && scene.rigid.size() == before.rigidCount();
     for (std::size_t b = 0; all && b < scene.soft.size(); ++b) all = same(scene.soft[b].model, before.soft(b));
     for (std::size_t b = 0; all && b < scene.rigid.size(); ++b) all = same(scene.rigid[b].model, before.rigid(b));
-    if (!all) fail("tune: bodies, their ids, nodes and elements must stay; use add() and remove()");
+    if (!all) fail("tune: bodies, their ids, nodes and elements must not change; use add() and remove()");
 }
 
 /// The editable mesh must still match the model.
@@ -36,7 +36,8 @@ void checkSameMesh(const SoftModel& before, const SoftBody& body)
                 model.elements.size() + model.tetrahedra.size() == mesh.tetrahedra.size();
     for (std::size_t e = 0; same && e < mesh.tetrahedra.size(); ++e)
         same = mesh.tetrahedra[e] == (model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes);
-    if (!same) fail("tune: soft body '", model.name, "': nodes at rest, elements and surface must stay: it may be cut");
+    if (!same)
+        fail("tune: soft body '", model.name, "': nodes at rest, elements and surface must not change: it may be cut");
 }
 
 void checkScene(const Snapshot& before, const Scene& scene)
