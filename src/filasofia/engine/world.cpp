@@ -15,7 +15,7 @@
 namespace filasofia::engine {
 namespace {
 
-/// Times the stages of a step with the clock that the step was given.
+/// Times the stages of a step with the clock of the step's budget.
 class StopWatch {
 public:
     explicit StopWatch(const physics::StepBudget* budget) : now_(budget && budget->now ? &budget->now : nullptr)
@@ -52,29 +52,29 @@ physics::StepReport World::step(const physics::StepInput& in)
     const StepContext context{in.dt, in.budget, contact_, *pool_, report};
     StopWatch watch(in.budget);
 
-    applyCommands(context, in.commands, *this, scene_); // 1 what the outside asked for
-    rebuildSystems(period_, scene_);                    //   solvers of bodies that it changed, each once
+    applyCommands(context, in.commands, *this, scene_); // 1 the user's commands
+    rebuildSystems(period_, scene_);                    //   solvers of bodies that they changed, each once
     report.times.commands = watch.lap();
 
-    planRigid(scene_, in.dt, coupling_.rigid); // 2 how rigid bodies would move by themselves
+    planRigid(scene_, in.dt, coupling_.rigid); // 2 how rigid bodies would move without constraints
     planArticulations(scene_, in.dt, coupling_.rigid, coupling_.articulations);
-    findContacts(context, scene_, coupling_);      //   constraints: who touches whom
-    addWelds(context, scene_, coupling_);          //   who holds whom
-    addJointConstraints(in.dt, scene_, coupling_); //   what limits joints
+    findContacts(context, scene_, coupling_);      //   constraints: contacts
+    addWelds(context, scene_, coupling_);          //   attachments
+    addJointConstraints(in.dt, scene_, coupling_); //   limits and dry friction of joints
     report.times.contacts = watch.lap();
 
     assemble(context, scene_); // 3 forces and stiffness
     report.times.assemble = watch.lap();
 
-    advance(context, scene_, coupling_);      // 4 the solve, new velocities and positions
-    keepContacts(context, coupling_, scene_); //   what the constraints did
+    advance(context, scene_, coupling_);      // 4 solve; new velocities and positions
+    keepContacts(context, coupling_, scene_); //   forces and warm starts of the constraints
     keepWelds(in.dt, coupling_, scene_);
     keepJoints(in.dt, coupling_, scene_);
     report.times.advance = watch.lap();
 
-    cutBodies(context, coupling_.rigid, scene_, blades_); // 5 what blades cut
+    cutBodies(context, coupling_.rigid, scene_, blades_); // 5 cut by blades
     applyEdits(period_, scene_, report);                  // 6 the only writer of topology
-    tearBodies(context, scene_);                          //   what stress tears
+    tearBodies(context, scene_);                          //   tear by stress
     applyEdits(period_, scene_, report);
     removeLostPieces(scene_, report);
     followPartings(in.dt, scene_, *background_);

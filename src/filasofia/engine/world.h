@@ -8,7 +8,7 @@
 
 namespace filasofia::engine {
 
-/// The native engine: a scene, and the one function that makes a step of it.
+/// The native engine: a scene, and step(), which advances it.
 class World final : public physics::PhysicsEngine {
 public:
     explicit World(const NativeEngineDef& def = {});
@@ -24,10 +24,10 @@ private:
     double period_;
     physics::ContactMethod contact_;
     std::unique_ptr<WorkerPool> pool_;
-    std::unique_ptr<BackgroundThread> background_; ///< for what a later step needs, and this one does not
+    std::unique_ptr<BackgroundThread> background_; ///< for work that only a later step needs
     Scene scene_;
-    std::vector<Blade> blades_; ///< cutting collision models, from step to step
-    Coupling coupling_;         ///< of the step being made, and memory that is kept
+    std::vector<Blade> blades_; ///< cutting collision models, kept from step to step
+    Coupling coupling_;         ///< constraints of the current step, and scratch memory that is reused
 };
 
 } // namespace filasofia::engine

@@ -10,7 +10,7 @@
 namespace filasofia::testing {
 using namespace engine;
 
-/// The same numbers on every machine.
+/// Random numbers that are the same on every machine.
 class FuzzRandom {
 public:
     explicit FuzzRandom(std::uint64_t seed) : bits_(seed) {}
@@ -41,7 +41,7 @@ struct Waves {
     [[nodiscard]] Vec3 at(Vec3 p, double time) const;
 };
 
-/// A body under the knife, with all that follows its edits and all that is counted.
+/// A body being cut, with the data that follow its edits and the counts of the report.
 class FuzzBody {
 public:
     FuzzBody(const geometry::TetMesh& mesh, const CutFuzzDef& def, CutFuzzReport& report, RuptureReport& sums,
@@ -51,14 +51,14 @@ public:
     double time = 0.0; ///< [s]
     Waves waves;
 
-    void begin(); ///< the deformation starts, or ends
+    void begin(); ///< places the mesh in the present deformation
     void step(BladeStroke& stroke, std::span<const BladeSegment> blade);
     void finish(BladeStroke& stroke);
     void tear(int node, Vec3 direction);
-    void look(); ///< at everything
+    void look(); ///< checks all invariants
 
-    /// Per part that hangs together, by the heights of its elements' middles: does one reach from more than h below to
-    /// more than h above? Then the cut was incomplete.
+    /// True if a connected part has element centres both more than the mean edge length below and more than that above
+    /// height 0: then the cut was incomplete. `height` [m]: the signed distance of a point from the cut.
     template <class Height> bool bridged(const Height& height) const
     {
         int count = 0;
@@ -75,7 +75,7 @@ public:
             if (low[p] < -mesh.meanEdge() && high[p] > mesh.meanEdge()) return true;
         return false;
     }
-    /// [-] the share of the second largest part's volume.
+    /// [-] The volume of the second largest part over that of the body.
     [[nodiscard]] double secondPart() const;
 
 private:
@@ -87,18 +87,19 @@ private:
     CutFuzzReport& report_;
     RuptureReport& sums_;
     std::string name_;
-    double bound_ = 0.0; ///< of quality
+    double bound_ = 0.0; ///< [-] lower bound of the quality of elements
     frame::TopologyMirror mirror_;
     std::vector<Vec3> positions_;
-    Pieces pieces_, walked_; ///< by searching and by walking: the same
+    Pieces pieces_, walked_; ///< found by a search near the edits and by a walk over the whole mesh: must agree
     int edits_ = 0;
 };
 
-/// The kinds of cuts, and one of each.
+/// The kinds of cuts.
 enum class FuzzKind { Plane, Progressive, Curled, Resumed, Strip, Sawing, Scissors, Crossing, Tears, count_ };
 const char* name(FuzzKind kind);
 
-/// Whether it left a bridge; nothing where that cannot be said.
+/// Makes one cut. Returns whether it left a bridge; nothing if that cannot be judged. `fresh`: the body has not been
+/// cut yet.
 std::optional<bool> fuzzCut(FuzzBody& body, FuzzKind kind, FuzzRandom& random, bool fresh);
 
 } // namespace filasofia::testing

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kKinds = static_cast<int>(FuzzKind::count_);
 
-/// A cube's lattice made round (Nowell's map).
+/// A ball: the lattice of a cube, mapped to a sphere (Nowell's map).
 geometry::TetMesh ball(double radius, int cells)
 {
     geometry::TetMesh mesh = *geometry::shapes::block({2, 2, 2}, {cells, cells, cells});
@@ -27,11 +27,11 @@ geometry::TetMesh ball(double radius, int cells)
     return mesh;
 }
 
-/// One body from its first cut to its last; its hash then.
+/// Runs one body from its first cut to its last; returns its hash.
 std::uint64_t runBody(const CutFuzzDef& def, int index, int cuts, CutFuzzReport& report, RuptureReport& sums)
 {
     const CutFuzzMesh& mesh = def.meshes[index % def.meshes.size()];
-    // Every body has its own numbers: one that failed can be made again without those before it.
+    // Every body has its own random numbers: if one fails, it can be replayed without the bodies before it.
     Hasher seed;
     seed.add(def.seed);
     seed.add(static_cast<std::uint64_t>(index));

@@ -11,12 +11,13 @@ namespace {
 
 constexpr double kTurn = 6.283185307179586;
 
-/// A plane to cut along, with two directions in it: the blade's own and the one it goes in.
+/// A plane to cut along, with two directions in it: along the blade and ahead, in which the blade moves.
 struct CutPlane {
     Vec3 origin, normal, along, ahead;
 };
 
-/// Through a face, an edge, three nodes, in an axis' direction or anywhere; then off by nothing or by next to nothing.
+/// A random plane: through a face, an edge or three nodes, normal to an axis, or anywhere; then shifted by 0, 1e-14,
+/// 1e-12 or 1e-9 m.
 CutPlane anyPlane(const EditableMesh& mesh, FuzzRandom& random)
 {
     const MeshTopology& data = mesh.data();
@@ -51,7 +52,7 @@ CutPlane anyPlane(const EditableMesh& mesh, FuzzRandom& random)
     return plane;
 }
 
-/// A straight blade that is carried along.
+/// A straight blade that moves by translation.
 struct Blade {
     Vec3 from, to;
 
@@ -84,14 +85,14 @@ std::optional<bool> cutPlane(FuzzBody& body, FuzzRandom& random, bool progressiv
     return body.bridged([&](Vec3 p) { return dot(plane.normal, p - plane.origin); });
 }
 
-/// Along an arc, all the way through; with pauses, in which the blade leaves and comes back to the same surface.
+/// Cuts along an arc through the whole body. `resumed`: with pauses, after which the cut goes on in the same surface.
 std::optional<bool> cutArc(FuzzBody& body, FuzzRandom& random, bool curled, bool resumed)
 {
     const CutPlane plane = anyPlane(body.mesh, random);
     const double h = body.mesh.meanEdge(), d = body.mesh.diagonal(), length = 2.4 * d;
     const int steps = std::max(10, static_cast<int>(length / (random.uniform(0.05, 1.0) * h)));
     const double curl = curled ? random.uniform(-1.5, 1.5) : 0.0, turn = curl / steps;
-    // The arc passes through the plane's origin half way.
+    // The arc passes through the plane's origin at half its length.
     Vec3 ahead = std::cos(-0.5 * curl) * plane.ahead + std::sin(-0.5 * curl) * plane.normal;
     Blade blade = bladeBefore(plane, 0.5 * length, length);
     if (std::abs(curl) > 1e-3) {
@@ -108,7 +109,7 @@ std::optional<bool> cutArc(FuzzBody& body, FuzzRandom& random, bool curled, bool
         if (resumed && i > 0 && random.chance(0.12)) {
             body.finish(stroke);
             stroke = BladeStroke(stroke.sheet());
-            if (random.chance(0.3)) { // out and in again, a little behind
+            if (random.chance(0.3)) { // the blade comes back a little behind its last place
                 const Vec3 back = random.uniform(0.0, 1.0) * h * ahead;
                 blade = {blade.from - back, blade.to - back};
                 blade.go(body, stroke, back);
@@ -133,13 +134,13 @@ std::optional<bool> cutArc(FuzzBody& body, FuzzRandom& random, bool curled, bool
     });
 }
 
-/// A strip somewhere, perhaps gone over again in the same surface or another, perhaps crossing itself.
-std::optional<bool> cutStrip(FuzzBody& body, FuzzRandom& random, double mostCurl)
+/// Cuts a strip somewhere, in one to three passes in the same surface or in others; with much curl it crosses itself.
+std::optional<bool> cutStrip(FuzzBody& body, FuzzRandom& random, double maxCurl)
 {
     CutPlane plane = anyPlane(body.mesh, random);
     const double d = body.mesh.diagonal(), length = random.uniform(0.1, 1.2) * d;
     const int steps = 1 + random.below(40);
-    const double turn = random.uniform(-mostCurl, mostCurl) / steps;
+    const double turn = random.uniform(-maxCurl, maxCurl) / steps;
     Blade blade = bladeBefore(plane, random.uniform(0.0, 0.7) * length, random.uniform(0.05, 1.0) * d);
     const Vec3 along = plane.along;
     BladeStroke stroke(body.mesh.newSheet());
@@ -154,7 +155,7 @@ std::optional<bool> cutStrip(FuzzBody& body, FuzzRandom& random, double mostCurl
         if (pass == 0) break;
         body.finish(stroke);
         stroke = BladeStroke(random.chance(0.5) ? stroke.sheet() : body.mesh.newSheet());
-        if (random.chance(0.7)) { // again along the same way
+        if (random.chance(0.7)) { // once more along the same path
             blade = start;
             plane.ahead = first;
         }
@@ -163,13 +164,14 @@ std::optional<bool> cutStrip(FuzzBody& body, FuzzRandom& random, double mostCurl
     return std::nullopt;
 }
 
-/// To and fro, through the middle, in tissue that moves.
+/// Saws to and fro through the middle of moving tissue.
 std::optional<bool> saw(FuzzBody& body, FuzzRandom& random, bool fresh)
 {
     const double d = body.mesh.diagonal(), stroke = random.uniform(0.2, 0.6) * body.mesh.meanEdge();
     CutPlane plane = anyPlane(body.mesh, random);
     plane.origin = body.waves.centre + 0.1 * d * random.direction();
-    // What the plane would cut off, were the tissue to stay as it is; slices thinner than what is snapped stay on.
+    // The volume that the plane would cut off if the tissue did not move; slices that are thinner than the snapping
+    // distance are not cut off.
     double below = 0.0;
     for (int t = 0; t < body.mesh.tetrahedra(); ++t) {
         const auto x = cornersOf(body.mesh.data().tetrahedra[t], body.mesh.data().current);
@@ -189,7 +191,7 @@ std::optional<bool> saw(FuzzBody& body, FuzzRandom& random, bool fresh)
     return fresh && less > 0.35 ? std::optional(body.secondPart() < 0.02) : std::nullopt;
 }
 
-/// Two jaws that turn around one point and close on what is between them.
+/// Cuts with two jaws that rotate about one point and close.
 std::optional<bool> snip(FuzzBody& body, FuzzRandom& random)
 {
     const CutPlane plane = anyPlane(body.mesh, random);
@@ -199,7 +201,7 @@ std::optional<bool> snip(FuzzBody& body, FuzzRandom& random)
     const Vec3 pivot = plane.origin - (whole ? 1.1 : random.uniform(0.1, 0.4)) * d * plane.ahead;
     const int steps = (whole ? 40 : 5) + random.below(40);
     const double open = whole ? 1.3 : random.uniform(0.2, 0.8);
-    const auto tip = [&](int step, double sign) { // a little further than closed: the jaws shear past each other
+    const auto tip = [&](int step, double sign) { // the jaws close by 5 % more than fully: they shear past each other
         const double angle = sign * open * (1.0 - 1.05 * step / steps);
         return pivot + jaw * (std::cos(angle) * plane.ahead + std::sin(angle) * plane.along);
     };
@@ -217,13 +219,14 @@ std::optional<bool> snip(FuzzBody& body, FuzzRandom& random)
     return body.bridged([&](Vec3 p) { return dot(plane.normal, p - plane.origin); });
 }
 
+/// Tears at up to 15 nodes, most of which continue the last tear.
 std::optional<bool> tears(FuzzBody& body, FuzzRandom& random)
 {
     const Vec3 a = random.direction(), b = random.direction();
     int last = -1;
     for (int left = 1 + random.below(15); left > 0; --left) {
         int node = random.below(body.mesh.nodes());
-        if (last >= 0 && random.chance(0.7)) { // goes on from the last one
+        if (last >= 0 && random.chance(0.7)) { // continue from the last node
             const std::vector<int>& around = body.mesh.data().around[last];
             node = body.mesh.data().tetrahedra[around[random.below(static_cast<int>(around.size()))]][random.below(4)];
         }

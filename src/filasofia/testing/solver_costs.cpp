@@ -14,8 +14,8 @@ namespace filasofia::testing {
 using namespace engine;
 namespace {
 
-// Additions and multiplications of one element; a fused multiply-add is two. The search for the rotation takes two
-// iterations of 180 in a body that moves.
+// Additions and multiplications per element; a fused multiply-add counts as two. The search for the rotation takes two
+// iterations of 180 operations if the body moves.
 constexpr double kElementPassFlops = 735.0;
 constexpr double kProductFlops = 135.0;
 
@@ -28,10 +28,9 @@ SolverCosts measureSolver(const physics::SoftBodyDef& bodyDef, const SolverCosts
     FILASOFIA_ASSERT(def.warmUp >= 0 && def.repeats > 0);
     if (!body.system.matrixFree || body.model.elements.empty() ||
         !std::holds_alternative<physics::ImplicitEuler>(body.model.integrator))
-        fail("soft body '", bodyDef.name,
-             "': only the default solver and integrator of a body of elements can be measured");
+        fail("soft body '", bodyDef.name, "': only a FEM body with the default solver and integrator can be measured");
     Scene scene;
-    Coupling coupling; // nothing touches it
+    Coupling coupling; // without constraints
     scene.gravity = def.gravity;
     scene.soft.push_back(std::move(body));
     WorkerPool pool(def.threads);

@@ -177,7 +177,7 @@ TEST_CASE("a tune that throws is put back completely")
             native.scene() = {};
             throw 7;
         },
-        "no exception");
+        "not a std::exception");
 }
 
 TEST_CASE("a tune that leaves a number that is none is put back completely")
@@ -199,7 +199,8 @@ TEST_CASE("a tune that leaves a number that is none is put back completely")
     checkPutBack([](Native& n) { n.scene().soft[0].model.solver = ConjugateGradient{.tolerance = 2}; }, "tolerance");
     checkPutBack([](Native& n) { n.scene().soft[0].model.springs.push_back({.nodes = {0, 1}}); }, "springs[0]");
     checkPutBack([](Native& n) { n.scene().soft[0].model.pins.springs.push_back({0, {}, -1}); }, "pin's stiffness");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.pins.hard[35] = true; }, "the node is held"); // in full motion
+    checkPutBack([](Native& n) { n.scene().soft[0].model.pins.hard[35] = true; },
+                 "the node is pinned"); // in full motion
 }
 
 TEST_CASE("a tune that leaves wrong sizes or indices is put back completely")

@@ -111,7 +111,7 @@ TEST_CASE("a tune that leaves collision, contacts, sides, grasps or pins that ca
         {[](Scene& s) {
              reshape(s.rigid[1].model.collision[0], [](CollisionShape& shape) { shape.vertexEdges.start[2] = 99; });
          },
-         "vertexEdges must hold rows"},
+         "vertexEdges must hold consecutive rows"},
         {[](Scene& s) {
              reshape(s.rigid[1].model.collision[0], [](CollisionShape& shape) { shape.elements[0].ownEdges[0] = 99; });
          },
@@ -122,7 +122,7 @@ TEST_CASE("a tune that leaves collision, contacts, sides, grasps or pins that ca
         {[](Scene& s) { std::ranges::reverse(s.contacts); }, "contacts must ascend"},
         {[](Scene& s) { s.sides[0].target.model = 1; }, "sides[0]"},
         {[](Scene& s) { s.sides[0].point = 999; }, "point must be a vertex, got 999"},
-        {[](Scene& s) { s.sides[0].feature[0] = 4; }, "feature must be of vertices or -1, got 4"},
+        {[](Scene& s) { s.sides[0].feature[0] = 4; }, "feature must consist of vertices or -1, got 4"},
         {[](Scene& s) { s.sides[0].side = 0; }, "side must be 1 or -1, got 0"},
         {[](Scene& s) { std::ranges::reverse(s.sides); }, "sides must ascend"},
         {[](Scene& s) { s.grasps[0].target = {}; }, "grasp 3: must name a target"},
@@ -134,7 +134,7 @@ TEST_CASE("a tune that leaves collision, contacts, sides, grasps or pins that ca
         {[](Scene& s) { s.grasps[0].id = {}; }, "grasps must ascend by their ids"},
         {[](Scene& s) { s.attachments[0].to = {3}; }, "two bodies, got body 3 twice"},
         {[](Scene& s) { s.attachments[0].id = {}; }, "its id must be > 0"},
-        {[](Scene& s) { s.attachments[0].body = {1}, s.attachments[0].to = {}; }, "cannot be held"},
+        {[](Scene& s) { s.attachments[0].body = {1}, s.attachments[0].to = {}; }, "cannot be attached"},
         {[](Scene& s) {
              s.soft[0].model.pins.groups[0].nodes = {24, 20};
          },
@@ -148,7 +148,7 @@ TEST_CASE("a tune that leaves collision, contacts, sides, grasps or pins that ca
     Tuned twin, tuned;
     setLogSink([&](LogLevel, std::string_view line) { tuned.logged += line; });
     for (const auto& [change, says] : wrong) {
-        CHECK_THAT(tuned.refusal(change), Catch::Contains("tune() was undone") && Catch::Contains(says));
+        CHECK_THAT(tuned.refusal(change), Catch::Contains("tune() was rolled back") && Catch::Contains(says));
         CHECK(tuned.stage.world.hash() == twin.stage.world.hash());
     }
     CHECK(tuned.refusal([](Scene&) {}).empty());

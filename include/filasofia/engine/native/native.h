@@ -14,8 +14,7 @@ namespace filasofia::physics {
 class PhysicsServer;
 }
 
-/// The door to the native engine's own data, for fine-tuning. No promise of stability: this header follows the engine
-/// wherever it goes.
+/// Access to the native engine's internal data, for fine-tuning. This header is not stable: it changes with the engine.
 namespace filasofia::engine {
 
 struct Scene;
@@ -35,30 +34,31 @@ struct NativeSpring {
     double damping = 0.0;    ///< [N s/m], along the spring
 };
 
-/// A soft body's data, per node unless said. Valid for the length of one tune() call.
+/// A soft body's data, per node unless stated otherwise. Valid during one tune() call.
 struct NativeSoftBody {
     BodyId id;
-    std::span<const Vec3> rest;      ///< [m] in the world
+    std::span<const Vec3> rest;      ///< [m] in world coordinates
     std::span<Vec3> positions;       ///< [m]
     std::span<Vec3> velocities;      ///< [m/s]
-    std::span<Vec3> velocityChanges; ///< [m/s] of the last step: where the next solve starts
-    std::span<Vec3> residuals;       ///< [N s] what the last solve left undone, due in the next step
+    std::span<Vec3> velocityChanges; ///< [m/s] the last step's change: first guess of the next solve
+    std::span<Vec3> residuals;       ///< [N s] residual impulses of the last solve that the next step takes over
     std::span<double> masses;        ///< [kg]
     physics::Integrator& integrator;
     physics::Solver& solver;
     physics::Rayleigh& rayleigh;
 };
 
-/// A rigid body's data, per element. Valid for the length of one tune() call.
+/// A rigid body's data, per element. Valid during one tune() call.
 struct NativeRigidBody {
     BodyId id;
     std::span<Pose> poses;
-    std::span<Vec3> velocities;                ///< [m/s] of the centres of mass
+    std::span<Vec3> velocities; ///< [m/s] velocities of the centres of mass, or of the origins if the elements are
+                                ///< links or kinematic
     std::span<Vec3> angularVelocities;         ///< [rad/s] in world axes
-    std::span<physics::RigidInertia> inertias; ///< zeros unless dynamic
+    std::span<physics::RigidInertia> inertias; ///< zero unless the body is dynamic or the element is a link with mass
 };
 
-/// The engine's data, valid for the length of one tune() call.
+/// The engine's data. Valid during one tune() call.
 class Native {
 public:
     explicit Native(Scene& scene) : scene_(scene) {}
@@ -66,31 +66,34 @@ public:
     [[nodiscard]] Vec3& gravity(); ///< [m/s^2]
     [[nodiscard]] std::vector<BodyId> softBodies() const;
     [[nodiscard]] std::vector<BodyId> rigidBodies() const;
-    /// Error if there is no such soft body.
+    /// Throws an Error if there is no such soft body.
     [[nodiscard]] NativeSoftBody softBody(BodyId id);
-    /// Error if there is no such rigid body.
+    /// Throws an Error if there is no such rigid body.
     [[nodiscard]] NativeRigidBody rigidBody(BodyId id);
 
     [[nodiscard]] int elementCount(BodyId softBody) const; ///< 0 for a mass-spring body
+    /// Throws an Error if `element` is out of range.
     [[nodiscard]] NativeElement element(BodyId softBody, int element) const;
-    /// Sets the element's material; its nodes stay. Error if `element` is out of range.
+    /// Sets the element's material; its nodes do not change. Throws an Error if `element` is out of range.
     void setElement(BodyId softBody, int element, double youngModulus, double poissonRatio);
     [[nodiscard]] int springCount(BodyId softBody) const; ///< 0 for a FEM body
+    /// Throws an Error if `spring` is out of range.
     [[nodiscard]] NativeSpring spring(BodyId softBody, int spring) const;
-    /// Sets rest length, stiffness and damping; the spring's nodes stay. Error if `spring` is out of range.
+    /// Sets rest length, stiffness and damping; the spring's nodes do not change. Throws an Error if `spring` is out of
+    /// range.
     void setSpring(BodyId softBody, int spring, const NativeSpring& value);
 
-    /// All of it, for the engine's own tests: the type is complete in private headers only.
+    /// The whole scene, for the engine's own tests: the type is complete in private headers only.
     [[nodiscard]] Scene& scene() { return scene_; }
 
 private:
     Scene& scene_;
 };
 
-/// Runs `change` once, at the start of the next step, with mutable access to the engine's data. Afterwards everything
-/// is checked as if it had just been built: if `change` throws or leaves something invalid, everything is restored, the
-/// log says why, and the step's report has StepFlag::TuneRejected. The recording is marked as not replayable from
-/// there. Error if the server's engine is another one.
+/// Runs `change` once, at the start of the next step, with mutable access to the engine's data. Afterwards all data are
+/// checked as if they had just been built: if `change` throws or leaves something invalid, everything is restored, an
+/// error is logged, and the step's report has StepFlag::TuneRejected. The recording is marked as not replayable from
+/// there on. Throws an Error if the server has another engine or if `change` is empty.
 void tune(physics::PhysicsServer& server, std::function<void(Native&)> change);
 
 } // namespace filasofia::engine

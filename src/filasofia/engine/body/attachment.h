@@ -9,29 +9,32 @@
 
 namespace filasofia::engine {
 
+/// A node of a soft body and its weight in a mean.
 struct NodeWeight {
     int node = 0;
-    double weight = 0.0;
+    double weight = 0.0; ///< [-]
 };
 
-/// A point of a body, or of space, that is held or holds.
+/// One end of an attachment: a point of a soft body, of an element of a rigid body, or of space.
 struct AttachedPoint {
-    std::vector<NodeWeight> nodes; ///< of a soft body: it is their mean; at most twelve, each once
-    int element = 0;               ///< of a rigid body
-    Vec3 place;                    ///< [m] of a rigid body: in the element's coordinates; of space: in the world
+    /// Soft body only: the point is their weighted mean; at most twelve nodes, each once.
+    std::vector<NodeWeight> nodes;
+    int element = 0; ///< rigid body only
+    Vec3 place;      ///< [m] rigid body: in the element's coordinates; space: in world coordinates
 };
 
-/// Pairs of points that are to be in one place. Made anew after a topology edit: the nodes are named here alone.
+/// Pairs of points that are to coincide. A topology edit updates the points: their nodes are stored nowhere else.
 struct Attachment {
     AttachmentId id;
-    BodyId body;                                     ///< that is held
-    BodyId to;                                       ///< that holds; none: space
-    std::vector<std::array<AttachedPoint, 2>> pairs; ///< of `body`, and of `to`
-    double stiffness = 0.0;                          ///< [N/m] of each pair's spring; infinite: hard
-    double breakForce = 0.0;                         ///< [N] of the sum of its pairs' forces; may be infinite
+    BodyId body;                                     ///< the attached body
+    BodyId to;                                       ///< the body that it is attached to; none: space
+    std::vector<std::array<AttachedPoint, 2>> pairs; ///< a point of `body` and a point of `to`
+    double stiffness = 0.0;                          ///< [N/m] stiffness of each pair's spring; infinite: hard
+    /// [N] the attachment breaks if the sum of its pairs' forces exceeds this; may be infinite.
+    double breakForce = 0.0;
 };
 
-/// A grasp that waits for the contacts of the next step.
+/// A grasp that is waiting for the contacts of the next step.
 struct PendingGrasp {
     AttachmentId id;
     BodyId rigid, target;

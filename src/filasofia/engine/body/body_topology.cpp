@@ -18,7 +18,7 @@ BodyTopology makeTopology(const SoftModel& model)
     topology.pieces.emplace(topology.mesh->data());
     topology.start = std::make_unique<SoftModel>(model);
 
-    std::map<geometry::Triangle, std::array<int, 2>> faces; // by nodes, ascending
+    std::map<geometry::Triangle, std::array<int, 2>> faces; // key: the nodes, ascending
     const auto key = [](geometry::Triangle nodes) {
         std::ranges::sort(nodes);
         return nodes;
@@ -30,7 +30,7 @@ BodyTopology makeTopology(const SoftModel& model)
                 faces[key(faceNodes(data.tetrahedra[static_cast<std::size_t>(e)], f))] = {e, f};
     topology.boundaryPlaces.assign(mesh.tetrahedra.size(), {-1, -1, -1, -1});
     topology.vertices.assign(model.rest.size(), -1);
-    for (const geometry::Triangle& triangle : model.surface) // by rising node, as extractSurface numbers them
+    for (const geometry::Triangle& triangle : model.surface) // vertices by ascending node, as in extractSurface()
         for (int node : triangle) topology.vertices[static_cast<std::size_t>(node)] = 0;
     for (int& vertex : topology.vertices)
         if (vertex == 0) vertex = topology.vertexCount++;

@@ -10,17 +10,17 @@ namespace filasofia::engine {
 namespace {
 
 void checkIndices(const std::string& object, const char* list, std::span<const int> indices, std::size_t count,
-                  int least = 0)
+                  int minimum = 0)
 {
     for (const int each : indices)
-        if (each < least || each >= static_cast<int>(count))
-            fail(object, ": ", list, " must be in [", least, ", ", count, "), got ", each);
+        if (each < minimum || each >= static_cast<int>(count))
+            fail(object, ": ", list, " must be in [", minimum, ", ", count, "), got ", each);
 }
 
 void checkFinite(const std::string& object, const char* list, std::span<const Vec3> values)
 {
     if (!usable(values))
-        fail(object, ": ", list, " must be finite, and within ", physics::kFarthest, " m of the origin");
+        fail(object, ": ", list, " must be finite and within ", physics::kFarthest, " m of the origin");
 }
 
 void checkRows(const std::string& object, const char* list, const geometry::CompressedRows& rows, std::size_t count,
@@ -29,11 +29,11 @@ void checkRows(const std::string& object, const char* list, const geometry::Comp
     checkSize(object, list, rows.start.size(), count + 1);
     if (rows.start.front() != 0 || !std::ranges::is_sorted(rows.start) ||
         static_cast<std::size_t>(rows.start.back()) != rows.items.size())
-        fail(object, ": ", list, " must hold rows that follow each other");
+        fail(object, ": ", list, " must hold consecutive rows");
     checkIndices(object, list, rows.items, items);
 }
 
-/// Children lie behind their parent, leaves hold elements: a walk down the tree ends, and within its lists.
+/// Children come after their parent and leaves hold elements, so that every traversal ends and stays within the lists.
 void checkTree(const std::string& object, const CollisionShape& shape)
 {
     for (const CollisionShape::Element& element : shape.elements) {
@@ -43,14 +43,15 @@ void checkTree(const std::string& object, const CollisionShape& shape)
         checkIndices(object, "an element's ownEdges", element.ownEdges, shape.edges.size(), -1);
         checkIndices(object, "an element's triangle", {&element.triangle, 1}, shape.triangles.size(), -1);
     }
-    if (shape.nodes.empty() != shape.elements.empty()) fail(object, ": nodes must hold the elements");
+    if (shape.nodes.empty() != shape.elements.empty())
+        fail(object, ": nodes must be empty if, and only if, elements is");
     const auto count = static_cast<std::int64_t>(shape.nodes.size());
     for (std::int64_t n = 0; n < count; ++n) {
         const CollisionShape::Node& node = shape.nodes[static_cast<std::size_t>(n)];
         const std::int64_t end = std::int64_t{node.first} + node.count;
         const bool leaf = node.count > 0 && node.first >= 0 && end <= static_cast<std::int64_t>(shape.elements.size());
         const bool fork = node.count == 0 && node.first > n + 1 && node.first < count;
-        if (!leaf && !fork) fail(object, ": nodes[", n, "] must be a leaf of elements, or have two nodes behind it");
+        if (!leaf && !fork) fail(object, ": nodes[", n, "] must be a leaf of elements or have two children after it");
     }
 }
 
@@ -71,7 +72,7 @@ void checkShape(const std::string& object, const CollisionShape& shape)
     checkTree(object, shape);
 }
 
-/// Shape, inset and proximity, of soft and rigid bodies alike.
+/// Checks shape, inset and proximity, which soft and rigid bodies have in common.
 const CollisionShape& checkSurface(const std::string& object, const CollisionModel& model)
 {
     if (!model.shape) fail(object, ": must have a shape");

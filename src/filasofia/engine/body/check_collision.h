@@ -5,7 +5,7 @@
 
 namespace filasofia::engine {
 
-/// Throws an Error beginning with `object` unless contacts can be found on the body's surfaces.
+/// Throws an Error that begins with `object` if a collision model of the body is invalid.
 void checkCollision(const std::string& object, const SoftModel& body);
 void checkCollision(const std::string& object, const RigidModel& body);
 

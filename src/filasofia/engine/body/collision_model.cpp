@@ -15,7 +15,7 @@ namespace {
 
 using geometry::TriangleMesh;
 
-// How far in the vertices of a surface go, of its proximity.
+// [-] The largest depth of the inset over the proximity.
 constexpr double kInset = 0.2;
 
 CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field)
@@ -39,18 +39,18 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
     return model;
 }
 
-/// Every vertex is one of the nodes.
-geometry::Embedding identical(const std::vector<int>& nodes)
+/// The embedding of vertices that coincide with nodes.
+geometry::Embedding nodeEmbedding(const std::vector<int>& nodes)
 {
     geometry::Embedding ties;
     addTies(nodes, ties);
     return ties;
 }
 
-/// Per triangle of the surface, the node of its tetrahedron that is not in it.
+/// Per triangle of the surface: the node of its tetrahedron that is not on it.
 std::vector<int> nodesBehind(const geometry::TetMesh& mesh, const geometry::Surface& surface)
 {
-    std::map<std::array<int, 3>, int> behind; // by nodes, ascending
+    std::map<std::array<int, 3>, int> behind; // key: the nodes, ascending
     for (const geometry::Tetrahedron& t : mesh.tetrahedra)
         for (std::size_t opposite = 0; opposite < 4; ++opposite) {
             std::array<int, 3> face{};
@@ -68,8 +68,8 @@ std::vector<int> nodesBehind(const geometry::TetMesh& mesh, const geometry::Surf
     return nodes;
 }
 
-/// Weights that are none but for rounding go: a vertex at a node rides on that node alone.
-void tidy(geometry::Embedding& ties)
+/// Removes weights that differ from zero by rounding only, so that a vertex at a node follows that node alone.
+void dropTinyWeights(geometry::Embedding& ties)
 {
     for (std::array<double, 4>& weights : ties.weights) {
         double sum = 0.0;
@@ -120,17 +120,17 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
         checkPrimitives(each, field);
         if (const auto given = physics::loadMesh(each.mesh, field + ".mesh")) {
             if (def.dynamicTopology)
-                logWarning(field, ".mesh: bends with the body but does not open where it is cut or tears; without a "
-                                  "mesh the body's own surface is used, which does");
+                logWarning(field, ".mesh: deforms with the body but does not open if the body is cut or torn; without "
+                                  "a mesh the body's own surface is used, which does");
             TriangleMesh mesh = *given;
             for (Vec3& vertex : mesh.vertices) vertex = transform(def.pose, vertex);
             models.push_back(modelOf(mesh, each, field));
             models.back().ties = geometry::embed(worldMesh, mesh.vertices);
-            tidy(models.back().ties);
+            dropTinyWeights(models.back().ties);
         } else {
             const geometry::Surface surface = geometry::extractSurface(worldMesh);
             models.push_back(modelOf(surface.mesh, each, field));
-            models.back().ties = identical(surface.nodes);
+            models.back().ties = nodeEmbedding(surface.nodes);
             models.back().behind = nodesBehind(worldMesh, surface);
         }
     }
@@ -151,10 +151,10 @@ std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
         CollisionModel& model = models.emplace_back(modelOf(*mesh, each, field));
         model.element = each.element;
         model.core = mesh->vertices;
-        // A dynamic body has been refused by then: it has no mass.
+        // A dynamic body has been refused by now: its mass would not be positive.
         if (model.shape->closed && !def.dynamic && !each.cutting && geometry::enclosedVolume(*mesh) < 0.0)
-            logWarning(field, ".mesh is turned inside out: it pushes towards its inside, as the walls of a room; "
-                              "triangles are counter-clockwise seen from where others are to be");
+            logWarning(field, ".mesh is turned inside out: it pushes towards its inside, like the walls of a room; "
+                              "triangles must be counter-clockwise seen from the side where other bodies are");
         std::vector<Vec3> normals;
         applyInset(*model.shape, model.inset, normals, model.core);
     }

@@ -11,30 +11,31 @@
 
 namespace filasofia::engine {
 
-/// One way in which a body is touched: a surface, and how its vertices ride on the body.
+/// A surface by which a body collides, and how its vertices follow the body.
 struct CollisionModel {
-    /// Of a soft body at rest in the world; of a rigid one in its element's coordinates.
+    /// Soft body: at rest, in world coordinates; rigid body: in its element's coordinates.
     std::shared_ptr<const CollisionShape> shape;
     Inset inset;
-    std::vector<Vec3> core;   ///< [m] of a rigid body: the shape's vertices, moved inwards
-    double proximity = 0.0;   ///< [m] of the surface itself
-    int element = 0;          ///< of a rigid body
-    std::vector<int> behind;  ///< of a soft body's own surface: per triangle, the fourth node of its tetrahedron
-    geometry::Embedding ties; ///< of a soft body: per vertex, its nodes and their weights
+    std::vector<Vec3> core; ///< [m] the shape's vertices, moved inwards; rigid bodies only
+    double proximity = 0.0; ///< [m] proximity of the surface itself, without the inset
+    int element = 0;        ///< rigid bodies only
+    /// Per triangle: the fourth node of its tetrahedron; only if the surface is the soft body's own.
+    std::vector<int> behind;
+    geometry::Embedding ties; ///< per vertex: its nodes and their weights; soft bodies only
 };
 
-/// The collision models of a body; the Defs' meshes are loaded. Throws an Error naming the body and the field.
+/// Builds the collision models of a body and loads their meshes. Throws an Error that names the body and the field.
 std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& worldMesh);
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def);
 
-/// [m] How far in the vertices of a surface go at most.
+/// [m] The largest depth by which vertices of a surface are moved inwards.
 double insetDepth(double proximity);
 
-/// What is left of a surface lies deeper by what was taken off, and contacts are looked for from as much farther on;
-/// where nothing was taken off, as of a sheet, from where the proximity says.
+/// Sets the distance at which contacts are looked for. The inset moves the surface inwards, so the distance grows by
+/// its largest depth; if there is no inset, as on a sheet, it is the proximity itself.
 void setProximity(double proximity, const Inset& inset, CollisionShape& shape);
 
-/// Vertices that are nodes.
+/// Appends vertices that coincide with nodes.
 void addTies(std::span<const int> nodes, geometry::Embedding& ties);
 
 } // namespace filasofia::engine

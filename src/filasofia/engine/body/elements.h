@@ -8,7 +8,7 @@ namespace filasofia::engine {
 
 inline std::size_t elementCount(const SoftModel& model) { return model.elements.size() + model.tetrahedra.size(); }
 
-/// Of a FEM or a mass-spring body's tetrahedron.
+/// The nodes of a tetrahedron, in a FEM body or in a mass-spring body.
 inline const geometry::Tetrahedron& elementNodes(const SoftModel& model, std::size_t e)
 {
     return model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
@@ -18,7 +18,7 @@ inline geometry::Tetrahedron& elementNodes(SoftModel& model, std::size_t e)
     return model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
 }
 
-/// Gives an element the shape that its nodes have at rest.
+/// Sets volume and gradients of an element from its nodes at rest.
 inline void shapeElement(const std::vector<Vec3>& rest, FemElement& element)
 {
     const Corners corners = cornersOf(element.nodes, rest);
@@ -26,7 +26,7 @@ inline void shapeElement(const std::vector<Vec3>& rest, FemElement& element)
     element.volume = volumeOf(corners);
 }
 
-/// [kg] What a spring between nodes at `x` has in the matrix of an implicit step.
+/// [kg] A spring's block of the implicit step's matrix, with its nodes at `x`.
 inline Mat3 springMatrix(const Spring& spring, ImplicitWeights weights, const std::vector<Vec3>& x)
 {
     const Vec3 a = x[static_cast<std::size_t>(spring.nodes[0])], b = x[static_cast<std::size_t>(spring.nodes[1])];

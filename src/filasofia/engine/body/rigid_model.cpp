@@ -21,7 +21,7 @@ void checkPose(const std::string& object, const Pose& pose)
         fail(object, ": orientation must be a unit quaternion");
 }
 
-/// That a step can divide by it, and that some body has it.
+/// Checks that a step can divide by mass and inertia, and that a physical body can have this inertia.
 void checkInertia(const std::string& object, const RigidInertia& body)
 {
     if (!(body.mass > 0.0 && std::isfinite(body.mass) && std::isfinite(1.0 / body.mass)))
@@ -34,15 +34,16 @@ void checkInertia(const std::string& object, const RigidInertia& body)
         fail(object, ".inertia must be > 0 kg m^2, got ", size, " in the mean");
     constexpr double rounding = 1e-9;
     if (!(frobeniusNorm(j - transpose(j)) < rounding * size)) fail(object, ".inertia must be symmetric");
-    // Sylvester's criterion for the inertia and, with rounding's allowance, for the second moments that it is made of.
-    constexpr double thinnest = 1e-12;
+    // Sylvester's criterion for the inertia and, with a tolerance for rounding, for its second moments of mass.
+    constexpr double tolerance = 1e-12;
     const Mat3 one = (1.0 / size) * j, second = (1.5 + rounding) * Mat3::identity() - one;
-    const auto least = [](const Mat3& m) {
+    const auto smallestMinor = [](const Mat3& m) {
         return std::min({m[0].x, m[0].x * m[1].y - m[0].y * m[1].x, determinant(m)});
     };
-    if (!(least(one) > thinnest))
-        fail(object, ".inertia must be > 0 about every axis, and about none of them next to nothing");
-    if (!(least(second) > -thinnest)) fail(object, ".inertia: no moment may be more than the sum of the other two");
+    if (!(smallestMinor(one) > tolerance))
+        fail(object, ".inertia must be > 0 about every axis, and about none of them negligible");
+    if (!(smallestMinor(second) > -tolerance))
+        fail(object, ".inertia: no moment may be more than the sum of the other two");
 }
 
 void checkJoints(const std::string& object, const RigidModel& model, const RigidState& state)
@@ -54,18 +55,18 @@ void checkJoints(const std::string& object, const RigidModel& model, const Rigid
     if (joints == 0) return;
     checkSize(object, "elements", model.rest.size(), joints + 1);
     checkTree(object, articulation.tree);
-    if (model.dynamic && articulation.to) fail(object, ": a dynamic body goes with no other");
+    if (model.dynamic && articulation.to) fail(object, ": a dynamic body cannot be carried by another");
     for (std::size_t j = 0; j < joints; ++j) {
         const LinkJoint& joint = articulation.tree.joints[j];
         const std::string field = text(object, ": joints[", j, "]");
         const physics::RigidInertia& link = model.inertias[static_cast<std::size_t>(joint.child)];
-        if (link.mass != 0.0) checkInertia(field + ": of its link", link);
+        if (link.mass != 0.0) checkInertia(field + ": link", link);
         for (const physics::JointCommand& command : {state.joints[j].command, articulation.commands[j]}) {
             const bool force = std::holds_alternative<physics::JointForce>(command);
             if (!std::isfinite(std::visit([](const auto& each) { return each.value; }, command)))
                 fail(field, ".command must be finite");
             if (force && !(joint.inertia > 0.0 || link.mass > 0.0))
-                fail(field, ".command: a force needs a mass, or an inertia of the joint");
+                fail(field, ".command: a force needs a link with mass or a joint with inertia");
         }
         const frame::Joint& now = state.joints[j].now;
         if (!(now.position >= joint.lower && now.position <= joint.upper && std::isfinite(now.position)))
@@ -78,13 +79,14 @@ void checkJoints(const std::string& object, const RigidModel& model, const Rigid
 
 void checkHands(const std::string& object, const RigidModel& model, const RigidState& state)
 {
-    if (!model.dynamic && !state.hands.empty()) fail(object, ": only a dynamic body is held by hands");
+    if (!model.dynamic && !state.hands.empty()) fail(object, ": only a dynamic body can have virtual couplings");
     for (std::size_t h = 0; h < state.hands.size(); ++h) {
         const Hand& hand = state.hands[h];
         const std::string name = text(object, ": hands[", h, "]");
         if (hand.element < 0 || static_cast<std::size_t>(hand.element) >= state.poses.size())
             fail(name, ".element must be in [0, ", state.poses.size(), "), got ", hand.element);
-        if (h > 0 && hand.element <= state.hands[h - 1].element) fail(name, ": hands must ascend by their elements");
+        if (h > 0 && hand.element <= state.hands[h - 1].element)
+            fail(name, ": virtual couplings must ascend by their elements");
         validate(hand.target, name);
         const Vec3 motion[] = {hand.target.pose.position, hand.target.velocity, hand.target.angularVelocity};
         const Quat q = hand.target.pose.orientation;

@@ -127,10 +127,10 @@ void check(const SoftModel& model, const SoftState& state)
     }
     if (!usable(state.x) || !usable(state.v) || !usable(model.rest))
         fail(object, ": nodes must lie within ", physics::kFarthest,
-             " m of the origin, and be slower than as many m/s");
+             " m of the origin and be slower than that number in m/s");
     for (std::size_t i = 0; i < n; ++i)
         if (model.pins.hard[i] && !(state.v[i] == Vec3{} && state.dv[i] == Vec3{}))
-            fail(object, ": v[", i, "] and dv[", i, "] must be 0 m/s: the node is held");
+            fail(object, ": v[", i, "] and dv[", i, "] must be 0 m/s: the node is pinned");
     const int blocks = linalg::blocksFor(static_cast<int>(model.elements.size()));
     checkSize(object, "rotations", state.rotations.size(), static_cast<std::size_t>(blocks));
     for (std::size_t e = 0; e < state.rotations.size() * kBlock; ++e)

@@ -8,7 +8,7 @@
 
 namespace filasofia::engine {
 
-/// True if every number is finite and within physics::kFarthest.
+/// True if every component is finite and its magnitude is below physics::kFarthest.
 inline bool usable(std::span<const Vec3> values)
 {
     constexpr double far = physics::kFarthest;

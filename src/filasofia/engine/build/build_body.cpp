@@ -48,8 +48,8 @@ void addMasses(const TetMesh& mesh, const physics::Mass& mass, SoftModel& model)
     model.density = perVolume;
 }
 
-/// What a Def holds in space are pins, exact and cheap. What another body holds, or what may break, is attached once
-/// the body is there.
+/// Turns an attachment to space that cannot break into pins, which are exact and cheap. If the attachment is to another
+/// body, or may break, it is created after the body has been added.
 void addPins(const physics::AttachmentDef& def, const std::string& object, SoftModel& model)
 {
     const int count = static_cast<int>(model.rest.size());
@@ -73,7 +73,8 @@ void addPins(const physics::AttachmentDef& def, const std::string& object, SoftM
     }
 }
 
-/// Cuts keep a surface whole that is whole, and elements good that are good.
+/// Checks the mesh of a body that may be cut: cuts keep the surface a manifold and the elements good only if they are
+/// so at the start.
 void checkForCuts(const std::string& object, const EditableMesh& mesh)
 {
     const std::vector<TopologyViolation> faults =
@@ -81,24 +82,25 @@ void checkForCuts(const std::string& object, const EditableMesh& mesh)
     if (!faults.empty())
         fail(object,
              ": dynamicTopology needs a mesh whose surface is a manifold (each edge between two triangles, one "
-             "fan of them around each node), got: ",
+             "fan of triangles around each node), got: ",
              faults.front().where);
     constexpr double kPoor = 0.05;
     double worst = 1.0;
     for (int t = 0; t < mesh.tetrahedra(); ++t) worst = std::min(worst, restQuality(mesh.data(), t));
     if (worst < kPoor)
         logWarning(object, ": the worst of its tetrahedra has quality ", worst,
-                   " (1: regular); near such ones cuts follow the faces that are there");
+                   " (1: regular); near such elements cuts follow existing faces");
 }
 
-/// Most meshes of organs come in millimetres, and one read as metres does nothing wrong but hang like a bridge.
+/// Warns if a body is very large. Most organ meshes are in millimetres; if one is read as metres, nothing fails, but
+/// the body is as large as a bridge and sags like one.
 void warnOfSize(const std::string& object, const TetMesh& mesh)
 {
     constexpr double kLargest = 10.0; // [m]
     const geometry::Box box = geometry::boxAround(mesh.nodes);
     const double size = length(box.high - box.low);
     if (size > kLargest)
-        logWarning(object, ": is ", size, " m large; should its coordinates be millimetres: loadTetMesh(file, 1e-3)");
+        logWarning(object, ": is ", size, " m large; if its coordinates are millimetres, use loadTetMesh(file, 1e-3)");
 }
 
 std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, double period)

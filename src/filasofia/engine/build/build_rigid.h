@@ -6,7 +6,7 @@
 
 namespace filasofia::engine {
 
-/// Builds a rigid body; throws an Error that names body, field, bound and value.
+/// Builds a rigid body. Throws an Error that names body, field, bound and value if the Def is invalid.
 std::unique_ptr<physics::BuiltBody> buildRigid(const physics::RigidBodyDef& def);
 
 } // namespace filasofia::engine

@@ -108,7 +108,7 @@ void Native::setSpring(BodyId softBody, int spring, const NativeSpring& value)
 
 void tune(physics::PhysicsServer& server, std::function<void(Native&)> change)
 {
-    if (!change) fail("tune: the function to run must be one, got nothing");
+    if (!change) fail("tune: the function to run must not be empty");
     if (!dynamic_cast<const World*>(&server.engine())) fail("tune: the native engine is not in use");
     server.tune([change = std::move(change)](physics::PhysicsEngine& engine) {
         Native native(static_cast<World&>(engine).scene());

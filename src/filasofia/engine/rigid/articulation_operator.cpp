@@ -9,7 +9,8 @@ ArticulationOperator::ArticulationOperator(const LinkTree& tree, const Articulat
     : DenseOperator(plan.free.size()), tree_(tree), plan_(plan), origins_(std::move(origins)),
       rightHandSide_(plan.free.size())
 {
-    engine::multiply(plan.matrix, plan.change, rightHandSide_); // so that without constraints it does what it would
+    // Without constraints the solve gives the planned change.
+    engine::multiply(plan.matrix, plan.change, rightHandSide_);
 }
 
 double ArticulationOperator::begin(std::span<const ContactPoint> points)
@@ -31,7 +32,7 @@ double ArticulationOperator::begin(std::span<const ContactPoint> points)
     std::ranges::fill(x_, 0.0);
     std::ranges::fill(p_, 0.0);
     r_ = rightHandSide_;
-    double largest = 0.0; // the largest mass that one of the joints moves
+    double largest = 0.0; // the largest effective mass of a joint
     for (std::size_t f = 0; f < plan_.free.size(); ++f)
         largest = std::max(largest, plan_.matrix(f, f) / (plan_.arms[f] * plan_.arms[f]));
     return largest;
@@ -80,7 +81,7 @@ void ArticulationOperator::read(SolveVector from, std::span<Vec3> out) const
 
 void ArticulationOperator::add(std::span<const Vec3> impulses, SolveVector to)
 {
-    if (to == SolveVector::Residual) addTo(r_, impulses); // A^-1 is D^-1 here: nothing is left for B
+    if (to == SolveVector::Residual) addTo(r_, impulses); // D = A here, so B = 0
 }
 
 void ArticulationOperator::addTo(Vector& to, std::span<const Vec3> impulses) const

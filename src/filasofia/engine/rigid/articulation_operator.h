@@ -5,11 +5,11 @@
 
 namespace filasofia::engine {
 
-/// An articulated body's part of a coupled solve: the velocities of its free joints, with A^-1 known, so that it gives
-/// way at its contact points by J A^-1 J^T.
+/// The body operator of an articulated body, for coupled solves. Its unknowns are the velocities of its free joints.
+/// A^-1 is known, so its compliance at a contact point is J A^-1 J^T.
 class ArticulationOperator final : public DenseOperator<double> {
 public:
-    /// Tree and plan outlive the solve. `origins` [m]: of the links.
+    /// Tree and plan must outlive the solve. `origins` [m]: the origin of each link.
     ArticulationOperator(const LinkTree& tree, const ArticulationPlan& plan, std::vector<Vec3> origins);
 
     double begin(std::span<const ContactPoint> points) override;
@@ -31,9 +31,9 @@ private:
 
     const LinkTree& tree_;
     const ArticulationPlan& plan_;
-    std::vector<Vec3> origins_; ///< [m] per link
+    std::vector<Vec3> origins_; ///< [m] per link: its origin
     std::size_t points_ = 0;
-    std::vector<Vec3> columns_; ///< J: per contact point, per free joint
+    std::vector<Vec3> columns_; ///< J: per contact point and free joint
     Vector rightHandSide_;
 };
 

@@ -21,19 +21,19 @@ std::vector<double> positionsOf(const std::vector<JointState>& joints)
     return positions;
 }
 
-/// Where a joint that goes to a position is at the end of the step.
+/// The position of a joint with a position command at the end of the step.
 double endOf(const LinkJoint& joint, const JointState& state, double dt)
 {
     const double end = std::clamp(std::get<JointPosition>(state.command).value, joint.lower, joint.upper);
-    const double way = end - state.now.position, most = joint.speed * dt;
-    return std::abs(way) <= most ? end : state.now.position + std::copysign(most, way);
+    const double way = end - state.now.position, maxWay = joint.speed * dt;
+    return std::abs(way) <= maxWay ? end : state.now.position + std::copysign(maxWay, way);
 }
 
-/// Where the element that takes a base along is at the end of the step.
+/// The pose of an element that carries a base at the end of the step.
 Pose endOf(const Scene& scene, const ArticulationPlans& plans, std::size_t body, int element)
 {
     for (const ArticulationPlan& other : plans)
-        if (other.body == body) return other.baseEnd; // ids rise: it is planned already
+        if (other.body == body) return other.baseEnd; // ids ascend: the carrier is planned already
     const auto e = static_cast<std::size_t>(element);
     const RigidState& carrier = scene.rigid[body].state;
     return carrier.targets[e] && !scene.rigid[body].model.dynamic ? *carrier.targets[e] : carrier.poses[e];
@@ -59,7 +59,8 @@ std::vector<LinkMass> massesOf(const RigidModel& model, const RigidState& state)
     return masses;
 }
 
-/// The length that makes a joint's own velocity one in [m/s]: the radius at which all that it moves would have to be.
+/// [m] The length that turns a joint's velocity into one in [m/s]: the radius of gyration of all that it moves, or 1 if
+/// the joint slides or moves no mass.
 double armOf(const LinkTree& tree, const std::vector<LinkMass>& masses, int joint, double inertia)
 {
     if (slides(tree, joint)) return 1.0;
@@ -69,7 +70,7 @@ double armOf(const LinkTree& tree, const std::vector<LinkMass>& masses, int join
     return mass > 0.0 ? std::sqrt(inertia / mass) : 1.0;
 }
 
-/// [N m s] or [N s/m] What slows the free joints down: their own damping, and that of the body's motion.
+/// [N m s] or [N s/m] The damping matrix of the free joints: their own damping and that of the body's motion.
 JointMatrix dampingOf(const RigidModel& model, const std::vector<LinkMass>& masses, const ArticulationPlan& plan)
 {
     const LinkTree& tree = model.articulation.tree;
@@ -87,7 +88,7 @@ JointMatrix dampingOf(const RigidModel& model, const std::vector<LinkMass>& mass
     return damping;
 }
 
-/// [N m] or [N] What pushes a free joint: its command, and wrenches on the links that it moves.
+/// [N m] or [N] The force on a free joint: its command and the wrenches on the links that it moves.
 double givenForce(const LinkTree& tree, const std::vector<LinkMass>& masses, const RigidState& state,
                   const ArticulationPlan& plan, int joint)
 {
@@ -112,7 +113,7 @@ void planFree(const RigidModel& model, const RigidState& state, const RigidPlanE
     for (std::size_t j = 0; j < accelerations.size(); ++j)
         if (out.place[j] < 0) accelerations[j] = (out.velocities[j] - state.joints[j].now.velocity) / dt;
     const LinkMotion moving{base.velocity, base.angularVelocity};
-    const LinkMotion gaining{1.0 / dt * (base.velocity - state.velocities[0]), // nothing where the base is free
+    const LinkMotion gaining{1.0 / dt * (base.velocity - state.velocities[0]), // zero if the base is free
                              1.0 / dt * (base.angularVelocity - state.angularVelocities[0])};
     const std::vector<double> needed =
         inverseDynamics(tree, out.axes, state.poses, masses, out.velocities, accelerations, {moving, gaining},
@@ -133,7 +134,7 @@ void planFree(const RigidModel& model, const RigidState& state, const RigidPlanE
     multiply(out.inverse, impulses, out.change);
 }
 
-/// Which joints are free, and all velocities; `ends` [rad] or [m]: where those that are told are at the end.
+/// Finds the free joints and all velocities. `ends` [rad] or [m]: gets the end positions of the kinematic joints.
 void planJoints(const RigidModel& model, const RigidState& now, double dt, std::vector<double>& ends,
                 ArticulationPlan& out)
 {
@@ -156,7 +157,7 @@ void planJoints(const RigidModel& model, const RigidState& now, double dt, std::
         out.velocities.insert(out.velocities.end(), {v.x, v.y, v.z});
 }
 
-/// Of one body. `plans`: of those before.
+/// Plans the step of one body. `plans`: those of the bodies before it.
 ArticulationPlan planBody(const Scene& scene, double dt, std::size_t body, std::size_t first,
                           const ArticulationPlans& plans, RigidPlan& plan)
 {
@@ -185,7 +186,7 @@ ArticulationPlan planBody(const Scene& scene, double dt, std::size_t body, std::
         RigidPlanElement& link = plan[first + e];
         link.dynamic = std::ranges::any_of(out.free, [&](int j) { return moves(tree, j, static_cast<int>(e)); });
         if (!link.dynamic) {
-            if (e > 0) planWay(endPoses[e], dt, link); // told, like all that stands between it and the base
+            if (e > 0) planWay(endPoses[e], dt, link); // kinematic, like all links between it and the base
             continue;
         }
         link.mass = rigid.inertias[e].mass;
@@ -198,7 +199,7 @@ ArticulationPlan planBody(const Scene& scene, double dt, std::size_t body, std::
     return out;
 }
 
-/// False where the joints' new state is not one to go on with.
+/// Computes and sets the joints' new state; false, without setting it, if it is not usable.
 bool moveJoints(const LinkTree& tree, double dt, const ArticulationPlan& planned, const RigidPlanElement& base,
                 RigidState& state)
 {
@@ -220,7 +221,7 @@ bool moveJoints(const LinkTree& tree, double dt, const ArticulationPlan& planned
         now.velocity += planned.change[static_cast<std::size_t>(planned.place[j])];
         if (!(std::abs(now.velocity) < physics::kFarthest)) return false;
         now.position += dt * now.velocity;
-        // What is left of an impact at a stop, to the solver's tolerance.
+        // The solver's tolerance lets a joint pass its limit a little.
         if (!(now.position > joint.lower && now.position < joint.upper)) {
             now.position = std::clamp(now.position, joint.lower, joint.upper);
             now.velocity = now.position == joint.lower ? std::max(0.0, now.velocity) : std::min(0.0, now.velocity);
@@ -285,7 +286,7 @@ void moveArticulations(const StepContext& context, const ArticulationPlans& plan
         body.targets[0].reset();
         bool good = true;
         if (dt > 0.0) good = moveJoints(tree, dt, planned, plan[planned.first], body);
-        if (dt == 0.0 || !good) { // the base goes where it is told all the same
+        if (dt == 0.0 || !good) { // the base still gets its prescribed pose
             body.poses[0] = planned.baseEnd;
             placeLinks(tree, positionsOf(body.joints), body.poses);
         }
@@ -295,9 +296,9 @@ void moveArticulations(const StepContext& context, const ArticulationPlans& plan
         }
         for (std::size_t e = 0; e < body.poses.size() && dt > 0.0; ++e) {
             const RigidPlanElement& link = plan[planned.first + e];
-            const bool told = good || !link.dynamic;
-            body.velocities[e] = told ? link.velocity + link.change.linear : Vec3{};
-            body.angularVelocities[e] = told ? link.angularVelocity + link.change.angular : Vec3{};
+            const bool asPlanned = good || !link.dynamic;
+            body.velocities[e] = asPlanned ? link.velocity + link.change.linear : Vec3{};
+            body.angularVelocities[e] = asPlanned ? link.angularVelocity + link.change.angular : Vec3{};
         }
     }
 }

@@ -28,14 +28,14 @@ void planDynamic(const RigidModel& model, double dt, Vec3 gravity, const RigidSt
         if (static_cast<std::size_t>(hand.element) == e) planHand(hand, model, dt, pose, out);
 }
 
-void planTold(double dt, const RigidState& state, RigidPlanElement& out)
+void planKinematic(double dt, const RigidState& state, RigidPlanElement& out)
 {
     const std::size_t e = out.element;
     out.centre = state.poses[e].position;
     if (state.targets[e]) planWay(*state.targets[e], dt, out);
 }
 
-/// False where the new state is not one to go on with.
+/// Computes and sets the new state; false, without setting it, if it is not usable.
 bool moveDynamic(const physics::RigidInertia& body, double dt, const RigidPlanElement& planned, RigidState& state)
 {
     const std::size_t e = planned.element;
@@ -92,7 +92,7 @@ void planRigid(const Scene& scene, double dt, RigidPlan& plan)
             } else if (out.dynamic)
                 planDynamic(scene.rigid[b].model, dt, scene.gravity, scene.rigid[b].state, out);
             else
-                planTold(dt, scene.rigid[b].state, out);
+                planKinematic(dt, scene.rigid[b].state, out);
         }
         articulations += links ? 1 : 0;
     }

@@ -20,10 +20,11 @@ void hold(const Hand& hand, RigidState& state)
         state.hands.insert(place, hand);
 }
 
-// With the force at the end of the step, F = s (k (x_hand - x - h (v + dv)) + b (v_hand - v - dv)), and dv0 what the
-// element would do without it, m dv = m dv0 + h F gives (m + s h (b + h k)) dv = m dv0 + h F(dv = 0). Where the spring
-// would pull harder than its limit both it and the damper are weaker by s: still a spring and a damper, so still
-// stable.
+// The force at the end of the step is F = s (k (x_target - x - h (v + dv)) + b (v_target - v - dv)), with stiffness k,
+// damping b and step h. With dv0, the change without the coupling, m dv = m dv0 + h F gives
+//     (m + s h (b + h k)) dv = m dv0 + h F(dv = 0).
+// If the force would exceed its limit, spring and damper are both weaker by the factor s: they remain a spring and a
+// damper, so the step stays stable.
 void planHand(const Hand& hand, const RigidModel& model, double dt, const Pose& pose, RigidPlanElement& planned)
 {
     if (dt == 0.0) return;

@@ -3,14 +3,15 @@
 #include "filasofia/engine/rigid/rigid_step.h"
 #include "filasofia/engine/scene/scene.h"
 
-/// Hands that hold rigid elements by a spring and a damper.
+/// Virtual couplings (Colgate): a spring and a damper between a haptic target and an element of a rigid body.
 namespace filasofia::engine {
 
-/// From now on it holds; where its coupling has neither spring nor damper, it lets go.
+/// Adds or replaces the virtual coupling of an element. If it has neither spring nor damper, the element's coupling is
+/// removed.
 void hold(const Hand& hand, RigidState& state);
 
-/// Adds a hand to what an element would do by itself in a step of dt [s]. Spring and damper are those of the step's end
-/// (implicit Euler), so that no stiffness is too much for the step. `pose` is the element's at the start.
+/// Adds a virtual coupling to the planned step of dt [s] of an element. The forces of spring and damper are those at
+/// the end of the step (implicit Euler), so that any stiffness is stable. `pose`: the element's pose at the start.
 void planHand(const Hand& hand, const RigidModel& model, double dt, const Pose& pose, RigidPlanElement& planned);
 
 } // namespace filasofia::engine

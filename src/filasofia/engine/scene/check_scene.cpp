@@ -8,19 +8,20 @@
 #include <cmath>
 #include <tuple>
 
-/// What is asked of a state after somebody has had it in hand.
+/// Checks of a scene after a tune() has had access to it.
 namespace filasofia::engine {
 
 void checkAttachments(const Scene& scene)
 {
-    if (scene.holding.size() != scene.attachments.size()) fail("attachments: holding must have as many entries");
+    if (scene.holding.size() != scene.attachments.size())
+        fail("attachments: holding must have one entry per attachment");
     const auto checkPoint = [&](const AttachedPoint& point, BodyId id, const std::string& object) {
         const auto body = findBody(scene, id);
         if (id && !body) fail(object, ": body ", id.value, ": no such body");
         if (!isFinite(point.place)) fail(object, ": place must be finite");
         const std::size_t nodes = body && body->soft ? scene.soft[body->index].model.rest.size() : 0;
         if ((nodes > 0) != !point.nodes.empty() || point.nodes.size() > std::tuple_size_v<decltype(BodyPoint::nodes)>)
-            fail(object, ": a point of a soft body must have one to twelve nodes, another none");
+            fail(object, ": a point must have one to twelve nodes if it is on a soft body, else none");
         for (const NodeWeight& each : point.nodes)
             if (each.node < 0 || static_cast<std::size_t>(each.node) >= nodes || !std::isfinite(each.weight))
                 fail(object, ": node must be in [0, ", nodes, "), got ", each.node);
@@ -101,7 +102,7 @@ void checkContacts(const Scene& scene)
         if (!isVertex(*source, kept.point)) fail(object, ": point must be a vertex, got ", kept.point);
         for (const int vertex : kept.feature)
             if (vertex != -1 && !isVertex(*target, vertex))
-                fail(object, ": feature must be of vertices or -1, got ", vertex);
+                fail(object, ": feature must consist of vertices or -1, got ", vertex);
         if (kept.side != 1 && kept.side != -1) fail(object, ": side must be 1 or -1, got ", kept.side);
         if (s > 0 && kept < scene.sides[s - 1]) fail(object, ": sides must ascend");
     }

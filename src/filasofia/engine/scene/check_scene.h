@@ -4,9 +4,9 @@
 
 namespace filasofia::engine {
 
-/// Throws an Error naming the attachment or grasp, the field and the value unless all of them can be stepped with.
+/// Throws an Error that names the attachment or grasp, the field and the value if one of them is invalid.
 void checkAttachments(const Scene& scene);
-/// The same for what the scene keeps of contacts from step to step.
+/// The same for the contact data that the scene keeps from step to step.
 void checkContacts(const Scene& scene);
 
 } // namespace filasofia::engine

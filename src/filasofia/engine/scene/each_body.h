@@ -7,13 +7,14 @@
 
 namespace filasofia::engine {
 
-/// Elements or springs from which on threads inside one body pay: handing a loop over costs as much as a hundred
-/// elements.
+/// Number of elements or springs from which several threads inside one body pay off: starting a parallel loop costs as
+/// much as a hundred elements.
 inline constexpr std::size_t kWorthSharing = 2000;
 
 inline std::size_t sizeOf(const SoftModel& body) { return body.elements.size() + body.springs.size(); }
 
-/// The size beyond which a body outweighs a thread's share, and is worth sharing.
+/// The size above which all threads work on one body: it is larger than one thread's share of all bodies and at least
+/// kWorthSharing.
 inline std::size_t sharedBeyond(const Scene& scene, const WorkerPool& pool)
 {
     std::size_t total = 0;
@@ -21,9 +22,9 @@ inline std::size_t sharedBeyond(const Scene& scene, const WorkerPool& pool)
     return std::max(kWorthSharing, total / static_cast<std::size_t>(pool.threads()));
 }
 
-/// Calls work(body, b) for every soft body and its index: large ones that outweigh a thread's share one after the
-/// other, each with all threads inside; then the others side by side, one thread each. `work` must not look at other
-/// bodies.
+/// Calls work(body, b) for every soft body and its index: first for bodies larger than sharedBeyond(), one after the
+/// other, each with all threads inside; then for the others in parallel, one thread each. `work` must not read or write
+/// other bodies.
 template <class Work> void forEachBody(Scene& scene, WorkerPool& pool, const Work& work)
 {
     const std::size_t limit = sharedBeyond(scene, pool), count = scene.soft.size();

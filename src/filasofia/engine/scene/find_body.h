@@ -7,13 +7,13 @@
 
 namespace filasofia::engine {
 
-/// Where a body is among its kind.
+/// The place of a body: which list of the scene, and its index there.
 struct BodyPlace {
     bool soft = false;
     std::size_t index = 0;
 };
 
-/// The index of a body in a list by rising id; none if there is no such body.
+/// The index of a body in a list sorted by ascending id; none if there is no such body.
 template <class Bodies> std::optional<std::size_t> findIn(const Bodies& bodies, BodyId id)
 {
     const auto found = std::ranges::lower_bound(bodies, id, {}, [](const auto& body) { return body.model.id; });
@@ -21,7 +21,7 @@ template <class Bodies> std::optional<std::size_t> findIn(const Bodies& bodies, 
     return static_cast<std::size_t>(found - bodies.begin());
 }
 
-/// The same among all bodies.
+/// The same for all bodies of a scene.
 inline std::optional<BodyPlace> findBody(const Scene& scene, BodyId id)
 {
     if (const auto index = findIn(scene.soft, id)) return BodyPlace{true, *index};

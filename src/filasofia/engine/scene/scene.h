@@ -13,10 +13,10 @@
 #include <cstdint>
 #include <vector>
 
-/// What the engine knows: its bodies, and what ties them together from step to step.
+/// The engine's state: its bodies, and what persists between them from step to step.
 namespace filasofia::engine {
 
-/// A soft body: what it is, where it is, the equations of its step, and its mesh as edits know it.
+/// A soft body: its properties, its state, the equations of its step, and its editable mesh.
 struct SoftBody {
     SoftModel model; ///< changes between steps only
     SoftState state;
@@ -24,31 +24,32 @@ struct SoftBody {
     BodyTopology topology; ///< empty unless the body may be cut
 };
 
+/// A rigid body: its properties and its state. With joints it is an articulation, and its elements are the links.
 struct RigidBody {
     RigidModel model; ///< changes between steps only
     RigidState state;
 };
 
-/// What outlives a step besides the bodies: time, and what happens between bodies.
+/// What persists from step to step besides the bodies: time, gravity, and contacts and attachments between bodies.
 struct SceneState {
     std::uint64_t step = 0;
     double time = 0.0; ///< [s]
     Vec3 gravity;      ///< [m/s^2]
 
-    std::vector<CachedContact> contacts;  ///< the contact solve's warm start, ascending by bodies and feature
-    std::vector<SideKept> sides;          ///< which side of a sheet points are on, ascending
+    std::vector<CachedContact> contacts;  ///< warm start of the contact solve, ascending by bodies and feature
+    std::vector<SideKept> sides;          ///< the side of a sheet that points are on, ascending
     std::vector<frame::Contact> touching; ///< the last step's contacts, as frames carry them
 
-    std::vector<Attachment> attachments;    ///< by rising id; pins are not among them
-    std::vector<std::vector<Vec3>> holding; ///< [N] warm start per attachment and pair, the force on its body
-    std::vector<PendingGrasp> grasps;       ///< by rising id
-    std::vector<frame::Attachment> held;    ///< what attachments did in the last step, as frames carry it
+    std::vector<Attachment> attachments;    ///< ascending by id, without pins
+    std::vector<std::vector<Vec3>> holding; ///< [N] warm start per attachment and pair: the force on its body
+    std::vector<PendingGrasp> grasps;       ///< ascending by id
+    std::vector<frame::Attachment> held;    ///< forces of the attachments in the last step, as frames carry them
 };
 
-/// All that the engine knows.
+/// The whole state of the engine.
 struct Scene : SceneState {
-    std::vector<SoftBody> soft;   ///< by rising id
-    std::vector<RigidBody> rigid; ///< by rising id
+    std::vector<SoftBody> soft;   ///< ascending by id
+    std::vector<RigidBody> rigid; ///< ascending by id
 };
 
 } // namespace filasofia::engine

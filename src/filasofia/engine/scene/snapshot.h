@@ -4,7 +4,7 @@
 
 namespace filasofia::engine {
 
-/// All of a scene but its solvers and the meshes that edits work on: enough to put it back between two steps.
+/// A copy of a scene without its solvers and editable meshes: enough to restore the scene between two steps.
 class Snapshot {
 public:
     explicit Snapshot(const Scene& scene);

@@ -22,7 +22,7 @@ void add(Hasher& hash, const Pose& pose)
     add(hash, Vec3{pose.orientation.x, pose.orientation.y, pose.orientation.z});
 }
 
-// What a state does not have leaves its hash as it was.
+// An empty list does not change the hash.
 void addCount(Hasher& hash, std::size_t count)
 {
     if (count > 0) hash.add(static_cast<std::uint64_t>(count));
@@ -34,7 +34,7 @@ void add(Hasher& hash, const SurfaceName& name)
     hash.add(static_cast<std::uint64_t>(name.model));
 }
 
-void addHands(Hasher& hash, const RigidState& body)
+void addCouplings(Hasher& hash, const RigidState& body)
 {
     addCount(hash, body.hands.size());
     for (const Hand& hand : body.hands) {
@@ -108,7 +108,7 @@ void addJoints(Hasher& hash, const RigidState& body)
     }
 }
 
-/// A mesh that was edited; one that was not leaves the hash as it was.
+/// Adds the edits of a mesh. A mesh without edits does not change the hash.
 void add(Hasher& hash, const BodyTopology& topology, const SoftModel& model)
 {
     if (topology.revision == 0) return;
@@ -140,14 +140,14 @@ std::uint64_t hashOf(const Scene& scene)
         const RigidState& body = each.state;
         for (const Pose& pose : body.poses) add(hash, pose);
         addJoints(hash, body);
-        if (!each.model.dynamic && body.joints.empty()) continue; // between steps it is its poses, and no more
+        if (!each.model.dynamic && body.joints.empty()) continue; // a kinematic body is its poses alone
         for (const auto* list : {&body.velocities, &body.angularVelocities})
             for (const Vec3& v : *list) add(hash, v);
         for (const Wrench& wrench : body.wrenches) {
             add(hash, wrench.force);
             add(hash, wrench.torque);
         }
-        addHands(hash, body);
+        addCouplings(hash, body);
     }
     addContacts(hash, scene);
     addAttachments(hash, scene);

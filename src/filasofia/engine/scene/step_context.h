@@ -5,11 +5,11 @@
 
 namespace filasofia::engine {
 
-/// What every stage of a step is given besides the scene.
+/// The parameters and resources of a step, which every stage gets besides the scene.
 struct StepContext {
-    double dt = 0.0;                             ///< [s], >= 0; 0: time stands still, commands are applied all the same
-    const physics::StepBudget* budget = nullptr; ///< when solves must end; null: never
-    const physics::ContactMethod& method;        ///< how bodies that touch push each other
+    double dt = 0.0;                             ///< [s], >= 0; 0: time stands still, but commands are applied
+    const physics::StepBudget* budget = nullptr; ///< when solves must end; null: no limit
+    const physics::ContactMethod& method;        ///< how contacts are solved
     WorkerPool& pool;
     physics::StepReport& report;
 };

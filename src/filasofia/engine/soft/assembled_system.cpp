@@ -81,13 +81,13 @@ void addPins(const SoftModel& model, ImplicitWeights weights, const SoftState& s
 
 void addMassesToMatrix(const SoftModel& model, double weight, AssembledSystem& system)
 {
-    // A held node's row is that of the identity: with nothing on its right-hand side it keeps its velocity of zero.
+    // A pinned node's row is that of the identity. Its right-hand side is zero, so it keeps its velocity of zero.
     for (std::size_t i = 0; i < model.masses.size(); ++i)
         system.matrix.block(system.diagonalBlocks[i]) +=
             (model.pins.hard[i] ? 1.0 : weight * model.masses[i]) * Mat3::identity();
 }
 
-/// The blocks of every row: a node's own and those of the nodes it shares an element or a spring with.
+/// The columns of every row: the node itself and the nodes that share an element or a spring with it.
 std::vector<std::vector<int>> blockColumns(const SoftModel& model)
 {
     std::vector<std::vector<int>> columns(model.rest.size());
@@ -103,7 +103,8 @@ std::vector<std::vector<int>> blockColumns(const SoftModel& model)
     return columns;
 }
 
-/// Where the blocks of one element go. Rows and columns of held nodes are left out: they stay those of the identity.
+/// The places of one element's blocks in the matrix. Rows and columns of pinned nodes are left out: they stay those of
+/// the identity.
 template <std::size_t n> std::array<int, n * n>
 blockPositions(const linalg::BlockSparseMatrix& matrix, const std::vector<bool>& held, const std::array<int, n>& nodes)
 {
@@ -119,10 +120,11 @@ std::unique_ptr<linalg::LinearSolver> makeSolver(const SoftModel& model)
     const auto* cg = std::get_if<physics::ConjugateGradient>(&model.solver);
     if (!cg) return linalg::makeCholesky();
     if (cg->assembled) return linalg::makeConjugateGradient(cg->maxIterations, cg->tolerance);
-    // It stands in for the default solver. On a nearly incompressible body conjugate gradients end at their cap far
-    // from the answer, in double too: bunnies with a Poisson ratio of 0.5 - 1e-8 blew up.
+    // The default solver was asked for, but float cannot represent the model. On a nearly incompressible body conjugate
+    // gradients reach their maximum of iterations far from the solution, also in double: bunnies with a Poisson ratio
+    // of 0.5 - 1e-8 blew up.
     if (nearlyIncompressible(model)) return linalg::makeCholesky();
-    // The tolerance is of the energy, and 1e-4 of the residual does as well.
+    // The default solver's tolerance is on the energy; 1e-4 on the residual gives the same quality.
     return linalg::makeConjugateGradient(cg->maxIterations, std::min(cg->tolerance, 1e-4));
 }
 

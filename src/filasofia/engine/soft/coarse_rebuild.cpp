@@ -22,22 +22,23 @@ std::vector<std::array<int, 2>> connections(const SoftModel& model)
     return edges;
 }
 
-/// What coarse nodes are laid through.
+/// The mesh through which the coarse lattice is built.
 struct Tissue {
     std::span<const Vec3> rest;
     const std::vector<std::array<int, 2>>& edges;
-    std::span<const int> nodes; ///< that are free
+    std::span<const int> nodes; ///< the nodes that are not pinned hard
     const std::vector<bool>& held;
     const std::vector<PinSpring>& pins;
     const std::vector<double>& masses;
 };
 
-struct LaidTissue {
+/// The coarse lattice of a mesh, and which of its small pieces are free.
+struct BuiltLattice {
     geometry::CoarseLattice lattice;
-    std::vector<char> freePieces; ///< per small piece, 1: nothing holds it
+    std::vector<char> freePieces; ///< per small piece: 1 if nothing holds it
 };
 
-/// Which of the small pieces hang on nothing.
+/// Per small piece: 1 if no pinned node and no pin spring holds it.
 std::vector<char> freePieces(const Tissue& tissue, const std::vector<std::vector<int>>& pieces)
 {
     std::vector<int> pieceOf(tissue.rest.size(), -1);
@@ -56,9 +57,9 @@ std::vector<char> freePieces(const Tissue& tissue, const std::vector<std::vector
     return isFree;
 }
 
-void giveLightNodesTheirOwn(const Tissue& tissue, int most, geometry::CoarseLattice& lattice)
+void refineLightNodes(const Tissue& tissue, int most, geometry::CoarseLattice& lattice)
 {
-    constexpr double kLight = 0.2; // of the median
+    constexpr double kLight = 0.2; // [-] relative to the median mass
     std::vector<std::pair<double, int>> light;
     for (int node : tissue.nodes) light.emplace_back(tissue.masses[static_cast<std::size_t>(node)], node);
     std::ranges::sort(light);
@@ -74,7 +75,7 @@ void giveLightNodesTheirOwn(const Tissue& tissue, int most, geometry::CoarseLatt
     }
 }
 
-/// Coarse nodes that nothing follows any more go.
+/// Removes coarse nodes from which no node interpolates any more.
 void dropUnused(geometry::CoarseLattice& lattice)
 {
     std::vector<int> number(static_cast<std::size_t>(lattice.nodeCount), -1);
@@ -88,8 +89,8 @@ void dropUnused(geometry::CoarseLattice& lattice)
         for (int& corner : corners) corner = std::max(0, number[static_cast<std::size_t>(corner)]);
 }
 
-/// The nodes of small pieces have a coarse node each.
-void givePiecesTheirOwn(geometry::CoarseLattice& lattice)
+/// Gives each node of a small piece a coarse node of its own.
+void addPieceNodes(geometry::CoarseLattice& lattice)
 {
     int first = linalg::firstPieceNode(lattice.nodeCount);
     for (const std::vector<int>& piece : lattice.pieces) {
@@ -101,16 +102,16 @@ void givePiecesTheirOwn(geometry::CoarseLattice& lattice)
     }
 }
 
-LaidTissue lay(const Tissue& tissue, const CoarseChoice& choice)
+BuiltLattice buildLattice(const Tissue& tissue, const CoarseChoice& choice)
 {
     std::vector<bool> active(tissue.held);
     active.flip();
     geometry::CoarseLattice lattice = geometry::coarseLattice(tissue.rest, tissue.edges, active, choice.target);
     if (lattice.nodeCount > 0 && lattice.nodeCount < choice.most) {
-        giveLightNodesTheirOwn(tissue, choice.most, lattice);
+        refineLightNodes(tissue, choice.most, lattice);
         dropUnused(lattice);
     }
-    givePiecesTheirOwn(lattice);
+    addPieceNodes(lattice);
     std::vector<char> isFree = freePieces(tissue, lattice.pieces);
     return {std::move(lattice), std::move(isFree)};
 }
@@ -135,8 +136,8 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
     AssembledSystem rest(model);
     SoftState state = stateAtRest(model);
     assembleMatrix(model, std::vector<Vec3>(model.rest.size()), plan.period, 1.0, state, rest);
-    const auto [lattice, isFree] =
-        lay({model.rest, connections(model), plan.nodes, model.pins.hard, model.pins.springs, model.masses}, choice);
+    const auto [lattice, isFree] = buildLattice(
+        {model.rest, connections(model), plan.nodes, model.pins.hard, model.pins.springs, model.masses}, choice);
     return linalg::TwoLevelPreconditioner({.matrix = rest.matrix,
                                            .rows = plan.nodes,
                                            .scale = plan.scale,
@@ -149,7 +150,7 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
 
 namespace {
 
-/// A few coarse nodes, and for each a value that is linear in those of the nodes that follow it.
+/// A short sparse vector over coarse nodes: P^T applied to the values of a few nodes.
 template <class Value> class CoarseSum {
 public:
     void clear() { count_ = 0; }
@@ -174,11 +175,11 @@ public:
 
 private:
     std::size_t count_ = 0;
-    std::array<int, 16> corners_{}; // those of an element's four nodes at most
+    std::array<int, 16> corners_{}; // at most those of an element's four nodes
     std::array<Value, 16> values_{};
 };
 
-/// A_c in the order of its coarse nodes, row by row: the lattice's, and one matrix per small piece.
+/// The coarse matrix A_c = P^T A P, row by row: one dense matrix of the lattice, and one per small piece.
 class CoarseMatrix {
 public:
     explicit CoarseMatrix(const geometry::CoarseLattice& lattice)
@@ -188,10 +189,10 @@ public:
     {
     }
 
-    /// The 3 x 3 block of two coarse nodes, which belong to the same matrix.
+    /// The 3 x 3 block of two coarse nodes of the same matrix.
     struct Block {
         double* at;
-        std::size_t next; ///< from one row to the one below
+        std::size_t next; ///< offset from one row to the next
         void add(std::size_t row, std::size_t column, double value) const { at[row * next + column] += value; }
     };
     Block block(int row, int column)
@@ -216,7 +217,8 @@ private:
 
 } // namespace
 
-/// What the step that asks copies, as little as will do, and what comes of it. Nobody else has any of it.
+/// Input and result of a rebuild. The step that starts it copies only what is needed, and no other thread shares the
+/// data.
 struct CoarseRemake::Work {
     struct Element {
         geometry::Tetrahedron nodes;
@@ -251,7 +253,8 @@ struct CoarseRemake::Work {
 
 void CoarseRemake::Work::make()
 {
-    const auto [lattice, isFree] = lay({rest, edges(), nodes, held, pins, masses}, remadeCoarseChoice(nodes.size()));
+    const auto [lattice, isFree] =
+        buildLattice({rest, edges(), nodes, held, pins, masses}, remadeCoarseChoice(nodes.size()));
     if (lattice.nodeCount > 0 || !lattice.pieces.empty()) {
         const CoarseMatrix matrix = coarseMatrix(lattice);
         made = linalg::CoarseLevel(linalg::CoarseInput{.matrix = matrix.lattice(),
@@ -263,11 +266,11 @@ void CoarseRemake::Work::make()
                                                        .weights = lattice.weights});
     }
     springs = {};
-    elements = {}; // given back here, where there is time for it
+    elements = {}; // freed here, as the step has no time for it
     rest = {};
 }
 
-/// Each once: a mesh has five times fewer than its elements have.
+/// Each edge once: a mesh has five times fewer edges than its elements have together.
 std::vector<std::array<int, 2>> CoarseRemake::Work::edges() const
 {
     std::vector<std::array<int, 2>> list;
@@ -282,8 +285,8 @@ std::vector<std::array<int, 2>> CoarseRemake::Work::edges() const
     return list;
 }
 
-/// P^T A P without A: the stiffness of an element is bilinear in the gradients of its shape functions, and those of the
-/// coarse nodes are sums of them. Only the lower half.
+/// P^T A P without A: the stiffness of an element is bilinear in the gradients of its shape functions, and the
+/// gradients of the coarse nodes are weighted sums of them. Only the lower half is computed.
 CoarseMatrix CoarseRemake::Work::coarseMatrix(const geometry::CoarseLattice& lattice) const
 {
     CoarseMatrix matrix(lattice);
@@ -338,17 +341,18 @@ CoarseMatrix CoarseRemake::Work::coarseMatrix(const geometry::CoarseLattice& lat
 
 namespace {
 
-/// 2.5 times what the making takes of one core: the lattice and the matrix by elements, the inverse by the cube of the
-/// coarse nodes. Measured at 1000 to 85,000 elements: 14 ms at 5400, 23 ms at 20,000, 184 ms at 85,000.
-int stepsToMake(std::size_t elements, std::size_t freeNodes, double period)
+/// The number of steps in 2.5 times the build time on one core: the cost of lattice and matrix is proportional to the
+/// number of elements, that of the inverse to the cube of the number of coarse nodes. Measured at 1000 to 85,000
+/// elements: 14 ms at 5400, 23 ms at 20,000, 184 ms at 85,000.
+int stepsToBuild(std::size_t elements, std::size_t freeNodes, double period)
 {
-    constexpr double kPerElement = 1e-6, kInverse = 9e-3; // [s], the second of 150 coarse nodes
-    constexpr double kFewest = 4.0, kMost = 10000.0;
+    constexpr double kPerElement = 1e-6, kInverse = 9e-3; // [s], the second for 150 coarse nodes
+    constexpr double kMinSteps = 4.0, kMaxSteps = 10000.0;
     const CoarseChoice choice = remadeCoarseChoice(freeNodes);
-    const auto most = static_cast<double>(std::max(choice.target, choice.most));
-    const double coarse = std::min(most, static_cast<double>(freeNodes)) / 150.0;
+    const auto maxCoarse = static_cast<double>(std::max(choice.target, choice.most));
+    const double coarse = std::min(maxCoarse, static_cast<double>(freeNodes)) / 150.0;
     const double seconds = kPerElement * static_cast<double>(elements) + kInverse * coarse * coarse * coarse;
-    return static_cast<int>(std::clamp(std::ceil(2.5 * seconds / period), kFewest, kMost));
+    return static_cast<int>(std::clamp(std::ceil(2.5 * seconds / period), kMinSteps, kMaxSteps));
 }
 
 } // namespace
@@ -356,7 +360,7 @@ int stepsToMake(std::size_t elements, std::size_t freeNodes, double period)
 CoarseRemake::CoarseRemake(const SoftModel& model, const PreconditionerPlan& plan, BackgroundThread& meanwhile)
     : work_(std::make_shared<Work>(model, plan)),
       job_(std::make_shared<BackgroundJob>([work = work_] { work->make(); })),
-      stepsLeft_(stepsToMake(model.elements.size() + model.springs.size(), plan.nodes.size(), plan.period))
+      stepsLeft_(stepsToBuild(model.elements.size() + model.springs.size(), plan.nodes.size(), plan.period))
 {
     meanwhile.submit(job_);
 }

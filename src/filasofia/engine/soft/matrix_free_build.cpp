@@ -1,4 +1,4 @@
-// How a MatrixFreeSystem is made from a model.
+// Builds a MatrixFreeSystem from a model.
 #include "filasofia/engine/soft/matrix_free_system.h"
 
 #include "filasofia/engine/soft/assembled_system.h"
@@ -20,13 +20,13 @@ double meanMass(const SoftModel& model)
     return std::accumulate(model.masses.begin(), model.masses.end(), 0.0) / static_cast<double>(model.masses.size());
 }
 
-/// At most `most` of each list, evenly spaced.
-std::vector<std::vector<int>> thinned(std::vector<std::vector<int>> lists, std::size_t most)
+/// Keeps at most `maxSize` entries of each list, evenly spaced.
+std::vector<std::vector<int>> thinned(std::vector<std::vector<int>> lists, std::size_t maxSize)
 {
     for (std::vector<int>& list : lists) {
-        if (list.size() <= most) continue;
-        for (std::size_t k = 0; k < most; ++k) list[k] = list[k * list.size() / most];
-        list.resize(most);
+        if (list.size() <= maxSize) continue;
+        for (std::size_t k = 0; k < maxSize; ++k) list[k] = list[k * list.size() / maxSize];
+        list.resize(maxSize);
     }
     return lists;
 }
@@ -163,7 +163,7 @@ void MatrixFreeSystem::makeGather(const SoftModel& model)
     for (std::size_t e = 0; e < model.elements.size(); ++e)
         for (std::size_t i = 0; i < 4; ++i)
             add(model.elements[e].nodes[i], 4 * (e / kBlock) + i, static_cast<int>(e % kBlock));
-    // A few of the elements around a node say how it turns, nearly as well as all of them.
+    // The mean rotation of a few elements around a node is nearly as good as that of all of them.
     if (!elements_.empty()) turns_ = linalg::Gather(thinned(places, kRotationsPerNode));
     for (std::size_t s = 0; s < model.springs.size(); ++s)
         for (std::size_t i = 0; i < 2; ++i)

@@ -1,4 +1,4 @@
-// How a MatrixFreeSystem follows an edit of its body's mesh: what the edit did not reach stays as it is.
+// Updates a MatrixFreeSystem after an edit of its body's mesh, only where the edit has changed the mesh.
 #include "filasofia/engine/soft/matrix_free_system.h"
 
 #include "filasofia/engine/body/elements.h"
@@ -9,16 +9,16 @@
 namespace filasofia::engine {
 namespace {
 
-/// The element, of `corners` nodes, whose corner is said at a place of the gather list.
+/// The element (with `corners` nodes) to whose corner an entry of the gather list points.
 int elementAt(int place, int corners)
 {
     const int offset = place % 64, lane = offset / kBlock + 4 * (offset % kBlock / 4);
     return place / (64 * corners) * kBlock + lane;
 }
 
-/// What a node between two others follows: what they do, or where that is more than four coarse nodes the four that
-/// weigh most.
-linalg::Interpolation between(const linalg::Interpolation& a, const linalg::Interpolation& b, double share)
+/// The interpolation of a node between two others: the weighted sum of theirs. If that has more than four coarse nodes,
+/// the four with the largest weights are kept.
+linalg::Interpolation interpolateBetween(const linalg::Interpolation& a, const linalg::Interpolation& b, double share)
 {
     struct Part {
         int corner;
@@ -60,7 +60,7 @@ bool MatrixFreeSystem::edit(const SoftModel& model, const MeshEdit& edit)
     for (std::size_t i = 0; i < edit.nodes.size(); ++i) addNode(model, known + static_cast<int>(i), edit.nodes[i]);
     if (remake_) remake_->add(edit.nodes);
     parted_ = parted_ || std::ranges::any_of(edit.nodes, [](const auto& each) { return each.first == each.second; });
-    if (model.elements.empty()) { // springs are many fewer numbers than elements
+    if (model.elements.empty()) { // springs have much less data than elements: rebuild them
         makeSprings(model);
         makeGather(model);
     } else {
@@ -85,7 +85,7 @@ bool MatrixFreeSystem::reserve(const SoftModel& model, const MeshEdit& edit)
     const int heldRoom = kBlock * x_.pinnedBlocks() - heldNodes_;
     if (freeNodes_ + free <= kBlock * freeBlocks_ && held <= heldRoom) return false;
 
-    // More room: those that are held move back.
+    // Make room: the pinned nodes move back.
     const int more = linalg::blocksFor(std::max(free, freeNodes_ / 4));
     const int heldBlocks = linalg::blocksFor(std::max(heldNodes_ + held, heldNodes_ + heldNodes_ / 4));
     const int oldEnd = kBlock * freeBlocks_, shift = kBlock * more;
@@ -126,13 +126,13 @@ void MatrixFreeSystem::addNode(const SoftModel& model, int node, const MeshEdit:
 
 void MatrixFreeSystem::interpolate(int slot, const MeshEdit::Node& made)
 {
-    const auto followed = [&](int parent) { // one that is held follows nothing
+    const auto followed = [&](int parent) { // a pinned node has no interpolation
         const int at = slotOf_[static_cast<std::size_t>(parent)];
         return at < freeNodes_ ? preconditioner_.interpolation(at) : linalg::Interpolation{};
     };
-    preconditioner_.interpolate(slot, made.first == made.second
-                                          ? followed(made.first)
-                                          : between(followed(made.first), followed(made.second), made.share));
+    preconditioner_.interpolate(
+        slot, made.first == made.second ? followed(made.first)
+                                        : interpolateBetween(followed(made.first), followed(made.second), made.share));
 }
 
 void MatrixFreeSystem::followParting(const SoftModel& model, BackgroundThread& meanwhile)
@@ -140,7 +140,7 @@ void MatrixFreeSystem::followParting(const SoftModel& model, BackgroundThread& m
     if (!preconditioned_) return;
     if (remake_ && remake_->isDue()) {
         const bool taken = preconditioner_.takeCoarseLevel(remake_->take());
-        // Nodes that came meanwhile follow their parents, as ever; in the old coarse level they do already.
+        // Nodes added meanwhile interpolate from their parents; if the old coarse level stays, they do so already.
         const std::vector<MeshEdit::Node>& since = remake_->since();
         for (std::size_t i = 0; taken && i < since.size(); ++i)
             if (const int slot = slotOf_[slotOf_.size() - since.size() + i]; slot < freeNodes_)

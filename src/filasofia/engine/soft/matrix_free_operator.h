@@ -5,12 +5,12 @@
 
 namespace filasofia::engine {
 
-/// A matrix-free body's part of a solve that spans several.
+/// The body operator of a matrix-free body, for coupled solves.
 class MatrixFreeOperator final : public BodyOperator, public BodyPreconditioner, private CoarseDeflation {
 public:
     explicit MatrixFreeOperator(MatrixFreeSystem& system);
 
-    /// `dv`: the first guess. The pool is used until the solve is over.
+    /// `dv` [m/s]: the first guess. The pool must outlive the solve.
     void prepare(std::span<const Vec3> dv, WorkerPool& pool);
 
     double begin(std::span<const ContactPoint> points) override;

@@ -12,20 +12,21 @@ namespace {
 using linalg::NodeArray;
 using linalg::Parts;
 
-constexpr Parts elementParts(std::size_t blocks) { return {static_cast<int>(blocks), 16}; } // 256 elements a part
+constexpr Parts elementParts(std::size_t blocks) { return {static_cast<int>(blocks), 16}; } // 256 elements per part
 
-// How much of the impulse that a solve left undone the next step gets. Without any of it a loose solve loses a little
-// of every step, the same way each time, and the errors add up. All of it would leave nothing out, but impulses so
-// rough that they hardly move the body would pile up and cost iterations. Measured on bunnies of 756 to 30000 elements:
-// 3/4 instead of 1/2 halves the error, and takes up to half as many iterations again.
+// [-] The part of the residual impulse that is handed on to the next step. If nothing is handed on, a loosely converged
+// solve loses a little in every step, always in the same direction, and the errors add up. If everything is handed on,
+// nothing is lost, but impulses so rough that they hardly move the body accumulate and cost iterations. Measured on
+// bunnies of 756 to 30000 elements: 3/4 instead of 1/2 halves the error and takes up to half as many iterations again.
 constexpr double kHandedOn = 0.5;
 
-// A body of so few nodes is solved more exactly than asked, which costs microseconds: what swings about a node of a
-// stiff one is no mode of the preconditioner, which then takes the error for up to a hundred times less than it is, and
-// steps that turn it by more than a tenth made energy. Of 16 such bodies (0.3 to 8 s, 20 to 128 nodes, 1 MPa) 9 gained
-// up to 10^4 times what they were let go with; at a hundredth of the tolerance none does.
+// A body with so few nodes is solved to a tighter tolerance than asked for, which costs microseconds. If a stiff body
+// swings about a node, that motion is not a mode of the preconditioner, which then underestimates the error up to a
+// hundred times, and steps that turn the body by more than 0.1 rad gained energy. With the tolerance asked for, 9 of 16
+// such bodies (0.3 to 8 s, 20 to 128 nodes, 1 MPa) gained up to 10^4 times their initial energy; with a hundredth of
+// it, none does.
 constexpr int kFewNodes = 128;
-constexpr double kCloser = 0.01, kClosest = 1e-5; // the second is what float gives
+constexpr double kTighter = 0.01, kSmallestTolerance = 1e-5; // the second is the limit of float
 
 constexpr int kNodesPerPart = 512;
 
@@ -135,7 +136,7 @@ linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limit
                                                 std::span<Vec3> leftover, WorkerPool& pool)
 {
     load(dv, {}, dv_, pool);
-    linalg::SolveLimits closer = limits;
+    linalg::SolveLimits tighter = limits;
     if (freeNodes_ <= kFewNodes)
         closer.tolerance = std::min(limits.tolerance, std::max(kCloser * limits.tolerance, kClosest));
     const linalg::NodeSolveReport report = cg_.solve({*this, preconditioner_, residual_, size_}, dv_, closer, pool);
@@ -152,11 +153,10 @@ void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, std::span<V
 void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, const RigidMotion& push, std::span<Vec3> dv,
                               std::span<Vec3> leftover, WorkerPool& pool)
 {
-    // What a solve lacks that was cut short could do harm: it is not handed on, and the body gives up some motion for
-    // it.
+    // If the solve was cut short, its residual could do harm: it is not handed on, and the body is slowed down instead.
     const double share = report.converged ? kHandedOn : 0.0;
-    const double held = std::max(heldBack(pool), report.converged ? 0.0 : report.residual);
-    const RigidMotion rigid = held > 0.0 ? rigidMotion() : RigidMotion{};
+    const double removed = std::max(heldBack(pool), report.converged ? 0.0 : report.residual);
+    const RigidMotion rigid = removed > 0.0 ? rigidMotion() : RigidMotion{};
     const Parts parts{freeNodes_, kNodesPerPart};
     pool.run(parts.count(), [&](int part) {
         for (int slot = parts[part].begin; slot < parts[part].end; ++slot) {
@@ -164,7 +164,7 @@ void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, const Rigid
             const int node = nodeOf_[slot];
             leftover[node] = share / scale_ * rest;
             dv[node] = change + push.at(vectorAt(x_, slot));
-            if (held > 0.0) dv[node] -= held * (vectorAt(v_, slot) + change - rigid.at(vectorAt(x_, slot)));
+            if (removed > 0.0) dv[node] -= removed * (vectorAt(v_, slot) + change - rigid.at(vectorAt(x_, slot)));
         }
     });
 }
@@ -234,7 +234,7 @@ double MatrixFreeSystem::heldBack(WorkerPool& pool)
         return all;
     };
     const linalg::StepWork whole = workOf(v_, dv_);
-    if (whole.work >= -0.5 * whole.change) return 0.0; // no need to look closer
+    if (whole.work >= -0.5 * whole.change) return 0.0; // no energy is gained: the products below are not needed
 
     const RigidMotion rigid = rigidMotion();
     for (int slot = 0; slot < freeNodes_; ++slot)

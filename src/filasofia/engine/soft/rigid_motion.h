@@ -12,8 +12,8 @@ struct RigidMotion {
     [[nodiscard]] Vec3 at(Vec3 x) const { return linear + cross(angular, x - centre); }
 };
 
-/// The rigid motion of `count` > 0 points that has their momentum and their angular momentum; without a turn where they
-/// lie in a point or on a line. massOf(i), positionOf(i), momentumOf(i).
+/// The rigid motion of `count` > 0 points with their momentum and their angular momentum; without rotation if the
+/// points coincide or lie on a line. The functions massOf(i), positionOf(i) and momentumOf(i) describe point i.
 template <class MassOf, class PositionOf, class MomentumOf>
 RigidMotion rigidMotionOf(int count, const MassOf& massOf, const PositionOf& positionOf, const MomentumOf& momentumOf)
 {

@@ -7,7 +7,8 @@
 namespace filasofia::engine {
 namespace {
 
-/// Whether an element or spring pulls at held nodes: what lies between such nodes is at rest, and does nothing.
+/// True if an element or spring pulls at hard-pinned nodes. If all its nodes are pinned, it is at rest and exerts no
+/// force.
 template <class Nodes> bool pulls(const HeldParts& parts, const Nodes& nodes)
 {
     const auto held = std::ranges::count_if(nodes, [&](int node) { return parts.holders[node] > 0; });
@@ -43,7 +44,8 @@ void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts)
     parts.holders.resize(model.rest.size());
     for (const PinGroup& group : model.pins.groups)
         if (group.stiffness == physics::kHard)
-            for (auto node = group.nodes.rbegin(); node != group.nodes.rend(); ++node) { // ascending: new ones last
+            for (auto node = group.nodes.rbegin(); node != group.nodes.rend();
+                 ++node) { // ascending: new nodes are last
                 if (static_cast<std::size_t>(*node) < known) break;
                 ++parts.holders[static_cast<std::size_t>(*node)];
             }
@@ -66,8 +68,9 @@ SoftSystem makeSystem(const SoftModel& model, double period)
     else
         system.assembled = std::make_unique<AssembledSystem>(model);
     if (wanted && !system.matrixFree)
-        logWarning("soft body '", model.name, "': its masses and stiffnesses are too far apart for single precision; ",
-                   "it is solved in double, which takes longer");
+        logWarning("soft body '", model.name,
+                   "': its masses and stiffnesses span too wide a range for single precision; ",
+                   "it is solved in double precision, which is slower");
     for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
         buffer->resize(model.rest.size());
     system.held = heldParts(model);

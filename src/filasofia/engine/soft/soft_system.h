@@ -5,40 +5,43 @@
 
 namespace filasofia::engine {
 
-/// What pulls at the nodes that pins hold hard, and how many groups of pins hold each node: reactions are found there.
+/// The elements and springs that pull at hard-pinned nodes, from which the reactions of pins are computed, and the
+/// number of pin groups per node.
 struct HeldParts {
     std::vector<int> elements, springs;
-    std::vector<int> holders; ///< per node; empty where none is held
+    std::vector<int> holders; ///< per node: number of hard pin groups; empty if no node is pinned hard
 };
 
-/// One soft body's equations of one step, and the memory they are made in. What of it outlives a step follows from the
-/// model, but for the two flags and for what a cut body's preconditioner still has of the mesh before: that follows
-/// from its edits. One of the two kinds is there.
+/// The equations of one soft body's step, and their memory. What persists from step to step is a function of the model,
+/// except for the two flags and for the preconditioner of a body that was cut, which also depends on the history of its
+/// edits. Either `matrixFree` or `assembled` is set.
 struct SoftSystem {
-    std::unique_ptr<MatrixFreeSystem> matrixFree; ///< in float, what a body has unless it asks for something else
-    std::unique_ptr<MatrixFreeOperator> coupled;  ///< over matrixFree, once it had to be solved with other bodies
-    std::unique_ptr<AssembledSystem> assembled;   ///< in double, the reference
+    std::unique_ptr<MatrixFreeSystem> matrixFree; ///< in float, the default
+    /// Operator of matrixFree; set once the body is part of a coupled solve.
+    std::unique_ptr<MatrixFreeOperator> coupled;
+    std::unique_ptr<AssembledSystem> assembled; ///< in double, the reference solver
 
     HeldParts held;
-    bool tuned = false;    ///< the model was in a tune's hands: it need not be what its Def says
-    bool outdated = false; ///< it is not the model's any more: made anew before the next solve
+    bool tuned = false;    ///< the model may differ from what its Def and its material say
+    bool outdated = false; ///< the model has changed: the system is rebuilt before the next solve
 
-    std::vector<Vec3> forces;             ///< [N] gravity, given, pressure, pins
-    std::vector<Vec3> x, v, dv, leftover; ///< the new state, until it is known to be finite
+    std::vector<Vec3> forces;             ///< [N] gravity, nodal forces, pressure, pin springs
+    std::vector<Vec3> x, v, dv, leftover; ///< the new state, until it is known to be usable
 };
 
-/// Has the system rebuilt after the last command of the step, which may change more. `tuned`: its model is no longer
-/// what its Def says.
+/// Marks the system as outdated: it is rebuilt after the last command of the step, as later commands may change more.
+/// `tuned`: the model may differ from what its Def and its material say.
 inline void outdate(bool tuned, SoftSystem& system)
 {
     system.outdated = true;
     system.tuned = tuned;
 }
 
-/// Brings what pulls at held nodes in line with an edit.
+/// Updates the parts that pull at hard-pinned nodes after an edit.
 void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts);
 
-/// `period` [s]: the step that the solver prepares for.
+/// Builds the system of a body, assembled if float cannot represent the model. `period` [s]: the step that the solver
+/// prepares for.
 SoftSystem makeSystem(const SoftModel& model, double period);
 
 } // namespace filasofia::engine

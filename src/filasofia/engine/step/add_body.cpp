@@ -12,7 +12,7 @@
 namespace filasofia::engine {
 namespace {
 
-/// Adds the attachments of a body that has just been added. Its pins are in it already, and get their ids.
+/// Adds the attachments of a body that has just been added. Pins are part of the body already and only get their ids.
 void addAttachments(const physics::AddBody& add, Scene& scene, physics::StepReport& report)
 {
     std::uint32_t next = add.attachments.value;
@@ -38,7 +38,7 @@ void addAttachments(const physics::AddBody& add, Scene& scene, physics::StepRepo
 
 void addBody(physics::AddBody& add, Scene& scene, physics::StepReport& report)
 {
-    if (auto* soft = dynamic_cast<BuiltSoftBody*>(add.body.get())) { // ids rise: the lists stay in order
+    if (auto* soft = dynamic_cast<BuiltSoftBody*>(add.body.get())) { // ids ascend: the lists stay sorted
         soft->body.model.id = add.id;
         scene.soft.push_back(std::move(soft->body));
     } else {
@@ -48,7 +48,7 @@ void addBody(physics::AddBody& add, Scene& scene, physics::StepReport& report)
         placeLinks(scene.rigid.size() - 1, scene);
     }
     addAttachments(add, scene, report);
-    add.body.reset(); // the command goes on into the log: its empty shell need not
+    add.body.reset(); // the recording keeps the command, but not the empty body
 }
 
 void removeBody(BodyId id, Scene& scene)
@@ -60,8 +60,8 @@ void removeBody(BodyId id, Scene& scene)
     std::erase_if(scene.sides, [&](const SideKept& kept) { return kept.source.body == id || kept.target.body == id; });
     const auto is = [&](const auto& body) { return body.model.id == id; };
     const std::size_t erased = std::erase_if(scene.soft, is) + std::erase_if(scene.rigid, is);
-    FILASOFIA_ASSERT(erased == 1);      // the server has checked that it is there
-    for (RigidBody& body : scene.rigid) // a base that it took along stays where it is
+    FILASOFIA_ASSERT(erased == 1);      // the server has checked that the body exists
+    for (RigidBody& body : scene.rigid) // a base that it carried stays where it is
         if (body.model.articulation.to == id) body.model.articulation.to = {};
 }
 

@@ -6,10 +6,10 @@
 
 namespace filasofia::engine {
 
-/// Takes a built body into the scene, with its attachments. What was built is moved out of the command.
+/// Adds a built body and its attachments to the scene. The built body is moved out of the command.
 void addBody(physics::AddBody& add, Scene& scene, physics::StepReport& report);
 
-/// Removes a body and all that refers to it: attachments, contacts, sides.
+/// Removes a body and everything that refers to it: attachments, contacts and sides of sheets.
 void removeBody(BodyId id, Scene& scene);
 
 } // namespace filasofia::engine

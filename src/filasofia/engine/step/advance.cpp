@@ -18,13 +18,14 @@ namespace {
 
 using physics::StepFlag;
 
-// A step that blew up is made again from rest, as if the body were so many times as heavy: it creeps towards where
-// the forces pull, and cannot gather speed.
+// [-] If a step blows up, it is repeated from rest with the masses multiplied by this: the body creeps towards
+// equilibrium and cannot gain speed.
 constexpr double kCreep = 100.0;
 
-constexpr double kMaxTurn = 0.25; // [rad] of a loose piece in a step, as much as one of first order follows
+// [rad] Largest rotation of a loose piece in a step: a first-order step cannot follow faster ones.
+constexpr double kMaxTurn = 0.25;
 
-/// What the velocities change by.
+/// Computes the change of the velocities.
 linalg::NodeSolveReport solveBody(double dt, double inertia, const linalg::SolveLimits& limits, SoftBody& body,
                                   WorkerPool& pool)
 {
@@ -36,7 +37,7 @@ linalg::NodeSolveReport solveBody(double dt, double inertia, const linalg::Solve
     return {};
 }
 
-/// The new state from the change of the velocities; false where it is not one to go on with.
+/// Computes the new state from the change of the velocities; false if the new state is not usable.
 bool moveBody(double dt, SoftBody& body, WorkerPool& pool)
 {
     const SoftState& state = body.state;
@@ -70,8 +71,8 @@ std::vector<char> constrainedNodes(std::size_t body, std::size_t nodes, const st
     return constrained;
 }
 
-/// Goes on with the solve of small fragments from the residual that is known. Those that touch something were solved
-/// with it.
+/// Continues the solve of small fragments from their known residuals. A fragment that touches something is left as the
+/// coupled solve found it.
 void finishPieces(std::size_t index, double dt, const std::vector<Constraint>& constraints, SoftBody& body)
 {
     const SoftModel& model = body.model;
@@ -87,14 +88,15 @@ void finishPieces(std::size_t index, double dt, const std::vector<Constraint>& c
     finishFragments(body, weights, constrainedNodes(index, model.rest.size(), constraints), solved);
 }
 
-/// The impulses that a body was put back for are not where its next step is to start.
-void forget(std::size_t body, std::vector<Constraint>& constraints)
+/// Clears the warm start of the constraints on a body that was rolled back.
+void clearWarmStart(std::size_t body, std::vector<Constraint>& constraints)
 {
     for (Constraint& each : constraints)
         for (const BodyPoint& point : each.sides)
             if (point.of == BodyPoint::Of::Soft && point.body == body) each.multiplier = {};
 }
 
+/// How the solve of a body ended.
 struct BodyOutcome {
     physics::BodySolve solve;
     std::uint32_t flags = 0;
@@ -102,19 +104,21 @@ struct BodyOutcome {
     [[nodiscard]] bool has(StepFlag flag) const { return (flags & static_cast<std::uint32_t>(flag)) != 0; }
 };
 
-/// Moves a body by what was solved; if that is no state to go on with, the body is put back, and creeps.
+/// Moves a body by the solved change of velocities. If the new state is not usable, the body is rolled back and its
+/// step is repeated with kCreep times its mass.
 void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOutcome& outcome)
 {
     const double dt = context.dt;
     SoftState& state = body.state;
     SoftSystem& system = body.system;
     bool good = moveBody(dt, body, context.pool);
-    if (!good) { // stay where it was, forget the motion that led here, and creep
+    if (!good) { // roll back, clear velocities, and creep
         for (auto* list : {&state.v, &state.dv, &state.leftover}) std::fill(list->begin(), list->end(), Vec3{});
         assembleBody({gravity, dt, kCreep}, body, context.pool);
         system.dv = state.dv;
         solveBody(dt, kCreep, limitsOf(body.model), body, context.pool);
-        std::fill(system.leftover.begin(), system.leftover.end(), Vec3{}); // a heavier body's: nothing to make up for
+        // The residual of the heavier body must not be handed on to the real one.
+        std::fill(system.leftover.begin(), system.leftover.end(), Vec3{});
         good = moveBody(dt, body, context.pool);
         outcome.set(StepFlag::Undone);
         if (good) outcome.set(StepFlag::Damped);
@@ -137,15 +141,15 @@ BodyOutcome outcomeOf(BodyId id, const linalg::NodeSolveReport& solve)
     return outcome;
 }
 
-/// Where the body's solve starts from.
+/// Sets the first guess of a body's solve.
 void prepareBody(SoftBody& body)
 {
     body.system.dv = body.state.dv;
     auto& residual = body.system.leftover;
-    std::fill(residual.begin(), residual.end(), Vec3{}); // only the default solver leaves something
+    std::fill(residual.begin(), residual.end(), Vec3{}); // only the default solver writes residuals
 }
 
-/// Solves the bodies of the scene, coupled ones island by island, and moves the soft ones.
+/// Solves the bodies of the scene, coupled ones island by island, and moves the soft bodies.
 class Advance {
 public:
     Advance(const StepContext& context, Scene& scene, Coupling& coupling)
@@ -192,7 +196,7 @@ private:
         for (std::size_t b : island.soft) {
             outcomes_[b] = outcomeOf(scene_.soft[b].model.id, solve);
             settle(b);
-            if (outcomes_[b].has(StepFlag::Undone)) forget(b, coupling_.constraints);
+            if (outcomes_[b].has(StepFlag::Undone)) clearWarmStart(b, coupling_.constraints);
         }
         if (island.soft.empty())
             rigidOutcomes_.push_back(outcomeOf(scene_.rigid[coupling_.rigid[island.rigid[0]].body].model.id, solve));
@@ -214,7 +218,7 @@ private:
     StepLimits limits_;
     std::vector<BodyOutcome> outcomes_;      ///< per soft body
     std::vector<BodyOutcome> rigidOutcomes_; ///< per island without a soft body
-    std::vector<char> coupled_;              ///< per soft body: it is in an island
+    std::vector<char> coupled_;              ///< per soft body: 1 if it is in an island
 };
 
 } // namespace

@@ -18,7 +18,7 @@
 namespace filasofia::engine {
 namespace {
 
-/// Applies one command; one function per kind. The server has checked that the bodies it names are there.
+/// Applies one command, with one overload per kind. The server has checked that the bodies it names exist.
 struct ApplyCommand {
     physics::PhysicsEngine& self;
     Scene& scene;
@@ -31,7 +31,7 @@ struct ApplyCommand {
         const std::size_t index = rigidIndex(set.id);
         RigidState& state = scene.rigid[index].state;
         const Pose pose = physics::unitPose(set.pose, "pose");
-        if (!scene.rigid[index].model.dynamic) { // moveRigid takes it there
+        if (!scene.rigid[index].model.dynamic) { // moveRigid() or moveArticulations() moves it there
             state.targets[set.element] = pose;
             return;
         }
@@ -64,8 +64,9 @@ struct ApplyCommand {
         SoftBody& body = soft(set.id);
         setMaterial(set.material, body.model);
         if (SoftModel* start = body.topology.start.get()) setMaterial(set.material, *start);
-        // A system follows from the model alone, and the model from Def and material: any order of commands will do.
-        // The old one goes back with the command: a step has no time to take it apart.
+        // The server built a system for the new material in advance. It depends on the model alone, and the model on
+        // Def and material, so the order of commands does not matter. The old system is returned with the command, as
+        // freeing it would take too long in a step.
         if (auto* built = dynamic_cast<BuiltSoftBody*>(set.body.get()); built && !body.system.tuned)
             std::swap(body.system, built->body.system);
         else
@@ -105,11 +106,11 @@ struct ApplyCommand {
             findHeld(pins, body.model.pieces);
             if (SoftModel* start = body.topology.start.get())
                 releaseGroup(static_cast<std::size_t>(place), start->pins);
-            outdate(true, body.system); // its Def holds more than it does
+            outdate(true, body.system); // the model differs from its Def now
         }
     }
     void operator()(const physics::Reset&) const { resetScene(scene); }
-    void operator()(const physics::Pause&) const {} // the server's: it steps with dt = 0
+    void operator()(const physics::Pause&) const {} // handled by the server, which steps with dt = 0
     void operator()(const physics::Tune& tune) const { tuneScene(tune, self, scene, report); }
 
 private:

@@ -5,8 +5,9 @@
 namespace filasofia::engine {
 namespace {
 
-/// The forces that are there without any deformation: weight, what the user gave, pins, pressure on the surface.
-void addGivenForces(const SoftModel& model, Vec3 gravity, const SoftState& state, std::vector<Vec3>& forces)
+/// Computes the forces other than elasticity and damping: weight, the user's forces, pin springs, pressure on the
+/// surface.
+void addExternalForces(const SoftModel& model, Vec3 gravity, const SoftState& state, std::vector<Vec3>& forces)
 {
     for (std::size_t i = 0; i < forces.size(); ++i)
         forces[i] = state.forces[i] + (model.gravity ? model.masses[i] * gravity : Vec3{});
@@ -23,7 +24,7 @@ void addGivenForces(const SoftModel& model, Vec3 gravity, const SoftState& state
 void assembleBody(const Assembly& how, SoftBody& body, WorkerPool& pool)
 {
     SoftSystem& system = body.system;
-    addGivenForces(body.model, how.gravity, body.state, system.forces);
+    addExternalForces(body.model, how.gravity, body.state, system.forces);
     if (system.matrixFree)
         system.matrixFree->assemble(body.model, system.forces, how.dt, how.inertia, body.state, pool);
     else

@@ -5,14 +5,15 @@
 
 namespace filasofia::engine {
 
-/// Forces and stiffness at the present state. Of the state it updates the elements' rotations only.
+/// Computes forces and stiffness of all soft bodies at the present state. In the state only the elements' rotations
+/// change.
 void assemble(const StepContext& context, Scene& scene);
 
-/// What a body's equations are assembled for.
+/// The parameters with which a body's equations are assembled.
 struct Assembly {
     Vec3 gravity;         ///< [m/s^2]
     double dt = 0.0;      ///< [s]
-    double inertia = 1.0; ///< [-] the masses count so many times
+    double inertia = 1.0; ///< [-] factor on the masses in the matrix
 };
 
 /// The same for one body.

@@ -11,8 +11,9 @@
 namespace filasofia::engine {
 namespace {
 
-/// The points at which a body that is whole again is held (side 0) or holds (side 1): those from before the first edit
-/// are where they were. Attachments made since then that held nodes which no longer exist are released.
+/// Restores the attachment points on a body that is whole again: `side` 0 if it is the attached body, 1 if others are
+/// attached to it. Attachments from before the first edit get their old points. Later attachments are released if one
+/// of their nodes no longer exists.
 void restoreAttachments(const BodyTopology& topology, const SoftModel& whole, std::size_t side, Scene& scene)
 {
     const auto lost = [&](const NodeWeight& each) { return static_cast<std::size_t>(each.node) >= whole.rest.size(); };
@@ -29,12 +30,13 @@ void restoreAttachments(const BodyTopology& topology, const SoftModel& whole, st
     }
 }
 
-/// Makes a body that was cut or torn what it was before. Attachments made meanwhile go with the nodes that they held.
-void makeWhole(SoftBody& body, Scene& scene)
+/// Restores the mesh of a body that was cut or torn. Attachments created since are released if a node of theirs no
+/// longer exists.
+void restoreMesh(SoftBody& body, Scene& scene)
 {
     BodyTopology& topology = body.topology;
     topology.strokes.clear();
-    topology.followed = false; // it is put back: no way that tissue went
+    topology.followed = false; // the jump to the start is not a motion that blades could cut along
     if (topology.revision == 0) return;
     SoftModel whole = std::move(*topology.start);
     whole.id = body.model.id;
@@ -52,7 +54,7 @@ void makeWhole(SoftBody& body, Scene& scene)
 
 void resetScene(Scene& scene)
 {
-    for (SoftBody& body : scene.soft) makeWhole(body, scene);
+    for (SoftBody& body : scene.soft) restoreMesh(body, scene);
     for (SoftBody& body : scene.soft) {
         SoftState fresh = stateAtRest(body.model);
         fresh.forces = std::move(body.state.forces);
@@ -65,11 +67,11 @@ void resetScene(Scene& scene)
         fresh.wrenches = std::move(body.state.wrenches);
         fresh.hands = std::move(body.state.hands);
         body.state = std::move(fresh);
-        placeLinks(b, scene); // bodies that take others along come before them
+        placeLinks(b, scene); // a carrier comes before the bodies that it carries
     }
     scene.contacts.clear();
     scene.touching.clear();
-    scene.sides.clear(); // who was on which side of a sheet is no longer so
+    scene.sides.clear(); // bodies have moved: the sides of sheets are unknown again
     for (std::vector<Vec3>& forces : scene.holding) std::ranges::fill(forces, Vec3{});
     scene.held.clear();
 }

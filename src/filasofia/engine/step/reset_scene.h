@@ -4,8 +4,8 @@
 
 namespace filasofia::engine {
 
-/// Every body where and as it was when it was added, at the start's velocities. Forces, wrenches, couplings, pressures
-/// and materials given meanwhile stay given. Bodies that were cut or torn are whole again.
+/// Resets every body to the pose, shape and velocity with which it was added. Forces, wrenches, virtual couplings,
+/// pressures and materials that were set since then are kept. Bodies that were cut or torn are whole again.
 void resetScene(Scene& scene);
 
 } // namespace filasofia::engine

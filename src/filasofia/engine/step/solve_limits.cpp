@@ -16,15 +16,15 @@ linalg::SolveLimits limitsOf(const SoftModel& model)
 
 namespace {
 
-// Rigid bodies and direct solvers are exact, as far as nobody beside them is not.
+// [-] Tolerance for rigid bodies and direct solvers, if no iterative solver in their island asks for less.
 constexpr double kExact = 1e-7;
 constexpr int kRigidIterations = 1000;
-// What bodies do to each other takes some iterations to be found. Cut short before, contacts throw bodies about:
-// measured, a held polyp and a scope in a canal, every step cut short: with 4, 12 and 24 iterations hundreds of
-// newtons, with 40 about as many as with enough.
+// The contact impulses take some iterations to converge. If a solve is cut short before, contacts throw bodies about.
+// Measured with an attached polyp and a scope in a canal, every step cut short: hundreds of newtons with 4, 12 and 24
+// iterations; with 40 iterations about the same force as when converged.
 constexpr int kCoupledIterations = 40;
 
-/// The first to end ends them all; they share what iterations they have.
+/// The limits of a solve that several bodies share: the smallest tolerance and the largest numbers of iterations.
 linalg::SolveLimits limitsOf(const Scene& scene, const Island& island)
 {
     if (island.soft.empty())
@@ -42,7 +42,7 @@ linalg::SolveLimits limitsOf(const Scene& scene, const Island& island)
     return shared;
 }
 
-/// How much a solve computes, in elements of a soft body.
+/// The cost of a solve, in elements of a soft body.
 double sizeOf(const Scene& scene, const Island& island)
 {
     double size = static_cast<double>(island.rigid.size() + island.constraints.size());
@@ -50,8 +50,9 @@ double sizeOf(const Scene& scene, const Island& island)
     return size;
 }
 
-/// When each solve must end [ns], by its share of all that is to be done before it and by it, in the order in which
-/// advance() makes them: islands, then large bodies, then small ones side by side, a thread each.
+/// When each solve must end [ns]: the time left for the step times the fraction of the total size that is done when it
+/// ends. Solves follow in the order of advance(): islands, then large bodies, then small ones in parallel, one thread
+/// each.
 class Deadlines {
 public:
     Deadlines(const physics::StepBudget& budget, double total)
@@ -93,35 +94,38 @@ void setDeadlines(const Scene& scene, std::span<const Island> islands, const phy
     Deadlines deadlines(budget, total);
     for (std::size_t i = 0; i < islands.size(); ++i)
         limits.islands[i].outOfTime = deadlines.after(sizeOf(scene, islands[i]));
-    for (const bool large : {true, false}) // in the order of forEachBody
+    for (const bool large : {true, false}) // in the order of forEachBody()
         for (std::size_t b = 0; b < coupled.size(); ++b)
             if (!coupled[b] && (sizeOf(scene.soft[b].model) > limit) == large)
                 limits.bodies[b].outOfTime = deadlines.after(size(b));
 }
 
-/// Everyone stops where it stopped then: soft bodies by their places, then the islands without one by theirs.
+/// Every solve ends after the recorded number of iterations. `iterations`: per soft body, then per island without a
+/// soft body.
 void setIterations(std::span<const Island> islands, std::span<const int> iterations, StepLimits& limits)
 {
     for (std::size_t b = 0; b < limits.bodies.size(); ++b) limits.bodies[b].stopAt = iterations[b];
     std::size_t next = limits.bodies.size();
     for (std::size_t i = 0; i < islands.size(); ++i) {
         if (!islands[i].soft.empty())
-            limits.islands[i].stopAt = iterations[islands[i].soft.front()]; // all of an island made the same
+            limits.islands[i].stopAt = iterations[islands[i].soft.front()]; // the same for all bodies of an island
         else if (next < iterations.size())
             limits.islands[i].stopAt = iterations[next++];
     }
 }
 
-/// Soft bodies follow from step to step what they lack, and stiffer contacts only cost iterations: measured, 18 for 3,
-/// 22 for 5 and 35 for 10 where 110 stand on 30000 elements. But their nodes must hold all that moves with them:
-/// against its mass they are the lighter the finer the mesh is, by the root of the third order of the number of nodes
-/// (there are fewer of them by that). A plate drawn slowly over 6500 nodes began to swing below 3.7.
+/// [-] The penalty factor kappa for islands without rigid bodies. Soft bodies correct their contact errors over the
+/// next steps, and stiffer contacts only cost iterations: measured with 110 contacts on 30000 elements, 18 iterations
+/// for kappa = 3, 22 for 5 and 35 for 10. But the contact nodes must bear all of the mass that moves with them. The
+/// finer the mesh, the lighter they are beside that mass: the factor grows with the cube root of the number of nodes,
+/// as the share of nodes on the surface falls with it. A plate drawn slowly over 6500 nodes began to oscillate
+/// below 3.7.
 double softStiffening(const Scene& scene, const Island& island)
 {
-    constexpr double perNodes = 0.27, least = 3.0, most = 10.0;
+    constexpr double perNodes = 0.27, lowest = 3.0, highest = 10.0;
     std::size_t nodes = 0;
     for (std::size_t b : island.soft) nodes = std::max(nodes, scene.soft[b].model.rest.size());
-    return std::clamp(perNodes * std::cbrt(static_cast<double>(nodes)), least, most);
+    return std::clamp(perNodes * std::cbrt(static_cast<double>(nodes)), lowest, highest);
 }
 
 } // namespace
@@ -129,15 +133,15 @@ double softStiffening(const Scene& scene, const Island& island)
 CoupledLimits coupledLimitsOf(const StepContext& context, const Scene& scene, const Island& island,
                               const linalg::SolveLimits& limits)
 {
-    // Rigid bodies in a tower sway as one, with more inertia than each has by itself. And for so few unknowns it costs
-    // nothing to be exact.
+    // Rigid bodies in a tower sway as one body with more inertia than each has by itself, so their penalties are
+    // larger. With so few unknowns the additional iterations cost nothing.
     constexpr double rigidStiffening = 100.0, rigidHolding = 1000.0; // friction does not bear more
-    // Where a heavy body rests on a light one, what pushes gives as the light one does, and what sways weighs as the
-    // heavy one.
+    // If a heavy body rests on a light one, the compliance of the contact is that of the light body, but the mass that
+    // sways is that of the heavy one: the penalty is at least this times the heaviest mass.
     constexpr double rigidBearing = 1.0;
     constexpr int perRound = 40, rigidUpdates = 10;
     constexpr double rigidTolerance = 0.01;
-    constexpr double smallAcceleration = 1.0; // [m/s^2] what nothing in particular does to a body, for a scale
+    constexpr double smallAcceleration = 1.0; // [m/s^2] scale of an acceleration that does not matter
 
     CoupledLimits how{.linear = limits, .smallChange = smallAcceleration * context.dt};
     if (const auto* exact = std::get_if<physics::ExactContact>(&context.method)) {

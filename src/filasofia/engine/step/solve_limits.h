@@ -10,21 +10,22 @@
 
 namespace filasofia::engine {
 
-/// When a body's solver ends by itself.
+/// The limits of a body's own solver.
 linalg::SolveLimits limitsOf(const SoftModel& model);
 
-/// How an island is solved.
+/// The limits and parameters of the coupled solve of an island.
 CoupledLimits coupledLimitsOf(const StepContext& context, const Scene& scene, const Island& island,
                               const linalg::SolveLimits& limits);
 
 /// The limits of every solve of a step.
 struct StepLimits {
-    std::vector<linalg::SolveLimits> islands; ///< in their order
-    std::vector<linalg::SolveLimits> bodies;  ///< per soft body; of those that are in no island
+    std::vector<linalg::SolveLimits> islands; ///< in the order of the islands
+    std::vector<linalg::SolveLimits> bodies;  ///< per soft body; unused if the body is in an island
 };
 
-/// Under a budget: a deadline, or the iterations made when the step was made first. Whoever is solved first leaves time
-/// for who is solved last: each has its share of the time, by its size.
+/// Also applies the step's budget: a deadline, or the iterations of the recorded step if it is replayed. With a
+/// deadline each solve gets a share of the time in proportion to its size, so that the first solves leave time for the
+/// last.
 StepLimits limitsOf(const StepContext& context, const Scene& scene, std::span<const Island> islands);
 
 } // namespace filasofia::engine

@@ -13,30 +13,31 @@
 namespace filasofia::engine {
 namespace {
 
-/// Callers know bodies by id and have checked their commands against the node counts: both must stay.
+/// Callers know bodies by id and have checked their commands against the numbers of nodes: neither may change.
 void checkSameBodies(const Snapshot& before, const Scene& scene)
 {
     const auto same = [](const auto& a, const auto& b) { return a.id == b.id && a.rest.size() == b.rest.size(); };
     bool all = scene.soft.size() == before.softCount() && scene.rigid.size() == before.rigidCount();
     for (std::size_t b = 0; all && b < scene.soft.size(); ++b) all = same(scene.soft[b].model, before.soft(b));
     for (std::size_t b = 0; all && b < scene.rigid.size(); ++b) all = same(scene.rigid[b].model, before.rigid(b));
-    if (!all) fail("tune: bodies, their ids, nodes and elements must stay; use add() and remove()");
+    if (!all) fail("tune: bodies, their ids, nodes and elements must not change; use add() and remove()");
 }
 
-/// What is cut is the mesh as edits know it.
+/// The editable mesh must still match the model.
 void checkSameMesh(const SoftModel& before, const SoftBody& body)
 {
     const SoftModel& model = body.model;
     const BodyTopology& topology = body.topology;
     if (model.dynamicTopology != (topology.mesh != nullptr))
-        fail("tune: soft body '", model.name, "': dynamicTopology must stay what it is");
+        fail("tune: soft body '", model.name, "': dynamicTopology must not change");
     if (!topology.mesh) return;
     const MeshTopology& mesh = topology.mesh->data();
     bool same = model.rest == mesh.rest && model.surface == before.surface &&
                 model.elements.size() + model.tetrahedra.size() == mesh.tetrahedra.size();
     for (std::size_t e = 0; same && e < mesh.tetrahedra.size(); ++e)
         same = mesh.tetrahedra[e] == (model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes);
-    if (!same) fail("tune: soft body '", model.name, "': nodes at rest, elements and surface must stay: it may be cut");
+    if (!same)
+        fail("tune: soft body '", model.name, "': nodes at rest, elements and surface must not change: it may be cut");
 }
 
 void checkScene(const Snapshot& before, const Scene& scene)
@@ -50,7 +51,7 @@ void checkScene(const Snapshot& before, const Scene& scene)
     checkContacts(scene);
 }
 
-/// The numbers of a surface's features mean nothing for another surface in its place.
+/// Clears contact data of surfaces that were replaced: the new surface numbers its features differently.
 void forgetReplacedSurfaces(const Snapshot& before, Scene& scene)
 {
     const auto forget = [&](const auto& old, const auto& now) {
@@ -63,16 +64,17 @@ void forgetReplacedSurfaces(const Snapshot& before, Scene& scene)
     for (std::size_t b = 0; b < scene.rigid.size(); ++b) forget(before.rigid(b), scene.rigid[b].model);
 }
 
-/// What is kept besides model and state follows what the user changed.
+/// Updates the data derived from models and states after the user's change.
 void followTune(const Snapshot& before, Scene& scene)
 {
     forgetReplacedSurfaces(before, scene);
     for (std::size_t b = 0; b < scene.soft.size(); ++b) {
         auto& [model, state, system, topology] = scene.soft[b];
         findHeld(model.pins, model.pieces);
-        // A reset brings back what is now; if the mesh was edited, what was before the edits.
+        // A reset restores the tuned model; if the mesh was edited, it restores the model from before the edits.
         if (topology.start && topology.revision == 0) *topology.start = model;
-        if (state.x != before.softState(b).x) topology.followed = false; // where it was put is no way that tissue went
+        // A jump is not a motion that blades could cut along.
+        if (state.x != before.softState(b).x) topology.followed = false;
     }
 }
 
@@ -85,7 +87,7 @@ void tuneScene(const physics::Tune& tune, physics::PhysicsEngine& self, Scene& s
     const auto reject = [&](const char* why) {
         before.restore(scene);
         report.set(physics::StepFlag::TuneRejected);
-        logError("tune() was undone: ", why);
+        logError("tune() was rolled back: ", why);
     };
     bool changed = false;
     try {
@@ -97,7 +99,7 @@ void tuneScene(const physics::Tune& tune, physics::PhysicsEngine& self, Scene& s
     } catch (const std::exception& problem) {
         reject(problem.what());
     } catch (...) {
-        reject("it threw something that is no exception");
+        reject("it threw something that is not a std::exception");
     }
     for (SoftBody& body : scene.soft) outdate(changed || body.system.tuned, body.system);
 }
