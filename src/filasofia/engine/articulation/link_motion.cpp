@@ -65,8 +65,7 @@ std::vector<JointAxis> jointAxes(const LinkTree& tree, std::span<const Pose> pos
 {
     std::vector<JointAxis> axes;
     for (const LinkJoint& joint : tree.joints) {
-        const Pose frame = poses[at(joint.parent)] * joint.parentOffset; // the joint's own motion leaves its axis where
-                                                                         // it is
+        const Pose frame = poses[at(joint.parent)] * joint.parentOffset; // the joint's motion does not move its axis
         axes.push_back({rotate(frame.orientation, joint.axis), frame.position});
     }
     for (int k = 0; k < kBaseJoints; ++k) axes.push_back({Mat3::identity()[k % 3], poses[0].position});
@@ -138,9 +137,8 @@ JointMatrix massMatrix(const LinkTree& tree, std::span<const JointAxis> axes, st
     JointMatrix matrix{joints.size(), std::vector<double>(joints.size() * joints.size())};
     for (std::size_t link = 0; link < masses.size(); ++link) {
         const LinkMass& body = masses[link];
-        if (body.mass == 0.0 && body.inertia == Mat3{})
-            continue; // a link may have inertia without mass: damping may
-                      // act on rotation alone
+        // A link may have inertia without mass, as damping may act on rotation alone.
+        if (body.mass == 0.0 && body.inertia == Mat3{}) continue;
         for (std::size_t r = 0; r < joints.size(); ++r) {
             if (!moves(tree, joints[r], static_cast<int>(link))) continue;
             const LinkMotion row = columnAt(tree, axes, joints[r], body.centre);

@@ -11,12 +11,10 @@ namespace filasofia::engine {
 /// How a link moves relative to its parent link. With q the position of the joint,
 ///     child = parent * parentOffset * M(q) * inverse(childOffset).
 struct LinkJoint {
-    bool prismatic = false;                                  ///< true: slides along its axis [m]; false: rotates about
-                                                             ///< it [rad]
-    Vec3 axis{0.0, 0.0, 1.0};                                ///< unit vector, in the joint's frame
-    int parent = 0, child = 1;                               ///< indices of links
-    Pose parentOffset, childOffset;                          ///< the joint's frame in the parent's and the
-                                                             ///< child's coordinates
+    bool prismatic = false;         ///< slides along its axis [m]; otherwise rotates about it [rad]
+    Vec3 axis{0.0, 0.0, 1.0};       ///< unit vector, in the joint's frame
+    int parent = 0, child = 1;      ///< indices of links
+    Pose parentOffset, childOffset; ///< the joint's frame in each link's coordinates
     double lower = -std::numeric_limits<double>::infinity(); ///< [rad] or [m]
     double upper = std::numeric_limits<double>::infinity();
     double start = 0.0;

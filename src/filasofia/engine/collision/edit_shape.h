@@ -11,10 +11,8 @@ namespace filasofia::engine {
 struct SurfaceEdit {
     std::vector<int> removed;                                     ///< removed triangles, ascending
     std::vector<std::pair<int, geometry::Triangle>> changed = {}; ///< triangles that get other vertices, ascending
-    std::vector<geometry::Triangle> added = {};                   ///< new triangles, appended to the remaining ones in
-                                                                  ///< this order
-    std::vector<Vec3> vertices = {};                              ///< [m] new vertices at rest, appended to the
-                                                                  ///< existing ones
+    std::vector<geometry::Triangle> added = {};                   ///< new triangles, appended in this order
+    std::vector<Vec3> vertices = {};                              ///< [m] new vertices at rest, appended
 };
 
 /// The old features' new indices. Vertices keep their indices.

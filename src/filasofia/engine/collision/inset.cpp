@@ -27,7 +27,7 @@ Vec3 normalOf(const geometry::Triangle& triangle, std::span<const Vec3> x)
     return lengthSquared(normal) > kSliver * longest * longest ? normalized(normal) : Vec3{};
 }
 
-/// Computes coefficients c with (sum of c_f n_f) . n_g = 1 for every triangle g around a vertex, in the sense of least
+/// Computes coefficients c with (sum of c_f n_f) . n_g = 1 for every triangle g around a vertex, by least
 /// squares with the smallest c: (N N^T + e) c = 1, with the normals as the rows of N. With w = (N^T N + e)^-1 N^T 1,
 /// this is c = (1 - N w) / e and N^T c = w. Returns the direction w.
 Vec3 normalCoefficients(std::span<const Vec3> normals, std::span<double> shares)

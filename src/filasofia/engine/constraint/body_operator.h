@@ -52,11 +52,10 @@ public:
     virtual ~CoarseDeflation() = default;
     virtual void clear() = 0;
     virtual void addColumn(std::span<const Vec3> impulses) = 0;         ///< [N s] at the contact points
-    virtual void finish() = 0;                                          ///< computes B F, once all columns have been
-                                                                        ///< added
+    virtual void finish() = 0;                                          ///< computes B F from all columns
     virtual void products(int column, std::span<double> out) const = 0; ///< [J] one row of F^T B F, an entry per column
-    virtual void project(std::span<double> out) = 0; ///< [J] F^T B s, an entry per column; to be called between
-                                                     ///< smooth() and applyCoarse()
+    /// [J] F^T B s, an entry per column. To be called between smooth() and applyCoarse().
+    virtual void project(std::span<double> out) = 0;
 };
 
 /// The approximate inverse D^-1 + B of a body's matrix: D is made of small diagonal blocks (the smoother); B is any

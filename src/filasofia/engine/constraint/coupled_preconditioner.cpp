@@ -13,7 +13,7 @@ constexpr std::size_t kOthers = 64;
 constexpr double kOtherSlip = 1.5;
 
 // A link on a hinge can be pushed in some directions only. If a contact's normal were less than a milliradian away from
-// those in which it cannot, the contact would need an unbounded force. Such contacts are dropped.
+// those in which it cannot, the contact would need an unbounded force. Such contacts get no penalty.
 constexpr double kStiff = 1e-6;
 
 } // namespace
@@ -43,7 +43,7 @@ void CoupledSolve::chooseStiffness()
         const double tangential = spring && each.bilateral() ? each.softness : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};
         rows_[c].u = inFrame(each.frame, each.sides[0].velocity - each.sides[1].velocity);
-        if (compliance == 0.0) row.constraint->impulse = {}; // no body can move: the constraint is dropped
+        if (compliance == 0.0) row.constraint->impulse = {}; // no body can move along the normal
     }
 }
 

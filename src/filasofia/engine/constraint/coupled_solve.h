@@ -26,8 +26,7 @@ struct CoupledLimits {
 /// `residual` is defined as for one body.
 struct CoupledReport : linalg::NodeSolveReport {
     int rounds = 0;        ///< 1, plus 1 per multiplier update, plus 1 if the active set was frozen
-    double mismatch = 0.0; ///< [-] distance of the impulses from the constraint law, relative to the largest; 0 if they
-                           ///< satisfy it
+    double mismatch = 0.0; ///< [-] distance of the impulses from their law, relative to the largest; 0 if satisfied
 };
 
 /// Solves, for all bodies together,

@@ -108,7 +108,7 @@ double comingNearer(const std::vector<CollisionSurface>& surfaces, const Proximi
     return kStepsAhead * dt * std::max(0.0, -dot(velocity, found.normal));
 }
 
-/// Whether a place lies on an inverted element of a soft body: there the surface faces the wrong way, and a contact
+/// Whether a place lies on an inverted element of a soft body. There the surface faces the wrong way, and a contact
 /// would keep it inverted.
 bool onInvertedElement(const Owner& owner, const Proximity& found, std::size_t side, const Scene& scene)
 {

@@ -57,8 +57,8 @@ double geometricStiffness(Lame material, const Mat3& f, const Mat3& rotation)
     const Mat3 s = transposeTimes(rotation, f);
     const double size = trace(s), tension = lambda / mu * (size - 3.0);
     if (!(tension > 2.0 && size - 3.0 > kTense)) return 0.0;
-    const double least = determinant(Mat3::identity() - 1.0 / size * s); // a bound for every sum of two stretches,
-                                                                         // relative to their trace
+    // a lower bound for each sum of two stretches, relative to the trace
+    const double least = determinant(Mat3::identity() - 1.0 / size * s);
     return mu * (1.0 + (tension - 2.0) / (size * std::max(least, kFlattest)));
 }
 

@@ -25,9 +25,7 @@ inline void rotateAlone(const float (&f)[9][kBlock], int lane, ElementRotations&
         return; // the step will be rolled back: keep the old
                 // rotation
     Quat found = polarRotation(m, normalized(old));
-    if (dot(found, old) < 0.0)
-        found = {-found.w, -found.x, -found.y, -found.z}; // nodes sum their elements' quaternions,
-                                                          // so the sign must not flip
+    if (dot(found, old) < 0.0) found = {-found.w, -found.x, -found.y, -found.z}; // nodes sum these: no sign flips
     q.w[lane] = static_cast<float>(found.w);
     q.x[lane] = static_cast<float>(found.x);
     q.y[lane] = static_cast<float>(found.y);
@@ -83,7 +81,7 @@ HWY_INLINE V geometricRatio(const M3& f, const M3& r, V tension, hn::Mask<Lanes>
     return hn::IfThenElseZero(tense, hn::Add(one, hn::Mul(scale, hn::Div(hn::Sub(tension, two), least))));
 }
 
-/// Newton's method for the rotation nearest to F (math/polar.h), lane by lane. A lane stops if its last correction was
+/// Newton's method for the rotation nearest to F (math/polar.h), lane by lane. A lane stops once its last correction is
 /// so small that the next would be lost in rounding. Returns the lanes that did not converge.
 HWY_INLINE hn::Mask<Lanes> nearestRotation(const M3& f, Q4& q)
 {
