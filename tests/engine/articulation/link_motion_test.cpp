@@ -247,5 +247,5 @@ TEST_CASE("joints that make no tree are told from those that do, in whatever ord
     CHECK_FALSE(moves(tree, 2, 3));
     checkTree("tool", tree);
     tie(1, 1, 2); // 1, 2 and 3 in a ring
-    CHECK_THROWS_WITH(checkTree("tool", linkTree(joints)), Catch::Contains("tool: joints must make a tree"));
+    CHECK_THROWS_WITH(checkTree("tool", linkTree(joints)), Catch::Contains("tool: joints must form a tree"));
 }

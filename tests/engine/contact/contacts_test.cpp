@@ -118,7 +118,7 @@ TEST_CASE("only models of one group touch")
         setLogSink({});
         CHECK((logged.find("rigid body 'floor': no other body has collision group 0") != std::string::npos) ==
               (group != 0));
-        CHECK((logged.find("no other body has collision group 7: it touches nothing") != std::string::npos) ==
+        CHECK((logged.find("no other body has collision group 7: it collides with nothing") != std::string::npos) ==
               (group != 0));
     }
 }

@@ -9,14 +9,15 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr double kParallel = 1e-6; // [-] sine squared below which edges have no crossing: their ends meet them instead
-constexpr double kFlat = 1e-3;     // [-] sine: a direction this near to a triangle's plane is not clear of it
+// [-] sine squared below which edges count as parallel and have no crossing: the tests of their end points cover them
+constexpr double kParallel = 1e-6;
+constexpr double kFlat = 1e-3; // [-] sine: a direction this near to a triangle's plane counts as in the plane
 
-// Where two lines are nearest to each other: s of the way along u from a, t along v from b.
+// The places where two lines are nearest to each other: s along u from a, t along v from b.
 struct Crossing {
     double s, t;
     Vec3 between; // from the second to the first
-    Vec3 across;  // unit, across both
+    Vec3 across;  // unit vector, normal to both
 };
 
 inline bool crossing(Vec3 a, Vec3 u, Vec3 b, Vec3 v, Crossing& out)
@@ -27,7 +28,7 @@ inline bool crossing(Vec3 a, Vec3 u, Vec3 b, Vec3 v, Crossing& out)
     const double area = lengthSquared(across);
     if (!(area > kParallel * uu * vv)) return false;
     const double s = uv * vr - ur * vv, t = uu * vr - uv * ur;
-    if (!(s > 0.0 && s < area && t > 0.0 && t < area)) return false; // most: before any division
+    if (!(s > 0.0 && s < area && t > 0.0 && t < area)) return false; // rejects most pairs before any division
     out.s = s / area;
     out.t = t / area;
     if (!(out.s > 0.0 && out.s < 1.0 && out.t > 0.0 && out.t < 1.0)) return false;
@@ -36,9 +37,10 @@ inline bool crossing(Vec3 a, Vec3 u, Vec3 b, Vec3 v, Crossing& out)
     return true;
 }
 
-// Whether `n`, from the other edge to this one, has nothing of this edge's triangles nearer on its way: none leads
-// towards the other edge, and one away from it (the other may lie across: a board that lies on another meets it edge
-// over edge). An edge whose triangles both lie across is flat, and no edge. The rim of a sheet may lie flat.
+// Whether this edge's triangles have nothing nearer along `n`, which points from the other edge to this one: no
+// triangle leads towards the other edge, and at least one leads away from it (the other may lie across: a board that
+// lies on another meets it edge over edge). If both triangles of an edge lie across, the edge is flat and does not
+// count. The rim of a sheet may lie flat.
 bool clear(const CollisionSurface& surface, int edge, Vec3 n)
 {
     const CollisionShape& shape = *surface.shape;
@@ -51,7 +53,7 @@ bool clear(const CollisionSurface& surface, int edge, Vec3 n)
         if (!(rise >= -flat)) return false;
         away = away || rise > flat;
     }
-    // Inside a closed surface that is true at its concave edges.
+    // Inside a closed surface this also holds at concave edges; the normal excludes them.
     return away && (!shape.closed || dot(n, edgeNormal(surface, edge)) < 0.0);
 }
 
@@ -60,14 +62,14 @@ bool solid(const CollisionSurface& surface, int edge)
     return surface.shape->closed && surface.shape->triangleFaces && !surface.shape->edgeTriangles[edge].empty();
 }
 
-// +1 or -1: the side of `across` on which the first edge's outside is; 0: they do not look at each other.
+// +1 or -1: the side of `across` that the first edge's outside is on; 0: the edges do not face each other.
 double sideOf(const Meeting& meeting, int first, int second, const Crossing& at)
 {
     const CollisionSurface &one = *meeting.sides[0], &two = *meeting.sides[1];
     const double apart = dot(at.between, at.across) >= 0.0 ? 1.0 : -1.0;
     for (const double side : {apart, -apart}) {
         if (clear(one, first, side * at.across) && clear(two, second, -side * at.across)) return side;
-        if (!solid(one, first) && !solid(two, second)) return 0.0; // nothing says that they have passed each other
+        if (!solid(one, first) && !solid(two, second)) return 0.0; // nothing indicates that they have passed each other
     }
     return 0.0;
 }
@@ -78,7 +80,8 @@ bool nearAtRest(const Meeting& meeting, const std::array<int, 3>& a, const std::
 {
     const std::vector<Vec3>& rest = meeting.sides[0]->shape->rest;
     const double nearest = meeting.proximities() * meeting.proximities();
-    // A feature with less than three vertices is a triangle with a vertex twice; edge over edge needs their crossing.
+    // A feature with fewer than three vertices is a triangle that repeats a vertex; edge against edge also needs their
+    // crossing.
     const auto corner = [&](const std::array<int, 3>& f, int k) { return rest[f[k] >= 0 ? f[k] : f[0]]; };
     const auto anyNear = [&](const std::array<int, 3>& points, const std::array<int, 3>& feature) {
         return std::ranges::any_of(points, [&](int v) {
@@ -118,7 +121,7 @@ void meetEdges(const Meeting& meeting, int first, int second, std::vector<Proxim
     if (!(gap < meeting.proximities() + meeting.reach * std::max(0.0, -leaving))) return;
     if (meeting.self() && (gap < 0.0 || nearAtRest(meeting, onA.vertices, onB.vertices))) return;
     if (gap < 0.0) {
-        // Edges far apart on the outsides of two thin things look the same: each place must be inside the other thing.
+        // Distant edges on the outsides of two thin bodies look the same: each place must be inside the other body.
         if (gap < -meeting.depths()) return;
         if (solid(two, second) && !inside(two, one.x[a0] + at.s * (one.x[a1] - one.x[a0]), -gap)) return;
         if (solid(one, first) && !inside(one, two.x[b0] + at.t * (two.x[b1] - two.x[b0]), -gap)) return;

@@ -6,20 +6,21 @@
 
 namespace filasofia::engine {
 
-/// How the vertices of a surface are moved inwards before two surfaces are looked at, so that what counts as their gap
-/// is the distance of what is left less what was taken off. While surfaces rest on each other, or are inside each other
-/// by less than that, what is left stays apart: it is plain which side is out, and in which direction. Edges and
-/// corners come out round, with the inset as their radius.
+/// How far the vertices of a surface are moved inwards before collision detection. The gap is then the distance between
+/// the inset surfaces minus both insets. While surfaces rest on each other, or overlap by less than the insets, the
+/// inset surfaces stay apart, and it is clear which side is outside and in which direction. Edges and corners become
+/// round, with the inset as their radius.
 struct Inset {
-    std::vector<double> depth; ///< [m], >= 0, per vertex; 0 where a surface has no inside
-    std::vector<double> share; ///< [-] beside vertexTriangles.items: of each triangle's normal in the way inwards
+    std::vector<double> depth; ///< [m], >= 0, per vertex; 0 if the surface has no inside
+    /// [-] parallel to vertexTriangles.items: the coefficient of each triangle's normal in the direction inwards
+    std::vector<double> share;
 };
 
-/// Vertices go in so far that each triangle around them does by `depth` [m], or less where the body is so thin that
-/// more than a quarter of it would be taken off, or its triangles that small.
+/// Vertices are moved so far that each triangle around them moves by `depth` [m]. They move less if more than a quarter
+/// of the body's thickness, or of an edge around them, would be taken off.
 Inset makeInset(const CollisionShape& shape, double depth);
 
-/// Moves vertices [m] of a shape, as it is now, inwards.
+/// Moves the current vertices [m] of a shape inwards.
 void applyInset(const CollisionShape& shape, const Inset& inset, std::vector<Vec3>& normals, std::span<Vec3> x);
 
 } // namespace filasofia::engine

@@ -6,10 +6,10 @@
 
 namespace filasofia::engine {
 
-/// Two surfaces whose boxes meet, or one that may meet itself.
+/// Two surfaces whose boxes overlap, or one surface that may collide with itself.
 struct Meeting {
     std::array<const CollisionSurface*, 2> sides{};
-    std::array<int, 2> places{}; ///< in the list of surfaces
+    std::array<int, 2> places{}; ///< indices in the list of surfaces
     double reach = 0.0;          ///< [s] one and a half steps
 
     [[nodiscard]] bool self() const { return places[0] == places[1]; }
@@ -22,14 +22,14 @@ inline std::uint64_t featureNumber(const Meeting& meeting, int first, int second
     return featureNumber(FeaturePair{{meeting.sides[0]->name.model, meeting.sides[1]->name.model}, {first, second}});
 }
 
-/// Up to three vertices that make a place: a vertex, a place on an edge or in a face.
+/// A place on a surface by up to three vertices: a vertex, or a point on an edge or in a face.
 struct Feature {
     std::array<int, 3> vertices{-1, -1, -1};
     std::array<double, 3> weights{};
     int number = 0;
 };
 
-/// [m/s] of the place.
+/// The velocity of the place [m/s].
 inline Vec3 velocityAt(const CollisionSurface& surface, const Feature& feature)
 {
     Vec3 v;
@@ -38,13 +38,14 @@ inline Vec3 velocityAt(const CollisionSurface& surface, const Feature& feature)
     return v;
 }
 
-/// Whether the features [of one surface] are near each other at rest already.
+/// Whether two features of one surface are already near each other at rest.
 bool nearAtRest(const Meeting& meeting, const std::array<int, 3>& a, const std::array<int, 3>& b);
 
-/// Local minima of the distance from one point to what an element owns (and to its face), as far as both may reach.
+/// Finds the local minima of the distance from one point to the features that an element owns (and to its face), within
+/// the reach of both.
 void meetPoint(const Meeting& meeting, int source, int point, int element, std::vector<PointMinimum>& found);
 
-/// Where two edges are nearest to each other, if that is a local minimum of the distance and near enough.
+/// Finds the place where two edges are nearest to each other, if it is a local minimum of the distance and near enough.
 void meetEdges(const Meeting& meeting, int first, int second, std::vector<Proximity>& found);
 
 } // namespace filasofia::engine

@@ -53,7 +53,7 @@ double BlockOperator::applyCoarse(std::span<const double>)
 
 void BlockOperator::subtractSmoothed(std::span<const Vec3> impulses)
 {
-    std::fill(w_.begin(), w_.end(), Vec3{}); // read for the last time already
+    std::fill(w_.begin(), w_.end(), Vec3{}); // w_ is free for use: this step has read it for the last time
     addTo(w_, impulses);
     for (std::size_t i = 0; i < w_.size(); ++i) z_[i] -= inverse_[i] * w_[i];
 }

@@ -8,19 +8,19 @@
 
 namespace filasofia::engine {
 
-/// What a BlockOperator computes with. All of it outlives the solve.
+/// The input of a BlockOperator. Everything that it points to must outlive the solve.
 struct BlockOperatorInput {
-    std::span<const Mat3> diagonal = {};               ///< [kg] D, a block per unknown vector
-    const linalg::BlockSparseMatrix* matrix = nullptr; ///< A; null: A is D
-    linalg::LinearSolver* solver = nullptr;            ///< B = A^-1 by it; null: no B
+    std::span<const Mat3> diagonal = {};               ///< [kg] D, one 3x3 block per unknown vector
+    const linalg::BlockSparseMatrix* matrix = nullptr; ///< A; if null, A is D
+    linalg::LinearSolver* solver = nullptr;            ///< applies the coarse level B = A^-1; if null, there is no B
     std::span<const Vec3> rightHandSide = {};          ///< [N s]
-    std::span<const Vec3> guess = {};                  ///< [m/s] empty: none
-    double mass = 0.0;                                 ///< [kg] of what moves
-    bool turning = false; ///< unknowns are pairs: an element's velocity and angular velocity
+    std::span<const Vec3> guess = {};                  ///< [m/s] first guess; empty if there is none
+    double mass = 0.0;                                 ///< [kg] mass of the moving part
+    bool turning = false; ///< unknowns come in pairs: a rigid body's velocity and its angular velocity
 };
 
-/// A body whose matrix is written out in 3x3 blocks, or is just its masses: explicit bodies, rigid ones, and those with
-/// a solver of their own choice.
+/// The operator of a body whose matrix is stored as 3x3 blocks, or is the diagonal of its masses: bodies with explicit
+/// integration, rigid bodies, and bodies with a solver of their own choice.
 class BlockOperator final : public DenseOperator<Vec3> {
 public:
     explicit BlockOperator(const BlockOperatorInput& in);

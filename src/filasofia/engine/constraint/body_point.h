@@ -11,13 +11,14 @@ namespace filasofia::engine {
 struct BodyPoint {
     enum class Of { Space, Soft, Rigid, Joint };
     Of of = Of::Space;
-    std::size_t body = 0; ///< index among the soft bodies, or in the rigid plan; for a joint: its body's base there
-    int joint = 0;        ///< Joint: its velocity is along x, times a length (JointInfo::arm)
-    int count = 0;        ///< Soft: the number of nodes that it is a weighted mean of, at most twelve
+    /// Index among the soft bodies, or in the rigid plan; for a joint, the index there of its articulation's base.
+    std::size_t body = 0;
+    int joint = 0; ///< Joint: the joint's velocity is stored along x, times a length (JointInfo::arm)
+    int count = 0; ///< Soft: number of nodes that the point is a weighted mean of, at most 12
     std::array<int, 12> nodes{};
     std::array<double, 12> weights{};
     Vec3 position; ///< [m] at the start of the step
-    Vec3 velocity; ///< [m/s] at the start of the step; if nothing can change it, throughout
+    Vec3 velocity; ///< [m/s] at the start of the step; if nothing can change it, during the whole step
 
     void add(int node, double weight);
 };

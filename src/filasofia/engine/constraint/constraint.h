@@ -13,53 +13,59 @@
 
 namespace filasofia::engine {
 
-/// What two points want of each other. Contacts and joint limits are unilateral: they push only. Welds (attachments,
-/// grasps) and the dry friction of joints are bilateral.
+/// Contacts and joint limits are unilateral: they only push. Welds (attachments, grasps) and the dry friction of joints
+/// are bilateral.
 enum class ConstraintKind { Contact, Weld, JointLimit, JointFriction };
 
-/// Which contact this is, from step to step, and the force that its next solve starts from.
+/// Identifies a contact from step to step, and holds the force that its next solve starts from.
 struct CachedContact {
     BodyId first, second;
-    std::uint64_t feature = 0; ///< the pair of features, the same from step to step (collision/proximity.h)
+    std::uint64_t feature = 0; ///< the pair of features; the same from step to step (collision/proximity.h)
     Vec3 point;                ///< [m] in the world
-    Vec3 force;                ///< [N] on the first
+    Vec3 force;                ///< [N] on the first body
 };
 
-/// What a constraint of kind Contact is besides its law.
+/// The data of a constraint of kind Contact beyond its law.
 struct ContactInfo {
     CachedContact cached;
-    double gap = 0.0;       ///< [m] negative inside each other
-    double proximity = 0.0; ///< [m] of both surfaces together
-    double skin = 0.0;      ///< [m] the gap that the contact is to keep
+    double gap = 0.0;       ///< [m] signed distance; negative if the surfaces overlap
+    double proximity = 0.0; ///< [m] sum of both surfaces' proximities
+    double skin = 0.0;      ///< [m] the gap that the contact keeps
 };
 
-/// What a constraint of kind JointLimit or JointFriction is besides its law.
+/// The data of a constraint of kind JointLimit or JointFriction beyond its law.
 struct JointInfo {
     std::size_t articulation = 0; ///< index among the articulation plans
     int joint = 0;
     double arm = 1.0;   ///< [m] the constraint's velocity is the joint's times this; 1 for a prismatic joint
-    bool upper = false; ///< JointLimit: the upper one
+    bool upper = false; ///< JointLimit: true for the upper limit
 };
 
-/// Two points and the law between them: a contact, a pair of an attachment, a limit or the friction of a joint. With
+/// Two points and the law between them: a contact, a pair of points of an attachment, a joint limit or a joint's
+/// friction.
 ///
-///     J   the velocity of the first point against the second, as the bodies' unknowns give it (ConstraintRow)
-///     F   the frame's three rows,     u = F J (v + dv)
+///     C = bias + u,   u = F J (v + dv)
 ///
-/// a unilateral constraint wants bias + u >= 0 along the normal, with an impulse there that only pushes, and a
-/// tangential impulse within Coulomb's cone |t| <= friction * n. A bilateral one wants bias + u = 0 in all three rows,
-/// but no more than maxImpulse along the first.
+///     J      the velocity of the first point relative to the second, from the bodies' unknowns (ConstraintRow)
+///     F      the frame's three rows; the first is the normal
+///     v, dv  [m/s] the bodies' velocities, and their change in this step
+///
+/// A unilateral constraint requires C >= 0 along the normal: its normal impulse n only pushes, and its tangential
+/// impulse t is within Coulomb's cone |t| <= friction * n. A bilateral constraint requires C = 0 in all three rows, but
+/// applies at most maxImpulse along the first.
 struct Constraint {
     ConstraintKind kind = ConstraintKind::Contact;
     std::array<BodyPoint, 2> sides = {};
-    std::array<Vec3, 3> frame = {}; ///< unit and orthogonal; the first is the normal, from the second side to the first
+    std::array<Vec3, 3> frame = {}; ///< orthonormal; the first vector is the normal, from the second side to the first
     Vec3 bias = {};                 ///< [m/s] in the frame
     double friction = 0.0;          ///< [-] Coulomb's mu; unilateral constraints only
-    double tolerance = 0.0;         ///< [m/s] how far a rigid constraint may end from what it wants
-    double softness = 0.0;          ///< [kg] impulse per velocity of a spring; 0: rigid
-    double maxImpulse = std::numeric_limits<double>::infinity(); ///< [N s] along the normal; beyond, it gives way
-    Vec3 impulse = {};    ///< [N s] in the frame, on the first side. In: the last step's; out: what acted in this step
-    Vec3 multiplier = {}; ///< [N s] out: the augmented Lagrangian's multiplier, where the next step starts
+    double tolerance = 0.0;         ///< [m/s] how far a rigid constraint may miss C = 0 (or C >= 0)
+    double softness = 0.0;          ///< [kg] impulse per velocity of a spring; 0 if the constraint is rigid
+    /// [N s] Bound on the impulse along the normal. The constraint yields beyond it.
+    double maxImpulse = std::numeric_limits<double>::infinity();
+    /// [N s] in the frame, on the first side. In: the last step's impulse; out: the impulse that acted in this step
+    Vec3 impulse = {};
+    Vec3 multiplier = {}; ///< [N s] out: multiplier of the augmented Lagrangian, from which the next step starts
 
     ContactInfo contact = {}; ///< kind Contact only
     JointInfo joint = {};     ///< kinds JointLimit and JointFriction only
@@ -70,20 +76,20 @@ struct Constraint {
     }
 };
 
-/// A contact point among all bodies' contact points of a solve, and its weight in J.
+/// Index of a contact point among all bodies' contact points of a solve, and its weight in J.
 struct WeightedPoint {
     int point = 0;
     double weight = 0.0;
 };
 
-/// A constraint's rows of J: which contact points it acts on.
+/// A constraint's rows of J: the contact points that it acts on.
 struct ConstraintRow {
     Constraint* constraint = nullptr;
-    int first = 0, count = 0;       ///< its points in ConstraintRows::points
+    int first = 0, count = 0;       ///< range of its points in ConstraintRows::points
     std::array<int, 2> pieces = {}; ///< per side: the piece that it acts on, if the body has fallen into pieces
 };
 
-/// The constraints of one coupled solve. The constraints themselves stay where they are, and get their impulses there.
+/// The constraints of one coupled solve. Refers to the constraints; the solve writes their impulses in place.
 struct ConstraintRows {
     std::vector<ConstraintRow> list;
     std::vector<WeightedPoint> points;
@@ -98,28 +104,28 @@ struct ConstraintRows {
     }
 };
 
-/// Adds J^T F^T impulse to the contact points of row `c`; `impulse` [N s] in the constraint's frame.
+/// Adds J^T F^T impulse to the contact points of row `c`; `impulse` [N s] is in the constraint's frame.
 void addImpulse(const ConstraintRows& rows, std::size_t c, Vec3 impulse, std::span<Vec3> atPoints);
 
-/// A unit normal and two tangents. Continuous but for two places on the sphere.
+/// Returns the unit normal and two tangents. Continuous but for two places on the sphere of normals.
 std::array<Vec3, 3> frameOf(Vec3 normal);
 /// A vector's components along a frame's rows, and back.
 inline Vec3 inFrame(const std::array<Vec3, 3>& f, Vec3 v) { return {dot(f[0], v), dot(f[1], v), dot(f[2], v)}; }
 inline Vec3 inWorld(const std::array<Vec3, 3>& f, Vec3 v) { return v.x * f[0] + v.y * f[1] + v.z * f[2]; }
 
-/// Entry by entry.
+/// Multiplies entry by entry.
 inline Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
-/// The impulse that the law allows nearest to y [N s]: none if it would pull, else projected onto the friction cone; y
-/// itself if bilateral.
+/// An impulse y [N s] projected onto the constraint law. Unilateral: zero if y pulls, otherwise y with its tangential
+/// part scaled back to the friction cone. Bilateral: y itself. Both are bounded by maxImpulse.
 struct Projected {
     Vec3 impulse;
-    double slip = 0.0; ///< [-] in [0, 1]: how much of the tangential part is left
+    double slip = 0.0; ///< [-] in [0, 1]: the fraction of the tangential part that is left
     bool active = false;
 };
-/// Coulomb's law is applied here.
+/// Projects onto Coulomb's cone, whose radius follows from the normal impulse.
 Projected project(const Constraint& constraint, Vec3 y);
-/// The same for a cone of fixed radius `cone` [N s] (Tresca's law), whatever the normal impulse is.
+/// Projects onto a cone of fixed radius `cone` [N s] (Tresca's law), whatever the normal impulse is.
 Projected project(const Constraint& constraint, Vec3 y, double cone);
 
 } // namespace filasofia::engine

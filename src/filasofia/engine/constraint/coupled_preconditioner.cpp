@@ -1,4 +1,4 @@
-// The preconditioner of CoupledSolve: filter, coarse correction, and how they are applied.
+// The preconditioner of CoupledSolve: the filter, the coarse correction, and their application.
 #include "filasofia/engine/constraint/coupled_solve.h"
 
 #include <algorithm>
@@ -7,13 +7,13 @@
 namespace filasofia::engine {
 namespace {
 
-// The filter is rebuilt if one in so many contacts has begun or ended, or if its friction cone leaves another share of
-// the tangential impulse.
+// The filter is rebuilt if more than one contact in kOthers has become active or inactive, or has changed the fraction
+// of the tangential impulse that its friction cone leaves by more than kOtherSlip.
 constexpr std::size_t kOthers = 64;
 constexpr double kOtherSlip = 1.5;
 
-// A link on a hinge can be pushed in some directions only. A contact whose normal is less than a milliradian away from
-// those in which it cannot would ask for forces without bound.
+// A link on a hinge can be pushed in some directions only. If a contact's normal were less than a milliradian away from
+// those in which it cannot, the contact would need an unbounded force. Such contacts get no penalty.
 constexpr double kStiff = 1e-6;
 
 } // namespace
@@ -43,7 +43,7 @@ void CoupledSolve::chooseStiffness()
         const double tangential = spring && each.bilateral() ? each.softness : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};
         rows_[c].u = inFrame(each.frame, each.sides[0].velocity - each.sides[1].velocity);
-        if (compliance == 0.0) row.constraint->impulse = {}; // nothing can give way: the constraint has no say
+        if (compliance == 0.0) row.constraint->impulse = {}; // no body can move along the normal
     }
 }
 

@@ -6,12 +6,12 @@
 namespace filasofia::engine {
 namespace {
 
-// The line search ends where the directional derivative is this fraction of what it was, or less; after so many trials
-// at most.
+// The line search ends if the magnitude of the directional derivative has fallen to this fraction of its start, or
+// after this number of trials.
 constexpr double kFlatEnough = 0.3;
 constexpr int kMaxTrials = 6;
 constexpr int kCorrectAfter = 4;     // iterations after which the coarse levels are corrected
-constexpr double kSteepEnough = 0.1; // a direction's derivative over that of z: if less, z is taken instead
+constexpr double kSteepEnough = 0.1; // a direction's derivative relative to that of z; if it is less, z is used instead
 
 } // namespace
 
@@ -33,14 +33,14 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     report.rounds = 1;
     for (int updates = 0, nonlinear = 0;; ++report.iterations, ++nonlinear) {
         if (report.iterations == kCorrectAfter && patches_.empty()) correctCoarseLevels();
-        const double rz = precondition(); // the energy of the error, as the preconditioner sees it
+        const double rz = precondition(); // the energy of the error, as the preconditioner estimates it
         const bool number = rz >= 0.0 && std::isfinite(rz);
         report.residual = rz == 0.0 ? 0.0 : number ? std::sqrt(rz / (rz + energy_)) : 1.0;
         report.converged = report.residual <= linear.tolerance && impulsesSettled();
         if (report.converged && !statesKept_ && updates < limits.multiplierUpdates && updateMultipliers()) {
             ++updates;
             ++report.rounds;
-            nonlinear = -1; // a new problem, from this one's answer
+            nonlinear = -1; // a new problem, which starts from this solution
             --report.iterations;
             continue;
         }
@@ -52,7 +52,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
             keepStates();
             ++report.rounds;
         }
-        if (!updateDirection(rz)) break; // no curvature is left: numbers have run out
+        if (!updateDirection(rz)) break; // no positive curvature: rounding errors dominate
         lineSearch();
     }
     report.mismatch = mismatch();
@@ -136,7 +136,7 @@ double CoupledSolve::multiply()
 
 void CoupledSolve::firstGuess()
 {
-    // The last step's answer, or as much of it as is good under this step's forces and impulses.
+    // The last step's solution, scaled by the factor that suits this step's forces and impulses best.
     double derivative = 0.0;
     const double curvature = multiply();
     for (const CoupledBody& body : *bodies_)
@@ -162,7 +162,7 @@ void CoupledSolve::firstGuess()
 
 bool CoupledSolve::impulsesSettled() const
 {
-    // What z would still change: a good guess at the error, as the preconditioner is one at the matrix.
+    // The change that z would still make: it estimates the error as well as the preconditioner estimates the matrix.
     double change = 0.0, all = 0.0;
     for (const Row& row : rows_) {
         change += lengthSquared(times(row.sigma, row.step));
@@ -177,7 +177,7 @@ bool CoupledSolve::updateDirection(double rz)
     double beta = 0.0;
     derivative_ = rz;
     if (!restart_) {
-        double met = 0.0; // z . the change of forces along the last direction
+        double met = 0.0; // z . (change of forces along the last direction)
         for (const CoupledBody& body : *bodies_)
             met += body.matrix->dot(SolveVector::Preconditioned, SolveVector::Product);
         met *= length_;
@@ -216,7 +216,7 @@ void CoupledSolve::lineSearch()
     };
     length_ = derivative_ / curvature_;
     derivativeAtEnd_ = derivativeAt(length_);
-    double low = 0.0, atLow = derivative_, high = 0.0, atHigh = 0.0; // the derivative falls all the way
+    double low = 0.0, atLow = derivative_, high = 0.0, atHigh = 0.0; // the derivative decreases along the direction
     for (int trial = 1; trial < kMaxTrials && std::abs(derivativeAtEnd_) > kFlatEnough * derivative_; ++trial) {
         (derivativeAtEnd_ > 0.0 ? low : high) = length_;
         (derivativeAtEnd_ > 0.0 ? atLow : atHigh) = derivativeAtEnd_;
@@ -279,7 +279,7 @@ bool CoupledSolve::updateMultipliers()
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const Constraint& each = constraint(c);
         if (!isRigid(each) || rows_[c].stiffness.x == 0.0) continue;
-        if (std::abs(each.impulse.x) >= each.maxImpulse) continue; // it bears no more
+        if (std::abs(each.impulse.x) >= each.maxImpulse) continue; // the constraint has yielded
         const Vec3 missed = each.bias + rows_[c].u;
         needed = needed || (each.bilateral() ? length(missed) > each.tolerance : missed.x < -each.tolerance);
     }

@@ -7,8 +7,8 @@
 
 namespace filasofia::engine {
 
-/// The vectors of a coupled solve in double, one Value (a number, or a Vec3) per unknown, and what conjugate gradients
-/// do with them whatever the matrix is.
+/// The vectors of a coupled solve in double, one Value (a number or a Vec3) per unknown, and the operations of
+/// conjugate gradients that do not depend on the matrix.
 template <class Value> class DenseOperator : public BodyOperator, public BodyPreconditioner {
 public:
     [[nodiscard]] std::span<const Value> answer() const { return x_; }
@@ -36,7 +36,7 @@ protected:
         for (Vector* vector : {&x_, &r_, &p_, &q_, &w_, &z_}) vector->resize(unknowns);
     }
 
-    /// In the order of the unknowns.
+    /// Sums in the order of the unknowns.
     static double product(const Vector& a, const Vector& b)
     {
         double sum = 0.0;

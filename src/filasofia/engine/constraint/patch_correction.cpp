@@ -5,7 +5,7 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr std::size_t kMaxPatches = 32; // those with the most constraints count: S is dense
+constexpr std::size_t kMaxPatches = 32; // the patches with the most constraints; S is dense
 
 struct Patch {
     std::size_t from = 0, to = 0; ///< bodies
@@ -14,7 +14,7 @@ struct Patch {
     std::vector<std::size_t> members; ///< rows
 };
 
-/// A way in which one side of a patch may move against the other.
+/// A rigid motion of one side of a patch relative to the other.
 struct Motion {
     const Patch* patch = nullptr;
     std::vector<Vec3> u;       ///< [m/s] per member, in its frame
@@ -53,7 +53,7 @@ std::vector<Patch> findPatches(std::span<const CoupledBody> bodies, std::span<co
     return patches;
 }
 
-/// Adds three translations and three rotations about the middle, without those that nothing resists.
+/// Adds three translations and three rotations about the middle, except motions that no constraint resists.
 void addMotions(const Patch& patch, const ConstraintRows& rows, std::span<const Mat3> filters,
                 std::vector<Motion>& motions)
 {
@@ -78,7 +78,7 @@ void addMotions(const Patch& patch, const ConstraintRows& rows, std::span<const 
     }
 }
 
-/// J^T M u: the motion's impulses at the contact points, of which there are as many as `column` has entries.
+/// J^T M u: the motion's impulses at all contact points; `column` has an entry for each.
 void columnOf(const Motion& motion, const ConstraintRows& rows, std::vector<Vec3>& column)
 {
     std::ranges::fill(column, Vec3{});
@@ -140,7 +140,8 @@ void PatchCorrection::make(std::span<const CoupledBody> bodies, std::span<const 
             for (std::size_t j = 0; j <= i; ++j) matrix[rows_[b][i] * size + rows_[b][j]] += shares_[b][j];
         }
     }
-    // Motions that come to the same, as of a patch with two points, or a flat one without friction, cancel to rounding.
+    // Motions may be linearly dependent, as those of a patch with two points, or of a flat one without friction. They
+    // cancel to rounding.
     constexpr double kShift = 1e-6;
     for (std::size_t i = 0; i < size; ++i) matrix[i * size + i] *= 1.0 + kShift;
     if (size > 0 && factor_.factorise(matrix, static_cast<int>(size)))

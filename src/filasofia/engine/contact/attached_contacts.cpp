@@ -11,7 +11,7 @@
 namespace filasofia::engine {
 namespace {
 
-/// What is held, by the point of a contact on it.
+/// The attached point at a contact's position on one side.
 AttachedPoint attachedPoint(const BodyPoint& side, Vec3 position, const Scene& scene, const RigidPlan& plan)
 {
     AttachedPoint point;
@@ -26,7 +26,7 @@ AttachedPoint attachedPoint(const BodyPoint& side, Vec3 position, const Scene& s
     return point;
 }
 
-/// A point of a body where it really is: contacts look at surfaces a little inside themselves.
+/// The actual position of a body's point: contacts see surfaces a little inside the real ones.
 Vec3 placeOf(const BodyPoint& point, const Scene& scene)
 {
     if (point.of != BodyPoint::Of::Soft) return point.position;
@@ -45,7 +45,7 @@ void grasp(const PendingGrasp& wanted, const Coupling& coupling, Scene& scene, p
         const bool targetFirst = contact.first == wanted.target && contact.second == wanted.rigid;
         if (!targetFirst && !(contact.first == wanted.rigid && contact.second == wanted.target)) continue;
         if (!(constraint.contact.gap < constraint.contact.proximity)) continue;
-        // Both are held where the target is: glued as they are, and not drawn together.
+        // Both are attached at the target's place: the gap is kept, they are not drawn together.
         const BodyPoint& target = constraint.sides[targetFirst ? 0 : 1];
         const BodyPoint& rigid = constraint.sides[targetFirst ? 1 : 0];
         const Vec3 place = placeOf(target, scene);
@@ -56,19 +56,20 @@ void grasp(const PendingGrasp& wanted, const Coupling& coupling, Scene& scene, p
     if (!attachment.pairs.empty()) return addAttachment(std::move(attachment), std::move(forces), scene);
     report.set(physics::StepFlag::NothingAttached);
     logWarning("rigid body '", scene.rigid[findBody(scene, wanted.rigid)->index].model.name,
-               "': grasp.target: it does not touch body ", wanted.target.value, "; nothing is held");
+               "': grasp.target: no contact with body ", wanted.target.value, "; nothing is attached");
 }
 
-/// What one hard attachment holds of its two bodies.
-struct HeldPair {
+/// The points by which one hard attachment fixes two bodies to each other.
+struct FixedPair {
     BodyId body, to;
-    std::array<std::vector<int>, 2> nodes;        ///< ascending; of soft bodies
-    std::map<std::array<int, 2>, int> elements{}; ///< pairs of elements, and by how many points they hold each other
+    std::array<std::vector<int>, 2> nodes; ///< nodes of soft bodies, ascending
+    /// pairs of elements, and the number of points that fix them to each other
+    std::map<std::array<int, 2>, int> elements{};
 };
 
-HeldPair heldPairOf(const Attachment& attachment)
+FixedPair fixedPairOf(const Attachment& attachment)
 {
-    HeldPair held{attachment.body, attachment.to, {}};
+    FixedPair held{attachment.body, attachment.to, {}};
     for (const auto& pair : attachment.pairs) {
         for (std::size_t side = 0; side < 2; ++side)
             for (const NodeWeight& each : pair[side].nodes) held.nodes[side].push_back(each.node);
@@ -78,8 +79,8 @@ HeldPair heldPairOf(const Attachment& attachment)
     return held;
 }
 
-/// Can the two sides of a contact not move against each other, for all that is held.
-bool holds(const HeldPair& pair, bool turned, const Constraint& contact, const RigidPlan& plan)
+/// Whether the attachment leaves the two sides of a contact no relative motion.
+bool leavesNoMotion(const FixedPair& pair, bool turned, const Constraint& contact, const RigidPlan& plan)
 {
     std::array<int, 2> elements{};
     bool soft = false;
@@ -108,19 +109,19 @@ void graspContacts(const Coupling& coupling, Scene& scene, physics::StepReport& 
 void leaveToAttachments(const Scene& scene, Coupling& coupling)
 {
     if (coupling.contactCount == 0) return;
-    std::vector<HeldPair> pairs;
+    std::vector<FixedPair> pairs;
     for (const Attachment& attachment : scene.attachments)
-        if (attachment.to && attachment.stiffness == physics::kHard) pairs.push_back(heldPairOf(attachment));
+        if (attachment.to && attachment.stiffness == physics::kHard) pairs.push_back(fixedPairOf(attachment));
     std::size_t kept = 0;
     for (std::size_t c = 0; c < coupling.contactCount; ++c) {
         Constraint& contact = coupling.constraints[c];
         const BodyId first = contact.contact.cached.first, second = contact.contact.cached.second;
         bool gone = false;
-        for (const HeldPair& pair : pairs) {
+        for (const FixedPair& pair : pairs) {
             const bool turned = first == pair.to && second == pair.body;
             if (!turned && !(first == pair.body && second == pair.to)) continue;
             contact.bias.x = std::max(contact.bias.x, 0.0);
-            gone = gone || holds(pair, turned, contact, coupling.rigid);
+            gone = gone || leavesNoMotion(pair, turned, contact, coupling.rigid);
         }
         if (gone) continue;
         if (kept != c) coupling.constraints[kept] = contact;

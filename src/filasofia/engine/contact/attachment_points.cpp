@@ -17,10 +17,11 @@ namespace {
 
 using geometry::Box;
 
-// Without a region a node is held that lies inside the other body, or so near to its surface, as a share of its size.
+// If no region is given, a node is attached if it lies inside the other body, or this near to its surface, relative to
+// the body's size.
 constexpr double kNearby = 0.01;
 
-/// A surface, to ask how far points are from it.
+/// A surface, for distance queries.
 class NearSurface {
 public:
     NearSurface(std::vector<Vec3> vertices, std::vector<geometry::Triangle> triangles)
@@ -45,7 +46,7 @@ public:
 
     [[nodiscard]] double size() const { return size_; }
 
-    /// Is the point nearer than this, or inside.
+    /// Whether the point is inside, or nearer than `within` [m].
     [[nodiscard]] bool has(Vec3 p, double within) const
     {
         const auto squaredDistance = [&](int t) {
@@ -66,7 +67,7 @@ private:
     double size_ = 0.0;
 };
 
-/// Per node, whether it is of a piece that is still there.
+/// Per node, whether its piece still exists.
 std::vector<char> nodesThere(const SoftModel& model)
 {
     if (model.removed.empty()) return std::vector<char>(model.rest.size(), 1);
@@ -76,7 +77,7 @@ std::vector<char> nodesThere(const SoftModel& model)
     return there;
 }
 
-/// Without what was removed.
+/// The current mesh without removed pieces.
 geometry::TetMesh meshNow(const SoftModel& model, const SoftState& state)
 {
     const std::vector<char> there = nodesThere(model);
@@ -87,7 +88,7 @@ geometry::TetMesh meshNow(const SoftModel& model, const SoftState& state)
     return mesh;
 }
 
-/// The nearest node to each point; ties go to the lowest index.
+/// The nearest node to each point; the lowest index wins a tie.
 std::vector<AttachedPoint> nearestNodes(const SoftModel& model, const SoftState& state, std::span<const Vec3> points)
 {
     const std::vector<char> there = nodesThere(model);
@@ -108,17 +109,17 @@ std::vector<AttachedPoint> nearestNodes(const SoftModel& model, const SoftState&
     return found;
 }
 
-/// The place of each point as a mean of the nodes around it. Weights that are none but for rounding go.
+/// Each point as a weighted mean of the nodes around it. Weights that are zero but for rounding are dropped.
 std::vector<AttachedPoint> embedded(const SoftModel& model, const SoftState& state, std::span<const Vec3> points)
 {
-    const geometry::Embedding ties = geometry::embed(meshNow(model, state), points);
+    const geometry::Embedding embedding = geometry::embed(meshNow(model, state), points);
     std::vector<AttachedPoint> found(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
         double sum = 0.0;
         for (std::size_t k = 0; k < 4; ++k) {
-            const double weight = ties.weights[i][k];
+            const double weight = embedding.weights[i][k];
             if (std::abs(weight) < 1e-9) continue;
-            found[i].nodes.push_back({ties.nodes[i][k], weight});
+            found[i].nodes.push_back({embedding.nodes[i][k], weight});
             sum += weight;
         }
         for (NodeWeight& each : found[i].nodes) each.weight /= sum;
@@ -135,9 +136,9 @@ const Pose& poseOf(const Scene& scene, std::size_t body, int element)
     return scene.rigid[body].state.poses[static_cast<std::size_t>(element)];
 }
 
-/// Places in the world, as points of what holds them.
-std::vector<AttachedPoint> heldBy(BodyId to, int element, physics::AttachMode mode, std::span<const Vec3> places,
-                                  const Scene& scene)
+/// World positions as points of the body `to`, or of space.
+std::vector<AttachedPoint> attachedTo(BodyId to, int element, physics::AttachMode mode, std::span<const Vec3> places,
+                                      const Scene& scene)
 {
     std::vector<AttachedPoint> points;
     const auto holder = findBody(scene, to);
@@ -155,7 +156,7 @@ std::vector<AttachedPoint> heldBy(BodyId to, int element, physics::AttachMode mo
     return points;
 }
 
-/// Adds the nodes near to, or inside, what holds.
+/// Adds the nodes that are near to, or inside, the other body.
 void addNodesNear(const physics::AttachmentDef& def, std::span<const Vec3> x, const Scene& scene,
                   std::vector<int>& nodes)
 {
@@ -172,7 +173,7 @@ void addNodesNear(const physics::AttachmentDef& def, std::span<const Vec3> x, co
     }
 }
 
-/// [m] how far the mass of a rigid element is from its centre, as the root of the mean square; 0 where nobody knows.
+/// [m] Radius of gyration of a rigid element, from its centre of mass; 0 if it is unknown.
 double gyration(const RigidModel& model, int element)
 {
     const physics::RigidInertia& body = model.inertias[static_cast<std::size_t>(element)];
@@ -182,8 +183,8 @@ double gyration(const RigidModel& model, int element)
     return 0.25 * length(box.high - box.low);
 }
 
-/// Four points around the centre, in no plane: who holds them holds place and orientation. [m] in the element's
-/// coordinates.
+/// Four points around the centre of mass, not in one plane: attaching them fixes both position and orientation. [m] in
+/// the element's coordinates.
 std::vector<Vec3> pointsAround(const physics::RigidAttachmentDef& def, const RigidModel& body, const Scene& scene)
 {
     double radius = body.dynamic ? gyration(body, def.element) : 0.0;
@@ -198,7 +199,7 @@ std::vector<Vec3> pointsAround(const physics::RigidAttachmentDef& def, const Rig
             radius = gyration(scene.rigid[holder->index].model, def.toElement);
         }
     }
-    FILASOFIA_ASSERT(radius > 0.0); // one of the two is dynamic, or soft
+    FILASOFIA_ASSERT(radius > 0.0); // one of the two bodies is dynamic or soft
     const Vec3 centre = body.inertias[static_cast<std::size_t>(def.element)].centre;
     const double r = radius / std::sqrt(3.0);
     return {centre + Vec3{r, r, r}, centre + Vec3{r, -r, -r}, centre + Vec3{-r, r, -r}, centre + Vec3{-r, -r, r}};
@@ -241,7 +242,7 @@ AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const
         held.push_back({.nodes = {{node, 1.0}}, .place = {}});
         places.push_back(x[static_cast<std::size_t>(node)]);
     }
-    return paired(std::move(held), heldBy(def.to, def.element, def.mode, places, scene));
+    return paired(std::move(held), attachedTo(def.to, def.element, def.mode, places, scene));
 }
 
 AttachedPairs pairsOf(const physics::RigidAttachmentDef& def, std::size_t body, const Scene& scene)
@@ -253,7 +254,7 @@ AttachedPairs pairsOf(const physics::RigidAttachmentDef& def, std::size_t body, 
         held.push_back({.nodes = {}, .element = def.element, .place = point});
         places.push_back(transform(poseOf(scene, body, def.element), point));
     }
-    return paired(std::move(held), heldBy(def.to, def.toElement, physics::AttachMode::Barycentric, places, scene));
+    return paired(std::move(held), attachedTo(def.to, def.toElement, physics::AttachMode::Barycentric, places, scene));
 }
 
 } // namespace filasofia::engine

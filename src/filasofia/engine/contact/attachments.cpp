@@ -13,12 +13,14 @@
 namespace filasofia::engine {
 namespace {
 
-// Points that have drifted apart come together at this share of the way per step, and not faster than that. Beyond,
-// they are pulled at, but the pull is not carried on: where they cannot come together it would grow without end.
+// Points that have drifted apart approach by this fraction of the gap per step, at kRecoverySpeed at most. At that
+// speed they are still pulled, but the impulse is not carried to the next step: if they cannot come together, it would
+// grow without bound.
 constexpr double kRecovery = 0.1;
 constexpr double kRecoverySpeed = 1.0; ///< [m/s]
-constexpr double kTolerance = 1e-5; ///< [m] that a hard pair may move apart in a step before its multiplier is updated
-constexpr double kInVain = 0.05;    ///< a recovery is, that comes to less than this share of what was asked for
+/// [m] how far a hard pair may move apart in a step before its multiplier is updated
+constexpr double kTolerance = 1e-5;
+constexpr double kFailedRecovery = 0.05; ///< a recovery below this fraction of the requested one counts as failed
 
 constexpr std::array<Vec3, 3> kWorldAxes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
 
@@ -32,7 +34,7 @@ std::string nameOf(const Scene& scene, BodyId id)
     return text("rigid body '", scene.rigid[place->index].model.name, "'");
 }
 
-/// The regions of a Def, as its fields are called.
+/// The names of the region fields that a Def sets.
 std::string regionsOf(const physics::AttachmentDef& def)
 {
     std::string names;
@@ -42,7 +44,7 @@ std::string regionsOf(const physics::AttachmentDef& def)
     return names.empty() ? "to" : names;
 }
 
-/// Where attached points are now, and how they move.
+/// The current positions and velocities of attached points.
 class Places {
 public:
     Places(const Scene& scene, const RigidPlan& plan) : scene_(scene), plan_(plan), firstElement_(firstElements(scene))
@@ -80,7 +82,7 @@ private:
     std::vector<std::size_t> firstElement_;
 };
 
-/// [m/s] What a hard pair's gap asks for.
+/// The speed [m/s] at which a hard pair closes its gap.
 Vec3 recovery(Vec3 gap, double dt)
 {
     const Vec3 bias = kRecovery / dt * gap;
@@ -103,16 +105,16 @@ Constraint weldOf(const Attachment& attachment, double dt, Vec3 carried, const s
     return weld;
 }
 
-/// [N s] Where a hard pair's next solve starts: the multiplier, less what its recovery has added in vain. A pair that
-/// others hold apart would pull at them more and more, and fly off when they let go.
-Vec3 carriedOn(const Constraint& weld, double dt, Vec3 carried, Vec3 gapAfter)
+/// [N s] The start of a hard pair's next solve: the multiplier, less what a failed recovery has added to it. Otherwise
+/// a pair that others keep apart would pull harder and harder, and fly off when they let go.
+Vec3 nextStart(const Constraint& weld, double dt, Vec3 carried, Vec3 gapAfter)
 {
     const double speed = length(weld.bias);
     const Vec3 before = weld.sides[0].position - weld.sides[1].position, u = 1.0 / dt * (gapAfter - before);
     const double missed = length(weld.bias + u);
     if (speed > 0.999 * kRecoverySpeed) return {};
     if (speed == 0.0 || missed == 0.0) return weld.multiplier;
-    const double recovered = std::clamp(-dot(u, weld.bias) / (kInVain * speed * speed), 0.0, 1.0);
+    const double recovered = std::clamp(-dot(u, weld.bias) / (kFailedRecovery * speed * speed), 0.0, 1.0);
     const double stiffness = length(weld.multiplier - dt * carried) / missed;
     return weld.multiplier + (1.0 - recovered) * stiffness * weld.bias;
 }
@@ -128,7 +130,7 @@ void keep(std::size_t attachment, double dt, std::span<const Constraint> welds, 
         if (isFinite(force)) report.force += force;
         Vec3& carried = scene.holding[attachment][p];
         const Vec3 gap = places.of(made.pairs[p][0], body).position - places.of(made.pairs[p][1], to).position;
-        const Vec3 next = isHard(made) ? 1.0 / dt * carriedOn(welds[p], dt, carried, gap) : Vec3{};
+        const Vec3 next = isHard(made) ? 1.0 / dt * nextStart(welds[p], dt, carried, gap) : Vec3{};
         carried = isFinite(next) ? next : Vec3{};
     }
     report.broken = length(report.force) > made.breakForce;
@@ -144,14 +146,14 @@ template <class Gone> void eraseAttachments(Scene& scene, const Gone& gone)
     }
 }
 
-/// `nothing`: which fields name the regions that hold no node.
+/// `nothing`: the names of the fields whose regions hold no node.
 template <class Def> void attachAny(const AttachmentName& name, const Def& def, const std::string& nothing,
                                     Scene& scene, physics::StepReport& report)
 {
     AttachedPairs pairs = pairsOf(def, findBody(scene, name.body)->index, scene);
     if (pairs.empty()) {
         report.set(physics::StepFlag::NothingAttached);
-        logWarning(nameOf(scene, name.body), ": attachment.", nothing, ": no node is there; nothing is held");
+        logWarning(nameOf(scene, name.body), ": attachment.", nothing, ": no node is there; nothing is attached");
         return;
     }
     std::vector<Vec3> forces(pairs.size());
@@ -216,7 +218,7 @@ void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
 
 void keepWelds(double dt, const Coupling& coupling, Scene& scene)
 {
-    if (dt == 0.0) { // what broke is reported once
+    if (dt == 0.0) { // a break is reported once
         std::erase_if(scene.held, [](const frame::Attachment& each) { return each.broken; });
         return;
     }

@@ -10,25 +10,26 @@
 
 namespace filasofia::engine {
 
-/// What contact detection works on. Only `surfaces`, `startedInside` and the warnings matter from step to step.
+/// The data of contact detection. Only `surfaces`, `startedInside` and the warned groups carry over from step to step.
 struct ContactDetection {
     std::vector<CollisionSurface> surfaces; ///< every body's, in the order of Scene::soft and Scene::rigid
-    std::vector<std::array<SurfaceName, 2>> startedInside; ///< each other, deeper than contacts are followed
-    std::set<int> warnedGroups; ///< collision groups: the log has said that they are one body's alone
-    std::set<int> warnedThin;   ///< collision groups: the log has said that their proximities are too small
+    /// Pairs that started inside each other, deeper than contacts are followed.
+    std::vector<std::array<SurfaceName, 2>> startedInside;
+    std::set<int> warnedGroups; ///< collision groups for which the log has said that only one body has them
+    std::set<int> warnedThin;   ///< collision groups for which the log has said that the proximities are too small
     ProximityScratch scratch;
     std::vector<Proximity> proximities;
-    std::vector<SideKept> sides; ///< those of the next step
-    std::vector<Vec3> normals;   ///< scratch, of a surface's triangles
+    std::vector<SideKept> sides; ///< sides for the next step
+    std::vector<Vec3> normals;   ///< scratch: the normals of a surface's triangles
 };
 
-/// What couples the bodies of a step: how the rigid ones would move by themselves, and all constraints.
+/// The coupling of the bodies in a step: the unconstrained motion of the rigid ones, and all constraints.
 struct Coupling {
     RigidPlan rigid;
     ArticulationPlans articulations;
     ContactDetection detection;
 
-    std::vector<Constraint> constraints; ///< contacts, then welds, then those of joints
+    std::vector<Constraint> constraints; ///< contacts, then welds, then joint limits and joint friction
     std::size_t contactCount = 0;
     std::size_t weldCount = 0;
 

@@ -13,21 +13,22 @@
 namespace filasofia::engine {
 namespace {
 
-// Surfaces that are inside each other part at this share of their depth per step, and not faster than that: pushed out
-// at once they would fly apart. Within the skin they take their time: impulses that are carried from step to step
-// and grow with a gap are an oscillator, stable only where the penalty is more than this share of what it moves.
-constexpr double kRecovery = 0.2, kShallowRecovery = 0.05;
+// Surfaces that are inside each other part by kRecovery of their depth per step, at kRecoverySpeed at most: pushed out
+// at once they would fly apart. Within the skin the fraction is kSkinRecovery. Impulses that are carried from step
+// to step and grow with a gap are an oscillator, which is stable only if the penalty is more than this fraction of the
+// mass that it moves.
+constexpr double kRecovery = 0.2, kSkinRecovery = 0.05;
 constexpr double kRecoverySpeed = 0.1; ///< [m/s]
-// Where rigid bodies are told to go there may be no place for one between them: what is carried would then grow without
-// end. It loses this share per step, more where they are deeper inside each other than at rest. A body sinks in by
-// micrometres for it: its penalty bears 99 % of its weight.
+// A rigid body may have no room between kinematic bodies: the carried impulse would grow without bound. It therefore
+// loses this fraction per step, and more if the bodies overlap deeper than at rest. This makes a body sink in by
+// micrometres: its penalty bears 99 % of its weight.
 constexpr double kRigidLoss = 0.02, kDeepRigidLoss = 0.2;
 
-/// What a surface belongs to.
+/// The body and element that a surface belongs to.
 struct Owner {
     bool soft = true;
-    std::size_t body = 0; ///< among its kind
-    std::size_t plan = 0; ///< of a rigid one: its element's place in the plan
+    std::size_t body = 0; ///< index among the bodies of its kind
+    std::size_t plan = 0; ///< rigid bodies only: index of its element in the plan
     SurfaceName name;
     const CollisionModel* collision = nullptr;
 };
@@ -38,7 +39,7 @@ std::vector<Owner> ownersOf(const Scene& scene)
     const auto add = [&](bool soft, std::size_t b, const auto& body, std::size_t firstElement) {
         for (int m = 0; const CollisionModel& each : body.collision) {
             const SurfaceName name{body.id, m++};
-            if (soft && each.shape->cutting) continue; // that one is for blades
+            if (soft && each.shape->cutting) continue; // this model is for blades only
             owners.push_back({soft, b, firstElement + static_cast<std::size_t>(each.element), name, &each});
         }
     };
@@ -84,7 +85,7 @@ void placeSurface(const Owner& owner, const Scene& scene, const RigidPlan& plan,
     }
 }
 
-/// [m] what was taken off a surface where something is near it.
+/// [m] the inset of a surface at the place of a proximity.
 double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side)
 {
     double depth = 0.0;
@@ -94,7 +95,7 @@ double insetAt(const CollisionModel& collision, const Proximity& found, std::siz
     return depth;
 }
 
-/// [m] by how much the two come nearer to each other in the time that is looked ahead.
+/// [m] the distance by which the two sides approach in the time of the look-ahead.
 double comingNearer(const std::vector<CollisionSurface>& surfaces, const Proximity& found, double dt)
 {
     Vec3 velocity;
@@ -107,9 +108,9 @@ double comingNearer(const std::vector<CollisionSurface>& surfaces, const Proximi
     return kStepsAhead * dt * std::max(0.0, -dot(velocity, found.normal));
 }
 
-/// Whether a place lies on an element of a soft body that is turned inside out: there its surface looks the wrong way,
-/// and would hold it there.
-bool insideOut(const Owner& owner, const Proximity& found, std::size_t side, const Scene& scene)
+/// Whether a place lies on an inverted element of a soft body. There the surface faces the wrong way, and a contact
+/// would keep it inverted.
+bool onInvertedElement(const Owner& owner, const Proximity& found, std::size_t side, const Scene& scene)
 {
     const CollisionModel& collision = *owner.collision;
     if (!owner.soft || collision.behind.empty()) return false;
@@ -121,15 +122,16 @@ bool insideOut(const Owner& owner, const Proximity& found, std::size_t side, con
             const auto [a, b, c] = collision.shape->triangles[static_cast<std::size_t>(triangle)];
             const int d = collision.behind[static_cast<std::size_t>(triangle)];
             if (geometry::signedVolume(x[node(a)], x[node(b)], x[node(c)], x[d]) >= 0.0)
-                return true; // it looks inwards
+                return true; // it faces inwards
         }
     }
     return false;
 }
 
-/// Whether the other side knows by itself which way a point of tissue is to go: rigid triangles do, however the tissue
-/// around the point is turned. Without, tissue that is crushed against them would go through.
-bool rigidTells(const Owner& other, const Proximity& found, std::size_t side)
+/// Whether the other side alone determines in which direction a point of tissue must go: rigid triangles do, however
+/// the tissue around the point is oriented. Without this rule, tissue that is crushed against rigid bodies would pass
+/// through them.
+bool rigidSideDecides(const Owner& other, const Proximity& found, std::size_t side)
 {
     return !other.soft && other.collision->shape->triangleFaces && found.vertices[side][1] < 0 &&
            found.vertices[1 - side][1] >= 0;
@@ -147,8 +149,9 @@ BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, 
         const auto vertex = static_cast<std::size_t>(found.vertices[side][k]);
         point.position += weight * surface.x[vertex];
         if (!owner.soft) continue;
-        const geometry::Embedding& ties = owner.collision->ties;
-        for (std::size_t n = 0; n < 4; ++n) point.add(ties.nodes[vertex][n], weight * ties.weights[vertex][n]);
+        const geometry::Embedding& embedding = owner.collision->ties;
+        for (std::size_t n = 0; n < 4; ++n)
+            point.add(embedding.nodes[vertex][n], weight * embedding.weights[vertex][n]);
     }
     if (owner.soft) {
         const std::vector<Vec3>& v = scene.soft[owner.body].state.v;
@@ -161,22 +164,22 @@ BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, 
     return point;
 }
 
-// The gap that contacts hold, of both proximities. Surfaces that rest on each other stay apart by so little, where it
-// is plain which side is out: were it 0, half of them would be inside.
+// The gap that contacts keep, relative to the sum of both proximities. Surfaces at rest stay apart by this little, so
+// that it is clear which side is outside: if the skin were 0, half of them would be inside.
 constexpr double kSkin = 0.01;
 
-constexpr double kTolerance = 1e-6; ///< [m] that a surface may go too far in a step, whatever its proximity
-constexpr double kSoftTolerance =
-    0.02; ///< of the proximity: tissue may go so much farther and come back in the next step
+constexpr double kTolerance = 1e-6; ///< [m] how much too far a surface may go in a step, whatever its proximity
+/// Relative to the proximity: tissue may go this much farther, and comes back in the next step.
+constexpr double kSoftTolerance = 0.02;
 
-/// The law of a contact with a gap.
+/// Sets the law of a contact from its gap.
 void setLaw(const physics::ContactMethod& method, double dt, Constraint& constraint)
 {
     const ContactInfo& contact = constraint.contact;
     const double gap = contact.gap - contact.skin;
     if (const auto* penalty = std::get_if<physics::PenaltyContact>(&method)) {
         constraint.softness = dt * (dt * penalty->stiffness + penalty->damping);
-        // What is apart is pushed only by the part of its way that leads inside, its damper included.
+        // If the surfaces are apart, only the part of the motion that leads inside is resisted, damper included.
         constraint.bias = {gap > 0.0 ? gap / dt : dt * penalty->stiffness * gap / constraint.softness, 0.0, 0.0};
         return;
     }
@@ -185,14 +188,14 @@ void setLaw(const physics::ContactMethod& method, double dt, Constraint& constra
     const bool anySoft = std::ranges::any_of(constraint.sides, isSoft);
     const double loss = anySoft ? 0.0 : gap < -contact.skin ? kDeepRigidLoss : kRigidLoss;
     constraint.impulse.x = std::max(0.0, (1.0 - loss) * constraint.impulse.x);
-    // What pushed last time may rest within the skin; all else may come as near as that.
+    // A contact that pushed in the last step may rest within the skin; all others may approach up to the skin.
     const double resting = constraint.impulse.x > 0.0 ? contact.skin : 0.0;
     const double shallow = std::clamp(gap, -contact.skin, resting), deep = std::min(0.0, gap + contact.skin);
-    const double back = std::max(kShallowRecovery * shallow + kRecovery * deep, -kRecoverySpeed * dt);
-    constraint.bias.x = (back + std::max(0.0, gap - resting)) / dt;
+    const double recovery = std::max(kSkinRecovery * shallow + kRecovery * deep, -kRecoverySpeed * dt);
+    constraint.bias.x = (recovery + std::max(0.0, gap - resting)) / dt;
     const double soft = anySoft ? kSoftTolerance * contact.proximity : 0.0;
     constraint.tolerance =
-        std::max({kShallowRecovery * contact.skin, contact.gap - dt * constraint.bias.x, soft, kTolerance}) / dt;
+        std::max({kSkinRecovery * contact.skin, contact.gap - dt * constraint.bias.x, soft, kTolerance}) / dt;
 }
 
 double frictionOf(const Scene& scene, const Owner& owner)
@@ -205,7 +208,7 @@ const std::string& nameOf(const Scene& scene, const Owner& owner)
     return owner.soft ? scene.soft[owner.body].model.name : scene.rigid[owner.body].model.name;
 }
 
-/// A group that is one body's alone is hardly meant: a word, once for each group.
+/// Logs a warning once per collision group that only one body has, as this is rarely intended.
 void warnOfLoneGroups(const Scene& scene, const std::vector<Owner>& owners, std::set<int>& warned)
 {
     for (const Owner& owner : owners) {
@@ -217,17 +220,18 @@ void warnOfLoneGroups(const Scene& scene, const std::vector<Owner>& owners, std:
         if (shape.self || std::ranges::none_of(owners, isOther) || std::ranges::any_of(owners, meets)) continue;
         if (!warned.insert(shape.group).second) continue;
         logWarning(owner.soft ? "soft" : "rigid", " body '", nameOf(scene, owner),
-                   "': no other body has collision group ", shape.group, ": it touches nothing");
+                   "': no other body has collision group ", shape.group, ": it collides with nothing");
     }
 }
 
-/// Where surfaces rest on each other only their insets, a share of the proximities, tell in from out: a word, once for
-/// each group, where both together are hardly more than what rounding and a step's way may be.
+/// Surfaces at rest tell inside from outside only by their insets, a fraction of the proximities. Logs a warning once
+/// per group if two proximities add up to hardly more than rounding and the motion in a step may be.
 void warnOfThinProximity(const Scene& scene, const std::vector<Owner>& owners, std::set<int>& warned)
 {
     constexpr double thin = 1e-4; // [m]
     for (const Owner& a : owners) {
-        if (a.collision->proximity >= thin) continue; // nearly all: or a thousand bodies were a million pairs
+        // True of nearly all bodies. Without this, a thousand bodies would be a million pairs.
+        if (a.collision->proximity >= thin) continue;
         for (const Owner& b : owners) {
             const CollisionShape &one = *a.collision->shape, &two = *b.collision->shape;
             const double both = a.collision->proximity + b.collision->proximity;
@@ -247,8 +251,8 @@ bool movable(const BodyPoint& point, const RigidPlan& plan)
     return (point.of == BodyPoint::Of::Soft && point.count > 0) || planPlace(plan, point).has_value();
 }
 
-/// Points of either surface that are in the other one deeper than contacts are followed. A rigid one tells its way out
-/// at any depth, tissue does not: in tissue they are only counted.
+/// Points of either surface that are deeper in the other one than contacts are followed. A rigid surface determines the
+/// way out at any depth, tissue does not: points in tissue are only counted.
 struct DeepPoints {
     std::vector<Proximity> inRigid, inTissue;
 };
@@ -262,8 +266,8 @@ DeepPoints deepPointsOf(const std::vector<Owner>& owners, const ContactDetection
     return deep;
 }
 
-/// A body that starts inside another, deeper than contacts are followed: logs a warning, and from then on the pair is
-/// looked at at any depth. `added`: per surface, whether it is new.
+/// If a body starts inside another, deeper than contacts are followed, logs a warning; from then on the pair is tested
+/// at any depth. `added`: per surface, whether it is new.
 void noteStartsInside(const Scene& scene, const std::vector<Owner>& owners, const std::vector<bool>& added,
                       Coupling& coupling)
 {
@@ -277,7 +281,7 @@ void noteStartsInside(const Scene& scene, const std::vector<Owner>& owners, cons
         if (deep.inRigid.empty() && deep.inTissue.empty()) continue;
         detection.startedInside.push_back({one.name, two.name});
         logWarning("body '", nameOf(scene, one), "' and body '", nameOf(scene, two), "' start inside each other: ",
-                   deep.inRigid.empty() ? "what is in tissue stays there" : "they are pushed apart");
+                   deep.inRigid.empty() ? "points inside tissue stay there" : "they are pushed apart");
     }
 }
 
@@ -293,8 +297,8 @@ void addDeepPoints(const std::vector<Owner>& owners, ContactDetection& detection
     }
 }
 
-/// Puts every surface where its body is, and warns of models that cannot work. Per surface, whether it is new; empty if
-/// none is.
+/// Updates every surface to its body's state, and warns of models that cannot work. Returns per surface whether it is
+/// new; empty if none is.
 std::vector<bool> placeSurfaces(const Scene& scene, const std::vector<Owner>& owners, Coupling& coupling)
 {
     ContactDetection& detection = coupling.detection;
@@ -318,12 +322,12 @@ std::vector<bool> placeSurfaces(const Scene& scene, const std::vector<Owner>& ow
     return added;
 }
 
-/// The contact that a proximity is; none if it is left out.
+/// The contact at a proximity; none if it must be left out.
 std::optional<Constraint> contactOf(const Proximity& found, const std::array<const Owner*, 2>& sides, double dt,
                                     const Scene& scene, const Coupling& coupling)
 {
     const auto leftOut = [&](std::size_t side) {
-        return insideOut(*sides[side], found, side, scene) && !rigidTells(*sides[1 - side], found, side);
+        return onInvertedElement(*sides[side], found, side, scene) && !rigidSideDecides(*sides[1 - side], found, side);
     };
     if (leftOut(0) || leftOut(1)) return std::nullopt;
     const std::vector<CollisionSurface>& surfaces = coupling.detection.surfaces;
@@ -370,7 +374,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
     coupling.contactCount = coupling.constraints.size();
     inheritForces(dt, scene.contacts, coupling.contacts());
     for (Constraint& contact : coupling.contacts()) setLaw(context.method, dt, contact);
-    // Between two kinematic bodies nothing is solved, and the start would be reported as a force.
+    // Nothing is solved between two immovable bodies, and the warm start would be reported as a force.
     for (Constraint& contact : coupling.contacts())
         if (!movable(contact.sides[0], coupling.rigid) && !movable(contact.sides[1], coupling.rigid))
             contact.impulse = {};

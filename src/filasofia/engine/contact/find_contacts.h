@@ -4,11 +4,11 @@
 
 namespace filasofia::engine {
 
-/// Finds who touches whom, and makes a constraint of every contact, with the force of the last step as its start. Rigid
-/// bodies are planned already.
+/// Finds the contacts between bodies, and makes a constraint of each, which starts from the last step's force. Rigid
+/// bodies must already be planned.
 void findContacts(const StepContext& context, const Scene& scene, Coupling& coupling);
 
-/// Keeps what the contacts did in the step: forces for frames and logs, and where their next solve starts.
+/// Stores the results of the step's contacts: forces for frames and logs, and the starts of their next solve.
 void keepContacts(const StepContext& context, const Coupling& coupling, Scene& scene);
 
 } // namespace filasofia::engine

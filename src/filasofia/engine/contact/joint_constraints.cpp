@@ -5,24 +5,24 @@
 namespace filasofia::engine {
 namespace {
 
-// A limit that pushed last time is asked for a part of its gap, as contacts are: it then comes to rest
+// If a limit pushed in the last step, only a part of its gap is closed per step, as for contacts: it then comes to rest
 // (find_contacts.cpp).
 constexpr double kRecovery = 0.05;
-constexpr double kTolerance = 1e-6; ///< [m] at the arm's length, that a joint may pass a limit in a step
+constexpr double kTolerance = 1e-6; ///< [m] at the arm's length: how far a joint may pass a limit in a step
 
-// [N] at the arm's length that a limit bears. If a kinematic body pushes a joint against its limit, both ask for what
-// cannot be, and the multipliers would grow without bound; so the limit gives way in the solve, and the joint's
+// [N] at the arm's length: maximum force of a limit. If a kinematic body pushes a joint against its limit, both cannot
+// be satisfied, and the multipliers would grow without bound. So the limit yields in the solve, and the joint's
 // position is clamped.
 constexpr double kMaxLimitForce = 1000.0;
 
-/// [N m] or [N] Where the constraint's solve starts.
+/// [N m] or [N] The start of the constraint's next solve.
 double& carriedBy(JointState& joint, const Constraint& constraint)
 {
     if (constraint.kind == ConstraintKind::JointFriction) return joint.dry;
     return constraint.joint.upper ? joint.upperStop : joint.lowerStop;
 }
 
-/// A constraint of joint `info` against space. `carried` [N m] or [N]: where its solve starts.
+/// A constraint of joint `info` against space; `impulse` [N s] starts its solve.
 Constraint jointConstraint(ConstraintKind kind, const JointInfo& info, const ArticulationPlan& plan, double impulse)
 {
     Constraint constraint{.kind = kind};
@@ -38,7 +38,7 @@ Constraint jointConstraint(ConstraintKind kind, const JointInfo& info, const Art
     return constraint;
 }
 
-/// `gap` [rad] or [m] to the limit.
+/// `gap` [rad] or [m] to the limit; `carried` [N m] or [N] starts its solve.
 Constraint limitOf(const JointInfo& info, const ArticulationPlan& plan, double gap, double carried, double dt)
 {
     Constraint limit = jointConstraint(ConstraintKind::JointLimit, info, plan, dt * carried / info.arm);
@@ -56,7 +56,7 @@ Constraint frictionOf(const JointInfo& info, const ArticulationPlan& plan, doubl
     return friction;
 }
 
-/// Adds what an impulse at a point of a link does about the joints that move it.
+/// Adds the load of a force at a point of a link to the joints that move the link.
 void addLoad(const Coupling& coupling, const BodyPoint& point, Vec3 force, Scene& scene)
 {
     if (point.of != BodyPoint::Of::Rigid || coupling.rigid[point.body].articulation < 0) return;

@@ -7,8 +7,8 @@
 namespace filasofia::engine {
 namespace {
 
-/// What the body's own parts do to its nodes at the end of the step, as the step saw it: with the rotations of its
-/// start. Right where a hard pin holds a node, and nowhere else.
+/// Adds the forces of the body's own elements and springs on its nodes at the end of the step, as the step saw them:
+/// with the rotations at its start. They are correct only for nodes held by a hard pin.
 void addOwnForces(const SoftModel& model, const HeldParts& held, const SoftState& state, std::vector<Vec3>& forces)
 {
     const double beta = model.rayleigh.stiffness;
@@ -32,7 +32,7 @@ void addOwnForces(const SoftModel& model, const HeldParts& held, const SoftState
     }
 }
 
-/// What contacts and attachments do to nodes that cannot move.
+/// Adds the forces of contacts and attachments on nodes that cannot move.
 void addConstraintForces(std::size_t body, double dt, std::span<const Constraint> constraints,
                          std::vector<Vec3>& forces)
 {
@@ -46,7 +46,7 @@ void addConstraintForces(std::size_t body, double dt, std::span<const Constraint
         }
 }
 
-/// [N] A node that does not move is held against everything that pulls at it.
+/// [N] The reaction of hard pins is opposite to all forces on their nodes.
 Vec3 hardReaction(const PinGroup& group, const Pins& pins, const std::vector<int>& holders,
                   const std::vector<Vec3>& forces)
 {
@@ -73,7 +73,7 @@ void addPinReactions(double dt, std::span<const Constraint> constraints, Scene& 
         const SoftState& now = scene.soft[b].state;
         std::vector<Vec3> forces;
         if (!scene.soft[b].system.held.holders.empty()) {
-            forces = scene.soft[b].system.forces; // given, weight, pressure, springs
+            forces = scene.soft[b].system.forces; // external forces, weight, pressure, springs
             addOwnForces(body, scene.soft[b].system.held, now, forces);
             addConstraintForces(b, dt, constraints, forces);
         }

@@ -7,7 +7,7 @@
 
 namespace filasofia::engine {
 
-/// Adds to the scene's reported attachments what every group of pins did in the step of dt [s].
+/// Appends the reaction of every group of pins in the step of dt [s] to the scene's reported attachments.
 void addPinReactions(double dt, std::span<const Constraint> constraints, Scene& scene);
 
 } // namespace filasofia::engine

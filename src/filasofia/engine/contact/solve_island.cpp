@@ -11,7 +11,7 @@
 namespace filasofia::engine {
 namespace {
 
-/// What one body brings into the solve, and what that is made from.
+/// One body's operator in the solve, and the data that it is built on.
 struct Unit {
     CoupledBody body;
     std::unique_ptr<BlockOperator> blocks;
@@ -22,7 +22,7 @@ struct Unit {
 
 bool isImplicit(const SoftModel& model) { return std::holds_alternative<physics::ImplicitEuler>(model.integrator); }
 
-/// [kg] of what moves.
+/// Mass of the free nodes [kg].
 double massOf(const SoftModel& model)
 {
     double sum = 0.0;
@@ -30,7 +30,7 @@ double massOf(const SoftModel& model)
     return sum;
 }
 
-/// A body whose matrix is its masses: what it would do alone is known, and tells the right-hand side.
+/// An explicit body's matrix is its masses. Its unconstrained change is known, and gives the right-hand side.
 void makeExplicit(double dt, SoftBody& body, Unit& unit)
 {
     const SoftModel& model = body.model;
@@ -48,14 +48,15 @@ void makeExplicit(double dt, SoftBody& body, Unit& unit)
         .diagonal = unit.diagonal, .rightHandSide = unit.rightHandSide, .guess = system.dv, .mass = massOf(model)});
 }
 
-/// A body with a matrix written out: a direct solver is its preconditioner, factorised once.
+/// A body with an assembled matrix. If it has a direct solver, this is its preconditioner, factorised once.
 void makeAssembled(double dt, SoftBody& body, Unit& unit)
 {
     const SoftModel& model = body.model;
     const SoftState& state = body.state;
     SoftSystem& system = body.system;
     AssembledSystem& assembled = *system.assembled;
-    // Where it was not asked for, too: the default gives way to it where a body is nearly incompressible.
+    // A direct solver may be there without being requested: the default falls back to it if a body is nearly
+    // incompressible.
     const bool factor = assembled.solver->isDirect() && solve(model, dt, 1.0, state.v, assembled, system.dv).converged;
     unit.diagonal.resize(model.masses.size());
     assembled.matrix.diagonal(unit.diagonal);
@@ -84,8 +85,7 @@ void makeSoft(double dt, SoftBody& body, WorkerPool& pool, Unit& unit)
     unit.body = coupled(*unit.blocks);
 }
 
-/// Damping is implicit, and so is what a hand's coupling does: against an impulse it is as if the element were so much
-/// heavier.
+/// Damping is implicit, and so is a virtual coupling: to an impulse, both make the element heavier.
 void makeRigid(const RigidModel& model, double dt, const RigidPlanElement& element, Unit& unit)
 {
     const double mass = (1.0 + dt * model.linearDamping) * element.mass + element.heldMass;
@@ -120,7 +120,7 @@ public:
     {
         out.clear();
         for (std::size_t c : island_.constraints) out.list.push_back({.constraint = &coupling_.constraints[c]});
-        // Body after body, so that one map of nodes serves them all.
+        // Goes through one body after another, so that one map of nodes serves all.
         for (std::size_t unit = 0; unit < points.size(); ++unit) {
             if (unit < island_.soft.size()) mapNodes(scene_.soft[island_.soft[unit]].model);
             for (std::size_t row = 0; row < out.list.size(); ++row)
@@ -130,7 +130,7 @@ public:
     }
 
 private:
-    /// A weight of J: constraint row, body, its contact point.
+    /// A weight of J: constraint row, body, contact point of the body.
     struct Entry {
         std::size_t row, unit;
         int point;
@@ -156,7 +156,7 @@ private:
             if (!pieceOf_.empty()) out.list[row].pieces[side] = pieceOf_[static_cast<std::size_t>(at.nodes[0])];
             for (std::size_t k = 0; k < static_cast<std::size_t>(at.count); ++k) {
                 const auto node = static_cast<std::size_t>(at.nodes[k]);
-                if (body.pins.hard[node]) continue; // it does not move, whatever pulls
+                if (body.pins.hard[node]) continue; // it does not move, whatever pulls at it
                 int& point = pointOf_[node];
                 if (point < 0) {
                     point = static_cast<int>(points[unit].size());
@@ -214,9 +214,9 @@ std::vector<Unit> makeUnits(const StepContext& context, const Island& island, Sc
     return units;
 }
 
-/// Hands the bodies what was solved for them.
-void takeAnswers(const std::vector<Unit>& units, const CoupledReport& report, const Island& island, WorkerPool& pool,
-                 Scene& scene, Coupling& coupling)
+/// Stores the solution in the bodies.
+void storeSolution(const std::vector<Unit>& units, const CoupledReport& report, const Island& island, WorkerPool& pool,
+                   Scene& scene, Coupling& coupling)
 {
     for (std::size_t i = 0; i < island.soft.size(); ++i) {
         SoftSystem& system = scene.soft[island.soft[i]].system;
@@ -251,7 +251,7 @@ CoupledReport solveIsland(const StepContext& context, const Island& island, cons
 
     const CoupledReport report = coupling.scratch.solver.solve(limits, bodies, builder.points, coupling.scratch.rows);
 
-    takeAnswers(units, report, island, context.pool, scene, coupling);
+    storeSolution(units, report, island, context.pool, scene, coupling);
     for (std::size_t c : island.constraints) {
         Constraint& constraint = coupling.constraints[c];
         for (Vec3* each : {&constraint.impulse, &constraint.multiplier})

@@ -10,17 +10,17 @@ namespace filasofia::engine {
 
 struct Coupling;
 
-/// Memory that coupled solves are made in, kept from step to step.
+/// Buffers of the coupled solves, kept from step to step.
 struct IslandScratch {
     CoupledSolve solver;
     ConstraintRows rows;
-    std::vector<int> pointOf; ///< per node of the body being looked at: its contact point, or -1
-    std::vector<int> pieceOf; ///< the same: which of its pieces it is in; empty if the body is whole
+    std::vector<int> pointOf; ///< per node of the current body: its contact point, or -1
+    std::vector<int> pieceOf; ///< per node of the current body: its piece; empty if the body is whole
 };
 
-/// Solves the equations of an island: leaves the change of velocities in the systems (dv, leftover) and in the plans,
-/// and impulses and multipliers in the constraints. Soft bodies are assembled for the step; the plan holds the free
-/// changes.
+/// Solves the equations of an island. Writes the change of velocities and the residual to the systems (dv, leftover),
+/// the changes of rigid bodies to the plans, and impulses and multipliers to the constraints. Soft bodies must be
+/// assembled for the step, and the plan must hold the unconstrained changes.
 CoupledReport solveIsland(const StepContext& context, const Island& island, const CoupledLimits& limits, Scene& scene,
                           Coupling& coupling);
 

@@ -12,32 +12,32 @@
 namespace filasofia::engine {
 namespace {
 
-auto key(const CachedContact& memory) { return std::tuple(memory.first, memory.second, memory.feature); }
-auto bodiesOf(const CachedContact& memory) { return std::tuple(memory.first, memory.second); }
+auto key(const CachedContact& cached) { return std::tuple(cached.first, cached.second, cached.feature); }
+auto bodiesOf(const CachedContact& cached) { return std::tuple(cached.first, cached.second); }
 
 class Inheritance {
 public:
-    explicit Inheritance(const std::vector<CachedContact>& memories) : memories_(memories), taken_(memories.size()) {}
+    explicit Inheritance(const std::vector<CachedContact>& cache) : cache_(cache), taken_(cache.size()) {}
 
     void bySameFeatures(CachedContact& contact)
     {
-        const auto found = std::lower_bound(memories_.begin(), memories_.end(), contact,
+        const auto found = std::lower_bound(cache_.begin(), cache_.end(), contact,
                                             [](const auto& a, const auto& b) { return key(a) < key(b); });
-        if (found != memories_.end() && key(*found) == key(contact))
-            take(static_cast<std::size_t>(found - memories_.begin()), contact);
+        if (found != cache_.end() && key(*found) == key(contact))
+            take(static_cast<std::size_t>(found - cache_.begin()), contact);
     }
 
-    /// To be called before byPlace(): a tree for every pair of bodies, over what nobody has taken.
+    /// Builds a tree per pair of bodies over the entries not yet taken. To be called before byPlace().
     void buildTrees()
     {
         std::vector<geometry::Box> boxes;
-        for (std::size_t i = 0; i < memories_.size();) {
+        for (std::size_t i = 0; i < cache_.size();) {
             Tree tree{i, {}, {}};
             boxes.clear();
-            for (; i < memories_.size() && bodiesOf(memories_[i]) == bodiesOf(memories_[tree.first]); ++i) {
+            for (; i < cache_.size() && bodiesOf(cache_[i]) == bodiesOf(cache_[tree.first]); ++i) {
                 if (taken_[i]) continue;
                 tree.left.push_back(i);
-                boxes.push_back({memories_[i].point, memories_[i].point});
+                boxes.push_back({cache_[i].point, cache_[i].point});
             }
             if (tree.left.empty()) continue;
             tree.places = geometry::Bvh(boxes);
@@ -47,13 +47,13 @@ public:
 
     void byPlace(double within, CachedContact& contact)
     {
-        const auto bodies = [&](const Tree& tree) { return bodiesOf(memories_[tree.first]); };
+        const auto bodies = [&](const Tree& tree) { return bodiesOf(cache_[tree.first]); };
         const auto tree = std::ranges::lower_bound(trees_, bodiesOf(contact), {}, bodies);
         if (tree == trees_.end() || bodies(*tree) != bodiesOf(contact)) return;
         const auto squaredDistance = [&](int i) {
-            const std::size_t memory = tree->left[static_cast<std::size_t>(i)];
-            return taken_[memory] ? std::numeric_limits<double>::infinity()
-                                  : lengthSquared(memories_[memory].point - contact.point);
+            const std::size_t cached = tree->left[static_cast<std::size_t>(i)];
+            return taken_[cached] ? std::numeric_limits<double>::infinity()
+                                  : lengthSquared(cache_[cached].point - contact.point);
         };
         const int nearest = tree->places.nearest(contact.point, squaredDistance, within * within).primitive;
         if (nearest >= 0) take(tree->left[static_cast<std::size_t>(nearest)], contact);
@@ -61,24 +61,24 @@ public:
 
 private:
     struct Tree {
-        std::size_t first;             ///< memory of the two bodies
-        std::vector<std::size_t> left; ///< memories, ascending
+        std::size_t first;             ///< first entry of the two bodies
+        std::vector<std::size_t> left; ///< entries, ascending
         geometry::Bvh places;
     };
 
-    void take(std::size_t memory, CachedContact& contact)
+    void take(std::size_t cached, CachedContact& contact)
     {
-        taken_[memory] = true;
-        contact.force = memories_[memory].force;
+        taken_[cached] = true;
+        contact.force = cache_[cached].force;
     }
 
-    const std::vector<CachedContact>& memories_;
+    const std::vector<CachedContact>& cache_;
     std::vector<bool> taken_;
     std::vector<Tree> trees_; ///< ascending by bodies
 };
 
-/// Which way two contacts push the same body, the one's cosine with the other: of the same two bodies, or of tissue
-/// that two others have between them. 1: no body that they could contradict each other about.
+/// The cosine between the directions in which two contacts push the same body: a body of the same pair, or tissue
+/// between two other bodies. 1 if there is no such body.
 double agreement(const Constraint& a, const Constraint& b)
 {
     const CachedContact &one = a.contact.cached, &two = b.contact.cached;
@@ -94,9 +94,10 @@ double agreement(const Constraint& a, const Constraint& b)
     return 1.0;
 }
 
-constexpr double kOpposite = -0.9;  ///< [-] cosine between normals
-constexpr double kNearBy = 10.0;    ///< [-] how far contacts that push opposite ways may be apart, over their depth
-constexpr double kSamePlace = 1e-3; ///< [m] besides the way that the two may have gone since
+constexpr double kOpposite = -0.9; ///< [-] cosine between normals
+/// [-] maximum distance of contacts that push opposite ways, relative to their depth
+constexpr double kNearBy = 10.0;
+constexpr double kSamePlace = 1e-3; ///< [m] besides the distance that both sides may have moved since
 
 } // namespace
 
@@ -115,7 +116,7 @@ void inheritForces(double dt, const std::vector<CachedContact>& cache, std::span
 std::vector<bool> contradicted(std::span<const Constraint> contacts)
 {
     std::vector<bool> contradicted(contacts.size());
-    std::vector<std::size_t> deep; // those that push and are inside each other, ascending by x
+    std::vector<std::size_t> deep; // contacts that push and overlap, ascending by x
     const auto gapOf = [&](std::size_t c) { return contacts[c].contact.gap; };
     const auto at = [&](std::size_t c) { return contacts[c].contact.cached.point; };
     for (std::size_t c = 0; c < contacts.size(); ++c)
@@ -143,9 +144,9 @@ void sortCache(std::vector<CachedContact>& cache)
 void forgetSurface(SurfaceName name, Scene& scene)
 {
     std::erase_if(scene.sides, [&](const SideKept& kept) { return kept.source == name || kept.target == name; });
-    std::erase_if(scene.contacts, [&](const CachedContact& memory) {
-        const FeaturePair pair = featurePair(memory.feature);
-        return SurfaceName{memory.first, pair.models[0]} == name || SurfaceName{memory.second, pair.models[1]} == name;
+    std::erase_if(scene.contacts, [&](const CachedContact& cached) {
+        const FeaturePair pair = featurePair(cached.feature);
+        return SurfaceName{cached.first, pair.models[0]} == name || SurfaceName{cached.second, pair.models[1]} == name;
     });
 }
 

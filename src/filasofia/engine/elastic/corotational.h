@@ -12,10 +12,10 @@
 ///     dW/dF = V ( 2 mu (F - R) + lambda tr(R^T F - I) R ).
 namespace filasofia::engine {
 
-/// What never changes of an element but by an edit of the mesh or of its material.
+/// The constants of an element. Only an edit of the mesh or of its material changes them.
 struct FemElement {
     std::array<int, 4> nodes{};
-    std::array<Vec3, 4> gradients{}; ///< [1/m] of the shape functions at rest; they sum to zero
+    std::array<Vec3, 4> gradients{}; ///< [1/m] gradients of the shape functions at rest; they sum to zero
     double volume = 0.0;             ///< [m^3] at rest
     double youngModulus = 0.0;       ///< [Pa]
     double poissonRatio = 0.0;       ///< [-]
@@ -33,14 +33,15 @@ constexpr Lame lame(double youngModulus, double poissonRatio)
             youngModulus * poissonRatio / ((1.0 + poissonRatio) * (1.0 - 2.0 * poissonRatio))};
 }
 
-/// Lame's parameters of an element at the deformation gradient f. Inside out (det f < 0) it has no lambda, only shear:
-/// the volumetric energy tells nothing from its mirror image there, and would hold up knots of inverted elements that
-/// shear alone resolves. The energy jumps at det f = 0; on either side the forces are its gradient.
+/// Lame's parameters of an element at the deformation gradient f. If the element is inverted (det f < 0), lambda is
+/// zero and only shear is left: the volumetric energy does not tell an element from its mirror image, and would hold up
+/// knots of inverted elements that shear alone resolves. The energy jumps at det f = 0; on either side the forces are
+/// its gradient.
 Lame lameAt(const FemElement& element, const Mat3& f);
 
 using Corners = std::array<Vec3, 4>; ///< one vector per node of a tetrahedron
 
-/// Gradients of the four shape functions of a tetrahedron of positive volume.
+/// The gradients of the four shape functions of a tetrahedron of positive volume.
 Corners shapeGradients(const Corners& rest);
 
 /// sum x_i g_i^T: the deformation gradient for positions, the velocity gradient for velocities.
@@ -49,37 +50,39 @@ Mat3 gradient(const FemElement& element, const Corners& x);
 /// [J]
 double corotationalEnergy(const FemElement& element, const Mat3& f, const Mat3& rotation);
 
-/// [N] on the four nodes: minus the gradient of the energy.
+/// [N] forces on the four nodes: minus the gradient of the energy.
 Corners corotationalForces(const FemElement& element, const Mat3& f, const Mat3& rotation);
 
-/// [-] Up to here geometricStiffness() leaves an element alone: one that turns by w in a step grows by w^2, which of a
-/// nearly incompressible one looks like tension, and the stiffness would brake the turn.
+/// [-] geometricStiffness() is zero up to this tr(S - I). An element that turns by w in a step grows by w^2. If it is
+/// nearly incompressible, that looks like tension, and the stiffness would brake the turn.
 constexpr double kTense = 0.1;
-/// [-] Where the sum of two stretches is less, by all three, it takes this: a needle has no bound.
+/// [-] Minimum of det(tr(S) I - S) / tr(S)^3. It bounds the geometric stiffness of needle-shaped elements.
 constexpr double kFlattest = 0.01;
 
-/// What a step linearises an element with.
+/// The coefficients of an element's linearisation in a step.
 struct Tangent {
     Lame material;
-    double turning = 0.0; ///< [Pa] geometric stiffness: against turning within the step
+    double turning = 0.0; ///< [Pa] geometric stiffness: resists rotation within the step
 };
 
-/// [Pa] What tension adds to the stiffness of an element against turning: mu (1 + (q - 2) / h), S = R^T F,
-/// q = lambda / mu tr(S - I), where q > 2 and tr(S - I) > kTense; 0 elsewhere. Of the energy's second derivative the
-/// warped stiffness leaves out the part of R^T dF that turns, 2 mu (1 + (q - 2) / h_k) for the three sums h_k of two
-/// stretches. Under pressure that is negative and up to q = 2 at most 2 mu; beyond it has no bound, and a step that
-/// does not know of it gains energy: torn off pieces whirled themselves to shreds. One h for all three,
-/// det(tr(S) I - S) / tr(S)^2, makes this an upper bound.
+/// The stiffness that tension adds to an element against rotation [Pa]: mu (1 + (q - 2) / h) if q > 2 and tr(S - I) >
+/// kTense, otherwise 0, with S = R^T F and q = lambda / mu tr(S - I).
+///
+/// The warped stiffness leaves out the rotational part of the energy's second derivative, that of the antisymmetric
+/// part of R^T dF: 2 mu (1 + (q - 2) / h_k) for the three sums h_k of two stretches. Under pressure this is negative,
+/// and up to q = 2 it is at most 2 mu. Beyond q = 2 it has no bound, and a step that neglects it gains energy: pieces
+/// torn off a body spun faster and faster until they tore to shreds. One h for all three, det(tr(S) I - S) / tr(S)^2,
+/// makes the result an upper bound.
 double geometricStiffness(Lame material, const Mat3& f, const Mat3& rotation);
 
-/// The warped stiffness R K R^T times four vectors [m] -> [N]: positive semi-definite, and without `turning` exact at
-/// every rotated rest shape.
+/// The warped stiffness R K R^T times four vectors [m] -> [N]. It is positive semi-definite, and without `turning` it
+/// is exact at every rotated rest shape.
 Corners warpedStiffnessTimes(const FemElement& element, const Tangent& tangent, const Mat3& rotation, const Corners& x);
 
-/// Block (i, j) of the warped stiffness [N/m]; `rotated` are the gradients turned by R.
+/// Block (i, j) of the warped stiffness [N/m]; `rotated` are the gradients rotated by R.
 Mat3 warpedStiffnessBlock(const Corners& rotated, const Tangent& tangent, double volume, int i, int j);
 
-/// The exact change of the forces for a change dx of the positions, with the derivative of R: for tests and analysis.
+/// The exact change of the forces for a change dx of the positions, with the derivative of R. For tests and analysis.
 Corners exactForceChange(const FemElement& element, const Mat3& f, const Mat3& rotation, const Corners& dx);
 
 } // namespace filasofia::engine

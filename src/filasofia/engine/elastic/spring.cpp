@@ -5,9 +5,9 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr double kTiny = 1e-12; // [m], shorter springs have no direction
+constexpr double kTiny = 1e-12; // [m] shorter springs have no direction
 
-/// The unit vector from a to b; zero for coincident ends: no force, and never a NaN.
+/// The unit vector from a to b. Zero if the ends coincide: the force is then zero, never a NaN.
 Vec3 direction(Vec3 a, Vec3 b)
 {
     const double l = distance(a, b);

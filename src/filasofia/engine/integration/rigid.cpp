@@ -5,7 +5,7 @@ namespace {
 
 Quat turn(Vec3 rotation) { return axisAngle(rotation, length(rotation)); }
 
-/// How exp changes on the left: exp(x + dx) = exp(C dx) exp(x) to first order.
+/// The left Jacobian C of exp: exp(x + dx) = exp(C dx) exp(x) to first order.
 Mat3 changeOfTurn(Vec3 x)
 {
     const double angle = length(x), square = angle * angle;
@@ -16,15 +16,16 @@ Mat3 changeOfTurn(Vec3 x)
     return Mat3::identity() + a * skew + b * (skew * skew);
 }
 
-/// The angular velocity W of a step, in the body's axes, from the angular momentum L there at its start:
+/// Solves for the angular velocity W of a step, in the body's axes, from the angular momentum L in these axes at its
+/// start:
 ///     J W = exp(-h/2 W) L
-/// Newton's method, each correction halved until it helps. Where a body turns by several radians in a step it need not
-/// arrive: the momentum then has another direction than it should, and still its size, for the answer is J^-1 times a
-/// turned L. So no step is too long.
+/// by Newton's method, each correction halved until it reduces the residual. If a body turns by several radians in a
+/// step, the iteration may not converge. The momentum then has a wrong direction but the right magnitude, as the result
+/// is J^-1 times a rotated L. So no step is too long to be stable.
 Vec3 midpointVelocity(const Mat3& inertia, const Mat3& inverseInertia, Vec3 momentum, double dt)
 {
     constexpr int iterations = 20, halvings = 6;
-    constexpr double enough = 1e-14; // of the momentum
+    constexpr double enough = 1e-14; // relative to the momentum
     struct Guess {
         Vec3 w, middle, residual;
     };
@@ -64,7 +65,7 @@ RigidChange freeChange(const RigidLoad& load, Quat orientation, Vec3 velocity, V
 
 Vec3 turnedVelocity(const Mat3& inertia, Quat orientation, Vec3 angularVelocity, double dt)
 {
-    const Vec3 w = rotate(conjugate(orientation), angularVelocity); // the same all through the step
+    const Vec3 w = rotate(conjugate(orientation), angularVelocity); // constant during the step
     return rotate(orientation, inverse(inertia) * rotate(turn(-0.5 * dt * w), inertia * w));
 }
 
