@@ -10,7 +10,7 @@
 /// negligible for the body can throw a fragment of a few elements about. Loose pieces are therefore treated separately.
 namespace filasofia::engine {
 
-/// The pieces that a body has fallen into, by ascending number, without removed ones. Empty while the body is whole.
+/// The pieces that a body has fallen into, by ascending number, without removed ones. Empty if the body is whole.
 std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces);
 
 /// Updates `held` of every piece: whether pins hold it. Call this after the pins changed.

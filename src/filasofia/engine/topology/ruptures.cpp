@@ -51,9 +51,9 @@ void moveBlades(const RigidPlan& rigid, const Scene& scene, std::vector<Blade>& 
             Blade& blade = next.emplace_back(same ? std::move(*known) : Blade{name, each.shape, linesOf(*each.shape)});
             const auto element = static_cast<std::size_t>(each.element);
             const RigidPlanElement& plan = rigid[first[b] + element];
+            // An element whose plan has no velocity stands still or jumped.
             const bool moved =
-                plan.velocity + plan.change.linear != Vec3{} ||
-                plan.angularVelocity + plan.change.angular != Vec3{}; // otherwise it stands still or jumped
+                plan.velocity + plan.change.linear != Vec3{} || plan.angularVelocity + plan.change.angular != Vec3{};
             const Pose& pose = scene.rigid[b].state.poses[element];
             blade.jumped = !moved && plan.start != pose;
             blade.before.clear();
