@@ -82,16 +82,16 @@ TEST_CASE("a rebuilt coarse level equals the one that the body would be built wi
         Block block(springs ? SoftMaterial(MassSpringMaterial{.stiffness = 20.0, .damping = 0.05})
                             : SoftMaterial(FemMaterial{.youngModulus = 5e3}));
         if (cut) block.cut();
-        linalg::TwoLevelPreconditioner rebuilt = preconditionerAtRest(block.model(), block.plan,
-                                                                      remadeCoarseChoice(block.nodes.size())),
-                                       other = rebuilt;
+        linalg::TwoLevelPreconditioner expected = preconditionerAtRest(block.model(), block.plan,
+                                                                       remadeCoarseChoice(block.nodes.size())),
+                                       other = expected;
         BackgroundThread thread;
         CoarseRemake remake(block.model(), block.plan, thread);
         linalg::TwoLevelPreconditioner&& made = remake.take();
-        REQUIRE(rebuilt.coarseNodes() > 10);
-        REQUIRE(made.coarseNodes() == rebuilt.coarseNodes());
+        REQUIRE(expected.coarseNodes() > 10);
+        REQUIRE(made.coarseNodes() == expected.coarseNodes());
         other.takeCoarseLevel(std::move(made));
-        const std::vector<float> a = applied(rebuilt, block.nodes.size()), b = applied(other, block.nodes.size());
+        const std::vector<float> a = applied(expected, block.nodes.size()), b = applied(other, block.nodes.size());
         float largest = 0.0f, off = 0.0f;
         for (std::size_t i = 0; i < a.size(); ++i) {
             largest = std::max(largest, std::abs(a[i]));

@@ -73,7 +73,8 @@ private:
             const double volume = restVolume(mesh_, t), q = restQuality(mesh_, t);
             sum += volume;
             if (!(volume > 0.0)) add(TopologyFault::NotPositive, "element ", t, " has ", volume, " m^3");
-            if (!(q >= bounds_.quality * (1.0 - 1e-9))) add(TopologyFault::BadQuality, "element ", t, " has ", q);
+            if (!(q >= bounds_.quality * (1.0 - 1e-9)))
+                add(TopologyFault::BadQuality, "element ", t, " has quality ", q);
         }
         if (!(std::abs(sum - bounds_.volume) <= bounds_.volumeTolerance * bounds_.volume))
             add(TopologyFault::Volume, sum, " m^3, not ", bounds_.volume);
@@ -101,7 +102,7 @@ private:
             while (next < sides_.size() && sides_[next].nodes == sides_[i].nodes) ++next;
             const Side& a = sides_[i];
             if (next - i > 2) {
-                add(TopologyFault::SharedFace, "of element ", a.tetrahedron);
+                add(TopologyFault::SharedFace, "at element ", a.tetrahedron);
             } else if (next - i == 2) {
                 pair(a, sides_[i + 1]);
             } else {
