@@ -8,7 +8,7 @@
 
 namespace filasofia::engine {
 
-/// A World driven by hand: commands wait for the next step, as the server would have them.
+/// A World stepped by hand: commands wait for the next step, as with the server.
 struct Stage {
     explicit Stage(const NativeEngineDef& def = {.threads = 1}) : world(def) {}
 
@@ -47,7 +47,8 @@ struct Stage {
     SoftState& soft(std::size_t body = 0) { return world.scene().soft[body].state; }
 };
 
-/// Without gravity, damping and pins: what a test does not name does not act. In double precision: for exact answers.
+/// A body without gravity, damping and pins, so that only what a test adds acts. It uses double precision for exact
+/// answers.
 inline physics::SoftBodyDef freeBody(geometry::TetMesh mesh)
 {
     return {.mesh = shared(std::move(mesh)),
@@ -56,8 +57,8 @@ inline physics::SoftBodyDef freeBody(geometry::TetMesh mesh)
             .solver = physics::ConjugateGradient{.tolerance = 1e-4, .assembled = true}};
 }
 
-/// The forces on the nodes of a free body at rest or not, read off one explicit step made on a copy of its state:
-/// the body must be explicit.
+/// The forces on the nodes of a free body, at rest or moving, from one explicit step on a copy of its state: the body
+/// must use an explicit integrator.
 inline std::vector<Vec3> forcesNow(Stage& stage, std::size_t body = 0)
 {
     const Snapshot before(stage.world.scene());

@@ -26,7 +26,7 @@ struct JawScene {
 
 } // namespace
 
-TEST_CASE("a jaw that closes with a torque stalls against tissue and holds that torque within 2 %")
+TEST_CASE("a jaw that closes with a torque stalls against tissue and keeps that torque within 2 %")
 {
     for (const double torque : {-0.002, -0.01, -0.03}) {
         JawScene scene{JointForce{torque}};
@@ -46,16 +46,16 @@ TEST_CASE("a jaw that closes with a torque stalls against tissue and holds that 
             worst = std::max({worst, std::abs(load / -torque - 1.0), std::abs(byFrame / -torque - 1.0)});
         }
         const frame::Joint now = joint(scene.stage).now;
-        std::cout << "a jaw told to close with " << torque << " N m stands at " << now.position
+        std::cout << "a jaw commanded to close with " << torque << " N m stands at " << now.position
                   << " rad; means of its load over 20 ms are off by up to " << 100.0 * worst << " %\n";
-        CHECK(now.position < -0.005); // it has met the tissue, and sunk in
+        CHECK(now.position < -0.005); // it has touched the tissue and sunk in
         CHECK(now.position == Approx(before).epsilon(0.02));
         CHECK(now.force == torque);
         CHECK(now.stop == 0.0);
     }
 }
 
-TEST_CASE("the force of a joint that goes to a position is what tissue resists with")
+TEST_CASE("the force of a joint with a commanded position equals the resistance of the tissue")
 {
     JawScene scene{JointPosition{-0.12}};
     scene.stage.run(1500, 1e-3);
@@ -65,7 +65,8 @@ TEST_CASE("the force of a joint that goes to a position is what tissue resists w
     CHECK(now.force == -now.load);
     CHECK(now.load == Approx(contactTorque(scene.stage, {1})).epsilon(0.01));
 
-    // The same torque commanded holds the joint where it is: its mean, as contacts that come and go shake it.
+    // The same torque as a command keeps the joint at its place. The mean is compared, since single steps fluctuate as
+    // contacts appear and disappear.
     constexpr int steps = 100;
     double torque = 0.0;
     for (int i = 0; i < steps; ++i) {
@@ -78,9 +79,9 @@ TEST_CASE("the force of a joint that goes to a position is what tissue resists w
     CHECK(joint(scene.stage).now.load == Approx(-torque).epsilon(0.02));
 }
 
-TEST_CASE("a jaw gives a free box the angular momentum that it loses, and no energy")
+TEST_CASE("a jaw passes the angular momentum that it loses to a free box and adds no energy")
 {
-    // Without friction and gravity the angular momentum about the hinge's axis is theirs together.
+    // Without friction and gravity the sum of both angular momenta about the hinge's axis is conserved.
     for (const bool pressed : {false, true}) {
         physics::RigidBodyDef jaw = touchingJaw(JointForce{-0.02});
         jaw.friction = 0.0;
@@ -129,7 +130,7 @@ TEST_CASE("a jaw gives a free box the angular momentum that it loses, and no ene
     }
 }
 
-TEST_CASE("1, 2 and 8 threads make the same bits of a jaw on tissue")
+TEST_CASE("a jaw on tissue is bit-identical with 1, 2 and 8 threads")
 {
     std::vector<std::uint64_t> hashes;
     for (const int threads : {1, 2, 8}) {
@@ -141,7 +142,7 @@ TEST_CASE("1, 2 and 8 threads make the same bits of a jaw on tissue")
     CHECK((hashes[1] == hashes[0] && hashes[2] == hashes[0]));
 }
 
-TEST_CASE("two jaws of one body hold tissue between them by their torques, and a grasp ties it to both")
+TEST_CASE("two jaws of one body hold tissue between them by their torques, and a grasp attaches it to both")
 {
     physics::RigidBodyDef tool = touchingJaw(JointForce{-0.01});
     tool.friction = 1.0;
@@ -177,7 +178,8 @@ TEST_CASE("two jaws of one body hold tissue between them by their torques, and a
         for (Vec3 x : stage.soft().x) sum += x;
         return 1.0 / static_cast<double>(stage.soft().x.size()) * sum;
     };
-    stage.post(SetJoint{gripper, 1, JointPosition{joint(stage, 0, 1).now.position}}); // else both would turn together
+    // If the second joint kept its force, both jaws would rotate together.
+    stage.post(SetJoint{gripper, 1, JointPosition{joint(stage, 0, 1).now.position}});
     const Vec3 before = middle();
     for (int i = 1; i <= 400; ++i) {
         stage.post(physics::SetPose{gripper, 0, {{0, 5e-5 * i, 0}, {}}});
@@ -187,7 +189,7 @@ TEST_CASE("two jaws of one body hold tissue between them by their torques, and a
     CHECK((middle() - before).y == Approx(0.02).epsilon(0.1));
 }
 
-TEST_CASE("a blade that a joint moves cuts, whether a position or a force commands it")
+TEST_CASE("a blade that a joint moves cuts with a commanded position and with a commanded force")
 {
     const auto rectangle = std::make_shared<const geometry::TriangleMesh>(
         geometry::TriangleMesh{.vertices = {{-0.02, 0, -0.05}, {0.02, 0, -0.05}, {0.02, 0, 0.05}, {-0.02, 0, 0.05}},
@@ -213,7 +215,7 @@ TEST_CASE("a blade that a joint moves cuts, whether a position or a force comman
     }
 }
 
-TEST_CASE("a jaw that a tool runs over, against its stop, stays whole: what it is told to bear has a bound")
+TEST_CASE("a tool that pushes a jaw against its stop leaves it finite, with a bounded load")
 {
     physics::RigidBodyDef jaw = touchingJaw(JointForce{0.0});
     jaw.articulation.joints[0].lower = -0.5;
@@ -235,11 +237,11 @@ TEST_CASE("a jaw that a tool runs over, against its stop, stays whole: what it i
     CHECK(most < 100.0); // 1 kN at 3 cm
 }
 
-TEST_CASE("a free tool, the body that holds it and the box that its jaw strikes keep their momentum")
+TEST_CASE("a free tool, the body that it is attached to and the box that its jaw strikes conserve momentum")
 {
-    for (const bool told : {false, true}) {
+    for (const bool commandsPosition : {false, true}) {
         physics::RigidBodyDef tool =
-            touchingJaw(told ? physics::JointCommand{JointPosition{-0.6}} : JointForce{-0.002});
+            touchingJaw(commandsPosition ? physics::JointCommand{JointPosition{-0.6}} : JointForce{-0.002});
         tool.dynamic = true;
         tool.mass = physics::GivenInertia{.mass = 0.05, .moments = {2e-5, 2e-5, 2e-5}};
         physics::RigidBodyDef hand{.name = "hand", .elements = {Pose{{-0.02, 0, 0}, {}}}};
@@ -263,24 +265,24 @@ TEST_CASE("a free tool, the body that holds it and the box that its jaw strikes 
             Vec3 sum;
             for (std::size_t e = 0; e < state.poses.size(); ++e) {
                 const Vec3 arm = rotate(state.poses[e].orientation, model.inertias[e].centre);
-                const bool link = state.poses.size() > 1; // else its velocity is that of its centre
+                const bool link = state.poses.size() > 1; // otherwise the velocity is that of the centre
                 sum += model.inertias[e].mass *
                        (state.velocities[e] + (link ? cross(state.angularVelocities[e], arm) : Vec3{}));
             }
             return sum;
         };
         double struck = 0.0;
-        for (int i = 0; i < (told ? 800 : 480); ++i) {
+        for (int i = 0; i < (commandsPosition ? 800 : 480); ++i) {
             stage.step(2.5e-4);
             struck = std::max(struck, std::abs(joint(stage).now.load));
         }
         CHECK(struck > 1e-3);
         CHECK(length(momentumOf(2)) > 1e-4);
         const double kept = length(momentumOf(0) + momentumOf(1) + momentumOf(2)) / length(momentumOf(2));
-        std::cout << "a free tool strikes a box: " << 100.0 * kept << " % of the box's momentum comes from nowhere\n";
+        std::cout << "a free tool strikes a box: " << 100.0 * kept << " % of the box's momentum is not accounted for\n";
         CHECK(kept < 0.01);
         const RigidState& base = stage.world.scene().rigid[0].state;
         CHECK(length(transform(inverse(base.poses[0]), stage.world.scene().rigid[1].state.poses[0].position) -
-                     Vec3{-0.02, 0, 0}) < 1e-4); // held all the time
+                     Vec3{-0.02, 0, 0}) < 1e-4); // attached all the time
     }
 }

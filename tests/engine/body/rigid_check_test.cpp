@@ -33,7 +33,7 @@ std::string checkOf(Stage& stage)
 
 } // namespace
 
-TEST_CASE("the hash sees every number of a dynamic body, and of a told one its poses")
+TEST_CASE("the hash covers every number of a dynamic body, and the poses of a kinematic one")
 {
     Stage stage;
     stage.add(boxBody());
@@ -47,19 +47,19 @@ TEST_CASE("the hash sees every number of a dynamic body, and of a told one its p
         number = old;
         return changed;
     };
-    RigidState &box = rigidState(stage, 0), &told = rigidState(stage, 1);
+    RigidState &box = rigidState(stage, 0), &kinematic = rigidState(stage, 1);
     for (int axis = 0; axis < 3; ++axis) {
         CHECK(changes((&box.poses[0].position.x)[axis]));
         CHECK(changes((&box.velocities[0].x)[axis]));
         CHECK(changes((&box.angularVelocities[0].x)[axis]));
         CHECK(changes((&box.wrenches[0].force.x)[axis]));
         CHECK(changes((&box.wrenches[0].torque.x)[axis]));
-        CHECK(changes((&told.poses[0].position.x)[axis]));
+        CHECK(changes((&kinematic.poses[0].position.x)[axis]));
     }
-    CHECK_FALSE(changes(told.velocities[0].x)); // nothing follows from it
+    CHECK_FALSE(changes(kinematic.velocities[0].x)); // no result depends on it
 }
 
-TEST_CASE("a rigid body that no step could be made with is refused when built")
+TEST_CASE("a rigid body whose numbers allow no step is refused when built")
 {
     CHECK(refusalOf(boxBody()) == "accepted");
     RigidBodyDef def = boxBody();

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// All that is logged while a body is built.
+/// Everything that is logged while a body is built.
 std::string loggedOf(const SoftBodyDef& def)
 {
     std::string logged;
@@ -27,7 +27,7 @@ std::string loggedOf(const SoftBodyDef& def)
 
 SoftBodyDef someBody() { return {.name = "liver", .mesh = shared(boxMesh({2, 2, 2}, {1, 1, 1}))}; }
 
-/// What building says of a body changed by `change`.
+/// The error text from building a body changed by `change`.
 template <class Change> std::string refusal(Change change)
 {
     SoftBodyDef def = someBody();
@@ -57,7 +57,7 @@ TEST_CASE("the body of these tests is accepted")
     CHECK(built->nodeCount() == 27);
 }
 
-TEST_CASE("numbers out of their range are refused by name")
+TEST_CASE("numbers out of their range are refused, and the error names them")
 {
     CHECK(refusal([](SoftBodyDef& d) { d.material = FemMaterial{.youngModulus = -1}; }) ==
           "soft body 'liver': material.youngModulus must be > 0 Pa, got -1");
@@ -92,7 +92,7 @@ TEST_CASE("nodes that the mesh does not have are refused")
           }) == "soft body 'liver': forces[0].node must be in [0, 27), got 27");
 }
 
-TEST_CASE("an attachment that holds nothing is refused")
+TEST_CASE("an attachment without nodes is refused")
 {
     using geometry::Box;
     CHECK(refusal([](SoftBodyDef& d) { d.attachments = {{}}; }) ==
@@ -105,7 +105,7 @@ TEST_CASE("an attachment that holds nothing is refused")
           }) == "soft body 'liver': attachments[0].box.high must be >= low on every axis");
 }
 
-TEST_CASE("meshes that cannot be simulated are refused, naming the body")
+TEST_CASE("meshes that cannot be simulated are refused, and the error names the body")
 {
     const auto nothing = "soft body 'liver': mesh must name a file or be a mesh, got nothing";
     CHECK(refusal([](SoftBodyDef& d) { d.mesh = ""; }) == nothing);
@@ -132,7 +132,7 @@ TEST_CASE("meshes that cannot be simulated are refused, naming the body")
                Catch::Contains("names node 4"));
 }
 
-TEST_CASE("rigid bodies with no element or a pose that is none are refused")
+TEST_CASE("rigid bodies without elements or with an invalid pose are refused")
 {
     const auto refusalOf = [](RigidBodyDef def) -> std::string {
         try {
@@ -151,7 +151,7 @@ TEST_CASE("rigid bodies with no element or a pose that is none are refused")
           "rigid body 'forceps': elements[0]: orientation must have a length > 1e-06, got 0");
 }
 
-TEST_CASE("density times volume is the mass, a total mass is spread by volume")
+TEST_CASE("density times volume is the mass, and a total mass is distributed by volume")
 {
     SoftBodyDef def{.mesh = shared(boxMesh({3, 2, 4}, {0.3, 0.2, 0.1}, 0.2)), .mass = Density{1200}};
     CHECK(totalMass(def) == Approx(1200 * 0.3 * 0.2 * 0.1).epsilon(1e-12));
@@ -166,7 +166,7 @@ TEST_CASE("density times volume is the mass, a total mass is spread by volume")
     for (double mass : stage.model().masses) CHECK(mass == Approx(0.25)); // a quarter of 6 kg/m^3 times 1/6 m^3
 }
 
-TEST_CASE("a pose moves the body, boxes of attachments are in world coordinates")
+TEST_CASE("a pose moves the body, and the boxes of attachments are in world coordinates")
 {
     Stage stage;
     SoftBodyDef def = someBody();
@@ -182,7 +182,7 @@ TEST_CASE("a pose moves the body, boxes of attachments are in world coordinates"
     }
 }
 
-TEST_CASE("a mass-spring body has one spring on every edge, at rest where it starts")
+TEST_CASE("a mass-spring body has one spring per edge, at rest in its start position")
 {
     Stage stage;
     stage.add(SoftBodyDef{.mesh = shared(tetrahedronMesh()), .material = MassSpringMaterial{.stiffness = 3}});
@@ -207,20 +207,20 @@ TEST_CASE("a file and the mesh read from it make the same body")
     CHECK(a.world.hash() == b.world.hash());
 }
 
-TEST_CASE("a body of more than ten metres is told of: a mesh in millimetres")
+TEST_CASE("a body of more than ten metres logs a warning, since its mesh may be in millimetres")
 {
-    const auto said = [](double size) {
+    const auto warningsFor = [](double size) {
         SoftBodyDef def = someBody();
         def.mesh = shared(boxMesh({2, 2, 2}, {size, 1, 1}));
         return loggedOf(def);
     };
-    CHECK(said(9.0).empty());
-    CHECK_THAT(said(120.0), Catch::Contains("soft body 'liver': is 120.00"));
+    CHECK(warningsFor(9.0).empty());
+    CHECK_THAT(warningsFor(120.0), Catch::Contains("soft body 'liver': is 120.00"));
 }
 
-TEST_CASE("a collision mesh beside a body that may be cut is told of: it does not open")
+TEST_CASE("a separate collision mesh on a body that may be cut logs a warning, since it does not open")
 {
-    const auto said = [](bool mesh, bool dynamicTopology) {
+    const auto warningsFor = [](bool mesh, bool dynamicTopology) {
         SoftBodyDef def = someBody();
         const geometry::TetMesh box = boxMesh({2, 2, 2}, {0.1, 0.1, 0.1});
         def.mesh = shared(box);
@@ -230,8 +230,8 @@ TEST_CASE("a collision mesh beside a body that may be cut is told of: it does no
         def.dynamicTopology = dynamicTopology;
         return loggedOf(def);
     };
-    CHECK(said(false, true).empty());
-    CHECK(said(true, false).empty());
-    CHECK_THAT(said(true, true),
+    CHECK(warningsFor(false, true).empty());
+    CHECK(warningsFor(true, false).empty());
+    CHECK_THAT(warningsFor(true, true),
                Catch::Contains("soft body 'liver': collision[0].mesh: bends with the body but does not"));
 }

@@ -15,7 +15,7 @@ double uniform(Random& random, double low, double high) { return std::uniform_re
 
 Vec3 randomVector(Random& random) { return {uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)}; }
 
-/// Masses on stiff springs to each other and weak ones to the ground.
+/// Masses with stiff springs between them and weak springs to the ground.
 DenseBody randomBody(Random& random, int nodes, bool coarse)
 {
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(3 * nodes, 3 * nodes);
@@ -54,7 +54,7 @@ struct Problem {
             rows.points.insert(rows.points.end(), at);
             constraints.push_back(c);
         };
-        for (int k = 0; k < 5; ++k) { // nodes on the floor, or on something that moves
+        for (int k = 0; k < 5; ++k) { // nodes on the floor or on a moving surface
             Constraint c;
             c.frame = frameOf(normalized(randomVector(random)));
             c.friction = friction;
@@ -62,7 +62,7 @@ struct Problem {
             c.bias = {uniform(random, -0.2, 0.4), 0.0, 0.0};
             add(c, {{k % nodes, 1.0}});
         }
-        for (int k = 0; count > 1 && k < 4; ++k) { // a point of the first body's against a triangle of the second's
+        for (int k = 0; count > 1 && k < 4; ++k) { // a point of the first body against a triangle of the second
             Constraint c;
             c.frame = frameOf(normalized(randomVector(random)));
             c.friction = friction;
@@ -98,7 +98,7 @@ struct Problem {
         for (const WeightedPoint& each : rows.pointsOf(row)) sum += at(each);
         return inFrame(c.frame, c.sides[0].velocity - c.sides[1].velocity + Vec3{sum.x(), sum.y(), sum.z()});
     }
-    /// A x - b - J^T impulse, the largest entry.
+    /// The largest entry of A x - b - J^T impulse.
     [[nodiscard]] double imbalance() const
     {
         std::vector<Eigen::VectorXd> rest;
@@ -120,7 +120,7 @@ const CoupledLimits kTight{
 
 } // namespace
 
-TEST_CASE("what constraints give and take balances, whatever the bodies are made of")
+TEST_CASE("impulses of constraints balance the bodies' equations for every kind of body")
 {
     Random random(7);
     for (int trial = 0; trial < 40; ++trial) {
@@ -131,7 +131,7 @@ TEST_CASE("what constraints give and take balances, whatever the bodies are made
     }
 }
 
-TEST_CASE("impulses carried from one solve to the next become those of the exact law")
+TEST_CASE("impulses carried from one solve to the next converge to the exact constraint law")
 {
     Random random(11);
     for (int trial = 0; trial < 20; ++trial) {
@@ -149,13 +149,13 @@ TEST_CASE("impulses carried from one solve to the next become those of the exact
             const Constraint& c = *row.constraint;
             const Vec3 u = scene.velocity(row);
             INFO("trial " << trial << ", impulse " << c.impulse.x << " " << c.impulse.y << " " << c.impulse.z);
-            if (c.bilateral()) { // does not move but for the bias
+            if (c.bilateral()) { // does not move except for the bias
                 CHECK(length(u + c.bias) < 1e-6);
                 continue;
             }
             CHECK(c.impulse.x >= 0.0);
             CHECK(u.x + c.bias.x > -1e-6);
-            CHECK(std::abs(c.impulse.x * (u.x + c.bias.x)) < 1e-6); // a gap, or a push
+            CHECK(std::abs(c.impulse.x * (u.x + c.bias.x)) < 1e-6); // either a gap or a normal impulse
             const double along = std::hypot(c.impulse.y, c.impulse.z), speed = std::hypot(u.y, u.z);
             CHECK(along <= mu * c.impulse.x + 1e-7);
             if (c.impulse.x > 1e-6 && speed > 1e-5 && mu > 0.0) { // slides: full friction, against the motion
@@ -168,7 +168,7 @@ TEST_CASE("impulses carried from one solve to the next become those of the exact
     }
 }
 
-TEST_CASE("a spring gives as it is stiff, and a penalty contact as deep as it is pressed")
+TEST_CASE("a spring and a penalty contact move by the closed form of their stiffness")
 {
     DenseBody body(2.0 * Eigen::MatrixXd::Identity(3, 3), Eigen::Vector3d(0.0, -1.0, 0.0), false);
     CoupledSolve solver;
@@ -182,7 +182,7 @@ TEST_CASE("a spring gives as it is stiff, and a penalty contact as deep as it is
     }
 }
 
-TEST_CASE("without constraints the bodies' own equations are solved")
+TEST_CASE("a solve without constraints solves the bodies' own equations")
 {
     Random random(3);
     DenseBody body = randomBody(random, 8, true);
@@ -193,7 +193,7 @@ TEST_CASE("without constraints the bodies' own equations are solved")
     CHECK((body.a * body.x - body.b).norm() < 1e-9);
 }
 
-TEST_CASE("the filter keeps stiff contacts from costing iterations")
+TEST_CASE("the filter prevents stiff contacts from costing iterations")
 {
     Random random(5);
     std::array<int, 2> iterations{};
@@ -202,9 +202,9 @@ TEST_CASE("the filter keeps stiff contacts from costing iterations")
         Problem scene(same, 2, 0.3, true);
         CoupledLimits limits = kTight;
         limits.linear.tolerance = 1e-6;
-        limits.tolerance = 1.0; // by the energy alone
+        limits.tolerance = 1.0; // converges by the energy alone
         limits.stiffening = k == 0 ? 1.0 : 1e4;
-        limits.nonlinear = 0; // the same contacts throughout: what the filter is for
+        limits.nonlinear = 0; // the same contacts throughout, which is what the filter is for
         const CoupledReport report = scene.solve(limits);
         CHECK(report.converged);
         iterations[static_cast<std::size_t>(k)] = report.iterations;

@@ -8,8 +8,8 @@
 
 namespace filasofia::engine {
 
-/// A body given by any symmetric positive definite matrix over its nodes: nodes are contact points. D is its diagonal
-/// in blocks of three, B nothing or half of the true inverse.
+/// A body given by any symmetric positive definite matrix over its nodes; contact points are nodes. D is its diagonal
+/// in blocks of three, B is zero or half of the true inverse.
 class DenseBody final : public BodyOperator, public BodyPreconditioner, private CoarseDeflation {
 public:
     DenseBody(Eigen::MatrixXd matrix, Eigen::VectorXd right, bool coarse)
@@ -107,7 +107,7 @@ private:
 
     std::vector<ContactPoint> points_;
     std::vector<Eigen::VectorXd> columns_;
-    std::size_t finished_ = 0; ///< columns
+    std::size_t finished_ = 0; ///< number of finished columns
     Eigen::MatrixXd inverse_;
     Eigen::VectorXd r_, p_, q_, w_, s_, z_;
     bool coarse_;

@@ -26,7 +26,7 @@ Eigen::MatrixXd randomSpd(std::mt19937& random, int n)
     return half * half.transpose() + Eigen::MatrixXd::Identity(n, n);
 }
 
-/// Two bodies, and constraints between a node of the one and two of the other, or space.
+/// Two bodies with constraints between a node of the first and two nodes of the second, or space.
 struct Problem {
     std::vector<DenseBody> bodies;
     std::vector<Constraint> constraints;
@@ -93,7 +93,7 @@ struct Problem {
         const int n = 3 * kNodes;
         Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n);
         for (int b = 0; b < 2; ++b)
-            a.block(b * n, b * n, n, n) = 2.0 * bodies[static_cast<std::size_t>(b)].a; // B: half
+            a.block(b * n, b * n, n, n) = 2.0 * bodies[static_cast<std::size_t>(b)].a; // B is half of the inverse
         for (std::size_t c = 0; c < filters.size(); ++c) {
             Eigen::MatrixXd j = Eigen::MatrixXd::Zero(3, 2 * n);
             for (const WeightedPoint& each : rows.pointsOf(rows.list[c]))
@@ -110,7 +110,7 @@ struct Problem {
 
 } // namespace
 
-TEST_CASE("the correction is exact where the motions of a patch are all that its constraints resist")
+TEST_CASE("the correction is exact if its constraints resist only the motions of the patch")
 {
     std::mt19937 random(1);
     Problem scene(random, 1);
@@ -118,10 +118,10 @@ TEST_CASE("the correction is exact where the motions of a patch are all that its
     scene.correct(patches);
     REQUIRE_FALSE(patches.empty());
     const Eigen::MatrixXd exact = scene.exact();
-    CHECK((scene.corrected(patches) - exact).norm() <= 1e-5 * exact.norm()); // but for the shift
+    CHECK((scene.corrected(patches) - exact).norm() <= 1e-5 * exact.norm()); // up to the shift
 }
 
-TEST_CASE("constraints at different pieces of a body are patches of their own")
+TEST_CASE("constraints at different pieces of a body form separate patches")
 {
     std::mt19937 random(4);
     Problem scene(random, 3);
@@ -132,13 +132,13 @@ TEST_CASE("constraints at different pieces of a body are patches of their own")
     CHECK((scene.corrected(patches) - exact).norm() <= 1e-5 * exact.norm());
 }
 
-TEST_CASE("the correction never corrects too much: B' lies between B and the true inverse")
+TEST_CASE("the correction never overcorrects: B' lies between B and the true inverse")
 {
     std::mt19937 random(2);
     for (int trial = 0; trial < 6; ++trial) {
         Problem scene(random, trial < 5 ? 7 : 40);
         for (int c = 0; c < static_cast<int>(scene.filters.size()) && trial == 5; ++c)
-            scene.rows.list[static_cast<std::size_t>(c)].pieces = {c, 0}; // more patches than count
+            scene.rows.list[static_cast<std::size_t>(c)].pieces = {c, 0}; // more patches than are counted
         PatchCorrection none, patches;
         const Eigen::MatrixXd before = scene.corrected(none);
         scene.correct(patches);
@@ -153,7 +153,7 @@ TEST_CASE("the correction never corrects too much: B' lies between B and the tru
     }
 }
 
-TEST_CASE("without anything that pushes or holds there is no correction")
+TEST_CASE("without active constraints there is no correction")
 {
     std::mt19937 random(3);
     Problem scene(random, 3);

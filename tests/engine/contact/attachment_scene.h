@@ -9,7 +9,7 @@
 
 namespace filasofia::engine {
 
-/// A cube of 2 cm in eight cells, its low corner at (x, 0, 0).
+/// A cube of 2 cm in eight cells with its low corner at (x, 0, 0).
 inline physics::SoftBodyDef cube(double x = 0.0)
 {
     physics::SoftBodyDef def{.name = "cube", .mesh = shared(boxMesh({2, 2, 2}, {0.02, 0.02, 0.02}))};
@@ -24,7 +24,7 @@ inline physics::RigidBodyDef rigidBox(Vec3 at, Vec3 half = {0.01, 0.01, 0.01}, b
     return def;
 }
 
-/// A stage without gravity, with a soft cube (1) and what else is given (2), and what was logged.
+/// A stage without gravity, with a soft cube (body 1), the given body (2), and the logged warnings.
 struct AttachmentScene {
     Stage stage;
     std::vector<std::string> warnings;
@@ -50,7 +50,7 @@ struct AttachmentScene {
         return {stage.lastAttachment};
     }
     Scene& state() { return stage.world.scene(); }
-    /// The nodes that the only attachment holds.
+    /// The nodes of the only attachment.
     std::vector<int> nodes()
     {
         REQUIRE(state().attachments.size() == 1);

@@ -4,7 +4,7 @@ using namespace filasofia;
 using namespace filasofia::engine;
 using physics::AttachmentDef;
 
-TEST_CASE("what is released is free in the next step, whether it was held by pins or since")
+TEST_CASE("released nodes are free in the next step, whether pins or a later attachment held them")
 {
     for (const bool pins : {true, false})
         for (const double stiffness : {physics::kHard, 50.0}) {
@@ -27,13 +27,13 @@ TEST_CASE("what is released is free in the next step, whether it was held by pin
             scene.stage.post(physics::Release{id});
             scene.stage.step(1e-3);
             CHECK(scene.held(id) == nullptr);
-            CHECK(momentum() - before == Approx(-10.0 * 0.008 * 1e-3).epsilon(0.02)); // its weight, and nothing else
+            CHECK(momentum() - before == Approx(-10.0 * 0.008 * 1e-3).epsilon(0.02)); // its weight and nothing else
             scene.stage.post(physics::Release{id});
-            scene.stage.step(1e-3); // once more is no harm
+            scene.stage.step(1e-3); // releasing it again has no effect
         }
 }
 
-TEST_CASE("of two groups of pins that hold a node one lets go, and the other holds on")
+TEST_CASE("if one of two groups of pins on a node is released, the other still pins it")
 {
     physics::SoftBodyDef def = cube();
     def.attachments = {{.nodes = {0, 1, 2, 3, 4, 5}}, {.nodes = {3, 4, 5, 6, 7, 8}}}; // the left face
@@ -52,7 +52,7 @@ TEST_CASE("of two groups of pins that hold a node one lets go, and the other hol
     CHECK(scene.stage.soft().x[0] != scene.stage.model().rest[0]);
 }
 
-TEST_CASE("a material set after pins were released does not bring them back")
+TEST_CASE("a material set after pins were released does not restore them")
 {
     physics::SoftBodyDef def = cube();
     def.attachments = {{.nodes = {0, 1}}};
@@ -64,31 +64,31 @@ TEST_CASE("a material set after pins were released does not bring them back")
     CHECK(scene.stage.soft().x[0].y == Approx(-0.05).epsilon(0.02));
 }
 
-TEST_CASE("an attachment breaks where it has to bear more than it stands, and says so once")
+TEST_CASE("an attachment breaks if its force exceeds breakForce, and reports that once")
 {
     AttachmentScene scene(cube());
     const AttachmentId id = scene.attach({.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}, .breakForce = 0.05});
     for (int i = 0; i < 1000 && !scene.held(id); ++i) scene.stage.step(1e-3);
-    int told = 0;
+    int reports = 0;
     for (int i = 0; i < 800; ++i) { // up to 0.1 N
         std::vector<physics::NodalForce> forces;
         for (int node = 0; node < 27; ++node) forces.push_back({node, {i * 0.1 / 27 / 800, 0, 0}});
         scene.stage.post(physics::SetForces{{1}, forces});
-        if (scene.held(id) && scene.held(id)->broken) scene.stage.step(0.0); // while paused it is told no more
-        if (scene.held(id) && scene.held(id)->broken) FAIL("told twice");
+        if (scene.held(id) && scene.held(id)->broken) scene.stage.step(0.0); // not reported again while paused
+        if (scene.held(id) && scene.held(id)->broken) FAIL("reported twice");
         scene.stage.step(1e-3);
         if (const auto* now = scene.held(id); now && now->broken) {
-            ++told;
+            ++reports;
             CHECK(length(now->force) > 0.05);
             CHECK(length(now->force) < 0.0525);
         }
     }
-    CHECK(told == 1);
+    CHECK(reports == 1);
     CHECK(scene.state().attachments.empty());
     CHECK(scene.state().holding.empty());
 }
 
-TEST_CASE("pins that may break do")
+TEST_CASE("pins with a breakForce can break")
 {
     physics::SoftBodyDef def = cube();
     def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}, .breakForce = 0.02}};
@@ -99,7 +99,7 @@ TEST_CASE("pins that may break do")
     CHECK(scene.stage.soft().v[0].y < -0.1);
 }
 
-TEST_CASE("with either body goes what ties it to the other")
+TEST_CASE("removing either body removes the attachment between them")
 {
     for (const std::uint32_t gone : {1u, 2u, 3u}) {
         AttachmentScene scene;
@@ -118,7 +118,7 @@ TEST_CASE("with either body goes what ties it to the other")
     }
 }
 
-TEST_CASE("a reset leaves attachments, and forgets their forces")
+TEST_CASE("a reset keeps attachments and clears their forces")
 {
     AttachmentScene scene;
     scene.stage.add(rigidBox({0.03, 0.01, 0.01}, {0.01, 0.01, 0.01}, true));

@@ -13,7 +13,7 @@ TEST_CASE("an attachment holds the nodes that are named, in the box or in the ba
     CHECK(scene.nodes() == nodesOfCube([](Vec3 p) { return p.x < 1e-6 || distance(p, {0.02, 0.02, 0.02}) < 0.0101; }));
 }
 
-TEST_CASE("regions are those of the moment, not of the start")
+TEST_CASE("regions select nodes by their current positions, not their start positions")
 {
     AttachmentScene scene;
     scene.stage.step(1e-3);
@@ -23,9 +23,9 @@ TEST_CASE("regions are those of the moment, not of the start")
     CHECK(scene.nodes() == nodesOfCube([](Vec3 p) { return p.x < 1e-6; }));
 }
 
-TEST_CASE("within a distance of another body, soft or rigid, or inside it")
+TEST_CASE("nodes are attached within a distance of another body, soft or rigid, or inside it")
 {
-    const auto addOther = [](AttachmentScene& scene, bool soft, double x) { // that begins at x
+    const auto addOther = [](AttachmentScene& scene, bool soft, double x) { // the other body's low side is at x
         if (soft)
             scene.stage.add(cube(x));
         else
@@ -46,7 +46,7 @@ TEST_CASE("within a distance of another body, soft or rigid, or inside it")
             REQUIRE(scene.warnings.size() == 1);
             CHECK_THAT(scene.warnings[0], Catch::StartsWith("soft body 'cube': attachment.within"));
         }
-    for (const bool soft : {true, false}) { // the cube's middle and right are inside the other, or on its surface
+    for (const bool soft : {true, false}) { // the cube's middle and right are inside the other body or on its surface
         AttachmentScene scene;
         addOther(scene, soft, 0.0095);
         scene.attach({.to = {2}});
@@ -55,7 +55,7 @@ TEST_CASE("within a distance of another body, soft or rigid, or inside it")
     }
 }
 
-TEST_CASE("a region without a node is told, and nothing is held")
+TEST_CASE("a region without nodes logs a warning, and nothing is attached")
 {
     AttachmentScene scene;
     const AttachmentId id = scene.attach({.box = geometry::Box{{1, 1, 1}, {2, 2, 2}}});
@@ -67,7 +67,7 @@ TEST_CASE("a region without a node is told, and nothing is held")
     CHECK_FALSE(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
 }
 
-TEST_CASE("nodes held by the nearest node of another body are drawn to it, those held where they are stay apart")
+TEST_CASE("nodes attached by Nearest are drawn to the other body's nodes, and by Barycentric keep their distance")
 {
     for (const physics::AttachMode mode : {physics::AttachMode::Nearest, physics::AttachMode::Barycentric}) {
         AttachmentScene scene;
@@ -88,7 +88,7 @@ TEST_CASE("nodes held by the nearest node of another body are drawn to it, those
     }
 }
 
-TEST_CASE("an element without points is held as a whole, and follows what holds it")
+TEST_CASE("an element without points is attached as a whole and follows the other body")
 {
     AttachmentScene scene;
     scene.stage.add(rigidBox({0.2, 0, 0}));
@@ -107,12 +107,12 @@ TEST_CASE("an element without points is held as a whole, and follows what holds 
     CHECK(std::abs(dot(box.orientation, tool.orientation)) > 1.0 - 1e-9);
 }
 
-TEST_CASE("a rigid body is held by soft tissue where its points are")
+TEST_CASE("a rigid body is attached to soft tissue at its points")
 {
     AttachmentScene scene;
     scene.stage.add(rigidBox({0.01, 0.01, 0.01}, {0.004, 0.004, 0.004}, true));
     const AttachmentId id = scene.attachRigid({2}, {.to = {1}});
-    scene.stage.run(200, 1e-3); // nothing pulls
+    scene.stage.run(200, 1e-3); // no force acts
     REQUIRE(scene.held(id) != nullptr);
     CHECK(scene.held(id)->points == 4);
     CHECK(distance(scene.state().rigid[0].state.poses[0].position, {0.01, 0.01, 0.01}) < 1e-9);
@@ -121,7 +121,7 @@ TEST_CASE("a rigid body is held by soft tissue where its points are")
     CHECK(scene.held(id)->force.x < 0.0);
 }
 
-TEST_CASE("a grasp where nothing is touched is told, and waits for no later contact")
+TEST_CASE("a grasp without a contact logs a warning and does not wait for a later contact")
 {
     AttachmentScene scene;
     scene.stage.add(rigidBox({0.2, 0, 0}));
@@ -137,7 +137,7 @@ TEST_CASE("a grasp where nothing is touched is told, and waits for no later cont
     CHECK_FALSE(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
 }
 
-TEST_CASE("contacts that a hard attachment holds leave it to that, a spring and they work together")
+TEST_CASE("a hard attachment replaces the contacts at its points, and a soft one works together with them")
 {
     for (const double stiffness : {physics::kHard, 100.0}) {
         physics::SoftBodyDef def = cube();
@@ -154,9 +154,9 @@ TEST_CASE("contacts that a hard attachment holds leave it to that, a spring and 
     }
 }
 
-TEST_CASE("two attachments that want different things of one node stay finite, and let it go quietly")
+TEST_CASE("two attachments with contradicting positions for one node stay finite and release it without a jolt")
 {
-    for (const double speed : {1e-4, 0.01, 1.0}) { // [m/s] at which the tool goes away with a node that space holds
+    for (const double speed : {1e-4, 0.01, 1.0}) { // [m/s] of the tool, which moves away with a node pinned in space
         AttachmentScene scene;
         scene.stage.add(rigidBox({0.03, 0.01, 0.01}));
         scene.attach({.box = geometry::Box{{-1, -1, -1}, {1, 1, 1}}});
@@ -177,7 +177,7 @@ TEST_CASE("two attachments that want different things of one node stay finite, a
     }
 }
 
-TEST_CASE("what is attached keeps its momentum, whatever integrates it")
+TEST_CASE("attached bodies conserve momentum with every integrator")
 {
     for (const bool isExplicit : {false, true}) {
         physics::SoftBodyDef def = cube(), other = cube(0.02);
@@ -201,7 +201,7 @@ TEST_CASE("what is attached keeps its momentum, whatever integrates it")
     }
 }
 
-TEST_CASE("a tune that leaves attachments that cannot be stepped with is undone")
+TEST_CASE("a tune that leaves attachments that cannot be stepped is rejected and rolled back")
 {
     AttachmentScene scene;
     scene.attach({.nodes = {0}});

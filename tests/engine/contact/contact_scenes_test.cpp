@@ -8,7 +8,7 @@
 using namespace filasofia;
 using namespace filasofia::engine;
 
-// What contacts must do in scenes that were once wrong.
+// Scenes in which contacts were once wrong.
 namespace {
 
 physics::RigidBodyDef rigidBox(Vec3 size, Pose pose, std::array<int, 3> cells = {1, 1, 1})
@@ -35,8 +35,8 @@ Stage heavyStage()
     return stage;
 }
 
-/// The most by which the only velocity of a rigid body is another than `before`.
-double strayed(Stage& stage, std::size_t body, Vec3 before, int steps)
+/// The largest deviation of the only velocity of a rigid body from `before`.
+double largestDeviation(Stage& stage, std::size_t body, Vec3 before, int steps)
 {
     double most = 0.0;
     for (int i = 0; i < steps; ++i) {
@@ -57,7 +57,7 @@ TEST_CASE("a rigid box slides over a flat mesh as over a plane")
             rigidBox({0.06, 0.04, 0.05}, {{-0.1, 0.02001, 0.0123}, normalized(Quat{1, 0, 0.2, 0})});
         box.velocity = {speed, 0, 0.1 * speed};
         stage.add(box);
-        CHECK(strayed(stage, 1, box.velocity, static_cast<int>(0.15 / speed * 1e3)) < 0.015 * speed);
+        CHECK(largestDeviation(stage, 1, box.velocity, static_cast<int>(0.15 / speed * 1e3)) < 0.015 * speed);
     }
 }
 
@@ -77,10 +77,10 @@ TEST_CASE("a light rigid box slides over a flat soft slab as over a plane")
     stage.run(100, 1e-3);
     const Vec3 before{0.2, 0, 0.02};
     stage.world.scene().rigid[0].state.velocities[0] = before;
-    CHECK(strayed(stage, 0, before, 400) < 0.05 * 0.2);
+    CHECK(largestDeviation(stage, 0, before, 400) < 0.05 * 0.2);
 }
 
-TEST_CASE("tissue too soft for its own weight stays on a floor, inside out or not")
+TEST_CASE("tissue too soft for its own weight stays on a floor, even if it is inverted")
 {
     Stage stage = heavyStage();
     stage.add(floorOf({1, 1, 1}));
@@ -105,7 +105,7 @@ TEST_CASE("tissue too soft for its own weight stays on a floor, inside out or no
     CHECK(lowest > -1e-3);
 }
 
-TEST_CASE("what starts deep inside a rigid body is named and pushed out slowly")
+TEST_CASE("a body that starts deep inside a rigid body is named in a warning and pushed out slowly")
 {
     for (const bool soft : {false, true}) {
         std::string logged;
@@ -136,7 +136,7 @@ TEST_CASE("what starts deep inside a rigid body is named and pushed out slowly")
     }
 }
 
-TEST_CASE("the damper of a penalty contact waits until the surfaces touch")
+TEST_CASE("the damper of a penalty contact acts only after the surfaces touch")
 {
     Stage stage({.threads = 1, .contact = physics::PenaltyContact{.stiffness = 2000.0, .damping = 50.0}});
     stage.add(floorOf({1, 1, 1}));
@@ -156,11 +156,11 @@ TEST_CASE("the damper of a penalty contact waits until the surfaces touch")
         for (const frame::Contact& contact : stage.world.scene().touching) CHECK(contact.normalForce >= 0.0);
     }
     CHECK(free == 6);     // 1.3 mm at 0.2 m/s
-    CHECK(speed > 0.0);   // it came back
+    CHECK(speed > 0.0);   // it bounced back
     CHECK(speed < 0.199); // damped
 }
 
-TEST_CASE("between two that go where they are told there is no force, whatever there was before")
+TEST_CASE("there is no force between two kinematic bodies, whatever force acted before")
 {
     Stage stage = heavyStage();
     stage.add(floorOf({1, 1, 1}));

@@ -11,7 +11,7 @@ using namespace filasofia::engine;
 
 namespace {
 
-/// A square of 4 cm around the origin in the plane y = 0, looking up.
+/// A square of 4 cm around the origin in the plane y = 0, normal upwards.
 std::shared_ptr<const geometry::TriangleMesh> sheet()
 {
     geometry::TriangleMesh mesh;
@@ -20,23 +20,24 @@ std::shared_ptr<const geometry::TriangleMesh> sheet()
     return std::make_shared<const geometry::TriangleMesh>(mesh);
 }
 
-physics::RigidBodyDef told(const std::string& name, std::shared_ptr<const geometry::TriangleMesh> mesh, Vec3 at = {})
+physics::RigidBodyDef kinematic(const std::string& name, std::shared_ptr<const geometry::TriangleMesh> mesh,
+                                Vec3 at = {})
 {
     return {.name = name, .elements = {Pose{at, {}}}, .mesh = std::move(mesh), .collision = {{}}};
 }
 
 physics::RigidBodyDef smallBox(Vec3 at, bool dynamic)
 {
-    physics::RigidBodyDef def = told("box", geometry::shapes::box({0.004, 0.004, 0.004}), at);
+    physics::RigidBodyDef def = kinematic("box", geometry::shapes::box({0.004, 0.004, 0.004}), at);
     def.dynamic = dynamic;
     return def;
 }
 
-/// Far away from all, a sheet, and a tool over it.
+/// A sheet, a tool above it, and a bystander far away.
 struct OverSheet {
     Stage stage;
-    BodyId bystander = stage.add(told("bystander", geometry::shapes::box({0.01, 0.01, 0.01}), {1, 0, 0}));
-    BodyId floor = stage.add(told("sheet", sheet()));
+    BodyId bystander = stage.add(kinematic("bystander", geometry::shapes::box({0.01, 0.01, 0.01}), {1, 0, 0}));
+    BodyId floor = stage.add(kinematic("sheet", sheet()));
     BodyId tool = stage.add(smallBox({0, 0.0024, 0}, false));
 
     void lower(double height)
@@ -52,12 +53,12 @@ struct OverSheet {
     }
 };
 
-/// Soft and rigid bodies that lie on a sheet, hold each other, and wait to be grasped.
+/// Soft and rigid bodies that lie on a sheet, are attached to each other, and wait to be grasped.
 Stage eventful()
 {
     Stage stage;
     stage.post(physics::SetGravity{{0, -9.81, 0}});
-    stage.add(told("sheet", sheet()));
+    stage.add(kinematic("sheet", sheet()));
     physics::SoftBodyDef block{.name = "block", .mesh = shared(boxMesh({2, 2, 2}, {0.02, 0.02, 0.02}))};
     block.pose.position = {-0.012, 0.0004, -0.01};
     block.collision = {{}};
@@ -70,11 +71,11 @@ Stage eventful()
 
 } // namespace
 
-TEST_CASE("who is on which side of a sheet is known still when another body goes")
+TEST_CASE("the side of a sheet that a body is on is still known after another body was removed")
 {
     OverSheet scene;
     for (int i = 1; i <= 6; ++i) scene.lower(0.0024 - 1e-4 * i);
-    REQUIRE(scene.gap() == Approx(-1e-4).margin(1e-6)); // where it was at the start of the step
+    REQUIRE(scene.gap() == Approx(-1e-4).margin(1e-6)); // its gap at the start of the step
     const std::vector<SideKept> sides = scene.stage.world.scene().sides;
     REQUIRE(!sides.empty());
     scene.stage.post(physics::RemoveBody{scene.bystander});
@@ -86,7 +87,7 @@ TEST_CASE("who is on which side of a sheet is known still when another body goes
     CHECK(scene.stage.world.scene().sides.empty());
 }
 
-TEST_CASE("contacts keep their numbers when another body goes")
+TEST_CASE("contacts keep their numbers after another body was removed")
 {
     Stage stage = eventful();
     const BodyId bystander = stage.add(smallBox({1, 0, 0}, false));
@@ -106,12 +107,12 @@ TEST_CASE("contacts keep their numbers when another body goes")
     }
 }
 
-TEST_CASE("a state goes on in another world as in its own, and has the same hash")
+TEST_CASE("a state continues in another world as in its own, with the same hash")
 {
     Stage here = eventful(), there = eventful();
     here.run(100, 1e-3);
     here.post(physics::Grasp{{7}, {1}, {2}, {}});
-    here.step(0.0); // it waits
+    here.step(0.0); // the grasp waits
     there.step(0.0);
     Snapshot(here.world.scene()).restore(there.world.scene());
     REQUIRE(here.world.scene().grasps.size() == 1);
@@ -124,7 +125,7 @@ TEST_CASE("a state goes on in another world as in its own, and has the same hash
     CHECK(there.world.scene().attachments.size() == 2);
 }
 
-TEST_CASE("the hash sees what contacts, sides, attachments and grasps are")
+TEST_CASE("the hash covers contacts, sides, attachments and grasps")
 {
     Stage stage = eventful();
     stage.run(100, 1e-3);
@@ -165,13 +166,13 @@ TEST_CASE("the hash sees what contacts, sides, attachments and grasps are")
     CHECK(stage.world.hash() == hash);
 }
 
-TEST_CASE("a contact counts from the sum of the proximities on, whether a surface has an inside or not")
+TEST_CASE("a contact counts from the sum of the proximities on, for closed and open surfaces")
 {
     for (const bool open : {false, true})
         for (const double gap : {0.95e-3, 1.05e-3}) {
             Stage stage;
-            stage.add(
-                told("floor", open ? sheet() : geometry::shapes::box({0.04, 0.04, 0.04}), {0, open ? 0.0 : -0.02, 0}));
+            stage.add(kinematic("floor", open ? sheet() : geometry::shapes::box({0.04, 0.04, 0.04}),
+                                {0, open ? 0.0 : -0.02, 0}));
             stage.add(smallBox({0, 0.002 + gap, 0}, false)); // both have 0.5 mm
             stage.step(1e-3);
             CHECK(stage.world.scene().touching.empty() == (gap > 1e-3));
@@ -179,7 +180,7 @@ TEST_CASE("a contact counts from the sum of the proximities on, whether a surfac
         }
 }
 
-TEST_CASE("a group that is one body's alone is told once, whatever is added later")
+TEST_CASE("a collision group with a single body logs one warning, whatever is added later")
 {
     std::vector<std::string> warnings;
     setLogSink([&](LogLevel, std::string_view line) { warnings.emplace_back(line); });
@@ -191,7 +192,7 @@ TEST_CASE("a group that is one body's alone is told once, whatever is added late
         stage.step(1e-3);
     };
     add(0);
-    CHECK(warnings.empty()); // alone in the world
+    CHECK(warnings.empty()); // it is the only body
     add(0);
     CHECK(warnings.empty());
     add(3);
@@ -203,7 +204,7 @@ TEST_CASE("a group that is one body's alone is told once, whatever is added late
     CHECK_THAT(warnings[1], Catch::Contains("group 4"));
 }
 
-TEST_CASE("a body of more than 2048 collision models is refused, and more bodies than that are not")
+TEST_CASE("a body of more than 2048 collision models is refused, and more bodies than that are accepted")
 {
     physics::RigidBodyDef def = smallBox({}, false);
     def.collision.resize(2049);
@@ -218,12 +219,12 @@ TEST_CASE("a body of more than 2048 collision models is refused, and more bodies
     CHECK(stage.world.scene().touching[0].second == BodyId{2101});
 }
 
-TEST_CASE("rigid bodies among themselves end at the deadline too, and the step can be made again")
+TEST_CASE("a deadline also stops rigid bodies in contact with each other, and the step can be replayed")
 {
     const auto tower = [] {
         Stage stage;
         stage.post(physics::SetGravity{{0, -9.81, 0}});
-        stage.add(told("floor", geometry::shapes::box({0.1, 0.02, 0.1}), {0, -0.01, 0}));
+        stage.add(kinematic("floor", geometry::shapes::box({0.1, 0.02, 0.1}), {0, -0.01, 0}));
         for (int k = 0; k < 16; ++k) stage.add(smallBox({1e-4 * k, 0.00201 + 0.00401 * k, 0}, true));
         return stage;
     };

@@ -27,7 +27,7 @@ physics::SoftBodyDef softBlock(std::array<int, 3> cells, Vec3 size, Vec3 corner)
 
 double lowest(const SoftState& state) { return std::ranges::min(state.x, {}, &Vec3::y).y; }
 
-/// A floor, and gravity.
+/// A stage with a floor and gravity.
 Stage onFloor(const physics::ContactMethod& method = physics::ExactContact{})
 {
     Stage stage({.threads = 1, .contact = method});
@@ -40,7 +40,7 @@ Stage onFloor(const physics::ContactMethod& method = physics::ExactContact{})
 
 } // namespace
 
-TEST_CASE("a penalty contact carries the weight, as deep as its springs give")
+TEST_CASE("a penalty contact carries the weight at the depth that its stiffness gives")
 {
     Stage stage = onFloor(physics::PenaltyContact{.stiffness = 2000.0, .damping = 5.0});
     stage.add(rigidBox({0.02, 0.02, 0.02}, {{0.003, 0.0201, 0.001}, {}}));
@@ -50,10 +50,10 @@ TEST_CASE("a penalty contact carries the weight, as deep as its springs give")
     for (const frame::Contact& contact : stage.world.scene().touching) force += contact.normalForce;
     CHECK(force == Approx(weight).epsilon(0.01));
     const double depth = 0.02 - stage.world.scene().rigid[1].state.poses[0].position.y;
-    CHECK(depth == Approx(weight / (4 * 2000.0)).margin(2e-5)); // four corners; less the skin
+    CHECK(depth == Approx(weight / (4 * 2000.0)).margin(2e-5)); // four corners; minus the skin
 }
 
-TEST_CASE("a damped body weighs what it weighs")
+TEST_CASE("damping does not change the weight that a body puts on the floor")
 {
     Stage stage = onFloor();
     physics::RigidBodyDef box = rigidBox({0.02, 0.02, 0.02}, {{0.003, 0.0201, 0.001}, {}});
@@ -66,12 +66,12 @@ TEST_CASE("a damped body weighs what it weighs")
     CHECK(force == Approx(8 * 8e-6 * 1000 * 9.81).epsilon(1e-3));
 }
 
-TEST_CASE("a body may be touched by a surface of its own that rides on it")
+TEST_CASE("a body may have a separate collision surface that moves with it")
 {
     Stage stage = onFloor();
     physics::SoftBodyDef coarse = softBlock({2, 2, 2}, {0.04, 0.04, 0.04}, {-0.02, 0.003, -0.02});
     geometry::TriangleMesh fine = geometry::extractSurface(boxMesh({7, 7, 7}, {0.04, 0.04, 0.04})).mesh;
-    for (Vec3& p : fine.vertices) p.y = 0.04 + 1.05 * (p.y - 0.04); // sticks out below by 2 mm
+    for (Vec3& p : fine.vertices) p.y = 0.04 + 1.05 * (p.y - 0.04); // extends 2 mm below the body
     coarse.collision = {{.mesh = std::make_shared<const geometry::TriangleMesh>(fine)}};
     stage.add(coarse);
     stage.run(1500, 1e-3);
@@ -79,7 +79,7 @@ TEST_CASE("a body may be touched by a surface of its own that rides on it")
     CHECK(stage.world.scene().touching.size() > 20);
 }
 
-TEST_CASE("proximities too small to tell in from out, and a body turned inside out, are told")
+TEST_CASE("proximities too small to tell inside from outside, and an inside-out mesh, log warnings")
 {
     for (const double proximity : {0.0, 4e-5, 6e-5})
         for (const bool insideOut : {false, true}) {
@@ -123,7 +123,7 @@ TEST_CASE("only models of one group touch")
     }
 }
 
-TEST_CASE("a body has several models, and none of them meets another of its own")
+TEST_CASE("the collision models of one body do not collide with each other")
 {
     Stage stage = onFloor();
     physics::RigidBodyDef two = rigidBox({0.01, 0.01, 0.01}, {{0, 0.012, 0}, {}});
@@ -149,11 +149,11 @@ TEST_CASE("a tool at 1 m/s does not go through a membrane of 2 mm")
         tool.collision = {{}};
         const BodyId id = stage.add(tool);
         double penetration = 0.0;
-        for (int i = 1; i * dt <= 0.015; ++i) { // 15 mm down: 8 mm into it
+        for (int i = 1; i * dt <= 0.015; ++i) { // 15 mm down: 8 mm into the membrane
             stage.post(physics::SetPose{id, 0, Pose{{0.001, 0.012 - i * dt, 0.0005}, {}}});
             penetration = std::max(penetration, stage.step(dt).contacts.penetration);
         }
-        double under = 1.0; // the membrane's highest point under the ball's middle
+        double under = 1.0; // the membrane's highest point under the ball's centre
         for (std::size_t n = 0; n < stage.soft().x.size(); ++n)
             if (const Vec3 p = stage.soft().x[n]; std::hypot(p.x, p.z) < 0.004) under = std::min(under, p.y);
         CHECK(under < -0.003 - 0.005 + 0.0005);
@@ -164,7 +164,7 @@ TEST_CASE("a tool at 1 m/s does not go through a membrane of 2 mm")
 TEST_CASE("a body that folds onto itself stops at itself")
 {
     Stage stage = onFloor();
-    // A U of soft material on its side, its upper arm falling onto the lower one.
+    // A U of soft material on its side; its upper arm falls onto the lower one.
     geometry::TetMesh mesh = boxMesh({12, 5, 2}, {0.06, 0.025, 0.01});
     std::erase_if(mesh.tetrahedra, [&](const geometry::Tetrahedron& t) {
         Vec3 centre;
@@ -198,7 +198,7 @@ TEST_CASE("a body that folds onto itself stops at itself")
     }
 }
 
-TEST_CASE("tissue crushed between two tools that do not give comes right when they let go")
+TEST_CASE("tissue crushed between two rigid tools recovers after they open")
 {
     Stage stage;
     stage.post(physics::SetGravity{{0, -9.81, 0}});
@@ -214,7 +214,7 @@ TEST_CASE("tissue crushed between two tools that do not give comes right when th
     }
     int inverted = 0;
     std::size_t most = 0;
-    for (int i = 0; i < 1500; ++i) { // to nothing in 0.3 s, and open again
+    for (int i = 0; i < 1500; ++i) { // to zero in 0.3 s, and open again
         const double gap = i < 400 ? std::max(0.0, 0.021 - 0.00007 * i) : std::min(0.06, 0.0001 * (i - 400));
         for (int jaw : {0, 1}) stage.post(physics::SetPose{jaws[static_cast<std::size_t>(jaw)], 0, place(jaw, gap)});
         CHECK_FALSE(stage.step(1e-3).has(physics::StepFlag::Undone));
@@ -227,7 +227,7 @@ TEST_CASE("tissue crushed between two tools that do not give comes right when th
     for (Vec3 x : stage.soft().x) CHECK(isFinite(x));
 }
 
-TEST_CASE("a chain of ten boxes that are welded together stands out stiffly")
+TEST_CASE("a chain of ten boxes that are welded together stays stiff under its weight")
 {
     for (const double dt : {1e-3, 5e-3}) {
         Stage stage;
@@ -236,7 +236,7 @@ TEST_CASE("a chain of ten boxes that are welded together stands out stiffly")
         for (int k = 0; k < 10; ++k) {
             physics::RigidBodyDef box = rigidBox({0.02, 0.01, 0.01}, {{0.04 * k, 0, 0}, {}});
             box.collision.clear();
-            box.attachments = {{.to = last}}; // the first in space
+            box.attachments = {{.to = last}}; // the first is attached to space
             last = stage.add(box);
         }
         stage.run(static_cast<int>(2.0 / dt), dt);
@@ -247,7 +247,7 @@ TEST_CASE("a chain of ten boxes that are welded together stands out stiffly")
     }
 }
 
-TEST_CASE("contacts end with their bodies, and reset and pause leave none behind")
+TEST_CASE("contacts end with their bodies, and neither reset nor pause leaves any behind")
 {
     Stage stage = onFloor();
     const BodyId box = stage.add(rigidBox({0.01, 0.01, 0.01}, {{0, 0.0101, 0}, {}}));
@@ -267,7 +267,7 @@ TEST_CASE("contacts end with their bodies, and reset and pause leave none behind
     CHECK(stage.world.scene().contacts.empty());
 }
 
-TEST_CASE("a run that is reset in contact goes the same way again")
+TEST_CASE("a run that is reset in contact repeats its trajectory")
 {
     Stage stage = onFloor();
     stage.add(softBlock({3, 3, 3}, {0.03, 0.03, 0.03}, {-0.015, 0.001, -0.015}));
@@ -283,7 +283,7 @@ TEST_CASE("a run that is reset in contact goes the same way again")
     CHECK(ends[0] == ends[1]);
 }
 
-TEST_CASE("a solve that contacts share and a deadline cuts short stays finite, and can be made again")
+TEST_CASE("a coupled solve that a deadline cuts short stays finite and can be replayed")
 {
     std::int64_t clock = 0;
     physics::StepBudget budget{.now = [&] { return clock += 1000; }, .deadline = 0};
@@ -295,7 +295,7 @@ TEST_CASE("a solve that contacts share and a deadline cuts short stays finite, a
         stage.add(softBlock({2, 2, 2}, {0.02, 0.02, 0.02}, {-0.01, 0.044, -0.012}));
         for (int i = 0; i < 300; ++i) {
             physics::StepBudget mine = budget;
-            mine.deadline = clock + 20000; // a few looks at the clock
+            mine.deadline = clock + 20000; // enough for a few reads of the clock
             if (k == 1) mine = {.iterations = iterations[static_cast<std::size_t>(i)]};
             const physics::StepReport report =
                 stage.world.step({.dt = 1e-3, .commands = stage.commands, .budget = &mine});

@@ -24,7 +24,7 @@ Constraint between(const BodyPoint& a, const BodyPoint& b) { return {.sides = {a
 
 } // namespace
 
-TEST_CASE("bodies that constraints connect are one island, in the order of their first bodies")
+TEST_CASE("bodies connected by constraints form one island, in the order of their first bodies")
 {
     RigidPlan plan(3);
     plan[0].dynamic = plan[1].dynamic = true; // the third is kinematic
@@ -42,7 +42,7 @@ TEST_CASE("bodies that constraints connect are one island, in the order of their
     CHECK(islands[2].constraints == std::vector<std::size_t>{4});
 }
 
-TEST_CASE("constraints between what cannot move are in no island")
+TEST_CASE("constraints between elements that cannot move belong to no island")
 {
     const RigidPlan plan(2);
     const std::vector<Constraint> constraints{between(rigid(0), rigid(1)), between(rigid(0), BodyPoint{})};

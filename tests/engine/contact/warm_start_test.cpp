@@ -7,7 +7,7 @@ using namespace filasofia::engine;
 
 namespace {
 
-/// A contact of the bodies 1 and 2 that pushes along the normal.
+/// A contact of the bodies 1 and 2 with an impulse along the normal.
 Constraint pushing(Vec3 point, Vec3 normal, double gap)
 {
     Constraint contact;
@@ -24,7 +24,7 @@ using Contacts = std::vector<Constraint>;
 
 } // namespace
 
-TEST_CASE("contacts that push opposite ways at one place, deeper than they are apart, contradict each other")
+TEST_CASE("contacts that push opposite ways at one place, deeper than their distance, contradict each other")
 {
     const Vec3 up = {0, 0, 1}, place = {0.01, 0.02, 0.03}, near = place + Vec3{0, 0, 20e-6};
     const auto judged = [&](auto change) {
@@ -35,12 +35,12 @@ TEST_CASE("contacts that push opposite ways at one place, deeper than they are a
     CHECK(judged([](Contacts&) {}) == std::vector{false, true, true});
     const std::vector none(3, false);
     CHECK(judged([](Contacts& c) { c[2].contact.gap = 1e-6; }) == none); // it does not overlap
-    CHECK(judged([](Contacts& c) { c[1].multiplier.x = 0.0; }) == none); // does not push
+    CHECK(judged([](Contacts& c) { c[1].multiplier.x = 0.0; }) == none); // no impulse
     CHECK(judged([&](Contacts& c) { c[2].contact.cached.point = place + 100e-6 * up; }) == none);
     CHECK(judged([&](Contacts& c) { c[2].frame[0] = up; }) == none);
     CHECK(judged([&](Contacts& c) { c[2].frame[0] = normalized(-up + Vec3{1, 0, 0}); }) == none);
     CHECK(judged([](Contacts& c) { c[2].contact.cached.second = BodyId{3}; }) == none);
-    // Of two others that have tissue between them, whichever of the two comes first.
+    // Two other bodies with tissue between them contradict each other too, in either order.
     const auto pinched = [&](BodyPoint::Of what, bool first) {
         return judged([&](Contacts& c) {
             c[2].contact.cached.second = BodyId{3};
@@ -55,7 +55,7 @@ TEST_CASE("contacts that push opposite ways at one place, deeper than they are a
         CHECK(pinched(BodyPoint::Of::Soft, first) == std::vector{false, true, true});
         CHECK(pinched(BodyPoint::Of::Rigid, first) == none);
     }
-    // Along the surface they may be some way apart, and neither the body nor its elements bend so sharply.
+    // Along the surface they may be further apart, since neither the body nor its elements bend so sharply.
     CHECK(judged([&](Contacts& c) {
               c[2].contact.cached.point = near + Vec3{0, 700e-6, 0};
           }) == std::vector{false, true, true});

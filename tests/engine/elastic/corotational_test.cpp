@@ -29,7 +29,7 @@ Corners mapped(const Mat3& a, Vec3 b)
 
 } // namespace
 
-TEST_CASE("shape gradients sum to zero, and each rises from 0 to 1 at its own node")
+TEST_CASE("shape gradients sum to zero, and each shape function rises from 0 to 1 at its own node")
 {
     const Corners g = shapeGradients(kRest);
     CHECK(length(g[0] + g[1] + g[2] + g[3]) < 1e-14);
@@ -38,7 +38,7 @@ TEST_CASE("shape gradients sum to zero, and each rises from 0 to 1 at its own no
             if (i != j) CHECK(dot(g[i], kRest[i] - kRest[j]) == Approx(1.0).epsilon(1e-13));
 }
 
-TEST_CASE("the deformation gradient of an affine map is its matrix, however far the element lies")
+TEST_CASE("the deformation gradient of an affine map is its matrix, wherever the element lies")
 {
     std::mt19937 random(1);
     const Mat3 a = randomMat3(random, 2.0);
@@ -46,7 +46,7 @@ TEST_CASE("the deformation gradient of an affine map is its matrix, however far 
     CHECK(frobeniusNorm(gradient(someElement(), mapped(a, {1e6, 0, 0})) - a) < 1e-8);
 }
 
-TEST_CASE("an element at rest pulls at nobody, in every deformation its forces sum to zero")
+TEST_CASE("an element at rest has no forces, and its forces sum to zero in every deformation")
 {
     std::mt19937 random(2);
     const FemElement element = someElement();
@@ -72,7 +72,7 @@ TEST_CASE("small uniaxial strain gives the stress of Hooke's law")
           Approx(0.5 * element.volume * (lambda + 2 * mu) * strain * strain).epsilon(1e-9));
 }
 
-TEST_CASE("the blocks of the warped stiffness make the same product as warpedStiffnessTimes")
+TEST_CASE("the blocks of the warped stiffness give the same product as warpedStiffnessTimes")
 {
     std::mt19937 random(3);
     const FemElement element = someElement();
@@ -94,7 +94,7 @@ TEST_CASE("the blocks of the warped stiffness make the same product as warpedSti
     }
 }
 
-TEST_CASE("the geometric stiffness of an element pulled alike in all directions has a closed form")
+TEST_CASE("the geometric stiffness of an element under uniform tension has a closed form")
 {
     const Lame material = lame(3000, 0.45);
     const double ratio = material.lambda / material.mu;
@@ -104,14 +104,14 @@ TEST_CASE("the geometric stiffness of an element pulled alike in all directions 
     CHECK(stretched(0.5) == 0.0);
     CHECK(stretched(1.0 + 0.99 * 2.0 / (3.0 * ratio)) == 0.0);
     CHECK(stretched(1.0 + 1.01 * 2.0 / (3.0 * ratio)) > 0.0);
-    // Of a nearly incompressible element a little growth is much tension, but may come from turning alone.
+    // In a nearly incompressible element a small growth causes large tension, but may come from rotation alone.
     const Mat3 grown = (1.0 + 0.3 * kTense) * turned;
     CHECK(geometricStiffness(lame(3000, 0.4999), grown, turned) == 0.0);
     CHECK(geometricStiffness(lame(3000, 0.4999), (1.0 + 0.4 * kTense) * turned, turned) > 0.0);
-    // Its three sums of two stretches are 2 s each, taken for (2 s)^3 / (3 s)^2.
+    // The three sums of two stretches are 2 s each; the least of them is estimated as (2 s)^3 / (3 s)^2.
     const double s = 1.3, q = ratio * 3.0 * (s - 1.0);
     CHECK(stretched(s) == Approx(material.mu * (1.0 + (q - 2.0) / (8.0 / 9.0 * s))).epsilon(1e-12));
-    // A needle's has no bound: the smallest that is told apart.
+    // If the element is a needle the stiffness would have no bound, so kFlattest limits the estimate.
     const Mat3 needle = Mat3::diagonal({10.0, 1e-6, 1e-6});
     CHECK(geometricStiffness(material, needle, Mat3::identity()) ==
           Approx(material.mu * (1.0 + (ratio * 7.0 - 2.0) / (10.0 * kFlattest))).epsilon(1e-5));

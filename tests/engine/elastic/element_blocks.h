@@ -9,8 +9,8 @@
 
 #include <cstring>
 
-/// What the tests of the loops over elements and springs share. Tolerances are counts of float roundings (WorstError).
-/// The references start from the same floats, in double.
+/// Helpers of the tests of element and spring kernels. Tolerances are counts of float roundings (WorstError). The
+/// references start from the same floats and compute in double.
 namespace filasofia::engine {
 
 using linalg::NodeArray;
@@ -27,7 +27,7 @@ inline void store(Vec3 v, float* out)
     for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
 }
 
-/// A tetrahedron of random shape, not too flat. Its gradients are what floats hold of them.
+/// A tetrahedron of random shape, not too flat. Its gradients are rounded to float.
 inline FemElement randomElement(std::mt19937& random, double poissonRatio)
 {
     Corners rest;
@@ -46,7 +46,7 @@ inline FemElement randomElement(std::mt19937& random, double poissonRatio)
     return element;
 }
 
-/// Elements that share no node: element e has nodes 4 e ... 4 e + 3.
+/// Elements without common nodes: element e has nodes 4 e ... 4 e + 3.
 struct Elements {
     explicit Elements(const std::vector<FemElement>& all)
         : elements(all), blocks(linalg::blocksFor(static_cast<int>(all.size()))), x(4 * blocks), v(x), p(x),
@@ -68,11 +68,11 @@ struct Elements {
         }
     }
 
-    /// Nodes 1, 2, 3 go where f takes them, around node 0.
+    /// Moves nodes 1, 2, 3 by f around node 0.
     void deform(int element, const Mat3& f, Vec3 origin = {})
     {
         const Corners& g = elements[static_cast<std::size_t>(element)].gradients;
-        const Mat3 edges = inverse(Mat3{{g[1], g[2], g[3]}}); // its columns
+        const Mat3 edges = inverse(Mat3{{g[1], g[2], g[3]}}); // its columns are the edges
         store(origin, x[4 * element]);
         for (int k = 0; k < 3; ++k) store(origin + f * edges.column(k), x[4 * element + k + 1]);
     }
@@ -92,7 +92,7 @@ struct Elements {
         const int l = element % kBlock;
         return {r.w[l], r.x[l], r.y[l], r.z[l]};
     }
-    /// What `array` has for node i of the element of a lane.
+    /// The entry of `array` for node i of the element of a lane.
     static const float* corner(const NodeArray& array, int lane, int i)
     {
         return array.data() + lane / kBlock * kElementCorners + 64 * i + linalg::laneOffset(lane % kBlock);
@@ -124,7 +124,7 @@ inline void randomMotion(std::mt19937& random, Elements& all)
 {
     all.v = linalg::randomNodes(random, 4 * all.count());
     all.p = linalg::randomNodes(random, 4 * all.count());
-    for (NodeArray* each : {&all.v, &all.p}) // over all lanes' nodes
+    for (NodeArray* each : {&all.v, &all.p}) // over the nodes of all lanes
         if (each->blocks() != all.x.blocks()) {
             NodeArray larger(all.x.blocks());
             std::copy(each->data(), each->data() + 64 * each->blocks(), larger.data());
@@ -132,7 +132,7 @@ inline void randomMotion(std::mt19937& random, Elements& all)
         }
 }
 
-/// Of the bits of blocks of numbers.
+/// Hash of the bits of blocks of numbers.
 template <class Block> std::uint64_t hashOf(const Block* blocks, std::size_t count)
 {
     Hasher hash;

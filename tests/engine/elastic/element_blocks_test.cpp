@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The deformations that elements meet, one kind after the other.
+/// Deforms the elements in all the ways that occur, one kind after the other.
 void deformInManyWays(std::mt19937& random, Elements& all)
 {
     for (int e = 0; e < all.count(); ++e) {
@@ -25,14 +25,14 @@ void deformInManyWays(std::mt19937& random, Elements& all)
             break;
         case 1:
             all.deform(e, turn * small, origin);
-            break; // also half around: Newton's method does not find it
+            break; // also by half a turn: Newton's method does not find this rotation
         case 2:
             all.deform(e, any, origin);
             break;
         case 3:
             all.deform(e, turn * Mat3::diagonal({1.1, 0.9, -0.6}), origin);
-            break; // inside out
-        case 4:    // flattened: two nodes at one place
+            break; // inverted
+        case 4:    // flattened: two nodes coincide
             all.deform(e, turn, origin);
             std::copy(all.x[4 * e + 1], all.x[4 * e + 1] + 4, all.x[4 * e + 3]);
             break;
@@ -42,7 +42,7 @@ void deformInManyWays(std::mt19937& random, Elements& all)
         case 6:
             all.deform(e, 1e6 * any, origin);
             break;
-        case 7: // nearly a point: products of floats vanish
+        case 7: // nearly a point: products of floats underflow
             all.deform(e, std::pow(10.0, -8.0 - e / 9 % 13) * toMat3(axisAngle(any.row[0], 0.5)));
             break;
         default:
@@ -52,7 +52,7 @@ void deformInManyWays(std::mt19937& random, Elements& all)
     }
 }
 
-/// Compares what an element says with the double-precision one that has its rotation.
+/// Compares an element's results with the double-precision element at the same rotation.
 void compareElement(const Elements& all, int e, WorstError& forces, WorstError& products)
 {
     const FemElement& element = all.elements[static_cast<std::size_t>(e)];
@@ -63,7 +63,7 @@ void compareElement(const Elements& all, int e, WorstError& forces, WorstError& 
     const Corners kv = warpedStiffnessTimes(element, tangent, r, Elements::nodes(all.v, e));
     const Corners kp = warpedStiffnessTimes(element, tangent, r, Elements::nodes(all.p, e));
 
-    // The gradients' and the edges' lengths bound every term.
+    // The lengths of the gradients and of the edges bound every term.
     double steepest = 0.0, edge = 0.0, rate = 0.0, direction = 0.0;
     for (std::size_t k = 1; k < 4; ++k) {
         const auto longest = [&](const NodeArray& array) {
@@ -91,7 +91,7 @@ void compareElement(const Elements& all, int e, WorstError& forces, WorstError& 
     }
 }
 
-/// What a run of the kernels leaves: rotations, warped elements, corners, products, quaternions.
+/// Hashes of a run's results: rotations, warped elements, corners, products, quaternions.
 std::vector<std::uint64_t> bitsOf(const Elements& all)
 {
     return {hashOf(all.rotations.data(), all.rotations.size()), hashOf(all.warped.data(), all.warped.size()),
@@ -100,10 +100,9 @@ std::vector<std::uint64_t> bitsOf(const Elements& all)
 
 } // namespace
 
-TEST_CASE(
-    "blocks of elements say what the double-precision element says, in every deformation, on every instruction set")
+TEST_CASE("blocks of elements match the double-precision element in every deformation and on every instruction set")
 {
-    // Without lambda where an element is so flat that the sign of det F is one of rounding.
+    // Lambda is zero in one case, since the sign of det F of a very flat element depends on rounding.
     for (const double poissonRatio : {0.0, 0.45})
         onEveryTarget([&](const std::string&) {
             std::mt19937 random(1);
@@ -126,11 +125,11 @@ TEST_CASE(
             CHECK(forces.roundings() <= 4);
             CHECK(products.roundings() <= 8);
             CHECK(length.roundings() <= 8);
-            CHECK(optimum.roundings() <= 0.1); // the trace loses the square of the angle that is lacking
+            CHECK(optimum.roundings() <= 0.1); // the trace loses the square of the angle error
         });
 }
 
-TEST_CASE("lanes behind the last element say nothing")
+TEST_CASE("lanes behind the last element contribute nothing")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(2);
@@ -148,7 +147,7 @@ TEST_CASE("lanes behind the last element say nothing")
     });
 }
 
-TEST_CASE("a range of blocks is worked on, and no other")
+TEST_CASE("a run over a range of blocks changes these blocks only")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(3);
@@ -170,7 +169,7 @@ TEST_CASE("a range of blocks is worked on, and no other")
     });
 }
 
-TEST_CASE("the nearest rotation is found from the identity, however far it lies, and from the last step's")
+TEST_CASE("the nearest rotation is found from the identity, however far away, and from the last step's rotation")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(4);
@@ -187,7 +186,7 @@ TEST_CASE("the nearest rotation is found from the identity, however far it lies,
             for (int e = 0; e < all.count(); ++e) {
                 const Mat3 f = gradient(all.elements[static_cast<std::size_t>(e)], Elements::nodes(all.x, e));
                 const Quat exact = polarRotation(f, {}), found = normalized(all.rotation(e));
-                // A change of F turns R by at most that change over the sum of the two smaller singular values.
+                // A change of F changes R by at most that change over the sum of the two smaller singular values.
                 const Vec3 sigma = svd(f).sigma;
                 const double sensitivity = frobeniusNorm(f) / (sigma.y + sigma.z);
                 worst.compare(length(rotationVector(conjugate(exact) * found)), 0.0, sensitivity);
@@ -213,30 +212,30 @@ TEST_CASE("a rotation that Newton's method does not find keeps the sign of its q
     });
 }
 
-TEST_CASE("instruction sets with fused multiply-add give the same bits, also where one element of a block has jumped")
+TEST_CASE("instruction sets with fused multiply-add give the same bits, even if one element of a block has jumped")
 {
     linalg::checkSameBitsWhereFused([] {
         std::mt19937 random(6);
         Elements all(randomElements(random, 16 * 20, 0.4));
         for (int e = 0; e < all.count(); ++e) {
-            // The others of its block stop after one step or after many.
+            // The other elements of its block stop after one step or after many.
             const bool jumps = e / kBlock < 16 && e % kBlock == e / kBlock;
             const Mat3 f = toMat3(axisAngle(randomVec3(random, 1.0), jumps ? 3.0 : 1.5 * (e % 7) / 7.0));
-            // At the identity Newton's method needs a positive trace: the one that jumped has none.
+            // At the identity Newton's method needs a positive trace, which the element that jumped lacks.
             REQUIRE((trace(f) < 0.0) == jumps);
             all.deform(e, f * (Mat3::identity() + 0.1 * (e % 3) * randomMat3(random, 1.0)), randomVec3(random, 1.0));
         }
         randomMotion(random, all);
         all.run();
         std::vector<std::uint64_t> bits = bitsOf(all);
-        deformInManyWays(random, all); // from these rotations on
+        deformInManyWays(random, all); // starting from these rotations
         all.run();
         for (const std::uint64_t each : bitsOf(all)) bits.push_back(each);
         return bits;
     });
 }
 
-TEST_CASE("a position that is not finite spoils its own element, and no bit of another, its rotation stays")
+TEST_CASE("a position that is not finite affects only its own element, whose rotation stays")
 {
     onEveryTarget([](const std::string&) {
         for (const double bad : {std::numeric_limits<double>::quiet_NaN(), kInfinity, -kInfinity, 3e38}) {
@@ -260,20 +259,20 @@ TEST_CASE("a position that is not finite spoils its own element, and no bit of a
                 CHECK(same == (e != lane));
             }
             if (std::isfinite(bad)) continue;
-            spoiled.x = all.x; // once it is back, so is its rotation
+            spoiled.x = all.x; // after the position is restored, the rotation is too
             spoiled.run();
             CHECK(spoiled.rotation(lane) == all.rotation(lane));
         }
     });
 }
 
-TEST_CASE("forces are minus the gradient of the energy, also inside out")
+TEST_CASE("forces are minus the gradient of the energy, also in inverted elements")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(8);
         Elements all(randomElements(random, 16 * 4, 0.4));
         for (int e = 0; e < all.count(); ++e) {
-            const double last = e % 2 ? -0.5 : 0.5; // away from det F = 0, where the energy jumps
+            const double last = e % 2 ? -0.5 : 0.5; // away from det F = 0, where the energy is discontinuous
             all.deform(e, toMat3(randomRotation(random)) * Mat3::diagonal({1.3, 0.8, last}) *
                               toMat3(randomRotation(random)));
         }
@@ -284,7 +283,7 @@ TEST_CASE("forces are minus the gradient of the energy, also inside out")
                 const Mat3 f = gradient(element, x);
                 return corotationalEnergy(element, f, toMat3(polarRotation(f, {})));
             };
-            const double h = 1e-5; // errs by h^2, and by double's rounding over h: far less than floats
+            const double h = 1e-5; // error h^2 plus double rounding over h, far below float rounding
             double error = 0.0, size = 0.0;
             for (int k = 0; k < 12; ++k) {
                 Corners more = Elements::nodes(all.x, e), less = more;
@@ -299,7 +298,7 @@ TEST_CASE("forces are minus the gradient of the energy, also inside out")
     });
 }
 
-TEST_CASE("the product of elements is that of their assembled warped stiffness: symmetric and positive semi-definite")
+TEST_CASE("the product of elements equals their assembled warped stiffness, symmetric and positive semi-definite")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(9);

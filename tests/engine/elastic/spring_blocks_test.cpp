@@ -7,7 +7,7 @@ using namespace filasofia::engine;
 
 namespace {
 
-/// Springs that share no node: at random, compressed, stretched, and with coincident ends.
+/// Springs without common nodes: random, compressed, stretched, and with coincident ends.
 struct Springs {
     Springs(std::mt19937& random, int count)
         : blocks(linalg::blocksFor(count)), x(2 * blocks), v(linalg::randomNodes(random, 32 * blocks)),
@@ -55,7 +55,7 @@ struct Springs {
 
 } // namespace
 
-TEST_CASE("blocks of springs say what the double-precision spring says: apart, coincident, compressed, damped")
+TEST_CASE("blocks of springs match the double-precision spring if separate, coincident, compressed or damped")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(10);
@@ -91,7 +91,7 @@ TEST_CASE("blocks of springs say what the double-precision spring says: apart, c
     });
 }
 
-TEST_CASE("blocks of springs outside the range stay, and all that fuse multiply and add give the same bits")
+TEST_CASE("blocks of springs outside the range stay, and targets with fused multiply-add give the same bits")
 {
     linalg::checkSameBitsWhereFused([] {
         std::mt19937 random(11);

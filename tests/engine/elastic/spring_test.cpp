@@ -27,7 +27,7 @@ TEST_CASE("a dashpot resists only the motion along the spring")
     CHECK(d == 3.0 * outer({1, 0, 0}, {1, 0, 0}));
 }
 
-TEST_CASE("a spring whose ends meet has no force, and never a NaN")
+TEST_CASE("a spring with coincident ends has no force and never a NaN")
 {
     const Vec3 p{1, 2, 3};
     CHECK(springForce(kSpring, p, p) == Vec3{});
@@ -48,6 +48,6 @@ TEST_CASE("a spring's stiffness is positive semi-definite in extension and in co
             const Vec3 u = randomVec3(random, 1.0);
             CHECK(dot(u, stiffness * u) >= -1e-13);
         }
-        CHECK(dot(b, stiffness * b) == Approx(5.0 * dot(b, b))); // along the spring always Hooke's
+        CHECK(dot(b, stiffness * b) == Approx(5.0 * dot(b, b))); // always Hooke's stiffness along the spring
     }
 }

@@ -11,7 +11,7 @@ const RayleighDamping kDamping{.mass = 0.5, .stiffness = 0.1};
 
 } // namespace
 
-TEST_CASE("explicit Euler moves with the old velocity, symplectic with the new one, and leaves fixed nodes alone")
+TEST_CASE("explicit Euler moves with the old velocity, symplectic Euler with the new one, and fixed nodes stay")
 {
     const std::vector<Vec3> forces(2, {4, 0, 0}), stiffnessTimesVelocity(2, {0, 10, 0});
     for (bool symplectic : {false, true}) {
@@ -36,7 +36,7 @@ TEST_CASE("implicit Euler moves with the new velocity")
     CHECK(x[0] == Vec3{11.5, 2, 0});
 }
 
-TEST_CASE("the implicit step's weights and right-hand side are those of the formula")
+TEST_CASE("the weights and the right-hand side of the implicit step match the formula")
 {
     const double h = 0.5;
     const ImplicitWeights w = implicitWeights(h, kDamping);

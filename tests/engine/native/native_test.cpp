@@ -17,7 +17,7 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// A server with a hanging box and a rigid body, some steps on its way. The log is kept, not printed.
+/// A server with a hanging box and a rigid body after a few steps. The log is kept, not printed.
 struct Fixture {
     PhysicsServer server{makeNativeEngine()};
     BodyId soft = server.add(SoftBodyDef{.name = "box",
@@ -41,8 +41,8 @@ struct Fixture {
     }
 };
 
-/// The same fixture twice: one is tuned in vain, and nobody can tell them apart afterwards.
-void checkPutBack(const std::function<void(Native&)>& change, const std::string& why)
+/// Compares two equal fixtures, one of them with a rejected tune: afterwards they must be identical.
+void checkRolledBack(const std::function<void(Native&)>& change, const std::string& why)
 {
     INFO(why);
     Fixture twin, tuned;
@@ -55,7 +55,7 @@ void checkPutBack(const std::function<void(Native&)>& change, const std::string&
     CHECK(tuned.server.hash() == before);
     CHECK_THAT(tuned.logged, Catch::Contains(why));
     tuned.server.pause(false);
-    for (int i = 0; i < 10; ++i) { // the model is back too
+    for (int i = 0; i < 10; ++i) { // the model is rolled back too
         tuned.server.step(0.01);
         twin.server.step(0.01);
         REQUIRE(tuned.server.hash() == twin.server.hash());
@@ -66,7 +66,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 } // namespace
 
-TEST_CASE_METHOD(Fixture, "tune sees the bodies as they are")
+TEST_CASE_METHOD(Fixture, "tune sees the current bodies")
 {
     const std::vector<Vec3> x = positions();
     int runs = 0;
@@ -101,7 +101,7 @@ TEST_CASE("a tune that changes nothing changes no result")
     CHECK(a.server.hash() == b.server.hash());
 }
 
-TEST_CASE("one element made stiffer changes the result, most of all there")
+TEST_CASE("making one element stiffer changes the result, and most of all at that element")
 {
     Fixture a, b;
     std::array<int, 4> nodes{};
@@ -130,7 +130,7 @@ TEST_CASE("one element made stiffer changes the result, most of all there")
     CHECK(strain(xa) < 0.1 * strain(xb));
 }
 
-TEST_CASE("a solver changed by tune is the one that solves")
+TEST_CASE("a solver changed by tune is used in the next solve")
 {
     Fixture a;
     CHECK(a.server.step(0.01).solves[0].iterations > 1);
@@ -145,7 +145,7 @@ TEST_CASE("a solver changed by tune is the one that solves")
     CHECK(a.tuned([](Native& n) { n.scene().soft[0].model.integrator = ExplicitEuler{}; }).solves[0].iterations == 0);
 }
 
-TEST_CASE("a node held or let go by tune is held or let go")
+TEST_CASE("a node pinned or unpinned by tune is pinned or unpinned")
 {
     Fixture a;
     const int tip = 35;
@@ -162,9 +162,9 @@ TEST_CASE("a node held or let go by tune is held or let go")
     CHECK(a.positions()[tip] != held);
 }
 
-TEST_CASE("a tune that throws is put back completely")
+TEST_CASE("a tune that throws is rolled back completely")
 {
-    checkPutBack(
+    checkRolledBack(
         [](Native& native) {
             native.scene().soft[0].state.x[3] = {1, 1, 1};
             native.scene().soft[0].model.elements.clear();
@@ -172,7 +172,7 @@ TEST_CASE("a tune that throws is put back completely")
             throw std::runtime_error("changed my mind");
         },
         "changed my mind");
-    checkPutBack(
+    checkRolledBack(
         [](Native& native) {
             native.scene() = {};
             throw 7;
@@ -180,7 +180,7 @@ TEST_CASE("a tune that throws is put back completely")
         "not a std::exception");
 }
 
-TEST_CASE("a tune that leaves a number that is none is put back completely")
+TEST_CASE("a tune that leaves a number that is not finite or out of range is rolled back completely")
 {
     checkPutBack([](Native& n) { n.scene().soft[0].state.x[3].y = kNan; }, "x[3] must be finite");
     checkPutBack([](Native& n) { n.scene().soft[0].state.v[3].y = kNan; }, "v[3] must be finite");
@@ -203,19 +203,19 @@ TEST_CASE("a tune that leaves a number that is none is put back completely")
                  "the node is pinned"); // in full motion
 }
 
-TEST_CASE("a tune that leaves wrong sizes or indices is put back completely")
+TEST_CASE("a tune that leaves wrong sizes or indices is rolled back completely")
 {
-    checkPutBack([](Native& n) { n.scene().soft[0].state.x.pop_back(); }, "x must have 36 entries, got 35");
-    checkPutBack([](Native& n) { n.scene().soft[0].state.forces.clear(); }, "forces must have 36 entries");
-    checkPutBack([](Native& n) { n.scene().soft[0].state.rotations.pop_back(); }, "rotations must have");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.masses.pop_back(); }, "masses must have 36 entries");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.pins.hard.pop_back(); }, "pins.hard must have 36 entries");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.elements[0].nodes[2] = 36; }, "[0, 36), got 36");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.surface[0][1] = -1; }, "[0, 36), got -1");
-    checkPutBack([](Native& n) { n.scene().soft.clear(); }, "bodies, their ids");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.id = BodyId{77}; }, "bodies, their ids");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.rest.pop_back(); }, "bodies, their ids, nodes");
-    checkPutBack([](Native& n) { n.scene().rigid[0].model.rest.push_back({}); }, "bodies, their ids, nodes");
+    checkRolledBack([](Native& n) { n.scene().soft[0].state.x.pop_back(); }, "x must have 36 entries, got 35");
+    checkRolledBack([](Native& n) { n.scene().soft[0].state.forces.clear(); }, "forces must have 36 entries");
+    checkRolledBack([](Native& n) { n.scene().soft[0].state.rotations.pop_back(); }, "rotations must have");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.masses.pop_back(); }, "masses must have 36 entries");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.pins.hard.pop_back(); }, "pins.hard must have 36 entries");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.elements[0].nodes[2] = 36; }, "[0, 36), got 36");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.surface[0][1] = -1; }, "[0, 36), got -1");
+    checkRolledBack([](Native& n) { n.scene().soft.clear(); }, "bodies, their ids");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.id = BodyId{77}; }, "bodies, their ids");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.rest.pop_back(); }, "bodies, their ids, nodes");
+    checkRolledBack([](Native& n) { n.scene().rigid[0].model.rest.push_back({}); }, "bodies, their ids, nodes");
 }
 
 TEST_CASE("commands around a rejected tune are still carried out")
@@ -233,7 +233,7 @@ TEST_CASE("commands around a rejected tune are still carried out")
 
 namespace {
 
-/// Another engine, that does nothing but run its commands.
+/// Another engine, which only runs its commands.
 struct OtherEngine final : PhysicsEngine {
     std::unique_ptr<BuiltBody> build(const BodyDef&) const override { return nullptr; }
     StepReport step(const StepInput& in) override

@@ -19,13 +19,13 @@ inline std::shared_ptr<const geometry::TriangleMesh> boxSurface(Vec3 size)
 inline constexpr Vec3 kBoxSize{0.2, 0.1, 0.05};
 inline constexpr Vec3 kBoxCentre = 0.5 * kBoxSize;
 
-/// 1 kg in a box whose element's origin is a corner; without gravity.
+/// A box of 1 kg without gravity; its element's origin is a corner.
 inline physics::RigidBodyDef boxBody()
 {
     return {.name = "box", .mesh = boxSurface(kBoxSize), .dynamic = true, .gravity = false};
 }
 
-/// A body given by its moments of inertia alone.
+/// A body given only by its moments of inertia.
 inline physics::RigidBodyDef tumbling(Vec3 moments, Vec3 angularVelocity)
 {
     return {.name = "top",
@@ -44,7 +44,7 @@ inline Vec3 angularMomentum(Stage& stage, std::size_t e = 0)
     return worldInertia(inertia, state.poses[e].orientation) * state.angularVelocities[e];
 }
 
-/// [J] of turning.
+/// [J] Energy of the rotation.
 inline double turningEnergy(Stage& stage, std::size_t e = 0)
 {
     return 0.5 * dot(angularMomentum(stage, e), rigidState(stage).angularVelocities[e]);

@@ -17,7 +17,7 @@ double angleBetween(Quat a, Quat b) { return length(rotationVector(a * conjugate
 
 } // namespace
 
-TEST_CASE("density, total mass and a given inertia say what an element weighs")
+TEST_CASE("density, total mass and a given inertia determine an element's mass")
 {
     Stage stage;
     RigidBodyDef def = boxBody();
@@ -30,7 +30,7 @@ TEST_CASE("density, total mass and a given inertia say what an element weighs")
     stage.add(def);
     stage.step(0.0);
     const std::vector<RigidBody>& bodies = stage.world.scene().rigid;
-    const Mat3 inertia = 1.0 / 12.0 * Mat3::diagonal({0.0125, 0.0425, 0.05}); // of 1 kg
+    const Mat3 inertia = 1.0 / 12.0 * Mat3::diagonal({0.0125, 0.0425, 0.05}); // for 1 kg
     REQUIRE(bodies[0].model.inertias.size() == 2);
     for (const RigidInertia& each : bodies[0].model.inertias) {
         CHECK(each.mass == Approx(1.0));
@@ -44,7 +44,7 @@ TEST_CASE("density, total mass and a given inertia say what an element weighs")
     CHECK(frobeniusNorm(bodies[2].model.inertias[0].inertia - Mat3::diagonal({3, 2, 4})) < 1e-15);
 }
 
-TEST_CASE("a force acts at the centre of mass, though the mesh's centre is off the element's origin")
+TEST_CASE("a force acts at the centre of mass, even if the mesh's centre is off the element's origin")
 {
     Stage stage;
     RigidBodyDef def = boxBody();
@@ -56,16 +56,16 @@ TEST_CASE("a force acts at the centre of mass, though the mesh's centre is off t
     CHECK(distance(rigidState(stage).velocities[0], 0.01 * force) < 1e-15);
     CHECK(length(rigidState(stage).angularVelocities[0]) < 1e-15);
     CHECK(distance(rigidState(stage).poses[0].position, Vec3{1, 2, 3} + 1e-4 * force) < 1e-15);
-    stage.step(0.01); // until it is changed
+    stage.step(0.01); // it acts until it is changed
     CHECK(distance(rigidState(stage).velocities[0], 0.02 * force) < 1e-15);
     stage.post(SetWrench{BodyId{1}, 0, {}, {}});
     stage.step(0.01);
     CHECK(distance(rigidState(stage).velocities[0], 0.02 * force) < 1e-15);
 }
 
-TEST_CASE("a torque turns a body about its centre of mass, which stays")
+TEST_CASE("a torque rotates a body about its centre of mass, which stays in place")
 {
-    const double dt = 0.01, moment = 0.05 / 12.0; // about the element's z, of 1 kg
+    const double dt = 0.01, moment = 0.05 / 12.0; // about the element's z axis, for 1 kg
     Stage stage;
     RigidBodyDef def = boxBody();
     def.elements = {{{1, 2, 3}, axisAngle({1, 0, 0}, 0.5 * std::numbers::pi)}}; // that axis points along -y
@@ -83,7 +83,7 @@ TEST_CASE("a torque turns a body about its centre of mass, which stays")
                        axisAngle({0, -1, 0}, angle) * def.elements[0].orientation) < 1e-12);
 }
 
-TEST_CASE("gravity moves a dynamic body that does not refuse it, and none that goes where it is told")
+TEST_CASE("gravity moves dynamic bodies unless they refuse it, and no kinematic body")
 {
     Stage stage;
     RigidBodyDef def = boxBody();
@@ -98,7 +98,7 @@ TEST_CASE("gravity moves a dynamic body that does not refuse it, and none that g
     CHECK(rigidState(stage, 2).poses[0] == Pose{});
 }
 
-TEST_CASE("a told element moves with constant velocity and arrives exactly")
+TEST_CASE("a kinematic element moves with constant velocity and arrives exactly")
 {
     Stage stage;
     stage.add(RigidBodyDef{.elements = {{{0, 1, 0}, axisAngle({0, 0, 1}, 3.0)}, Pose{}}});
@@ -116,7 +116,7 @@ TEST_CASE("a told element moves with constant velocity and arrives exactly")
     CHECK(rigidState(stage).angularVelocities[0] == Vec3{});
 }
 
-TEST_CASE("the plan's velocity of a told element leads to its target, turns of any size")
+TEST_CASE("the plan's velocity of a kinematic element leads to its target for rotations of any size")
 {
     std::mt19937 random(7);
     for (int i = 0; i < 100; ++i) {
@@ -130,7 +130,7 @@ TEST_CASE("the plan's velocity of a told element leads to its target, turns of a
     }
 }
 
-TEST_CASE("a jump of more than 20 m/s arrives without a velocity")
+TEST_CASE("a jump faster than 20 m/s arrives without a velocity")
 {
     Stage stage;
     stage.add(RigidBodyDef{});
@@ -146,29 +146,29 @@ TEST_CASE("a jump of more than 20 m/s arrives without a velocity")
     CHECK(rigidState(stage).angularVelocities[0] == Vec3{});
 }
 
-TEST_CASE("while paused a told element goes where it is told at once, and a dynamic one keeps its motion")
+TEST_CASE("while paused a kinematic element is placed at once, and a dynamic one keeps its motion")
 {
     PhysicsServer server(makeNativeEngine({.threads = 1}), {.gravity = {0, -10, 0}});
-    const BodyId told = server.add(RigidBodyDef{});
+    const BodyId kinematic = server.add(RigidBodyDef{});
     RigidBodyDef def = boxBody();
     def.gravity = true;
     const BodyId box = server.add(def);
     server.step(0.1);
     server.pause(true);
-    server.setPose(told, {{0, 0, 1}, {}});
+    server.setPose(kinematic, {{0, 0, 1}, {}});
     server.step(0.1);
-    CHECK(server.latest()->rigidBody(told)->poses[0].position == Vec3{0, 0, 1});
-    CHECK(server.latest()->rigidBody(told)->velocities[0] == Vec3{});
+    CHECK(server.latest()->rigidBody(kinematic)->poses[0].position == Vec3{0, 0, 1});
+    CHECK(server.latest()->rigidBody(kinematic)->velocities[0] == Vec3{});
     CHECK(server.latest()->rigidBody(box)->velocities[0].y == Approx(-1.0));
     CHECK(server.latest()->rigidBody(box)->poses[0].position.y == Approx(-0.1));
     server.pause(false);
     server.step(0.1);
-    CHECK(server.latest()->rigidBody(told)->poses[0].position == Vec3{0, 0, 1});
-    CHECK(server.latest()->rigidBody(told)->velocities[0] == Vec3{});
+    CHECK(server.latest()->rigidBody(kinematic)->poses[0].position == Vec3{0, 0, 1});
+    CHECK(server.latest()->rigidBody(kinematic)->velocities[0] == Vec3{});
     CHECK(server.latest()->rigidBody(box)->poses[0].position.y == Approx(-0.3));
 }
 
-TEST_CASE("a dynamic body is placed by a pose command, at once and at rest")
+TEST_CASE("a pose command places a dynamic body at once and at rest")
 {
     Stage stage;
     RigidBodyDef def = boxBody();
@@ -185,7 +185,7 @@ TEST_CASE("a dynamic body is placed by a pose command, at once and at rest")
     CHECK(rigidState(stage).angularVelocities[0] == Vec3{});
 }
 
-TEST_CASE("reset puts rigid bodies back with the velocities they started with, what pushes them stays")
+TEST_CASE("reset restores the poses and velocities that rigid bodies started with, and keeps their wrenches")
 {
     Stage stage;
     RigidBodyDef def = boxBody();
@@ -199,7 +199,7 @@ TEST_CASE("reset puts rigid bodies back with the velocities they started with, w
         stage.step(0.01);
         first.push_back(rigidState(stage).poses[0]);
     }
-    stage.post(SetPose{BodyId{2}, 0, {{0, 0, 9.01}, {}}}); // a told pose before a reset is forgotten
+    stage.post(SetPose{BodyId{2}, 0, {{0, 0, 9.01}, {}}}); // a reset clears an earlier pose command
     stage.post(Reset{});
     stage.step(0.0);
     CHECK(rigidState(stage).poses[0] == Pose{});
@@ -212,7 +212,7 @@ TEST_CASE("reset puts rigid bodies back with the velocities they started with, w
     CHECK(rigidState(stage, 1).poses[0].position == Vec3{0, 0, 9});
 }
 
-TEST_CASE("a rigid body added or removed leaves the others as they are, bit by bit")
+TEST_CASE("adding or removing a rigid body leaves the others bit-identical")
 {
     const auto build = [](Stage& stage) {
         for (double spin : {3.0, 5.0, 7.0}) stage.add(tumbling({1e-4, 2e-4, 2.5e-4}, {0.1, spin, 0}));
@@ -232,7 +232,7 @@ TEST_CASE("a rigid body added or removed leaves the others as they are, bit by b
     CHECK(rigidState(fewer, 1).velocities[0].x == Approx(0.01));
 }
 
-TEST_CASE("what changes the plan between its two halves changes the motion")
+TEST_CASE("a change of the plan between its two halves changes the motion")
 {
     Stage stage;
     RigidBodyDef def = boxBody();
@@ -253,7 +253,7 @@ TEST_CASE("what changes the plan between its two halves changes the motion")
     CHECK((plan[1].body == 1 && !plan[1].dynamic && plan[1].mass == 0.0));
     CHECK(plan[1].centre == Vec3{0, 5, 0});
 
-    plan[0].change = {-1.0 * plan[0].velocity, -1.0 * plan[0].angularVelocity}; // a wall that takes all
+    plan[0].change = {-1.0 * plan[0].velocity, -1.0 * plan[0].angularVelocity}; // a wall that stops it
     StepReport report;
     WorkerPool pool(1);
     moveRigid({0.01, nullptr, ExactContact{}, pool, report}, plan, scene);
@@ -263,7 +263,7 @@ TEST_CASE("what changes the plan between its two halves changes the motion")
     CHECK(length(scene.rigid[0].state.angularVelocities[0]) < 1e-15);
 }
 
-TEST_CASE("an element whose new state would be no state stays, at rest, and the step says so")
+TEST_CASE("an element whose new state would not be finite stays at rest, and the step reports it")
 {
     Stage stage;
     RigidBodyDef def = boxBody();
@@ -276,14 +276,14 @@ TEST_CASE("an element whose new state would be no state stays, at rest, and the 
         CHECK(stage.step(0.01).has(StepFlag::Undone));
         CHECK(rigidState(stage).poses[0] == def.elements[0]);
         CHECK(rigidState(stage).velocities[0] == Vec3{});
-        CHECK(rigidState(stage).poses[1].position.x == Approx(4.01)); // the other goes on
+        CHECK(rigidState(stage).poses[1].position.x == Approx(4.01)); // the other one continues
     }
     stage.post(SetWrench{BodyId{1}, 0, {1, 0, 0}, {}});
     CHECK_FALSE(stage.step(0.01).has(StepFlag::Undone));
     CHECK(rigidState(stage).velocities[0].x == Approx(0.01));
 }
 
-TEST_CASE("a body that leaves the world is stopped at its end")
+TEST_CASE("a body that leaves the world is stopped at its boundary")
 {
     Stage stage;
     RigidBodyDef def = boxBody();
@@ -296,7 +296,7 @@ TEST_CASE("a body that leaves the world is stopped at its end")
     CHECK_FALSE(stage.step(0.01).has(StepFlag::Undone));
 }
 
-TEST_CASE("frames show the velocities of centres of mass")
+TEST_CASE("frames show the velocities of the centres of mass")
 {
     PhysicsServer server(makeNativeEngine({.threads = 1}), {.gravity = {0, 0, 0}});
     RigidBodyDef def = boxBody();

@@ -16,8 +16,8 @@ MotionState centreOf(Stage& stage)
             state.angularVelocities[0]};
 }
 
-/// What the hand does to the body at the end of the last step.
-CouplingForce pullOf(Stage& stage, const HapticTarget& hand)
+/// The force of the coupling on the body at the end of the last step.
+CouplingForce couplingForceOn(Stage& stage, const HapticTarget& hand)
 {
     const Vec3 centre = stage.world.scene().rigid[0].model.inertias[0].centre;
     return couplingForce(hand.coupling, atPoint({hand.pose, hand.velocity, hand.angularVelocity}, centre),
@@ -26,7 +26,7 @@ CouplingForce pullOf(Stage& stage, const HapticTarget& hand)
 
 } // namespace
 
-TEST_CASE("what a hand gives an element's momentum in a step is its force at the step's end, times the step")
+TEST_CASE("a coupling changes an element's momentum by its force at the step's end times the step")
 {
     for (const double dt : {1e-4, 1e-3, 5e-2}) {
         Stage stage;
@@ -36,13 +36,13 @@ TEST_CASE("what a hand gives an element's momentum in a step is its force at the
                                 .coupling = {.linearStiffness = 800, .linearDamping = 3}};
         stage.post(SetHaptic{BodyId{1}, 0, hand});
         stage.step(dt);
-        const CouplingForce pull = pullOf(stage, hand);
+        const CouplingForce pull = couplingForceOn(stage, hand);
         CHECK(distance(centreOf(stage).velocity, dt * pull.force) < 1e-12 * length(pull.force));     // 1 kg
-        CHECK(distance(angularMomentum(stage), dt * pull.torque) < 1e-3 * dt * length(pull.torque)); // of first order
+        CHECK(distance(angularMomentum(stage), dt * pull.torque) < 1e-3 * dt * length(pull.torque)); // first order
     }
 }
 
-TEST_CASE("a held element comes to rest where the hand is, whatever the step and the stiffness")
+TEST_CASE("a coupled element comes to rest at the device's pose for every step and stiffness")
 {
     for (const double dt : {1e-4, 1e-3, 2e-2, 5e-2})
         for (const double stiffness : {1.0, 1e3, 1e6}) {
@@ -65,11 +65,11 @@ TEST_CASE("a held element comes to rest where the hand is, whatever the step and
             CHECK(distance(rigidState(stage).poses[0].position, goal) < 1e-5);
             CHECK(length(rotationVector(rigidState(stage).poses[0].orientation * conjugate(hand.pose.orientation))) <
                   1e-4);
-            CHECK(farthest < 2.0 * length(goal) + 0.2); // on its way it turns about its middle
+            CHECK(farthest < 2.0 * length(goal) + 0.2); // on its way it rotates about its centre
         }
 }
 
-TEST_CASE("a hand holds up the weight, and hangs by weight over stiffness")
+TEST_CASE("a coupling carries the weight, and the body hangs lower by weight over stiffness")
 {
     Stage stage;
     physics::RigidBodyDef def = boxBody();
@@ -80,18 +80,18 @@ TEST_CASE("a hand holds up the weight, and hangs by weight over stiffness")
     stage.post(SetHaptic{BodyId{1}, 0, hand});
     stage.run(2000, 1e-3);
     CHECK(rigidState(stage).poses[0].position.y == Approx(-9.81e-3).epsilon(1e-6));
-    CHECK(distance(pullOf(stage, hand).force, {0, 9.81, 0}) < 1e-6);
+    CHECK(distance(couplingForceOn(stage, hand).force, {0, 9.81, 0}) < 1e-6);
 
     HapticTarget weak = hand;
-    weak.coupling.forceLimit = 5.0; // not enough: it sinks as under half its weight
+    weak.coupling.forceLimit = 5.0; // too weak: the body sinks as under half its weight
     stage.post(SetHaptic{BodyId{1}, 0, weak});
     for (int i = 0; i < 100; ++i) {
         stage.step(1e-3);
-        CHECK(length(pullOf(stage, weak).force) < 5.0 + 1e-12);
+        CHECK(length(couplingForceOn(stage, weak).force) < 5.0 + 1e-12);
     }
     CHECK(rigidState(stage).velocities[0].y < -0.3);
 
-    stage.post(SetHaptic{BodyId{1}, 0, {.coupling = {0, 0, 0, 0}}}); // without a spring it lets go
+    stage.post(SetHaptic{BodyId{1}, 0, {.coupling = {0, 0, 0, 0}}}); // zero stiffness releases it
     CHECK_FALSE(rigidState(stage).hands.empty());
     const double before = rigidState(stage).velocities[0].y;
     stage.step(0.1);
@@ -99,7 +99,7 @@ TEST_CASE("a hand holds up the weight, and hangs by weight over stiffness")
     CHECK(rigidState(stage).velocities[0].y == Approx(before - 0.981));
 }
 
-TEST_CASE("a held element that is blocked presses with the coupling's force")
+TEST_CASE("a coupled element that is blocked presses with the coupling's force")
 {
     Stage stage;
     physics::RigidBodyDef floor{.name = "floor", .mesh = boxSurface({1, 1, 1})};
@@ -119,7 +119,7 @@ TEST_CASE("a held element that is blocked presses with the coupling's force")
     CHECK(pressed.y == Approx(400 * apart).epsilon(1e-3));
 }
 
-TEST_CASE("a body that goes where it is told goes where the hand is, and no spring is kept")
+TEST_CASE("a coupled kinematic body goes to the device's pose, and no coupling is kept")
 {
     Stage stage;
     stage.add(physics::RigidBodyDef{.name = "probe", .elements = {Pose{}, Pose{}}});
@@ -131,7 +131,7 @@ TEST_CASE("a body that goes where it is told goes where the hand is, and no spri
     CHECK(rigidState(stage).hands.empty());
 }
 
-TEST_CASE("a hand is part of the state: the hash knows it, a reset keeps it, a step of no time moves nothing")
+TEST_CASE("a coupling is part of the state: the hash covers it, a reset keeps it, and dt = 0 moves nothing")
 {
     Stage held, free;
     for (Stage* stage : {&held, &free}) stage->add(boxBody());

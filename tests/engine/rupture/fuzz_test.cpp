@@ -18,7 +18,7 @@ testing::CutFuzzDef fuzzOf(int cuts, std::uint64_t seed)
 
 } // namespace
 
-TEST_CASE("two thousand random cuts and tears break nothing, leave hardly a bridge, and come out the same twice")
+TEST_CASE("two thousand random cuts and tears keep meshes valid, leave hardly any bridge, and repeat bit-identically")
 {
     const testing::CutFuzzReport report = testing::fuzzCuts(fuzzOf(2000, 1));
     CHECK(report.cuts == 2000);
@@ -34,7 +34,7 @@ TEST_CASE("two thousand random cuts and tears break nothing, leave hardly a brid
     for (const testing::CutFuzzKind& kind : report.kinds) CHECK(kind.cuts > 150);
 }
 
-TEST_CASE("a body that is cut twenty times over stays valid")
+TEST_CASE("a body that is cut twenty times stays valid")
 {
     testing::CutFuzzDef def = fuzzOf(100, 2);
     def.cutsPerBody = 20;

@@ -14,7 +14,7 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// A block on pins and pin springs, and the numbers that its preconditioner is made for.
+/// A block on pins and pin springs, with the plan that its preconditioner is built for.
 struct Block {
     Stage stage;
     std::vector<int> nodes;
@@ -42,7 +42,7 @@ struct Block {
                 .period = 5e-3,
                 .blocks = linalg::blocksFor(static_cast<int>(nodes.size()))};
     }
-    /// Upright in the plane x = 3.1 cm, all the way through.
+    /// Cuts upright in the plane x = 3.1 cm, all the way through.
     void cut()
     {
         const TriangleMeshSource mesh = std::make_shared<const geometry::TriangleMesh>(
@@ -75,23 +75,23 @@ std::vector<float> applied(linalg::TwoLevelPreconditioner& preconditioner, std::
 
 } // namespace
 
-TEST_CASE("a coarse level made anew is the one that the body would be made with")
+TEST_CASE("a rebuilt coarse level equals the one that the body would be built with")
 {
     for (const auto& [cut, springs] : {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
         INFO((cut ? "cut" : "whole") << (springs ? " springs" : " elements"));
         Block block(springs ? SoftMaterial(MassSpringMaterial{.stiffness = 20.0, .damping = 0.05})
                             : SoftMaterial(FemMaterial{.youngModulus = 5e3}));
         if (cut) block.cut();
-        linalg::TwoLevelPreconditioner fresh = preconditionerAtRest(block.model(), block.plan,
-                                                                    remadeCoarseChoice(block.nodes.size())),
-                                       other = fresh;
+        linalg::TwoLevelPreconditioner expected = preconditionerAtRest(block.model(), block.plan,
+                                                                       remadeCoarseChoice(block.nodes.size())),
+                                       other = expected;
         BackgroundThread thread;
         CoarseRemake remake(block.model(), block.plan, thread);
         linalg::CoarseLevel&& made = remake.take();
         REQUIRE(fresh.coarseNodes() > 10);
         REQUIRE(made.coarseNodes() == fresh.coarseNodes());
         other.takeCoarseLevel(std::move(made));
-        const std::vector<float> a = applied(fresh, block.nodes.size()), b = applied(other, block.nodes.size());
+        const std::vector<float> a = applied(expected, block.nodes.size()), b = applied(other, block.nodes.size());
         float largest = 0.0f, off = 0.0f;
         for (std::size_t i = 0; i < a.size(); ++i) {
             largest = std::max(largest, std::abs(a[i]));
@@ -101,7 +101,7 @@ TEST_CASE("a coarse level made anew is the one that the body would be made with"
     }
 }
 
-TEST_CASE("a coarse level made anew has the same bits whoever makes it")
+TEST_CASE("a rebuilt coarse level is bit-identical on any thread")
 {
     Block block;
     block.cut();
@@ -113,14 +113,14 @@ TEST_CASE("a coarse level made anew has the same bits whoever makes it")
         CoarseRemake remake(block.model(), block.plan, thread);
         linalg::TwoLevelPreconditioner preconditioner =
             preconditionerAtRest(block.model(), block.plan, remadeCoarseChoice(block.nodes.size()));
-        preconditioner.takeCoarseLevel(remake.take()); // made here where the thread has something else to do
+        preconditioner.takeCoarseLevel(remake.take()); // built on this thread if the background thread is busy
         hold.count_down();
         results.push_back(applied(preconditioner, block.nodes.size()));
     }
     CHECK(results[0] == results[1]);
 }
 
-TEST_CASE("what a cut has parted shares no coarse nodes once the coarse level is made anew")
+TEST_CASE("separated parts share no coarse nodes after the coarse level is rebuilt")
 {
     Block block;
     const auto sidesOfCoarseNodes = [&] {
@@ -129,7 +129,7 @@ TEST_CASE("what a cut has parted shares no coarse nodes once the coarse level is
         const linalg::CoarseLevel made = remake.take();
         std::array<std::set<int>, 2> sides;
         for (std::size_t i = 0; i < block.nodes.size(); ++i) {
-            // A node of the cut itself lies on the side of its elements' middle.
+            // A node of the cut itself lies on the side of its elements' centre.
             Vec3 middle;
             double count = 0.0;
             for (const FemElement& element : block.model().elements)
@@ -151,7 +151,7 @@ TEST_CASE("what a cut has parted shares no coarse nodes once the coarse level is
     CHECK(sidesOfCoarseNodes() == 0);
 }
 
-TEST_CASE("a cut body's motion is the same for any number of threads, while its coarse level is made anew and after")
+TEST_CASE("the motion of a cut body is the same for any number of threads, while its coarse level is rebuilt and after")
 {
     std::vector<std::uint64_t> hashes;
     for (const int threads : {1, 2, 5}) {

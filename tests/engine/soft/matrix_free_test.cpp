@@ -12,13 +12,14 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// Held at its low end along x, and bent by its weight.
-SoftBodyDef heldBox(geometry::TetMesh mesh)
+/// A box pinned at its low end along x that bends under its weight.
+SoftBodyDef pinnedBox(geometry::TetMesh mesh)
 {
     return {.mesh = shared(std::move(mesh)), .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}}};
 }
 
-/// How far apart, after some steps, the default solver at a tight tolerance and Cholesky are, relative to displacement.
+/// Distance, after some steps, between the default solver at a tight tolerance and Cholesky, relative to the
+/// displacement.
 double distanceToCholesky(SoftBodyDef def, double dt, int steps, NativeEngineDef engine = {.threads = 1})
 {
     Stage fast(engine), exact(engine);
@@ -53,7 +54,7 @@ Stage hangingBunny(int elements, const SoftMaterial& material = FemMaterial{}, d
     return stage;
 }
 
-/// [J] of motion, elasticity and weight.
+/// [J] Sum of kinetic, elastic and potential energy.
 double energyOf(Stage& stage, double gravity = 9.81)
 {
     double sum = 0.0;
@@ -71,16 +72,16 @@ double energyOf(Stage& stage, double gravity = 9.81)
 
 } // namespace
 
-TEST_CASE("the default solver makes Cholesky's steps, whatever the body")
+TEST_CASE("the default solver matches Cholesky's steps for every body")
 {
-    CHECK(distanceToCholesky(heldBox(boxMesh({12, 3, 3}, {0.4, 0.1, 0.1}, 0.2)), 0.005, 40) < 1e-5);
+    CHECK(distanceToCholesky(pinnedBox(boxMesh({12, 3, 3}, {0.4, 0.1, 0.1}, 0.2)), 0.005, 40) < 1e-5);
     SECTION("a thin sheet")
     {
-        CHECK(distanceToCholesky(heldBox(boxMesh({20, 20, 1}, {0.1, 0.1, 0.002})), 0.002, 20) < 1e-4);
+        CHECK(distanceToCholesky(pinnedBox(boxMesh({20, 20, 1}, {0.1, 0.1, 0.002})), 0.002, 20) < 1e-4);
     }
     SECTION("two pieces that do not touch")
     {
-        CHECK(distanceToCholesky(heldBox(twice(boxMesh({6, 2, 2}, {0.3, 0.05, 0.05}), {0, 0, 0.0501})), 0.005, 40) <
+        CHECK(distanceToCholesky(pinnedBox(twice(boxMesh({6, 2, 2}, {0.3, 0.05, 0.05}), {0, 0, 0.0501})), 0.005, 40) <
               1e-5);
     }
     SECTION("one element")
@@ -88,7 +89,7 @@ TEST_CASE("the default solver makes Cholesky's steps, whatever the body")
         SoftBodyDef def{.mesh = shared(tetrahedronMesh()), .attachments = {{.nodes = {0, 1, 2}}}};
         CHECK(distanceToCholesky(def, 0.005, 40) < 1e-5);
     }
-    SECTION("held by springs")
+    SECTION("pinned by springs")
     {
         SoftBodyDef def{.mesh = shared(boxMesh({4, 4, 4}, {0.1, 0.1, 0.1})),
                         .attachments = {{.nodes = {0, 3, 7, 11}, .stiffness = 50.0}}};
@@ -96,26 +97,26 @@ TEST_CASE("the default solver makes Cholesky's steps, whatever the body")
     }
     SECTION("springs and dashpots")
     {
-        SoftBodyDef def = heldBox(boxMesh({6, 3, 3}, {0.2, 0.1, 0.1}));
+        SoftBodyDef def = pinnedBox(boxMesh({6, 3, 3}, {0.2, 0.1, 0.1}));
         def.material = MassSpringMaterial{.stiffness = 80.0, .damping = 0.2};
         CHECK(distanceToCholesky(def, 0.005, 40) < 1e-5);
     }
     SECTION("nearly incompressible and stiff")
     {
-        SoftBodyDef def = heldBox(boxMesh({12, 3, 3}, {0.4, 0.1, 0.1}, 0.2));
+        SoftBodyDef def = pinnedBox(boxMesh({12, 3, 3}, {0.4, 0.1, 0.1}, 0.2));
         def.material = FemMaterial{1e6, 0.49};
         CHECK(distanceToCholesky(def, 0.005, 40) < 1e-4);
     }
     SECTION("far from the origin")
     {
-        SoftBodyDef def = heldBox(boxMesh({12, 3, 3}, {0.4, 0.1, 0.1}, 0.2));
+        SoftBodyDef def = pinnedBox(boxMesh({12, 3, 3}, {0.4, 0.1, 0.1}, 0.2));
         def.attachments = {{.nodes = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}}};
         def.pose.position = {900, -900, 900};
         CHECK(distanceToCholesky(def, 0.005, 40) < 1e-5);
     }
 }
 
-TEST_CASE("a material that differs a thousandfold from element to element is solved within the cap")
+TEST_CASE("a material that varies a thousandfold between elements is solved within the limit of iterations")
 {
     Stage stage = hangingBunny(1492);
     stage.step(0.0);
@@ -127,7 +128,7 @@ TEST_CASE("a material that differs a thousandfold from element to element is sol
     CHECK_FALSE(stage.run(50, 0.001).has(StepFlag::NotConverged));
 }
 
-TEST_CASE("a body of few nodes has room for a coarse node per node, a larger one has fewer than nodes")
+TEST_CASE("a body of few nodes has room for a coarse node per node, and a larger one has fewer coarse nodes than nodes")
 {
     const auto coarse = [](const geometry::TetMesh& mesh) {
         const auto built = buildBody(SoftBodyDef{.mesh = shared(mesh)}, 1e-3);
@@ -139,7 +140,7 @@ TEST_CASE("a body of few nodes has room for a coarse node per node, a larger one
     CHECK(coarse(boxMesh({8, 8, 8}, {1, 1, 1})) < 9 * 9 * 9 / 4);
 }
 
-TEST_CASE("a step twice as long as the solver was prepared for takes at most half as many iterations again")
+TEST_CASE("a step twice as long as the solver was prepared for takes at most half as many iterations more")
 {
     for (double period : {0.001, 0.005}) {
         Stage prepared = hangingBunny(3004, FemMaterial{}, 2.0 * period),
@@ -152,13 +153,13 @@ TEST_CASE("a step twice as long as the solver was prepared for takes at most hal
     }
 }
 
-TEST_CASE("nearly incompressible and stiff tissue converges within the default cap")
+TEST_CASE("nearly incompressible and stiff tissue converges within the default limit of iterations")
 {
     Stage stage = hangingBunny(3004, FemMaterial{1e6, 0.49}, 0.005);
     CHECK(stage.run(100, 0.005).flags == 0);
 }
 
-TEST_CASE("a deadline that has passed ends every solve at the fewest iterations, and no energy is made")
+TEST_CASE("a deadline that has passed ends every solve at the minimum of iterations, and no energy is gained")
 {
     std::int64_t now = 10;
     const StepBudget budget{.now = [&] { return now; }, .deadline = 5};
@@ -177,7 +178,7 @@ TEST_CASE("a deadline that has passed ends every solve at the fewest iterations,
         }
 }
 
-TEST_CASE("a step that its deadline cut short comes out the same from the iterations it made")
+TEST_CASE("a step that its deadline cut short is reproduced from the iterations it made")
 {
     Stage cut = hangingBunny(1492, FemMaterial{}, 0.005), again = hangingBunny(1492, FemMaterial{}, 0.005);
     cut.step(0.005);
@@ -195,7 +196,7 @@ TEST_CASE("a step that its deadline cut short comes out the same from the iterat
     CHECK(cuts > 10);
 }
 
-TEST_CASE("a step with a clock tells what its stages took")
+TEST_CASE("a step with a clock reports the times of its stages")
 {
     std::int64_t now = 0;
     const StepBudget budget{.now = [&] { return now += 1'000'000; }};
@@ -212,8 +213,8 @@ TEST_CASE("bodies of all sizes and solvers step side by side as they do alone")
     std::vector<SoftBodyDef> defs;
     for (int elements : {756, 1492, 3004})
         defs.push_back({.mesh = bunnyFile(elements), .attachments = {{.nodes = {0, 1, 2}}}});
-    defs.push_back(heldBox(boxMesh({3, 2, 2}, {0.3, 0.1, 0.1})));
-    defs.push_back(heldBox(boxMesh({3, 2, 2}, {0.3, 0.1, 0.1})));
+    defs.push_back(pinnedBox(boxMesh({3, 2, 2}, {0.3, 0.1, 0.1})));
+    defs.push_back(pinnedBox(boxMesh({3, 2, 2}, {0.3, 0.1, 0.1})));
     defs[1].solver = ConjugateGradient{.tolerance = 1e-5};
     defs[3].solver = Cholesky{};
     defs[4].material = MassSpringMaterial{};
@@ -232,7 +233,7 @@ TEST_CASE("bodies of all sizes and solvers step side by side as they do alone")
     }
 }
 
-TEST_CASE("a solve ten times looser than the default ends where a tight one ends: what it leaves undone is handed on")
+TEST_CASE("a solve ten times looser than the default ends where a tight one does, since its residual is carried on")
 {
     for (double tolerance : {0.05, 1e-6}) {
         Stage loose = hangingBunny(756, FemMaterial{}, 0.005, ConjugateGradient{.tolerance = tolerance}, {5.0, 0.05});
@@ -253,7 +254,7 @@ TEST_CASE("a body whose numbers do not fit single precision is solved in double"
     }
 }
 
-TEST_CASE("a nearly incompressible body, pulled through the air, does not blow up and moves as one less so")
+TEST_CASE("a nearly incompressible body that is pulled does not blow up and moves as a less incompressible one")
 {
     const auto fall = [](double poissonRatio) {
         Stage stage;
@@ -270,8 +271,8 @@ TEST_CASE("a nearly incompressible body, pulled through the air, does not blow u
         CHECK(relativeDistance(fall(poissonRatio), usual, 0.1) < 0.05);
 }
 
-// Without geometricStiffness() the strips gained up to a thousand times what they had.
-TEST_CASE("a strip that is pulled long and whirled about its held corner gains no energy, however long the step")
+// Without geometricStiffness() the strips gained up to a thousand times their initial energy.
+TEST_CASE("a stretched strip that whirls about its pinned corner gains no energy at any step length")
 {
     for (const int length : {4, 8})
         for (const double poissonRatio : {0.4, 0.49, 0.499})
@@ -297,7 +298,7 @@ TEST_CASE("a strip that is pulled long and whirled about its held corner gains n
             }
 }
 
-TEST_CASE("a blow-up is undone, and the step made again with damping")
+TEST_CASE("a blow-up is rolled back, and the step is repeated with damping")
 {
     Stage stage = hangingBunny(756, FemMaterial{}, 0.005);
     stage.step(0.005);
@@ -334,7 +335,7 @@ TEST_CASE("solver settings out of range are refused with their bound and value")
                       Catch::Contains("poissonRatio must be in [0, 0.5), got 0.5"));
 }
 
-TEST_CASE("springs that tune adds to a body of elements pull on it, and turn nothing")
+TEST_CASE("springs that tune adds to a body of elements pull on it and leave its rotations unchanged")
 {
     Stage stage = hangingBunny(756, FemMaterial{}, 0.005), exact = hangingBunny(756, FemMaterial{}, 0.005, Cholesky{});
     for (Stage* each : {&stage, &exact}) {
@@ -350,7 +351,7 @@ TEST_CASE("springs that tune adds to a body of elements pull on it, and turn not
     CHECK(relativeDistance(stage.soft().x, exact.soft().x, size) < 1e-3);
 }
 
-TEST_CASE("a body tuned to another solver is not pushed by what the default one left undone")
+TEST_CASE("a body tuned to another solver is not moved by the residual of the default one")
 {
     Stage stage = hangingBunny(756, FemMaterial{}, 0.005);
     stage.run(5, 0.005);
@@ -365,7 +366,7 @@ TEST_CASE("a body tuned to another solver is not pushed by what the default one 
     }
 }
 
-TEST_CASE("bodies share a deadline by their size: the first does not use up what the last needs")
+TEST_CASE("bodies share a deadline by their size, so the first leaves enough time for the last")
 {
     Stage stage({.period = 0.005, .threads = 1});
     for (int k = 0; k < 3; ++k)
@@ -374,7 +375,7 @@ TEST_CASE("bodies share a deadline by their size: the first does not use up what
                               .attachments = {{.box = geometry::Box{{-1, 0.105, -1}, {1, 1, 1}}}}});
     stage.post(SetGravity{{0, -9.81, 0}});
     stage.run(20, 0.005);
-    std::int64_t now = 0; // each look at the clock costs one, and so each iteration
+    std::int64_t now = 0; // each read of the clock counts one, and so does each iteration
     const StepBudget budget{.now = [&] { return ++now; }, .deadline = 24};
     const StepReport report = stage.world.step({.dt = 0.005, .budget = &budget});
     REQUIRE(report.has(StepFlag::OutOfTime));
@@ -382,7 +383,7 @@ TEST_CASE("bodies share a deadline by their size: the first does not use up what
     CHECK(std::abs(report.solves[0].iterations - report.solves[2].iterations) <= 2);
 }
 
-TEST_CASE("a free body whose solves are all cut short falls and turns as it should")
+TEST_CASE("a free body whose solves are all cut short falls and rotates correctly")
 {
     Stage cut({.period = 0.005, .threads = 1}), exact;
     for (Stage* stage : {&cut, &exact}) {

@@ -7,7 +7,7 @@
 using namespace filasofia;
 using namespace filasofia::engine;
 
-// What is stiffer than its steps are short: h (h + b) E / (density cell^2) is 1e3 and more.
+// Bodies that are stiff for their step: h (h + b) E / (density cell^2) is 1e3 and more.
 namespace {
 
 physics::SoftBodyDef block(Vec3 size, std::array<int, 3> cells, const physics::FemMaterial& material)
@@ -45,7 +45,7 @@ double fastest(const SoftState& state)
 
 } // namespace
 
-TEST_CASE("a stiff body that spins freely keeps its momentum and its angular momentum")
+TEST_CASE("a stiff body that spins freely conserves linear and angular momentum")
 {
     for (const double young : {1e6, 1e8}) {
         Stage stage;
@@ -100,7 +100,7 @@ TEST_CASE("a thin sheet comes to rest on a floor")
     CHECK(stage.step(1e-3).solves[0].iterations < 60);
 }
 
-TEST_CASE("a nearly incompressible body keeps its direct solver where it touches something")
+TEST_CASE("a nearly incompressible body keeps its direct solver in contact")
 {
     Stage stage;
     stage.add(floorAt(0.0));
@@ -114,9 +114,9 @@ TEST_CASE("a nearly incompressible body keeps its direct solver where it touches
     CHECK(report.solves[0].iterations < 60);
 }
 
-TEST_CASE("a light soft body that springs hold and jaws pull at takes few iterations")
+TEST_CASE("a light soft body pinned by springs and pulled by jaws takes few iterations")
 {
-    // Stiff for its mass, as damped tissue is: its coarse level believes it to be free.
+    // It is stiff for its mass, as damped tissue is: the coarse level treats it as free.
     Stage stage;
     physics::SoftBodyDef def = block({0.006, 0.012, 0.006}, {4, 8, 4}, {.youngModulus = 8e3, .poissonRatio = 0.4});
     def.rayleigh = {10.0, 0.02};

@@ -16,7 +16,7 @@ bool allFinite(const SoftState& state)
     return true;
 }
 
-/// [J] elastic, and of the motion across the direction in which the body flies.
+/// [J] Elastic energy plus the kinetic energy across the body's direction of flight.
 double energy(Stage& stage)
 {
     double sum = 0.0;
@@ -50,7 +50,7 @@ TEST_CASE("a step of dt = 0 moves nothing and makes no step")
     CHECK(report.dt == 0.0);
 }
 
-TEST_CASE("a free body falls as g t says, undeformed, under every integrator")
+TEST_CASE("a free body falls with velocity g t, undeformed, with every integrator")
 {
     for (const Integrator& integrator :
          {Integrator{ImplicitEuler{}}, Integrator{ExplicitEuler{false}}, Integrator{ExplicitEuler{true}}}) {
@@ -74,7 +74,7 @@ TEST_CASE("a free body falls as g t says, undeformed, under every integrator")
     }
 }
 
-TEST_CASE("mass damping slows a free body as 1 / (1 + a dt) per step")
+TEST_CASE("mass damping slows a free body by 1 / (1 + a dt) per step")
 {
     Stage stage;
     SoftBodyDef def = freeBody(tetrahedronMesh());
@@ -87,7 +87,7 @@ TEST_CASE("mass damping slows a free body as 1 / (1 + a dt) per step")
     for (const Vec3& v : stage.soft().v) CHECK(distance(v, {std::pow(1.03, -20.0), 0, 0}) < 1e-12);
 }
 
-TEST_CASE("stiffness damping does not slow a rigid motion, and calms a vibration")
+TEST_CASE("stiffness damping does not slow a rigid motion, and damps a vibration")
 {
     Stage damped, undamped;
     for (Stage* stage : {&damped, &undamped}) {
@@ -112,7 +112,7 @@ TEST_CASE("stiffness damping does not slow a rigid motion, and calms a vibration
     CHECK(energy(damped) < 0.1 * energy(undamped));
 }
 
-TEST_CASE("explicit Euler with far too large a step is undone, says so, and stays finite for ever")
+TEST_CASE("explicit Euler with far too large a step is rolled back and reported, and stays finite for ever")
 {
     Stage stage;
     SoftBodyDef def = freeBody(boxMesh({2, 2, 2}, {0.1, 0.1, 0.1}));
@@ -127,7 +127,7 @@ TEST_CASE("explicit Euler with far too large a step is undone, says so, and stay
     CHECK(undone);
 }
 
-TEST_CASE("a body that blows up does not touch the others")
+TEST_CASE("a body that blows up does not affect the others")
 {
     Stage with, without;
     for (Stage* stage : {&with, &without}) {
@@ -143,7 +143,7 @@ TEST_CASE("a body that blows up does not touch the others")
     CHECK(with.soft(0).x == without.soft(0).x);
 }
 
-TEST_CASE("an undone body keeps its positions and loses its velocity")
+TEST_CASE("a body whose step is rolled back keeps its positions and loses its velocity")
 {
     Stage stage;
     SoftBodyDef def = freeBody(tetrahedronMesh());
@@ -170,7 +170,7 @@ TEST_CASE("implicit Euler stays finite and upright at any step and stiffness")
         }
 }
 
-TEST_CASE("a solver stopped at its cap says so, and how far it came")
+TEST_CASE("a solver stopped at its limit of iterations reports that and its residual")
 {
     Stage stage;
     stage.add(SoftBodyDef{.mesh = bunnyFile(756),
@@ -185,7 +185,7 @@ TEST_CASE("a solver stopped at its cap says so, and how far it came")
     CHECK(allFinite(stage.soft()));
 }
 
-TEST_CASE("the report tells step, time, dt and one solve per soft body")
+TEST_CASE("the report contains step, time, dt and one solve per soft body")
 {
     Stage stage;
     stage.add(SoftBodyDef{.mesh = shared(tetrahedronMesh()), .solver = Cholesky{}});
@@ -206,7 +206,7 @@ TEST_CASE("the report tells step, time, dt and one solve per soft body")
     CHECK(report.solves[1].iterations == 0);
 }
 
-TEST_CASE("a body all of whose nodes are pinned stays where it is")
+TEST_CASE("a body all of whose nodes are pinned stays in place")
 {
     for (const Solver& solver : {Solver{Cholesky{}}, Solver{ConjugateGradient{}}}) {
         Stage stage;

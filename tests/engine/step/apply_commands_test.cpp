@@ -24,7 +24,7 @@ Stage hanging()
 
 } // namespace
 
-TEST_CASE("a command takes effect in the step it is given to")
+TEST_CASE("a command takes effect in the step that it is given to")
 {
     Stage a = hanging(), b = hanging();
     a.run(10, 0.01);
@@ -37,7 +37,7 @@ TEST_CASE("a command takes effect in the step it is given to")
     for (const FemElement& element : b.model().elements) CHECK(element.youngModulus == 50e3);
 }
 
-TEST_CASE("a material set by command is the one a body is made with")
+TEST_CASE("a material set by command equals one that a body is built with")
 {
     Stage a, b;
     SoftBodyDef def = hangingBox();
@@ -79,7 +79,7 @@ TEST_CASE("forces are replaced, pressure and gravity are set")
     CHECK(stage.world.scene().gravity == Vec3{3, 0, 0});
 }
 
-TEST_CASE("reset puts every body back where it was added, and the same trajectory follows bit by bit")
+TEST_CASE("reset restores every body's start, and the same trajectory follows bit by bit")
 {
     Stage stage = hanging();
     stage.add(RigidBodyDef{.elements = {{{1, 2, 3}, {}}}});
@@ -95,14 +95,14 @@ TEST_CASE("reset puts every body back where it was added, and the same trajector
     CHECK(stage.soft().x == stage.model().rest);
     CHECK(stage.soft().v == std::vector<Vec3>(stage.soft().v.size()));
     CHECK(stage.world.scene().rigid[0].state.poses[0].position == Vec3{1, 2, 3});
-    CHECK(stage.world.scene().step == 31); // time goes on
+    CHECK(stage.world.scene().step == 31); // the step counter continues
     for (int i = 0; i < 30; ++i) {
         stage.step(0.01);
         REQUIRE(stage.soft().x == first[i]);
     }
 }
 
-TEST_CASE("reset keeps what was given: forces, pressure, material")
+TEST_CASE("reset keeps forces, pressure and material that were set")
 {
     Stage stage = hanging();
     stage.post(SetForces{BodyId{1}, {{2, {1, 0, 0}}}});
@@ -116,7 +116,7 @@ TEST_CASE("reset keeps what was given: forces, pressure, material")
     CHECK(stage.model().elements[0].youngModulus == 50e3);
 }
 
-TEST_CASE("removing a body in the middle leaves the others' results as they are, bit by bit")
+TEST_CASE("removing a body in the middle leaves the others bit-identical")
 {
     const auto build = [](Stage& stage) {
         SoftBodyDef def = hangingBox();
@@ -153,7 +153,7 @@ TEST_CASE("removing a body in the middle leaves the others' results as they are,
     CHECK(fewer.world.scene().rigid[0].state.poses[0].position == Vec3{8, 0, 0});
 }
 
-TEST_CASE("a body added and removed between two steps never was")
+TEST_CASE("a body added and removed between two steps has no effect")
 {
     Stage a = hanging(), b = hanging();
     b.add(hangingBox());

@@ -19,7 +19,7 @@ Vec3 sum(const std::vector<Vec3>& values) { return std::accumulate(values.begin(
 
 } // namespace
 
-TEST_CASE("a body at rest feels nothing")
+TEST_CASE("a body at rest has no forces")
 {
     Stage stage;
     stage.add(explicitBox());
@@ -42,7 +42,7 @@ TEST_CASE("gravity is mass times acceleration, on the bodies that ask for it")
         CHECK(distance(forces[i], stage.model(1).masses[i] * Vec3{1, -9.81, 2}) < 1e-9);
 }
 
-TEST_CASE("given forces act on their nodes, several on one node add up")
+TEST_CASE("forces act on their nodes, and several on one node add up")
 {
     Stage stage;
     SoftBodyDef def = explicitBox();
@@ -55,7 +55,7 @@ TEST_CASE("given forces act on their nodes, several on one node add up")
     CHECK(distance(sum(forces), {1, 2, 4}) < 1e-9);
 }
 
-TEST_CASE("pressure on a closed surface has no resultant, pushes inwards, and works as p dV")
+TEST_CASE("pressure on a closed surface has no resultant, pushes inwards, and does the work p dV")
 {
     constexpr double p = 250.0;
     Stage stage;
@@ -92,7 +92,7 @@ TEST_CASE("pressure on a closed surface has no resultant, pushes inwards, and wo
     }
 }
 
-TEST_CASE("a hard pin does not move, whatever pulls at it")
+TEST_CASE("a hard pin does not move under any force")
 {
     for (const Integrator& integrator : {Integrator{ImplicitEuler{}}, Integrator{ExplicitEuler{true}}})
         for (const Solver& solver : {Solver{Cholesky{}}, Solver{ConjugateGradient{}}}) {
@@ -115,7 +115,7 @@ TEST_CASE("a hard pin does not move, whatever pulls at it")
         }
 }
 
-TEST_CASE("a spring pin pulls back: at rest it carries the weight")
+TEST_CASE("a spring pin pulls back, and at rest carries the weight")
 {
     Stage stage;
     SoftBodyDef def{.mesh = shared(boxMesh({2, 2, 2}, {0.1, 0.1, 0.1})), .rayleigh = {50.0, 0.0}, .solver = Cholesky{}};
@@ -130,7 +130,7 @@ TEST_CASE("a spring pin pulls back: at rest it carries the weight")
     CHECK(carried == Approx(10 * 1000 * 0.001).epsilon(1e-9));
 }
 
-TEST_CASE("a spring pin on a node that is also held changes nothing")
+TEST_CASE("a spring pin on a node that is also hard-pinned changes nothing")
 {
     Stage a, b;
     SoftBodyDef def{.mesh = shared(boxMesh({2, 1, 1}, {0.2, 0.1, 0.1})), .attachments = {{.nodes = {0, 1, 2}}}};

@@ -1,4 +1,4 @@
-// What a deadline may do to bodies that touch: their solve ends early, at every step, and forces stay what they are.
+// A deadline that ends the solve of touching bodies early in every step must not change their forces.
 #include "engine/stage.h"
 
 #include "filasofia/geometry/shapes.h"
@@ -8,7 +8,7 @@ using namespace filasofia::engine;
 
 namespace {
 
-/// [N] that a ball feels at every step while it is pressed 6 mm into a block and drawn 8 mm across it. The clock ticks
+/// [N] Force on a ball in every step while it is pressed 6 mm into a block and drawn 8 mm across it. The clock ticks
 /// `ticks` times before the deadline.
 std::vector<double> pokeForces(std::int64_t ticks)
 {
@@ -38,7 +38,7 @@ std::vector<double> pokeForces(std::int64_t ticks)
 
 } // namespace
 
-TEST_CASE("a contact that runs out of time at every step keeps its force")
+TEST_CASE("a contact that runs out of time in every step keeps its force")
 {
     const std::vector<double> whole = pokeForces(1'000'000), cut = pokeForces(1);
     const double largest = *std::ranges::max_element(whole);

@@ -6,24 +6,26 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// Steps a bunny from where `place` puts its nodes until no element is inverted; the number of steps, or `most`.
-template <class Place> int stepsToRecover(Place place, int most, Rayleigh damping = {}, ConjugateGradient solver = {})
+/// Steps a bunny from the positions that `place` sets until no element is inverted. Returns the number of steps, at
+/// maxSteps `maxSteps`.
+template <class Place>
+int stepsToRecover(Place place, int maxSteps, Rayleigh damping = {}, ConjugateGradient solver = {})
 {
     Stage stage;
     SoftBodyDef def{.mesh = bunnyFile(756), .rayleigh = damping, .gravity = false, .solver = solver};
     stage.add(def);
     stage.step(0.0);
     place(stage.soft().x);
-    for (int i = 1; i <= most; ++i) {
-        if (stage.step(0.01).has(StepFlag::Undone)) return most;
+    for (int i = 1; i <= maxSteps; ++i) {
+        if (stage.step(0.01).has(StepFlag::Undone)) return maxSteps;
         if (invertedElements(stage.model(), stage.soft()) == 0) return i;
     }
-    return most;
+    return maxSteps;
 }
 
 } // namespace
 
-TEST_CASE("a bunny turned inside out comes right")
+TEST_CASE("a bunny turned inside out recovers")
 {
     CHECK(stepsToRecover(
               [](std::vector<Vec3>& x) {
@@ -32,7 +34,7 @@ TEST_CASE("a bunny turned inside out comes right")
               1000) < 1000);
 }
 
-TEST_CASE("a bunny flattened to a sheet comes right")
+TEST_CASE("a bunny flattened to a sheet recovers")
 {
     CHECK(stepsToRecover(
               [](std::vector<Vec3>& x) {
@@ -41,7 +43,7 @@ TEST_CASE("a bunny flattened to a sheet comes right")
               1000) < 1000);
 }
 
-TEST_CASE("a bunny shrunk to a point comes right")
+TEST_CASE("a bunny shrunk to a point recovers")
 {
     CHECK(stepsToRecover(
               [](std::vector<Vec3>& x) {
@@ -50,7 +52,7 @@ TEST_CASE("a bunny shrunk to a point comes right")
               1000) < 1000);
 }
 
-TEST_CASE("a bunny with every node moved by up to several elements comes right")
+TEST_CASE("a bunny with every node moved by up to several elements recovers")
 {
     for (unsigned seed : {1u, 2u, 3u}) {
         std::mt19937 random(seed);
@@ -61,8 +63,8 @@ TEST_CASE("a bunny with every node moved by up to several elements comes right")
     }
 }
 
-// Without lameAt()'s rule some of these settle in a knot: an equilibrium with two to five elements inside out.
-TEST_CASE("a bunny with every node anywhere in its box comes right")
+// Without lameAt()'s rule some of these settle in a knot: an equilibrium with two to five inverted elements.
+TEST_CASE("a bunny with every node anywhere in its box recovers")
 {
     for (const Rayleigh& damping : {Rayleigh{}, Rayleigh{0.0, 0.0}})
         for (unsigned seed = 1; seed <= 8; ++seed) {
@@ -74,7 +76,7 @@ TEST_CASE("a bunny with every node anywhere in its box comes right")
         }
 }
 
-TEST_CASE("in double precision, too, a bunny with every node anywhere in its box comes right")
+TEST_CASE("a bunny with every node anywhere in its box recovers in double precision too")
 {
     for (unsigned seed : {1u, 2u, 3u}) {
         std::mt19937 random(seed);

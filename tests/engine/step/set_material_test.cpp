@@ -20,7 +20,7 @@ SoftBodyDef hangingBox(const SoftMaterial& material = FemMaterial{})
             .attachments = {{.box = geometry::Box{{0, 0, 0}, {0, 1, 1}}}}};
 }
 
-/// A body in motion under gravity, and its material commands: as the server posts them, built beforehand, or plain.
+/// A body moving under gravity, with two kinds of material commands: prebuilt, as the server posts them, or plain.
 struct TestScene {
     Stage stage;
     SoftBodyDef def;
@@ -39,7 +39,7 @@ struct TestScene {
     }
     void postBuilt(const SoftMaterial& material) { stage.post(SetMaterial{id, material, built(material)}); }
     void postPlain(const SoftMaterial& material) { stage.post(SetMaterial{id, material}); }
-    /// Posts a built one and makes a step; whether the step took what was built.
+    /// Posts a prebuilt material and steps once. Returns true if the step used the prebuilt data.
     bool takes(const SoftMaterial& material)
     {
         postBuilt(material);
@@ -62,7 +62,7 @@ void checkSameSteps(TestScene& a, TestScene& b)
     }
 }
 
-/// Drops what is logged while it is there, and keeps it.
+/// Captures the log during its lifetime instead of printing it.
 struct Logged {
     std::string text;
     Logged()
@@ -81,7 +81,7 @@ void makeHeavier(Stage& stage)
 
 } // namespace
 
-TEST_CASE("a material built beforehand makes the bits of one that the step builds, whatever solver and integrator")
+TEST_CASE("a prebuilt material is bit-identical to one that the step builds, for every solver and integrator")
 {
     const SoftMaterial fem = FemMaterial{.youngModulus = 20e3, .poissonRatio = 0.3};
     const SoftMaterial springs = MassSpringMaterial{.stiffness = 30, .damping = 0.02};
@@ -105,7 +105,7 @@ TEST_CASE("a material built beforehand makes the bits of one that the step build
     }
 }
 
-TEST_CASE("of two materials on their way to one body the last one posted counts, whichever was built first")
+TEST_CASE("if two materials are posted to one body, the last one counts, whichever was built first")
 {
     const FemMaterial soft{.youngModulus = 5e3}, stiff{.youngModulus = 40e3};
     TestScene a(hangingBox()), b(hangingBox());
@@ -117,7 +117,7 @@ TEST_CASE("of two materials on their way to one body the last one posted counts,
     CHECK(a.stage.model().elements[0].youngModulus == 5e3);
 }
 
-TEST_CASE("a material set right after its body was added is the one that the body is made with")
+TEST_CASE("a material set right after its body was added equals one that the body is built with")
 {
     const FemMaterial stiff{.youngModulus = 40e3};
     TestScene a(hangingBox(), 0), b(hangingBox(stiff), 0);
@@ -125,7 +125,7 @@ TEST_CASE("a material set right after its body was added is the one that the bod
     checkSameSteps(a, b);
 }
 
-TEST_CASE("a body goes over to double where float cannot hold its material, and back")
+TEST_CASE("a body switches to double if float cannot hold its material, and back")
 {
     const Logged logged;
     const FemMaterial extreme{.youngModulus = 1e25}, usual{.youngModulus = 20e3};
@@ -143,7 +143,7 @@ TEST_CASE("a body goes over to double where float cannot hold its material, and 
     CHECK_THAT(logged.text, Catch::Contains("single precision"));
 }
 
-TEST_CASE("leftover impulse, first guess and rotations stay when the material changes")
+TEST_CASE("residual impulse, first guess and rotations stay when the material changes")
 {
     TestScene scene(hangingBox());
     const SoftState before = scene.stage.soft();
@@ -158,7 +158,7 @@ TEST_CASE("leftover impulse, first guess and rotations stay when the material ch
         CHECK(rotationOf(after.rotations, e) == rotationOf(before.rotations, e));
 }
 
-TEST_CASE("after a tune the step builds the solver of what the tune left, a rejected one changes nothing")
+TEST_CASE("after a tune the step builds the solver of the tuned model, and a rejected tune changes nothing")
 {
     const Logged logged;
     TestScene tuned(hangingBox()), plain(hangingBox()), rejected(hangingBox());
@@ -167,7 +167,7 @@ TEST_CASE("after a tune the step builds the solver of what the tune left, a reje
         scene->stage.step(0.005);
     }
     const FemMaterial stiff{.youngModulus = 40e3};
-    for (int i = 0; i < 2; ++i) { // for good
+    for (int i = 0; i < 2; ++i) { // permanently
         CHECK_FALSE(tuned.takes(stiff));
         plain.postPlain(stiff);
         plain.stage.step(0.005);
@@ -178,7 +178,7 @@ TEST_CASE("after a tune the step builds the solver of what the tune left, a reje
     CHECK(rejected.takes(stiff));
 }
 
-TEST_CASE("materials set by several threads while steps are made: the log makes the same steps again")
+TEST_CASE("materials set by several threads during steps are replayed from the log with the same steps")
 {
     PhysicsServer server(makeNativeEngine({.threads = 1}));
     server.keepLog(true);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A soft block on a sheet, and a box that is attached to it, soft to hard, with a grasp that waits. Paused.
+/// A paused scene: a pinned soft block on a sheet, a rigid box attached to the block, and a waiting grasp.
 struct Tuned {
     Stage stage;
     std::string logged;
@@ -56,7 +56,7 @@ struct Tuned {
         return std::make_shared<const geometry::TriangleMesh>(mesh);
     }
 
-    /// What the log said; empty: it was taken.
+    /// The logged error; empty if the tune was accepted.
     std::string refusal(const std::function<void(Scene&)>& change)
     {
         logged.clear();
@@ -80,7 +80,7 @@ void reshape(CollisionModel& model, const std::function<void(CollisionShape&)>& 
 
 } // namespace
 
-TEST_CASE("a tune that leaves collision, contacts, sides, grasps or pins that cannot be stepped with is put back")
+TEST_CASE("a tune that leaves invalid collision models, contacts, sides, grasps or pins is rolled back")
 {
     using Change = std::function<void(Scene&)>;
     const std::pair<Change, const char*> wrong[] = {
@@ -152,7 +152,7 @@ TEST_CASE("a tune that leaves collision, contacts, sides, grasps or pins that ca
         CHECK(tuned.stage.world.hash() == twin.stage.world.hash());
     }
     CHECK(tuned.refusal([](Scene&) {}).empty());
-    for (int i = 0; i < 10; ++i) { // the model is back too
+    for (int i = 0; i < 10; ++i) { // the model is rolled back too
         twin.stage.step(1e-3);
         tuned.stage.step(1e-3);
         REQUIRE(tuned.stage.world.hash() == twin.stage.world.hash());

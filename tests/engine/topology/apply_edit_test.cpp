@@ -1,6 +1,6 @@
 #include "filasofia/core/worker_pool.h"
-#include "filasofia/engine/topology/apply_edit.h"
 #include "filasofia/engine/build/build_body.h"
+#include "filasofia/engine/topology/apply_edit.h"
 
 #include "engine/meshes.h"
 
@@ -15,7 +15,7 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// A body with what belongs to it, edited at random.
+/// A body with everything that belongs to it, edited at random.
 struct Edited {
     SoftBody body;
     std::mt19937 random{5};
@@ -49,7 +49,7 @@ struct Edited {
         }
     }
 
-    /// Opens a random set of faces around some nodes; slides one first.
+    /// Opens a random set of faces around some nodes, after sliding one of them.
     void splitSome(int tries)
     {
         EditableMesh& mesh = *body.topology.mesh;
@@ -65,7 +65,7 @@ struct Edited {
         }
     }
 
-    /// One that leaves every element around it in shape.
+    /// Slides a node so that every element around it keeps a good shape.
     void slideOne()
     {
         EditableMesh& mesh = *body.topology.mesh;
@@ -91,14 +91,14 @@ struct Edited {
     }
 };
 
-SoftBodyDef heldBlock()
+SoftBodyDef pinnedBlock()
 {
     return {.mesh = shared(boxMesh({6, 4, 3}, {0.06, 0.04, 0.03}, 0.2)),
             .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}},
             .dynamicTopology = true};
 }
 
-/// The largest difference, relative to the largest value.
+/// The largest difference relative to the largest value.
 double difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
 {
     double most = 0.0, size = 1e-300;
@@ -109,7 +109,7 @@ double difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
     return most / size;
 }
 
-/// What a system makes of the model's state in a step: it uses all that an edit changes.
+/// The result of one step of a system, which depends on everything that an edit changes.
 std::vector<Vec3> stepOf(const SoftModel& model, SoftState state, MatrixFreeSystem& system)
 {
     WorkerPool pool(1);
@@ -123,10 +123,10 @@ std::vector<Vec3> stepOf(const SoftModel& model, SoftState state, MatrixFreeSyst
 
 } // namespace
 
-TEST_CASE("a solver that followed edits does what one made anew would")
+TEST_CASE("a solver that followed edits gives the same result as a rebuilt one")
 {
     const bool springs = GENERATE(false, true);
-    SoftBodyDef def = heldBlock();
+    SoftBodyDef def = pinnedBlock();
     if (springs) def.material = MassSpringMaterial{.stiffness = 30.0, .damping = 0.1};
     INFO((springs ? "springs" : "elements"));
     Edited edited(def);
@@ -145,13 +145,13 @@ TEST_CASE("a solver that followed edits does what one made anew would")
         CHECK(edited.body.system.held.springs == fresh.held.springs);
         CHECK(edited.body.system.held.holders == fresh.held.holders);
     }
-    CHECK(edited.body.model.rest.size() > heldBlock().attachments.size());
+    CHECK(edited.body.model.rest.size() > pinnedBlock().attachments.size());
     CHECK(edited.body.model.elements.size() + edited.body.model.tetrahedra.size() > 500);
 }
 
-TEST_CASE("an edit keeps mass and momentum, and every element's shape and weight")
+TEST_CASE("an edit conserves mass and momentum, and every element's shape and mass are correct")
 {
-    Edited edited(heldBlock());
+    Edited edited(pinnedBlock());
     const SoftModel start = edited.body.model;
     const double mass = std::accumulate(start.masses.begin(), start.masses.end(), 0.0);
     for (int round = 0; round < 10; ++round) {
@@ -176,9 +176,9 @@ TEST_CASE("an edit keeps mass and momentum, and every element's shape and weight
     }
 }
 
-TEST_CASE("the boundary that everyone sees is the surface of the edited elements")
+TEST_CASE("the published boundary is the surface of the edited elements")
 {
-    Edited edited(heldBlock());
+    Edited edited(pinnedBlock());
     for (int round = 0; round < 8; ++round) {
         edited.bisectSome(5);
         edited.splitSome(6);
@@ -189,7 +189,7 @@ TEST_CASE("the boundary that everyone sees is the surface of the edited elements
         CHECK(boundary.revision == static_cast<std::uint64_t>(round) + 1);
         CHECK(boundary.triangles == model.surface);
         CHECK(boundary.rest == model.rest);
-        // Every face that one element alone has, and no other, with its element behind it.
+        // Every face that belongs to one element only, and no other, with its element behind it.
         std::map<geometry::Triangle, int> faces;
         for (const FemElement& element : model.elements)
             for (const auto& at : geometry::kTetrahedronFaces) {
@@ -212,7 +212,7 @@ TEST_CASE("the boundary that everyone sees is the surface of the edited elements
 
 TEST_CASE("a mass-spring body has a spring on every edge after an edit too")
 {
-    SoftBodyDef def = heldBlock();
+    SoftBodyDef def = pinnedBlock();
     def.material = MassSpringMaterial{.stiffness = 30.0, .damping = 0.1};
     Edited edited(def);
     for (int round = 0; round < 12; ++round) {

@@ -71,18 +71,18 @@ struct TestScene {
 
 } // namespace
 
-TEST_CASE("a blade that is hardly longer than a point cuts nothing, and is counted")
+TEST_CASE("a blade hardly longer than a point cuts nothing and is counted")
 {
     TestScene scene(rectangle(1e-12, 1e-12));
     CHECK(scene.move(0.035, 0.001, 40).bladeNoLength > 0);
     scene.checkUnchanged();
 }
 
-TEST_CASE("a blade whose place is no number cuts nothing and spoils nothing")
+TEST_CASE("a blade whose position is not finite cuts nothing and changes nothing")
 {
     TestScene scene(rectangle(0.06, 0.05));
     scene.move(0.035, 0.031, 4);
-    scene.stage.world.scene().rigid[0].state.poses[0].position.x = kNaN; // as no server would let it
+    scene.stage.world.scene().rigid[0].state.poses[0].position.x = kNaN; // a server would not allow this
     TopologyReport all;
     for (int i = 0; i < 3; ++i) {
         const StepReport report = scene.stage.step(1e-3);
@@ -93,12 +93,12 @@ TEST_CASE("a blade whose place is no number cuts nothing and spoils nothing")
     for (const Vec3& x : scene.stage.soft().x) CHECK(isFinite(x));
 }
 
-TEST_CASE("a blade that goes further in one step than the body is long cuts nothing, and is counted")
+TEST_CASE("a blade that moves further in one step than the body's diagonal cuts nothing and is counted")
 {
     TestScene scene(rectangle(0.06, 0.05));
     TopologyReport all;
     scene.move(0.04, 0.035, 5);
-    for (double z : {0.031, -0.069}) { // the second: 10 cm through the block, within the speed that is believed
+    for (double z : {0.031, -0.069}) { // the second one goes 10 cm through the block, within the allowed speed
         scene.stage.post(SetPose{scene.blade, 0, TestScene::at(z)});
         TestScene::add(scene.stage.step(z < 0 ? 2e-2 : 1e-3), all);
     }
@@ -107,7 +107,7 @@ TEST_CASE("a blade that goes further in one step than the body is long cuts noth
     scene.checkUnchanged();
 }
 
-TEST_CASE("a blade that is told to jump is counted where it would have cut, and only there")
+TEST_CASE("a blade commanded to jump is counted only if it would have cut")
 {
     const auto jump = [](Pose from, Pose to, double dt, bool dynamicTopology = true) {
         TestScene scene(rectangle(0.06, 0.05), dynamicTopology);
@@ -124,15 +124,15 @@ TEST_CASE("a blade that is told to jump is counted where it would have cut, and 
     CHECK(jump(above, below, 1e-3).bladeTooFast == 1); // 95 m/s, across the block
     CHECK(jump(above, below, 1e-3).refused() == 1);
     CHECK(jump(above, below, 1e-3, false).refused() == 0);
-    CHECK(jump(far, farther, 1e-3).refused() == 0); // nothing is there
-    Pose turned = above; // and down through the block, about its lower edge: slow enough but for the turn
+    CHECK(jump(far, farther, 1e-3).refused() == 0); // no body is there
+    Pose turned = above; // rotates down through the block about its lower edge: slow enough except for the rotation
     turned.orientation = axisAngle({0, 1, 0}, 2.0);
     CHECK(jump(above, turned, 1e-3).bladeTooFast == 1);
     turned.orientation = axisAngle({0, 1, 0}, 0.2);
     CHECK(jump(above, turned, 1e-3).bladeTooFast == 0);
 }
 
-TEST_CASE("a blade told through the server to go where no number says is refused with one error, and goes on cutting")
+TEST_CASE("a pose that is not finite is refused by the server with one error, and the blade goes on cutting")
 {
     PhysicsServer server{makeNativeEngine({.threads = 1})};
     const BodyId tissue = server.add(SoftBodyDef{.name = "tissue",
@@ -171,7 +171,7 @@ TEST_CASE("a blade told through the server to go where no number says is refused
     for (const Vec3& x : server.latest()->softBody(tissue)->positions) CHECK(isFinite(x));
 }
 
-TEST_CASE("cutting a body without dynamicTopology is no error: nothing happens")
+TEST_CASE("cutting a body without dynamicTopology is no error and has no effect")
 {
     TestScene scene(rectangle(0.06, 0.05), false);
     const TopologyReport all = scene.move(0.035, 0.0, 70);
@@ -179,7 +179,7 @@ TEST_CASE("cutting a body without dynamicTopology is no error: nothing happens")
     scene.checkUnchanged();
 }
 
-TEST_CASE("a body cannot tear at no stress, nor without dynamicTopology")
+TEST_CASE("a tearing threshold of zero or without dynamicTopology is refused")
 {
     const Stage stage;
     const auto built = [&](double threshold, bool dynamicTopology) {

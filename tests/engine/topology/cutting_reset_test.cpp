@@ -28,22 +28,22 @@ struct SunkSlab {
         stage.run(3, 1e-3);
         rest = stage.model().rest;
     }
-    /// A cut slides nodes at first, and makes new ones.
+    /// A cut would slide nodes or create new ones.
     [[nodiscard]] bool isWhole() { return stage.model().rest == rest; }
 };
 
 } // namespace
 
-TEST_CASE("a reset that puts tissue back where a blade stands cuts nothing")
+TEST_CASE("a reset that moves tissue back onto a blade cuts nothing")
 {
     SunkSlab slab;
     slab.stage.post(Reset{});
     slab.stage.run(3, 1e-3);
-    CHECK(distance(slab.stage.soft().x[0], slab.stage.model().rest[0]) < 1e-6); // back it is
+    CHECK(distance(slab.stage.soft().x[0], slab.stage.model().rest[0]) < 1e-6); // it is back
     CHECK(slab.isWhole());
 }
 
-TEST_CASE("a tune that moves tissue over a blade cuts nothing, tissue that moves over it by itself is cut")
+TEST_CASE("a tune that moves tissue over a blade cuts nothing, and tissue that moves over it by itself is cut")
 {
     for (const bool tuned : {true, false}) {
         SunkSlab slab;

@@ -13,7 +13,7 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// A rectangle in the plane x = 0, from z = 0 up, `width` along y.
+/// A rectangle in the plane x = 0, from z = 0 up, with `width` along y.
 TriangleMeshSource bladeMesh(double width, double height)
 {
     const double y = 0.5 * width;
@@ -41,7 +41,7 @@ struct CutScene {
     }
     [[nodiscard]] Pose poseAt(double z) const { return {.position = {at, 0.02, z}}; }
 
-    /// From z to z at `speed` [m/s].
+    /// Moves the blade from one z to another at `speed` [m/s].
     StepReport move(double from, double to, double speed = 0.05, double dt = 1e-3)
     {
         StepReport all;
@@ -78,7 +78,7 @@ int detachedOf(const StepReport& report)
 
 } // namespace
 
-TEST_CASE("a blade that goes through a body leaves it in two pieces, and nothing of it is lost")
+TEST_CASE("a blade that goes through a body leaves two pieces, and no mass is lost")
 {
     SoftBodyDef def = tissueBlock();
     def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}};
@@ -99,7 +99,7 @@ TEST_CASE("a blade that goes through a body leaves it in two pieces, and nothing
     check(scene.stage.model(), scene.stage.soft());
 }
 
-TEST_CASE("after a cut the body goes on, with about as many iterations")
+TEST_CASE("a body is stepped after a cut with about as many iterations")
 {
     CutScene scene(tissueBlock(), 0.0262);
     scene.stage.post(SetGravity{{0, 0, -9.81}});
@@ -134,7 +134,7 @@ TEST_CASE("a cut gives the same bits for any number of threads")
     CHECK(hashes[0] == hashes[2]);
 }
 
-TEST_CASE("a body without dynamicTopology is not cut, nor is one of another group")
+TEST_CASE("a body without dynamicTopology or in another group is not cut")
 {
     SoftBodyDef whole = tissueBlock();
     whole.dynamicTopology = false;
@@ -148,21 +148,21 @@ TEST_CASE("a body without dynamicTopology is not cut, nor is one of another grou
     }
 }
 
-TEST_CASE("a blade that jumps over the body cuts nothing, and is counted")
+TEST_CASE("a blade that jumps over the body cuts nothing and is counted")
 {
     CutScene scene(tissueBlock(), 0.0262);
     const std::size_t elements = scene.stage.model().elements.size();
     scene.stage.post(SetPose{scene.blade, 0, scene.poseAt(0.04)});
     scene.stage.step(1e-3);
-    scene.stage.post(SetPose{scene.blade, 0, scene.poseAt(-0.05)}); // 90 m/s: no way to speak of
+    scene.stage.post(SetPose{scene.blade, 0, scene.poseAt(-0.05)}); // 90 m/s: too fast to have a path
     const TopologyReport report = scene.stage.step(1e-3).topology;
     CHECK(report.bladeTooFast == 1);
     CHECK(report.refused() == 1);
     CHECK(scene.stage.model().elements.size() == elements);
-    CHECK(scene.stage.step(1e-3).topology.refused() == 0); // it is there now
+    CHECK(scene.stage.step(1e-3).topology.refused() == 0); // it has arrived
 }
 
-TEST_CASE("a reset makes a cut body whole")
+TEST_CASE("a reset restores a cut body")
 {
     CutScene scene(tissueBlock(), 0.0262);
     const std::size_t nodes = scene.stage.model().rest.size();
@@ -178,7 +178,7 @@ TEST_CASE("a reset makes a cut body whole")
     check(scene.stage.model(), scene.stage.soft());
 }
 
-TEST_CASE("what an attachment and a collision mesh ride on follows a cut")
+TEST_CASE("attachments and collision meshes that ride on a body follow a cut")
 {
     SoftBodyDef def = tissueBlock();
     def.collision = {{.proximity = 0.5e-3}};
@@ -194,7 +194,7 @@ TEST_CASE("what an attachment and a collision mesh ride on follows a cut")
     checkAttachments(scene.stage.world.scene());
 }
 
-TEST_CASE("a piece that came loose can be taken out, and the rest goes on, what is no piece is counted")
+TEST_CASE("a loose piece can be removed and the rest goes on, and an invalid piece is counted")
 {
     SoftBodyDef def = tissueBlock();
     def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}};
@@ -223,17 +223,17 @@ TEST_CASE("a piece that came loose can be taken out, and the rest goes on, what 
     scene.stage.world.capture(frame);
     for (const geometry::Triangle& triangle : frame.softBodies[0].boundary->triangles)
         for (int node : triangle) CHECK(length(frame.softBodies[0].positions[static_cast<std::size_t>(node)]) < 1.0);
-    scene.stage.post(RemovePiece{scene.tissue, 0}); // all that is left
+    scene.stage.post(RemovePiece{scene.tissue, 0}); // all that is left of the body
     CHECK(scene.stage.step(1e-3).topology.noPiece == 1);
-    scene.stage.post(RemovePiece{scene.tissue, piece}); // gone already
+    scene.stage.post(RemovePiece{scene.tissue, piece}); // removed already
     CHECK(scene.stage.step(1e-3).topology.noPiece == 1);
-    CHECK(scene.move(0.04, 0.02).flags == 0); // blades find nothing of it
+    CHECK(scene.move(0.04, 0.02).flags == 0); // blades find no edge of it
     scene.stage.post(Reset{});
     scene.stage.step(1e-3);
     CHECK(scene.stage.model().removed.empty());
 }
 
-TEST_CASE("scissors: two jaws that close on a strip cut it through")
+TEST_CASE("two jaws of scissors that close on a strip cut it through")
 {
     Stage stage;
     SoftBodyDef strip{.mesh = shared(boxMesh({16, 4, 4}, {0.04, 0.01, 0.01}, 0.2)),
@@ -241,7 +241,7 @@ TEST_CASE("scissors: two jaws that close on a strip cut it through")
                       .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}},
                       .dynamicTopology = true};
     const BodyId tissue = stage.add(strip);
-    const TriangleMeshSource jaw = bladeMesh(0.03, 0.02); // from its edge upwards; the other one is turned over
+    const TriangleMeshSource jaw = bladeMesh(0.03, 0.02); // extends upwards from its edge; the other one is turned over
     const auto poseOf = [](int side, double gap) {
         return Pose{.position = {0.0193, 0.005, 0.005 + (side == 0 ? gap : -gap)},
                     .orientation = side == 0 ? Quat{} : axisAngle({0, 1, 0}, std::numbers::pi)};
@@ -253,7 +253,7 @@ TEST_CASE("scissors: two jaws that close on a strip cut it through")
                                              {.mesh = jaw, .element = 1, .proximity = 0, .cutting = true}}});
     stage.step(1e-3);
     int detached = 0;
-    for (int i = 1; i <= 260; ++i) { // they close to where they overlap by 3 mm
+    for (int i = 1; i <= 260; ++i) { // they close until they overlap by 3 mm
         for (int side : {0, 1}) stage.post(SetPose{scissors, side, poseOf(side, 0.01 - 0.05e-3 * i)});
         const StepReport report = stage.step(1e-3);
         CHECK(report.flags == 0);
@@ -265,11 +265,11 @@ TEST_CASE("scissors: two jaws that close on a strip cut it through")
     CHECK(tissue.value == 1);
 }
 
-TEST_CASE("a body that may be cut needs a surface that is a manifold, its mesh is not a tune's to change")
+TEST_CASE("a body that may be cut needs a manifold surface, and a tune cannot change its mesh")
 {
     Stage stage;
     geometry::TetMesh touching = boxMesh({1, 1, 1}, {1, 1, 1});
-    const geometry::TetMesh other = touching; // a second box that hangs on the first by one corner
+    const geometry::TetMesh other = touching; // a second box that is connected to the first by one corner
     const auto count = static_cast<int>(touching.nodes.size());
     for (const Vec3& node : other.nodes) touching.nodes.push_back(node + Vec3{1, 1, 1});
     for (geometry::Tetrahedron t : other.tetrahedra) {
@@ -298,7 +298,7 @@ TEST_CASE("a body that may be cut needs a surface that is a manifold, its mesh i
     CHECK(tuned.step(1e-3).has(StepFlag::TuneRejected));
 }
 
-TEST_CASE("bodies of springs, of explicit steps and of a direct solver are cut as well")
+TEST_CASE("bodies of springs, with explicit steps and with a direct solver are cut as well")
 {
     SoftBodyDef springs = tissueBlock(), direct = tissueBlock(), steps = tissueBlock();
     springs.material = MassSpringMaterial{.stiffness = 20.0, .damping = 0.05};
@@ -317,7 +317,7 @@ TEST_CASE("bodies of springs, of explicit steps and of a direct solver are cut a
     }
 }
 
-TEST_CASE("a reset keeps what was given meanwhile: material, and pins with their names")
+TEST_CASE("a reset keeps a material and pins that were set meanwhile, with their ids")
 {
     CutScene scene(tissueBlock(), 0.0262);
     scene.move(0.04, 0.01);
@@ -334,7 +334,7 @@ TEST_CASE("a reset keeps what was given meanwhile: material, and pins with their
     CHECK(scene.stage.soft().v[0].z < -0.1); // it falls
     scene.stage.post(Reset{});
     scene.stage.run(20, 1e-3);
-    CHECK(scene.stage.soft().v[0].z < -0.1); // and is not held again
+    CHECK(scene.stage.soft().v[0].z < -0.1); // and is not pinned again
 }
 
 TEST_CASE("a pin's spring slides with its node")
@@ -350,7 +350,7 @@ TEST_CASE("a pin's spring slides with its node")
         CHECK(length(pin.anchor - model.rest[static_cast<std::size_t>(pin.node)]) < 1e-12);
 }
 
-TEST_CASE("a piece that fell out of the scene is taken out, once, and the rest goes on")
+TEST_CASE("a piece that fell out of the scene is removed once, and the rest goes on")
 {
     SoftBodyDef def = tissueBlock();
     def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}};

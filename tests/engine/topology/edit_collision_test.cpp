@@ -28,7 +28,7 @@ physics::SoftBodyDef block(const geometry::TetMesh& mesh)
     return def;
 }
 
-/// Corners of a feature, by the nodes that they are.
+/// The corners of a feature as node numbers.
 std::vector<int> nodesOf(const CollisionModel& model, int feature)
 {
     const CollisionShape& shape = *model.shape;
@@ -46,7 +46,7 @@ std::vector<int> nodesOf(const CollisionModel& model, int feature)
     return nodes;
 }
 
-/// The nodes of the soft body's features in contact, and the forces there.
+/// The features of the soft body in contact, by their nodes, and the forces there.
 std::map<std::vector<int>, double> contactsOf(const CollisionModel& model, const Scene& scene)
 {
     std::map<std::vector<int>, double> found;
@@ -60,21 +60,21 @@ std::map<std::vector<int>, double> contactsOf(const CollisionModel& model, const
 
 using Faces = std::set<std::array<int, 3>>;
 
-/// Faces by nodes, turned so that the least comes first.
-std::array<int, 3> turned(std::array<int, 3> face)
+/// A face's nodes, rotated so that the lowest comes first.
+std::array<int, 3> lowestFirst(std::array<int, 3> face)
 {
     std::rotate(face.begin(), std::ranges::min_element(face), face.end());
     return face;
 }
 
-/// From the surface of one mesh to that of another one with the same nodes.
+/// The edit from one mesh's surface to that of another mesh with the same nodes.
 OwnSurfaceEdit editBetween(const geometry::TetMesh& from, const geometry::TetMesh& to)
 {
     const geometry::Surface old = geometry::extractSurface(from), now = geometry::extractSurface(to);
     const auto facesOf = [](const geometry::Surface& surface) {
         Faces faces;
         for (const geometry::Triangle& t : surface.mesh.triangles)
-            faces.insert(turned({surface.nodes[t[0]], surface.nodes[t[1]], surface.nodes[t[2]]}));
+            faces.insert(lowestFirst({surface.nodes[t[0]], surface.nodes[t[1]], surface.nodes[t[2]]}));
         return faces;
     };
     const Faces were = facesOf(old), are = facesOf(now);
@@ -83,7 +83,7 @@ OwnSurfaceEdit editBetween(const geometry::TetMesh& from, const geometry::TetMes
     for (std::size_t v = 0; v < old.nodes.size(); ++v) vertexOf[old.nodes[v]] = static_cast<int>(v);
     for (std::size_t t = 0; t < old.mesh.triangles.size(); ++t) {
         const geometry::Triangle& corners = old.mesh.triangles[t];
-        if (!are.contains(turned({old.nodes[corners[0]], old.nodes[corners[1]], old.nodes[corners[2]]})))
+        if (!are.contains(lowestFirst({old.nodes[corners[0]], old.nodes[corners[1]], old.nodes[corners[2]]})))
             edit.surface.removed.push_back(static_cast<int>(t));
     }
     for (std::array<int, 3> face : are) {
@@ -106,7 +106,7 @@ OwnSurfaceEdit editBetween(const geometry::TetMesh& from, const geometry::TetMes
     return edit;
 }
 
-/// Without the tetrahedra whose middles are in a box.
+/// The mesh without the tetrahedra whose centres lie in the box.
 geometry::TetMesh without(geometry::TetMesh mesh, const geometry::Box& box)
 {
     std::erase_if(mesh.tetrahedra, [&](const geometry::Tetrahedron& t) {
@@ -119,7 +119,7 @@ geometry::TetMesh without(geometry::TetMesh mesh, const geometry::Box& box)
 
 } // namespace
 
-TEST_CASE("contacts of what an edit leaves keep their forces, and those of what goes are forgotten")
+TEST_CASE("contacts on features that an edit leaves keep their forces, and the others are erased")
 {
     const geometry::TetMesh mesh = boxMesh({4, 4, 4}, {0.04, 0.04, 0.04});
     Stage stage;
@@ -131,7 +131,7 @@ TEST_CASE("contacts of what an edit leaves keep their forces, and those of what 
     const auto before = contactsOf(stage.model().collision[0], scene);
     REQUIRE(before.size() > 10);
 
-    // A corner at the floor, and one at the top: numbers before and behind them move up.
+    // Remove a corner at the floor and one at the top, so that numbers before and after them shift.
     geometry::TetMesh less = without(mesh, {{-1, -1, -1}, {0.0101, 0.0101, 0.0101}});
     less = without(less, {{0.0299, 0.0299, 0.0299}, {1, 1, 1}});
     REQUIRE(less.tetrahedra.size() == mesh.tetrahedra.size() - 12);
@@ -155,7 +155,7 @@ TEST_CASE("contacts of what an edit leaves keep their forces, and those of what 
     CHECK(after.size() > 5);
     CHECK(std::ranges::is_sorted(scene.contacts, {}, &CachedContact::feature));
 
-    for (std::size_t t = 0; t < now.behind.size(); ++t) { // outwards, as its tetrahedron says
+    for (std::size_t t = 0; t < now.behind.size(); ++t) { // oriented outwards from its tetrahedron
         const auto [a, b, c] = now.shape->triangles[t];
         const auto x = [&](int v) { return mesh.nodes[now.ties.nodes[static_cast<std::size_t>(v)][0]]; };
         CHECK(geometry::signedVolume(x(a), x(b), x(c), mesh.nodes[now.behind[t]]) < 0.0);

@@ -9,8 +9,9 @@ using namespace filasofia::engine;
 
 namespace {
 
-/// A block of 4 cm, held below, and beside it a crumb of one tetrahedron of half a millimetre: 1e-5 of its mass.
-physics::SoftBodyDef blockAndCrumb()
+/// A block of 4 cm, pinned at the bottom, and beside it a fragment of one tetrahedron of half a millimetre: 1e-5 of its
+/// mass.
+physics::SoftBodyDef blockAndFragment()
 {
     geometry::TetMesh mesh = boxMesh({6, 6, 6}, {0.04, 0.04, 0.04});
     const auto first = static_cast<int>(mesh.nodes.size());
@@ -24,10 +25,10 @@ physics::SoftBodyDef blockAndCrumb()
             .dynamicTopology = true};
 }
 
-/// The crumb by itself.
-physics::SoftBodyDef crumbAlone()
+/// The fragment alone.
+physics::SoftBodyDef fragmentAlone()
 {
-    physics::SoftBodyDef def = blockAndCrumb();
+    physics::SoftBodyDef def = blockAndFragment();
     const geometry::TetMesh& both = *std::get<std::shared_ptr<const geometry::TetMesh>>(def.mesh);
     def.mesh = shared(geometry::TetMesh{{both.nodes.end() - 4, both.nodes.end()}, {{0, 1, 2, 3}}});
     def.attachments.clear();
@@ -50,17 +51,18 @@ Momenta momentaOf(const std::vector<int>& nodes, const SoftModel& model, const S
     return sum;
 }
 
-/// The crumb turns about an axis through its first corner, and flies.
-void spin(Stage& stage, const BodyPiece& crumb, Vec3 turn)
+/// Makes the fragment spin about an axis through its first corner and fly.
+void spin(Stage& stage, const BodyPiece& fragment, Vec3 turn)
 {
-    for (int node : crumb.nodes) {
+    for (int node : fragment.nodes) {
         const auto i = static_cast<std::size_t>(node);
         stage.soft().v[i] =
-            Vec3{0.3, 0, 0} + cross(turn, stage.soft().x[i] - stage.soft().x[static_cast<std::size_t>(crumb.nodes[0])]);
+            Vec3{0.3, 0, 0} +
+            cross(turn, stage.soft().x[i] - stage.soft().x[static_cast<std::size_t>(fragment.nodes[0])]);
     }
 }
 
-/// A crumb beside its block and one alone begin to fall, spinning alike; returns the first node of the former.
+/// A fragment beside its block and one alone start to fall with equal spin. Returns the first node of the former.
 std::size_t startTogether(Stage& together, Stage& alone)
 {
     for (Stage* stage : {&together, &alone}) {
@@ -75,65 +77,65 @@ std::size_t startTogether(Stage& together, Stage& alone)
 
 } // namespace
 
-TEST_CASE("a loose piece that spins too fast is slowed to the limit, and keeps its momentum")
+TEST_CASE("a loose piece that spins too fast is slowed to the limit and conserves its linear momentum")
 {
     Stage stage;
-    stage.add(blockAndCrumb());
+    stage.add(blockAndFragment());
     stage.step(0.0);
     const SoftModel& model = stage.model();
     REQUIRE(model.pieces.size() == 2);
-    const BodyPiece& crumb = model.pieces[1];
-    REQUIRE(crumb.nodes.size() == 4);
+    const BodyPiece& fragment = model.pieces[1];
+    REQUIRE(fragment.nodes.size() == 4);
 
-    constexpr double dt = 1e-3, most = 0.25;
-    spin(stage, crumb, {100.0, 0, 150.0}); // 0.18 rad in a step
+    constexpr double dt = 1e-3, maxTurn = 0.25;
+    spin(stage, fragment, {100.0, 0, 150.0}); // 0.18 rad per step
     const SoftState slow = stage.soft();
-    limitSpin(model, most, dt, stage.soft());
+    limitSpin(model, maxTurn, dt, stage.soft());
     CHECK(stage.soft().v == slow.v);
 
-    spin(stage, crumb, {1000.0, 0, 1500.0});
-    const Momenta before = momentaOf(crumb.nodes, model, stage.soft());
-    limitSpin(model, most, dt, stage.soft());
-    const Momenta after = momentaOf(crumb.nodes, model, stage.soft());
+    spin(stage, fragment, {1000.0, 0, 1500.0});
+    const Momenta before = momentaOf(fragment.nodes, model, stage.soft());
+    limitSpin(model, maxTurn, dt, stage.soft());
+    const Momenta after = momentaOf(fragment.nodes, model, stage.soft());
     CHECK(length(after.linear - before.linear) < 1e-12 * length(before.linear));
     CHECK(length(after.angular - before.angular) > 1e-3 * length(before.angular));
-    SoftState again = stage.soft(); // at the limit now, and along the same axis
-    limitSpin(model, (1.0 + 1e-9) * most, dt, again);
+    SoftState again = stage.soft(); // at the limit now, about the same axis
+    limitSpin(model, (1.0 + 1e-9) * maxTurn, dt, again);
     CHECK(again.v == stage.soft().v);
-    limitSpin(model, (1.0 - 1e-6) * most, dt, again);
+    limitSpin(model, (1.0 - 1e-6) * maxTurn, dt, again);
     CHECK(again.v != stage.soft().v);
 }
 
-TEST_CASE("a crumb that was torn off spinning does not gather speed, whatever it weighs beside the rest")
+TEST_CASE("a fragment that was torn off spinning gains no speed, however light it is beside the rest")
 {
     Stage stage;
-    stage.add(blockAndCrumb());
+    stage.add(blockAndFragment());
     stage.post(physics::SetGravity{{0, 0, -9.81}});
     stage.step(0.0);
-    spin(stage, stage.model().pieces[1], {2e3, 3e3, -1e3}); // 4 rad in a step
+    spin(stage, stage.model().pieces[1], {2e3, 3e3, -1e3}); // 4 rad per step
     CHECK(stage.run(1000, 1e-3).flags == 0);
     const std::size_t n = stage.soft().x.size();
     for (std::size_t i = n - 4; i < n; ++i) {
         CHECK(length(stage.soft().v[i] - stage.soft().v[n - 4]) < 2.0);
         CHECK(length(stage.soft().x[i] - stage.soft().x[n - 4]) < 2e-3);
     }
-    CHECK(stage.soft().v[n - 1].z == Approx(-9.81).margin(0.5)); // it falls as it should
+    CHECK(stage.soft().v[n - 1].z == Approx(-9.81).margin(0.5)); // it falls correctly
 }
 
-TEST_CASE("a crumb moves beside the rest of its body as it does by itself, solved exactly")
+TEST_CASE("a fragment moves beside the rest of its body as it does alone with an exact solve")
 {
     Stage together, alone;
-    together.add(blockAndCrumb());
-    alone.add(crumbAlone());
+    together.add(blockAndFragment());
+    alone.add(fragmentAlone());
     const std::size_t first = startTogether(together, alone);
     together.run(200, 1e-3);
     alone.run(200, 1e-3);
     for (std::size_t i = 0; i < 4; ++i) CHECK(distance(together.soft().x[first + i], alone.soft().x[i]) < 1e-5);
 }
 
-TEST_CASE("of a free body that leaves the scene with its crumb the crumb is taken out, and the body stays")
+TEST_CASE("if a free body and its fragment leave the scene, the fragment is removed and the body stays")
 {
-    physics::SoftBodyDef def = blockAndCrumb();
+    physics::SoftBodyDef def = blockAndFragment();
     def.attachments.clear();
     Stage stage;
     stage.add(def);
@@ -145,14 +147,14 @@ TEST_CASE("of a free body that leaves the scene with its crumb the crumb is take
     CHECK(stage.step(1e-3).topology.lost == 0);
 }
 
-TEST_CASE("a crumb moves as it does by itself also where the solve of the whole body is cut short")
+TEST_CASE("a fragment moves as it does alone, even if the solve of the whole body is cut short")
 {
     Stage together, alone;
-    physics::SoftBodyDef def = blockAndCrumb();
+    physics::SoftBodyDef def = blockAndFragment();
     def.solver = physics::ConjugateGradient{.maxIterations = 1, .tolerance = 1e-6};
-    def.attachments.clear(); // free: what the solve lacks becomes a push of the whole
+    def.attachments.clear(); // free: the residual of the solve moves the whole body
     together.add(def);
-    alone.add(crumbAlone());
+    alone.add(fragmentAlone());
     const std::size_t first = startTogether(together, alone);
     for (std::size_t i = 0; i < first; ++i) together.soft().x[i] *= 1.0 + 0.05 * std::sin(static_cast<double>(i));
     for (int step = 0; step < 20; ++step) {
@@ -162,9 +164,9 @@ TEST_CASE("a crumb moves as it does by itself also where the solve of the whole 
     }
 }
 
-TEST_CASE("a piece knows whether pins hold it, also after they are released and tuned")
+TEST_CASE("a piece knows whether pins hold it, also after pins are released or tuned")
 {
-    physics::SoftBodyDef def = blockAndCrumb();
+    physics::SoftBodyDef def = blockAndFragment();
     const auto node = static_cast<int>(std::get<std::shared_ptr<const geometry::TetMesh>>(def.mesh)->nodes.size()) - 1;
     def.attachments.push_back({.nodes = {node}, .stiffness = 1e-3});
     Stage stage;
@@ -173,7 +175,7 @@ TEST_CASE("a piece knows whether pins hold it, also after they are released and 
     const auto held = [&] { return std::vector<bool>{stage.model().pieces[0].held, stage.model().pieces[1].held}; };
     REQUIRE(stage.model().pieces.size() == 2);
     CHECK(held() == std::vector{true, true});
-    const auto spinsOn = [&] { // faster than a piece may that nothing holds
+    const auto spinsOn = [&] { // faster than allowed for an unpinned piece
         spin(stage, stage.model().pieces[1], {2e3, 0, 0});
         const SoftState before = stage.soft();
         limitSpin(stage.model(), 0.25, 1e-3, stage.soft());

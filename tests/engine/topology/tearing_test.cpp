@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kThreshold = 2e3; ///< [Pa]
 
-/// A strip along x, held at its low end by pins and pulled at its high end by a rigid clamp.
+/// A strip along x, pinned at its low end and pulled at its high end by a rigid clamp.
 struct PulledStrip {
     Stage stage;
     BodyId strip, clamp;
@@ -35,10 +35,11 @@ struct PulledStrip {
         stage.step(1e-3);
     }
 
-    /// Pulls by `speed` [1/s] of the length until something tears or the strain is `most`: the strain at which it tore.
-    double pull(double speed, double most, double dt)
+    /// Pulls by `speed` [1/s] of the length until something tears or the strain reaches `maxStrain`. Returns the strain
+    /// at which it tore.
+    double pull(double speed, double maxStrain, double dt)
     {
-        while (at < start * (1.0 + most)) {
+        while (at < start * (1.0 + maxStrain)) {
             at += speed * start * dt;
             stage.post(SetPose{clamp, 0, Pose{.position = {at, 0, 0}}});
             for (const Rupture& rupture : stage.step(dt).topology.ruptures) {
@@ -52,10 +53,10 @@ struct PulledStrip {
 
 } // namespace
 
-TEST_CASE("a strip in tension tears at the threshold, whatever the step")
+TEST_CASE("a strip in tension tears at the threshold for every step length")
 {
-    // Poisson's ratio 0: the stress is the same all along the strip, and its cross section stays what it is. The force
-    // per area is E e at strain e.
+    // With a Poisson ratio of 0 the stress is the same all along the strip and its cross section stays constant. The
+    // force per area is E e at strain e.
     const double youngModulus = 10e3, expected = kThreshold / youngModulus;
     for (double dt : {1e-3, 5e-4}) {
         PulledStrip strip(
@@ -67,7 +68,7 @@ TEST_CASE("a strip in tension tears at the threshold, whatever the step")
     }
 }
 
-TEST_CASE("a strip that is pulled on tears apart, and both ends go on")
+TEST_CASE("a strip that is pulled further tears apart, and both ends go on")
 {
     PulledStrip strip(FemMaterial{.youngModulus = 10e3, .poissonRatio = 0.3, .tearingThreshold = kThreshold}, 0.05,
                       {10, 2, 2});
@@ -86,7 +87,7 @@ TEST_CASE("a strip that is pulled on tears apart, and both ends go on")
     check(strip.stage.model(), strip.stage.soft());
 }
 
-TEST_CASE("a uniform strain of springs has the stress that pulls at their ends")
+TEST_CASE("springs under uniform strain have the stress of the force at their ends")
 {
     PulledStrip strip(MassSpringMaterial{.stiffness = 50.0, .damping = 0.1}, 0.05, {10, 3, 3});
     strip.pull(0.05, 0.1, 1e-3);
@@ -95,7 +96,7 @@ TEST_CASE("a uniform strain of springs has the stress that pulls at their ends")
     WorkerPool pool(1);
     std::vector<Mat3> stresses;
     findStresses(model, strip.stage.soft(), {1e3, springsOfElements(model)}, pool, stresses);
-    // The mean over the volume, times the cross section, is the force at the ends.
+    // The mean over the volume times the cross section is the force at the ends.
     double pulled = 0.0;
     const std::vector<Vec3>& x = strip.stage.soft().x;
     for (std::size_t e = 0; e < stresses.size(); ++e) {
@@ -115,9 +116,9 @@ TEST_CASE("a mass-spring strip tears")
     check(strip.stage.model(), strip.stage.soft());
 }
 
-TEST_CASE("looking only at what may be near tearing finds the same stresses as looking at all, bit by bit")
+TEST_CASE("a search limited to elements near the threshold finds bit-identical stresses")
 {
-    // Slow and fast, small strains and large, until it has torn apart and after.
+    // Slow and fast, with small and large strains, until the strip has torn apart and after that.
     std::mt19937 random(3);
     std::uniform_real_distribution<double> number(-1.0, 1.0);
     int looks = 0, skipped = 0, above = 0, tears = 0;

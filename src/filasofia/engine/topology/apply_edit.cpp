@@ -13,7 +13,7 @@ namespace {
 
 using frame::TopologyEdit;
 
-/// [kg m/s] of nodes that were there already
+/// [kg m/s] Momentum of those nodes that existed before the edit.
 Vec3 momentumOf(const SoftModel& model, const SoftState& state, const std::vector<int>& nodes)
 {
     Vec3 sum;
@@ -22,7 +22,8 @@ Vec3 momentumOf(const SoftModel& model, const SoftState& state, const std::vecto
     return sum;
 }
 
-/// Where a node slid, mass went from one to another: what that took or gave is spread over all that may move.
+/// A sliding node moves mass between nodes. The momentum that this adds or removes is spread over all nodes that are
+/// not pinned.
 void keepMomentum(Vec3 before, const std::vector<int>& nodes, const SoftModel& model, SoftState& state)
 {
     double mass = 0.0;
@@ -34,8 +35,8 @@ void keepMomentum(Vec3 before, const std::vector<int>& nodes, const SoftModel& m
         if (!model.pins.hard[static_cast<std::size_t>(node)]) state.v[static_cast<std::size_t>(node)] += change;
 }
 
-/// Elements that are new, have other nodes or another shape, ascending: besides those that the edit names, those around
-/// nodes that slid and their copies.
+/// Elements that are new or have other nodes or another shape, ascending: those that the edit names, and those around
+/// nodes that slid and around their copies.
 std::vector<int> reachedElements(const TopologyEdit& edit, const MeshTopology& mesh)
 {
     std::vector<int> elements, slid;
@@ -53,7 +54,7 @@ std::vector<int> reachedElements(const TopologyEdit& edit, const MeshTopology& m
     return elements;
 }
 
-/// The nodes of these elements before the edit and after it, ascending.
+/// The nodes of these elements before and after the edit, ascending.
 std::vector<int> reachedNodes(const std::vector<int>& elements, const MeshTopology& mesh, const SoftModel& model)
 {
     std::vector<int> nodes;
@@ -67,8 +68,8 @@ std::vector<int> reachedNodes(const std::vector<int>& elements, const MeshTopolo
     return nodes;
 }
 
-/// What lies between two held nodes is held, by who holds both or, where nobody does, by all who hold one; a copy of a
-/// held one too. Springs stay with the original's node, and slide with it.
+/// A new node between two pinned nodes is pinned: by the groups that pin both, or if there is none, by all groups that
+/// pin one of them. A copy of a pinned node is pinned too. Spring pins stay with the original node and slide with it.
 void followPins(const TopologyEdit& edit, SoftModel& model)
 {
     Pins& pins = model.pins;
@@ -109,22 +110,22 @@ void followState(const TopologyEdit& edit, const MeshTopology& mesh, SoftModel& 
     const auto count = static_cast<std::size_t>(edit.nodes), known = model.rest.size();
     model.rest.insert(model.rest.end(), mesh.rest.begin() + static_cast<std::ptrdiff_t>(known), mesh.rest.end());
     state.x.insert(state.x.end(), mesh.current.begin() + static_cast<std::ptrdiff_t>(known), mesh.current.end());
-    state.leftover.resize(count); // impulses and forces stay with the nodes that have them
+    state.leftover.resize(count); // residual impulses and forces stay with their nodes
     state.forces.resize(count);
     model.masses.resize(count);
     for (std::size_t i = 0; i < count; ++i)
         if (model.pins.hard[i]) state.v[i] = state.dv[i] = {};
 }
 
-/// Adds the element's mass to its nodes, or takes it away.
-void weigh(const SoftModel& model, std::size_t element, double sign, std::vector<double>& masses)
+/// Adds (sign 1) or subtracts (sign -1) the element's mass at its nodes.
+void addMass(const SoftModel& model, std::size_t element, double sign, std::vector<double>& masses)
 {
     const geometry::Tetrahedron& nodes = elementNodes(model, element);
-    const double share = 0.25 * model.density * volumeOf(cornersOf(nodes, model.rest));
-    for (int node : nodes) masses[static_cast<std::size_t>(node)] += sign * share;
+    const double massPerNode = 0.25 * model.density * volumeOf(cornersOf(nodes, model.rest));
+    for (int node : nodes) masses[static_cast<std::size_t>(node)] += sign * massPerNode;
 }
 
-/// Children come, with what their parents have.
+/// Appends the children of divided elements, which inherit their parents' material and rotation.
 void addElements(const TopologyEdit& edit, SoftModel& model, SoftState& state)
 {
     const bool fem = !model.elements.empty();
@@ -142,7 +143,7 @@ void addElements(const TopologyEdit& edit, SoftModel& model, SoftState& state)
     }
 }
 
-/// Springs on the edges between nodes that an edit reached; the others stay.
+/// Rebuilds the springs on edges between nodes that the edit reached; the others stay.
 void followSprings(const std::vector<int>& reached, const MeshTopology& mesh, SoftModel& model)
 {
     const auto isReached = [&](int node) { return std::ranges::binary_search(reached, node); };
@@ -153,12 +154,12 @@ void followSprings(const std::vector<int>& reached, const MeshTopology& mesh, So
                 if (a < b && isReached(b)) edges.push_back({a, b});
     sortUnique(edges);
     const Spring like = model.springs.front();
-    std::vector<Spring> fresh, kept, all;
-    for (const std::array<int, 2>& edge : edges) fresh.push_back(springOn(edge, like, model.rest));
+    std::vector<Spring> created, kept, all;
+    for (const std::array<int, 2>& edge : edges) created.push_back(springOn(edge, like, model.rest));
     std::ranges::copy_if(model.springs, std::back_inserter(kept), [&](const Spring& spring) {
         return !isReached(spring.nodes[0]) || !isReached(spring.nodes[1]);
     });
-    std::ranges::merge(kept, fresh, std::back_inserter(all), {}, &Spring::nodes, &Spring::nodes);
+    std::ranges::merge(kept, created, std::back_inserter(all), {}, &Spring::nodes, &Spring::nodes);
     model.springs = std::move(all);
 }
 
@@ -169,7 +170,7 @@ void followElements(const TopologyEdit& edit, const MeshEdit& changed, const Mes
     for (int element : changed.elements) {
         const auto e = static_cast<std::size_t>(element);
         elementNodes(model, e) = mesh.tetrahedra[e];
-        weigh(model, e, 1.0, model.masses);
+        addMass(model, e, 1.0, model.masses);
         if (!model.elements.empty()) shapeElement(model.rest, model.elements[e]);
     }
     if (model.elements.empty()) followSprings(changed.reached, mesh, model);
@@ -189,7 +190,7 @@ MeshEdit meshEdit(const TopologyEdit& edit, const MeshTopology& mesh, const Soft
 
 void followSystem(const MeshEdit& edit, double period, const SoftModel& model, SoftSystem& system)
 {
-    if (!system.matrixFree) { // a matrix is written anew
+    if (!system.matrixFree) { // rebuild the matrix
         system = makeSystem(model, period);
         system.tuned = true;
         return;
@@ -198,7 +199,7 @@ void followSystem(const MeshEdit& edit, double period, const SoftModel& model, S
     for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
         buffer->resize(model.rest.size());
     followHeld(model, edit, system.held);
-    system.tuned = true; // it is no longer what its Def says
+    system.tuned = true; // no longer as its Def describes it
 }
 
 } // namespace
@@ -223,7 +224,7 @@ OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, SoftBody& body
     const Vec3 momentum = momentumOf(model, state, changed.reached);
     for (int element : changed.elements)
         if (const auto e = static_cast<std::size_t>(element); e < elementCount(model))
-            weigh(model, e, -1.0, model.masses);
+            addMass(model, e, -1.0, model.masses);
 
     followPins(edit, model);
     followState(edit, mesh, model, state);

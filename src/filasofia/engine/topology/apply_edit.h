@@ -5,12 +5,12 @@
 
 namespace filasofia::engine {
 
-/// Adds what was refused, put off and left for later.
+/// Adds the counts of refused, deferred and pending requests.
 void add(const RuptureReport& from, physics::TopologyReport& to);
 
-/// Brings all that is kept of a body in line with an edit of its mesh, once: nodes, elements, masses, pins, surface,
-/// state and solver. Momentum is kept. Attachments and contacts are followed elsewhere; for these,
-/// what became of the surface.
+/// Brings everything that the engine keeps about a body in line with one edit of its mesh: nodes, elements, masses,
+/// pins, surface, state and solver. Momentum is conserved. Each edit must be applied once. Attachments and contacts are
+/// updated elsewhere; the returned edit of the surface is what they need.
 OwnSurfaceEdit applyEdit(const frame::TopologyEdit& edit, double period, SoftBody& body);
 
 } // namespace filasofia::engine

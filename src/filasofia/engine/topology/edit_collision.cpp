@@ -12,7 +12,7 @@ namespace {
 
 bool inUse(const CollisionShape& shape, int vertex) { return !shape.vertexEdges[vertex].empty(); }
 
-/// The number of a feature now; -1 where it is gone.
+/// The new number of a feature; -1 if it no longer exists.
 int featureNow(int feature, const CollisionShape& before, const CollisionShape& now, const ShapeChange& change)
 {
     if (feature < before.edgeFeature(0)) return inUse(now, feature) ? feature : -1;
@@ -49,7 +49,7 @@ void editSides(SurfaceName name, const CollisionShape& now, std::vector<SideKept
     });
 }
 
-/// Per triangle, what is behind it.
+/// Per triangle, the node behind it after the edit.
 std::vector<int> behindNow(const OwnSurfaceEdit& edit, const ShapeChange& change, const std::vector<int>& before)
 {
     std::vector<int> behind(before.size() - edit.surface.removed.size() + edit.surface.added.size());

@@ -28,7 +28,7 @@ public:
 
     [[nodiscard]] bool reached(int node) const { return std::ranges::binary_search(reached_, node); }
 
-    /// The first element that has all of the nodes; none: -1.
+    /// The first element that has all of these nodes; -1 if there is none.
     template <class Nodes> [[nodiscard]] int with(const Nodes& wanted) const
     {
         const auto has = [&](int element) {
@@ -56,12 +56,12 @@ private:
     std::vector<int> changed_, reached_;
 };
 
-/// The points that an edit reaches, and who is told where they are afterwards.
+/// The points that an edit reaches, each with a function that receives its new nodes and weights.
 class Riders {
 public:
     explicit Riders(const OldElements& before) : before_(before) {}
 
-    /// `tell` gets nodes and weights. A point that is spread over several elements stays with the nodes it has.
+    /// `tell` receives the new nodes and weights. A point that spans several elements keeps its nodes.
     template <class Tell> void add(std::span<const NodeWeight> point, Tell tell)
     {
         std::vector<int> nodes;
@@ -100,7 +100,7 @@ private:
     std::vector<std::function<void(const std::vector<NodeWeight>&)>> tell_;
 };
 
-void addTies(geometry::Embedding& ties, Riders& riders)
+void addEmbedding(geometry::Embedding& ties, Riders& riders)
 {
     for (std::size_t i = 0; i < ties.nodes.size(); ++i) {
         std::array<NodeWeight, 4> point{};
@@ -132,7 +132,7 @@ void followRiders(const TopologyEdit& edit, const EditableMesh& mesh, SoftModel&
             if (attachment.to == soft.id) addPoint(pair[1]);
         }
     for (CollisionModel& collision : soft.collision)
-        if (collision.behind.empty()) addTies(collision.ties, riders);
+        if (collision.behind.empty()) addEmbedding(collision.ties, riders);
     riders.follow(edit, mesh, soft);
 }
 

@@ -4,8 +4,8 @@
 
 namespace filasofia::engine {
 
-/// Points that ride on the body's nodes (attachments, collision meshes other than its surface) stay where they are in
-/// the tissue, on whichever side of a cut that is. Called before applyEdit: they are found by what the model was.
+/// Keeps points that ride on the body's nodes (attachments, collision meshes other than its surface) at their places in
+/// the tissue, on the correct side of a cut. Call it before applyEdit(): the points are located in the old model.
 void followRiders(const frame::TopologyEdit& edit, const EditableMesh& mesh, SoftModel& soft,
                   std::vector<Attachment>& attachments);
 

@@ -8,7 +8,7 @@ namespace {
 
 using frame::BoundaryChange;
 
-/// Takes out what stands at these places, ascending; the rest keeps its order.
+/// Erases the entries at these places (ascending); the rest keeps its order.
 template <class Value> void eraseAt(const std::vector<int>& places, std::vector<Value>& list)
 {
     if (places.empty()) return;
@@ -27,7 +27,7 @@ int& placeOf(int element, int face, BodyTopology& topology)
     return topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)];
 }
 
-/// The surface while it is changed, up to finish().
+/// Edits the surface. Call finish() once at the end.
 class SurfaceChange {
 public:
     SurfaceChange(BodyTopology& topology, SoftModel& model) : topology_(topology), model_(model) {}
@@ -37,7 +37,7 @@ public:
         model_.surface[static_cast<std::size_t>(place)] = to.nodes;
         topology_.opened[static_cast<std::size_t>(place)] = to.opened ? 1 : 0;
     }
-    /// Ascending.
+    /// The places must be ascending.
     void remove(const std::vector<int>& places)
     {
         for (int place : places) {
@@ -68,10 +68,10 @@ public:
 private:
     BodyTopology& topology_;
     SoftModel& model_;
-    std::size_t firstMoved_ = topology_.boundaryFaces.size(); ///< those before it are where they were
+    std::size_t firstMoved_ = topology_.boundaryFaces.size(); ///< the places of earlier triangles are still correct
 };
 
-/// The number of a node among the surface's vertices; a new one where it has none yet.
+/// The number of a node among the surface's vertices. A node without one gets a new number.
 int vertexOf(int node, const SoftModel& model, BodyTopology& topology, OwnSurfaceEdit& out)
 {
     int& vertex = topology.vertices[static_cast<std::size_t>(node)];

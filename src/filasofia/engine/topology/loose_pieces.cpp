@@ -10,14 +10,14 @@
 namespace filasofia::engine {
 namespace {
 
-/// The matrix of an implicit step for one piece, its nodes numbered by their places in its list.
+/// The matrix of an implicit step for one piece. Its nodes are numbered by their places in the piece's list.
 class FragmentMatrix {
 public:
-    FragmentMatrix(const SoftModel& model, const BodyPiece& crumb, ImplicitWeights weights, const SoftState& state)
+    FragmentMatrix(const SoftModel& model, const BodyPiece& piece, ImplicitWeights weights, const SoftState& state)
         : stiffness_(weights.stiffness)
     {
-        for (int node : crumb.nodes) masses_.push_back(weights.mass * model.masses[static_cast<std::size_t>(node)]);
-        for (int each : crumb.elements) {
+        for (int node : piece.nodes) masses_.push_back(weights.mass * model.masses[static_cast<std::size_t>(node)]);
+        for (int each : piece.elements) {
             const auto e = static_cast<std::size_t>(each);
             const FemElement& element = model.elements[e];
             Part& part = parts_.emplace_back();
@@ -27,8 +27,8 @@ public:
             const Lame material = lameAt(element, f);
             part.tangent = {material, weights.turning * geometricStiffness(material, f, part.rotation)};
             for (std::size_t k = 0; k < 4; ++k)
-                part.places[k] = static_cast<std::size_t>(std::ranges::lower_bound(crumb.nodes, element.nodes[k]) -
-                                                          crumb.nodes.begin());
+                part.places[k] = static_cast<std::size_t>(std::ranges::lower_bound(piece.nodes, element.nodes[k]) -
+                                                          piece.nodes.begin());
         }
     }
 
@@ -69,19 +69,19 @@ void add(double s, const std::vector<Vec3>& from, std::vector<Vec3>& to)
     for (std::size_t i = 0; i < to.size(); ++i) to[i] += s * from[i];
 }
 
-/// Conjugate gradients in double: so few unknowns are done in about as many iterations.
+/// Conjugate gradients in double precision. With so few unknowns they converge in about as many iterations.
 std::vector<Vec3> solve(const FragmentMatrix& a, std::vector<Vec3> r)
 {
-    constexpr double kTolerance = 1e-6; // [-] of the residual
+    constexpr double kTolerance = 1e-6; // [-] relative to the first residual
     std::vector<Vec3> x(r.size()), p = r;
     double rr = dot(r, r);
     const double enough = kTolerance * kTolerance * rr;
     for (std::size_t i = 0; i < 6 * r.size() && rr > enough; ++i) {
         const std::vector<Vec3> q = a.times(p);
-        const double bend = dot(p, q);
-        if (!(bend > 0.0)) break;
-        add(rr / bend, p, x);
-        add(-rr / bend, q, r);
+        const double curvature = dot(p, q);
+        if (!(curvature > 0.0)) break;
+        add(rr / curvature, p, x);
+        add(-rr / curvature, q, r);
         const double before = std::exchange(rr, dot(r, r));
         for (std::size_t k = 0; k < p.size(); ++k) p[k] = r[k] + rr / before * p[k];
     }
@@ -92,7 +92,7 @@ std::vector<Vec3> solve(const FragmentMatrix& a, std::vector<Vec3> r)
 
 std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces)
 {
-    constexpr std::size_t kMaxFragment = 32; // elements at most
+    constexpr std::size_t kMaxFragment = 32; // elements
     if (pieces.count() < 2) return {};
     const std::vector<int>& pieceOf = pieces.ofTetrahedron();
     std::vector<BodyPiece> list(static_cast<std::size_t>(*std::ranges::max_element(pieceOf)) + 1);
@@ -130,11 +130,11 @@ void finishFragments(SoftBody& body, ImplicitWeights weights, const std::vector<
         if (piece.elements.empty() || piece.held || std::ranges::any_of(piece.nodes, isConstrained)) continue;
         std::vector<Vec3> impulses;
         for (int node : piece.nodes) impulses.push_back(solved(node).undone);
-        const std::vector<Vec3> more =
+        const std::vector<Vec3> correction =
             solve(FragmentMatrix(body.model, piece, weights, body.state), std::move(impulses));
-        for (std::size_t k = 0; k < more.size(); ++k) {
+        for (std::size_t k = 0; k < correction.size(); ++k) {
             const auto i = static_cast<std::size_t>(piece.nodes[k]);
-            body.system.dv[i] = solved(piece.nodes[k]).dv + more[k];
+            body.system.dv[i] = solved(piece.nodes[k]).dv + correction[k];
             body.system.leftover[i] = {};
         }
     }
@@ -150,17 +150,17 @@ void limitSpin(const SoftModel& model, double maxTurn, double dt, SoftState& sta
             [&](int i) { return state.x[at(i)]; }, [&](int i) { return model.masses[at(i)] * state.v[at(i)]; });
         const double turn = dt * length(motion.angular);
         if (!(turn > maxTurn) || !isFinite(motion.angular)) continue;
-        const Vec3 tooMuch = (1.0 - maxTurn / turn) * motion.angular;
+        const Vec3 excess = (1.0 - maxTurn / turn) * motion.angular;
         for (int node : piece.nodes) {
             const auto i = static_cast<std::size_t>(node);
-            state.v[i] -= cross(tooMuch, state.x[i] - motion.centre);
+            state.v[i] -= cross(excess, state.x[i] - motion.centre);
         }
     }
 }
 
 std::vector<int> piecesBeyond(double far, const SoftModel& model, const SoftState& state)
 {
-    std::vector<std::tuple<bool, std::size_t, int>> beyond; // the body itself, nodes, number
+    std::vector<std::tuple<bool, std::size_t, int>> beyond; // is the body itself, node count, number
     for (const BodyPiece& piece : model.pieces) {
         const auto first = static_cast<std::size_t>(piece.nodes.front());
         if (distance(state.x[first], model.rest[first]) > far)

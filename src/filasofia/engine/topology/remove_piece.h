@@ -4,10 +4,10 @@
 
 namespace filasofia::engine {
 
-/// Takes a piece that came loose out of the scene: it has no surface, blades do not find it and it does not move. Its
-/// nodes keep their numbers and their places, held. What held it lets go. Collision meshes that ride on the body beside
-/// its own surface keep what rides on the piece. False where there is no such piece, or nothing else of the body. The
-/// body's system is outdated then.
+/// Removes a piece that came loose from the scene: it has no surface, blades ignore it and it does not move. Its nodes
+/// keep their numbers and are fixed at their places. Pins and attachments that hold it are released. Collision meshes
+/// other than the body's own surface keep their points on the piece. Returns false if there is no such piece or nothing
+/// else is left of the body. After a removal the body's system is outdated; the caller marks it.
 bool removePiece(int piece, SoftBody& body, Scene& scene);
 
 } // namespace filasofia::engine

@@ -17,8 +17,8 @@ namespace {
 
 using physics::Rupture;
 
-/// The edges of a blade that cut: those of one triangle or none, and where a mesh has no such (it is closed) those
-/// where it is sharper than a right angle, or, where it is blunt all over, all.
+/// The edges of a blade that cut: boundary edges, those with at most one triangle. If a mesh has none (it is closed),
+/// the edges sharper than a right angle cut; if it has none of these either, all edges do.
 std::vector<std::array<int, 2>> linesOf(const CollisionShape& shape)
 {
     const auto normalOf = [&](int triangle) {
@@ -37,7 +37,7 @@ std::vector<std::array<int, 2>> linesOf(const CollisionShape& shape)
     return !open.empty() ? open : !sharp.empty() ? sharp : shape.edges;
 }
 
-/// Where every blade is now and was a step ago. One that jumped has no way, and cuts nothing on it.
+/// Updates the current and previous positions of every blade. A blade that jumped has no path and cuts nothing.
 void moveBlades(const RigidPlan& rigid, const Scene& scene, std::vector<Blade>& blades)
 {
     std::vector<Blade> next;
@@ -51,8 +51,9 @@ void moveBlades(const RigidPlan& rigid, const Scene& scene, std::vector<Blade>& 
             Blade& blade = next.emplace_back(same ? std::move(*known) : Blade{name, each.shape, linesOf(*each.shape)});
             const auto element = static_cast<std::size_t>(each.element);
             const RigidPlanElement& plan = rigid[first[b] + element];
-            const bool moved = plan.velocity + plan.change.linear != Vec3{} ||
-                               plan.angularVelocity + plan.change.angular != Vec3{}; // else it stands, or jumped
+            // An element whose plan has no velocity stands still or jumped.
+            const bool moved =
+                plan.velocity + plan.change.linear != Vec3{} || plan.angularVelocity + plan.change.angular != Vec3{};
             const Pose& pose = scene.rigid[b].state.poses[element];
             blade.jumped = !moved && plan.start != pose;
             blade.before.clear();
@@ -67,14 +68,14 @@ void moveBlades(const RigidPlan& rigid, const Scene& scene, std::vector<Blade>& 
     blades = std::move(next);
 }
 
-/// All blades of one rigid body that are near a soft one: both jaws of scissors cut one surface.
+/// All blades of one rigid body near a soft body: both jaws of scissors cut one surface.
 struct Tool {
     BodyId body;
     std::vector<BladeSegment> segments;
-    double way = 0.0; ///< [m] the longest of a vertex in the step
+    double way = 0.0; ///< [m] longest path of a vertex in the step
 };
 
-/// Around what is there: removed pieces have no surface.
+/// Bounding box of the remaining pieces. Removed pieces have no surface.
 geometry::Box boxOf(const SoftModel& model, const SoftState& state)
 {
     if (model.removed.empty()) return geometry::boxAround(state.x);
@@ -84,7 +85,7 @@ geometry::Box boxOf(const SoftModel& model, const SoftState& state)
     return box;
 }
 
-/// Ascending.
+/// Sorted by body, ascending.
 std::vector<Tool> toolsNear(SoftBody& body, const std::vector<Blade>& blades, physics::TopologyReport& report)
 {
     const SoftModel& model = body.model;
@@ -102,7 +103,7 @@ std::vector<Tool> toolsNear(SoftBody& body, const std::vector<Blade>& blades, ph
         }
         const auto isNear = [&](const std::vector<Vec3>& vertices) {
             const geometry::Box around = geometry::boxAround(vertices);
-            return overlap(around, box) || isEmpty(around); // no numbers: the stroke refuses them, and says so
+            return overlap(around, box) || isEmpty(around); // not finite: the stroke refuses it and counts that
         };
         if (blade.jumped && overlap(blade.swept, box)) ++report.bladeTooFast;
         if (!isNear(blade.now) && !isNear(blade.before)) continue;
@@ -120,7 +121,7 @@ std::vector<Tool> toolsNear(SoftBody& body, const std::vector<Blade>& blades, ph
 
 constexpr CutParameters kCut{};
 
-/// One step of a stroke; the tool is gone where there is none.
+/// Performs one step of a stroke. `tool` is null if the tool is no longer near the body.
 RuptureReport continueStroke(EditableMesh& mesh, const Tool* tool, Stroke& stroke)
 {
     RuptureReport done;
@@ -128,7 +129,7 @@ RuptureReport continueStroke(EditableMesh& mesh, const Tool* tool, Stroke& strok
         done = stroke.stroke.step(mesh, tool->segments, kCut);
         stroke.sinceCrossing = done.crossings > 0 ? 0.0 : stroke.sinceCrossing + tool->way;
         stroke.hasCut = stroke.hasCut || done.crossings > 0;
-        if (!stroke.arrived && !stroke.stroke.away()) { // a blade that comes back goes on with the surface it finds
+        if (!stroke.arrived && !stroke.stroke.away()) { // a returning blade continues the surface that it finds
             stroke.arrived = true;
             const int sheet = stroke.hasCut ? 0 : sheetAt(mesh, tool->segments);
             if (sheet > 0) stroke.stroke = BladeStroke(sheet);
@@ -140,8 +141,8 @@ RuptureReport continueStroke(EditableMesh& mesh, const Tool* tool, Stroke& strok
     return done;
 }
 
-/// Lets every tool that is near a body cut it. A stroke goes on until its blades have moved two edges' length without
-/// meeting anything, or are away from the body: what comes then is another cut.
+/// Lets every tool near a body cut it. A stroke ends after its blades have moved two mean edges without crossing
+/// anything, or are away from the body. What they cut later is a new cut.
 void cutBody(SoftBody& body, const std::vector<Blade>& blades, physics::TopologyReport& report)
 {
     const SoftState& state = body.state;
@@ -168,12 +169,12 @@ void cutBody(SoftBody& body, const std::vector<Blade>& blades, physics::Topology
     std::erase_if(strokes, [](const Stroke& stroke) { return stroke.over; });
 }
 
-/// Of all edits until now: where they are the same, the mesh is.
+/// Hash of all edits so far: if two histories are equal, the meshes are equal.
 std::uint64_t historyWith(const frame::TopologyEdit& edit, std::uint64_t before)
 {
     Hasher hash;
     hash.add(before);
-    static_assert(sizeof(frame::TetNodes) == 5 * sizeof(int)); // all of it is numbers
+    static_assert(sizeof(frame::TetNodes) == 5 * sizeof(int)); // no padding: all bytes are numbers
     hash.addAll(std::span<const frame::TetNodes>(edit.changed));
     for (const frame::TopologyOp& op : edit.ops)
         if (const auto* made = std::get_if<frame::NewNode>(&op))
@@ -191,8 +192,8 @@ std::vector<physics::LoosePiece> loosePieces(const frame::TopologyEdit& edit, Bo
     return loose;
 }
 
-/// What the body's pieces know of those that came loose.
-void weigh(const SoftModel& body, const SoftState& state, std::vector<physics::LoosePiece>& loose)
+/// Adds mass, centre of mass and `held` of the body's pieces to those that came loose.
+void addMasses(const SoftModel& body, const SoftState& state, std::vector<physics::LoosePiece>& loose)
 {
     for (physics::LoosePiece& each : loose) {
         const auto found = std::ranges::find(body.pieces, each.piece, &BodyPiece::number);
@@ -208,7 +209,7 @@ void weigh(const SoftModel& body, const SoftState& state, std::vector<physics::L
     }
 }
 
-void tell(Rupture::Kind kind, BodyId body, RuptureReport& opened, std::vector<Rupture>& ruptures)
+void reportRupture(Rupture::Kind kind, BodyId body, RuptureReport& opened, std::vector<Rupture>& ruptures)
 {
     if (opened.openedArea > 0.0)
         ruptures.push_back({.kind = kind,
@@ -218,7 +219,7 @@ void tell(Rupture::Kind kind, BodyId body, RuptureReport& opened, std::vector<Ru
     opened = {};
 }
 
-constexpr double kLost = 10.0; // [m] that a piece went: it fell out of the scene
+constexpr double kLostDistance = 10.0; // [m] displacement at which a piece counts as having fallen out of the scene
 
 } // namespace
 
@@ -226,11 +227,12 @@ void removeLostPieces(Scene& scene, physics::StepReport& report)
 {
     for (SoftBody& body : scene.soft) {
         int lost = 0;
-        for (int piece : piecesBeyond(kLost, body.model, body.state)) lost += removePiece(piece, body, scene) ? 1 : 0;
+        for (int piece : piecesBeyond(kLostDistance, body.model, body.state))
+            lost += removePiece(piece, body, scene) ? 1 : 0;
         if (lost == 0) continue;
         report.topology.lost += lost;
-        body.system.outdated = true; // with what the next step's commands change
-        body.system.tuned = true;    // it is no longer what its Def says
+        body.system.outdated = true; // rebuilt in the next step, with what its commands change
+        body.system.tuned = true;    // no longer as its Def describes it
     }
 }
 
@@ -251,7 +253,7 @@ void tearBodies(const StepContext& context, Scene& scene)
 
 namespace {
 
-/// Brings one body, and all that rides on it, in line with the edits of its mesh.
+/// Brings one body, and everything that rides on it, in line with the edits of its mesh.
 void applyEditsOf(SoftBody& body, double period, Scene& scene, physics::TopologyReport& report)
 {
     BodyTopology& topology = body.topology;
@@ -266,14 +268,14 @@ void applyEditsOf(SoftBody& body, double period, Scene& scene, physics::Topology
     const OwnSurfaceEdit surface = applyEdit(edit, period, body);
     std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);
     model.pieces = findPieces(model, *topology.pieces);
-    weigh(model, body.state, loose);
+    addMasses(model, body.state, loose);
     if (edit.boundary.empty()) return;
     editOwnCollision(surface, model, scene);
 
     std::vector<Rupture>& reported = report.ruptures;
     const std::size_t before = reported.size();
-    tell(Rupture::Kind::Cut, model.id, topology.cut, reported);
-    tell(Rupture::Kind::Tear, model.id, topology.torn, reported);
+    reportRupture(Rupture::Kind::Cut, model.id, topology.cut, reported);
+    reportRupture(Rupture::Kind::Tear, model.id, topology.torn, reported);
     if (reported.size() == before) return;
     reported[before].nodes = edit.nodes - nodes;
     reported[before].elements = edit.tetrahedra - elements;

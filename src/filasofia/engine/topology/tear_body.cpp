@@ -19,8 +19,8 @@ Mat3 stressOf(const FemElement& element, const SoftState& state, std::size_t e, 
     const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
     const auto [mu, lambda] = lame(element.youngModulus, element.poissonRatio);
     const Quat before = rotationOf(state.rotations, e);
-    const Mat3 near = cauchyStress(f, toMat3(before), mu, lambda);
-    if (principalStressBound(near) < kStressNear * threshold) return {};
+    const Mat3 withOldRotation = cauchyStress(f, toMat3(before), mu, lambda);
+    if (principalStressBound(withOldRotation) < kStressNear * threshold) return {};
     return cauchyStress(f, toMat3(polarRotation(f, before)), mu, lambda);
 }
 
@@ -58,7 +58,7 @@ bool findStresses(const SoftModel& model, const SoftState& state, const StressSe
         const linalg::Blocks range = parts[part];
         for (auto e = static_cast<std::size_t>(range.begin); e < static_cast<std::size_t>(range.end); ++e) {
             const bool isNear = stressed.empty() || (stressed[e / kBlock] >> e % kBlock & 1) != 0;
-            if (!isNear || allHeld(model, e)) { // at rest, or removed
+            if (!isNear || allHeld(model, e)) { // not near the threshold, or fixed (pinned or removed)
                 stresses[e] = {};
                 continue;
             }
@@ -101,7 +101,7 @@ void tearBody(SoftBody& body, WorkerPool& pool, physics::TopologyReport& report)
     if (model.elements.empty() && topology.springs.ofElement.empty()) topology.springs = springsOfElements(model);
     if (!findStresses(model, state, {threshold, topology.springs, stressed}, pool, topology.stresses)) return;
     EditableMesh& mesh = *topology.mesh;
-    if (!topology.followed) mesh.placeAt(state.x); // else the blades' turn has moved it already
+    if (!topology.followed) mesh.placeAt(state.x); // otherwise cutBodies() has moved it already
     topology.held.assign(model.rest.size(), 0);
     for (std::size_t i = 0; i < model.rest.size(); ++i) topology.held[i] = model.pins.hard[i] ? 1 : 0;
     const RuptureReport done = topology.tearing.step(mesh, topology.stresses, topology.held, {.threshold = threshold});
