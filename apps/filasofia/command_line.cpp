@@ -1,8 +1,8 @@
 #include "apps/filasofia/command_line.h"
 
 #include "apps/filasofia/build_info.h"
-#include "apps/filasofia/suggestion.h"
 #include "filasofia/core/error.h"
+#include "filasofia/core/suggestion.h"
 
 // Long to compile: included here only.
 #include <CLI/CLI.hpp>

@@ -4,12 +4,12 @@
 #include <string_view>
 #include <vector>
 
-namespace filasofia::app {
+namespace filasofia {
 
 /// How many letters must be inserted, removed, replaced or swapped with their neighbour to turn one word into another.
 int editDistance(std::string_view a, std::string_view b);
 
-/// " (did you mean 'run'?)" for the known word nearest to `word`, or nothing where none is near.
+/// " (did you mean 'run'?)" for the known word nearest to `word`, or nothing if none is near.
 std::string didYouMean(std::string_view word, const std::vector<std::string>& known);
 
-} // namespace filasofia::app
+} // namespace filasofia
