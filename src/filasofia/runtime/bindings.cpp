@@ -13,10 +13,30 @@
 namespace filasofia::runtime {
 namespace {
 
+/// Calls `visit` with every texture of a built-in material, and the name of its field.
+template <class Held, class Visit> void forEachTexture(Held& material, Visit&& visit)
+{
+    if constexpr (!std::is_same_v<Held, visual::CustomMaterial> && !std::is_same_v<Held, visual::NamedMaterial>)
+        forEachField<Held>([&](const auto& each) {
+            auto& value = material.*(each.member);
+            using Value = std::remove_cvref_t<decltype(value)>;
+            if constexpr (std::is_same_v<Value, visual::Texture> || std::is_same_v<Value, visual::TextureMap>)
+                visit(value, each.name);
+        });
+}
+
+/// The inside has no uv, so no textures either.
+void dropTextures(visual::Material& inside)
+{
+    const auto drop = [](auto& texture, std::string_view) { texture = visual::NoTexture{}; };
+    std::visit([&](auto& held) { forEachTexture(held, drop); }, inside);
+}
+
 /// Inside, tissue is redder and wetter than its skin.
 visual::Material interiorOf(const visual::Material& skin)
 {
     visual::Material inside = skin;
+    dropTextures(inside);
     if (auto* tissue = std::get_if<visual::TissueMaterial>(&inside)) {
         const auto mixed = [](visual::Color a, visual::Color b) {
             return visual::Color{0.5 * (a.red + b.red), 0.5 * (a.green + b.green), 0.5 * (a.blue + b.blue)};

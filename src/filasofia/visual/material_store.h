@@ -6,6 +6,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string_view>
 
 namespace filasofia::visual {
@@ -16,7 +17,8 @@ struct ReadyMaterial {
     std::map<std::string, std::shared_ptr<const Image>> pictures; ///< by file
     std::vector<std::string> views;                               ///< whose pictures it shows
     std::shared_ptr<const MaterialPackage> package;               ///< of a CustomMaterial
-    bool needsUv = false;
+    std::string needsUv;                                          ///< the field that needs uv; empty if none does
+    bool needsTangents = false;                                   ///< tangent frames along the uv
 };
 
 /// The materials of a server by name, and the files that they and the bodies name, each read once. (Shared pointers,
@@ -36,11 +38,19 @@ public:
     [[nodiscard]] const std::map<std::string, Material>& all() const { return named_; }
 
 private:
-    void require(const Texture& texture, const std::string& object, ReadyMaterial& out);
+    template <class Held> void requireTextures(const Held& material, const std::string& object, ReadyMaterial& out);
+    void requirePicture(const std::string& file, const std::string& object, ReadyMaterial& out);
+    void requireNormals(const TextureMap& map, const std::string& object, ReadyMaterial& out);
+    /// `field` is what errors call the texture.
+    void require(const Texture& texture, const std::string& object, std::string_view field, ReadyMaterial& out);
+    void require(const TextureMap& map, const std::string& object, std::string_view field, ReadyMaterial& out);
     void require(const CustomMaterial& material, const std::string& object, ReadyMaterial& out);
+    [[nodiscard]] std::shared_ptr<const MaterialPackage> package(const CustomMaterial& material,
+                                                                 const std::string& object);
 
     std::map<std::string, Material> named_;
     std::map<std::string, std::shared_ptr<const Image>> pictures_;
+    std::set<std::string> normalMaps_; ///< files whose picture is one
     std::map<std::string, std::shared_ptr<const MaterialPackage>> packages_;
 };
 

@@ -36,11 +36,16 @@ struct VisualBody::Impl {
     Slot slot;
     VisualBodyDef def; ///< its mesh is the current one: positions as last given
     Subdivision subdivision;
-    std::vector<Float3> control = {}; ///< kept from frame to frame: what setVertices() computes with
+    std::vector<std::array<float, 2>> uv; ///< after subdivision
+    bool tangents = false;                ///< the material needs frames along the uv
+    std::vector<Float3> control = {};     ///< kept from frame to frame: what setVertices() computes with
     std::vector<Float3> normals = {};
+    std::vector<TangentSum> tangentSums = {};
 
     /// Takes the positions of the mesh's vertices; what is drawn of them.
     VertexData deform(std::span<const Vec3> positions);
+    /// Sends a material to the backend, and the frames that it needs.
+    void look(const ReadyMaterial& material);
 };
 
 struct PreparedMesh::Impl {

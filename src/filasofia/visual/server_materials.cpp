@@ -39,7 +39,7 @@ void changeMaterial(Scene& scene, const std::string& name, const Material& mater
     const ReadyMaterial ready = scene.materials.ready(material, objectName(name));
     for (VisualBody* body : users) (void)readyMaterial(scene, material, body->impl().def.mesh, body->name());
     scene.materials.change(name, material);
-    for (VisualBody* body : users) scene.backend->setMaterial(body->impl().slot, ready);
+    for (VisualBody* body : users) body->impl().look(ready);
 }
 
 void removeMaterial(Scene& scene, const std::string& name)
