@@ -212,17 +212,25 @@ constexpr auto fields(const UnlitMaterial*)
                     field("texture", &UnlitMaterial::texture, "what is seen"));
 }
 
-/// The material of this name in the server's pool (VisualServer::addMaterial), and what it becomes there.
+/// The material of this name in the server's pool (VisualServer::addMaterial), and what it becomes there. A body can
+/// override parameters of it; the pool's material and other bodies keep theirs.
+///
+///     NamedMaterial{"liver", {{"roughness", 0.2}, {"baseColor", Color{0.4, 0.1, 0.08}}}}
 struct NamedMaterial {
     std::string name = {};
+    /// By the names of the fields, or of a CustomMaterial's parameters; each name at most once. The value has the type
+    /// of the field; Texture{NoTexture{}} removes a texture.
+    std::vector<MaterialParameter> overrides = {};
 
     friend bool operator==(const NamedMaterial&, const NamedMaterial&) = default;
 };
 
 constexpr auto fields(const NamedMaterial*)
 {
-    return describe("NamedMaterial", field("name", &NamedMaterial::name, "of a material in the server's pool"));
+    return describe("NamedMaterial", field("name", &NamedMaterial::name, "of a material in the server's pool"),
+                    field("overrides", &NamedMaterial::overrides, "a body's own values of its parameters"));
 }
+constexpr std::size_t addedFields(const NamedMaterial*) { return 1; }
 
 using Material = std::variant<TissueMaterial, MetalMaterial, MucosaMaterial, BoneMaterial, GlassMaterial, UnlitMaterial,
                               CustomMaterial, NamedMaterial>;

@@ -25,18 +25,29 @@ template <class Held, class Visit> void forEachTexture(Held& material, Visit&& v
         });
 }
 
-/// The inside has no uv, so no textures either.
-void dropTextures(visual::Material& inside)
+/// The inside has no uv, so no textures either: neither its own nor those that it has by a name of the pool.
+void dropTextures(visual::Material& inside, const std::map<std::string, visual::Material>& pool)
 {
     const auto drop = [](auto& texture, std::string_view) { texture = visual::NoTexture{}; };
     std::visit([&](auto& held) { forEachTexture(held, drop); }, inside);
+    auto* named = std::get_if<visual::NamedMaterial>(&inside);
+    const auto found = named ? pool.find(named->name) : pool.end();
+    if (found == pool.end()) return;
+    const auto none = [&](const auto& texture, std::string_view name) {
+        const auto count =
+            std::erase_if(named->overrides, [&](const visual::MaterialParameter& each) { return each.name == name; });
+        if (count > 0 || texture.index() > 0)
+            named->overrides.push_back({std::string(name), visual::Texture{visual::NoTexture{}}});
+    };
+    visual::Material shown = found->second;
+    std::visit([&](auto& held) { forEachTexture(held, none); }, shown);
 }
 
 /// Inside, tissue is redder and wetter than its skin.
-visual::Material interiorOf(const visual::Material& skin)
+visual::Material interiorOf(const visual::Material& skin, const visual::VisualServer& server)
 {
     visual::Material inside = skin;
-    dropTextures(inside);
+    dropTextures(inside, server.materials());
     if (auto* tissue = std::get_if<visual::TissueMaterial>(&inside)) {
         const auto mixed = [](visual::Color a, visual::Color b) {
             return visual::Color{0.5 * (a.red + b.red), 0.5 * (a.green + b.green), 0.5 * (a.blue + b.blue)};
@@ -181,12 +192,12 @@ void Bindings::followTopology(const frame::Frame& frame)
     }
 }
 
-void Bindings::apply(const Wish& wish, Binding& binding)
+void Bindings::apply(const Wish& wish, Binding& binding, const visual::VisualServer& visual)
 {
     if (wish.visible) binding.def.visible = *wish.visible;
     if (wish.material)
         binding.def.material =
-            binding.interior ? binding.def.interior.value_or(interiorOf(*wish.material)) : *wish.material;
+            binding.interior ? binding.def.interior.value_or(interiorOf(*wish.material, visual)) : *wish.material;
     if (!binding.drawn) return;
     if (wish.visible) binding.drawn->setVisible(*wish.visible);
     try {
@@ -209,7 +220,7 @@ void Bindings::applyWishes(visual::VisualServer& visual)
         std::erase_if(*list, [&](Binding& binding) {
             const auto found = wishes.find(binding.shown);
             if (found == wishes.end()) return false;
-            apply(found->second, binding);
+            apply(found->second, binding, visual);
             if (!found->second.gone) return false;
             if (binding.drawn) visual.remove(*binding.drawn);
             forget(binding);
@@ -245,7 +256,7 @@ void Bindings::openInteriors()
             inside.drawn = nullptr;
             inside.mapped = newest->second.interior;
             inside.nodes = mapping::nodesNeeded(inside.mapped->map);
-            inside.def.material = skin.def.interior.value_or(interiorOf(skin.def.material));
+            inside.def.material = skin.def.interior.value_or(interiorOf(skin.def.material, *visual_));
             inside.subdivision = 0; // until the worker has it
             painted_.add(inside.key, {inside.id, std::nullopt, inside.start}, inside.mapped);
             askMesh(inside);

@@ -100,7 +100,7 @@ private:
     bool healed(const Binding& binding);  ///< what was open is closed again
     bool place(Binding& binding, const frame::Frame& frame);
     void forget(const Binding& binding);
-    static void apply(const Wish& wish, Binding& binding);
+    static void apply(const Wish& wish, Binding& binding, const visual::VisualServer& visual);
 
     mutable std::mutex mutex_; ///< guards these
     std::vector<Binding> pending_;

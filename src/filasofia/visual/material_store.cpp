@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/visual/material_overrides.h"
 
 #include <cmath>
 
@@ -49,7 +50,8 @@ bool holdsNormals(const Image& image)
 
 ReadyMaterial MaterialStore::ready(const Material& material, const std::string& object)
 {
-    if (const auto* named = std::get_if<NamedMaterial>(&material)) return ready(get(named->name, object), object);
+    if (const auto* named = std::get_if<NamedMaterial>(&material))
+        return ready(get(named->name, object), *named, object);
     std::visit([&](const auto& held) { validate(held, object); }, material);
     if (const auto* glass = std::get_if<GlassMaterial>(&material))
         for (double share : {glass->tint.red, glass->tint.green, glass->tint.blue})
@@ -58,6 +60,14 @@ ReadyMaterial MaterialStore::ready(const Material& material, const std::string& 
     out.material = material;
     std::visit([&](const auto& held) { requireTextures(held, object, out); }, material);
     return out;
+}
+
+ReadyMaterial MaterialStore::ready(const Material& pool, const NamedMaterial& named, const std::string& object)
+{
+    const std::string whole = text(object, " '", named.name, "'");
+    const auto* custom = std::get_if<CustomMaterial>(&pool);
+    const auto read = custom ? package(*custom, whole) : nullptr;
+    return ready(overridden(pool, named.overrides, read.get(), whole), whole);
 }
 
 template <class Held>

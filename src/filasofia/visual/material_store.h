@@ -27,6 +27,8 @@ class MaterialStore {
 public:
     /// Throws an Error that begins with `object` when the material, a file of it, or its name is wrong.
     [[nodiscard]] ReadyMaterial ready(const Material& material, const std::string& object);
+    /// The same of the pool's material `pool` with a body's overrides.
+    [[nodiscard]] ReadyMaterial ready(const Material& pool, const NamedMaterial& named, const std::string& object);
 
     void add(const std::string& name, const Material& material);
     /// `material` must be ready.

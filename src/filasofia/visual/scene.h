@@ -88,6 +88,9 @@ void check(const VisualBodyDef& def);
 /// of a name, or the mesh has no uv for its textures.
 ReadyMaterial readyMaterial(Scene& scene, const Material& material, const geometry::TriangleMesh& mesh,
                             std::string_view body);
+/// The same of the pool's material `pool` with the body's overrides.
+ReadyMaterial readyMaterial(Scene& scene, const Material& pool, const NamedMaterial& named,
+                            const geometry::TriangleMesh& mesh, std::string_view body);
 /// Gives the bodies that show off-screen views their materials again, after such a view has come, changed or gone.
 void refreshViewPictures(Scene& scene);
 void checkPositions(std::span<const Vec3> positions, std::size_t count, std::string_view body);

@@ -62,6 +62,14 @@ ReadyMaterial readyMaterial(Scene& scene, const Material& material, const geomet
     return ready;
 }
 
+ReadyMaterial readyMaterial(Scene& scene, const Material& pool, const NamedMaterial& named,
+                            const geometry::TriangleMesh& mesh, std::string_view body)
+{
+    ReadyMaterial ready = scene.materials.ready(pool, named, materialName(body));
+    checkFits(scene, ready, mesh, body);
+    return ready;
+}
+
 void refreshViewPictures(Scene& scene)
 {
     for (VisualBody* body : scene.bodies) {
