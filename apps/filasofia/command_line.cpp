@@ -1,8 +1,8 @@
 #include "apps/filasofia/command_line.h"
 
 #include "apps/filasofia/build_info.h"
-#include "apps/filasofia/suggestion.h"
 #include "filasofia/core/error.h"
+#include "filasofia/core/suggestion.h"
 
 // Slow to compile, so it is included only here.
 #include <CLI/CLI.hpp>

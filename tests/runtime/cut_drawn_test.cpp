@@ -117,3 +117,36 @@ TEST_CASE("a finer surface opens where its body is cut, and is whole again with 
     stage.step();
     CHECK(stage.only().geometry.indices.size() == 3 * fine.triangles.size());
 }
+
+TEST_CASE("the inside of a textured surface has no textures, neither its own nor those of the pool")
+{
+    const std::string png = std::string(FILASOFIA_BINARY_DIR) + "/skin.png";
+    visual::savePng({4, 4, std::vector<std::uint8_t>(64, 200)}, png);
+    const visual::TissueMaterial textured{.baseColorTexture = visual::TextureFile{png},
+                                          .normalTexture = visual::TextureFile{png}};
+    const std::vector<visual::MaterialParameter> overrides = {
+        {"roughnessTexture", visual::Texture{textured.baseColorTexture}}};
+    for (const visual::Material& material :
+         {visual::Material{textured}, visual::Material{visual::NamedMaterial{"skin", overrides}}}) {
+        CutStage stage;
+        stage.visual.addMaterial("skin", textured);
+        geometry::TriangleMesh fine =
+            geometry::extractSurface(*geometry::shapes::block({0.04, 0.04, 0.04}, {9, 8, 7})).mesh;
+        for (const Vec3& p : fine.vertices) fine.uv.push_back({p.x / 0.04, p.y / 0.04});
+        stage.bindings.show(
+            stage.tissue,
+            {.surface = std::make_shared<const geometry::TriangleMesh>(std::move(fine)), .material = material},
+            stage.physics);
+        stage.step();
+        stage.cut(0.0);
+        const auto all = stage.drawn();
+        REQUIRE(all.size() == 2);
+        const auto& skin = std::get<visual::TissueMaterial>(all[0]->material);
+        CHECK(skin.normalTexture == textured.normalTexture);
+        CHECK(all[0]->geometry.uv.size() == all[0]->geometry.rest.size());
+        const auto& inside = std::get<visual::TissueMaterial>(all[1]->material);
+        CHECK(inside.baseColorTexture == visual::Texture{});
+        CHECK(inside.normalTexture == visual::TextureMap{});
+        CHECK(inside.roughnessTexture == visual::TextureMap{});
+    }
+}

@@ -105,6 +105,23 @@ TEST_CASE("every event of a scene comes back from its recording")
     STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 10);
 }
 
+TEST_CASE("fields that materials got later are in a recording if they are set, and may be missing")
+{
+    const auto words = [](const visual::Material& material) { return recordOf(SceneMaterial{1, material}).words; };
+    const visual::Material before[] = {TissueMaterial{}, MetalMaterial{}, GlassMaterial{}, NamedMaterial{"n"}};
+    for (const visual::Material& material : before) { // as they were written before there were such fields
+        CHECK_THAT(words(material), !Catch::Contains("normalTexture") && !Catch::Contains("overrides"));
+        CHECK(roundTrip(SceneMaterial{1, material}).material == material);
+    }
+    const visual::Material now[] = {
+        TissueMaterial{.normalTexture = TextureFile{"n.png"}, .occlusionStrength = 0.5},
+        GlassMaterial{.roughnessTexture = TextureFile{"r.png"}},
+        NamedMaterial{"n", {{"roughness", 0.2}, {"normalTexture", visual::Texture{TextureFile{"m.png"}}}}}};
+    for (const visual::Material& material : now) CHECK(roundTrip(SceneMaterial{1, material}).material == material);
+    CHECK(filesOf(SceneMaterial{1, now[0]}) == std::vector<std::string>{"n.png"});
+    CHECK(filesOf(SceneMaterial{1, now[2]}) == std::vector<std::string>{"m.png"});
+}
+
 TEST_CASE("the files that an event names are found, however deep")
 {
     CHECK(filesOf(SceneShown{1,

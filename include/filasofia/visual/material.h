@@ -8,6 +8,9 @@
 
 namespace filasofia::visual {
 
+// addedFields() counts the last fields of a struct that are younger than the first recordings. A recording leaves them
+// out while they have their defaults.
+
 /// Living tissue: light enters, reddens and leaves elsewhere; a film of liquid glistens on top. The pattern (mottling,
 /// vessels, fine relief) is fixed to the rest position, so that it moves with the tissue.
 struct TissueMaterial {
@@ -22,6 +25,11 @@ struct TissueMaterial {
     double vessels = 0.6;                         ///< [-], in [0, 1]
     double bump = 0.5;                            ///< [-], in [0, 2], height of the fine relief
     Texture baseColorTexture = {};                ///< in place of baseColor
+    TextureMap normalTexture = {};                ///< tangent-space normal map, added to the relief
+    TextureMap roughnessTexture = {};             ///< green channel: in place of roughness
+    TextureMap occlusionTexture = {};             ///< red channel: share of light that reaches a crevice
+    double normalStrength = 1.0;                  ///< [-], in [0, 4]: multiplies the slopes of normalTexture
+    double occlusionStrength = 1.0;               ///< [-], in [0, 1]: 0 ignores occlusionTexture
 
     friend bool operator==(const TissueMaterial&, const TissueMaterial&) = default;
 };
@@ -29,18 +37,25 @@ struct TissueMaterial {
 constexpr auto fields(const TissueMaterial*)
 {
     using M = TissueMaterial;
-    return describe("TissueMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
-                    field("subsurfaceColor", &M::subsurfaceColor, "colour of light that has travelled inside"),
-                    field("vesselColor", &M::vesselColor, "colour of the small vessels"),
-                    field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness below the film"),
-                    field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that the film covers"),
-                    field("thickness", &M::thickness, "-", closed(0, 1), "thin tissue lets more light through"),
-                    field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
-                    field("mottling", &M::mottling, "-", closed(0, 1), "strength of the blotches"),
-                    field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
-                    field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
-                    field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
+    return describe(
+        "TissueMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
+        field("subsurfaceColor", &M::subsurfaceColor, "colour of light that has travelled inside"),
+        field("vesselColor", &M::vesselColor, "colour of the small vessels"),
+        field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness below the film"),
+        field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that the film covers"),
+        field("thickness", &M::thickness, "-", closed(0, 1), "thin tissue lets more light through"),
+        field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
+        field("mottling", &M::mottling, "-", closed(0, 1), "strength of the blotches"),
+        field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
+        field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
+        field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"),
+        field("normalTexture", &M::normalTexture, "slopes of the surface, a normal map"),
+        field("roughnessTexture", &M::roughnessTexture, "green channel in place of roughness"),
+        field("occlusionTexture", &M::occlusionTexture, "red channel: light that gets into crevices"),
+        field("normalStrength", &M::normalStrength, "-", closed(0, 4), "multiplies the normal map's slopes"),
+        field("occlusionStrength", &M::occlusionStrength, "-", closed(0, 1), "0 ignores occlusionTexture"));
 }
+constexpr std::size_t addedFields(const TissueMaterial*) { return 5; }
 
 /// The lining of hollow organs: paler and wetter than tissue, with the pits of its glands and a fine net of vessels
 /// under a film of mucus.
@@ -56,6 +71,11 @@ struct MucosaMaterial {
     double vessels = 0.6;                        ///< [-], in [0, 1]
     double bump = 0.5;                           ///< [-], in [0, 2], height of the fine relief
     Texture baseColorTexture = {};               ///< in place of baseColor
+    TextureMap normalTexture = {};               ///< tangent-space normal map, added to the relief
+    TextureMap roughnessTexture = {};            ///< green channel: in place of roughness
+    TextureMap occlusionTexture = {};            ///< red channel: share of light that reaches a crevice
+    double normalStrength = 1.0;                 ///< [-], in [0, 4]: multiplies the slopes of normalTexture
+    double occlusionStrength = 1.0;              ///< [-], in [0, 1]: 0 ignores occlusionTexture
 
     friend bool operator==(const MucosaMaterial&, const MucosaMaterial&) = default;
 };
@@ -63,18 +83,25 @@ struct MucosaMaterial {
 constexpr auto fields(const MucosaMaterial*)
 {
     using M = MucosaMaterial;
-    return describe("MucosaMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
-                    field("subsurfaceColor", &M::subsurfaceColor, "colour of light that has travelled inside"),
-                    field("vesselColor", &M::vesselColor, "colour of the small vessels"),
-                    field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness below the film"),
-                    field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that the film covers"),
-                    field("thickness", &M::thickness, "-", closed(0, 1), "a thin lining lets more light through"),
-                    field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
-                    field("pits", &M::pits, "-", closed(0, 1), "strength of the pattern of pits"),
-                    field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
-                    field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
-                    field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
+    return describe(
+        "MucosaMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
+        field("subsurfaceColor", &M::subsurfaceColor, "colour of light that has travelled inside"),
+        field("vesselColor", &M::vesselColor, "colour of the small vessels"),
+        field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness below the film"),
+        field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that the film covers"),
+        field("thickness", &M::thickness, "-", closed(0, 1), "a thin lining lets more light through"),
+        field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
+        field("pits", &M::pits, "-", closed(0, 1), "strength of the pattern of pits"),
+        field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
+        field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
+        field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"),
+        field("normalTexture", &M::normalTexture, "slopes of the surface, a normal map"),
+        field("roughnessTexture", &M::roughnessTexture, "green channel in place of roughness"),
+        field("occlusionTexture", &M::occlusionTexture, "red channel: light that gets into crevices"),
+        field("normalStrength", &M::normalStrength, "-", closed(0, 4), "multiplies the normal map's slopes"),
+        field("occlusionStrength", &M::occlusionStrength, "-", closed(0, 1), "0 ignores occlusionTexture"));
 }
+constexpr std::size_t addedFields(const MucosaMaterial*) { return 5; }
 
 /// Living bone, ivory and slightly moist: fine grain along one direction, pores, and stains where vessels enter.
 struct BoneMaterial {
@@ -86,6 +113,11 @@ struct BoneMaterial {
     double pores = 0.65;                   ///< [-], in [0, 1]
     double bump = 0.5;                     ///< [-], in [0, 2], height of the fine relief
     Texture baseColorTexture = {};         ///< in place of baseColor
+    TextureMap normalTexture = {};         ///< tangent-space normal map, added to the relief
+    TextureMap roughnessTexture = {};      ///< green channel: in place of roughness
+    TextureMap occlusionTexture = {};      ///< red channel: share of light that reaches a crevice
+    double normalStrength = 1.0;           ///< [-], in [0, 4]: multiplies the slopes of normalTexture
+    double occlusionStrength = 1.0;        ///< [-], in [0, 1]: 0 ignores occlusionTexture
 
     friend bool operator==(const BoneMaterial&, const BoneMaterial&) = default;
 };
@@ -93,21 +125,33 @@ struct BoneMaterial {
 constexpr auto fields(const BoneMaterial*)
 {
     using M = BoneMaterial;
-    return describe("BoneMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
-                    field("stainColor", &M::stainColor, "colour in pores and stains"),
-                    field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness where it is dry"),
-                    field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that is moist"),
-                    field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
-                    field("pores", &M::pores, "-", closed(0, 1), "strength of pores and stains"),
-                    field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
-                    field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
+    return describe(
+        "BoneMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
+        field("stainColor", &M::stainColor, "colour in pores and stains"),
+        field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness where it is dry"),
+        field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that is moist"),
+        field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
+        field("pores", &M::pores, "-", closed(0, 1), "strength of pores and stains"),
+        field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
+        field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"),
+        field("normalTexture", &M::normalTexture, "slopes of the surface, a normal map"),
+        field("roughnessTexture", &M::roughnessTexture, "green channel in place of roughness"),
+        field("occlusionTexture", &M::occlusionTexture, "red channel: light that gets into crevices"),
+        field("normalStrength", &M::normalStrength, "-", closed(0, 4), "multiplies the normal map's slopes"),
+        field("occlusionStrength", &M::occlusionStrength, "-", closed(0, 1), "0 ignores occlusionTexture"));
 }
+constexpr std::size_t addedFields(const BoneMaterial*) { return 5; }
 
 /// Bare metal of instruments.
 struct MetalMaterial {
     Color baseColor = {0.78, 0.79, 0.81}; ///< colour of the reflection
     double roughness = 0.3;               ///< [-], in [0.05, 1]
     Texture baseColorTexture = {};        ///< in place of baseColor
+    TextureMap normalTexture = {};        ///< tangent-space normal map
+    TextureMap roughnessTexture = {};     ///< green channel: in place of roughness
+    TextureMap occlusionTexture = {};     ///< red channel: share of light that reaches a crevice
+    double normalStrength = 1.0;          ///< [-], in [0, 4]: multiplies the slopes of normalTexture
+    double occlusionStrength = 1.0;       ///< [-], in [0, 1]: 0 ignores occlusionTexture
 
     friend bool operator==(const MetalMaterial&, const MetalMaterial&) = default;
 };
@@ -115,29 +159,44 @@ struct MetalMaterial {
 constexpr auto fields(const MetalMaterial*)
 {
     using M = MetalMaterial;
-    return describe("MetalMaterial", field("baseColor", &M::baseColor, "colour of the reflection"),
-                    field("roughness", &M::roughness, "-", closed(0.05, 1), "blur of the reflection"),
-                    field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
+    return describe(
+        "MetalMaterial", field("baseColor", &M::baseColor, "colour of the reflection"),
+        field("roughness", &M::roughness, "-", closed(0.05, 1), "blur of the reflection"),
+        field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"),
+        field("normalTexture", &M::normalTexture, "slopes of the surface, a normal map"),
+        field("roughnessTexture", &M::roughnessTexture, "green channel in place of roughness"),
+        field("occlusionTexture", &M::occlusionTexture, "red channel: light that gets into crevices"),
+        field("normalStrength", &M::normalStrength, "-", closed(0, 4), "multiplies the normal map's slopes"),
+        field("occlusionStrength", &M::occlusionStrength, "-", closed(0, 1), "0 ignores occlusionTexture"));
 }
+constexpr std::size_t addedFields(const MetalMaterial*) { return 5; }
 
 /// Clear glass or plastic. It refracts what lies behind, except other glass, and reflects at its edges.
 struct GlassMaterial {
-    Color tint = {0.93, 0.97, 0.96}; ///< fraction of light transmitted through `thickness`; each component > 0
-    double roughness = 0.05;         ///< [-], in [0, 1], blur of what lies behind
-    double refractiveIndex = 1.5;    ///< [-], in [1, 2.5]
-    double thickness = 0.004;        ///< [m], in [0, 1], distance that light travels inside
+    Color tint = {0.93, 0.97, 0.96};  ///< fraction of light transmitted through `thickness`; each > 0
+    double roughness = 0.05;          ///< [-], in [0, 1]: blur of what lies behind
+    double refractiveIndex = 1.5;     ///< [-], in [1, 2.5]
+    double thickness = 0.004;         ///< [m], in [0, 1]: how far light travels inside
+    TextureMap normalTexture = {};    ///< tangent-space normal map
+    TextureMap roughnessTexture = {}; ///< green channel: in place of roughness
+    double normalStrength = 1.0;      ///< [-], in [0, 4]: multiplies the slopes of normalTexture
 
-    friend constexpr bool operator==(const GlassMaterial&, const GlassMaterial&) = default;
+    friend bool operator==(const GlassMaterial&, const GlassMaterial&) = default;
 };
 
 constexpr auto fields(const GlassMaterial*)
 {
     using M = GlassMaterial;
-    return describe("GlassMaterial", field("tint", &M::tint, "fraction of transmitted light"),
-                    field("roughness", &M::roughness, "-", closed(0, 1), "blur of what lies behind"),
-                    field("refractiveIndex", &M::refractiveIndex, "-", closed(1, 2.5), "how much it bends light"),
-                    field("thickness", &M::thickness, "m", closed(0, 1), "how far light travels inside"));
+    return describe(
+        "GlassMaterial", field("tint", &M::tint, "fraction of transmitted light"),
+        field("roughness", &M::roughness, "-", closed(0, 1), "blur of what lies behind"),
+        field("refractiveIndex", &M::refractiveIndex, "-", closed(1, 2.5), "how much it bends light"),
+        field("thickness", &M::thickness, "m", closed(0, 1), "how far light travels inside"),
+        field("normalTexture", &M::normalTexture, "slopes of the surface, a normal map"),
+        field("roughnessTexture", &M::roughnessTexture, "green channel in place of roughness"),
+        field("normalStrength", &M::normalStrength, "-", closed(0, 4), "multiplies the normal map's slopes"));
 }
+constexpr std::size_t addedFields(const GlassMaterial*) { return 3; }
 
 /// A surface with its own colour, whatever the light: markers, screens, labels. The picture shows exactly this colour.
 struct UnlitMaterial {
@@ -153,17 +212,25 @@ constexpr auto fields(const UnlitMaterial*)
                     field("texture", &UnlitMaterial::texture, "texture"));
 }
 
-/// Refers to the material of this name in the server's pool (VisualServer::addMaterial), and follows its changes.
+/// The material of this name in the server's pool (VisualServer::addMaterial), and what it becomes there. A body can
+/// override parameters of it; the pool's material and other bodies keep theirs.
+///
+///     NamedMaterial{"liver", {{"roughness", 0.2}, {"baseColor", Color{0.4, 0.1, 0.08}}}}
 struct NamedMaterial {
     std::string name = {};
+    /// By the names of the fields, or of a CustomMaterial's parameters; each name at most once. The value has the type
+    /// of the field; Texture{NoTexture{}} removes a texture.
+    std::vector<MaterialParameter> overrides = {};
 
     friend bool operator==(const NamedMaterial&, const NamedMaterial&) = default;
 };
 
 constexpr auto fields(const NamedMaterial*)
 {
-    return describe("NamedMaterial", field("name", &NamedMaterial::name, "name of a material in the server's pool"));
+    return describe("NamedMaterial", field("name", &NamedMaterial::name, "of a material in the server's pool"),
+                    field("overrides", &NamedMaterial::overrides, "a body's own values of its parameters"));
 }
+constexpr std::size_t addedFields(const NamedMaterial*) { return 1; }
 
 using Material = std::variant<TissueMaterial, MetalMaterial, MucosaMaterial, BoneMaterial, GlassMaterial, UnlitMaterial,
                               CustomMaterial, NamedMaterial>;

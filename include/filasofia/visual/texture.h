@@ -41,4 +41,9 @@ constexpr auto fields(const ViewPicture*)
 /// A texture mapped by the uv of the surface's mesh, which must have them.
 using Texture = std::variant<NoTexture, TextureFile, ViewPicture>;
 
+/// A file whose channels are plain numbers and no colours: normals, roughness or occlusion. In a normal map red tells
+/// how far the normal leans towards growing u, and green towards growing v (as in OpenGL and glTF); 128 is level, and
+/// blue is at least 128.
+using TextureMap = std::variant<NoTexture, TextureFile>;
+
 } // namespace filasofia::visual

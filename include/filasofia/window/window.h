@@ -30,29 +30,34 @@ struct WindowSize {
     friend constexpr bool operator==(const WindowSize&, const WindowSize&) = default;
 };
 
-/// What the simulation needs of a window, whatever library opens it (SDL here; GLFW or Qt in an application). A window
-/// belongs to the thread that opened it.
+/// What the simulation needs of a window, whatever library opens it (SDL here; GLFW or Qt in somebody's application).
+/// A window belongs to the thread that opened it.
+///
+/// A derived class must provide nativeWindow() only. All else has a default: the size is the X server's, nothing comes
+/// from a person, and the run ends by Simulation::finish() or Ctrl-C. examples/13_glfw is an adapter to copy.
 class Window {
 public:
-    virtual ~Window() = default;
+    virtual ~Window();
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
     /// The render target: the X11 Window id, as a pointer; nullptr if the window cannot be drawn into.
     [[nodiscard]] virtual void* nativeWindow() const = 0;
-    [[nodiscard]] virtual WindowSize size() const = 0;
+    /// The default asks the X server for the size of nativeWindow(), on a connection of its own. Throws an Error if
+    /// there is no such window, or no server that DISPLAY names.
+    [[nodiscard]] virtual WindowSize size() const;
     /// The factor by which text should be larger than at 96 dots per inch: in [1, 4], in steps of 0.25.
-    [[nodiscard]] virtual double scale() const = 0;
+    [[nodiscard]] virtual double scale() const { return 1.0; }
 
     /// Passes the events since the last call to `sink`, oldest first, as the types of event/input_events.h (their time
     /// and step are 0; the sink sets them). Does not wait. If the sink throws, the exception is passed on, and the
     /// remaining events come with the next call.
-    virtual void poll(const event::EventSink& sink) = 0;
+    virtual void poll(const event::EventSink& /*sink*/) {}
 
     /// True if the user asked to close the window (and poll() has seen the request). It stays open until it is
     /// destroyed.
-    [[nodiscard]] virtual bool shouldClose() const = 0;
-    virtual void setTitle(const std::string& title) = 0;
+    [[nodiscard]] virtual bool shouldClose() const { return false; }
+    virtual void setTitle(const std::string& /*title*/) {}
 
     /// Turns TextInputEvents in addition to key events on or off; they are on while the user types text. They are off
     /// at first, because an input method may swallow keys that are not text. A window without text input ignores the
@@ -60,7 +65,11 @@ public:
     virtual void setTextInput(bool /*on*/) {}
 
 protected:
-    Window() = default;
+    Window();
+
+private:
+    struct Server;
+    mutable std::unique_ptr<Server> server_; ///< from the first time that the default size() is asked for
 };
 
 /// Opens a window on the X display that DISPLAY names (the renderer draws through X11 on every desktop). Throws an

@@ -142,7 +142,15 @@ private:
     template <class T> void readObject(const Json& json, T& out, const Place& place) const
     {
         if (!json.is_object()) place.refuse("must be an object", json);
-        forEachField<T>([&](const auto& each) { member(json, each.name, out.*(each.member), &place); });
+        [[maybe_unused]] std::size_t index = 0;
+        forEachField<T>([&](const auto& each) {
+            if constexpr (HasAddedFields<T>)
+                if (index++ >= firstFields<T>() && !json.contains(std::string(each.name))) {
+                    out.*(each.member) = T{}.*(each.member);
+                    return;
+                }
+            member(json, each.name, out.*(each.member), &place);
+        });
         const auto known = [](std::string_view name) {
             bool found = false;
             forEachField<T>([&](const auto& each) { found = found || each.name == name; });

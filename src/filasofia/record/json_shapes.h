@@ -65,5 +65,20 @@ template <class T> constexpr std::size_t fieldCount()
 {
     return std::tuple_size_v<decltype(fields(static_cast<const T*>(nullptr)).list)>;
 }
+/// A type whose last fields are younger than the first recordings says how many those are: `addedFields(const T*)`.
+/// They are not written while they have their defaults, and may be missing.
+template <class T>
+concept HasAddedFields = requires(const T* type)
+{
+    addedFields(type);
+};
+/// How many of the first fields every recording has.
+template <class T> constexpr std::size_t firstFields()
+{
+    if constexpr (HasAddedFields<T>)
+        return fieldCount<T>() - addedFields(static_cast<const T*>(nullptr));
+    else
+        return fieldCount<T>();
+}
 
 } // namespace filasofia::record

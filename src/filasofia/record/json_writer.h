@@ -67,7 +67,10 @@ private:
     template <HasFields T> Json object(const T& value)
     {
         Json json = IsPlaces<T> ? Json::array() : Json::object();
+        [[maybe_unused]] std::size_t index = 0;
         forEachField<T>([&](const auto& each) {
+            if constexpr (HasAddedFields<T>)
+                if (index++ >= firstFields<T>() && value.*(each.member) == T{}.*(each.member)) return;
             if constexpr (IsPlaces<T>)
                 json.push_back(write(value.*(each.member)));
             else

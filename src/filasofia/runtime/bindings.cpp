@@ -13,10 +13,41 @@
 namespace filasofia::runtime {
 namespace {
 
+/// Calls `visit` with every texture of a built-in material, and the name of its field.
+template <class Held, class Visit> void forEachTexture(Held& material, Visit&& visit)
+{
+    if constexpr (!std::is_same_v<Held, visual::CustomMaterial> && !std::is_same_v<Held, visual::NamedMaterial>)
+        forEachField<Held>([&](const auto& each) {
+            auto& value = material.*(each.member);
+            using Value = std::remove_cvref_t<decltype(value)>;
+            if constexpr (std::is_same_v<Value, visual::Texture> || std::is_same_v<Value, visual::TextureMap>)
+                visit(value, each.name);
+        });
+}
+
+/// The inside has no uv, so no textures either: neither its own nor those that it has by a name of the pool.
+void dropTextures(visual::Material& inside, const std::map<std::string, visual::Material>& pool)
+{
+    const auto drop = [](auto& texture, std::string_view) { texture = visual::NoTexture{}; };
+    std::visit([&](auto& held) { forEachTexture(held, drop); }, inside);
+    auto* named = std::get_if<visual::NamedMaterial>(&inside);
+    const auto found = named ? pool.find(named->name) : pool.end();
+    if (found == pool.end()) return;
+    const auto none = [&](const auto& texture, std::string_view name) {
+        const auto count =
+            std::erase_if(named->overrides, [&](const visual::MaterialParameter& each) { return each.name == name; });
+        if (count > 0 || texture.index() > 0)
+            named->overrides.push_back({std::string(name), visual::Texture{visual::NoTexture{}}});
+    };
+    visual::Material shown = found->second;
+    std::visit([&](auto& held) { forEachTexture(held, none); }, shown);
+}
+
 /// Inside, tissue is redder and wetter than its skin.
-visual::Material interiorOf(const visual::Material& skin)
+visual::Material interiorOf(const visual::Material& skin, const visual::VisualServer& server)
 {
     visual::Material inside = skin;
+    dropTextures(inside, server.materials());
     if (auto* tissue = std::get_if<visual::TissueMaterial>(&inside)) {
         const auto mixed = [](visual::Color a, visual::Color b) {
             return visual::Color{0.5 * (a.red + b.red), 0.5 * (a.green + b.green), 0.5 * (a.blue + b.blue)};
@@ -162,12 +193,12 @@ void Bindings::followTopology(const frame::Frame& frame)
     }
 }
 
-void Bindings::apply(const PendingChange& change, Binding& binding)
+void Bindings::apply(const PendingChange& change, Binding& binding, const visual::VisualServer& visual)
 {
     if (change.visible) binding.def.visible = *change.visible;
     if (change.material)
         binding.def.material =
-            binding.interior ? binding.def.interior.value_or(interiorOf(*change.material)) : *change.material;
+            binding.interior ? binding.def.interior.value_or(interiorOf(*change.material, visual)) : *change.material;
     if (!binding.drawn) return;
     if (change.visible) binding.drawn->setVisible(*change.visible);
     try {
@@ -190,7 +221,7 @@ void Bindings::applyChanges(visual::VisualServer& visual)
         std::erase_if(*list, [&](Binding& binding) {
             const auto found = changes.find(binding.shown);
             if (found == changes.end()) return false;
-            apply(found->second, binding);
+            apply(found->second, binding, visual);
             if (!found->second.gone) return false;
             if (binding.drawn) visual.remove(*binding.drawn);
             forget(binding);
@@ -226,8 +257,8 @@ void Bindings::openInteriors()
             inside.drawn = nullptr;
             inside.mapped = newest->second.interior;
             inside.nodes = mapping::nodesNeeded(inside.mapped->map);
-            inside.def.material = skin.def.interior.value_or(interiorOf(skin.def.material));
-            inside.subdivision = 0; // until the worker has prepared it
+            inside.def.material = skin.def.interior.value_or(interiorOf(skin.def.material, *visual_));
+            inside.subdivision = 0; // until the worker has it
             painted_.add(inside.key, {inside.id, std::nullopt, inside.start}, inside.mapped);
             askMesh(inside);
         }

@@ -100,7 +100,7 @@ private:
     bool closedAgain(const Binding& binding); ///< the opened inside is closed again
     bool place(Binding& binding, const frame::Frame& frame);
     void forget(const Binding& binding);
-    static void apply(const PendingChange& change, Binding& binding);
+    static void apply(const PendingChange& change, Binding& binding, const visual::VisualServer& visual);
 
     mutable std::mutex mutex_; ///< guards the members up to boundaries_
     std::vector<Binding> pending_;

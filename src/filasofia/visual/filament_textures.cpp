@@ -8,15 +8,15 @@ namespace {
 using FTexture = filament::Texture;
 using Sampler = filament::TextureSampler;
 
-FTexture* upload(filament::Engine& engine, const Image& image)
+FTexture* upload(filament::Engine& engine, const Image& image, FTexture::InternalFormat format)
 {
     FTexture* texture =
         FTexture::Builder()
             .width(std::uint32_t(image.width))
             .height(std::uint32_t(image.height))
-            .levels(0xff) // all mipmap levels
-            .format(FTexture::InternalFormat::SRGB8_A8)
-            .usage(FTexture::Usage::DEFAULT | FTexture::Usage::COLOR_ATTACHMENT) // needed to generate mipmaps
+            .levels(0xff) // as many as there are
+            .format(format)
+            .usage(FTexture::Usage::DEFAULT | FTexture::Usage::COLOR_ATTACHMENT) // for its smaller levels
             .build(engine);
     auto* kept = new std::vector<std::uint8_t>(image.rgba);
     texture->setImage(engine, 0,
@@ -28,20 +28,27 @@ FTexture* upload(filament::Engine& engine, const Image& image)
     return texture;
 }
 
+constexpr auto kColours = FTexture::InternalFormat::SRGB8_A8;
+constexpr auto kNumbers = FTexture::InternalFormat::RGBA8;
+
 Image onePixel(std::uint8_t value) { return {1, 1, {value, value, value, 255}}; }
 
-Sampler samplerOf(const Texture& texture)
+Sampler samplerOfFile()
 {
-    if (std::holds_alternative<ViewPicture>(texture)) return Sampler(Sampler::MagFilter::LINEAR);
     Sampler sampler(Sampler::MinFilter::LINEAR_MIPMAP_LINEAR, Sampler::MagFilter::LINEAR, Sampler::WrapMode::REPEAT);
     sampler.setAnisotropy(4.0F);
     return sampler;
 }
 
+Sampler samplerOf(const Texture& texture)
+{
+    return std::holds_alternative<ViewPicture>(texture) ? Sampler(Sampler::MagFilter::LINEAR) : samplerOfFile();
+}
+
 } // namespace
 
 TexturePool::TexturePool(filament::Engine& engine)
-    : engine_(engine), white_(upload(engine, onePixel(255))), black_(upload(engine, onePixel(0)))
+    : engine_(engine), white_(upload(engine, onePixel(255), kColours)), black_(upload(engine, onePixel(0), kColours))
 {
 }
 
@@ -49,7 +56,7 @@ TexturePool::~TexturePool()
 {
     engine_.destroy(white_);
     engine_.destroy(black_);
-    for (const auto& [name, texture] : files_) engine_.destroy(texture);
+    for (const auto& [key, texture] : files_) engine_.destroy(texture);
 }
 
 void TexturePool::setView(const std::string& name, FTexture* picture)
@@ -60,10 +67,10 @@ void TexturePool::setView(const std::string& name, FTexture* picture)
         views_.erase(name);
 }
 
-FTexture* TexturePool::file(const std::string& name, const Image& image)
+FTexture* TexturePool::file(const std::string& name, const Image& image, Content content)
 {
-    const auto [found, isNew] = files_.try_emplace(name, nullptr);
-    if (isNew) found->second = upload(engine_, image);
+    const auto [found, isNew] = files_.try_emplace({name, content}, nullptr);
+    if (isNew) found->second = upload(engine_, image, content == Content::Colours ? kColours : kNumbers);
     return found->second;
 }
 
@@ -72,12 +79,20 @@ void TexturePool::apply(const Texture& texture, const ReadyMaterial& from, filam
 {
     FTexture* shown = white_;
     if (const auto* picture = std::get_if<TextureFile>(&texture))
-        shown = file(picture->file, *from.pictures.at(picture->file));
+        shown = file(picture->file, *from.pictures.at(picture->file), Content::Colours);
     if (const auto* view = std::get_if<ViewPicture>(&texture)) {
         const auto found = views_.find(view->view);
         shown = found == views_.end() ? black_ : found->second;
     }
     instance.setParameter(parameter, shown, samplerOf(texture));
+}
+
+void TexturePool::applyMap(const TextureMap& map, const ReadyMaterial& from, filament::MaterialInstance& instance,
+                           const char* parameter)
+{
+    const auto* picture = std::get_if<TextureFile>(&map);
+    FTexture* const shown = picture ? file(picture->file, *from.pictures.at(picture->file), Content::Numbers) : white_;
+    instance.setParameter(parameter, shown, samplerOfFile());
 }
 
 void TexturePool::applyWithKind(const Texture& texture, const ReadyMaterial& from, filament::MaterialInstance& instance,

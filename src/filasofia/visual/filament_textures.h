@@ -8,6 +8,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 
 namespace filasofia::visual {
 
@@ -26,17 +27,21 @@ public:
     /// Sets a sampler to the texture; white for none, black for a view that is gone.
     void apply(const Texture& texture, const ReadyMaterial& from, filament::MaterialInstance& instance,
                const char* parameter);
-    /// The same for a built-in material, with its parameter "textured" (see texture.glsl).
+    /// The same of a file whose channels are plain numbers; white for none.
+    void applyMap(const TextureMap& map, const ReadyMaterial& from, filament::MaterialInstance& instance,
+                  const char* parameter);
+    /// The same for a built-in material, and its parameter "textured" (see texture.glsl).
     void applyWithKind(const Texture& texture, const ReadyMaterial& from, filament::MaterialInstance& instance,
                        const char* parameter);
 
 private:
-    filament::Texture* file(const std::string& name, const Image& image);
+    enum class Content { Colours, Numbers }; ///< sRGB encoded, or plain
+    filament::Texture* file(const std::string& name, const Image& image, Content content);
 
     filament::Engine& engine_;
     filament::Texture* white_;
     filament::Texture* black_;
-    std::map<std::string, filament::Texture*> files_;
+    std::map<std::pair<std::string, Content>, filament::Texture*> files_;
     std::map<std::string, filament::Texture*> views_;
 };
 

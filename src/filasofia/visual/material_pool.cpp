@@ -35,6 +35,8 @@ constexpr Package kPackages[] = {
     {"optics", embedded::optics, &embedded::opticsSize}, {"gui", embedded::gui, &embedded::guiSize},
     {"canvas", embedded::canvas, &embedded::canvasSize}, {"debug", embedded::debug, &embedded::debugSize}};
 
+constexpr int kNormalMap = 1, kRoughnessMap = 2, kOcclusionMap = 4; // as in materials/texture.glsl
+
 float3 linear(const Color& color) { return {float(color.red), float(color.green), float(color.blue)}; }
 
 void applyTo(filament::MaterialInstance& instance, const TissueMaterial& m)
@@ -198,13 +200,31 @@ void MaterialPool::apply(const ReadyMaterial& material, filament::MaterialInstan
                 }
             } else if constexpr (!std::is_same_v<Held, NamedMaterial>) {
                 applyTo(instance, held);
-                if constexpr (requires { held.baseColorTexture; })
-                    textures_.applyWithKind(held.baseColorTexture, material, instance, "baseColorTexture");
-                if constexpr (requires { held.texture; })
-                    textures_.applyWithKind(held.texture, material, instance, "picture");
+                applyTextures(held, material, instance);
             }
         },
         material.material);
+}
+
+template <class Held>
+void MaterialPool::applyTextures(const Held& held, const ReadyMaterial& from, filament::MaterialInstance& instance)
+{
+    if constexpr (requires { held.baseColorTexture; })
+        textures_.applyWithKind(held.baseColorTexture, from, instance, "baseColorTexture");
+    if constexpr (requires { held.texture; }) textures_.applyWithKind(held.texture, from, instance, "picture");
+    if constexpr (requires { held.normalTexture; }) { // all but UnlitMaterial
+        const auto given = [](const TextureMap& map) { return std::holds_alternative<TextureFile>(map); };
+        textures_.applyMap(held.normalTexture, from, instance, "normalTexture");
+        textures_.applyMap(held.roughnessTexture, from, instance, "roughnessTexture");
+        int maps = (given(held.normalTexture) ? kNormalMap : 0) | (given(held.roughnessTexture) ? kRoughnessMap : 0);
+        setParameter(instance, "normalStrength", float(held.normalStrength));
+        if constexpr (requires { held.occlusionTexture; }) {
+            textures_.applyMap(held.occlusionTexture, from, instance, "occlusionTexture");
+            setParameter(instance, "occlusionStrength", float(held.occlusionStrength));
+            maps |= given(held.occlusionTexture) ? kOcclusionMap : 0;
+        }
+        setParameter(instance, "maps", maps);
+    }
 }
 
 std::string MaterialPool::nameOf(const Material& material)

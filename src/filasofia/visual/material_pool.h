@@ -33,6 +33,9 @@ public:
     [[nodiscard]] TexturePool& textures() { return textures_; }
 
 private:
+    /// The textures of a built-in material.
+    template <class Held>
+    void applyTextures(const Held& held, const ReadyMaterial& from, filament::MaterialInstance& instance);
     filament::Material& get(const CustomMaterial& material, const MaterialPackage& package);
     filament::Material& load(const std::string& name, const std::uint8_t* bytes, std::size_t size);
 

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/visual/material_overrides.h"
 
 #include <cmath>
 
@@ -35,71 +36,119 @@ bool fitsFloat(const ParameterValue& value)
     return true;
 }
 
-/// The texture of a built-in material, of which there is at most one.
-const Texture* textureOf(const Material& material)
+/// Whether a picture holds slopes: all but one pixel in a hundred point out of the surface. (Lossy files have a few
+/// that do not; a height map or a photograph has many.)
+bool holdsNormals(const Image& image)
 {
-    return std::visit(
-        [](const auto& held) -> const Texture* {
-            if constexpr (requires { held.baseColorTexture; })
-                return &held.baseColorTexture;
-            else if constexpr (requires { held.texture; })
-                return &held.texture;
-            else
-                return nullptr;
-        },
-        material);
+    constexpr std::uint8_t kLevel = 128;
+    std::size_t inwards = 0;
+    for (std::size_t blue = 2; blue < image.rgba.size(); blue += 4) inwards += image.rgba[blue] < kLevel;
+    return 400 * inwards <= image.rgba.size();
 }
 
 } // namespace
 
 ReadyMaterial MaterialStore::ready(const Material& material, const std::string& object)
 {
-    if (const auto* named = std::get_if<NamedMaterial>(&material)) return ready(get(named->name, object), object);
+    if (const auto* named = std::get_if<NamedMaterial>(&material))
+        return ready(get(named->name, object), *named, object);
     std::visit([&](const auto& held) { validate(held, object); }, material);
     if (const auto* glass = std::get_if<GlassMaterial>(&material))
         for (double share : {glass->tint.red, glass->tint.green, glass->tint.blue})
             if (share <= 0.0) fail(object, ": tint must be > 0 in every colour, got ", share);
     ReadyMaterial out;
     out.material = material;
-    if (const Texture* texture = textureOf(material)) require(*texture, object, out);
-    if (const auto* custom = std::get_if<CustomMaterial>(&material)) require(*custom, object, out);
+    std::visit([&](const auto& held) { requireTextures(held, object, out); }, material);
     return out;
 }
 
-void MaterialStore::require(const Texture& texture, const std::string& object, ReadyMaterial& out)
+ReadyMaterial MaterialStore::ready(const Material& pool, const NamedMaterial& named, const std::string& object)
+{
+    const std::string whole = text(object, " '", named.name, "'");
+    const auto* custom = std::get_if<CustomMaterial>(&pool);
+    const auto read = custom ? package(*custom, whole) : nullptr;
+    return ready(overridden(pool, named.overrides, read.get(), whole), whole);
+}
+
+template <class Held>
+void MaterialStore::requireTextures(const Held& material, const std::string& object, ReadyMaterial& out)
+{
+    if constexpr (std::is_same_v<Held, CustomMaterial>) {
+        require(material, object, out);
+    } else {
+        forEachField<Held>([&](const auto& each) {
+            using Value = std::remove_cvref_t<decltype(material.*(each.member))>;
+            if constexpr (std::is_same_v<Value, Texture> || std::is_same_v<Value, TextureMap>)
+                require(material.*(each.member), object, each.name, out);
+        });
+        if constexpr (requires { material.normalTexture; }) requireNormals(material.normalTexture, object, out);
+    }
+}
+
+void MaterialStore::requirePicture(const std::string& file, const std::string& object, ReadyMaterial& out)
+{
+    std::shared_ptr<const Image>& kept = pictures_[file];
+    try {
+        if (!kept) kept = std::make_shared<const Image>(loadImage(file));
+    } catch (const Error& error) {
+        fail(object, ": ", error.what());
+    }
+    out.pictures[file] = kept;
+}
+
+void MaterialStore::require(const Texture& texture, const std::string& object, std::string_view field,
+                            ReadyMaterial& out)
 {
     if (const auto* view = std::get_if<ViewPicture>(&texture)) out.views.push_back(view->view);
-    if (const auto* picture = std::get_if<TextureFile>(&texture)) {
-        std::shared_ptr<const Image>& kept = pictures_[picture->file];
-        try {
-            if (!kept) kept = std::make_shared<const Image>(loadImage(picture->file));
-        } catch (const Error& error) {
-            fail(object, ": ", error.what());
-        }
-        out.pictures[picture->file] = kept;
+    if (const auto* picture = std::get_if<TextureFile>(&texture))
+        requirePicture(picture->file, text(object, ": ", field), out);
+    if (out.needsUv.empty() && !std::holds_alternative<NoTexture>(texture)) out.needsUv = field;
+}
+
+void MaterialStore::require(const TextureMap& map, const std::string& object, std::string_view field,
+                            ReadyMaterial& out)
+{
+    if (const auto* picture = std::get_if<TextureFile>(&map)) require(Texture(*picture), object, field, out);
+}
+
+void MaterialStore::requireNormals(const TextureMap& map, const std::string& object, ReadyMaterial& out)
+{
+    const auto* picture = std::get_if<TextureFile>(&map);
+    if (!picture) return;
+    out.needsTangents = true;
+    if (normalMaps_.contains(picture->file)) return;
+    if (!holdsNormals(*out.pictures.at(picture->file)))
+        fail(object, ": normalTexture: picture '", picture->file,
+             "': is no normal map: blue must be >= 128, but is less in more than one pixel of a hundred");
+    normalMaps_.insert(picture->file);
+}
+
+std::shared_ptr<const MaterialPackage> MaterialStore::package(const CustomMaterial& material, const std::string& object)
+{
+    std::shared_ptr<const MaterialPackage>& kept = packages_[material.file];
+    try {
+        if (!kept) kept = std::make_shared<const MaterialPackage>(readMaterialPackage(material.file));
+    } catch (const Error& error) {
+        fail(object, ": ", error.what());
     }
-    out.needsUv = out.needsUv || !std::holds_alternative<NoTexture>(texture);
+    return kept;
 }
 
 void MaterialStore::require(const CustomMaterial& material, const std::string& object, ReadyMaterial& out)
 {
-    std::shared_ptr<const MaterialPackage>& package = packages_[material.file];
-    try {
-        if (!package) package = std::make_shared<const MaterialPackage>(readMaterialPackage(material.file));
-    } catch (const Error& error) {
-        fail(object, ": ", error.what());
-    }
-    out.package = package;
+    out.package = package(material, object);
     for (const MaterialParameter& given : material.parameters) {
         const std::string where = text(object, ": parameter '", given.name, "' of material file '", material.file, "'");
-        const MaterialPackage::Parameter* declared = package->find(given.name);
+        const MaterialPackage::Parameter* declared = out.package->find(given.name);
         if (!declared) fail(where, ": the file has no parameter of this name");
         if (declared->kind != kindOf(given.value))
             fail(where, ": must be a ", nameOf(declared->kind), ", got a ", nameOf(kindOf(given.value)));
         if (!fitsFloat(given.value)) fail(where, ": must be finite");
-        if (const auto* texture = std::get_if<Texture>(&given.value)) require(*texture, where, out);
+        if (const auto* texture = std::get_if<Texture>(&given.value))
+            require(*texture, object, text("parameter '", given.name, "' of material file '", material.file, "'"), out);
     }
-    out.needsUv = out.needsUv || package->readsUv;
+    if (out.needsUv.empty() && out.package->readsUv) out.needsUv = text("material file '", material.file, "'");
+    out.needsTangents = out.package->readsUv; // which may be for a normal map
 }
 
 void MaterialStore::add(const std::string& name, const Material& material)

@@ -6,6 +6,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string_view>
 
 namespace filasofia::visual {
@@ -14,9 +15,10 @@ namespace filasofia::visual {
 struct ReadyMaterial {
     Material material;                                            ///< never a NamedMaterial
     std::map<std::string, std::shared_ptr<const Image>> pictures; ///< by file
-    std::vector<std::string> views;                               ///< the views whose pictures it shows
-    std::shared_ptr<const MaterialPackage> package;               ///< for a CustomMaterial
-    bool needsUv = false;
+    std::vector<std::string> views;                               ///< whose pictures it shows
+    std::shared_ptr<const MaterialPackage> package;               ///< of a CustomMaterial
+    std::string needsUv;                                          ///< the field that needs uv; empty if none does
+    bool needsTangents = false;                                   ///< tangent frames along the uv
 };
 
 /// The materials of a server by name, and the files that they and the bodies name, each read once. (Shared pointers,
@@ -25,6 +27,8 @@ class MaterialStore {
 public:
     /// Throws an Error that begins with `object` if the material, one of its files, or its name is wrong.
     [[nodiscard]] ReadyMaterial ready(const Material& material, const std::string& object);
+    /// The same of the pool's material `pool` with a body's overrides.
+    [[nodiscard]] ReadyMaterial ready(const Material& pool, const NamedMaterial& named, const std::string& object);
 
     void add(const std::string& name, const Material& material);
     /// `material` must be ready.
@@ -36,11 +40,19 @@ public:
     [[nodiscard]] const std::map<std::string, Material>& all() const { return named_; }
 
 private:
-    void require(const Texture& texture, const std::string& object, ReadyMaterial& out);
+    template <class Held> void requireTextures(const Held& material, const std::string& object, ReadyMaterial& out);
+    void requirePicture(const std::string& file, const std::string& object, ReadyMaterial& out);
+    void requireNormals(const TextureMap& map, const std::string& object, ReadyMaterial& out);
+    /// `field` is what errors call the texture.
+    void require(const Texture& texture, const std::string& object, std::string_view field, ReadyMaterial& out);
+    void require(const TextureMap& map, const std::string& object, std::string_view field, ReadyMaterial& out);
     void require(const CustomMaterial& material, const std::string& object, ReadyMaterial& out);
+    [[nodiscard]] std::shared_ptr<const MaterialPackage> package(const CustomMaterial& material,
+                                                                 const std::string& object);
 
     std::map<std::string, Material> named_;
     std::map<std::string, std::shared_ptr<const Image>> pictures_;
+    std::set<std::string> normalMaps_; ///< files whose picture is one
     std::map<std::string, std::shared_ptr<const MaterialPackage>> packages_;
 };
 

@@ -2,13 +2,16 @@
 
 #include "filasofia/visual/float3.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace filasofia::visual {
 
-/// A tangent frame as a quaternion of four normalised 16-bit numbers x, y, z, w with w > 0 (no mirrored frames).
+/// A tangent frame as a quaternion of four normalised 16-bit numbers x, y, z, w: its axes are the tangent, the
+/// bitangent and the normal. w is never 0; if it is negative, the bitangent is -cross(normal, tangent), as on
+/// mirrored uv.
 struct PackedFrame {
     std::int16_t x, y, z, w;
 };
@@ -32,5 +35,21 @@ PackedFrame packFrame(Float3 normal);
 /// callers that come every frame.
 VertexData vertexData(std::vector<Float3> positions, std::span<const std::uint32_t> indices,
                       std::vector<Float3>& normals);
+
+/// Directions on the surface along growing u and v around a vertex, summed over its triangles.
+struct TangentSum {
+    Float3 alongU;
+    Float3 alongV;
+};
+
+/// The frame whose third axis is `normal` and whose first is `alongU`, made perpendicular; mirrored if `alongV` is on
+/// the other side. packFrame(normal) if the uv have no direction.
+PackedFrame packAlignedFrame(Float3 normal, const TangentSum& sum);
+
+/// Turns the frames of `data`, about their normals, along the uv of the vertices: what a normal map needs (Lengyel,
+/// "Computing tangent space basis vectors for an arbitrary mesh", 2001). A triangle without an area of uv says nothing.
+/// `normals` are those of vertexData(); `sums` is room to compute in.
+void alignFrames(VertexData& data, std::span<const std::uint32_t> indices, std::span<const std::array<float, 2>> uv,
+                 std::span<const Float3> normals, std::vector<TangentSum>& sums);
 
 } // namespace filasofia::visual

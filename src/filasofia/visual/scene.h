@@ -36,11 +36,16 @@ struct VisualBody::Impl {
     Slot slot;
     VisualBodyDef def; ///< its mesh has the positions given last
     Subdivision subdivision;
-    std::vector<Float3> control = {}; ///< scratch memory of setVertices(), kept between frames
+    std::vector<std::array<float, 2>> uv; ///< after subdivision
+    bool tangents = false;                ///< the material needs frames along the uv
+    std::vector<Float3> control = {};     ///< kept from frame to frame: what setVertices() computes with
     std::vector<Float3> normals = {};
+    std::vector<TangentSum> tangentSums = {};
 
     /// Takes the positions of the mesh's vertices and returns what is drawn of them.
     VertexData deform(std::span<const Vec3> positions);
+    /// Sends a material to the backend, and the frames that it needs.
+    void look(const ReadyMaterial& material);
 };
 
 struct PreparedMesh::Impl {
@@ -83,7 +88,10 @@ void check(const VisualBodyDef& def);
 /// does not exist, or the mesh has no uv for its textures.
 ReadyMaterial readyMaterial(Scene& scene, const Material& material, const geometry::TriangleMesh& mesh,
                             std::string_view body);
-/// Sets the materials of bodies that show off-screen views again, after such a view was added, changed or removed.
+/// The same of the pool's material `pool` with the body's overrides.
+ReadyMaterial readyMaterial(Scene& scene, const Material& pool, const NamedMaterial& named,
+                            const geometry::TriangleMesh& mesh, std::string_view body);
+/// Gives the bodies that show off-screen views their materials again, after such a view has come, changed or gone.
 void refreshViewPictures(Scene& scene);
 void checkPositions(std::span<const Vec3> positions, std::size_t count, std::string_view body);
 

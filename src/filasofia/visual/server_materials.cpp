@@ -36,10 +36,13 @@ void changeMaterial(Scene& scene, const std::string& name, const Material& mater
     std::vector<VisualBody*> users;
     for (VisualBody* body : scene.bodies)
         if (uses(*body, name)) users.push_back(body);
-    const ReadyMaterial ready = scene.materials.ready(material, objectName(name));
-    for (VisualBody* body : users) (void)readyMaterial(scene, material, body->impl().def.mesh, body->name());
+    (void)scene.materials.ready(material, objectName(name));
+    std::vector<ReadyMaterial> ready; // one for each user: overrides may differ
+    for (VisualBody* body : users)
+        ready.push_back(readyMaterial(scene, material, std::get<NamedMaterial>(body->material()), body->impl().def.mesh,
+                                      body->name()));
     scene.materials.change(name, material);
-    for (VisualBody* body : users) scene.backend->setMaterial(body->impl().slot, ready);
+    for (std::size_t i = 0; i < users.size(); ++i) users[i]->impl().look(ready[i]);
 }
 
 void removeMaterial(Scene& scene, const std::string& name)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace filasofia::visual {
 namespace {
@@ -19,6 +20,20 @@ std::vector<Float3> toFloats(std::span<const Vec3> positions)
 }
 
 std::string bodyName(std::string_view name) { return text("body '", name, "'"); }
+std::string materialName(std::string_view body) { return text(bodyName(body), ": material"); }
+
+/// Throws an Error unless the scene has the views and the mesh the uv that the material shows.
+void checkFits(const Scene& scene, const ReadyMaterial& ready, const geometry::TriangleMesh& mesh,
+               std::string_view body)
+{
+    for (const std::string& view : ready.views)
+        if (std::none_of(scene.views.begin(), scene.views.end(), [&](View* each) {
+                return each->def().name == view && std::holds_alternative<OffScreen>(each->def().target);
+            }))
+            fail(materialName(body), ": there is no off-screen view '", view, "'");
+    if (!ready.needsUv.empty() && mesh.uv.empty())
+        fail(materialName(body), ": ", ready.needsUv, " needs texture coordinates, but the mesh has no uv");
+}
 
 } // namespace
 
@@ -42,14 +57,16 @@ void check(const VisualBodyDef& def)
 ReadyMaterial readyMaterial(Scene& scene, const Material& material, const geometry::TriangleMesh& mesh,
                             std::string_view body)
 {
-    const std::string object = text(bodyName(body), ": material");
-    ReadyMaterial ready = scene.materials.ready(material, object);
-    for (const std::string& view : ready.views)
-        if (std::none_of(scene.views.begin(), scene.views.end(), [&](View* each) {
-                return each->def().name == view && std::holds_alternative<OffScreen>(each->def().target);
-            }))
-            fail(object, ": there is no off-screen view '", view, "'");
-    if (ready.needsUv && mesh.uv.empty()) fail(object, " has a texture, but the mesh has no uv");
+    ReadyMaterial ready = scene.materials.ready(material, materialName(body));
+    checkFits(scene, ready, mesh, body);
+    return ready;
+}
+
+ReadyMaterial readyMaterial(Scene& scene, const Material& pool, const NamedMaterial& named,
+                            const geometry::TriangleMesh& mesh, std::string_view body)
+{
+    ReadyMaterial ready = scene.materials.ready(pool, named, materialName(body));
+    checkFits(scene, ready, mesh, body);
     return ready;
 }
 
@@ -115,6 +132,7 @@ void VisualBody::adopt(PreparedMesh prepared, std::span<const Vec3> now)
     checkPositions(now, ready.rest.vertices.size(), name());
     if (ready.rest.uv.empty()) readyMaterial(impl_->scene, impl_->def.material, ready.rest, name());
     impl_->subdivision = std::move(ready.subdivision);
+    impl_->uv = ready.geometry.uv;
     impl_->def.mesh = std::move(ready.rest);
     ready.geometry.vertices = impl_->deform(now);
     impl_->scene.backend->setGeometry(impl_->slot, std::move(ready.geometry));
@@ -124,14 +142,25 @@ void VisualBody::adopt(PreparedMesh prepared, std::span<const Vec3> now)
 
 VertexData VisualBody::Impl::deform(std::span<const Vec3> positions)
 {
-    def.mesh.vertices.assign(positions.begin(), positions.end());
+    if (positions.data() != def.mesh.vertices.data()) def.mesh.vertices.assign(positions.begin(), positions.end());
     control.resize(positions.size());
     std::transform(positions.begin(), positions.end(), control.begin(), toFloat3);
     std::vector<Float3> refined = subdivision.refine(control);
     scene.watch.lap(&VisualStages::subdivision);
     VertexData data = vertexData(std::move(refined), subdivision.indices(), normals);
+    if (tangents && !uv.empty()) alignFrames(data, subdivision.indices(), uv, normals, tangentSums);
     scene.watch.lap(&VisualStages::normals);
     return data;
+}
+
+void VisualBody::Impl::look(const ReadyMaterial& material)
+{
+    scene.backend->setMaterial(slot, material);
+    if (std::exchange(tangents, material.needsTangents) == tangents) return;
+    scene.watch.start();
+    scene.backend->setVertices(slot, deform(def.mesh.vertices));
+    scene.watch.lap(&VisualStages::upload);
+    ++scene.vertexUpdates;
 }
 
 void VisualBody::setSurfaceState(std::span<const SurfaceState> states)
@@ -160,7 +189,7 @@ void VisualBody::setMaterial(const Material& material)
 {
     impl_->scene.assertThread();
     const ReadyMaterial ready = readyMaterial(impl_->scene, material, impl_->def.mesh, name());
-    impl_->scene.backend->setMaterial(impl_->slot, ready);
+    impl_->look(ready);
     impl_->def.material = material;
 }
 

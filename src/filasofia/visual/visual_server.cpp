@@ -105,11 +105,13 @@ VisualBody& VisualServer::add(const VisualBodyDef& def)
     const ReadyMaterial material = readyMaterial(impl_->scene, def.material, def.mesh, def.name);
     BodyGeometry geometry = bodyGeometry(subdivision, def.mesh.vertices, def.mesh);
     const Slot slot = ++impl_->lastSlot;
+    auto body = std::unique_ptr<VisualBody::Impl>(
+        new VisualBody::Impl{impl_->scene, slot, def, std::move(subdivision), geometry.uv, material.needsTangents});
+    impl_->scene.watch.start();
+    if (material.needsTangents) geometry.vertices = body->deform(def.mesh.vertices);
     impl_->scene.backend->addBody(slot, material, def.castShadows, std::move(geometry));
     ++impl_->scene.vertexUpdates;
-    impl_->bodies.push_back(std::make_unique<VisualBody>(
-        def.name,
-        std::unique_ptr<VisualBody::Impl>(new VisualBody::Impl{impl_->scene, slot, def, std::move(subdivision)})));
+    impl_->bodies.push_back(std::make_unique<VisualBody>(def.name, std::move(body)));
     return *impl_->bodies.back();
 }
 

@@ -1,10 +1,10 @@
-#include "apps/filasofia/suggestion.h"
+#include "filasofia/core/suggestion.h"
 
 #include "filasofia/core/text.h"
 
 #include <algorithm>
 
-namespace filasofia::app {
+namespace filasofia {
 
 // Optimal string alignment: Levenshtein with swaps of neighbours, row by row.
 int editDistance(std::string_view a, std::string_view b)
@@ -39,4 +39,4 @@ std::string didYouMean(std::string_view word, const std::vector<std::string>& kn
     return nearest ? text(" (did you mean '", *nearest, "'?)") : std::string();
 }
 
-} // namespace filasofia::app
+} // namespace filasofia

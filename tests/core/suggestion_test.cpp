@@ -1,0 +1,21 @@
+#include "filasofia/core/suggestion.h"
+
+using namespace filasofia;
+
+TEST_CASE("the distance of two words counts letters that are missing, added, wrong or swapped")
+{
+    CHECK(editDistance("roughness", "roughness") == 0);
+    CHECK(editDistance("rougness", "roughness") == 1);
+    CHECK(editDistance("roughhness", "roughness") == 1);
+    CHECK(editDistance("rouhgness", "roughness") == 1);
+    CHECK(editDistance("", "abc") == 3);
+}
+
+TEST_CASE("a slip is told the nearest known word, another word none")
+{
+    const std::vector<std::string> known = {"roughness", "wetness", "bump"};
+    CHECK(didYouMean("wettness", known) == " (did you mean 'wetness'?)");
+    CHECK(didYouMean("colour", known).empty());
+    CHECK(didYouMean("xyz", {"abc"}).empty());
+    CHECK(didYouMean("bump", {}).empty());
+}
