@@ -22,7 +22,7 @@ endif()
 
 # filasofia_room(geometry SOURCES a.cpp b.cpp DEPENDS core math VENDORS assimp::assimp)
 function(filasofia_room name)
-  cmake_parse_arguments(ROOM "NOT_INSTALLED" "" "SOURCES;DEPENDS;VENDORS" ${ARGN})
+  cmake_parse_arguments(ROOM "NOT_INSTALLED" "" "SOURCES;DEPENDS;VENDORS;PRECOMPILE" ${ARGN})
   add_library(filasofia_${name} STATIC ${ROOM_SOURCES})
   add_library(Filasofia::${name} ALIAS filasofia_${name})
   target_include_directories(filasofia_${name} PUBLIC
@@ -34,6 +34,9 @@ function(filasofia_room name)
     PRIVATE $<BUILD_INTERFACE:filasofia_flags> ${ROOM_VENDORS})
   set_target_properties(filasofia_${name} PROPERTIES EXPORT_NAME ${name} CXX_EXTENSIONS OFF
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON POSITION_INDEPENDENT_CODE ON)
+  if(ROOM_PRECOMPILE AND FILASOFIA_PRECOMPILE)
+    target_precompile_headers(filasofia_${name} PRIVATE ${ROOM_PRECOMPILE})
+  endif()
   if(NOT ROOM_NOT_INSTALLED)
     set_property(GLOBAL APPEND PROPERTY FILASOFIA_ROOM_TARGETS filasofia_${name})
   endif()
@@ -42,7 +45,7 @@ endfunction()
 # filasofia_tests(geometry SOURCES mesh_test.cpp ... LINKS extra): one program, one ctest entry per TEST_CASE.
 # The tests see the private headers of their room.
 function(filasofia_tests name)
-  cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LINKS;PRECOMPILE" ${ARGN})
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 300)
   endif()
@@ -55,7 +58,11 @@ function(filasofia_tests name)
   target_link_libraries(test_${name} PRIVATE ${TEST_LINKS} filasofia_flags filasofia_test_main)
   target_compile_definitions(test_${name} PRIVATE FILASOFIA_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     FILASOFIA_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  target_precompile_headers(test_${name} REUSE_FROM filasofia_test_main)
+  if(TEST_PRECOMPILE AND FILASOFIA_PRECOMPILE)
+    target_precompile_headers(test_${name} PRIVATE ${FILASOFIA_TEST_HEADERS} ${TEST_PRECOMPILE})
+  else()
+    target_precompile_headers(test_${name} REUSE_FROM filasofia_test_main)
+  endif()
   set_target_properties(test_${name} PROPERTIES CXX_EXTENSIONS OFF)
   catch_discover_tests(test_${name} TEST_PREFIX "${name}: " EXTRA_ARGS -w NoTests
     PROPERTIES TIMEOUT ${TEST_TIMEOUT} LABELS ${name} SKIP_REGULAR_EXPRESSION "SKIPPED:") # tests/skip.h says it

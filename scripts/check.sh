@@ -6,6 +6,7 @@ Parts (default: all of them)
   clang   build with clang, all tests
   tidy    clang-tidy on the sources of src, apps and examples changed since --base (default: origin/HEAD, else the last
           tag, else all)
+  asan    all tests under the address and undefined behaviour sanitizers (test.sh runs those of hostile input and edits)
   tsan    all tests under the thread sanitizer
   fuzz    every fuzzer for --seconds (default 60)
   soak    one simulated hour of the bunny (or --steps of 5 ms), twice: same hash, no growth of memory, always finite
@@ -13,11 +14,11 @@ Parts (default: all of them)
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 cd "$root" || exit 1
 
-all_parts=(clang tidy tsan fuzz soak)
+all_parts=(clang tidy asan tsan fuzz soak)
 parts=() base='' all=no seconds=60 steps=720000
 while (($# > 0)); do
   case $1 in
-    clang | tidy | tsan | fuzz | soak) parts+=("$1") ;;
+    clang | tidy | asan | tsan | fuzz | soak) parts+=("$1") ;;
     --all) all=yes ;;
     --base | --seconds | --steps)
       (($# > 1)) || die "$1 needs a value"
@@ -66,6 +67,11 @@ check_tidy() {
   mapfile -t files < <(sed "s|^|$root/|" <<<"$chosen" | grep -xF -f <(printf '%s\n' "$listed") || true)
   echo "clang-tidy on ${#files[@]} sources"
   ((${#files[@]} == 0)) || printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$(jobs_that_fit)" clang-tidy -p build/clang --quiet
+}
+
+check_asan() {
+  (configure asan-all && build asan-all) || return 1
+  ctest --preset asan-all -j "$(nproc)" </dev/null
 }
 
 check_tsan() {
