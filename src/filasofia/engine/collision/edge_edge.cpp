@@ -14,13 +14,13 @@ constexpr double kParallel = 1e-6;
 constexpr double kFlat = 1e-3; // [-] sine: a direction this near to a triangle's plane counts as in the plane
 
 // The places where two lines are nearest to each other: s along u from a, t along v from b.
-struct Crossing {
+struct EdgeCrossing {
     double s, t;
     Vec3 between; // from the second to the first
     Vec3 across;  // unit vector, normal to both
 };
 
-inline bool crossing(Vec3 a, Vec3 u, Vec3 b, Vec3 v, Crossing& out)
+inline bool crossing(Vec3 a, Vec3 u, Vec3 b, Vec3 v, EdgeCrossing& out)
 {
     const Vec3 r = a - b;
     const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r);
@@ -63,7 +63,7 @@ bool solid(const CollisionSurface& surface, int edge)
 }
 
 // +1 or -1: the side of `across` that the first edge's outside is on; 0: the edges do not face each other.
-double sideOf(const Meeting& meeting, int first, int second, const Crossing& at)
+double sideOf(const Meeting& meeting, int first, int second, const EdgeCrossing& at)
 {
     const CollisionSurface &one = *meeting.sides[0], &two = *meeting.sides[1];
     const double apart = dot(at.between, at.across) >= 0.0 ? 1.0 : -1.0;
@@ -91,7 +91,7 @@ bool nearAtRest(const Meeting& meeting, const std::array<int, 3>& a, const std::
         });
     };
     if (anyNear(a, b) || anyNear(b, a)) return true;
-    Crossing at;
+    EdgeCrossing at;
     if (a[1] < 0 || b[1] < 0 || !crossing(rest[a[0]], rest[a[1]] - rest[a[0]], rest[b[0]], rest[b[1]] - rest[b[0]], at))
         return false;
     return lengthSquared(at.between) < nearest;
@@ -106,7 +106,7 @@ void meetEdges(const Meeting& meeting, int first, int second, std::vector<Proxim
     const Bounds boundsA = merged(one.vertexBounds[a0], one.vertexBounds[a1]);
     const Bounds boundsB = merged(two.vertexBounds[b0], two.vertexBounds[b1]);
     if (!meet(boundsA, boundsB)) return;
-    Crossing at;
+    EdgeCrossing at;
     if (!crossing(one.x[a0], one.x[a1] - one.x[a0], two.x[b0], two.x[b1] - two.x[b0], at)) return;
     const double far = reachOf(boundsA) + reachOf(boundsB);
     if (!(lengthSquared(at.between) <= far * far)) return;
