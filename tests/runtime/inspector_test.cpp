@@ -14,46 +14,46 @@ using window::NullWindow;
 
 namespace {
 
-/// A box of 8 g and a soft cube on a table, stepped by hand, with an inspector that is open.
+/// A box of 8 g and a soft cube on a table, stepped by the test, with an open inspector.
 struct InspectedScene {
     explicit InspectedScene(Backend backend = Backend::Null, int width = 800, int height = 600)
-        : visual({.backend = backend, .width = width, .height = height}), inspector(parts, visual)
+        : visual({.backend = backend, .width = width, .height = height}), inspector(impl, visual)
     {
-        table = parts.physics.add(RigidBodyDef{.name = "table",
-                                               .elements = {{{0, -5_mm, 0}, {}}},
-                                               .mesh = shapes::box({120_mm, 10_mm, 60_mm}),
-                                               .collision = {{}}});
-        box = parts.physics.add(RigidBodyDef{.name = "box",
-                                             .elements = {{{30_mm, 10.2_mm, 0}, {}}},
-                                             .mesh = shapes::box({20_mm, 20_mm, 20_mm}),
-                                             .dynamic = true,
-                                             .collision = {{}}});
+        table = impl.physics.add(RigidBodyDef{.name = "table",
+                                              .elements = {{{0, -5_mm, 0}, {}}},
+                                              .mesh = shapes::box({120_mm, 10_mm, 60_mm}),
+                                              .collision = {{}}});
+        box = impl.physics.add(RigidBodyDef{.name = "box",
+                                            .elements = {{{30_mm, 10.2_mm, 0}, {}}},
+                                            .mesh = shapes::box({20_mm, 20_mm, 20_mm}),
+                                            .dynamic = true,
+                                            .collision = {{}}});
         SoftBodyDef soft{.name = "cube", .mesh = shapes::block({20_mm, 20_mm, 20_mm}), .collision = {{}}};
         soft.pose.position = {0, 10.2_mm, 0};
-        cube = parts.physics.add(soft);
-        parts.bindings.show(cube, {.subdivision = 1}, parts.physics);
-        parts.bindings.show(box, {.material = MetalMaterial{}}, parts.physics);
-        parts.bindings.show(table, {.material = MetalMaterial{.baseColor = {0.1, 0.2, 0.25}, .roughness = 0.7}},
-                            parts.physics);
-        parts.bindings.addPending(visual);
-        parts.dressScene(visual);
+        cube = impl.physics.add(soft);
+        impl.bindings.show(cube, {.subdivision = 1}, impl.physics);
+        impl.bindings.show(box, {.material = MetalMaterial{}}, impl.physics);
+        impl.bindings.show(table, {.material = MetalMaterial{.baseColor = {0.1, 0.2, 0.25}, .roughness = 0.7}},
+                           impl.physics);
+        impl.bindings.addPending(visual);
+        impl.dressScene(visual);
         inspector.setOpen(true);
     }
-    ~InspectedScene() { parts.bindings.release(); }
+    ~InspectedScene() { impl.bindings.release(); }
 
     void step(int count)
     {
         const physics::StepBudget budget{.now = [this] { return now += 20'000; }};
         for (int i = 0; i < count; ++i) {
             now += 800'000;
-            parts.beforeStep(1e-3);
-            last = parts.physics.step(1e-3, 0, budget);
-            parts.afterStep(last);
+            impl.beforeStep(1e-3);
+            last = impl.physics.step(1e-3, 0, budget);
+            impl.afterStep(last);
         }
     }
     void picture()
     {
-        parts.mapNewestFrame(visual);
+        impl.mapNewestFrame(visual);
         inspector.beforePicture();
         visual.render();
         inspector.afterPicture(true);
@@ -67,7 +67,7 @@ struct InspectedScene {
     }
 
     std::int64_t now = 0;
-    Simulation::Impl parts{[] {
+    Simulation::Impl impl{[] {
         SimulationDef def;
         def.physics.threads = 1;
         return def;
@@ -79,9 +79,9 @@ struct InspectedScene {
     physics::StepReport last;
 
 private:
-    /// The inspector looks at the same made-up time.
+    /// The inspector uses the same simulated clock.
     const bool clocked = [this] {
-        parts.clock.now = [this] { return now; };
+        impl.clock.now = [this] { return now; };
         return true;
     }();
 };
@@ -104,21 +104,22 @@ TEST_CASE("the inspector shows its rates, and every panel is drawn")
     scene.inspector.show = {.wireframe = true, .contacts = true, .forces = true};
     scene.run(30);
     scene.step(16);
-    scene.parts.mapNewestFrame(scene.visual);
+    scene.impl.mapNewestFrame(scene.visual);
     scene.inspector.beforePicture();
     const visual::Image image = scene.visual.capture();
     if (hasBackend(Backend::Headless))
-        visual::savePng(image, std::filesystem::path(FILASOFIA_BINARY_DIR) / "inspector.png"); // to be looked at
+        visual::savePng(image,
+                        std::filesystem::path(FILASOFIA_BINARY_DIR) / "inspector.png"); // to look at
     CHECK(scene.inspector.problem().empty());
 }
 
 TEST_CASE("an arrow in newtons is as long as its force, and points where it pushes")
 {
     InspectedScene scene;
-    scene.parts.physics.remove(scene.cube);
+    scene.impl.physics.remove(scene.cube);
     scene.inspector.show = {.forces = true, .metresPerNewton = 0.5};
-    scene.step(400); // it rests
-    scene.parts.mapNewestFrame(scene.visual);
+    scene.step(400); // the box rests
+    scene.impl.mapNewestFrame(scene.visual);
     scene.inspector.beforePicture();
     const visual::DebugPicture drawn = scene.visual.debug().impl().shapes.picture();
     float low = 1, high = -1;
@@ -127,9 +128,9 @@ TEST_CASE("an arrow in newtons is as long as its force, and points where it push
         low = std::min(low, vertex.position.y);
         high = std::max(high, vertex.position.y);
     }
-    CHECK(low == Approx(0.0).margin(1e-4));                   // from where they touch
-    CHECK(high - low == Approx(0.5 * kWeight).epsilon(0.01)); // up, on the box: the table is led
-    scene.inspector.show.metresPerNewton = 0.0; // then the largest is a quarter of the scene, in round numbers
+    CHECK(low == Approx(0.0).margin(1e-4));                   // from the contact
+    CHECK(high - low == Approx(0.5 * kWeight).epsilon(0.01)); // upwards, on the box: the table is kinematic
+    scene.inspector.show.metresPerNewton = 0.0;               // the largest is then a quarter of the scene, rounded
     scene.visual.debug().clear();
     scene.inspector.beforePicture();
     CHECK(scene.visual.debug().counts().texts == 1);
@@ -142,7 +143,7 @@ TEST_CASE("wireframe and collision models are lines of the right number where th
 {
     InspectedScene scene;
     scene.step(2);
-    scene.parts.mapNewestFrame(scene.visual);
+    scene.impl.mapNewestFrame(scene.visual);
     const auto lines = [&](InspectorShow show) {
         scene.inspector.show = show;
         scene.visual.debug().clear();
@@ -150,11 +151,11 @@ TEST_CASE("wireframe and collision models are lines of the right number where th
         return scene.visual.debug().counts().vertices / 4;
     };
     CHECK(lines({}) == 0);
-    const long cube = 3 * 192 / 2, box = 3 * 12 / 2; // of closed surfaces of so many triangles
+    const long cube = 3 * 192 / 2, box = 3 * 12 / 2; // edges of closed surfaces with this many triangles
     CHECK(lines({.collision = true}) == cube + 2 * box);
-    CHECK(lines({.wireframe = true}) == cube + 2 * 6 * 5); // a box is drawn with each side for itself
+    CHECK(lines({.wireframe = true}) == cube + 2 * 6 * 5); // each side of a box is drawn separately
 
-    scene.parts.physics.remove(scene.table);
+    scene.impl.physics.remove(scene.table);
     scene.step(1);
     CHECK(lines({.collision = true}) == cube + box);
 }
@@ -164,36 +165,36 @@ TEST_CASE("pause, single steps and reset act on the next steps")
     InspectedScene scene;
     scene.step(5);
     CHECK(scene.last.step == 5);
-    scene.parts.physics.pause(true);
+    scene.impl.physics.pause(true);
     scene.step(3);
     CHECK(scene.last.step == 5);
     CHECK(scene.last.dt == 0.0);
-    scene.parts.stepAsked.store(true);
+    scene.impl.pause.askSingleStep();
     scene.step(3);
     CHECK(scene.last.step == 6);
     CHECK(scene.last.dt == 0.0);
-    scene.parts.stepAsked.store(true);
+    scene.impl.pause.askSingleStep();
     scene.step(3);
     CHECK(scene.last.step == 7);
     CHECK(scene.last.dt == 0.0);
-    scene.parts.physics.pause(false);
+    scene.impl.physics.pause(false);
     scene.step(300);
-    CHECK(scene.parts.physics.latest()->rigidBody(scene.box)->poses[0].position.y < 10.1_mm);
-    scene.parts.physics.reset();
-    scene.parts.physics.pause(true);
+    CHECK(scene.impl.physics.latest()->rigidBody(scene.box)->poses[0].position.y < 10.1_mm);
+    scene.impl.physics.reset();
+    scene.impl.physics.pause(true);
     scene.step(1);
-    CHECK(scene.parts.physics.latest()->rigidBody(scene.box)->poses[0].position.y == Approx(10.2_mm));
+    CHECK(scene.impl.physics.latest()->rigidBody(scene.box)->poses[0].position.y == Approx(10.2_mm));
 }
 
 TEST_CASE("a script goes on in a single step")
 {
     InspectedScene scene;
     std::vector<double> called;
-    scene.parts.everyStep.push_back([&](double time) { called.push_back(time); });
-    scene.parts.physics.pause(true);
+    scene.impl.everyStep.add([&](double time) { called.push_back(time); });
+    scene.impl.physics.pause(true);
     scene.step(3);
     called.clear();
-    scene.parts.stepAsked.store(true);
+    scene.impl.pause.askSingleStep();
     scene.step(3);
     CHECK(called.size() == 1);
 }
@@ -225,7 +226,7 @@ TEST_CASE("a thousand blind clicks and drags in the inspector break nothing")
     scene.inspector.screenshotFolder = "/no/such/folder";
     scene.run(3);
     std::mt19937 random(7);
-    const auto upTo = [&](int most) { return int(random() % unsigned(most)); };
+    const auto upTo = [&](int bound) { return int(random() % unsigned(bound)); };
     for (int i = 0; i < 1000; ++i) {
         scene.person.move(10 + upTo(320), 10 + upTo(590));
         scene.person.press();
@@ -234,13 +235,13 @@ TEST_CASE("a thousand blind clicks and drags in the inspector break nothing")
         if (upTo(10) == 0) scene.person.wheel(upTo(2) ? 3.0 : -3.0);
         if (upTo(10) == 0) scene.person.type("1e9");
         if (upTo(10) == 0) scene.person.stroke(KeyCode::Enter);
-        scene.inspector.setOpen(true); // it may have been closed
+        scene.inspector.setOpen(true); // a click may have closed it
         scene.step(2);
         scene.picture();
         scene.picture();
     }
     scene.person.look(20);
-    scene.parts.physics.pause(false);
+    scene.impl.physics.pause(false);
     const std::uint64_t before = scene.last.step;
     scene.step(5);
     CHECK(scene.last.step >= before);
@@ -262,7 +263,7 @@ TEST_CASE("F1 opens and closes the inspector in a live run, and keys for a Gui r
         return window;
     });
     sim.on<VisualUpdateEvent>([&](const VisualUpdateEvent&) { ++pictures; });
-    // Once the inspector has had its pictures, the person closes it and leaves.
+    // After the inspector has had its pictures, the person closes it and leaves.
     sim.show(GuiDef{.renderCallback = [&, drawn = 0]() mutable {
         if (++drawn != 8) return;
         opened->inject(keyEvent(KeyCode::F1));
@@ -270,7 +271,7 @@ TEST_CASE("F1 opens and closes the inspector in a live run, and keys for a Gui r
     }});
     CHECK_THROWS_WITH(sim.show(GuiDef{.name = "huge", .scale = 100}), "gui 'huge': scale must be in [0.5, 8], got 100");
     const RunReport report = sim.run({.backend = Backend::Null, .seconds = 60});
-    CHECK(report.finished == "Escape"); // a key of the run
+    CHECK(report.finished == "Escape"); // from a key of the run
     CHECK(f1 == 0);
 }
 

@@ -6,9 +6,9 @@
 
 namespace filasofia {
 
-/// An unbounded queue: any thread pushes, one thread pops, neither ever waits for the other.
+/// An unbounded queue: any thread pushes, one thread pops, and neither ever waits for the other.
 /// Linked nodes with an atomic tail exchange (Vyukov, "Intrusive MPSC node-based queue", 1024cores.net).
-/// Between a push's two stores pop() may miss that element; it is there at the next call.
+/// Between the two stores of a push, pop() may miss that element; the next call finds it.
 template <class T> class MpscQueue {
 public:
     MpscQueue() = default;
@@ -43,7 +43,7 @@ private:
         std::optional<T> value;
         std::atomic<Node*> next = nullptr;
     };
-    Node* head_ = new Node{}; // an empty node: what pop() returned last
+    Node* head_ = new Node{}; // an empty node, whose value pop() returned last
     std::atomic<Node*> tail_ = head_;
 };
 

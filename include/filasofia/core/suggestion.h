@@ -6,7 +6,8 @@
 
 namespace filasofia {
 
-/// How many letters must be inserted, removed, replaced or swapped with their neighbour to turn one word into another.
+/// The number of letters that must be inserted, removed, replaced or swapped with a neighbour to turn one word into the
+/// other.
 int editDistance(std::string_view a, std::string_view b);
 
 /// " (did you mean 'run'?)" for the known word nearest to `word`, or nothing if none is near.

@@ -4,7 +4,7 @@
 
 namespace filasofia::runtime {
 
-/// The data folder of the installed Filasofia that find_package() found, wherever it has been moved to; else empty.
+/// The data folder of the installed Filasofia that find_package() found, wherever it was moved to; else empty.
 #ifdef FILASOFIA_DATA_DIR
 constexpr const char* kInstalledData = FILASOFIA_DATA_DIR;
 #else
@@ -13,8 +13,8 @@ constexpr const char* kInstalledData = "";
 
 /// The path of a file that comes with Filasofia, such as "meshes/bunny_3004.msh". Looks in the folder that the
 /// environment variable FILASOFIA_ASSETS names, in share/filasofia beside the running program's folder, in `installed`
-/// (unless empty), in the source tree this library was built from, and where it was to be installed. Throws an Error
-/// naming them when it is in none.
+/// (unless empty), in the source tree that this library was built from, and in the folder it was to be installed in.
+/// Throws an Error naming these folders if none has the file.
 std::string asset(const std::string& name, const std::string& installed = kInstalledData);
 
 } // namespace filasofia::runtime

@@ -1,15 +1,15 @@
 #pragma once
 
-#include "filasofia/runtime/step_grid.h"
+#include "filasofia/runtime/fixed_step_scheduler.h"
 
 #include <functional>
 
 namespace filasofia::runtime {
 
-/// Where the physics thread gets its time from; a test gives it another.
+/// The clock of the physics thread; a test supplies another.
 struct Clock {
     std::function<Nanoseconds()> now;
-    std::function<void(Nanoseconds)> sleepUntil; ///< returns at that time or later; at once where it has passed
+    std::function<void(Nanoseconds)> sleepUntil; ///< returns at that time or later; at once if the time has passed
 };
 
 /// The machine's steady clock; sleeps with clock_nanosleep to absolute times.

@@ -12,7 +12,7 @@ public:
     DeviceEvent() : Event(kType) {}
 
     HapticId interface = {};
-    device::DeviceNotice notice = {}; ///< connected, lost, error with its problem in words, or a button
+    device::DeviceNotice notice = {}; ///< connected, lost, an error with its description, or a button
 };
 
 } // namespace filasofia::runtime

@@ -6,8 +6,8 @@
 
 namespace filasofia::runtime {
 
-/// A file that a run or a MetricTracker writes as it goes took no more: the disk is full. The run goes on without it,
-/// and what was written stays. Once for each file.
+/// A file that a run or a MetricTracker writes as it goes took no more data: the disk is full. The run goes on without
+/// it, and what was written stays. Posted once per file.
 class FileFailedEvent final : public event::Event {
 public:
     static constexpr event::EventType kType = event::EventType::FileFailed;

@@ -9,11 +9,12 @@ namespace filasofia::runtime {
 
 /// An element of a rigid body.
 struct FollowElement {
-    int element = 0; ///< [-], >= 0, < how many the body has
+    int element = 0; ///< [-], >= 0, < the number of elements
 };
 constexpr auto fields(const FollowElement*)
 {
-    return describe("FollowElement", field("element", &FollowElement::element, "-", nonNegative(), "of a rigid body"));
+    return describe("FollowElement",
+                    field("element", &FollowElement::element, "-", nonNegative(), "index in a rigid body"));
 }
 
 /// The point of a soft body's surface that is nearest to a place at rest.
@@ -30,29 +31,30 @@ constexpr auto fields(const FollowNearest*)
 
 /// A point of a triangle of a soft body's surface.
 struct FollowTriangle {
-    int triangle = 0;                                ///< [-], >= 0, < how many the surface has
-    std::array<double, 3> weights = {1.0, 0.0, 0.0}; ///< [-], each in [0, 1], of the corners; their sum is 1
+    int triangle = 0;                                ///< [-], >= 0, < the number of triangles
+    std::array<double, 3> weights = {1.0, 0.0, 0.0}; ///< [-], each in [0, 1], barycentric; their sum is 1
     SurfaceSource surface = {};                      ///< in the body's coordinates; empty: the body's boundary
 };
 constexpr auto fields(const FollowTriangle*)
 {
     using T = FollowTriangle;
-    return describe("FollowTriangle", field("triangle", &T::triangle, "-", nonNegative(), "of the surface"),
-                    field("weights", &T::weights, "-", closed(0, 1), "of the corners"),
+    return describe("FollowTriangle", field("triangle", &T::triangle, "-", nonNegative(), "index in the surface"),
+                    field("weights", &T::weights, "-", closed(0, 1), "barycentric weights"),
                     field("surface", &T::surface, "a surface file, or the surface"));
 }
 
-/// What of a body a visual Transform follows, and where it is from there.
+/// The place of a body that a visual Transform follows, and the offset from it.
 struct FollowDef {
     std::variant<FollowElement, FollowNearest, FollowTriangle> at = FollowElement{};
-    /// From the element; on a surface from a frame whose +Z points out of it and whose +Y is, at rest, as near to the
-    /// world's as can be. A camera or lamp looks along -Z, so without an offset into the surface.
+    /// Pose relative to the element or, on a surface, relative to a frame whose +Z points out of it and whose +Y at
+    /// rest is as near to the world's as possible. A camera or lamp looks along -Z, so without an offset it looks into
+    /// the surface.
     Pose offset = {};
 };
 constexpr auto fields(const FollowDef*)
 {
     return describe("FollowDef", field("at", &FollowDef::at, "what it follows"),
-                    field("offset", &FollowDef::offset, "where it is from there"));
+                    field("offset", &FollowDef::offset, "offset from there"));
 }
 
 } // namespace filasofia::runtime

@@ -4,20 +4,21 @@
 
 namespace filasofia::runtime {
 
-/// How paint meets what is there already.
+/// How new paint combines with old paint.
 enum class PaintMode {
-    Add,     ///< nothing becomes less: in whatever order marks are made, and however often, they come out the same
-    Replace, ///< towards the new state: washes off too
+    Add,     ///< nothing becomes less: the result does not depend on the order or number of marks
+    Replace, ///< moves towards the new state, so it can also wash off
 };
 
 constexpr std::array<std::string_view, 2> names(const PaintMode*) { return {"add", "replace"}; }
 
-/// A mark on whatever is drawn of a body: full up to half of the radius, fading to nothing at it. Surfaces keep it at
-/// the vertices of their mesh before subdivision, so a mark smaller than these are apart may reach none.
+/// A mark on everything that is drawn of a body: full strength up to half of the radius, fading to nothing at the
+/// radius. Surfaces store it at the vertices of their mesh before subdivision, so a mark smaller than the distance
+/// between vertices may reach none.
 struct PaintDef {
-    Vec3 place = {};                 ///< [m], in the world where the body is now, or `atRest` in its coordinates
-    bool atRest = false;             ///< the place is in the body's coordinates at rest
-    double radius = 0.005;           ///< [m], > 0, measured at rest
+    Vec3 place = {};       ///< [m], in the world on the body as it is now, or in the body's coordinates if `atRest`
+    bool atRest = false;   ///< the place is in the body's coordinates at rest
+    double radius = 0.005; ///< [m], > 0, measured at rest
     visual::SurfaceState state = {}; ///< what is painted
     PaintMode mode = PaintMode::Add;
 };
@@ -28,7 +29,7 @@ constexpr auto fields(const PaintDef*)
                     field("atRest", &T::atRest, "the place is at rest, in the body's coordinates"),
                     field("radius", &T::radius, "m", positive(), "reach, at rest"),
                     field("state", &T::state, "what is painted"),
-                    field("mode", &T::mode, "how it meets what is there"));
+                    field("mode", &T::mode, "how it combines with old paint"));
 }
 
 } // namespace filasofia::runtime

@@ -5,8 +5,8 @@
 
 namespace filasofia::runtime {
 
-/// A blade opened something of a body in a step. Does not merge. Where an event is lost because the queue is full, the
-/// next step has StepFlag::EventLost.
+/// A blade cut a body in a step. Does not merge. If an event is lost because the queue is full, the next step has
+/// StepFlag::EventLost.
 class CutEvent final : public event::Event {
 public:
     static constexpr event::EventType kType = event::EventType::Cut;
@@ -15,7 +15,7 @@ public:
     physics::Rupture rupture = {}; ///< the body, where, how much, and what came loose
 };
 
-/// The same of what stress tore.
+/// Stress tore a body in a step; otherwise like CutEvent.
 class TearEvent final : public event::Event {
 public:
     static constexpr event::EventType kType = event::EventType::Tear;

@@ -24,30 +24,30 @@ struct ShownId {
     friend constexpr auto operator<=>(ShownId, ShownId) = default;
 };
 
-/// How a body is drawn. The way it follows the body is chosen from the body and the surface: as one with an element of
-/// a rigid body; node by node; or riding on the tetrahedra of a soft one.
+/// How a body is drawn. Body and surface decide how the surface follows the body: rigidly with an element, node by
+/// node, or embedded in the tetrahedra of a soft body.
 struct ShowDef {
-    SurfaceSource surface = {};                           ///< in the body's coordinates; empty: a soft body's
-                                                          ///< boundary, or a rigid one's mesh at every element
-    int element = 0;                                      ///< [-], >= 0, of a rigid body, for a given surface
-    int subdivision = 0;                                  ///< [-], in [0, 3], each level four times the triangles
+    SurfaceSource surface = {}; ///< in the body's coordinates; empty: a soft body's
+                                ///< boundary, or a rigid one's mesh at every element
+    int element = 0;            ///< [-], >= 0, the element of a rigid body that carries a given surface
+    int subdivision = 0;        ///< [-], in [0, 3], each level has four times the triangles
     visual::Material material = visual::TissueMaterial{}; ///< what it looks like
-    /// What is inside, where cuts and tears open a soft body that is drawn as its own boundary; not given: the
-    /// material, and tissue redder and wetter.
+    /// What the inside looks like if cuts and tears open a soft body that is drawn as its own boundary. Not given: the
+    /// material above, redder and wetter if it is tissue.
     std::optional<visual::Material> interior = {};
     bool castShadows = true;
-    bool visible = true; ///< else it is there, and Simulation::setVisible() makes it seen
+    bool visible = true; ///< false: it exists, and Simulation::setVisible() shows it
 };
 constexpr auto fields(const ShowDef*)
 {
     using T = ShowDef;
     return describe("ShowDef", field("surface", &T::surface, "a surface file, or the surface"),
                     field("element", &T::element, "-", nonNegative(), "element of a rigid body"),
-                    field("subdivision", &T::subdivision, "-", closed(0, 3), "each level four times the triangles"),
+                    field("subdivision", &T::subdivision, "-", closed(0, 3), "each level has four times the triangles"),
                     field("material", &T::material, "what it looks like"),
                     field("interior", &T::interior, "what it looks like where it is cut"),
-                    field("castShadows", &T::castShadows, "does it throw shadows"),
-                    field("visible", &T::visible, "is it seen from the start"));
+                    field("castShadows", &T::castShadows, "whether it casts shadows"),
+                    field("visible", &T::visible, "whether it is visible from the start"));
 }
 
 } // namespace filasofia::runtime

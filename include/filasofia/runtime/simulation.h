@@ -30,13 +30,14 @@ namespace filasofia::runtime {
 /// How physics is paced.
 struct PhysicsDef {
     double rate = 1000.0;             ///< [Hz], in [1, 100000], steps per second
-    double slack = 2e-3;              ///< [s], in [0, 10]: a step is never longer than 1/rate + slack
+    double slack = 2e-3;              ///< [s], in [0, 10], t_s: a step is never longer than 1/rate + slack
     Vec3 gravity = {0.0, -9.81, 0.0}; ///< [m/s^2]
     bool realTime = true;             ///< ask the system to schedule physics before ordinary threads
-    std::optional<int> threads =
-        {}; ///< [-], in [1, 256], at work within one step; not given: the cores but one, up to 8
+    /// [-], in [1, 256], threads at work within one step; not given: one less than the cores, up to 8
+    std::optional<int> threads = {};
     physics::ContactMethod contact = physics::ExactContact{}; ///< how bodies that touch push each other
-    std::optional<double> deadline = {}; ///< [s], > 0, after a live step's start: solvers stop there; not given: 1/rate
+    /// [s], > 0, time after a live step's start at which solvers stop; not given: 1/rate
+    std::optional<double> deadline = {};
 };
 constexpr auto fields(const PhysicsDef*)
 {
@@ -46,9 +47,9 @@ constexpr auto fields(const PhysicsDef*)
         field("slack", &T::slack, "s", closed(0, 10), "a step is never longer than 1/rate + slack"),
         field("gravity", &T::gravity, "m/s^2", finite(), "acts on every body"),
         field("realTime", &T::realTime, "schedule physics before ordinary threads"),
-        field("threads", &T::threads, "-", closed(1, 256), "at work within one step"),
+        field("threads", &T::threads, "-", closed(1, 256), "threads at work within one step"),
         field("contact", &T::contact, "how bodies that touch push each other"),
-        field("deadline", &T::deadline, "s", positiveOrInfinite(), "solvers stop so long after a step's start"));
+        field("deadline", &T::deadline, "s", positiveOrInfinite(), "time after a step's start at which solvers stop"));
 }
 
 /// The picture that a simulation has unless it makes its own: an endoscope's.
@@ -65,7 +66,7 @@ constexpr auto fields(const LookDef*)
     using T = LookDef;
     return describe("LookDef", field("around", &T::around, "what to see"),
                     field("direction", &T::direction, "-", finite(), "from there towards the camera"),
-                    field("quality", &T::quality, "effects"),
+                    field("quality", &T::quality, "quality of the effects"),
                     field("rate", &T::rate, "Hz", closed(1, 1000), "pictures per second at most"),
                     field("mouse", &T::mouse, "a person turns the look's camera"),
                     field("keys", &T::keys, "the keys of a live run work"));
@@ -85,8 +86,8 @@ constexpr auto fields(const SimulationDef*)
 
 /// A whole simulator: the physics server, the visual server, the events and their threads.
 ///
-/// run() belongs to the main thread. What adds, removes or changes something may be called from any thread, before and
-/// during a run, and fails with an Error at once where it is wrong.
+/// run() belongs to the main thread. Functions that add, remove or change something may be called from any thread,
+/// before and during a run. If a call is wrong, it throws an Error at once.
 class Simulation {
 public:
     explicit Simulation(const SimulationDef& def = {});
@@ -96,57 +97,57 @@ public:
 
     BodyId add(physics::SoftBodyDef def);
     BodyId add(physics::RigidBodyDef def);
-    /// Gives a rigid element into a hand: before a run. The second takes a driver of the caller's in place of the Def's
-    /// device.
+    /// Lets a haptic device control a rigid element; call it before a run. The second form takes a driver of the
+    /// caller's in place of the Def's device.
     HapticId add(const HapticInterfaceDef& def);
     HapticId add(const HapticInterfaceDef& def, std::unique_ptr<device::HapticDevice> own);
-    /// How a haptic interface is doing now, or did in the last run.
+    /// The state of a haptic interface now, or at the end of the last run.
     [[nodiscard]] HapticState haptic(HapticId id) const;
-    /// Another place and size of its device in the scene; the force begins anew.
+    /// Changes place and scale of its device in the scene; the force ramps in again.
     void placeHaptic(HapticId id, double scale, const Pose& origin);
-    /// Draws a body; several times for several surfaces. Without a surface: a soft body's boundary, or every element of
-    /// a rigid body as its own mesh (Error where it has none).
+    /// Draws a body; call it several times for several surfaces. Without a surface it draws a soft body's boundary, or
+    /// the mesh of a rigid body at each of its elements (Error if it has none).
     ShownId show(BodyId id, const ShowDef& def = {});
-    /// Of what show() made, from the next picture on. An Error where the id was never given; nothing happens where what
-    /// it names is gone.
+    /// These change what show() made, from the next picture on. Error if the id was never given; nothing happens if
+    /// what it names is gone.
     void setVisible(ShownId id, bool visible);
     void setMaterial(ShownId id, const visual::Material& material);
     /// It is no longer drawn, and never again.
     void unshow(ShownId id);
-    /// Marks what is drawn of a body: blood, burn, wetness. Returns how many vertices it reached. Costs the caller's
-    /// thread about 0.1 ms for 10,000 vertices.
+    /// Paints a mark (blood, burn, wetness) on everything that is drawn of a body. Returns how many vertices it
+    /// reached. Costs the caller's thread about 0.1 ms for 10,000 vertices.
     int paint(BodyId id, const PaintDef& def);
 
-    /// A light, camera or other Transform of the visual server goes where a body goes, until unfollow(), its end, the
+    /// Makes a light, camera or other Transform of the visual server follow a body until unfollow(), its end, the
     /// body's end, or until it gets a parent; then it stays where it is. Main thread only, while there is a visual
-    /// server: from where dress() is called.
+    /// server: from inside the function given to dress().
     void follow(visual::Transform& transform, BodyId id, const FollowDef& def = {});
     void unfollow(visual::Transform& transform);
-    /// Gives a camera, or the rig that it hangs on, into the hand of the person at the window, in place of the one that
-    /// was. Without a parent. As follow(): from where dress() is called.
+    /// Lets the person at the window move a camera, or the rig that carries it, in place of the one before. It must
+    /// not have a parent. Call it from inside the function given to dress(), as follow().
     void steer(visual::Transform& camera, const visual::OrbitDef& def);
 
-    /// Writes the next picture to a PNG file; without a name to the next free filasofia_001.png of the working folder.
-    /// Outside a run: the next run's first picture. An Error at once where the file cannot be; what goes wrong later is
-    /// logged.
+    /// Writes the next picture to a PNG file; without a name, to the next free filasofia_001.png of the working folder.
+    /// Outside a run it takes the next run's first picture. Error at once if there can be no such file; later problems
+    /// are logged.
     void screenshot(const std::string& file = {});
 
     void pause(bool paused);
     [[nodiscard]] bool paused() const; ///< in the last step
-    /// One step, where paused.
+    /// Makes one step if the simulation is paused.
     void singleStep();
-    /// The bodies back to their start, at the next step, and clean of paint.
+    /// Puts the bodies back to their start at the next step, and removes all paint.
     void reset();
 
-    /// Called on the main thread as soon as there is a visual server, in place of the look of the Def: makes lights,
-    /// cameras and views. To be set before a run (Error during one); several are called in their order, and {} forgets
-    /// them all.
+    /// The function is called on the main thread as soon as there is a visual server, in place of the look of the Def;
+    /// it makes lights, cameras and views. Set it before a run (Error during one). Several functions are called in
+    /// order, and {} removes them all.
     void dress(std::function<void(visual::VisualServer&)> scene);
-    /// A Gui over the whole window, whatever the look. To be set before a run; several lie in their order. Throws an
-    /// Error where the Def is wrong.
+    /// Shows a Gui over the whole window, whatever the look. Set it before a run; several are drawn in order. Throws an
+    /// Error if the Def is wrong.
     void show(const visual::GuiDef& def);
-    /// Opens the window of live runs in place of window::openWindow: another library's, or one that nobody sees. To be
-    /// set before a run.
+    /// Opens the window of live runs in place of window::openWindow: one of another library, or one that nobody sees.
+    /// Set it before a run.
     void useWindow(std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> open);
 
     /// Calls `callback` for every event of a type, on the dispatcher's thread; in a headless run after each step.
@@ -155,28 +156,28 @@ public:
         return events().on<E>(std::move(callback));
     }
     /// Calls `callback` on the stepping thread before every step that is not paused, live and headless, with the
-    /// simulated time [s] at which that step will end. Commands that it makes belong to that step and are recorded:
-    /// what moves by a script goes where the callback says for that time, exactly. Physics waits for it. One that
-    /// throws is logged and not called again. To be set before a run (Error during one); several are called in their
-    /// order.
+    /// simulated time [s] at which that step will end. Commands that it gives belong to that step and are recorded, so
+    /// a scripted motion is exact: the body is where the callback says for that time. Physics waits for the callback.
+    /// If it throws, that is logged and it is not called again. Set it before a run (Error during one); several are
+    /// called in order.
     void everyStep(std::function<void(double time)> callback);
-    /// Posts an event, stamped with the simulation's time and step. Any thread. Error where the queue is full.
+    /// Posts an event, stamped with the simulation's time and step. Any thread. Error if the queue is full.
     void post(std::unique_ptr<event::Event> event);
     template <event::EventClass E> void post(E event) { post(std::make_unique<E>(std::move(event))); }
     [[nodiscard]] event::EventDispatcher& events();
     [[nodiscard]] physics::PhysicsServer& physics();
-    /// Fine-tuning: see filasofia/engine/native.h.
+    /// Fine-tuning: see filasofia/engine/native/native.h.
     void tune(std::function<void(engine::Native&)> change);
 
-    /// Ends the run, from any thread; the report says why. Between two runs: the next one ends at once.
+    /// Ends the run, from any thread; the report says why. Between two runs it ends the next one at once.
     void finish(std::string why);
 
-    /// Runs until finish(), the end that `def` asks for, Ctrl-C, or the window is closed. Throws Error, also
-    /// when a run of this simulation is going on (so from inside an observer or a tune).
+    /// Runs until finish(), the end that `def` asks for, Ctrl-C, or until the window is closed. Throws an Error, also
+    /// if this simulation is already running (so from inside an observer or a tune).
     RunReport run(const RunDef& def);
-    /// The same for a main(): reads --headless, --steps N, --picture FILE.png and more (--help), prints how it went and
-    /// returns the exit code: 0; 1 where log or recording found no room on the disk; or 2 after one line that says
-    /// what is wrong.
+    /// The same for a main(): reads --headless, --steps N, --picture FILE.png and more (--help), and prints the report.
+    /// Returns the exit code: 0; 1 if log or recording is incomplete because the disk is full; 2 after one line that
+    /// says what is wrong.
     int run(int argc, const char* const* argv);
 
     struct Impl;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/runtime/step_grid.h"
+#include "filasofia/runtime/fixed_step_scheduler.h"
 
 #include <vector>
 
@@ -13,7 +13,7 @@ struct StepTiming {
     Nanoseconds cost = 0; ///< wall time it took
 };
 
-/// A list of numbers in three.
+/// Three percentiles of a list of numbers.
 struct Spread {
     double median = 0.0;
     double p1 = 0.0;  ///< 1 % lie below
@@ -28,12 +28,12 @@ struct RunTiming {
     std::vector<StepTiming> steps; ///< every step, or the first 200,000
     std::uint64_t stepCount = 0;   ///< [-]
     std::uint64_t late = 0;        ///< steps that began more than a period late
-    std::uint64_t clamped = 0;     ///< steps cut to period + slack
+    std::uint64_t clamped = 0;     ///< steps whose dt was limited to period + slack
     double wallSeconds = 0.0;      ///< [s]
-    double simulatedSeconds = 0.0; ///< [s], of unpaused steps
+    double simulatedSeconds = 0.0; ///< [s], without paused steps
 
     [[nodiscard]] double realTimeFactor() const { return wallSeconds > 0.0 ? simulatedSeconds / wallSeconds : 0.0; }
-    [[nodiscard]] Spread rate() const; ///< [1/s], one over the time between wake-ups
+    [[nodiscard]] Spread rate() const; ///< [1/s], the inverse of the time between wake-ups
     [[nodiscard]] Spread cost() const; ///< [s]
 };
 

@@ -5,7 +5,8 @@
 
 namespace filasofia::geometry {
 
-/// The whole file. Throws an Error naming it where it is missing, is no regular file, is empty or cannot be read.
+/// Reads the whole file. Throws an Error naming the file if it is missing, is not a regular file, is empty or cannot be
+/// read.
 std::string readFile(const std::filesystem::path& file);
 
 } // namespace filasofia::geometry

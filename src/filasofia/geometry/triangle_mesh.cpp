@@ -7,7 +7,7 @@ namespace filasofia::geometry {
 void check(const TriangleMesh& mesh, std::string_view name)
 {
     const int count = static_cast<int>(mesh.vertices.size());
-    if (mesh.triangles.empty()) fail(name, ": has no triangles; it must have at least 1");
+    if (mesh.triangles.empty()) fail(name, ": must have at least 1 triangle, got 0");
     for (int i = 0; i < count; ++i) {
         const Vec3 p = mesh.vertices[i];
         if (!isFinite(p)) fail(name, ": vertex ", i, " must be finite, got ", p.x, " ", p.y, " ", p.z);

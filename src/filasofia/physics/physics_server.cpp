@@ -15,27 +15,26 @@
 namespace filasofia::physics {
 namespace {
 
-constexpr std::size_t kMaximumCommands = 4096; // per step
-constexpr std::size_t kMaximumSpent = 64;
+constexpr std::size_t kMaxCommands = 4096; // per step
+constexpr std::size_t kMaxSpent = 64;
 
 } // namespace
 
 struct PhysicsServer::Impl {
     std::unique_ptr<PhysicsEngine> engine;
     MpscQueue<Command> inbox;
-    std::vector<Command> commands; ///< of the step being made
+    std::vector<Command> commands; ///< commands of the current step
     frame::FramePool frames;
     SpscRing<StepRecord> log;
-    /// What materials have replaced, on its way back: a step may not be long enough to take it apart. Read under the
-    /// lock.
-    SpscRing<std::unique_ptr<BuiltBody>> spent{kMaximumSpent};
+    /// Replaced material data on its way back, because freeing it may take longer than a step has. Read under the lock.
+    SpscRing<std::unique_ptr<BuiltBody>> spent{kMaxSpent};
     bool hashing = false;
-    bool recordLost = false; ///< since the last record that was written
+    bool recordLost = false; ///< since the last record written
     bool paused = false;
     std::atomic<bool> logging = false;
 
-    /// Callers only: the step never takes it. Held from the look at a body to the push of its command, so that no
-    /// command for a body comes behind the one that removes it.
+    /// For callers: the step never takes it. Held from the lookup of a body to the push of its command, so that no
+    /// command for a body comes after the one that removes it.
     mutable std::mutex registryMutex;
     Registry registry;
 
@@ -52,11 +51,12 @@ struct PhysicsServer::Impl {
         const std::lock_guard lock(registryMutex);
         const BodyId id{registry.lastAdded().value + 1};
         const AttachmentId first = attachmentCount(*shared) > 0 ? registry.nextAttachment() : AttachmentId{};
-        push(AddBody{id, shared, std::move(body), first}); // under the lock: bodies arrive in the order of their ids
+        push(AddBody{id, shared, std::move(body),
+                     first}); // under the lock, so that bodies arrive in the order of their ids
         return id;
     }
 
-    /// A command that makes an attachment, but for its id.
+    /// Posts a command that makes an attachment, and sets its id.
     template <class Attaching> AttachmentId attach(Attaching command)
     {
         const std::lock_guard lock(registryMutex);
@@ -65,11 +65,11 @@ struct PhysicsServer::Impl {
         return id;
     }
 
-    /// What takes long about a new material is done here, as in add(): the step only moves it in.
+    /// The slow part of a new material is done here, as in add(): the step only moves it in.
     void setMaterial(BodyId id, const SoftMaterial& material)
     {
         BodyDef def;
-        std::vector<std::unique_ptr<BuiltBody>> ends; // here, and not under the lock
+        std::vector<std::unique_ptr<BuiltBody>> ends; // freed here, and not under the lock
         {
             const std::lock_guard lock(registryMutex);
             registry.check(SetMaterial{id, material});
@@ -77,7 +77,7 @@ struct PhysicsServer::Impl {
             for (; auto* body = spent.beginRead(); spent.release()) ends.push_back(std::move(*body));
         }
         std::get<SoftBodyDef>(def).material = material;
-        post(SetMaterial{id, material, engine->build(def)}); // checked again: the body may have gone meanwhile
+        post(SetMaterial{id, material, engine->build(def)}); // checked again: the body may have been removed meanwhile
     }
 
     void post(Command command)
@@ -86,7 +86,7 @@ struct PhysicsServer::Impl {
         push(std::move(command));
     }
 
-    /// Throws an Error where the command is wrong. Under the lock.
+    /// Throws an Error if the command is invalid. Called under the lock.
     void push(Command command)
     {
         registry.check(command);
@@ -97,7 +97,7 @@ struct PhysicsServer::Impl {
     void drainInbox()
     {
         commands.clear();
-        while (commands.size() < kMaximumCommands) { // what comes faster waits: a step must end
+        while (commands.size() < kMaxCommands) { // further commands wait: a step must end
             auto command = inbox.pop();
             if (!command) break;
             if (const auto* pause = std::get_if<Pause>(&*command)) paused = pause->paused;
@@ -109,7 +109,7 @@ struct PhysicsServer::Impl {
     {
         for (Command& command : commands)
             if (auto* set = std::get_if<SetMaterial>(&command); set && set->body) {
-                std::unique_ptr<BuiltBody> body = std::move(set->body); // dies here where the ring is full
+                std::unique_ptr<BuiltBody> body = std::move(set->body); // freed here if the ring is full
                 if (auto* place = spent.beginWrite()) {
                     *place = std::move(body);
                     spent.publish();
@@ -120,7 +120,7 @@ struct PhysicsServer::Impl {
     void writeLog(StepReport& report)
     {
         if (!logging.load(std::memory_order_relaxed)) {
-            recordLost = true; // a log that begins later does not begin at the beginning
+            recordLost = true; // a log that is turned on later has missed these steps
             return;
         }
         StepRecord* record = log.beginWrite();
@@ -140,7 +140,7 @@ struct PhysicsServer::Impl {
     void publishFrame()
     {
         frame::Frame* frame = frames.beginWrite();
-        if (!frame) return; // readers hold them all: they will see the next one
+        if (!frame) return; // readers hold all frames: they will get the next one
         engine->capture(*frame);
         frames.publish();
     }
@@ -158,7 +158,7 @@ PhysicsServer::~PhysicsServer() = default;
 
 BodyId PhysicsServer::add(SoftBodyDef def)
 {
-    def = loaded(std::move(def)); // read once: the engine and whoever shows the body use the same
+    def = loaded(std::move(def)); // read once, so that the engine and the visual side use the same mesh
     def.pose = unitPose(def.pose, text("soft body '", def.name, "': pose"));
     return impl_->add(std::move(def));
 }
@@ -167,7 +167,7 @@ BodyId PhysicsServer::add(RigidBodyDef def)
     def = loaded(std::move(def));
     for (std::size_t e = 0; e < def.elements.size(); ++e)
         def.elements[e] = unitPose(def.elements[e], text("rigid body '", def.name, "': elements[", e, "]"));
-    if (!def.articulation.joints.empty()) { // whoever shows the body finds its links where they are
+    if (!def.articulation.joints.empty()) { // the visual side reads the poses of the links from the Def
         check(BodyDef{def});
         def.elements = elementPoses(def);
     }
@@ -250,9 +250,9 @@ void PhysicsServer::expect(std::vector<Command> commands)
     impl_->commands = std::move(commands);
 }
 
-StepReport PhysicsServer::stepAgain(double dt, const StepBudget& budget)
+StepReport PhysicsServer::replayStep(double dt, const StepBudget& budget)
 {
-    if (!(std::isfinite(dt) && dt >= 0.0)) fail("physics: stepAgain: dt must be >= 0 s and finite, got ", dt);
+    if (!(std::isfinite(dt) && dt >= 0.0)) fail("physics: replayStep: dt must be >= 0 s and finite, got ", dt);
     const StepReport report = impl_->engine->step({.dt = dt, .commands = impl_->commands, .budget = &budget});
     impl_->giveBackSpent();
     impl_->commands.clear();

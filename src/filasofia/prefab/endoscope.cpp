@@ -28,8 +28,8 @@ EndoscopeDef completed(EndoscopeDef def)
     return def;
 }
 
-/// The camera in the tip's coordinates: -Z of the identity is the shaft's direction, a turn by -inclination about +X
-/// takes it towards -Y, and the camera's own roll is about what is then its view.
+/// The camera in the tip's coordinates. The identity looks along -Z, the shaft's direction; a rotation by -inclination
+/// about +X takes the view towards -Y, and the camera's own roll is about the resulting view.
 Pose mounted(const EndoscopeDef& def, double cameraRoll)
 {
     return {def.lens, axisAngle(kSideways, -def.inclination) * axisAngle(kBackwards, cameraRoll)};
@@ -39,9 +39,9 @@ Pose mounted(const EndoscopeDef& def, double cameraRoll)
 
 struct Endoscope::Impl {
     Impl(runtime::Simulation& sim, const EndoscopeDef& asked)
-        : simulation(sim), def(completed(asked)), told(def.pose), body(addBody())
+        : simulation(sim), def(completed(asked)), lastPose(def.pose), body(addBody())
     {
-        // What is drawn of it throws no shadow: its own light sits within.
+        // The scope's surfaces cast no shadow, because its own light is inside them.
         for (const runtime::SurfaceSource& surface : def.surfaces)
             simulation.show(body, {.surface = surface,
                                    .element = kShaft,
@@ -58,7 +58,7 @@ struct Endoscope::Impl {
         return simulation.add(rigid);
     }
 
-    [[nodiscard]] Pose tip() const { return told * Pose{{}, axisAngle(kBackwards, rolled)}; }
+    [[nodiscard]] Pose tip() const { return lastPose * Pose{{}, axisAngle(kBackwards, rolled)}; }
     [[nodiscard]] Pose camera() const { return tip() * mounted(def, cameraRolled); }
 
     void send()
@@ -74,11 +74,11 @@ struct Endoscope::Impl {
 
     runtime::Simulation& simulation;
     const EndoscopeDef def;
-    mutable std::mutex mutex; // of what follows, and of the order of commands
-    Pose told;
+    mutable std::mutex mutex; // guards the members below and the order of commands
+    Pose lastPose;
     double rolled = 0.0;
     double cameraRolled = 0.0;
-    const BodyId body; // made of all above
+    const BodyId body; // built from the members above
 };
 
 Endoscope::Endoscope(runtime::Simulation& simulation, const EndoscopeDef& def)
@@ -93,7 +93,7 @@ void Endoscope::move(const Pose& tip)
 {
     const Pose unit = physics::unitPose(tip, text("endoscope '", impl_->def.name, "'"));
     const std::lock_guard lock(impl_->mutex);
-    impl_->told = unit;
+    impl_->lastPose = unit;
     impl_->send();
 }
 
@@ -138,7 +138,7 @@ EndoscopeView Endoscope::dress(visual::VisualServer& server)
                                                .focusDistance = 0.02});
     impl_->simulation.follow(*out.camera, impl_->body, {.at = runtime::FollowElement{kCamera}});
 
-    // A ring of fibres around the lens shines wider than the picture; beside the lens it models what it lights.
+    // A ring of fibres around the lens shines wider than the picture. Beside the lens it gives the lit tissue shading.
     const visual::SpotLight spot{.intensity = def.intensity,
                                  .innerAngle = 0.15,
                                  .outerAngle = std::min(1.4, 0.75 * def.fieldOfView),
@@ -148,7 +148,8 @@ EndoscopeView Endoscope::dress(visual::VisualServer& server)
     lamp.position.x += 0.8e-3;
     impl_->simulation.follow(*out.light, impl_->body, {.at = runtime::FollowElement{kShaft}, .offset = lamp});
 
-    // Walls send light back, red from tissue: without it instruments are black and shadows have no end.
+    // The walls reflect light, which tissue makes red. Without this light instruments are black and shadows have no
+    // end.
     server.setEnvironment({.intensity = 300.0,
                            .above = {0.55, 0.36, 0.32},
                            .below = {0.45, 0.25, 0.21},

@@ -12,9 +12,9 @@ TaskDef checked(TaskDef def)
 {
     const std::string object = text("task '", shown(def.name), "'");
     validate(def, object);
-    if (def.steps.empty()) fail(object, ": steps must be at least one, got none");
+    if (def.steps.empty()) fail(object, ": steps must have at least one entry, got none");
     for (std::size_t i = 0; i < def.steps.size(); ++i)
-        if (!def.steps[i].done) fail(object, ": steps[", i, "].done must be a function, got nothing");
+        if (!def.steps[i].done) fail(object, ": steps[", i, "].done must be a function, got an empty one");
     return def;
 }
 
@@ -29,7 +29,7 @@ struct Task::Impl {
                                                                   : nullptr;
     }
 
-    /// Before every step: the newest state, and what it means.
+    /// Before every step: evaluates the newest state.
     void watch()
     {
         const frame::FrameRef frame = simulation.physics().latest();
@@ -70,7 +70,7 @@ struct Task::Impl {
 
     runtime::Simulation& simulation;
     const TaskDef def;
-    mutable std::recursive_mutex mutex; // of what follows; `over` may ask
+    mutable std::recursive_mutex mutex; // guards the members below; recursive because `over` may call back
     TaskProgress progress;
     std::optional<double> began;
     double stepBegan = 0.0;
@@ -107,11 +107,11 @@ void Task::restart()
     impl_->late = false;
 }
 
-std::string shown(std::string_view text, std::size_t most)
+std::string shown(std::string_view text, std::size_t maxBytes)
 {
-    if (text.size() <= most) return oneLine(std::string(text));
-    std::size_t end = most;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end; // inside a UTF-8 letter
+    if (text.size() <= maxBytes) return oneLine(std::string(text));
+    std::size_t end = maxBytes;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end; // inside a UTF-8 character
     return oneLine(std::string(text.substr(0, end))) + "\u2026";
 }
 

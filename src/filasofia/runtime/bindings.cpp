@@ -82,9 +82,10 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
         if (surface && soft->dynamicTopology) {
             opening = mapping::OpeningSurface::make(mapped, rest);
             if (!opening)
-                logWarning(object,
-                           ": this surface bends with the body but does not open where it is cut, as it is not near "
-                           "its skin everywhere; without a surface the body's own boundary is drawn, which does");
+                logWarning(
+                    object,
+                    ": this surface deforms with the body but does not open where it is cut, because parts of it are "
+                    "not near the body's skin; without a surface the body's own boundary is drawn, which opens");
         }
         const int nodes = mapping::nodesNeeded(mapped->map);
         made.push_back({.id = id,
@@ -120,22 +121,22 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
         binding.subdivision = def.subdivision;
         const auto element = binding.soft ? std::nullopt : std::optional<int>(binding.rigidMap.element);
         painted_.add(binding.key, {binding.id, element, binding.start}, binding.mapped);
-        askMesh(binding); // what is shown of a body that has been cut already
+        askMesh(binding); // the body may have been cut already
         pending_.push_back(std::move(binding));
     }
     return shown;
 }
 
-Bindings::Wish& Bindings::wish(ShownId id, const char* what)
+Bindings::PendingChange& Bindings::change(ShownId id, const char* what)
 {
     if (!id || id.value > lastShown_) fail(what, ": nothing shown has the id ", id.value);
-    return wishes_[id];
+    return changes_[id];
 }
 
 void Bindings::setVisible(ShownId id, bool visible)
 {
     const std::lock_guard lock(mutex_);
-    wish(id, "setVisible").visible = visible;
+    change(id, "setVisible").visible = visible;
 }
 
 void Bindings::setMaterial(ShownId id, const visual::Material& material)
@@ -144,13 +145,13 @@ void Bindings::setMaterial(ShownId id, const visual::Material& material)
     def.material = material;
     validate(def, "setMaterial");
     const std::lock_guard lock(mutex_);
-    wish(id, "setMaterial").material = material;
+    change(id, "setMaterial").material = material;
 }
 
 void Bindings::remove(ShownId id)
 {
     const std::lock_guard lock(mutex_);
-    wish(id, "unshow").gone = true;
+    change(id, "unshow").gone = true;
 }
 
 int Bindings::paint(BodyId id, const PaintDef& def, physics::PhysicsServer& physics)
@@ -182,7 +183,7 @@ void Bindings::followTopology(const frame::Frame& frame)
         if (!body.boundary) continue;
         const auto last = std::exchange(boundaries_[body.id], body.boundary);
         if (last == body.boundary) continue;
-        if (!last && body.boundary->revision == 0 && !isCut(body.id)) continue; // drawn as it was made
+        if (!last && body.boundary->revision == 0 && !isCut(body.id)) continue; // drawn as it was built
         const auto part = [&](bool opened) {
             return std::make_shared<const mapping::MappedSurface>(mapping::mapBoundary(*body.boundary, opened));
         };
@@ -192,17 +193,17 @@ void Bindings::followTopology(const frame::Frame& frame)
     }
 }
 
-void Bindings::apply(const Wish& wish, Binding& binding, const visual::VisualServer& visual)
+void Bindings::apply(const PendingChange& change, Binding& binding, const visual::VisualServer& visual)
 {
-    if (wish.visible) binding.def.visible = *wish.visible;
-    if (wish.material)
+    if (change.visible) binding.def.visible = *change.visible;
+    if (change.material)
         binding.def.material =
-            binding.interior ? binding.def.interior.value_or(interiorOf(*wish.material, visual)) : *wish.material;
+            binding.interior ? binding.def.interior.value_or(interiorOf(*change.material, visual)) : *change.material;
     if (!binding.drawn) return;
-    if (wish.visible) binding.drawn->setVisible(*wish.visible);
+    if (change.visible) binding.drawn->setVisible(*change.visible);
     try {
-        if (wish.material) binding.drawn->setMaterial(binding.def.material);
-    } catch (const Error& problem) { // what cannot be seen before, as a file that is gone: the picture goes on
+        if (change.material) binding.drawn->setMaterial(binding.def.material);
+    } catch (const Error& problem) { // a problem that shows only now, such as a missing file; the picture goes on
         logError(problem.what());
     }
 }
@@ -213,13 +214,13 @@ void Bindings::forget(const Binding& binding)
     worker_.forget(binding.key);
 }
 
-void Bindings::applyWishes(visual::VisualServer& visual)
+void Bindings::applyChanges(visual::VisualServer& visual)
 {
-    const std::map<ShownId, Wish> wishes = std::exchange(wishes_, {});
+    const std::map<ShownId, PendingChange> changes = std::exchange(changes_, {});
     for (std::vector<Binding>* list : {&pending_, &shown_})
         std::erase_if(*list, [&](Binding& binding) {
-            const auto found = wishes.find(binding.shown);
-            if (found == wishes.end()) return false;
+            const auto found = changes.find(binding.shown);
+            if (found == changes.end()) return false;
             apply(found->second, binding, visual);
             if (!found->second.gone) return false;
             if (binding.drawn) visual.remove(*binding.drawn);
@@ -283,14 +284,14 @@ void Bindings::addPending(visual::VisualServer& visual)
 {
     visual_ = &visual;
     const std::lock_guard lock(mutex_);
-    applyWishes(visual);
+    applyChanges(visual);
     applyTopology();
     std::size_t added = 0;
     const auto forgetAdded = [&] { pending_.erase(pending_.begin(), pending_.begin() + static_cast<long>(added)); };
     try {
         for (; added < pending_.size(); ++added) {
             const Binding& binding = pending_[added];
-            if (binding.def.interior && !binding.interior) // what is wrong with it is told now, not at the first cut
+            if (binding.def.interior && !binding.interior) // a wrong material is reported now, not at the first cut
                 visual.addMaterial(text(kInteriorOf, binding.name, " ", binding.key), *binding.def.interior);
             visual::VisualBody& drawn = visual.add(visual::VisualBodyDef{.name = binding.name,
                                                                          .mesh = binding.mapped->surface,
@@ -298,7 +299,7 @@ void Bindings::addPending(visual::VisualServer& visual)
                                                                          .material = binding.def.material,
                                                                          .castShadows = binding.def.castShadows});
             if (!binding.def.visible) drawn.setVisible(false);
-            painted_.giveAgain(binding.key);
+            painted_.resend(binding.key);
             shown_.push_back(std::move(pending_[added]));
             shown_.back().drawn = &drawn;
         }
@@ -317,7 +318,7 @@ void Bindings::update(const frame::Frame& frame, const physics::PhysicsServer& p
         binding.seen = binding.seen || found;
         // A body that has not come yet is waited for, unless it was removed before it came.
         const bool removed = !found && (binding.seen || !physics.has(binding.id));
-        const bool gone = removed || healed(binding);
+        const bool gone = removed || closedAgain(binding);
         if (gone) {
             visual.remove(*binding.drawn);
             forget(binding);
@@ -350,7 +351,7 @@ bool Bindings::place(Binding& binding, const frame::Frame& frame)
         binding.subdivision = ready->subdivision;
         painted_.moveTo(binding.key, ready->surface, ready->transfers);
     }
-    // What nobody sees costs nothing; and where nodes are missing it stays as it was.
+    // An invisible surface costs nothing; if nodes are missing it stays as it was.
     if (!ready && !binding.def.visible) return true;
     if (binding.nodes > static_cast<int>(body->positions.size())) return true;
     vertices_.resize(binding.mapped->surface.vertices.size());
@@ -362,7 +363,7 @@ bool Bindings::place(Binding& binding, const frame::Frame& frame)
     return true;
 }
 
-bool Bindings::healed(const Binding& binding)
+bool Bindings::closedAgain(const Binding& binding)
 {
     if (!binding.interior) return false;
     const std::lock_guard lock(mutex_);
@@ -383,8 +384,8 @@ void Bindings::finishMeshes(const frame::Frame* newest)
 void Bindings::follow(visual::Transform& transform, BodyId id, const FollowDef& def,
                       const physics::PhysicsServer& physics)
 {
-    if (!visual_) fail("follow: there is no visual server yet: follow from where dress() is called");
-    if (!visual_->has(transform)) fail("follow: the transform is not one of the visual server's");
+    if (!visual_) fail("follow: there is no visual server yet; call it from the function given to dress()");
+    if (!visual_->has(transform)) fail("follow: the transform does not belong to the visual server");
     followers_.follow(transform, id, def, physics);
 }
 
@@ -392,7 +393,7 @@ void Bindings::release()
 {
     const std::lock_guard lock(mutex_);
     boundaries_.clear();
-    std::erase_if(shown_, [](const Binding& binding) { return binding.interior; }); // they open anew
+    std::erase_if(shown_, [](const Binding& binding) { return binding.interior; }); // openInteriors() makes them again
     for (Binding& binding : shown_) {
         binding.drawn = nullptr;
         binding.seen = false;

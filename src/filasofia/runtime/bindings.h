@@ -15,10 +15,10 @@ class VisualServer;
 
 namespace filasofia::runtime {
 
-/// How the names of materials begin that Bindings puts into the visual server's pool.
+/// Prefix of the names of materials that Bindings adds to the visual server's pool.
 inline constexpr std::string_view kInteriorOf = "interior of ";
 
-/// What is drawn of which body: the one place where the two servers meet. Frames come in, vertices go out.
+/// Which body is drawn how: the one place that knows both servers. It reads frames and moves vertices.
 class Bindings {
 public:
     explicit Bindings(MeshWorker::Prepare prepare = prepareMesh) : worker_(std::move(prepare)) {}
@@ -26,40 +26,40 @@ public:
     /// Prepares a surface on the caller's thread; it appears at the next update(). Any thread. Throws Error.
     ShownId show(BodyId id, const ShowDef& def, const physics::PhysicsServer& physics);
 
-    // Any thread; they take effect at the next update(). An Error where the id was never given; nothing happens where
-    // what it names is gone.
+    // Any thread; they take effect at the next update(). Error if the id was never given; nothing happens if what it
+    // names is gone.
     void setVisible(ShownId id, bool visible);
     void setMaterial(ShownId id, const visual::Material& material);
     void remove(ShownId id);
-    /// A mark on what is drawn of a body; how many vertices it reached. Any thread.
+    /// Paints everything that is drawn of a body. Returns how many vertices it reached. Any thread.
     int paint(BodyId id, const PaintDef& def, physics::PhysicsServer& physics);
-    /// Everything is clean again. Any thread.
+    /// Removes all paint. Any thread.
     void clearPaint() { painted_.clear(); }
-    /// The body's boundary has new triangles: `surface` at rest in the world, on its nodes, which only grow in number.
-    /// What is drawn of the boundary follows with its old triangles until the new ones are ready. `interior`: what cuts
-    /// have opened of it, drawn in a material of its own; none: nothing. Other surfaces of its skin are opened as
-    /// `boundary` tells, and stay without one. Any thread.
+    /// Gives the body's boundary new triangles: `surface` at rest in the world, on the body's nodes, whose number only
+    /// grows. The drawn boundary follows with its old triangles until the new ones are ready. `interior` is what cuts
+    /// have opened, drawn in a material of its own; null if nothing is open. Other surfaces of the skin open as
+    /// `boundary` says; if it is null they stay closed. Any thread.
     void retopologise(BodyId id, SharedSurface surface, SharedSurface interior = nullptr,
                       std::shared_ptr<const frame::Boundary> boundary = nullptr);
 
-    /// Makes visual bodies of what was prepared. Main thread, like all that follows. Where the visual server refuses
-    /// one, its Error comes through, and that one and those after it stay pending.
+    /// Makes visual bodies of what was prepared. Main thread, like everything below. If the visual server refuses one,
+    /// its Error is passed on, and that one and those after it stay pending.
     void addPending(visual::VisualServer& visual);
-    /// Moves everything to where the frame says; removes what belongs to a body that is gone.
+    /// Moves everything to the places given by the frame, and removes what belongs to a removed body.
     void update(const frame::Frame& frame, const physics::PhysicsServer& physics, visual::VisualServer& visual);
-    /// Waits for the new triangles that are under way, those of the cuts in `newest` too: the next update() has them
-    /// all.
+    /// Waits for the new triangles that are under way, including those of the cuts in `newest`. The next update() then
+    /// has them all.
     void finishMeshes(const frame::Frame* newest = nullptr);
-    /// A Transform of the visual server goes where a body goes, from now until unfollow(), its own end, the body's, or
-    /// until it gets a parent. Throws an Error where there is no visual server or the transform is not of it.
+    /// Makes a Transform of the visual server follow a body until unfollow(), its own end, the body's end, or until it
+    /// gets a parent. Throws an Error if there is no visual server or the transform does not belong to it.
     void follow(visual::Transform& transform, BodyId id, const FollowDef& def, const physics::PhysicsServer& physics);
     void unfollow(const visual::Transform& transform) { followers_.unfollow(transform); }
-    /// Forgets the visual bodies, because their server ends; they are pending again.
+    /// Forgets the visual bodies because their server ends; they are pending again.
     void release();
 
-    /// The box around all surfaces where they are at the start; empty without any.
+    /// The box around all surfaces in their start poses; empty if there are none.
     [[nodiscard]] geometry::Box bounds() const;
-    /// The box around what is drawn and visible, where it is now.
+    /// The box around everything that is drawn and visible, where it is now.
     [[nodiscard]] geometry::Box boundsNow() const;
     /// The visual server, while there is one.
     [[nodiscard]] visual::VisualServer* visual() const { return visual_; }
@@ -71,52 +71,52 @@ private:
         BodyId id = {};
         bool soft = true;
         std::string name = {};
-        SharedSurface mapped = {}; ///< of a rigid body: without a map
-        int nodes = 0;             ///< that a frame of the body must have for it
+        SharedSurface mapped = {}; ///< a rigid body's has no map
+        int nodes = 0;             ///< number of nodes that a frame of the body must have
         mapping::RigidMap rigidMap = {};
-        Pose start = {}; ///< of the surface's coordinates, for a rigid body
+        Pose start = {}; ///< start pose of the surface's coordinates, for a rigid body
         ShowDef def = {};
-        int subdivision = 0;   ///< that is drawn: less than in def where a cut surface takes none
-        bool boundary = false; ///< drawn is a soft body's own boundary
-        bool interior = false; ///< of that, what was opened
-        std::shared_ptr<const mapping::OpeningSurface> opening = {}; ///< drawn is another surface of its skin
+        int subdivision = 0;   ///< the level that is drawn; less than in def if a cut surface cannot be subdivided
+        bool boundary = false; ///< a soft body's own boundary is drawn
+        bool interior = false; ///< the opened inside of that boundary is drawn
+        std::shared_ptr<const mapping::OpeningSurface> opening = {}; ///< another surface of the body's skin is drawn
         bool seen = false;                                           ///< the body has been in a frame
         visual::VisualBody* drawn = nullptr;                         ///< nullptr while pending
     };
-    /// What was asked for and has not been done. The newest of each kind is enough.
-    struct Wish {
+    /// Changes that were asked for and not yet made. The newest of each kind is enough.
+    struct PendingChange {
         std::optional<bool> visible = {};
         std::optional<visual::Material> material = {};
         bool gone = false;
     };
 
-    Wish& wish(ShownId id, const char* what);
-    void applyWishes(visual::VisualServer& visual);
+    PendingChange& change(ShownId id, const char* what);
+    void applyChanges(visual::VisualServer& visual);
     [[nodiscard]] bool isCut(BodyId id) const;
     void followTopology(const frame::Frame& frame);
     void applyTopology();
     void openInteriors();
-    void askMesh(const Binding& binding); ///< the newest triangles of its body, where it has new ones
-    bool healed(const Binding& binding);  ///< what was open is closed again
+    void askMesh(const Binding& binding);     ///< asks for the newest triangles of its body, if it has new ones
+    bool closedAgain(const Binding& binding); ///< the opened inside is closed again
     bool place(Binding& binding, const frame::Frame& frame);
     void forget(const Binding& binding);
-    static void apply(const Wish& wish, Binding& binding, const visual::VisualServer& visual);
+    static void apply(const PendingChange& change, Binding& binding, const visual::VisualServer& visual);
 
-    mutable std::mutex mutex_; ///< guards these
+    mutable std::mutex mutex_; ///< guards the members up to boundaries_
     std::vector<Binding> pending_;
-    std::map<ShownId, Wish> wishes_;
+    std::map<ShownId, PendingChange> changes_;
     struct Topology {
-        SharedSurface skin, interior; ///< none: nothing is open
+        SharedSurface skin, interior; ///< null: nothing is open
         std::shared_ptr<const frame::Boundary> boundary = {};
     };
     std::map<BodyId, Topology> topology_; ///< the newest boundary of each body whose topology has changed
-    std::set<BodyId> changed_;            ///< those that the worker has not been told of
+    std::set<BodyId> changed_;            ///< bodies whose new triangles the worker was not yet asked for
     std::uint32_t lastShown_ = 0;
     SurfaceKey lastKey_ = 0;
 
-    std::map<BodyId, std::shared_ptr<const frame::Boundary>> boundaries_; ///< that the last frame had
+    std::map<BodyId, std::shared_ptr<const frame::Boundary>> boundaries_; ///< the boundaries of the last frame
 
-    std::vector<Binding> shown_; // the main thread's, like these
+    std::vector<Binding> shown_; // main thread only, like the members below
     std::vector<Vec3> vertices_;
     Followers followers_;
     visual::VisualServer* visual_ = nullptr;
@@ -125,7 +125,7 @@ private:
     MeshWorker worker_;
 };
 
-/// While it lives there may be visual bodies; when it ends, also by an exception, none is remembered.
+/// While it lives there may be visual bodies; when it ends, also by an exception, all are forgotten.
 class DrawnBindings {
 public:
     explicit DrawnBindings(Bindings& bindings) : bindings_(bindings) {}

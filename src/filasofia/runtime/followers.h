@@ -12,16 +12,16 @@ class PhysicsServer;
 
 namespace filasofia::runtime {
 
-/// Lights, cameras and whatever else is a Transform, on places of bodies. Main thread only.
+/// Lights, cameras and other Transforms that follow places of bodies. Main thread only.
 class Followers {
 public:
-    /// The transform leaves its parent and whatever it followed before, and is where the body starts. Throws an Error
-    /// naming transform and body when the body has no such place.
+    /// Detaches the transform from its parent and from what it followed before, and moves it to the body's start.
+    /// Throws an Error naming transform and body if the body has no such place.
     void follow(visual::Transform& transform, BodyId id, const FollowDef& def, const physics::PhysicsServer& physics);
-    /// It stays where it is. Nothing happens where it follows nothing.
+    /// The transform stays where it is. Nothing happens if it follows nothing.
     void unfollow(const visual::Transform& transform);
-    /// Moves all to where the frame says. Forgets transforms that have ended or have got a parent, and those of bodies
-    /// that are gone: they stay where they are.
+    /// Moves all transforms to the places given by the frame. Forgets transforms that have been destroyed or have got a
+    /// parent, and those whose body was removed; they stay where they are.
     void update(const frame::Frame& frame, const physics::PhysicsServer& physics);
     void clear() { followers_.clear(); }
     [[nodiscard]] int count() const { return static_cast<int>(followers_.size()); }
@@ -33,7 +33,7 @@ private:
         BodyId id = {};
         std::variant<mapping::RigidMap, mapping::SurfacePoint> map = {};
         Pose offset = {};
-        Quat last = {};    ///< of the surface's frame
+        Quat last = {};    ///< orientation of the surface's frame at the last update
         bool seen = false; ///< the body has been in a frame
     };
     static bool place(Follower& follower, const frame::Frame& frame);

@@ -17,21 +17,22 @@ using device::DeviceNotice;
 using device::HapticServo;
 using device::Nanoseconds;
 
-constexpr std::size_t kTape = 1 << 16; // a minute at 1 kHz, while the main thread is away
+constexpr std::size_t kTape = 1 << 16; // a minute at 1 kHz, if the main thread does not drain it
 
 /// "NAME" or "NAME:LIBRARY".
 std::unique_ptr<device::HapticDevice> deviceOf(const std::string& word)
 {
     const auto colon = word.find(':');
     const device::DeviceDef def = device::deviceNamed(word.substr(0, colon));
-    if (std::holds_alternative<device::ScriptedDevice>(def)) fail("run: device scripted is asked for by its motion");
+    if (std::holds_alternative<device::ScriptedDevice>(def))
+        fail("run: device scripted needs a motion file; set motion instead");
     return device::makeDevice(def, colon == std::string::npos ? "" : word.substr(colon + 1));
 }
 
 int ticksIn(double dt, double rate) { return std::max(1, static_cast<int>(std::lround(dt * rate))); }
 Nanoseconds nanoseconds(double seconds) { return std::llround(1e9 * seconds); }
 
-/// Of a product of unit quaternions, which may be longer than one by a rounding: a step takes no component beyond it.
+/// A product of unit quaternions may be longer than one by rounding, and a step accepts no component beyond 1.
 Pose unitPose(Pose pose)
 {
     Quat& q = pose.orientation = normalized(pose.orientation);
@@ -42,9 +43,9 @@ Pose unitPose(Pose pose)
 void logNotice(const std::string& who, const DeviceNotice& notice, bool wasWrong)
 {
     if (notice.kind == DeviceNotice::Kind::Lost || notice.kind == DeviceNotice::Kind::Error)
-        logWarning(who, ": ", notice.problem, "; it gets no force until it is right again");
+        logWarning(who, ": ", notice.problem, "; it gets no force until it works again");
     else if (notice.kind == DeviceNotice::Kind::Connected && wasWrong)
-        logInfo(who, ": it is right again");
+        logInfo(who, ": it works again");
 }
 
 } // namespace
@@ -53,29 +54,29 @@ struct Haptics::Interface {
     HapticId id;
     HapticInterfaceDef def;
     bool dynamic = false;
-    Vec3 centre;                                  ///< [m] of mass, in the element's coordinates
+    Vec3 centre;                                  ///< [m], centre of mass in the element's coordinates
     std::unique_ptr<device::HapticDevice> device; ///< the Def's, or the caller's
-    std::unique_ptr<device::HapticDevice> other;  ///< the run's
-    std::unique_ptr<HapticServo> servo;           ///< stays after a run, for who asks how it went
+    std::unique_ptr<device::HapticDevice> other;  ///< the run's, in place of the other
+    std::unique_ptr<HapticServo> servo;           ///< kept after a run, so that its statistics can be read
 
-    // The stepping thread's in a run.
+    // Used by the stepping thread in a run.
     bool placed = false;
-    bool refused = false;     ///< a sample was, and the log told
-    bool holding = false;     ///< the last step was told where the hand is
-    std::uint64_t states = 0; ///< of the body, told to the servo
-    Nanoseconds seen = 0;     ///< when the hand was where the last step took it to be: that is the state's time
-    physics::HapticTarget target = {}; ///< of the last step
+    bool refused = false;     ///< a sample was refused and a warning logged
+    bool holding = false;     ///< the last step had a target from the hand
+    std::uint64_t states = 0; ///< number of body states sent to the servo
+    Nanoseconds seen = 0;     ///< when the hand was at the last step's target; the body state carries this time
+    physics::HapticTarget target = {}; ///< the last step's
     device::Latest<CouplingForce> onBody;
-    // Where the device is in the scene: under the mutex.
+    // Where the device is in the scene; guarded by the mutex.
     double scale = 1.0;
     Pose origin;
     Quat grip;
-    // And what the stepping thread is told of it.
-    device::Latest<HandCoupling> coupling;
-    std::atomic<bool> aligns = false;       ///< it has no origin of its own
-    std::atomic<std::uint64_t> placing = 0; ///< snapshots of an earlier one are of another place
+    // The same for the stepping thread.
+    device::Latest<VirtualCoupling> coupling;
+    std::atomic<bool> aligns = false;       ///< it has no origin of its own, so it starts at the body
+    std::atomic<std::uint64_t> placing = 0; ///< snapshots with an earlier number belong to another place
 
-    void tellPlace() // under the mutex
+    void updatePlace() // under the mutex
     {
         coupling.write(device::sceneCoupling(servoDef(def.rate, 1e-3)));
         if (servo) placing.store(servo->place(scale, origin, grip));
@@ -84,7 +85,7 @@ struct Haptics::Interface {
     {
         return text("haptic interface '", def.name, "': device ", (other ? other : device)->name());
     }
-    /// The device, where a person's input moves it.
+    /// The device, if a person's input moves it; else null.
     [[nodiscard]] device::PersonDevice* person() const
     {
         return dynamic_cast<device::PersonDevice*>((other ? other : device).get());
@@ -121,10 +122,10 @@ HapticId Haptics::add(const HapticInterfaceDef& def, std::unique_ptr<device::Hap
         fail(object, ": element must be in [0, ", rigid->elements.size(), "), got ", def.element);
 
     const std::lock_guard lock(mutex_);
-    if (running_) fail(object, ": to be added before a run, and one is going on");
+    if (running_) fail(object, ": must be added before a run, but one is going on");
     for (const auto& other : interfaces_)
         if (other->def.body == def.body)
-            fail(object, ": body '", rigid->name, "' is controlled by '", other->def.name, "' already");
+            fail(object, ": body '", rigid->name, "' is already controlled by '", other->def.name, "'");
     auto made = std::make_unique<Interface>();
     made->device = own ? std::move(own) : device::makeDevice(def.device);
     made->id = {static_cast<std::uint32_t>(interfaces_.size()) + 1};
@@ -142,7 +143,7 @@ HapticId Haptics::add(const HapticInterfaceDef& def, std::unique_ptr<device::Hap
 
 Haptics::Interface& Haptics::find(HapticId id) const
 {
-    if (id.value == 0 || id.value > interfaces_.size()) fail("haptic interface ", id.value, ": there is none");
+    if (id.value == 0 || id.value > interfaces_.size()) fail("haptic interface ", id.value, ": it does not exist");
     return *interfaces_[id.value - 1];
 }
 
@@ -164,12 +165,12 @@ HapticInterfaceDef Haptics::def(HapticId id) const
     return now;
 }
 
-Moving Haptics::deviceHand(HapticId id) const
+MotionState Haptics::deviceHand(HapticId id) const
 {
     const std::lock_guard lock(mutex_);
     device::ServoSnapshot seen;
     const Interface& each = find(id);
-    return each.servo && each.servo->latest(seen) ? seen.sample.hand : Moving{};
+    return each.servo && each.servo->latest(seen) ? seen.sample.hand : MotionState{};
 }
 
 HapticState Haptics::state(HapticId id) const
@@ -200,8 +201,8 @@ void Haptics::place(HapticId id, double scale, const Pose& origin)
     validate(def, text("haptic interface '", def.name, "'"));
     each.scale = scale;
     each.origin = *def.origin;
-    each.aligns.store(false); // somebody knows better
-    each.tellPlace();
+    each.aligns.store(false); // an explicit origin replaces alignment
+    each.updatePlace();
 }
 
 void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& clock, const Post& post)
@@ -210,7 +211,7 @@ void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& c
     for (const auto& [field, value] :
          {std::pair{"device", &run.device}, {"motion", &run.motion}, {"recordMotion", &run.recordMotion}})
         if (!value->empty() && interfaces_.empty())
-            fail("run: ", field, " needs a haptic interface, and there is none");
+            fail("run: ", field, " needs a haptic interface, but there is none");
     if (!run.device.empty() && !run.motion.empty()) fail("run: device and motion: only one of the two can be given");
     const double stepPeriod = 1.0 / physics.rate;
     live_ = !run.headless;
@@ -230,11 +231,11 @@ void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& c
     for (auto& held : interfaces_) {
         Interface& each = *held;
         each.servo.reset();
-        each.other = std::exchange(asked, nullptr); // the first one's
+        each.other = std::exchange(asked, nullptr); // the first interface gets it
         each.placed = each.def.origin.has_value();
         each.aligns.store(!each.placed);
         each.holding = false;
-        // Headless so many whole ticks to a step that the last is at its end.
+        // In a headless run each step has a whole number of ticks, so that the last tick is at its end.
         const double rate = live_ ? each.def.rate : std::min(ticksIn(stepPeriod, each.def.rate) / stepPeriod, 10000.0);
         const auto notice = [&each, post, wrong = false](const DeviceNotice& what) mutable {
             logNotice(each.who(), what, wrong);
@@ -268,7 +269,7 @@ void Haptics::tickThrough(Interface& each, double dt, double end)
     }
 }
 
-// The body stays as it is, and the hand takes it where it is: whatever the device's place and orientation at first.
+// The body stays where it is and the hand takes it there, whatever the device's first place and orientation.
 void Haptics::align(Interface& each, const device::ServoSnapshot& seen, physics::PhysicsServer& physics)
 {
     const frame::FrameRef frame = physics.latest();
@@ -280,7 +281,7 @@ void Haptics::align(Interface& each, const device::ServoSnapshot& seen, physics:
     const std::lock_guard lock(mutex_);
     each.origin = {pose.position - each.scale * hand.position, {}};
     each.grip = conjugate(hand.orientation) * pose.orientation;
-    each.tellPlace();
+    each.updatePlace();
     each.placed = true;
 }
 
@@ -297,34 +298,34 @@ void Haptics::beforeStep(double dt, double end, physics::PhysicsServer& physics)
                            wake_ - seen.time <= static_cast<Nanoseconds>(1e9 * device::watchdogOf(1e-3));
         if (heard && !each.placed) {
             align(each, seen, physics);
-            continue; // the servo knows of it from its next tick on
+            continue; // the servo knows it from its next tick on
         }
-        // One that comes again may lie elsewhere: the body is not to jump there.
+        // A device that comes back may be elsewhere: the body must not jump there.
         if (seen.tick.state == device::ServoState::Lost && each.aligns.load()) each.placed = false;
         if (!heard && !std::exchange(each.holding, false)) continue;
         each.seen = heard ? seen.time : wake_;
         if (heard) {
-            constexpr double kSpeeds = 1e5; // in [m/s], [rad/s]
+            constexpr double kSpeeds = 1e5; // rounds to 1e-5 m/s and 1e-5 rad/s
             each.target = {rounded(unitPose(seen.tick.hand.pose)), rounded(seen.tick.hand.velocity, kSpeeds),
                            rounded(seen.tick.hand.angularVelocity, kSpeeds)};
             each.holding = true;
-        } else { // it stays where the hand was last
+        } else { // the target stays at the hand's last place
             each.target.velocity = each.target.angularVelocity = {};
         }
         static_cast<void>(each.coupling.read(each.target.coupling));
         try {
             physics.setHaptic(each.def.body, each.target, each.def.element);
-        } catch (const Error& problem) { // it was removed meanwhile; else the hand is at the end of the world
+        } catch (const Error& problem) { // the body was removed meanwhile, or the hand is outside the legal range
             each.holding = false;
             if (physics.has(each.def.body) && !std::exchange(each.refused, true))
-                logWarning(each.who(), ": a step cannot take it: ", problem.what());
+                logWarning(each.who(), ": its pose was refused: ", problem.what());
         }
     }
 }
 
 void Haptics::afterStep(const physics::StepReport& report, physics::PhysicsServer& physics)
 {
-    if (interfaces_.empty() || report.dt == 0.0) return; // paused: the servos hear nothing, and let go
+    if (interfaces_.empty() || report.dt == 0.0) return; // paused: the servos get no state and release the force
     const frame::FrameRef frame = physics.latest();
     if (!frame || frame->step != report.step) return;
     for (auto& held : interfaces_) {
@@ -334,7 +335,7 @@ void Haptics::afterStep(const physics::StepReport& report, physics::PhysicsServe
         const auto e = static_cast<std::size_t>(each.def.element);
         const Vec3 arm = rotate(body->poses[e].orientation, each.centre);
         const Vec3 turning = body->angularVelocities[e];
-        const Moving now{body->poses[e], body->velocities[e] - cross(turning, arm), turning};
+        const MotionState now{body->poses[e], body->velocities[e] - cross(turning, arm), turning};
         each.servo->setBody({++each.states, each.seen, now, each.centre});
         const physics::HapticTarget& t = each.target;
         if (each.dynamic && each.states > 1)
@@ -371,7 +372,7 @@ void Haptics::abandon() noexcept
 {
     try {
         end();
-    } catch (const std::exception&) { // what went wrong before is what is told
+    } catch (const std::exception&) { // the earlier error is the one to report
         motion_.reset();
     }
 }
@@ -400,7 +401,7 @@ bool Haptics::handle(const event::Event& event)
     if (!input) return false;
     for (const auto& each : interfaces_)
         if (isMouse(each)) each->person()->feed(*input);
-    return dynamic_cast<const event::WindowEvent*>(&event) == nullptr; // that one is for everybody
+    return dynamic_cast<const event::WindowEvent*>(&event) == nullptr; // a window event is for everybody
 }
 
 } // namespace filasofia::runtime

@@ -1,4 +1,4 @@
-#include "filasofia/runtime/parts.h"
+#include "filasofia/runtime/headless_run.h"
 
 #include "filasofia/core/text.h"
 #include "filasofia/runtime/physics_loop.h"
@@ -21,48 +21,48 @@ std::string numbered(const std::string& picture, double time)
     return (path.parent_path() / text(path.stem().string(), "_", milliseconds, "ms.png")).string();
 }
 
-constexpr double kRounding = 1e-9; // [s], 250 steps of 5 ms sum to a little less than 1.25 s
+constexpr double kRounding = 1e-9; // [s]; 250 steps of 5 ms sum to a little less than 1.25 s
 
-/// Pictures of a run that has no window: an own visual server, only when there is something to draw.
+/// Pictures of a run that has no window. Makes a visual server of its own, but only if there is something to draw.
 class Pictures {
 public:
-    Pictures(Simulation::Impl& parts, const RunDef& def) : parts_(parts), def_(def)
+    Pictures(Simulation::Impl& impl, const RunDef& def) : impl_(impl), def_(def)
     {
-        if (!def.video.empty()) video_.emplace(def.video, parts.def.window.width, parts.def.window.height, def.fps);
+        if (!def.video.empty()) video_.emplace(def.video, impl.def.window.width, impl.def.window.height, def.fps);
         if (!def.picture.empty() || video_) open();
     }
     void afterStep(double time)
     {
         if (def_.pictureEvery > 0.0 && time + kRounding >= next_) {
             next_ = (std::floor((time + kRounding) / def_.pictureEvery) + 1.0) * def_.pictureEvery;
-            parts_.takePicture(*visual_, numbered(def_.picture, time));
+            impl_.takePicture(*visual_, numbered(def_.picture, time));
         }
         const bool film = video_ && video_->due(time - start_);
-        const bool asked = parts_.screenshotAsked();
+        const bool asked = impl_.screenshots.asked();
         if (!film && !(asked && opened())) return;
-        parts_.mapFinishedFrame(*visual_);
+        impl_.mapFinishedFrame(*visual_);
         if (film) video_->show(visual_->capture(), time - start_);
-        parts_.takeScreenshots(*visual_);
+        impl_.takeScreenshots(*visual_);
     }
     void last(RunReport& report)
     {
-        if (!def_.picture.empty() && def_.pictureEvery == 0.0) parts_.takePicture(*visual_, def_.picture);
+        if (!def_.picture.empty() && def_.pictureEvery == 0.0) impl_.takePicture(*visual_, def_.picture);
         if (video_) {
             video_->close();
-            parts_.pictures.push_back(def_.video);
+            impl_.files.addPicture(def_.video);
         }
         if (visual_) report.visual = visual_->statistics();
     }
 
 private:
-    /// A screenshot may be the first thing that is to be drawn; where nothing can be, the run goes on without.
+    /// A screenshot may be the first thing to be drawn. If nothing can be drawn, the run goes on without it.
     bool opened()
     {
         try {
             open();
             return true;
         } catch (const Error& problem) {
-            parts_.dropScreenshots(problem);
+            impl_.screenshots.drop(problem);
             return false;
         }
     }
@@ -70,46 +70,46 @@ private:
     void open()
     {
         if (visual_) return;
-        visual_ = std::make_unique<visual::VisualServer>(visual::VisualServerDef{.backend = visual::Backend::Headless,
-                                                                                 .width = parts_.def.window.width,
-                                                                                 .height = parts_.def.window.height});
-        parts_.bindings.addPending(*visual_);
-        parts_.dressScene(*visual_);
+        visual_ = std::make_unique<visual::VisualServer>(visual::VisualServerDef{
+            .backend = visual::Backend::Headless, .width = impl_.def.window.width, .height = impl_.def.window.height});
+        impl_.bindings.addPending(*visual_);
+        impl_.dressScene(*visual_);
     }
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     const RunDef& def_;
-    const double start_ = parts_.time.load(); ///< [s], simulated, when the run begins
+    const double start_ = impl_.now.seconds(); ///< [s], simulated time at which the run begins
     std::optional<VideoFile> video_;
-    const DrawnBindings drawn_{parts_.bindings};
+    const DrawnBindings drawn_{impl_.bindings};
     std::unique_ptr<visual::VisualServer> visual_;
     double next_ = 0.0;
 };
 
 } // namespace
 
-RunReport runHeadless(Simulation::Impl& parts, const RunDef& def)
+RunReport runHeadless(Simulation::Impl& impl, const RunDef& def)
 {
-    Pictures pictures(parts, def);
-    RunFiles files(parts, def);
+    Pictures pictures(impl, def);
+    RunFiles files(impl, def);
 
     const PhysicsLoopDef loop{
-        .period = parts.period(), .freeRunning = true, .maximumSteps = static_cast<std::uint64_t>(def.steps)};
+        .period = impl.period(), .freeRunning = true, .maxSteps = static_cast<std::uint64_t>(def.steps)};
     RunReport report;
     const auto afterStep = [&](const physics::StepReport& step) {
-        const std::uint32_t flags = parts.afterStep(step);
-        parts.events.deliverAll(); // before the next step begins: observers' commands come at the same step every time
+        const std::uint32_t flags = impl.afterStep(step);
+        // Before the next step begins, so that observers' commands reach the same step in every run.
+        impl.events.deliverAll();
         files.keepUp();
-        parts.haptics.drain();
+        impl.haptics.drain();
         pictures.afterStep(step.time);
-        if (StopSignal::received()) parts.finish("interrupted");
+        if (StopSignal::received()) impl.control.finish("interrupted");
         return flags;
     };
-    report.timing =
-        runPhysics(parts.physics, loop, parts.clock, parts.stop, afterStep, [&](double dt) { parts.beforeStep(dt); });
-    parts.finish(text("made ", report.timing.stepCount, report.timing.stepCount == 1 ? " step" : " steps"));
+    report.timing = runPhysics(impl.physics, loop, impl.clock, impl.control.stopAsked(), afterStep,
+                               [&](double dt) { impl.beforeStep(dt); });
+    impl.control.finish(text("made ", report.timing.stepCount, report.timing.stepCount == 1 ? " step" : " steps"));
     pictures.last(report);
-    files.close(); // they know how the last picture was taken
+    files.close(); // after the last picture: the files record how it was taken
     return report;
 }
 

@@ -9,14 +9,14 @@
 
 namespace filasofia::runtime {
 
-Inspector::Inspector(Simulation::Impl& parts, visual::VisualServer& visual)
-    : parts_(parts), visual_(visual), rates_(parts), bodies_(parts), hands_(parts), scene_(parts)
+Inspector::Inspector(Simulation::Impl& impl, visual::VisualServer& visual)
+    : impl_(impl), visual_(visual), rates_(impl), bodies_(impl), hands_(impl), scene_(impl)
 {
 }
 
 Inspector::~Inspector()
 {
-    parts_.feed.watch(false);
+    impl_.feed.watch(false);
     if (gui_) visual_.remove(*gui_);
 }
 
@@ -24,8 +24,8 @@ void Inspector::setOpen(bool open)
 {
     if (open == open_) return;
     open_ = open;
-    parts_.feed.read([](const physics::StepReport&) {}); // those of the last time it was open
-    parts_.feed.watch(open);
+    impl_.feed.read([](const physics::StepReport&) {}); // drops reports of the last time it was open
+    impl_.feed.watch(open);
     if (open) rates_.restart();
     if (open && !gui_)
         gui_ = &visual_.add(visual::GuiDef{.name = "inspector", .renderCallback = [this] { drawPanel(); }});
@@ -43,7 +43,7 @@ bool Inspector::handle(const event::Event& event)
 void Inspector::beforePicture()
 {
     if (!open_) return;
-    parts_.feed.read([this](const physics::StepReport& report) { rates_.add(report); });
+    impl_.feed.read([this](const physics::StepReport& report) { rates_.add(report); });
     rates_.addPicture(visual_.statistics().lastGuiSeconds);
     drawScene();
 }
@@ -52,7 +52,7 @@ void Inspector::drawScene()
 {
     try {
         scene_.draw(show, visual_);
-    } catch (const Error& error) { // a body that goes between two looks at it
+    } catch (const Error& error) { // a body may be removed while it is drawn
         problem_ = error.what();
     }
 }
@@ -76,7 +76,7 @@ void Inspector::drawPanel()
         drawRun();
         if (ImGui::CollapsingHeader("Rates", ImGuiTreeNodeFlags_DefaultOpen)) rates_.draw();
         if (ImGui::CollapsingHeader("Show", ImGuiTreeNodeFlags_DefaultOpen)) drawShow();
-        if (hands_.any() && ImGui::CollapsingHeader("Hands", ImGuiTreeNodeFlags_DefaultOpen)) hands_.draw();
+        if (hands_.any() && ImGui::CollapsingHeader("Haptics", ImGuiTreeNodeFlags_DefaultOpen)) hands_.draw();
         if (ImGui::CollapsingHeader("Bodies", ImGuiTreeNodeFlags_DefaultOpen)) bodies_.draw();
         ImGui::PopItemWidth();
     }
@@ -87,11 +87,11 @@ void Inspector::drawPanel()
 void Inspector::drawRun()
 {
     const bool paused = rates_.paused();
-    if (ImGui::Button(paused ? "Go on" : "Pause")) parts_.physics.pause(!paused);
+    if (ImGui::Button(paused ? "Resume" : "Pause")) impl_.physics.pause(!paused);
     ImGui::SameLine();
-    if (ImGui::Button("Step")) parts_.stepAsked.store(true);
+    if (ImGui::Button("Step")) impl_.pause.askSingleStep();
     ImGui::SameLine();
-    if (ImGui::Button("Reset")) parts_.reset();
+    if (ImGui::Button("Reset")) impl_.reset();
     ImGui::SameLine();
     if (ImGui::Button("Screenshot")) askForScreenshot();
     if (!screenshot_.empty()) ImGui::TextDisabled("%s", screenshot_.c_str());
@@ -109,7 +109,7 @@ void Inspector::drawShow()
     ImGui::Checkbox("forces", &show.forces);
     if (show.forces) {
         auto millimetres = float(1e3 * scene_.scaleOf(show));
-        if (ImGui::SliderFloat("1 N is [mm]", &millimetres, 0.01F, 1e4F, "%.3g", ImGuiSliderFlags_Logarithmic))
+        if (ImGui::SliderFloat("arrow [mm/N]", &millimetres, 0.01F, 1e4F, "%.3g", ImGuiSliderFlags_Logarithmic))
             show.metresPerNewton = 1e-3 * double(millimetres);
     }
     const auto views = visual_.views();
@@ -134,7 +134,7 @@ void Inspector::takeScreenshot()
             file = std::filesystem::path(screenshotFolder) / name;
             if (!std::filesystem::exists(file)) break;
         }
-        gui_->setVisible(false); // the picture is of the scene
+        gui_->setVisible(false); // the picture shows the scene without the panel
         drawScene();
         const visual::Image image = visual_.capture();
         gui_->setVisible(open_);

@@ -11,31 +11,31 @@ class Gui;
 
 namespace filasofia::runtime {
 
-/// The Gui behind F1 in a live run: how fast it goes and where the time goes, what the bodies are and what can be
-/// changed about them, what they do to each other. Main thread. It reads Frames and a feed of step reports and acts by
-/// commands: physics does not know it.
+/// The Gui of a live run that F1 opens: rates and where the time goes, the bodies and what can be changed about them,
+/// and the forces between them. Main thread. It reads Frames and a feed of step reports and acts through commands;
+/// physics does not know about it.
 class Inspector {
 public:
-    Inspector(Simulation::Impl& parts, visual::VisualServer& visual);
+    Inspector(Simulation::Impl& impl, visual::VisualServer& visual);
     ~Inspector();
     Inspector(const Inspector&) = delete;
     Inspector& operator=(const Inspector&) = delete;
 
     [[nodiscard]] bool open() const { return open_; }
     void setOpen(bool open);
-    /// True for F1, which opens and closes it.
+    /// Returns true for F1, which opens and closes the panel.
     bool handle(const event::Event& event);
 
-    /// Before each picture: takes in what has come, and draws into the scene.
+    /// Call it before each picture: reads the step reports that have come, and draws into the scene.
     void beforePicture();
-    /// After it: the screenshot that was asked for.
+    /// Call it after each picture: takes the screenshot that was asked for.
     void afterPicture(bool drawn);
 
     InspectorShow show;                 ///< what it draws into the scene
     std::string screenshotFolder = "."; ///< files are called filasofia_0001.png and so on
-    /// After the next picture.
+    /// Takes a screenshot after the next picture.
     void askForScreenshot() { screenshotAsked_ = true; }
-    /// What went wrong last, as an Error said it.
+    /// The text of the last Error; empty if there was none.
     [[nodiscard]] const std::string& problem() const { return problem_; }
     [[nodiscard]] const std::string& lastScreenshot() const { return screenshot_; }
 
@@ -46,9 +46,9 @@ private:
     void drawScene();
     void takeScreenshot();
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     visual::VisualServer& visual_;
-    visual::Gui* gui_ = nullptr; ///< made when it is first opened
+    visual::Gui* gui_ = nullptr; ///< made when the panel is first opened
     InspectorRates rates_;
     InspectorBodies bodies_;
     InspectorHands hands_;

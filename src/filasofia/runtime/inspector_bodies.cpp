@@ -9,8 +9,8 @@
 namespace filasofia::runtime {
 namespace {
 
-/// A number that a person drags or types; true where it is to be taken over: at the end of a drag, not at each pixel of
-/// it.
+/// A number that the user drags or types. Returns true at the end of a drag, when the value is to be applied, not at
+/// each pixel.
 bool editNumber(const char* name, double& value, double speed, const char* format, double low = 0.0, double high = 0.0)
 {
     auto shown = float(value);
@@ -50,7 +50,7 @@ std::string titleOf(const physics::BodyDef& def, BodyId id)
 
 } // namespace
 
-InspectorBodies::InspectorBodies(Simulation::Impl& parts) : parts_(parts), gravity_(parts.def.physics.gravity) {}
+InspectorBodies::InspectorBodies(Simulation::Impl& impl) : impl_(impl), gravity_(impl.def.physics.gravity) {}
 
 template <class Command> void InspectorBodies::attempt(Command&& command)
 {
@@ -67,21 +67,21 @@ InspectorBodies::Body* InspectorBodies::bodyOf(BodyId id)
     const auto found = bodies_.find(id);
     if (found != bodies_.end()) return &found->second;
     try {
-        Body body{.def = parts_.physics.def(id)};
+        Body body{.def = impl_.physics.def(id)};
         if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body.def)) {
             body.material = soft->material;
             body.pressure = soft->pressure;
         }
         return &(bodies_[id] = std::move(body));
     } catch (const Error&) {
-        return nullptr; // removed, and the next frame knows
+        return nullptr; // removed; the next frame lacks it
     }
 }
 
 void InspectorBodies::draw()
 {
-    const frame::FrameRef frame = parts_.physics.latest();
-    if (editVector("g [m/s\xc2\xb2]", gravity_, 0.05, "%.2f")) attempt([&] { parts_.physics.setGravity(gravity_); });
+    const frame::FrameRef frame = impl_.physics.latest();
+    if (editVector("g [m/s\xc2\xb2]", gravity_, 0.05, "%.2f")) attempt([&] { impl_.physics.setGravity(gravity_); });
     if (!frame) return;
     const bool few = frame->softBodies.size() + frame->rigidBodies.size() <= 4;
     const ImGuiTreeNodeFlags open = few ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None;
@@ -104,10 +104,10 @@ void InspectorBodies::drawSoft(const frame::SoftBodyFrame& state, Body& body)
     for (const Vec3& v : state.velocities) fastest = std::max(fastest, length(v));
     ImGui::Text("%zu nodes, fastest %.3f m/s", state.positions.size(), fastest);
     if (std::visit([](auto& material) { return editMaterial(material); }, body.material))
-        attempt([&] { parts_.physics.setMaterial(state.id, body.material); });
+        attempt([&] { impl_.physics.setMaterial(state.id, body.material); });
     if (editNumber("pressure [Pa]", body.pressure, 1.0, "%.1f"))
-        attempt([&] { parts_.physics.setPressure(state.id, body.pressure); });
-    if (ImGui::TreeNode("as it was added")) {
+        attempt([&] { impl_.physics.setPressure(state.id, body.pressure); });
+    if (ImGui::TreeNode("definition")) {
         drawFields(std::get<physics::SoftBodyDef>(*body.def));
         ImGui::TreePop();
     }
@@ -117,9 +117,9 @@ void InspectorBodies::drawRigid(const frame::RigidBodyFrame& state, Body& body)
 {
     const auto& def = std::get<physics::RigidBodyDef>(*body.def);
     drawPlaces(state, def.dynamic);
-    if (def.dynamic && editVector("push [N]", body.force, 0.01, "%.3f")) // at the first element's centre of mass
-        attempt([&] { parts_.physics.setWrench(state.id, body.force, {}); });
-    if (ImGui::TreeNode("as it was added")) {
+    if (def.dynamic && editVector("force [N]", body.force, 0.01, "%.3f")) // at the first element's centre of mass
+        attempt([&] { impl_.physics.setWrench(state.id, body.force, {}); });
+    if (ImGui::TreeNode("definition")) {
         drawFields(def);
         ImGui::TreePop();
     }
@@ -132,9 +132,9 @@ void InspectorBodies::drawPlaces(const frame::RigidBodyFrame& state, bool dynami
         Pose pose = state.poses[element];
         Vec3 millimetres = 1e3 * pose.position;
         float shown[3] = {float(millimetres.x), float(millimetres.y), float(millimetres.z)};
-        if (ImGui::DragFloat3("at [mm]", shown, 0.1F, 0.0F, 0.0F, "%.1f")) { // it follows the mouse
+        if (ImGui::DragFloat3("position [mm]", shown, 0.1F, 0.0F, 0.0F, "%.1f")) { // the body follows the mouse
             pose.position = 1e-3 * Vec3{double(shown[0]), double(shown[1]), double(shown[2])};
-            attempt([&] { parts_.physics.setPose(state.id, pose, int(element)); });
+            attempt([&] { impl_.physics.setPose(state.id, pose, int(element)); });
         }
         if (dynamic) ImGui::Text("%.3f m/s", length(state.velocities[element]));
         ImGui::PopID();

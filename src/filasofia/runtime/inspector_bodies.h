@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/runtime/parts.h"
+#include "filasofia/runtime/simulation_impl.h"
 
 #include <map>
 #include <memory>
@@ -10,14 +10,14 @@ namespace filasofia::runtime {
 /// The bodies, their Defs' fields, and those fields that a command can change.
 class InspectorBodies {
 public:
-    explicit InspectorBodies(Simulation::Impl& parts);
+    explicit InspectorBodies(Simulation::Impl& impl);
 
     void draw();
-    /// Why physics refused the last change that it refused, as its Error says.
+    /// Why physics refused the most recent refused change, in the words of its Error.
     [[nodiscard]] const std::string& problem() const { return problem_; }
 
 private:
-    /// What was last asked for here; physics does not tell.
+    /// What the user last asked for here; physics does not report it.
     struct Body {
         std::shared_ptr<const physics::BodyDef> def = {};
         physics::SoftMaterial material = {};
@@ -25,7 +25,7 @@ private:
         Vec3 force = {};
     };
 
-    /// A change by a command, of a body that may just have gone.
+    /// Runs a command on a body that may just have been removed.
     template <class Command> void attempt(Command&& command);
     Body* bodyOf(BodyId id);
     void drawSoft(const frame::SoftBodyFrame& state, Body& body);
@@ -33,7 +33,7 @@ private:
     void drawPlaces(const frame::RigidBodyFrame& state, bool dynamic);
     void drawAttachments(const frame::Frame& frame) const;
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     Vec3 gravity_;
     std::map<BodyId, Body> bodies_;
     std::string problem_;

@@ -1,19 +1,20 @@
 #pragma once
 
-#include "filasofia/runtime/parts.h"
+#include "filasofia/runtime/simulation_impl.h"
 
 namespace filasofia::runtime {
 
-/// Of the device's axes, such that a hand at `hand` along them is at `place` in the scene; they keep their directions.
+/// The origin of the device's axes that puts a hand at `hand` (in device coordinates) at `place` in the scene. The axes
+/// keep their directions.
 Pose originThrough(Vec3 place, Vec3 hand, double scale, Quat orientation);
 
-/// The inspector's part about haptic interfaces: where each hand is, what it feels and how evenly its servo ticks; and
-/// where the device is in the scene, to be changed while it is held.
+/// The inspector's part about haptic interfaces: where each hand is, which force it feels and how evenly its servo
+/// ticks. It also moves the device's place in the scene while somebody holds it.
 class InspectorHands {
 public:
-    explicit InspectorHands(Simulation::Impl& parts) : parts_(parts) {}
+    explicit InspectorHands(Simulation::Impl& impl) : impl_(impl) {}
 
-    [[nodiscard]] bool any() const { return !parts_.haptics.ids().empty(); }
+    [[nodiscard]] bool any() const { return !impl_.haptics.ids().empty(); }
     void draw();
 
 private:
@@ -22,7 +23,7 @@ private:
     void drawPlace(HapticId id, const HapticState& state);
     void place(HapticId id, double scale, const Pose& origin);
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     std::string problem_;
 };
 

@@ -1,13 +1,13 @@
 #pragma once
 
-#include "filasofia/runtime/parts.h"
+#include "filasofia/runtime/simulation_impl.h"
 
 #include <array>
 #include <map>
 
 namespace filasofia::runtime {
 
-/// The last numbers of something, for a plot.
+/// The newest values of a quantity, for a plot.
 class Trace {
 public:
     static constexpr int kLength = 180;
@@ -22,7 +22,7 @@ public:
         return count_ > 0 ? double(values_[std::size_t((next_ + kLength - 1) % kLength)]) : 0.0;
     }
     [[nodiscard]] const float* data() const { return values_.data(); }
-    [[nodiscard]] int oldest() const { return count_ < kLength ? 0 : next_; } ///< where in data() it begins
+    [[nodiscard]] int oldest() const { return count_ < kLength ? 0 : next_; } ///< index of the oldest value in data()
     [[nodiscard]] int count() const { return count_; }
 
 private:
@@ -31,21 +31,21 @@ private:
     int count_ = 0;
 };
 
-/// How fast both servers go, where a step's time goes, and how its solvers do.
+/// The rates of both servers, where a step's time goes, and how its solvers do.
 class InspectorRates {
 public:
-    explicit InspectorRates(Simulation::Impl& parts) : parts_(parts) {}
+    explicit InspectorRates(Simulation::Impl& impl) : impl_(impl) {}
 
-    /// Forgets the time in which nobody looked.
+    /// Forgets the time in which the panel was closed.
     void restart();
     void add(const physics::StepReport& report);
-    /// A picture was drawn; a tenth of a second at a time becomes one point of the plots.
+    /// Call it for each picture. Every 0.1 s becomes one point of the plots.
     void addPicture(double guiSeconds);
     void draw();
 
     [[nodiscard]] bool paused() const { return paused_; }
     [[nodiscard]] double physicsRate() const { return physics_.newest(); }
-    /// The picture was drawn: the driver leaves some out.
+    /// Call it if the picture was drawn; the driver skips some.
     void countDrawn() { ++now_.pictures; }
     [[nodiscard]] double pictureRate() const { return pictures_.newest(); }
 
@@ -54,25 +54,26 @@ private:
     void drawSolvers() const;
     [[nodiscard]] std::string nameOf(BodyId id) const;
 
-    /// Of the steps since the last point.
+    /// Sums over the steps since the last point.
     struct Sums {
         int steps = 0;
-        int moving = 0; ///< not paused
+        int moving = 0; ///< steps that were not paused
         double simulated = 0.0;
         physics::StageTimes times;
         int pictures = 0;
     };
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     Trace physics_, pictures_, stepTime_;
     Sums now_;
-    Sums last_; ///< of the newest point: what the numbers are about
+    Sums last_; ///< sums of the newest point, from which the numbers are computed
     double lastSeconds_ = 0.0;
     Nanoseconds since_ = 0;
     bool paused_ = false;
     double time_ = 0.0, guiSeconds_ = 0.0;
     std::uint64_t step_ = 0;
-    std::uint64_t late_ = 0, clamped_ = 0, undone_ = 0, notConverged_ = 0, outOfTime_ = 0; ///< since it was opened
+    std::uint64_t late_ = 0, clamped_ = 0, undone_ = 0, notConverged_ = 0,
+                  outOfTime_ = 0; ///< steps since the panel was opened
     std::vector<physics::BodySolve> solves_;
     physics::ContactReport contacts_;
 };

@@ -24,7 +24,7 @@ double rounded(double value)
     return power * (digits >= 5.0 ? 5.0 : digits >= 2.0 ? 2.0 : 1.0);
 }
 
-/// The arrow [m] of a force; a scale that is far too large may not lead out of what can be drawn.
+/// The arrow [m] of a force. Its length is limited, so that no scale leads out of what can be drawn.
 Vec3 arrowOf(Vec3 force, double metresPerNewton)
 {
     constexpr double kLongest = 1e4; // [m]
@@ -44,7 +44,7 @@ void InspectorScene::fitScale(const frame::Frame& frame)
     double largest = 0.0; // [N]
     for (const frame::ContactPair& pair : frame::contactPairs(frame.contacts))
         largest = std::max(largest, length(pair.force));
-    const geometry::Box around = parts_.bindings.bounds();
+    const geometry::Box around = impl_.bindings.bounds();
     if (!(largest > 1e-9) || geometry::isEmpty(around)) return;
     const double size = std::clamp(length(around.high - around.low), 1e-3, 1e3);
     const double reach = largest * fitted_;
@@ -55,7 +55,7 @@ void InspectorScene::draw(const InspectorShow& show, visual::VisualServer& visua
 {
     if (show.wireframe) drawWireframe(visual);
     if (!show.collision && !show.contacts && !show.forces) return;
-    const frame::FrameRef frame = parts_.physics.latest();
+    const frame::FrameRef frame = impl_.physics.latest();
     if (!frame) return;
     if (show.collision) drawModels(*frame, visual.debug());
     if (show.contacts) drawContacts(*frame, visual.debug());
@@ -76,7 +76,7 @@ InspectorScene::Edges InspectorScene::edgesOf(std::span<const geometry::Triangle
 
 void InspectorScene::drawWireframe(visual::VisualServer& visual)
 {
-    std::map<const visual::VisualBody*, Wires> still; // of bodies that are there still
+    std::map<const visual::VisualBody*, Wires> still; // the bodies that still exist
     for (const visual::VisualBody* body : visual.bodies()) {
         if (!body->visible()) continue;
         Wires wires = std::move(wires_[body]);
@@ -98,7 +98,7 @@ const std::vector<InspectorScene::Model>& InspectorScene::modelsOf(BodyId id)
     const auto found = models_.find(id);
     if (found != models_.end()) return found->second;
     std::vector<Model> models;
-    const auto def = parts_.physics.def(id);
+    const auto def = impl_.physics.def(id);
     if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*def)) {
         const geometry::TetMesh rest = physics::worldMesh(*soft);
         for (const physics::CollisionDef& collision : soft->collision) {
@@ -130,7 +130,7 @@ void InspectorScene::drawModels(const frame::Frame& frame, DebugDraw& debug)
             debug.line(vertices_[std::size_t(a)], vertices_[std::size_t(b)], {.color = kModel, .width = 1.0});
     };
     for (const frame::SoftBodyFrame& body : frame.softBodies) {
-        if (!parts_.physics.has(body.id)) continue; // removed, and the next frame knows
+        if (!impl_.physics.has(body.id)) continue; // removed; the next frame lacks it
         for (const Model& model : modelsOf(body.id)) {
             vertices_.resize(model.surface.surface.vertices.size());
             mapping::apply(model.surface.map, body, vertices_);
@@ -138,7 +138,7 @@ void InspectorScene::drawModels(const frame::Frame& frame, DebugDraw& debug)
         }
     }
     for (const frame::RigidBodyFrame& body : frame.rigidBodies) {
-        if (!parts_.physics.has(body.id)) continue;
+        if (!impl_.physics.has(body.id)) continue;
         for (const Model& model : modelsOf(body.id)) {
             vertices_ = model.surface.surface.vertices;
             for (Vec3& vertex : vertices_) vertex = transform(body.poses[std::size_t(model.element)], vertex);
@@ -155,10 +155,10 @@ void InspectorScene::drawContacts(const frame::Frame& frame, DebugDraw& debug)
     }
 }
 
-bool InspectorScene::isLed(BodyId id) const
+bool InspectorScene::isKinematic(BodyId id) const
 {
-    if (!parts_.physics.has(id)) return false;
-    const auto def = parts_.physics.def(id);
+    if (!impl_.physics.has(id)) return false;
+    const auto def = impl_.physics.def(id);
     const auto* rigid = std::get_if<physics::RigidBodyDef>(&*def);
     return rigid && !rigid->dynamic;
 }
@@ -167,8 +167,8 @@ void InspectorScene::drawForces(const frame::Frame& frame, double metresPerNewto
 {
     for (const frame::ContactPair& pair : frame::contactPairs(frame.contacts)) {
         if (!(pair.normalForce > 0.0)) continue;
-        const double scale = (isLed(pair.first) ? -1.0 : 1.0) * metresPerNewton;
-        Vec3 middle; // of where they push
+        const double scale = (isKinematic(pair.first) ? -1.0 : 1.0) * metresPerNewton;
+        Vec3 middle; // mean of the contact points, weighted by normal force
         for (const frame::Contact& contact : frame.contacts) {
             if (contact.first != pair.first || contact.second != pair.second || contact.normalForce == 0.0) continue;
             middle += contact.normalForce / pair.normalForce * contact.point;

@@ -7,7 +7,7 @@ class VisualServer;
 
 namespace filasofia::runtime {
 
-/// The list of keys over the picture, behind H. Main thread.
+/// The list of keys over the picture, which H shows. Main thread.
 class KeyOverlay {
 public:
     explicit KeyOverlay(visual::VisualServer& visual) : visual_(visual) {}
@@ -15,7 +15,7 @@ public:
 
 private:
     visual::VisualServer& visual_;
-    visual::Gui* gui_ = nullptr; ///< made when it is first asked for
+    visual::Gui* gui_ = nullptr; ///< made when it is first shown
 };
 
 } // namespace filasofia::runtime

@@ -11,7 +11,7 @@ namespace filasofia::runtime {
 MeshResult prepareMesh(const MeshJob& job)
 {
     const SharedSurface to = job.to ? job.to : job.opening->on(*job.boundary);
-    geometry::check(to->surface, text("body '", job.name, "'")); // no surface at all is not drawn at any level
+    geometry::check(to->surface, text("body '", job.name, "'")); // an empty surface cannot be drawn at any level
     const auto with = [&](int subdivision) {
         return MeshResult{.surface = to,
                           .mesh = visual::PreparedMesh(to->surface, subdivision, job.name),
@@ -78,7 +78,7 @@ void MeshWorker::forget(SurfaceKey key)
 
 std::map<SurfaceKey, MeshWorker::Surface>::iterator MeshWorker::nextJob()
 {
-    // After the one served last: one that is cut at every frame must not keep the others waiting.
+    // Round robin after the surface served last: a body that is cut in every frame must not keep the others waiting.
     const auto waits = [](const auto& each) { return each.second.waiting.has_value(); };
     const auto after = surfaces_.upper_bound(served_);
     const auto next = std::find_if(after, surfaces_.end(), waits);
@@ -88,7 +88,7 @@ std::map<SurfaceKey, MeshWorker::Surface>::iterator MeshWorker::nextJob()
 void MeshWorker::put(Surface& surface, MeshResult result)
 {
     surface.newest = result.surface;
-    // What nobody has taken is left out, but not its way: paint still goes through it.
+    // An untaken result is replaced, but its transfers are kept: paint still passes through them.
     if (surface.done)
         result.transfers.insert(result.transfers.begin(), std::make_move_iterator(surface.done->transfers.begin()),
                                 std::make_move_iterator(surface.done->transfers.end()));
@@ -111,12 +111,12 @@ void MeshWorker::work()
         std::optional<MeshResult> result;
         try {
             result = prepare_(job);
-        } catch (const std::exception& problem) { // the old triangles stay: they still follow their nodes
+        } catch (const std::exception& problem) { // the old triangles stay and still follow their nodes
             logError("new triangles of '", job.name, "': ", problem.what());
         }
         lock.lock();
 
-        const auto worked = surfaces_.find(key); // forget() leaves what is at work
+        const auto worked = surfaces_.find(key); // forget() keeps a surface that is at work
         worked->second.working = false;
         const bool forgotten = std::exchange(worked->second.forgotten, false);
         if (forgotten && !worked->second.waiting)

@@ -13,15 +13,15 @@ namespace filasofia::runtime {
 
 /// New triangles for a surface that is drawn.
 struct MeshJob {
-    SharedSurface from; ///< the surface that it takes the place of
-    SharedSurface to;   ///< none: `opening` on `boundary`
+    SharedSurface from; ///< the surface that is replaced
+    SharedSurface to;   ///< the surface that replaces it; null: built from `opening` on `boundary`
     int subdivision = 0;
-    std::string name = {}; ///< of the body
+    std::string name = {}; ///< the body's name
     std::shared_ptr<const mapping::OpeningSurface> opening = {};
     std::shared_ptr<const frame::Boundary> boundary = {};
 };
 
-/// What a worker made of it, ready for the main thread.
+/// The worker's result, ready for the main thread.
 struct MeshResult {
     SharedSurface surface;
     visual::PreparedMesh mesh;
@@ -29,13 +29,13 @@ struct MeshResult {
     std::vector<mapping::SurfaceTransfer> transfers; ///< from the surface adopted last, one after another
 };
 
-/// The long part of new triangles: a pure function. A surface that cannot be subdivided (a cut may leave two parts that
-/// hang together by an edge only) is drawn as it is; that is logged.
+/// Computes the expensive part of new triangles; a pure function. If a surface cannot be subdivided (a cut may leave
+/// two parts that share only an edge), it is drawn without subdivision and a warning is logged.
 MeshResult prepareMesh(const MeshJob& job);
 
-/// Prepares meshes on a thread of its own, which starts with the first. Per surface one job is at work and one, the
-/// newest, waits. What is done is handed out even where a newer one waits: edits at every step would otherwise never be
-/// seen. Any thread asks, one takes.
+/// Prepares meshes on a thread of its own, which starts with the first job. For each surface one job is at work, and
+/// only the newest of the others waits. Results are handed out even if a newer job waits; otherwise edits at every step
+/// would never be seen. Any thread asks, one takes.
 class MeshWorker {
 public:
     using Prepare = std::function<MeshResult(const MeshJob&)>;
@@ -44,21 +44,21 @@ public:
     MeshWorker(const MeshWorker&) = delete;
     MeshWorker& operator=(const MeshWorker&) = delete;
 
-    /// `job.from` is the surface now drawn; where newer ones are under way, the worker knows better.
+    /// `job.from` is the surface drawn now. If newer ones are under way, the worker replaces it by the newest.
     void ask(SurfaceKey key, MeshJob job);
-    /// The newest that is done and was not taken yet, if `fits` takes its surface.
+    /// The newest result that was not taken yet, if `fits` accepts its surface.
     std::optional<MeshResult> take(SurfaceKey key, const std::function<bool(const mapping::MappedSurface&)>& fits);
-    /// Waits until all that was asked is done.
+    /// Waits until all jobs are done.
     void finish();
-    /// Drops what was asked, is at work and is done.
+    /// Drops the waiting job, the one at work and the result.
     void forget(SurfaceKey key);
 
 private:
     struct Surface {
         std::optional<MeshJob> waiting = {};
         bool working = false;
-        bool forgotten = false;    ///< while it was at work
-        SharedSurface newest = {}; ///< that was prepared: the next one comes from there
+        bool forgotten = false;    ///< forget() was called while a job was at work
+        SharedSurface newest = {}; ///< the newest prepared surface, from which the next job starts
         std::optional<MeshResult> done = {};
     };
     void work();
@@ -69,7 +69,7 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::map<SurfaceKey, Surface> surfaces_;
-    SurfaceKey served_ = 0; ///< last
+    SurfaceKey served_ = 0; ///< the surface served last
     bool stop_ = false;
     std::thread thread_;
 };

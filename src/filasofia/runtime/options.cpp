@@ -36,7 +36,7 @@ std::vector<std::string> takeOptions(const std::string& program, int argc, const
         if (std::ranges::find(given, &*found) != given.end())
             fail(program, ": ", found->name, " must be given once, with one value");
         given.push_back(&*found);
-        const bool next = equals == std::string_view::npos; // the value is the next word, which is no option
+        const bool next = equals == std::string_view::npos; // the value is the next word, which must not be an option
         if (next && (++i == argc || std::string_view(argv[i]).starts_with("--")))
             fail(program, ": ", found->name, " needs a value");
         const std::string value(next ? std::string_view(argv[i]) : word.substr(equals + 1));

@@ -17,14 +17,14 @@ template <class Combine> SurfaceState combined(const SurfaceState& a, const Surf
     return {combine(a.blood, b.blood), combine(a.burn, b.burn), combine(a.wetness, b.wetness)};
 }
 
-/// 1 up to half of the radius, 0 from there on, smooth between.
+/// 1 up to half of the radius, 0 from the radius on, smooth between.
 double strength(double distance, double radius)
 {
     const double t = std::clamp(2.0 * (1.0 - distance / radius), 0.0, 1.0);
     return t * t * (3.0 - 2.0 * t);
 }
 
-/// A mean of three, clamped: its weights sum to one only but for rounding.
+/// A mean of three vertices, clamped because the weights sum to one only up to rounding.
 struct Sum {
     SurfaceState state;
     friend Sum operator*(double share, const Sum& a)
@@ -61,7 +61,7 @@ std::optional<Vec3> restPlace(const geometry::TriangleMesh& rest, std::span<cons
     double best = radius * radius;
     for (const auto& [a, b, c] : rest.triangles) {
         const geometry::Box box{min(min(now[a], now[b]), now[c]), max(max(now[a], now[b]), now[c])};
-        if (geometry::squaredDistance(box, place) > best) continue; // nearly all of them: nothing to compute
+        if (geometry::squaredDistance(box, place) > best) continue; // true for nearly all triangles: nothing to compute
         const auto here = geometry::nearestOnTriangle(place, now[a], now[b], now[c]);
         if (!(here.squaredDistance <= best) || (found && here.squaredDistance == best)) continue;
         best = here.squaredDistance;
@@ -134,7 +134,7 @@ std::optional<std::vector<SurfaceState>> PaintedSurfaces::takeNew(SurfaceKey key
     return found->second.states;
 }
 
-void PaintedSurfaces::giveAgain(SurfaceKey key)
+void PaintedSurfaces::resend(SurfaceKey key)
 {
     const std::lock_guard lock(mutex_);
     Painted& painted = painted_.at(key);

@@ -15,41 +15,42 @@ namespace filasofia::runtime {
 
 using SharedSurface = std::shared_ptr<const mapping::MappedSurface>;
 
-/// Names one surface that is drawn: show() of a rigid body with several elements makes several.
+/// Names one surface that is drawn. show() of a rigid body with several elements makes several.
 using SurfaceKey = std::uint64_t;
 
 /// Paints the vertices within `radius` [m] of `centre`, both at rest. Returns how many it reached.
 int paint(std::span<const Vec3> rest, Vec3 centre, double radius, const visual::SurfaceState& state, PaintMode mode,
           std::vector<visual::SurfaceState>& states);
 
-/// The place at rest of the point of a deformed surface that is nearest to `place`, where one is within `radius`.
+/// Finds the point of a deformed surface that is nearest to `place` and returns where it is at rest. Nothing if none is
+/// within `radius`.
 std::optional<Vec3> restPlace(const geometry::TriangleMesh& rest, std::span<const Vec3> now, Vec3 place, double radius);
 
-/// What the simulation has written on every surface that is drawn. Any thread.
+/// The paint on every surface that is drawn. Any thread.
 class PaintedSurfaces {
 public:
-    /// A soft body's surface is at rest in the world, where `body` is its start; one of a rigid body's element is in
-    /// that element's coordinates.
+    /// Where a surface is at rest. A soft body's surface is in the world, and `body` is the body's start pose; the
+    /// surface of a rigid body's element is in that element's coordinates.
     struct Place {
         BodyId id;
-        std::optional<int> element = {}; ///< of a rigid body; nothing: soft
+        std::optional<int> element = {}; ///< index in a rigid body; nothing for a soft body
         Pose body = {};
     };
     void add(SurfaceKey key, const Place& place, SharedSurface surface);
     void forget(SurfaceKey key);
 
-    /// Paints all surfaces of a body; `frame` says where they are, before the first step null. Returns how many
-    /// vertices it reached.
+    /// Paints all surfaces of a body. `frame` says where they are now; it is null before the first step. Returns how
+    /// many vertices it reached.
     int paint(BodyId id, const PaintDef& def, const frame::Frame* frame);
 
-    /// Everything is clean again.
+    /// Removes all paint.
     void clear();
 
     /// The vertices' states, if somebody painted since the last call.
     std::optional<std::vector<visual::SurfaceState>> takeNew(SurfaceKey key);
-    /// The next takeNew() gives the states once more, unless there is no paint at all.
-    void giveAgain(SurfaceKey key);
-    /// The surface has new triangles: what was painted goes over to them, through one transfer after another.
+    /// Makes the next takeNew() return the states once more, unless there is no paint at all.
+    void resend(SurfaceKey key);
+    /// The surface has new triangles: carries the paint over to them, through one transfer after another.
     void moveTo(SurfaceKey key, SharedSurface surface, std::span<const mapping::SurfaceTransfer> transfers);
 
 private:

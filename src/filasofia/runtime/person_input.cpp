@@ -7,7 +7,7 @@ namespace {
 
 using event::KeyCode;
 
-constexpr double kNotch = 10.0; ///< [px] that a notch of the wheel stands for
+constexpr double kNotch = 10.0; ///< [px], mouse movement that one notch of the wheel stands for
 
 constexpr std::pair<KeyCode, Vec3> kMoves[] = {
     {KeyCode::Left, {-1, 0, 0}}, {KeyCode::Right, {1, 0, 0}},   {KeyCode::Up, {0, 1, 0}},
@@ -51,7 +51,8 @@ std::optional<device::PersonInput> PersonInputReader::read(const event::Event& e
     if (const auto* wheel = dynamic_cast<const event::MouseWheelEvent*>(&event); wheel && held_)
         return device::PersonInput{.moved = {0.0, 0.0, -kNotch * wheel->dy}};
     if (const auto* window = dynamic_cast<const event::WindowEvent*>(&event);
-        window && window->kind == event::WindowEvent::Kind::FocusLost) { // who lets go elsewhere is not heard
+        window &&
+        window->kind == event::WindowEvent::Kind::FocusLost) { // a release in another window does not reach us
         const bool moving = held_ || !keys_.empty();
         held_ = false;
         buttons_ = 0;

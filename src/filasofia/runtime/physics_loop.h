@@ -17,9 +17,9 @@ namespace filasofia::runtime {
 struct PhysicsLoopDef {
     Nanoseconds period = 1'000'000;
     Nanoseconds slack = 2'000'000;
-    std::optional<Nanoseconds> deadline = {}; ///< after a step's start; not given: none
-    bool freeRunning = false;                 ///< steps of one period back to back, no waiting: measures cost
-    std::uint64_t maximumSteps = 0;           ///< 0: until stopped
+    std::optional<Nanoseconds> deadline = {}; ///< [ns] after a step's start; not given: no deadline
+    bool freeRunning = false;   ///< runs steps of one period back to back without waiting, to measure their cost
+    std::uint64_t maxSteps = 0; ///< 0: until stopped
 };
 
 /// Called after every step, on the stepping thread; returns StepFlag bits for the next step's report.
@@ -28,8 +28,8 @@ using AfterStep = std::function<std::uint32_t(const physics::StepReport&)>;
 /// Called before every step, on the stepping thread, with the step's length [s].
 using BeforeStep = std::function<void(double)>;
 
-/// The periodic task: wakes on the grid, steps, sleeps, until `stop` is set. Runs on the caller's thread. Every step
-/// gets the clock, so that it can tell what its stages took.
+/// The periodic task: wakes at the scheduled times, steps and sleeps until `stop` is set. Runs on the caller's thread.
+/// Every step gets the clock, so that it can measure its stages.
 RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, const Clock& clock,
                      const std::atomic<bool>& stop, const AfterStep& afterStep, const BeforeStep& beforeStep = {});
 

@@ -3,6 +3,7 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
+#include "filasofia/runtime/check_file.h"
 #include "filasofia/runtime/scene_player.h"
 
 #include <chrono>
@@ -10,7 +11,7 @@
 namespace filasofia::runtime {
 namespace {
 
-/// The next step; nothing at the session's end, and where the file is damaged.
+/// The next step; nothing at the session's end, or if the file is damaged.
 std::optional<physics::StepRecord> nextOf(record::RecordingReader& reader, ReplayReport& report)
 {
     try {
@@ -30,11 +31,11 @@ ReplayReport replay(const ReplayDef& def)
     checkFile("replay", def.video, "video", ".mp4");
     record::RecordingReader reader(def.file);
     ReplayReport report{.header = reader.header()};
-    Simulation::Impl parts(
+    Simulation::Impl impl(
         {}, engine::makeNativeEngine(
                 {.period = report.header.period, .threads = def.threads, .contact = report.header.contact}));
-    record::Replayer replayer(parts.physics);
-    ScenePlayer scene(parts, def);
+    record::Replayer replayer(impl.physics);
+    ScenePlayer scene(impl, def);
 
     const auto start = std::chrono::steady_clock::now();
     while (true) {
@@ -43,22 +44,21 @@ ReplayReport replay(const ReplayDef& def)
         if (report.made > 0) scene.draw(); // the last step, with what happened after it
         if (!recorded) break;
         const physics::StepReport made = replayer.step(*recorded, [&] { scene.beforeStep(); });
-        parts.time.store(made.time);
-        parts.step.store(made.step);
+        impl.now.set(made.time, made.step);
         ++report.made;
         if (!def.check || report.unhashed > 0) continue;
         if (recorded->hash == 0)
             report.unhashed = made.step;
-        else if (const std::uint64_t hash = parts.physics.hash(); hash != recorded->hash) {
+        else if (const std::uint64_t hash = impl.physics.hash(); hash != recorded->hash) {
             report.difference = record::Difference{made.step, recorded->hash, hash};
             break;
         }
     }
     scene.last(report);
     report.wallSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    report.step = parts.step.load();
-    report.time = parts.time.load();
-    report.hash = parts.physics.hash();
+    report.step = impl.now.step();
+    report.time = impl.now.seconds();
+    report.hash = impl.physics.hash();
     return report;
 }
 

@@ -2,7 +2,7 @@
 
 #include "filasofia/core/date.h"
 #include "filasofia/core/log.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 
 #include <chrono>
 #include <limits>
@@ -12,37 +12,37 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLook = 5ms;             // between looks at the log: it holds four times what 100 kHz make in that time
-constexpr auto kFlush = 250ms;          // what a killed program loses, and a quarter of what we promise
-constexpr std::uint64_t kBehind = 2048; // steps: half of the log
+constexpr auto kLook = 5ms; // interval between looks at the log, which holds four times what 100 kHz make in that time
+constexpr auto kFlush = 250ms;          // a killed program loses as much; a quarter of what we promise
+constexpr std::uint64_t kBehind = 2048; // [steps], half of the log
 
 } // namespace
 
-RunFiles::RunFiles(Simulation::Impl& parts, const RunDef& def) : parts_(parts)
+RunFiles::RunFiles(Simulation::Impl& impl, const RunDef& def) : impl_(impl)
 {
     if (!def.log.empty()) table_.emplace(def.log);
     if (!def.record.empty()) {
         recording_.emplace(def.record, record::RecordingHeader{.simd = engine::simdTargets().front(),
-                                                               .period = 1.0 / parts.def.physics.rate,
-                                                               .contact = parts.def.physics.contact,
+                                                               .period = 1.0 / impl.def.physics.rate,
+                                                               .contact = impl.def.physics.contact,
                                                                .seed = static_cast<std::uint64_t>(def.seed),
                                                                .session = def.session,
                                                                .trainee = def.trainee,
                                                                .date = dateNow()});
-        parts.journal.watch();
-        if (const visual::VisualServer* visual = parts.bindings.visual()) parts.journal.observe(*visual, 0);
-        const window::WindowDef& window = parts.def.window;
-        const SceneBegan began{parts.def.look, window.width, window.height, !parts.dresses.empty()};
+        impl.journal.watch();
+        if (const visual::VisualServer* visual = impl.bindings.visual()) impl.journal.observe(*visual, 0);
+        const window::WindowDef& window = impl.def.window;
+        const SceneBegan began{impl.def.look, window.width, window.height, !impl.picture.dresses.empty()};
         attempt(recording_, [&](record::RecordingWriter& file) { file.write(recordOf(began)); });
     } else {
-        parts.journal.close();
+        impl.journal.close();
     }
-    while (parts.physics.nextRecord()) parts.physics.popRecord(); // left by a run that failed
+    while (impl.physics.nextRecord()) impl.physics.popRecord(); // left by a run that failed
     const bool any = table_ || recording_;
-    parts.physics.keepLog(any);
-    parts.physics.hashEveryStep(any);
+    impl.physics.keepLog(any);
+    impl.physics.hashEveryStep(any);
     if (!any) return;
-    flush(); // a program that is killed at once leaves a file that says what it is
+    flush(); // so that even a program that is killed at once leaves a valid header
     thread_ = std::thread([this] { work(); });
 }
 
@@ -56,11 +56,11 @@ template <class File, class Write> void RunFiles::attempt(std::optional<File>& f
     } catch (const std::exception& problem) {
         file.reset();
         logError(problem.what(), "; the run goes on without this file");
-        parts_.fileProblems.emplace_back(problem.what()); // read when the thread has ended
+        impl_.files.addFileProblem(problem.what()); // read when the thread has ended
         auto event = std::make_unique<FileFailedEvent>();
         event->problem = problem.what();
-        parts_.stamp(*event);
-        if (!parts_.events.tryPost(std::move(event))) logWarning("the event queue is full: nobody is told of this");
+        impl_.now.stamp(*event);
+        if (!impl_.events.tryPost(std::move(event))) logWarning("the event queue is full: no event reports this");
     }
 }
 
@@ -87,16 +87,16 @@ void RunFiles::work()
 
 void RunFiles::drain()
 {
-    while (const physics::StepRecord* step = parts_.physics.nextRecord()) {
+    while (const physics::StepRecord* step = impl_.physics.nextRecord()) {
         write(*step);
-        parts_.physics.popRecord();
+        impl_.physics.popRecord();
         written_.fetch_add(1);
     }
 }
 
 void RunFiles::write(const physics::StepRecord& step)
 {
-    // A paused step has the number of the one before it: what happened meanwhile was after that one too.
+    // A paused step has the number of the step before it, so an event between the two came after both.
     writeScene(step.report.step);
     attempt(table_, [&](record::StepTable& file) { file.write(step); });
     attempt(recording_, [&](record::RecordingWriter& file) { file.write(step); });
@@ -104,10 +104,10 @@ void RunFiles::write(const physics::StepRecord& step)
 
 void RunFiles::writeScene(std::uint64_t beforeStep)
 {
-    while (auto event = parts_.journal.takeBefore(beforeStep))
+    while (auto event = impl_.journal.takeBefore(beforeStep))
         attempt(recording_, [&](record::RecordingWriter& file) {
             for (const std::string& name : filesOf(*event)) {
-                const auto known = filesTold_.insert(name).second ? digested(name) : std::nullopt;
+                const auto known = filesDescribed_.insert(name).second ? digested(name) : std::nullopt;
                 if (known) file.write(recordOf(*known));
             }
             file.write(recordOf(*event));

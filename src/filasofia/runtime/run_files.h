@@ -2,7 +2,7 @@
 
 #include "filasofia/record/recording.h"
 #include "filasofia/record/step_table.h"
-#include "filasofia/runtime/parts.h"
+#include "filasofia/runtime/simulation_impl.h"
 
 #include <condition_variable>
 #include <set>
@@ -10,23 +10,23 @@
 
 namespace filasofia::runtime {
 
-/// The files into which a run writes as it goes. They have a thread of their own, so that neither physics nor the
-/// picture waits for a disk; it is the one reader of the server's log. What goes wrong is logged once and told by an
+/// The files into which a run writes as it goes. A thread of their own writes them, so that neither physics nor the
+/// picture waits for a disk; it is the only reader of the server's log. A problem is logged once and posted as an
 /// event, and the run goes on.
 class RunFiles {
 public:
-    /// Opens the files and begins. Switches log and hashes on where a file was asked for, and off where none was. An
-    /// Error where a file cannot be opened.
-    RunFiles(Simulation::Impl& parts, const RunDef& def);
-    /// Writes what there is, and ends.
+    /// Opens the files and begins. Switches log and hashes on if a file was asked for, else off. Error if a file cannot
+    /// be opened.
+    RunFiles(Simulation::Impl& impl, const RunDef& def);
+    /// Writes what is still in the log and closes the files.
     ~RunFiles();
     RunFiles(const RunFiles&) = delete;
     RunFiles& operator=(const RunFiles&) = delete;
 
-    /// After every step of a run that no clock holds back: waits where the files are so far behind that steps would be
-    /// lost.
+    /// Call it after every step of a run that does not wait for a clock. It waits if the files are so far behind that
+    /// steps would be lost.
     void keepUp();
-    /// After the last step.
+    /// Call it after the last step.
     void close();
 
 private:
@@ -35,20 +35,21 @@ private:
     void write(const physics::StepRecord& step);
     void writeScene(std::uint64_t beforeStep);
     void flush();
-    /// Runs `write`, unless the file has failed before; where it fails now, tells and forgets the file.
+    /// Runs `write` unless the file has failed before. If it fails now, logs and posts the problem and gives up the
+    /// file.
     template <class File, class Write> void attempt(std::optional<File>& file, Write&& write);
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     std::optional<record::StepTable> table_;
     std::optional<record::RecordingWriter> recording_;
-    std::set<std::string> filesTold_;     ///< that materials name
-    std::atomic<std::uint64_t> made_ = 0; ///< steps that keepUp() was told of
+    std::set<std::string> filesDescribed_; ///< named by materials, and already described in the recording
+    std::atomic<std::uint64_t> made_ = 0;  ///< steps counted by keepUp()
     std::atomic<std::uint64_t> written_ = 0;
 
     std::mutex mutex_;
     std::condition_variable wake_, caughtUp_;
     bool ending_ = false; ///< under the lock
-    std::thread thread_;  ///< the last: it uses all of the others; none where there is no file
+    std::thread thread_;  ///< last, because it uses all other members; not running if there is no file
 };
 
 } // namespace filasofia::runtime

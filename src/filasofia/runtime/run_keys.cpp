@@ -20,7 +20,7 @@ constexpr BoundKey kBound[] = {
     {KeyCode::H, RunAction::Help},
 };
 
-// The camera's lines are kept by visual/orbit_camera.h; they stand here so that there is one list.
+// visual/orbit_camera.h handles the camera's lines; they are repeated here so that there is one list.
 constexpr KeyLine kLines[] = {
     {"Left drag", "turn the camera"},
     {"Middle drag, Shift + left drag", "shift the camera"},

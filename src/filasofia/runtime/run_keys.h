@@ -11,7 +11,7 @@ namespace filasofia::runtime {
 /// What a key does to the run.
 enum class RunAction { Pause, Step, Reset, Screenshot, Help, Quit };
 
-/// Nothing where the key does nothing to the run, is held, or comes with Control, Alt or Super.
+/// Nothing if the key is not one of the run's, if it repeats, or if it comes with Control, Alt or Super.
 std::optional<RunAction> actionOf(const event::KeyEvent& key);
 
 } // namespace filasofia::runtime

@@ -12,7 +12,7 @@
 namespace filasofia::runtime {
 namespace {
 
-/// Calls take(file) for every file that a value names, however deep inside.
+/// Calls take(file) for every file that a value names, at any depth.
 template <class T, class Take> void forEachFile(const T& value, Take& take)
 {
     if constexpr (std::is_same_v<T, visual::TextureFile>)

@@ -6,21 +6,21 @@
 #include <functional>
 #include <map>
 
-/// What a recording tells of the picture: an event for everything that changes what is drawn, and how.
+/// What a recording holds about the picture: one event for every change of what is drawn or how.
 namespace filasofia::runtime {
 
-/// The first: what the picture is where the program dresses no scene of its own.
+/// The first event: how the picture looks if the program does not dress its own scene.
 struct SceneBegan {
     LookDef look = {};
-    int width = 0;        ///< [px]
-    int height = 0;       ///< [px]
-    bool dressed = false; ///< the program dresses its own scene; a SceneStage has it, where a picture was drawn
+    int width = 0;        ///< [px], in [1, 8192]
+    int height = 0;       ///< [px], in [1, 8192]
+    bool dressed = false; ///< the program dresses its own scene; if a picture was drawn, a SceneStage describes it
 };
-/// Events that follow name this file, which is not in the recording.
+/// A file that later events name. The recording does not contain the file itself.
 struct SceneFile {
     std::string file = {};
     std::uint64_t bytes = 0;
-    std::uint64_t digest = 0; ///< of its bytes
+    std::uint64_t digest = 0; ///< hash of its bytes
 };
 struct SceneShown {
     std::uint32_t shown = 0; ///< ShownId
@@ -42,7 +42,7 @@ struct ScenePainted {
     BodyId body = {};
     PaintDef def = {};
 };
-/// All paint is gone.
+/// All paint is removed.
 struct SceneCleaned {};
 
 struct StageMaterial {
@@ -51,10 +51,11 @@ struct StageMaterial {
 };
 struct StageView {
     visual::ViewDef def = {};
-    int camera = 0; ///< of the stage's
+    int camera = 0; ///< index into the stage's cameras
     bool visible = true;
 };
-/// Lights, cameras, views and surroundings, in place of those that were. Where they are tells the ScenePlaces after it.
+/// Lights, cameras, views and surroundings, which replace the former ones. The ScenePlaces that follows says where they
+/// are.
 struct SceneStage {
     visual::EnvironmentDef environment = {};
     std::vector<StageMaterial> materials = {};
@@ -67,7 +68,7 @@ struct StagePlace {
     bool visible = true;
 };
 struct ScenePlaces {
-    std::vector<StagePlace> cameras = {}; ///< of the stage, in its order
+    std::vector<StagePlace> cameras = {}; ///< in the order of the stage's cameras
     std::vector<StagePlace> lights = {};
 };
 
@@ -78,33 +79,33 @@ constexpr auto fields(const SceneBegan*)
 {
     using T = SceneBegan;
     return describe("SceneBegan", field("look", &T::look, "the picture"),
-                    field("width", &T::width, "px", closed(1, 8192), "of the picture"),
-                    field("height", &T::height, "px", closed(1, 8192), "of the picture"),
+                    field("width", &T::width, "px", closed(1, 8192), "size of the picture"),
+                    field("height", &T::height, "px", closed(1, 8192), "size of the picture"),
                     field("dressed", &T::dressed, "the program made its own scene"));
 }
 constexpr auto fields(const SceneFile*)
 {
     using T = SceneFile;
     return describe("SceneFile", field("file", &T::file, "its name"), field("bytes", &T::bytes, "its length"),
-                    field("digest", &T::digest, "of its bytes"));
+                    field("digest", &T::digest, "hash of its bytes"));
 }
 constexpr auto fields(const SceneShown*)
 {
     using T = SceneShown;
-    return describe("SceneShown", field("shown", &T::shown, "its number"), field("body", &T::body, "of which body"),
+    return describe("SceneShown", field("shown", &T::shown, "its number"), field("body", &T::body, "the body"),
                     field("def", &T::def, "what is drawn"));
 }
 constexpr auto fields(const SceneVisible*)
 {
     using T = SceneVisible;
     return describe("SceneVisible", field("shown", &T::shown, "its number"),
-                    field("visible", &T::visible, "or hidden"));
+                    field("visible", &T::visible, "whether it is visible"));
 }
 constexpr auto fields(const SceneMaterial*)
 {
     using T = SceneMaterial;
     return describe("SceneMaterial", field("shown", &T::shown, "its number"),
-                    field("material", &T::material, "from now on"));
+                    field("material", &T::material, "the new material"));
 }
 constexpr auto fields(const SceneUnshown*)
 {
@@ -113,32 +114,35 @@ constexpr auto fields(const SceneUnshown*)
 constexpr auto fields(const ScenePainted*)
 {
     using T = ScenePainted;
-    return describe("ScenePainted", field("body", &T::body, "which body"), field("def", &T::def, "the mark"));
+    return describe("ScenePainted", field("body", &T::body, "the body"), field("def", &T::def, "the mark"));
 }
 constexpr auto fields(const SceneCleaned*) { return describe("SceneCleaned"); }
 constexpr auto fields(const StageMaterial*)
 {
     using T = StageMaterial;
-    return describe("StageMaterial", field("name", &T::name, "in the pool"), field("material", &T::material, "itself"));
+    return describe("StageMaterial", field("name", &T::name, "in the pool"),
+                    field("material", &T::material, "the material"));
 }
 constexpr auto fields(const StageView*)
 {
     using T = StageView;
     return describe("StageView", field("def", &T::def, "the view"),
-                    field("camera", &T::camera, "-", nonNegative(), "of the stage"),
-                    field("visible", &T::visible, "or hidden"));
+                    field("camera", &T::camera, "-", nonNegative(), "index in the stage"),
+                    field("visible", &T::visible, "whether it is visible"));
 }
 constexpr auto fields(const SceneStage*)
 {
     using T = SceneStage;
     return describe("SceneStage", field("environment", &T::environment, "surroundings"),
-                    field("materials", &T::materials, "of the pool"), field("cameras", &T::cameras, "eyes"),
-                    field("lights", &T::lights, "lamps"), field("views", &T::views, "what is seen of which camera"));
+                    field("materials", &T::materials, "materials of the pool"),
+                    field("cameras", &T::cameras, "cameras"), field("lights", &T::lights, "lights"),
+                    field("views", &T::views, "views of the cameras"));
 }
 constexpr auto fields(const StagePlace*)
 {
     using T = StagePlace;
-    return describe("StagePlace", field("pose", &T::pose, "in the world"), field("visible", &T::visible, "or hidden"));
+    return describe("StagePlace", field("pose", &T::pose, "in the world"),
+                    field("visible", &T::visible, "whether it is visible"));
 }
 constexpr auto fields(const ScenePlaces*)
 {
@@ -147,13 +151,13 @@ constexpr auto fields(const ScenePlaces*)
                     field("lights", &T::lights, "where they are"));
 }
 
-/// The event as a recording takes it, and back. Reading is strict: an Error names what is wrong.
+/// Converts an event into the form that a recording stores, and back. Reading is strict: an Error names what is wrong.
 record::SceneRecord recordOf(const SceneEvent& event);
 SceneEvent eventOf(const record::SceneRecord& record);
 
 /// The files that an event's materials name, in their order.
 std::vector<std::string> filesOf(const SceneEvent& event);
-/// Length and digest of a file; nothing where it cannot be read.
+/// Length and digest of a file; nothing if it cannot be read.
 std::optional<SceneFile> digested(const std::string& file);
 
 } // namespace filasofia::runtime

@@ -11,7 +11,8 @@ SceneStage stageOf(const visual::VisualServer& visual)
 {
     SceneStage stage{.environment = visual.environment()};
     for (const auto& [name, material] : visual.materials())
-        if (!name.starts_with(kInteriorOf)) stage.materials.push_back({name, material}); // else made again by itself
+        if (!name.starts_with(kInteriorOf))
+            stage.materials.push_back({name, material}); // the others are rebuilt automatically
     const std::vector<visual::Camera*> cameras = visual.cameras();
     for (const visual::Camera* camera : cameras) stage.cameras.push_back(camera->def());
     for (const visual::Light* light : visual.lights()) stage.lights.push_back(light->def());

@@ -7,9 +7,9 @@
 
 namespace filasofia::runtime {
 
-/// What happens to the scene, with the step after which it happened, from whoever makes it happen to the recording.
-/// Open from the simulation's beginning, as the scene is made before the run; closed when it is known that nothing is
-/// recorded. Any thread, but for observe().
+/// Carries scene events, each with the step after which it happened, from any caller to the recording. Open from the
+/// simulation's construction, because the scene is made before the run; closed as soon as it is known that nothing is
+/// recorded. Any thread, except for observe().
 class SceneJournal {
 public:
     void add(std::uint64_t step, SceneEvent event);
@@ -17,10 +17,10 @@ public:
     std::optional<SceneEvent> takeBefore(std::uint64_t step);
     void close();
 
-    /// From now on observe() looks.
+    /// Makes observe() work from now on.
     void watch() { watching_.store(true); }
-    /// Tells what has changed of lights, cameras, views, surroundings and pool since the last time. The visual server's
-    /// thread.
+    /// Adds an event if lights, cameras, views, surroundings or the pool have changed since the last call. The visual
+    /// server's thread.
     void observe(const visual::VisualServer& visual, std::uint64_t step);
 
 private:
@@ -32,7 +32,7 @@ private:
     std::deque<Entry> entries_;
     bool open_ = true;
     std::atomic<bool> watching_ = false;
-    std::string stage_, places_; ///< as they were told last; the visual server's thread's
+    std::string stage_, places_; ///< as last recorded; used by the visual server's thread
 };
 
 } // namespace filasofia::runtime

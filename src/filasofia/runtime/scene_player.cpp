@@ -4,8 +4,8 @@
 
 namespace filasofia::runtime {
 
-ScenePlayer::ScenePlayer(Simulation::Impl& parts, const ReplayDef& def)
-    : parts_(parts), def_(def), drawing_(!def.picture.empty() || !def.video.empty())
+ScenePlayer::ScenePlayer(Simulation::Impl& impl, const ReplayDef& def)
+    : impl_(impl), def_(def), drawing_(!def.picture.empty() || !def.video.empty())
 {
 }
 
@@ -14,7 +14,7 @@ void ScenePlayer::take(const std::vector<record::SceneRecord>& scene)
     if (!drawing_) return;
     for (const record::SceneRecord& record : scene) {
         SceneEvent event = eventOf(record);
-        // In their order: what follows an event that waits may be about the same.
+        // In order: an event that follows a waiting one may concern the same thing.
         if (waiting_.empty() && knows(event))
             apply(event);
         else
@@ -32,8 +32,8 @@ void ScenePlayer::beforeStep()
 
 bool ScenePlayer::knows(const SceneEvent& event) const
 {
-    if (const auto* shown = std::get_if<SceneShown>(&event)) return parts_.physics.has(shown->body);
-    if (const auto* painted = std::get_if<ScenePainted>(&event)) return parts_.physics.has(painted->body);
+    if (const auto* shown = std::get_if<SceneShown>(&event)) return impl_.physics.has(shown->body);
+    if (const auto* painted = std::get_if<ScenePainted>(&event)) return impl_.physics.has(painted->body);
     return true;
 }
 
@@ -51,7 +51,7 @@ void ScenePlayer::apply(const SceneEvent& event)
 void ScenePlayer::apply(const SceneBegan& began)
 {
     began_ = began;
-    parts_.def.look = began.look;
+    impl_.def.look = began.look;
 }
 
 void ScenePlayer::apply(const SceneFile& file)
@@ -68,29 +68,26 @@ void ScenePlayer::apply(const SceneFile& file)
 
 void ScenePlayer::apply(const SceneShown& shown)
 {
-    shown_[shown.shown] = parts_.bindings.show(shown.body, shown.def, parts_.physics);
+    shown_[shown.shown] = impl_.bindings.show(shown.body, shown.def, impl_.physics);
 }
 
 void ScenePlayer::apply(const SceneVisible& visible)
 {
-    if (const ShownId id = shownBy(visible.shown)) parts_.bindings.setVisible(id, visible.visible);
+    if (const ShownId id = shownBy(visible.shown)) impl_.bindings.setVisible(id, visible.visible);
 }
 
 void ScenePlayer::apply(const SceneMaterial& material)
 {
-    if (const ShownId id = shownBy(material.shown)) parts_.bindings.setMaterial(id, material.material);
+    if (const ShownId id = shownBy(material.shown)) impl_.bindings.setMaterial(id, material.material);
 }
 
 void ScenePlayer::apply(const SceneUnshown& unshown)
 {
-    if (const ShownId id = shownBy(unshown.shown)) parts_.bindings.remove(id);
+    if (const ShownId id = shownBy(unshown.shown)) impl_.bindings.remove(id);
 }
 
-void ScenePlayer::apply(const ScenePainted& painted)
-{
-    parts_.bindings.paint(painted.body, painted.def, parts_.physics);
-}
-void ScenePlayer::apply(const SceneCleaned&) { parts_.bindings.clearPaint(); }
+void ScenePlayer::apply(const ScenePainted& painted) { impl_.bindings.paint(painted.body, painted.def, impl_.physics); }
+void ScenePlayer::apply(const SceneCleaned&) { impl_.bindings.clearPaint(); }
 
 void ScenePlayer::apply(const SceneStage& stage)
 {
@@ -139,19 +136,19 @@ void ScenePlayer::setPlaces()
 
 void ScenePlayer::open()
 {
-    if (began_.width == 0) fail(def_.file, ": tells nothing of a scene, so there is nothing to draw");
+    if (began_.width == 0) fail(def_.file, ": it holds no scene, so there is nothing to draw");
     visual_ = std::make_unique<visual::VisualServer>(
         visual::VisualServerDef{.backend = visual::Backend::Headless, .width = began_.width, .height = began_.height});
     if (!def_.video.empty()) video_.emplace(def_.video, began_.width, began_.height, def_.fps);
     if (stage_) {
-        setStage(); // before the bodies: their materials may be of its pool
+        setStage(); // before the bodies, whose materials may come from its pool
         setPlaces();
     }
-    parts_.bindings.addPending(*visual_);
+    impl_.bindings.addPending(*visual_);
     if (stage_) return;
     lookIsLacking_ = began_.dressed;
-    parts_.dressScene(*visual_);
-    // What a stage that comes later replaces.
+    impl_.dressScene(*visual_);
+    // A stage that comes later replaces these.
     cameras_ = visual_->cameras();
     lights_ = visual_->lights();
     views_ = visual_->views();
@@ -159,23 +156,23 @@ void ScenePlayer::open()
 
 void ScenePlayer::draw()
 {
-    if (!video_ || !video_->due(parts_.time.load())) return;
-    parts_.mapFinishedFrame(*visual_);
-    video_->show(visual_->capture(), parts_.time.load());
+    if (!video_ || !video_->due(impl_.now.seconds())) return;
+    impl_.mapFinishedFrame(*visual_);
+    video_->show(visual_->capture(), impl_.now.seconds());
 }
 
 void ScenePlayer::last(ReplayReport& report)
 {
     if (!visual_) return;
-    if (!def_.picture.empty()) parts_.takePicture(*visual_, def_.picture);
-    report.pictures = parts_.pictures;
+    if (!def_.picture.empty()) impl_.takePicture(*visual_, def_.picture);
+    report.pictures = impl_.files.pictures();
     if (video_) {
         video_->close();
         report.pictures.push_back(def_.video);
     }
     if (lookIsLacking_)
         report.notes.emplace_back("the session made its own lights and cameras and drew no picture, so the recording "
-                                  "does not have them: drawn with the standard look");
+                                  "lacks them; drawn with the standard look");
 }
 
 } // namespace filasofia::runtime

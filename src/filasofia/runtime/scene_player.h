@@ -1,22 +1,22 @@
 #pragma once
 
-#include "filasofia/runtime/parts.h"
 #include "filasofia/runtime/replay.h"
+#include "filasofia/runtime/simulation_impl.h"
 #include "filasofia/runtime/video_file.h"
 
 namespace filasofia::runtime {
 
-/// Draws a recorded run from what its recording tells of the scene.
+/// Draws a recorded run from the scene events of its recording.
 class ScenePlayer {
 public:
-    /// `parts` is made again by a Replayer; with neither picture nor video asked for, nothing is drawn.
-    ScenePlayer(Simulation::Impl& parts, const ReplayDef& def);
+    /// A Replayer steps `impl`. If neither a picture nor a video is asked for, nothing is drawn.
+    ScenePlayer(Simulation::Impl& impl, const ReplayDef& def);
 
-    /// What happened before the step that is made next. Events that name bodies of that step wait for it.
+    /// Takes what happened before the next step. Events that name bodies of that step wait for it.
     void take(const std::vector<record::SceneRecord>& scene);
-    /// The step's bodies are known.
+    /// Call it when the bodies of the step are known.
     void beforeStep();
-    /// Of the last step, once what happened after it is known.
+    /// Draws the last step, once everything that happened after it is known.
     void draw();
     void last(ReplayReport& report);
 
@@ -38,18 +38,18 @@ private:
     void setStage();
     void setPlaces();
 
-    Simulation::Impl& parts_;
+    Simulation::Impl& impl_;
     const ReplayDef& def_;
     const bool drawing_;
     SceneBegan began_ = {};
     std::vector<SceneEvent> waiting_;
-    std::map<std::uint32_t, ShownId> shown_; ///< by the number that the recording has
+    std::map<std::uint32_t, ShownId> shown_; ///< by the number in the recording
     std::optional<SceneStage> stage_;
     ScenePlaces places_;                   ///< the newest
-    std::vector<visual::Camera*> cameras_; ///< of the stage, like these
+    std::vector<visual::Camera*> cameras_; ///< made for the stage, like the two lists below
     std::vector<visual::Light*> lights_;
     std::vector<visual::View*> views_;
-    const DrawnBindings drawn_{parts_.bindings};
+    const DrawnBindings drawn_{impl_.bindings};
     std::unique_ptr<visual::VisualServer> visual_;
     std::optional<VideoFile> video_;
     bool lookIsLacking_ = false;

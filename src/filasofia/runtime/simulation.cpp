@@ -2,8 +2,10 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
-#include "filasofia/engine/native.h"
-#include "filasofia/runtime/parts.h"
+#include "filasofia/engine/native/native.h"
+#include "filasofia/runtime/check_file.h"
+#include "filasofia/runtime/headless_run.h"
+#include "filasofia/runtime/live_run.h"
 #include "filasofia/runtime/stop_signal.h"
 #include "filasofia/runtime/surfaces.h"
 
@@ -22,30 +24,24 @@ void check(const RunDef& def)
     checkFile("run", def.recordMotion, "recordMotion", ".csv");
     if (def.pictureEvery > 0.0 && def.pictureEvery < 1e-3)
         fail("run: pictureEvery must be 0 or >= 0.001 s, got ", def.pictureEvery);
-    if (def.pictureEvery > 0.0 && def.picture.empty()) fail("run: pictureEvery needs picture");
-    if (def.pictureEvery > 0.0 && !def.headless) fail("run: pictureEvery needs headless");
-    if (def.headless && def.seconds > 0.0) fail("run: a headless run ends after steps, not seconds");
+    if (def.pictureEvery > 0.0 && def.picture.empty()) fail("run: pictureEvery needs a picture file");
+    if (def.pictureEvery > 0.0 && !def.headless) fail("run: pictureEvery is for headless runs");
+    if (def.headless && def.seconds > 0.0) fail("run: seconds is for live runs; a headless run ends after steps");
 }
 
-/// Whoever does not look at the report should hear it once.
+/// Logs what went wrong, for a caller who does not read the report.
 void warn(const RunReport& report)
 {
     const auto steps = [](std::uint64_t count) { return text("in ", count, count == 1 ? " step" : " steps"); };
     if (report.undone > 0)
-        logWarning(steps(report.undone), " a state blew up and was put back (Undone)",
-                   report.damped > 0 ? text(", in ", report.damped, " of them to creep on (Damped)") : "");
-    if (report.notConverged > 0) logWarning(steps(report.notConverged), " a solver stopped at its cap");
+        logWarning(steps(report.undone), " a body's new state was not finite and was rolled back (Undone)",
+                   report.damped > 0 ? text(", in ", report.damped, " of them advanced again with damping (Damped)")
+                                     : "");
+    if (report.notConverged > 0) logWarning(steps(report.notConverged), " a solver stopped at its iteration limit");
     if (report.outOfTime > 0) logWarning(steps(report.outOfTime), " a solver stopped at the deadline");
 }
 
 } // namespace
-
-void Simulation::Impl::reset()
-{
-    physics.reset();
-    bindings.clearPaint();
-    tellScene(SceneCleaned{});
-}
 
 Simulation::Simulation(const SimulationDef& def) : impl_(std::make_unique<Impl>(def)) {}
 Simulation::~Simulation() = default;
@@ -63,32 +59,32 @@ ShownId Simulation::show(BodyId id, const ShowDef& def)
 {
     const std::string object = text("show ", physics::describeBody(*impl_->physics.def(id)));
     validate(def, object);
-    ShowDef held = def; // with the surface itself: a recording needs no other file
+    ShowDef held = def; // with the surface itself, so that a recording needs no other file
     held.surface = std::string();
     if (auto surface = loadSurface(def.surface, object)) held.surface = std::move(surface);
     const ShownId shown = impl_->bindings.show(id, held, impl_->physics);
-    impl_->tellScene(SceneShown{shown.value, id, std::move(held)});
+    impl_->recordScene(SceneShown{shown.value, id, std::move(held)});
     return shown;
 }
 void Simulation::setVisible(ShownId id, bool visible)
 {
     impl_->bindings.setVisible(id, visible);
-    impl_->tellScene(SceneVisible{id.value, visible});
+    impl_->recordScene(SceneVisible{id.value, visible});
 }
 void Simulation::setMaterial(ShownId id, const visual::Material& material)
 {
     impl_->bindings.setMaterial(id, material);
-    impl_->tellScene(SceneMaterial{id.value, material});
+    impl_->recordScene(SceneMaterial{id.value, material});
 }
 void Simulation::unshow(ShownId id)
 {
     impl_->bindings.remove(id);
-    impl_->tellScene(SceneUnshown{id.value});
+    impl_->recordScene(SceneUnshown{id.value});
 }
 int Simulation::paint(BodyId id, const PaintDef& def)
 {
     const int reached = impl_->bindings.paint(id, def, impl_->physics);
-    impl_->tellScene(ScenePainted{id, def});
+    impl_->recordScene(ScenePainted{id, def});
     return reached;
 }
 void Simulation::follow(visual::Transform& transform, BodyId id, const FollowDef& def)
@@ -96,77 +92,77 @@ void Simulation::follow(visual::Transform& transform, BodyId id, const FollowDef
     impl_->bindings.follow(transform, id, def, impl_->physics);
 }
 void Simulation::unfollow(visual::Transform& transform) { impl_->bindings.unfollow(transform); }
-void Simulation::steer(visual::Transform& camera, const visual::OrbitDef& def) { impl_->steer(camera, def); }
-void Simulation::screenshot(const std::string& file) { impl_->askScreenshot(file); }
+void Simulation::steer(visual::Transform& camera, const visual::OrbitDef& def)
+{
+    impl_->steering.begin(camera, def, impl_->bindings);
+}
+void Simulation::screenshot(const std::string& file) { impl_->screenshots.ask(file); }
 void Simulation::pause(bool paused) { impl_->physics.pause(paused); }
-bool Simulation::paused() const { return impl_->paused.load(std::memory_order_relaxed); }
-void Simulation::singleStep() { impl_->stepAsked.store(true); }
+bool Simulation::paused() const { return impl_->pause.paused(); }
+void Simulation::singleStep() { impl_->pause.askSingleStep(); }
 void Simulation::reset() { impl_->reset(); }
 void Simulation::dress(std::function<void(visual::VisualServer&)> scene)
 {
-    if (impl_->running.load()) fail("simulation: dress is to be set before a run, and one is going on");
+    if (impl_->control.running()) fail("simulation: dress must be set before a run, but one is going on");
     if (scene)
-        impl_->dresses.push_back(std::move(scene));
+        impl_->picture.dresses.push_back(std::move(scene));
     else
-        impl_->dresses.clear();
+        impl_->picture.dresses.clear();
 }
 void Simulation::show(const visual::GuiDef& def)
 {
     validate(def, text("gui '", def.name, "'"));
-    if (impl_->running.load()) fail("gui '", def.name, "': to be shown before a run, and one is going on");
-    impl_->guis.push_back(def);
+    if (impl_->control.running()) fail("gui '", def.name, "': must be shown before a run, but one is going on");
+    impl_->picture.guis.push_back(def);
 }
 
 void Simulation::useWindow(std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> open)
 {
-    impl_->openWindow = std::move(open);
+    impl_->picture.openWindow = std::move(open);
 }
 
 void Simulation::everyStep(std::function<void(double)> callback)
 {
-    if (!callback) fail("simulation: everyStep: the function to call must be one, got nothing");
-    if (impl_->running.load()) fail("simulation: everyStep is to be set before a run, and one is going on");
-    impl_->everyStep.push_back(std::move(callback));
+    if (!callback) fail("simulation: everyStep: needs a function to call, got an empty one");
+    if (impl_->control.running()) fail("simulation: everyStep must be set before a run, but one is going on");
+    impl_->everyStep.add(std::move(callback));
 }
 
 void Simulation::post(std::unique_ptr<event::Event> event)
 {
-    if (!event) fail("simulation: an event to post must be one, got null");
-    impl_->stamp(*event);
+    if (!event) fail("simulation: post: the event must not be null");
+    impl_->now.stamp(*event);
     impl_->events.post(std::move(event));
 }
 
 event::EventDispatcher& Simulation::events() { return impl_->events; }
 physics::PhysicsServer& Simulation::physics() { return impl_->physics; }
 void Simulation::tune(std::function<void(engine::Native&)> change) { engine::tune(impl_->physics, std::move(change)); }
-void Simulation::finish(std::string why) { impl_->finish(std::move(why)); }
+void Simulation::finish(std::string why) { impl_->control.finish(std::move(why)); }
 
 RunReport Simulation::run(const RunDef& def)
 {
     check(def);
-    if (impl_->running.exchange(true)) fail("simulation: a run is going on; it cannot be run again meanwhile");
+    if (!impl_->control.begin()) fail("simulation: a run is going on; the next one cannot start before it ends");
     const StopSignal stopSignal;
-    impl_->undone = impl_->damped = impl_->notConverged = impl_->outOfTime = 0;
-    impl_->contacts.beginRun();
-    impl_->pictures.clear();
-    impl_->fileProblems.clear();
-    impl_->pictureProblems.clear();
+    impl_->beginRun();
     try {
-        if (impl_->everMade > 0 && !def.record.empty())
-            fail("run: record is for a simulation's first run, and this one has made ", impl_->everMade, " steps");
+        if (impl_->counters.stepsEver() > 0 && !def.record.empty())
+            fail("run: record is for a simulation's first run, but this one has already made ",
+                 impl_->counters.stepsEver(), " steps");
         impl_->haptics.begin(def, impl_->def.physics, impl_->clock, [this](std::unique_ptr<DeviceEvent> event) {
-            impl_->stamp(*event);
-            static_cast<void>(impl_->events.tryPost(std::move(event))); // full: the log has it
+            impl_->now.stamp(*event);
+            static_cast<void>(impl_->events.tryPost(std::move(event))); // if the queue is full, the log still has it
         });
         RunReport report = def.headless ? runHeadless(*impl_, def) : runLive(*impl_, def);
         impl_->haptics.end();
         impl_->fill(report);
-        impl_->readyAgain();
+        impl_->endRun();
         warn(report);
         return report;
     } catch (...) {
         impl_->haptics.abandon();
-        impl_->readyAgain();
+        impl_->endRun();
         throw;
     }
 }

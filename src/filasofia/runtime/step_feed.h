@@ -7,8 +7,8 @@
 
 namespace filasofia::runtime {
 
-/// Step reports on their way to whoever watches the simulation, from the stepping thread to the main thread. The
-/// stepping thread never waits: while nobody watches, or too slowly, reports are left out.
+/// Carries step reports from the stepping thread to the main thread, for whoever watches the simulation. The stepping
+/// thread never waits: reports are dropped if nobody reads them, or not fast enough.
 class StepFeed {
 public:
     /// Stepping thread.
@@ -20,13 +20,13 @@ public:
             lost_.fetch_add(1, std::memory_order_relaxed);
             return;
         }
-        *place = report; // its list keeps its memory from lap to lap
+        *place = report; // the copied list reuses the slot's memory
         ring_.publish();
     }
 
     // Main thread.
     void watch(bool on) { watched_.store(on, std::memory_order_relaxed); }
-    /// Hands every report that has come to `take`, oldest first.
+    /// Passes every report that has come to `take`, oldest first.
     template <class Take> void read(Take&& take)
     {
         for (; const physics::StepReport* report = ring_.beginRead(); ring_.release()) take(*report);

@@ -17,7 +17,7 @@ StopSignal::StopSignal()
     stopReceived.store(false);
     struct sigaction action {};
     action.sa_handler = onStop;
-    action.sa_flags = SA_RESETHAND; // the next one does what it always did
+    action.sa_flags = SA_RESETHAND; // the next signal has its default effect again
     sigaction(SIGINT, &action, &interrupt_);
     sigaction(SIGTERM, &action, &terminate_);
 }

@@ -38,7 +38,7 @@ TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, c
     const auto mesh = physics::loadMesh(body.mesh, object);
     if (!mesh) fail(object, ": surface must name a file or be a surface, as the body has no mesh of its own");
     if (def.subdivision > 0)
-        return *mesh; // subdividing rounds edges, and would tear a surface that is split along them
+        return *mesh; // subdivision rounds edges, and would tear a surface that is split along them
     return mapping::withCreases(*mesh, kCrease);
 }
 

@@ -7,15 +7,15 @@
 
 namespace filasofia::runtime {
 
-/// The surface that was asked for, in the body's coordinates; null where none was.
+/// The surface that was asked for, in the body's coordinates; null if none was.
 std::shared_ptr<const geometry::TriangleMesh> loadSurface(const SurfaceSource& source, const std::string& object);
 
-/// A soft body's boundary, or `surface` in its coordinates (unless null), and how it follows. `rest` is the body's
-/// worldMesh().
+/// Maps a soft body's boundary, or `surface` (in the body's coordinates) unless it is null, onto the body's nodes.
+/// `rest` is the body's worldMesh().
 mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const geometry::TetMesh& rest,
                                const geometry::TriangleMesh* surface);
 
-/// The mesh of a rigid body that is drawn as it is.
+/// The mesh of a rigid body, ready to be drawn.
 geometry::TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, const std::string& object);
 
 } // namespace filasofia::runtime

@@ -7,10 +7,10 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr double kToFinish = 120.0; ///< [s] for the last pictures
-constexpr double kRounding = 1e-6;  ///< [pictures]; 250 steps of 5 ms sum to a little less than 1.25 s
+constexpr double kFinishTimeout = 120.0; ///< [s] to encode the last pictures
+constexpr double kRounding = 1e-6;       ///< [pictures]; 250 steps of 5 ms sum to a little less than 1.25 s
 
-/// ffmpeg's file, once it has shown that it runs.
+/// ffmpeg's file, after a test that it runs.
 std::string workingFfmpeg()
 {
     const std::string program = programOnPath("ffmpeg");
@@ -21,7 +21,7 @@ std::string workingFfmpeg()
     return program;
 }
 
-/// H.264 halves the colours' resolution and so takes even sizes only: a picture of odd ones gets a black line.
+/// H.264 halves the resolution of colours and needs even sizes: a picture of odd size gets a black line.
 std::vector<std::string> arguments(const std::string& file, int width, int height, double fps)
 {
     return {"-hide_banner",
@@ -75,7 +75,7 @@ void VideoFile::show(const visual::Image& image, double time)
 
 void VideoFile::close()
 {
-    if (const std::string why = ffmpeg_->finish(kToFinish); !why.empty()) failed(why);
+    if (const std::string why = ffmpeg_->finish(kFinishTimeout); !why.empty()) failed(why);
     ffmpeg_.reset();
 }
 

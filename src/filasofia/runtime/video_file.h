@@ -7,18 +7,18 @@
 
 namespace filasofia::runtime {
 
-/// An MP4 file of pictures, made by the program ffmpeg, which gets them raw.
+/// An MP4 file of pictures. The program ffmpeg encodes it from raw pictures.
 class VideoFile {
 public:
-    /// Throws an Error where ffmpeg is not on PATH or does not even tell its version: before the run, not after it.
+    /// Throws an Error before the run if ffmpeg is not on PATH or does not even print its version.
     VideoFile(const std::string& file, int width, int height, double fps);
 
-    /// Shows the picture until `time` [s] of the video: as often as is due by then, perhaps not at all. A picture of
-    /// another size than the video's is cut off, or has black beside it. Throws an Error where ffmpeg takes no more.
+    /// Writes the picture as often as is due until `time` [s] of the video, perhaps not at all. If the picture has
+    /// another size than the video, it is cropped or padded with black. Throws an Error if ffmpeg takes no more.
     void show(const visual::Image& image, double time);
     /// Whether show() at this time would write a picture.
     [[nodiscard]] bool due(double time) const;
-    /// Throws an Error with ffmpeg's reason where it does not finish the file.
+    /// Throws an Error with ffmpeg's reason if it does not finish the file.
     void close();
 
 private:

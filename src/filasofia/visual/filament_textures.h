@@ -12,16 +12,16 @@
 
 namespace filasofia::visual {
 
-/// The pictures that materials show: each file uploaded once, and the pictures of off-screen views by name.
+/// The textures of materials: each file uploaded once, and the pictures of off-screen views by name.
 class TexturePool {
 public:
     explicit TexturePool(filament::Engine& engine);
     TexturePool(const TexturePool&) = delete;
     TexturePool& operator=(const TexturePool&) = delete;
-    /// What shows them must have been destroyed before.
+    /// All users of the textures must have been destroyed before.
     ~TexturePool();
 
-    /// From now on a view of this name shows `picture`, which another owns; null: it is gone.
+    /// From now on a view of this name shows `picture`, which another object owns; null: the view is gone.
     void setView(const std::string& name, filament::Texture* picture);
 
     /// Sets a sampler to the texture; white for none, black for a view that is gone.

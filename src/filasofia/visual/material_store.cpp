@@ -154,7 +154,7 @@ void MaterialStore::require(const CustomMaterial& material, const std::string& o
 void MaterialStore::add(const std::string& name, const Material& material)
 {
     if (name.empty()) fail("a material of the pool must have a name");
-    if (!named_.emplace(name, material).second) fail("material '", name, "': there is one of this name already");
+    if (!named_.emplace(name, material).second) fail("material '", name, "' already exists");
 }
 
 const Material& MaterialStore::get(const std::string& name, const std::string& object) const

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "filasofia/physics/step.h"
+#include "filasofia/runtime/run.h"
+
+#include <cstdint>
+
+namespace filasofia::runtime {
+
+/// Counts steps and what went wrong in them. Used by the stepping thread, and by others after it has ended.
+class RunCounters {
+public:
+    /// Begins a run: all counts but stepsEver() return to zero.
+    void begin() { undone_ = damped_ = notConverged_ = outOfTime_ = 0; }
+    void count(const physics::StepReport& report)
+    {
+        ++stepsEver_;
+        undone_ += report.has(physics::StepFlag::Undone);
+        damped_ += report.has(physics::StepFlag::Damped);
+        notConverged_ += report.has(physics::StepFlag::NotConverged);
+        outOfTime_ += report.has(physics::StepFlag::OutOfTime);
+    }
+    /// The steps of all runs, paused ones included.
+    [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
+    void fill(RunReport& report) const
+    {
+        report.undone = undone_;
+        report.damped = damped_;
+        report.notConverged = notConverged_;
+        report.outOfTime = outOfTime_;
+    }
+
+private:
+    std::uint64_t stepsEver_ = 0;
+    std::uint64_t undone_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0; ///< [-] steps of this run
+};
+
+} // namespace filasofia::runtime

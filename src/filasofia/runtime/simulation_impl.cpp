@@ -1,0 +1,170 @@
+#include "filasofia/runtime/simulation_impl.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/physics/physics_engine.h"
+
+#include <limits>
+#include <utility>
+
+namespace filasofia::runtime {
+namespace {
+
+const SimulationDef& checked(const SimulationDef& def)
+{
+    validate(def, "simulation");
+    if (length(def.look.direction) == 0.0) fail("simulation: look.direction must have a length > 0, got 0 0 0");
+    if (def.look.around && geometry::isEmpty(*def.look.around))
+        fail("simulation: look.around: high must be >= low in every axis");
+    return def;
+}
+
+std::unique_ptr<physics::PhysicsEngine> engineFor(const PhysicsDef& def)
+{
+    return engine::makeNativeEngine({.period = 1.0 / def.rate, .threads = def.threads, .contact = def.contact});
+}
+
+constexpr auto kEventLost = static_cast<std::uint32_t>(physics::StepFlag::EventLost);
+
+} // namespace
+
+Simulation::Impl::Impl(const SimulationDef& asked) : Impl(asked, engineFor(checked(asked).physics)) {}
+
+Simulation::Impl::Impl(const SimulationDef& asked, std::unique_ptr<physics::PhysicsEngine> engine)
+    : def(checked(asked)), physics(std::move(engine), {.gravity = asked.physics.gravity})
+{
+}
+
+Nanoseconds Simulation::Impl::deadline() const
+{
+    const double seconds = def.physics.deadline.value_or(1.0 / def.physics.rate);
+    // Above a century there is no deadline; 64-bit nanoseconds overflow at three centuries.
+    return seconds < 3e9 ? toNanoseconds(seconds) : std::numeric_limits<Nanoseconds>::max();
+}
+
+void Simulation::Impl::beginRun()
+{
+    counters.begin();
+    contacts.beginRun();
+    files.begin();
+}
+
+void Simulation::Impl::endRun()
+{
+    steering.end();
+    journal.close(); // only the first run can be recorded
+    control.end();
+}
+
+std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
+{
+    now.set(report.time, report.step);
+    pause.endStep(physics);
+    counters.count(report);
+    feed.write(report);
+    haptics.afterStep(report, physics);
+    // Before the update event, so that its observers already know what happened in the step.
+    const std::uint32_t flags = postContactEvents(report) | postRuptureEvents(report);
+    auto update = std::make_unique<event::PhysicsUpdateEvent>();
+    now.stamp(*update);
+    return flags | (events.tryPost(std::move(update)) ? 0u : kEventLost);
+}
+
+void Simulation::Impl::beforeStep(double dt)
+{
+    if (!pause.beginStep(physics)) return;
+    const double end = now.seconds() + dt;
+    haptics.beforeStep(dt, end, physics);
+    everyStep.call(end);
+}
+
+std::uint32_t Simulation::Impl::postContactEvents(const physics::StepReport& report)
+{
+    if (!contacts.concerns(report)) return 0;
+    const auto post = [this](std::unique_ptr<ContactEvent> event) {
+        now.stamp(*event);
+        return events.tryPost(std::move(event));
+    };
+    if (report.contacts.active == 0) return contacts.observe({}, post) ? 0u : kEventLost;
+    const frame::FrameRef frame = physics.latest();
+    // If readers hold all frames, we do not get this step's contacts; the next step reports the loss.
+    if (!frame || frame->step != report.step) return kEventLost;
+    return contacts.observe(frame->contacts, post) ? 0u : kEventLost;
+}
+
+std::uint32_t Simulation::Impl::postRuptureEvents(const physics::StepReport& report)
+{
+    bool all = true;
+    const auto post = [&](auto event, const physics::Rupture& rupture) {
+        event->rupture = rupture;
+        now.stamp(*event);
+        all = events.tryPost(std::move(event)) && all;
+    };
+    for (const physics::Rupture& rupture : report.topology.ruptures)
+        if (rupture.kind == physics::Rupture::Kind::Cut)
+            post(std::make_unique<CutEvent>(), rupture);
+        else
+            post(std::make_unique<TearEvent>(), rupture);
+    return all ? 0u : kEventLost;
+}
+
+void Simulation::Impl::dressScene(visual::VisualServer& visual)
+{
+    for (const visual::GuiDef& gui : picture.guis) visual.add(gui);
+    for (const auto& dress : picture.dresses) dress(visual);
+    if (!picture.dresses.empty()) return;
+    const geometry::Box bounds = def.look.around ? *def.look.around : bindings.bounds();
+    if (geometry::isEmpty(bounds)) return; // nothing is shown yet, so the picture stays dark
+    const visual::EndoscopeLook look =
+        visual::addEndoscopeLook(visual, {bounds.low, bounds.high}, def.look.quality, def.look.direction);
+    if (def.look.mouse)
+        steering.begin(*look.rig,
+                       {.around = bounds,
+                        .start = look.rig->pose(),
+                        .verticalFieldOfView = look.camera->def().verticalFieldOfView,
+                        .width = visual.width(),
+                        .height = visual.height()},
+                       bindings);
+}
+
+void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
+{
+    bindings.addPending(visual);
+    if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, physics, visual);
+    journal.observe(visual, now.step());
+}
+
+void Simulation::Impl::mapFinishedFrame(visual::VisualServer& visual)
+{
+    const frame::FrameRef frame = physics.latest();
+    bindings.finishMeshes(frame ? &*frame : nullptr);
+    mapNewestFrame(visual);
+}
+
+void Simulation::Impl::takePicture(visual::VisualServer& visual, const std::string& file)
+{
+    mapFinishedFrame(visual);
+    visual::savePng(visual.capture(), file);
+    files.addPicture(file);
+}
+
+void Simulation::Impl::reset()
+{
+    physics.reset();
+    bindings.clearPaint();
+    recordScene(SceneCleaned{});
+}
+
+void Simulation::Impl::fill(RunReport& report) const
+{
+    report.time = now.seconds();
+    report.steps = now.step();
+    report.hash = physics.hash();
+    counters.fill(report);
+    report.contacts = contacts.report(physics);
+    files.fill(report);
+    report.finished = control.reason();
+}
+
+} // namespace filasofia::runtime

@@ -1,0 +1,83 @@
+#pragma once
+
+#include "filasofia/runtime/bindings.h"
+#include "filasofia/runtime/camera_steering.h"
+#include "filasofia/runtime/clock.h"
+#include "filasofia/runtime/contact_watch.h"
+#include "filasofia/runtime/haptics.h"
+#include "filasofia/runtime/pause_control.h"
+#include "filasofia/runtime/run_control.h"
+#include "filasofia/runtime/run_counters.h"
+#include "filasofia/runtime/scene_journal.h"
+#include "filasofia/runtime/screenshot_queue.h"
+#include "filasofia/runtime/simulation.h"
+#include "filasofia/runtime/simulation_time.h"
+#include "filasofia/runtime/step_callbacks.h"
+#include "filasofia/runtime/step_feed.h"
+#include "filasofia/runtime/written_files.h"
+
+namespace filasofia::runtime {
+
+/// What the user sets before a run for its picture.
+struct PictureSetup {
+    std::vector<std::function<void(visual::VisualServer&)>> dresses; ///< in place of the look of the Def
+    std::vector<visual::GuiDef> guis;                                ///< over the window
+    std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow; ///< empty: window::openWindow
+};
+
+/// The parts of a Simulation, each of which owns its state; the run modes work on it.
+struct Simulation::Impl {
+    SimulationDef def;
+    Clock clock = steadyClock();
+    physics::PhysicsServer physics;
+    event::EventDispatcher events;
+    Bindings bindings;
+    PictureSetup picture;
+    CameraSteering steering;
+    StepCallbacks everyStep;
+    ContactWatch contacts;
+    Haptics haptics; ///< after physics and events, which its threads talk to
+
+    StepFeed feed;        ///< to the inspector
+    SceneJournal journal; ///< for the recording of the first run
+    ScreenshotQueue screenshots;
+    WrittenFiles files;
+    PauseControl pause;
+    RunControl control;
+    SimulationTime now; ///< the last step's
+    RunCounters counters;
+
+    explicit Impl(const SimulationDef& asked);
+    Impl(const SimulationDef& asked, std::unique_ptr<physics::PhysicsEngine> engine);
+
+    void beginRun();
+    void endRun(); ///< after a run, however it ended
+    [[nodiscard]] Nanoseconds period() const { return toNanoseconds(1.0 / def.physics.rate); }
+    /// How long after a live step's start its solvers stop.
+    [[nodiscard]] Nanoseconds deadline() const;
+    /// Adds an event to the journal if one is kept.
+    void recordScene(SceneEvent event) { journal.add(now.step(), std::move(event)); }
+    /// Calls haptics and the user's callbacks before a step of dt [s].
+    void beforeStep(double dt);
+    /// Bookkeeping after a step: time, counters, contact events and the update event. Returns the flags for the next
+    /// report.
+    std::uint32_t afterStep(const physics::StepReport& report);
+    /// Posts an event for each pair that begins, continues or ends to touch. Returns StepFlag bits if some were lost.
+    std::uint32_t postContactEvents(const physics::StepReport& report);
+    /// Posts an event for each cut and tear. Returns StepFlag bits if some were lost.
+    std::uint32_t postRuptureEvents(const physics::StepReport& report);
+    /// Makes the look of the Def, or calls the user's dress functions.
+    void dressScene(visual::VisualServer& visual);
+    /// Moves the drawn bodies to the newest frame.
+    void mapNewestFrame(visual::VisualServer& visual);
+    /// The same, after waiting for the new triangles of everything cut until then.
+    void mapFinishedFrame(visual::VisualServer& visual);
+    /// Draws the present state into a file; physics must not be stepping.
+    void takePicture(visual::VisualServer& visual, const std::string& file);
+    void takeScreenshots(visual::VisualServer& visual) { screenshots.take(visual, files); }
+    /// Puts the bodies back to their start and removes all paint.
+    void reset();
+    void fill(RunReport& report) const;
+};
+
+} // namespace filasofia::runtime

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace filasofia::runtime {
+
+/// The functions given to Simulation::everyStep(). The stepping thread's while a run goes on.
+class StepCallbacks {
+public:
+    void add(std::function<void(double)> callback) { callbacks_.push_back(std::move(callback)); }
+    /// Calls all in the order of add(), with the simulated time [s] at which the step ends. A callback that throws is
+    /// logged and not called again.
+    void call(double end);
+
+private:
+    std::vector<std::function<void(double)>> callbacks_; ///< an empty one threw
+};
+
+} // namespace filasofia::runtime
