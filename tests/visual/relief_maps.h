@@ -40,31 +40,31 @@ inline TextureFile leaningFile(const std::string& name, double x, double y)
     return pictureFile(name, 4, [&](double, double) { return normalTexel(x, y, 1.0); });
 }
 
-/// Cobbles scattered over a tile that repeats: the height in (0, 1] of rounded cells with grooves between them (Worley,
-/// "A cellular texture basis function", 1996), `cells` of them a side.
-class Cobbles {
+/// Soft mounds scattered over a tile that repeats, `cells` of them a side: minus the square of the distance to the
+/// nearest of points scattered one to a cell (Worley, "A cellular texture basis function", 1996), in cells, with the
+/// furrows between two of them rounded.
+class Mounds {
 public:
-    Cobbles(int cells, unsigned seed) : cells_(cells)
+    Mounds(int cells, unsigned seed) : cells_(cells)
     {
         for (int i = 0; i < 2 * cells * cells; ++i) {
             seed = seed * 1664525U + 1013904223U;
-            places_.push_back(0.15 + 0.7 * double(seed >> 8U) / 16777216.0);
+            places_.push_back(0.1 + 0.8 * double(seed >> 8U) / 16777216.0);
         }
     }
 
     [[nodiscard]] double height(double u, double v) const
     {
         const double x = cells_ * (u - std::floor(u)), y = cells_ * (v - std::floor(v));
-        double nearest = 9.0, second = 9.0;
-        for (int row = int(y) - 1; row <= int(y) + 1; ++row)
-            for (int column = int(x) - 1; column <= int(x) + 1; ++column) {
+        constexpr double kSharp = 9.0; // of a furrow
+        double sum = 0.0;
+        for (int row = int(y) - 2; row <= int(y) + 2; ++row)
+            for (int column = int(x) - 2; column <= int(x) + 2; ++column) {
                 const std::size_t cell = std::size_t((row + cells_) % cells_ * cells_ + (column + cells_) % cells_);
-                const double away = std::hypot(column + places_[2 * cell] - x, row + places_[2 * cell + 1] - y);
-                second = std::min(second, std::max(nearest, away));
-                nearest = std::min(nearest, away);
+                const double dx = column + places_[2 * cell] - x, dy = row + places_[2 * cell + 1] - y;
+                sum += std::exp(-kSharp * (dx * dx + dy * dy));
             }
-        const double groove = second - nearest; // 0 between two cells
-        return 1.0 - std::exp(-3.5 * groove) * (1.0 - 0.25 * nearest);
+        return std::log(sum) / kSharp;
     }
 
 private:

@@ -107,12 +107,16 @@ Image beside(const Image& left, const Image& right)
     return both;
 }
 
-/// The inside of a stomach: folds, and on them the small cobbles of its glands (areae gastricae, 2 to 4 mm), as maps.
+/// The inside of a stomach: folds, and on them the small mounds of its glands (areae gastricae, 2 to 4 mm), as maps.
 ReliefMaps stomachMaps()
 {
-    static const Cobbles cobbles(11, 7), grains(40, 3);
-    return reliefMaps("stomach", 512, 0.03, 0.50, 0.22,
-                      [](double u, double v) { return 0.022 * cobbles.height(u, v) + 0.0022 * grains.height(u, v); });
+    static const Mounds mounds(13, 7), grains(41, 3);
+    return reliefMaps("stomach", 512, 0.03, 0.45, 0.25, [](double u, double v) {
+        // Bent, so that no rows show.
+        const double a = u + 0.020 * std::sin(2 * kPi * (2 * v + 0.1)) + 0.008 * std::sin(2 * kPi * (5 * v + 3 * u));
+        const double b = v + 0.018 * std::sin(2 * kPi * (3 * u + 0.4)) + 0.008 * std::sin(2 * kPi * (4 * u - 5 * v));
+        return 0.020 * mounds.height(a, b) + 0.0016 * grains.height(a, b);
+    });
 }
 
 /// The view from inside a hollow organ whose uv repeat every 40 mm or so.
@@ -142,6 +146,4 @@ TEST_CASE("picture: mucosa without and with normal, roughness and occlusion text
     mapped.normalTexture = maps.normal;
     mapped.roughnessTexture = mapped.occlusionTexture = maps.occlusionRoughness;
     checkPicture(beside(insideStomach(plain, 320, 240), insideStomach(mapped, 320, 240)), "texture_maps");
-    if (const char* file = std::getenv("FILASOFIA_TEXTURE_PICTURE")) // docs/images/texture_maps.png
-        savePng(beside(insideStomach(plain, 480, 360), insideStomach(mapped, 480, 360)), file);
 }
