@@ -56,7 +56,7 @@ json toJson(const Options& options, const testing::CutFuzzReport& r)
             {"worst_quality", r.worstQuality},
             {"worst_quality_over_bound", r.worstQualityShare},
             {"volume_drift", r.volumeDrift},
-            {"most_tetrahedra", r.mostTetrahedra},
+            {"most_tetrahedra", r.maxTetrahedra},
             {"full", {{"cuts", r.full}, {"incomplete", r.incompleteFull}}},
             {"progressive", {{"cuts", r.progressive}, {"incomplete", r.incompleteProgressive}}},
             {"hash", hexadecimal(r.hash)}};
@@ -77,7 +77,7 @@ void print(const testing::CutFuzzReport& r)
     list("done and repaired", r.repairs);
     std::printf(
         "\nworst quality %.4f, %.4f of the bound min(input, 0.15); volume kept to %.1e; at most %ld tetrahedra\n",
-        r.worstQuality, r.worstQualityShare, r.volumeDrift, r.mostTetrahedra);
+        r.worstQuality, r.worstQualityShare, r.volumeDrift, r.maxTetrahedra);
     std::printf("incomplete: %ld of %ld full cuts, %ld of %ld progressive ones\n", r.incompleteFull, r.full,
                 r.incompleteProgressive, r.progressive);
     if (!r.faults.empty()) list("BROKEN INVARIANTS", r.faults);

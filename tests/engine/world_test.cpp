@@ -98,7 +98,7 @@ TEST_CASE("the rest of a soft body's state shows in the hash one step later")
     const std::pair<const char*, Change> changes[] = {
         {"a force", [](SoftState& body) { body.forces[40].y += 1e-6; }},
         {"what the last step changed", [](SoftState& body) { body.dv[40].y += 1e-6; }},
-        {"the residual impulse", [](SoftState& body) { body.leftover[40].y += 1e-9; }}};
+        {"the residual impulse", [](SoftState& body) { body.residual[40].y += 1e-9; }}};
     for (const auto& [what, change] : changes) {
         INFO(what);
         Stage stages[2];

@@ -35,8 +35,8 @@ inline double weightOf(const Stage& stage, std::size_t body)
 
 inline const frame::Attachment& attachmentOf(Stage& stage, AttachmentId id)
 {
-    const auto found = std::ranges::find(stage.world.scene().held, id, &frame::Attachment::id);
-    REQUIRE(found != stage.world.scene().held.end());
+    const auto found = std::ranges::find(stage.world.scene().attachmentReports, id, &frame::Attachment::id);
+    REQUIRE(found != stage.world.scene().attachmentReports.end());
     return *found;
 }
 
@@ -75,7 +75,7 @@ inline Wrench wrenchOf(Stage& stage, AttachmentId id)
     for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
         if (scene.attachments[a].id != id) continue;
         for (std::size_t p = 0; p < scene.attachments[a].pairs.size(); ++p) {
-            const Vec3 force = scene.holding[a][p];
+            const Vec3 force = scene.attachmentForces[a][p];
             sum.force += force;
             sum.torque += cross(placeOf(stage, scene.attachments[a].pairs[p][0], scene.attachments[a].body), force);
         }

@@ -36,7 +36,7 @@ physics::SoftBodyDef softBlock(std::array<int, 3> cells, Vec3 size, Vec3 corner)
 
 Vec3 forceOn(const Stage& stage, BodyId body)
 {
-    return frame::forceOn(body, const_cast<Stage&>(stage).world.scene().touching);
+    return frame::forceOn(body, const_cast<Stage&>(stage).world.scene().contactReports);
 }
 
 struct Means {
@@ -193,7 +193,7 @@ TEST_CASE("a stone squeezed by kinematic plates beyond its size feels a bounded 
             };
             const auto squeeze = [&] {
                 double sum = 0.0;
-                for (const frame::Contact& contact : stage.world.scene().touching) sum += contact.normalForce;
+                for (const frame::Contact& contact : stage.world.scene().contactReports) sum += contact.normalForce;
                 return sum;
             };
             moveTo(0.008 - tooClose, 0.5);

@@ -39,7 +39,7 @@ TEST_CASE("a grasped body is lifted, and lost if it pulls with more than the bre
             verify("anchored block pulled by a tool: force at which the grasp broke over its break force, minus one",
                    std::abs(force / breakForce - 1.0), 0.05);
             stage.step(dt);
-            for (const frame::Attachment& each : stage.world.scene().held) CHECK(each.id != grasp);
+            for (const frame::Attachment& each : stage.world.scene().attachmentReports) CHECK(each.id != grasp);
         } else {
             CHECK(attachmentOf(stage, grasp).points > 3);
             CHECK(attachmentOf(stage, grasp).body == BodyId{1});
@@ -82,13 +82,14 @@ TEST_CASE("a block squeezed and grasped by two jaws is held for long without gro
         stage.step(1e-3);
         if (i % 1000 != 999) continue;
         double highest = 0.0;
-        for (const auto& pairs : stage.world.scene().holding)
+        for (const auto& pairs : stage.world.scene().attachmentForces)
             for (Vec3 force : pairs) highest = std::max(highest, length(force));
-        for (const frame::Contact& each : stage.world.scene().touching) highest = std::max(highest, each.normalForce);
+        for (const frame::Contact& each : stage.world.scene().contactReports)
+            highest = std::max(highest, each.normalForce);
         largest.push_back(highest);
     }
     const Vec3 sum = attachmentOf(stage, grasps[0]).force + attachmentOf(stage, grasps[1]).force +
-                     frame::forceOn(BodyId{1}, stage.world.scene().touching);
+                     frame::forceOn(BodyId{1}, stage.world.scene().contactReports);
     verify("block held by two jaws: largest force at a point after 10 s over that after 1 s, minus one",
            std::abs(largest.back() / largest.front() - 1.0), 0.05);
     verify("block held by two jaws: sum of the forces over its weight, minus one",

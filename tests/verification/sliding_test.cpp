@@ -21,7 +21,7 @@ struct Forces {
 Forces contactForces(Stage& stage)
 {
     Forces all;
-    for (const frame::Contact& c : stage.world.scene().touching) {
+    for (const frame::Contact& c : stage.world.scene().contactReports) {
         all.sum += c.normalForce * c.normal + c.friction;
         all.normal += c.normalForce;
         all.friction += length(c.friction);

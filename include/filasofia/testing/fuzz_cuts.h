@@ -55,7 +55,7 @@ struct CutFuzzReport {
     double worstQuality = 1.0;               ///< [-] the lowest quality of an element
     double worstQualityShare = 1e9;          ///< [-] lowest quality over its bound min(input, 0.15); below 1 is a fault
     double volumeDrift = 0.0;                ///< [-] largest relative change of a body's volume
-    long mostTetrahedra = 0;                 ///< the largest number in a body
+    long maxTetrahedra = 0;                  ///< the largest number in a body
     std::uint64_t hash = 0;                  ///< hash of all bodies after their last cuts
     long incompleteFull = 0, full = 0;       ///< judged cuts along planes in a few steps
     long incompleteProgressive = 0, progressive = 0; ///< all other judged cuts

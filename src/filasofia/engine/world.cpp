@@ -94,8 +94,8 @@ void World::capture(frame::Frame& out) const
         out.softBodies[b].velocities = body.state.v;
         out.softBodies[b].boundary = boundaryOf(body.model, body.topology);
     }
-    out.contacts = scene_.touching;
-    out.attachments = scene_.held;
+    out.contacts = scene_.contactReports;
+    out.attachments = scene_.attachmentReports;
     out.rigidBodies.resize(scene_.rigid.size());
     for (std::size_t b = 0; b < scene_.rigid.size(); ++b) {
         const RigidState& state = scene_.rigid[b].state;
@@ -113,8 +113,8 @@ void World::record(physics::StepRecord& out) const
     out.rigidPoses.clear();
     for (const RigidBody& body : scene_.rigid)
         out.rigidPoses.insert(out.rigidPoses.end(), body.state.poses.begin(), body.state.poses.end());
-    out.contacts = scene_.touching;
-    out.attachments = scene_.held;
+    out.contacts = scene_.contactReports;
+    out.attachments = scene_.attachmentReports;
 }
 
 std::uint64_t World::hash() const { return hashOf(scene_); }

@@ -122,7 +122,7 @@ void FuzzBody::look()
     double volume = 0.0;
     for (int t = 0; t < mesh.tetrahedra(); ++t) volume += restVolume(mesh.data(), t);
     report_.volumeDrift = std::max(report_.volumeDrift, std::abs(volume / mesh.startVolume() - 1.0));
-    report_.mostTetrahedra = std::max<long>(report_.mostTetrahedra, mesh.tetrahedra());
+    report_.maxTetrahedra = std::max<long>(report_.maxTetrahedra, mesh.tetrahedra());
 }
 
 std::vector<int> FuzzBody::parts(int& count) const { return connectedParts(mesh.data(), count); }

@@ -54,7 +54,7 @@ inline JointState& joint(Stage& stage, std::size_t body = 0, std::size_t j = 0)
 inline double contactTorque(Stage& stage, BodyId id)
 {
     double sum = 0.0;
-    for (const frame::Contact& each : stage.world.scene().touching) {
+    for (const frame::Contact& each : stage.world.scene().contactReports) {
         if (each.first == id || each.second == id) sum += cross(each.point, forceOn(id, each)).z;
     }
     return sum;

@@ -197,8 +197,8 @@ inline bool grazes(const CollisionSurface& s, Vec3 place, double within)
     });
 }
 
-inline void meetEdges(const std::vector<CollisionSurface>& s, std::array<int, 2> pair, double reach, Answers& out,
-                      std::vector<Key>& closeCalls)
+inline void collideEdges(const std::vector<CollisionSurface>& s, std::array<int, 2> pair, double reach, Answers& out,
+                         std::vector<Key>& closeCalls)
 {
     const CollisionSurface &one = s[static_cast<std::size_t>(pair[0])], &two = s[static_cast<std::size_t>(pair[1])];
     if (!one.shape->lines || !two.shape->lines) return;
@@ -244,7 +244,7 @@ inline Answers answers(const Scene& scene, std::vector<Key>& closeCalls)
             if (s[i].name.body == s[k].name.body || s[i].shape->group != s[k].shape->group) continue;
             meetPoints(s, {i, k}, 0, 1.5 * scene.dt, out);
             meetPoints(s, {i, k}, 1, 1.5 * scene.dt, out);
-            meetEdges(s, {i, k}, 1.5 * scene.dt, out, closeCalls);
+            collideEdges(s, {i, k}, 1.5 * scene.dt, out, closeCalls);
         }
     return out;
 }

@@ -91,7 +91,7 @@ inline Vec3 randomVector(std::mt19937& random, double size)
 /// Surfaces with all state of their queries from step to step.
 struct Scene {
     std::vector<CollisionSurface> surfaces;
-    std::vector<SideKept> sides;
+    std::vector<SheetSide> sides;
     ProximityScratch scratch;
     std::vector<Proximity> found;
     double dt = 1e-3;

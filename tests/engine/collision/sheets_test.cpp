@@ -123,7 +123,7 @@ TEST_CASE("surfaces added and removed before a sheet and a point change neither 
     }
     REQUIRE(scene.find().size() == 1);
     const std::uint64_t feature = scene.found[0].feature;
-    const std::vector<SideKept> sides = scene.sides;
+    const std::vector<SheetSide> sides = scene.sides;
     REQUIRE(sides.size() == 1);
     scene.surfaces.erase(scene.surfaces.begin());
     scene.move(1, {0, 0, -2e-4});

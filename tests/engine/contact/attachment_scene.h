@@ -60,8 +60,8 @@ struct AttachmentScene {
     }
     const frame::Attachment* held(AttachmentId id)
     {
-        const auto found = std::ranges::find(state().held, id, &frame::Attachment::id);
-        return found == state().held.end() ? nullptr : &*found;
+        const auto found = std::ranges::find(state().attachmentReports, id, &frame::Attachment::id);
+        return found == state().attachmentReports.end() ? nullptr : &*found;
     }
 };
 

@@ -153,7 +153,7 @@ TEST_CASE("the damper of a penalty contact acts only after the surfaces touch")
             CHECK(speed == Approx(-0.2));
             ++free;
         }
-        for (const frame::Contact& contact : stage.world.scene().touching) CHECK(contact.normalForce >= 0.0);
+        for (const frame::Contact& contact : stage.world.scene().contactReports) CHECK(contact.normalForce >= 0.0);
     }
     CHECK(free == 6);     // 1.3 mm at 0.2 m/s
     CHECK(speed > 0.0);   // it bounced back
@@ -168,12 +168,12 @@ TEST_CASE("there is no force between two kinematic bodies, whatever force acted 
     stage.run(50, 1e-3);
     const auto force = [&] {
         double sum = 0.0;
-        for (const frame::Contact& contact : stage.world.scene().touching) sum += contact.normalForce;
+        for (const frame::Contact& contact : stage.world.scene().contactReports) sum += contact.normalForce;
         return sum;
     };
     REQUIRE(force() > 0.1);
     stage.world.scene().rigid[1].model.dynamic = false;
     stage.step(1e-3);
-    CHECK_FALSE(stage.world.scene().touching.empty());
+    CHECK_FALSE(stage.world.scene().contactReports.empty());
     CHECK(force() == 0.0);
 }

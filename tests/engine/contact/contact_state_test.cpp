@@ -48,7 +48,7 @@ struct OverSheet {
     double gap()
     {
         double least = 1.0;
-        for (const frame::Contact& each : stage.world.scene().touching) least = std::min(least, each.gap);
+        for (const frame::Contact& each : stage.world.scene().contactReports) least = std::min(least, each.gap);
         return least;
     }
 };
@@ -76,7 +76,7 @@ TEST_CASE("the side of a sheet that a body is on is still known after another bo
     OverSheet scene;
     for (int i = 1; i <= 6; ++i) scene.lower(0.0024 - 1e-4 * i);
     REQUIRE(scene.gap() == Approx(-1e-4).margin(1e-6)); // its gap at the start of the step
-    const std::vector<SideKept> sides = scene.stage.world.scene().sides;
+    const std::vector<SheetSide> sides = scene.stage.world.scene().sides;
     REQUIRE(!sides.empty());
     scene.stage.post(physics::RemoveBody{scene.bystander});
     scene.stage.step(1e-3);
@@ -152,7 +152,7 @@ TEST_CASE("the hash covers contacts, sides, attachments and grasps")
         [](Scene& s) { s.attachments[0].breakForce = 1; },
         [](Scene& s) { s.attachments[0].pairs[0][0].place.x += 1; },
         [](Scene& s) { s.attachments[0].pairs[0][1].nodes[0].weight += 1; },
-        [](Scene& s) { s.holding[0][0].x += 1; },
+        [](Scene& s) { s.attachmentForces[0][0].x += 1; },
         [](Scene& s) { s.grasps[0].target.value += 1; },
         [](Scene& s) { s.grasps[0].breakForce = 1; },
         [](Scene& s) { s.grasps.clear(); },
@@ -175,8 +175,9 @@ TEST_CASE("a contact counts from the sum of the proximities on, for closed and o
                                 {0, open ? 0.0 : -0.02, 0}));
             stage.add(smallBox({0, 0.002 + gap, 0}, false)); // both have 0.5 mm
             stage.step(1e-3);
-            CHECK(stage.world.scene().touching.empty() == (gap > 1e-3));
-            for (const frame::Contact& each : stage.world.scene().touching) CHECK(each.gap == Approx(gap).margin(1e-6));
+            CHECK(stage.world.scene().contactReports.empty() == (gap > 1e-3));
+            for (const frame::Contact& each : stage.world.scene().contactReports)
+                CHECK(each.gap == Approx(gap).margin(1e-6));
         }
 }
 
@@ -214,9 +215,9 @@ TEST_CASE("a body of more than 2048 collision models is refused, and more bodies
     for (int i = 0; i < 2100; ++i) stage.add(smallBox({0.1 * i, 0, 0}, false));
     stage.add(smallBox({0.1 * 2099, 0.0045, 0}, false));
     stage.step(1e-3);
-    REQUIRE(!stage.world.scene().touching.empty());
-    CHECK(stage.world.scene().touching[0].first == BodyId{2100});
-    CHECK(stage.world.scene().touching[0].second == BodyId{2101});
+    REQUIRE(!stage.world.scene().contactReports.empty());
+    CHECK(stage.world.scene().contactReports[0].first == BodyId{2100});
+    CHECK(stage.world.scene().contactReports[0].second == BodyId{2101});
 }
 
 TEST_CASE("a deadline also stops rigid bodies in contact with each other, and the step can be replayed")

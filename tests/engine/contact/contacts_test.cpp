@@ -47,7 +47,7 @@ TEST_CASE("a penalty contact carries the weight at the depth that its stiffness 
     stage.run(3000, 1e-3);
     const double weight = 8 * 8e-6 * 1000 * 9.81;
     double force = 0.0;
-    for (const frame::Contact& contact : stage.world.scene().touching) force += contact.normalForce;
+    for (const frame::Contact& contact : stage.world.scene().contactReports) force += contact.normalForce;
     CHECK(force == Approx(weight).epsilon(0.01));
     const double depth = 0.02 - stage.world.scene().rigid[1].state.poses[0].position.y;
     CHECK(depth == Approx(weight / (4 * 2000.0)).margin(2e-5)); // four corners; minus the skin
@@ -62,7 +62,7 @@ TEST_CASE("damping does not change the weight that a body puts on the floor")
     stage.add(box);
     stage.run(2000, 1e-3);
     double force = 0.0;
-    for (const frame::Contact& contact : stage.world.scene().touching) force += contact.normalForce;
+    for (const frame::Contact& contact : stage.world.scene().contactReports) force += contact.normalForce;
     CHECK(force == Approx(8 * 8e-6 * 1000 * 9.81).epsilon(1e-3));
 }
 
@@ -76,7 +76,7 @@ TEST_CASE("a body may have a separate collision surface that moves with it")
     stage.add(coarse);
     stage.run(1500, 1e-3);
     CHECK(lowest(stage.soft()) == Approx(0.002).margin(3e-4)); // on its own surface, not on its nodes
-    CHECK(stage.world.scene().touching.size() > 20);
+    CHECK(stage.world.scene().contactReports.size() > 20);
 }
 
 TEST_CASE("proximities too small to tell inside from outside, and an inside-out mesh, log warnings")
@@ -114,7 +114,7 @@ TEST_CASE("only models of one group touch")
         stage.add(box);
         stage.run(300, 1e-3);
         CHECK((stage.world.scene().rigid[1].state.poses[0].position.y > 0.0) == (group == 0));
-        CHECK(stage.world.scene().touching.empty() == (group != 0));
+        CHECK(stage.world.scene().contactReports.empty() == (group != 0));
         setLogSink({});
         CHECK((logged.find("rigid body 'floor': no other body has collision group 0") != std::string::npos) ==
               (group != 0));
@@ -132,7 +132,7 @@ TEST_CASE("the collision models of one body do not collide with each other")
     stage.add(two);
     stage.run(500, 1e-3);
     CHECK(stage.world.scene().rigid[1].state.poses[0].position.y == Approx(0.012).margin(1e-4));
-    for (const frame::Contact& contact : stage.world.scene().touching) CHECK(contact.first != contact.second);
+    for (const frame::Contact& contact : stage.world.scene().contactReports) CHECK(contact.first != contact.second);
 }
 
 TEST_CASE("a tool at 1 m/s does not go through a membrane of 2 mm")
@@ -192,7 +192,7 @@ TEST_CASE("a body that folds onto itself stops at itself")
         fold.add(def);
         fold.run(800, 1e-3);
         bool met = false;
-        for (const frame::Contact& contact : fold.world.scene().touching)
+        for (const frame::Contact& contact : fold.world.scene().contactReports)
             met = met || (contact.first == contact.second && contact.normalForce > 0.0);
         CHECK(met == self);
     }
@@ -219,7 +219,7 @@ TEST_CASE("tissue crushed between two rigid tools recovers after they open")
         for (int jaw : {0, 1}) stage.post(physics::SetPose{jaws[static_cast<std::size_t>(jaw)], 0, place(jaw, gap)});
         CHECK_FALSE(stage.step(1e-3).has(physics::StepFlag::Undone));
         inverted = std::max(inverted, invertedElements(stage.model(), stage.soft()));
-        most = std::max(most, stage.world.scene().touching.size());
+        most = std::max(most, stage.world.scene().contactReports.size());
     }
     CHECK(inverted > 0); // it was crushed
     CHECK(most < 400);
@@ -243,7 +243,7 @@ TEST_CASE("a chain of ten boxes that are welded together stays stiff under its w
         const RigidState& tip = stage.world.scene().rigid.back().state;
         CHECK(distance(tip.poses[0].position, {0.36, 0, 0}) < 1e-6);
         CHECK(length(tip.velocities[0]) < 1e-6);
-        CHECK(stage.world.scene().held[0].force.y == Approx(10 * 1.6e-5 * 1000 * 9.81).epsilon(1e-4));
+        CHECK(stage.world.scene().attachmentReports[0].force.y == Approx(10 * 1.6e-5 * 1000 * 9.81).epsilon(1e-4));
     }
 }
 
@@ -252,18 +252,18 @@ TEST_CASE("contacts end with their bodies, and neither reset nor pause leaves an
     Stage stage = onFloor();
     const BodyId box = stage.add(rigidBox({0.01, 0.01, 0.01}, {{0, 0.0101, 0}, {}}));
     stage.run(50, 1e-3);
-    REQUIRE(!stage.world.scene().touching.empty());
+    REQUIRE(!stage.world.scene().contactReports.empty());
     const std::uint64_t before = stage.world.hash();
     stage.step(0.0); // paused
     CHECK(stage.world.hash() == before);
-    CHECK(!stage.world.scene().touching.empty());
+    CHECK(!stage.world.scene().contactReports.empty());
     stage.post(physics::Reset{});
     stage.step(0.0);
-    CHECK(stage.world.scene().touching.empty());
+    CHECK(stage.world.scene().contactReports.empty());
     stage.run(50, 1e-3);
     stage.post(physics::RemoveBody{box});
     stage.step(1e-3);
-    CHECK(stage.world.scene().touching.empty());
+    CHECK(stage.world.scene().contactReports.empty());
     CHECK(stage.world.scene().contacts.empty());
 }
 

@@ -92,10 +92,10 @@ TEST_CASE("a coupling carries the weight, and the body hangs lower by weight ove
     CHECK(rigidState(stage).velocities[0].y < -0.3);
 
     stage.post(SetHaptic{BodyId{1}, 0, {.coupling = {0, 0, 0, 0}}}); // zero stiffness releases it
-    CHECK_FALSE(rigidState(stage).hands.empty());
+    CHECK_FALSE(rigidState(stage).couplings.empty());
     const double before = rigidState(stage).velocities[0].y;
     stage.step(0.1);
-    CHECK(rigidState(stage).hands.empty());
+    CHECK(rigidState(stage).couplings.empty());
     CHECK(rigidState(stage).velocities[0].y == Approx(before - 0.981));
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("a coupled element that is blocked presses with the coupling's force")
     stage.post(SetHaptic{BodyId{2}, 0, hand});
     stage.run(1000, 1e-3);
     const double apart = rigidState(stage, 1).poses[0].position.y + 0.01;
-    const Vec3 pressed = frame::forceOn(BodyId{2}, stage.world.scene().touching);
+    const Vec3 pressed = frame::forceOn(BodyId{2}, stage.world.scene().contactReports);
     CHECK(apart == Approx(0.01).epsilon(0.1)); // it rests on the floor
     CHECK(pressed.y == Approx(400 * apart).epsilon(1e-3));
 }
@@ -128,7 +128,7 @@ TEST_CASE("a coupled kinematic body goes to the device's pose, and no coupling i
     stage.step(1e-3);
     CHECK(rigidState(stage).poses[1] == hand.pose);
     CHECK(rigidState(stage).poses[0] == Pose{});
-    CHECK(rigidState(stage).hands.empty());
+    CHECK(rigidState(stage).couplings.empty());
 }
 
 TEST_CASE("a coupling is part of the state: the hash covers it, a reset keeps it, and dt = 0 moves nothing")
@@ -147,8 +147,8 @@ TEST_CASE("a coupling is part of the state: the hash covers it, a reset keeps it
     RigidState& state = rigidState(held);
     const RigidModel& model = held.world.scene().rigid[0].model;
     check(model, state);
-    state.hands[0].element = 1;
-    CHECK_THROWS_WITH(check(model, state), Catch::Contains("hands[0].element must be in [0, 1), got 1"));
-    state.hands[0] = {0, {.velocity = {std::numeric_limits<double>::quiet_NaN(), 0, 0}}};
+    state.couplings[0].element = 1;
+    CHECK_THROWS_WITH(check(model, state), Catch::Contains("couplings[0].element must be in [0, 1), got 1"));
+    state.couplings[0] = {0, {.velocity = {std::numeric_limits<double>::quiet_NaN(), 0, 0}}};
     CHECK_THROWS_WITH(check(model, state), Catch::Contains("velocity"));
 }

@@ -211,7 +211,7 @@ TEST_CASE("a bar that is pulled tears in two for every mesh and pull, and is val
         for (; !apart() && steps < 400; ++steps) {
             const std::vector<Mat3> stresses = elastic.solve(pull, held);
             const RuptureReport report =
-                tearing.step(mesh, stresses, held, {.threshold = 200.0, .mostTears = 1, .mostTries = 4});
+                tearing.step(mesh, stresses, held, {.threshold = 200.0, .maxTears = 1, .maxTries = 4});
             tears += tearing.torn().size();
             CHECK(faultsOf(mesh, quality) == "");
             CHECK(report.repairBisections == 0);

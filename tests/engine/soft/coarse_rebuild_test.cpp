@@ -83,10 +83,10 @@ TEST_CASE("a rebuilt coarse level equals the one that the body would be built wi
                             : SoftMaterial(FemMaterial{.youngModulus = 5e3}));
         if (cut) block.cut();
         linalg::TwoLevelPreconditioner expected = preconditionerAtRest(block.model(), block.plan,
-                                                                       remadeCoarseChoice(block.nodes.size())),
+                                                                       coarseChoiceAfterCut(block.nodes.size())),
                                        other = expected;
         BackgroundThread thread;
-        CoarseRemake remake(block.model(), block.plan, thread);
+        CoarseRebuild remake(block.model(), block.plan, thread);
         linalg::CoarseLevel&& made = remake.take();
         REQUIRE(fresh.coarseNodes() > 10);
         REQUIRE(made.coarseNodes() == fresh.coarseNodes());
@@ -110,9 +110,9 @@ TEST_CASE("a rebuilt coarse level is bit-identical on any thread")
         std::latch hold(1);
         BackgroundThread thread;
         if (busy) thread.submit(std::make_shared<BackgroundJob>([&] { hold.wait(); }));
-        CoarseRemake remake(block.model(), block.plan, thread);
+        CoarseRebuild remake(block.model(), block.plan, thread);
         linalg::TwoLevelPreconditioner preconditioner =
-            preconditionerAtRest(block.model(), block.plan, remadeCoarseChoice(block.nodes.size()));
+            preconditionerAtRest(block.model(), block.plan, coarseChoiceAfterCut(block.nodes.size()));
         preconditioner.takeCoarseLevel(remake.take()); // built on this thread if the background thread is busy
         hold.count_down();
         results.push_back(applied(preconditioner, block.nodes.size()));
@@ -125,7 +125,7 @@ TEST_CASE("separated parts share no coarse nodes after the coarse level is rebui
     Block block;
     const auto sidesOfCoarseNodes = [&] {
         BackgroundThread thread;
-        CoarseRemake remake(block.model(), block.plan, thread);
+        CoarseRebuild remake(block.model(), block.plan, thread);
         const linalg::CoarseLevel made = remake.take();
         std::array<std::set<int>, 2> sides;
         for (std::size_t i = 0; i < block.nodes.size(); ++i) {

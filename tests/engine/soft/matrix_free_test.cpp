@@ -356,13 +356,13 @@ TEST_CASE("a body tuned to another solver is not moved by the residual of the de
     Stage stage = hangingBunny(756, FemMaterial{}, 0.005);
     stage.run(5, 0.005);
     double before = 0.0;
-    for (const Vec3& l : stage.soft().leftover) before += length(l);
+    for (const Vec3& l : stage.soft().residual) before += length(l);
     CHECK(before > 0.0);
     stage.post(
         Tune{[](PhysicsEngine& engine) { static_cast<World&>(engine).scene().soft[0].model.solver = Cholesky{}; }});
     for (int i = 0; i < 3; ++i) {
         stage.step(0.005);
-        CHECK(stage.soft().leftover == std::vector<Vec3>(stage.soft().x.size()));
+        CHECK(stage.soft().residual == std::vector<Vec3>(stage.soft().x.size()));
     }
 }
 

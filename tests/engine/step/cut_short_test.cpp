@@ -30,7 +30,7 @@ std::vector<double> pokeForces(std::int64_t ticks)
         stage.world.step({.dt = 1e-3, .commands = stage.commands, .budget = &budget});
         stage.commands.clear();
         double force = 0.0;
-        for (const frame::Contact& contact : stage.world.scene().touching) force += contact.normalForce;
+        for (const frame::Contact& contact : stage.world.scene().contactReports) force += contact.normalForce;
         forces.push_back(force);
     }
     return forces;

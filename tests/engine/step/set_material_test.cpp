@@ -150,7 +150,7 @@ TEST_CASE("residual impulse, first guess and rotations stay when the material ch
     scene.postBuilt(FemMaterial{.youngModulus = 20e3});
     scene.stage.step(0.0);
     const SoftState& after = scene.stage.soft();
-    for (const auto& list : {&SoftState::x, &SoftState::v, &SoftState::dv, &SoftState::leftover}) {
+    for (const auto& list : {&SoftState::x, &SoftState::v, &SoftState::dv, &SoftState::residual}) {
         CHECK(after.*list == before.*list);
         CHECK(after.*list != std::vector<Vec3>(after.x.size()));
     }

@@ -29,7 +29,7 @@ struct Edited {
             body.state.x[i] += randomVec3(random, 2e-4);
             body.state.v[i] = randomVec3(random, 0.1);
             body.state.dv[i] = randomVec3(random, 1e-3);
-            body.state.leftover[i] = randomVec3(random, 1e-9);
+            body.state.residual[i] = randomVec3(random, 1e-9);
         }
         body.topology.mesh->placeAt(body.state.x);
     }
@@ -115,8 +115,8 @@ std::vector<Vec3> stepOf(const SoftModel& model, SoftState state, MatrixFreeSyst
     WorkerPool pool(1);
     std::vector<Vec3> given(model.rest.size(), {0, -1e-3, 0});
     system.assemble(model, given, 1e-3, 1.0, state, pool);
-    std::vector<Vec3> dv(model.rest.size()), leftover(model.rest.size());
-    const auto report = system.solve({.tolerance = 1e-7, .maxIterations = 5000}, dv, leftover, pool);
+    std::vector<Vec3> dv(model.rest.size()), residual(model.rest.size());
+    const auto report = system.solve({.tolerance = 1e-7, .maxIterations = 5000}, dv, residual, pool);
     CHECK(report.converged);
     return dv;
 }

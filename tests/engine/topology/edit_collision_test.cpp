@@ -41,7 +41,7 @@ std::vector<int> nodesOf(const CollisionModel& model, int feature)
     else
         nodes.assign(shape.triangles[feature - shape.triangleFeature(0)].begin(),
                      shape.triangles[feature - shape.triangleFeature(0)].end());
-    for (int& node : nodes) node = model.ties.nodes[static_cast<std::size_t>(node)][0];
+    for (int& node : nodes) node = model.embedding.nodes[static_cast<std::size_t>(node)][0];
     std::ranges::sort(nodes);
     return nodes;
 }
@@ -157,11 +157,11 @@ TEST_CASE("contacts on features that an edit leaves keep their forces, and the o
 
     for (std::size_t t = 0; t < now.behind.size(); ++t) { // oriented outwards from its tetrahedron
         const auto [a, b, c] = now.shape->triangles[t];
-        const auto x = [&](int v) { return mesh.nodes[now.ties.nodes[static_cast<std::size_t>(v)][0]]; };
+        const auto x = [&](int v) { return mesh.nodes[now.embedding.nodes[static_cast<std::size_t>(v)][0]]; };
         CHECK(geometry::signedVolume(x(a), x(b), x(c), mesh.nodes[now.behind[t]]) < 0.0);
     }
     check(stage.model(), stage.soft());
     CHECK_NOTHROW(checkContacts(scene));
     CHECK_FALSE(stage.step(1e-3).has(physics::StepFlag::Undone));
-    CHECK(!scene.touching.empty());
+    CHECK(!scene.contactReports.empty());
 }

@@ -103,7 +103,7 @@ TEST_CASE("springs under uniform strain have the stress of the force at their en
         const geometry::Tetrahedron& t = model.tetrahedra[e];
         pulled += geometry::signedVolume(x[t[0]], x[t[1]], x[t[2]], x[t[3]]) * stresses[e][0].x;
     }
-    const double force = std::abs(strip.stage.world.scene().held.at(0).force.x);
+    const double force = std::abs(strip.stage.world.scene().attachmentReports.at(0).force.x);
     CHECK(pulled / (0.05 * 1.1) == Approx(force).epsilon(0.05));
 }
 

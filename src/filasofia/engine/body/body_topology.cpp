@@ -51,13 +51,13 @@ int cornerBehind(int element, int face, const BodyTopology& topology)
 
 std::shared_ptr<const frame::Boundary> boundaryOf(const SoftModel& model, const BodyTopology& topology)
 {
-    if (!topology.mesh || topology.told) return topology.told;
+    if (!topology.mesh || topology.published) return topology.published;
     frame::Boundary boundary{
         .revision = topology.revision, .triangles = model.surface, .opened = topology.opened, .rest = model.rest};
     for (const auto& [element, face] : topology.boundaryFaces)
         boundary.behind.push_back(cornerBehind(element, face, topology));
-    topology.told = std::make_shared<const frame::Boundary>(std::move(boundary));
-    return topology.told;
+    topology.published = std::make_shared<const frame::Boundary>(std::move(boundary));
+    return topology.published;
 }
 
 } // namespace filasofia::engine

@@ -23,9 +23,9 @@ struct Stroke {
 };
 
 /// A box around a body that is reused for some steps: `slack` bounds how far a node can have moved since it was built.
-struct SlackBox {
+struct MovingBounds {
     geometry::Box box;
-    double slack = 0.0; ///< [m]
+    double margin = 0.0; ///< [m]
 };
 
 /// Which springs belong to which elements, for a mass-spring body that may tear.
@@ -47,12 +47,12 @@ struct BodyTopology {
     std::uint64_t revision = 0;       ///< number of edits; 0: the mesh is as it was given
     std::uint64_t history = 0;        ///< hash of these edits
     /// The boundary that boundaryOf() last returned; null if it is outdated.
-    mutable std::shared_ptr<const frame::Boundary> told;
+    mutable std::shared_ptr<const frame::Boundary> published;
     std::optional<Pieces> pieces;
     std::vector<Stroke> strokes;
     bool edited = false;   ///< the mesh has been edited
     bool followed = false; ///< the mesh moved with the body in the last step
-    SlackBox around;       ///< valid while `followed` holds
+    MovingBounds around;   ///< valid while `followed` holds
     Tearing tearing;
     SpringsOfElements springs;  ///< empty until a step looks for elements that may tear
     std::vector<Mat3> stresses; ///< [Pa] per element, from the last step that computed them

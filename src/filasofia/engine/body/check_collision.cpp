@@ -57,8 +57,8 @@ void checkTree(const std::string& object, const CollisionShape& shape)
 
 void checkShape(const std::string& object, const CollisionShape& shape)
 {
-    if (shape.rest.size() + shape.edges.size() + shape.triangles.size() >= kMostFeatures)
-        fail(object, ": must have < ", kMostFeatures, " vertices, edges and triangles");
+    if (shape.rest.size() + shape.edges.size() + shape.triangles.size() >= kMaxFeatures)
+        fail(object, ": must have < ", kMaxFeatures, " vertices, edges and triangles");
     checkFinite(object, "rest", shape.rest);
     for (const auto& triangle : shape.triangles) checkIndices(object, "triangles", triangle, shape.rest.size());
     for (const auto& edge : shape.edges) checkIndices(object, "edges", edge, shape.rest.size());
@@ -91,7 +91,7 @@ const CollisionShape& checkSurface(const std::string& object, const CollisionMod
 
 void checkCount(const std::string& object, std::size_t count)
 {
-    if (count > kMostModels) fail(object, ": collision must have <= ", kMostModels, " entries, got ", count);
+    if (count > kMaxModels) fail(object, ": collision must have <= ", kMaxModels, " entries, got ", count);
 }
 
 } // namespace
@@ -103,12 +103,12 @@ void checkCollision(const std::string& object, const SoftModel& body)
         const CollisionModel& model = body.collision[m];
         const std::string field = text(object, ": collision[", m, "]");
         const CollisionShape& shape = checkSurface(field, model);
-        checkSize(field, "ties.nodes", model.ties.nodes.size(), shape.rest.size());
-        checkSize(field, "ties.weights", model.ties.weights.size(), shape.rest.size());
+        checkSize(field, "embedding.nodes", model.embedding.nodes.size(), shape.rest.size());
+        checkSize(field, "embedding.weights", model.embedding.weights.size(), shape.rest.size());
         for (std::size_t v = 0; v < shape.rest.size(); ++v) {
-            checkIndices(field, "ties.nodes", model.ties.nodes[v], body.rest.size());
-            for (const double weight : model.ties.weights[v])
-                if (!std::isfinite(weight)) fail(field, ": ties.weights must be finite");
+            checkIndices(field, "embedding.nodes", model.embedding.nodes[v], body.rest.size());
+            for (const double weight : model.embedding.weights[v])
+                if (!std::isfinite(weight)) fail(field, ": embedding.weights must be finite");
         }
         if (model.behind.empty()) continue;
         checkSize(field, "behind", model.behind.size(), shape.triangles.size());

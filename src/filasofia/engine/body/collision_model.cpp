@@ -20,8 +20,8 @@ constexpr double kInset = 0.2;
 
 CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field)
 {
-    if (const std::size_t features = mesh.vertices.size() + 4 * mesh.triangles.size(); features >= kMostFeatures)
-        fail(field, ".mesh must have < ", kMostFeatures, " vertices, edges and triangles, got up to ", features);
+    if (const std::size_t features = mesh.vertices.size() + 4 * mesh.triangles.size(); features >= kMaxFeatures)
+        fail(field, ".mesh must have < ", kMaxFeatures, " vertices, edges and triangles, got up to ", features);
     const double depth = insetDepth(def.proximity);
     CollisionModel model;
     CollisionShape shape = makeCollisionShape(mesh, {.points = def.primitives.points,
@@ -42,9 +42,9 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
 /// The embedding of vertices that coincide with nodes.
 geometry::Embedding nodeEmbedding(const std::vector<int>& nodes)
 {
-    geometry::Embedding ties;
-    addTies(nodes, ties);
-    return ties;
+    geometry::Embedding embedding;
+    addToEmbedding(nodes, embedding);
+    return embedding;
 }
 
 /// Per triangle of the surface: the node of its tetrahedron that is not on it.
@@ -69,9 +69,9 @@ std::vector<int> nodesBehind(const geometry::TetMesh& mesh, const geometry::Surf
 }
 
 /// Removes weights that differ from zero by rounding only, so that a vertex at a node follows that node alone.
-void dropTinyWeights(geometry::Embedding& ties)
+void dropTinyWeights(geometry::Embedding& embedding)
 {
-    for (std::array<double, 4>& weights : ties.weights) {
+    for (std::array<double, 4>& weights : embedding.weights) {
         double sum = 0.0;
         for (double& weight : weights) sum += weight = std::abs(weight) < 1e-9 ? 0.0 : weight;
         for (double& weight : weights) weight /= sum;
@@ -80,8 +80,8 @@ void dropTinyWeights(geometry::Embedding& ties)
 
 void checkCount(const std::vector<physics::CollisionDef>& collision, const std::string& object)
 {
-    if (collision.size() > kMostModels)
-        fail(object, ": collision must have <= ", kMostModels, " entries, got ", collision.size());
+    if (collision.size() > kMaxModels)
+        fail(object, ": collision must have <= ", kMaxModels, " entries, got ", collision.size());
 }
 
 void checkPrimitives(const physics::CollisionDef& def, const std::string& field)
@@ -102,11 +102,11 @@ void setProximity(double proximity, const Inset& inset, CollisionShape& shape)
     shape.proximity = proximity + deepest;
 }
 
-void addTies(std::span<const int> nodes, geometry::Embedding& ties)
+void addToEmbedding(std::span<const int> nodes, geometry::Embedding& embedding)
 {
     for (int node : nodes) {
-        ties.nodes.push_back({node, node, node, node});
-        ties.weights.push_back({1.0, 0.0, 0.0, 0.0});
+        embedding.nodes.push_back({node, node, node, node});
+        embedding.weights.push_back({1.0, 0.0, 0.0, 0.0});
     }
 }
 
@@ -125,12 +125,12 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
             TriangleMesh mesh = *given;
             for (Vec3& vertex : mesh.vertices) vertex = transform(def.pose, vertex);
             models.push_back(modelOf(mesh, each, field));
-            models.back().ties = geometry::embed(worldMesh, mesh.vertices);
-            dropTinyWeights(models.back().ties);
+            models.back().embedding = geometry::embed(worldMesh, mesh.vertices);
+            dropTinyWeights(models.back().embedding);
         } else {
             const geometry::Surface surface = geometry::extractSurface(worldMesh);
             models.push_back(modelOf(surface.mesh, each, field));
-            models.back().ties = nodeEmbedding(surface.nodes);
+            models.back().embedding = nodeEmbedding(surface.nodes);
             models.back().behind = nodesBehind(worldMesh, surface);
         }
     }

@@ -21,7 +21,7 @@ struct CollisionModel {
     int element = 0;        ///< rigid bodies only
     /// Per triangle: the fourth node of its tetrahedron; only if the surface is the soft body's own.
     std::vector<int> behind;
-    geometry::Embedding ties; ///< per vertex: its nodes and their weights; soft bodies only
+    geometry::Embedding embedding; ///< per vertex: its nodes and their weights; soft bodies only
 };
 
 /// Builds the collision models of a body and loads their meshes. Throws an Error that names the body and the field.
@@ -36,6 +36,6 @@ double insetDepth(double proximity);
 void setProximity(double proximity, const Inset& inset, CollisionShape& shape);
 
 /// Appends vertices that coincide with nodes.
-void addTies(std::span<const int> nodes, geometry::Embedding& ties);
+void addToEmbedding(std::span<const int> nodes, geometry::Embedding& embedding);
 
 } // namespace filasofia::engine

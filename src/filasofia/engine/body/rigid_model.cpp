@@ -71,21 +71,21 @@ void checkJoints(const std::string& object, const RigidModel& model, const Rigid
         const frame::Joint& now = state.joints[j].now;
         if (!(now.position >= joint.lower && now.position <= joint.upper && std::isfinite(now.position)))
             fail(field, ".position must be within its limits, got ", now.position);
-        for (double each : {now.velocity, now.force, now.load, now.stop, state.joints[j].lowerStop,
-                            state.joints[j].upperStop, state.joints[j].dry})
+        for (double each : {now.velocity, now.force, now.load, now.stop, state.joints[j].lowerLimitForce,
+                            state.joints[j].upperLimitForce, state.joints[j].frictionForce})
             if (!std::isfinite(each)) fail(field, " must be finite");
     }
 }
 
-void checkHands(const std::string& object, const RigidModel& model, const RigidState& state)
+void checkCouplings(const std::string& object, const RigidModel& model, const RigidState& state)
 {
-    if (!model.dynamic && !state.hands.empty()) fail(object, ": only a dynamic body can have virtual couplings");
-    for (std::size_t h = 0; h < state.hands.size(); ++h) {
-        const Hand& hand = state.hands[h];
-        const std::string name = text(object, ": hands[", h, "]");
+    if (!model.dynamic && !state.couplings.empty()) fail(object, ": only a dynamic body can have virtual couplings");
+    for (std::size_t h = 0; h < state.couplings.size(); ++h) {
+        const ElementCoupling& hand = state.couplings[h];
+        const std::string name = text(object, ": couplings[", h, "]");
         if (hand.element < 0 || static_cast<std::size_t>(hand.element) >= state.poses.size())
             fail(name, ".element must be in [0, ", state.poses.size(), "), got ", hand.element);
-        if (h > 0 && hand.element <= state.hands[h - 1].element)
+        if (h > 0 && hand.element <= state.couplings[h - 1].element)
             fail(name, ": virtual couplings must ascend by their elements");
         validate(hand.target, name);
         const Vec3 motion[] = {hand.target.pose.position, hand.target.velocity, hand.target.angularVelocity};
@@ -144,7 +144,7 @@ void check(const RigidModel& model, const RigidState& state)
         if (!isFinite(state.wrenches[e].force) || !isFinite(state.wrenches[e].torque))
             fail(object, ": wrenches must be finite");
     }
-    checkHands(object, model, state);
+    checkCouplings(object, model, state);
 }
 
 } // namespace filasofia::engine

@@ -52,14 +52,14 @@ struct Wrench {
 /// The state of a joint: its command, its motion, and the forces with which the next solve starts.
 struct JointState {
     physics::JointCommand command;
-    frame::Joint now;       ///< as frames carry it
-    double lowerStop = 0.0; ///< [N m] or [N] warm start of the lower limit
-    double upperStop = 0.0; ///< [N m] or [N] warm start of the upper limit
-    double dry = 0.0;       ///< [N m] or [N] warm start of dry friction
+    frame::Joint now;             ///< as frames carry it
+    double lowerLimitForce = 0.0; ///< [N m] or [N] warm start of the lower limit
+    double upperLimitForce = 0.0; ///< [N m] or [N] warm start of the upper limit
+    double frictionForce = 0.0;   ///< [N m] or [N] warm start of dry friction
 };
 
 /// A virtual coupling (Colgate): a spring and a damper between a haptic target and an element.
-struct Hand {
+struct ElementCoupling {
     int element = 0;
     physics::HapticTarget target;
 };
@@ -75,7 +75,7 @@ struct RigidState {
     /// The pose that an element of a kinematic body gets at the end of the coming step; none: it stays where it is.
     std::vector<std::optional<Pose>> targets;
     std::vector<JointState> joints;
-    std::vector<Hand> hands = {}; ///< virtual couplings, ascending by element; empty unless dynamic
+    std::vector<ElementCoupling> couplings = {}; ///< virtual couplings, ascending by element; empty unless dynamic
 };
 
 /// The state at the start, with the start's velocities and no wrenches.

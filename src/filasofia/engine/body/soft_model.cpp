@@ -81,7 +81,7 @@ SoftState stateAtRest(const SoftModel& model)
     state.x = model.rest;
     state.v.resize(model.rest.size());
     state.dv.resize(model.rest.size());
-    state.leftover.resize(model.rest.size());
+    state.residual.resize(model.rest.size());
     state.forces.resize(model.rest.size());
     state.rotations.resize(static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size()))));
     return state;
@@ -119,7 +119,7 @@ void check(const SoftModel& model, const SoftState& state)
     for (const auto& [list, values] : {std::pair{"x", &state.x},
                                        {"v", &state.v},
                                        {"dv", &state.dv},
-                                       {"leftover", &state.leftover},
+                                       {"residual", &state.residual},
                                        {"forces", &state.forces},
                                        {"rest", &model.rest}}) {
         checkSize(object, list, values->size(), n);

@@ -58,7 +58,7 @@ struct SoftState {
     std::vector<Vec3> dv; ///< [m/s] the last step's change of velocity: first guess of the next solve
     /// Per block of sixteen elements, from the last step: the next polar decomposition starts there.
     std::vector<ElementRotations> rotations;
-    std::vector<Vec3> leftover; ///< [N s] the residual impulse of the last solve that the next step takes over
+    std::vector<Vec3> residual; ///< [N s] the residual impulse of the last solve that the next step takes over
     std::vector<Vec3> forces;   ///< [N] set by the user
     double pressure = 0.0;      ///< [Pa] set by the user
 };

@@ -12,8 +12,8 @@
 namespace filasofia::engine {
 
 /// Limits that let a pair of features be one 64-bit number (collision/proximity.h).
-inline constexpr std::size_t kMostModels = std::size_t{1} << 11;   ///< per body
-inline constexpr std::size_t kMostFeatures = std::size_t{1} << 21; ///< per shape
+inline constexpr std::size_t kMaxModels = std::size_t{1} << 11;   ///< per body
+inline constexpr std::size_t kMaxFeatures = std::size_t{1} << 21; ///< per shape
 
 /// How a surface collides.
 struct CollisionOptions {

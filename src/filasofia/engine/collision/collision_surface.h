@@ -2,7 +2,7 @@
 
 #include "filasofia/engine/collision/bounds.h"
 #include "filasofia/engine/collision/collision_shape.h"
-#include "filasofia/engine/collision/side_kept.h"
+#include "filasofia/engine/collision/sheet_side.h"
 
 #include <memory>
 #include <vector>

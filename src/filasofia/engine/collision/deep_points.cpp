@@ -21,7 +21,7 @@ double sizeOf(const CollisionSurface& surface)
 
 } // namespace
 
-void findDeepPoints(const Meeting& meeting, int source, std::vector<Proximity>& found)
+void findDeepPoints(const SurfacePair& meeting, int source, std::vector<Proximity>& found)
 {
     const CollisionSurface &own = *meeting.sides[source], &target = *meeting.sides[1 - source];
     if (meeting.self() || !own.shape->points || !target.shape->closed || !target.shape->triangleFaces) return;

@@ -63,7 +63,7 @@ bool solid(const CollisionSurface& surface, int edge)
 }
 
 // +1 or -1: the side of `across` that the first edge's outside is on; 0: the edges do not face each other.
-double sideOf(const Meeting& meeting, int first, int second, const EdgeCrossing& at)
+double sideOf(const SurfacePair& meeting, int first, int second, const EdgeCrossing& at)
 {
     const CollisionSurface &one = *meeting.sides[0], &two = *meeting.sides[1];
     const double apart = dot(at.between, at.across) >= 0.0 ? 1.0 : -1.0;
@@ -76,7 +76,7 @@ double sideOf(const Meeting& meeting, int first, int second, const EdgeCrossing&
 
 } // namespace
 
-bool nearAtRest(const Meeting& meeting, const std::array<int, 3>& a, const std::array<int, 3>& b)
+bool nearAtRest(const SurfacePair& meeting, const std::array<int, 3>& a, const std::array<int, 3>& b)
 {
     const std::vector<Vec3>& rest = meeting.sides[0]->shape->rest;
     const double nearest = meeting.proximities() * meeting.proximities();
@@ -97,7 +97,7 @@ bool nearAtRest(const Meeting& meeting, const std::array<int, 3>& a, const std::
     return lengthSquared(at.between) < nearest;
 }
 
-void meetEdges(const Meeting& meeting, int first, int second, std::vector<Proximity>& found)
+void collideEdges(const SurfacePair& meeting, int first, int second, std::vector<Proximity>& found)
 {
     const CollisionSurface &one = *meeting.sides[0], &two = *meeting.sides[1];
     const auto [a0, a1] = one.shape->edges[first];

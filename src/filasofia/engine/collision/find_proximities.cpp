@@ -77,13 +77,13 @@ void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, P
     }
 }
 
-void testPoints(const Meeting& meeting, int source, int mine, int other, std::vector<PointMinimum>& out)
+void testPoints(const SurfacePair& meeting, int source, int mine, int other, std::vector<PointMinimum>& out)
 {
     const CollisionSurface &own = *meeting.sides[source], &target = *meeting.sides[1 - source];
     if (!own.shape->points) return;
     for (const int point : own.shape->elements[mine].ownVertices)
         if (point >= 0 && meet(own.vertexBounds[point], target.elementBounds[other]))
-            meetPoint(meeting, source, point, other, out);
+            collidePoint(meeting, source, point, other, out);
 }
 
 // Whether a triangle's plane has all of the other triangle on one side, farther away than both reach.
@@ -99,7 +99,7 @@ bool planeSeparates(const CollisionSurface& a, const std::array<int, 3>& triangl
     return gap > 0.0 && gap * gap > far * far * lengthSquared(normal);
 }
 
-bool farApart(const Meeting& meeting, std::array<int, 2> pair)
+bool farApart(const SurfacePair& meeting, std::array<int, 2> pair)
 {
     const CollisionSurface &one = *meeting.sides[0], &two = *meeting.sides[1];
     const std::array<int, 3>&a = one.shape->elements[pair[0]].vertices, &b = two.shape->elements[pair[1]].vertices;
@@ -110,7 +110,7 @@ bool farApart(const Meeting& meeting, std::array<int, 2> pair)
 
 // Every feature is tested where its owner is. If a surface is tested against itself, its points always stand on the
 // first side.
-void testElements(const Meeting& meeting, std::array<int, 2> pair, ProximityScratch::Part& out)
+void testElements(const SurfacePair& meeting, std::array<int, 2> pair, ProximityScratch::Part& out)
 {
     if (farApart(meeting, pair)) return;
     testPoints(meeting, 0, pair[0], pair[1], out.points);
@@ -123,11 +123,11 @@ void testElements(const Meeting& meeting, std::array<int, 2> pair, ProximityScra
         const std::vector<Bounds>& at = meeting.sides[0]->vertexBounds;
         if (!meet(merged(at[one.edges[a][0]], at[one.edges[a][1]]), other)) continue;
         for (const int b : two.elements[pair[1]].ownEdges)
-            if (b >= 0) meetEdges(meeting, a, b, out.edges);
+            if (b >= 0) collideEdges(meeting, a, b, out.edges);
     }
 }
 
-void testElementPairs(const Meeting& meeting, WorkerPool& pool, ProximityScratch& scratch)
+void testElementPairs(const SurfacePair& meeting, WorkerPool& pool, ProximityScratch& scratch)
 {
     const int pairs = static_cast<int>(scratch.elementPairs.size());
     const int parts = (pairs + kPartSize - 1) / kPartSize;
@@ -145,15 +145,15 @@ void checkSizes(const std::vector<CollisionSurface>& surfaces)
     for (const CollisionSurface& surface : surfaces) {
         FILASOFIA_ASSERT(surface.shape != nullptr);
         const CollisionShape& shape = *surface.shape;
-        FILASOFIA_ASSERT(surface.name.model >= 0 && static_cast<std::size_t>(surface.name.model) < kMostModels);
-        FILASOFIA_ASSERT(shape.rest.size() + shape.edges.size() + shape.triangles.size() <= kMostFeatures);
+        FILASOFIA_ASSERT(surface.name.model >= 0 && static_cast<std::size_t>(surface.name.model) < kMaxModels);
+        FILASOFIA_ASSERT(shape.rest.size() + shape.edges.size() + shape.triangles.size() <= kMaxFeatures);
     }
 }
 
 } // namespace
 
-void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool, std::vector<SideKept>& sides,
-                     ProximityScratch& scratch, std::vector<Proximity>& found)
+void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool,
+                     std::vector<SheetSide>& sides, ProximityScratch& scratch, std::vector<Proximity>& found)
 {
     checkSizes(surfaces);
     found.clear();
@@ -161,7 +161,7 @@ void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerP
     collectSurfacePairs(surfaces, reach, pool, scratch);
     scratch.nextSides.clear();
     for (const auto& [i, k] : scratch.surfacePairs) {
-        const Meeting meeting{{&surfaces[i], &surfaces[k]}, {i, k}, reach};
+        const SurfacePair meeting{{&surfaces[i], &surfaces[k]}, {i, k}, reach};
         collectElementPairs(surfaces[i], surfaces[k], scratch);
         testElementPairs(meeting, pool, scratch);
         keepMinima(meeting, sides, scratch, found);

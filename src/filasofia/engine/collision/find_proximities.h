@@ -3,7 +3,7 @@
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/collision/collision_surface.h"
 #include "filasofia/engine/collision/proximity.h"
-#include "filasofia/engine/collision/side_kept.h"
+#include "filasofia/engine/collision/sheet_side.h"
 
 #include <array>
 #include <cstdint>
@@ -33,7 +33,7 @@ struct ProximityScratch {
         std::vector<PointMinimum> points;
         std::vector<Proximity> edges;
     };
-    std::vector<SideKept> nextSides;
+    std::vector<SheetSide> nextSides;
     std::vector<std::array<int, 2>> surfacePairs;
     std::vector<char> wanted;
     std::vector<std::array<int, 2>> elementPairs;
@@ -65,8 +65,8 @@ struct ProximityScratch {
 /// next. If a surface gets another shape, the caller must remove the entries of the old one. The same surfaces and
 /// sides give the same list in the same order for any number of threads. Once its buffers have grown, it allocates
 /// nothing.
-void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool, std::vector<SideKept>& sides,
-                     ProximityScratch& scratch, std::vector<Proximity>& found);
+void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool,
+                     std::vector<SheetSide>& sides, ProximityScratch& scratch, std::vector<Proximity>& found);
 
 inline constexpr double kStepsAhead = 1.5; ///< one step, and half of one for the velocities that the solve adds
 

@@ -17,10 +17,10 @@ template <class Visit> void forEachMinimum(ProximityScratch& scratch, const Visi
 }
 
 // The side on which the point was relative to this place, or to one that shares a vertex with it; 0: it was not near.
-int sideBefore(const std::vector<SideKept>& sides, const SideKept& now)
+int sideBefore(const std::vector<SheetSide>& sides, const SheetSide& now)
 {
-    const auto key = [](const SideKept& kept) { return std::tie(kept.source, kept.target, kept.point); };
-    const auto before = [&](const SideKept& a, const SideKept& b) { return key(a) < key(b); };
+    const auto key = [](const SheetSide& kept) { return std::tie(kept.source, kept.target, kept.point); };
+    const auto before = [&](const SheetSide& a, const SheetSide& b) { return key(a) < key(b); };
     for (auto it = std::ranges::lower_bound(sides, now, before); it != sides.end() && key(*it) == key(now); ++it)
         for (const int vertex : it->feature)
             if (vertex >= 0 && std::ranges::find(now.feature, vertex) != now.feature.end()) return it->side;
@@ -50,11 +50,11 @@ bool keepForSolid(PointMinimum& m, double nearest)
 }
 
 // For a sheet, or for the point's own surface.
-bool keepForSheet(const Meeting& meeting, const std::vector<SideKept>& sides, ProximityScratch& scratch,
+bool keepForSheet(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch,
                   PointMinimum& m)
 {
-    SideKept now{meeting.sides[m.source]->name, meeting.sides[1 - m.source]->name, m.point,
-                 m.proximity.vertices[1 - m.source]};
+    SheetSide now{meeting.sides[m.source]->name, meeting.sides[1 - m.source]->name, m.point,
+                  m.proximity.vertices[1 - m.source]};
     int side = sideBefore(sides, now);
     if (side == 0) {
         if (!m.twoSided && m.proximity.gap < 0.0) return false; // the other wall of a thin part, not a fold
@@ -73,7 +73,7 @@ bool keepForSheet(const Meeting& meeting, const std::vector<SideKept>& sides, Pr
 
 // Two vertices find each other from both sides. The second side's minimum counts only if the first side has not found
 // it. If one surface has no triangles, the one with triangles decides, as it knows better which way is out.
-bool secondary(const Meeting& meeting, const PointMinimum& m)
+bool secondary(const SurfacePair& meeting, const PointMinimum& m)
 {
     if (!m.vertexPair) return false;
     if (meeting.self()) return m.point > m.proximity.vertices[1 - m.source][0];
@@ -84,7 +84,7 @@ bool secondary(const Meeting& meeting, const PointMinimum& m)
 
 } // namespace
 
-void keepMinima(const Meeting& meeting, const std::vector<SideKept>& sides, ProximityScratch& scratch,
+void keepMinima(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch,
                 std::vector<Proximity>& found)
 {
     findNearest(scratch);

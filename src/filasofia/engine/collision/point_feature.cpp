@@ -18,7 +18,7 @@ constexpr double kLeading = 0.02; // [-] sine of a degree: how far a surface in 
 
 // The query of one point against one surface.
 struct PointQuery {
-    const Meeting& meeting;
+    const SurfacePair& meeting;
     int source;
     int point;
     Vec3 p;
@@ -53,7 +53,7 @@ bool facing(const PointQuery& query, Vec3 towards)
 // Adds a minimum. `away` is the unit vector that opens the gap for the point, as the target determines it.
 PointMinimum& addMinimum(const PointQuery& query, const Feature& feature, Vec3 away, double gap, bool twoSided)
 {
-    const Meeting& meeting = query.meeting;
+    const SurfacePair& meeting = query.meeting;
     const int vertices = static_cast<int>(query.target().shape->rest.size());
     const Feature point{{query.point, -1, -1}, {1.0, 0.0, 0.0}, query.point};
     const int mine = query.source, other = 1 - mine;
@@ -190,7 +190,7 @@ void testVertex(const PointQuery& query, int vertex)
 
 } // namespace
 
-void meetPoint(const Meeting& meeting, int source, int point, int element, std::vector<PointMinimum>& found)
+void collidePoint(const SurfacePair& meeting, int source, int point, int element, std::vector<PointMinimum>& found)
 {
     const CollisionSurface &own = *meeting.sides[source], &target = *meeting.sides[1 - source];
     const CollisionShape& shape = *target.shape;

@@ -14,7 +14,7 @@ struct FeaturePair {
     std::array<int, 2> features{};
 };
 
-/// The pair as one number: 11 bits for each model, 21 for each feature (kMostModels, kMostFeatures).
+/// The pair as one number: 11 bits for each model, 21 for each feature (kMaxModels, kMaxFeatures).
 inline std::uint64_t featureNumber(const FeaturePair& pair)
 {
     return std::uint64_t(pair.models[0]) << 53 | std::uint64_t(pair.models[1]) << 42 |

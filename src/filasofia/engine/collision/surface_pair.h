@@ -7,7 +7,7 @@
 namespace filasofia::engine {
 
 /// Two surfaces whose boxes overlap, or one surface that may collide with itself.
-struct Meeting {
+struct SurfacePair {
     std::array<const CollisionSurface*, 2> sides{};
     std::array<int, 2> places{}; ///< indices in the list of surfaces
     double reach = 0.0;          ///< [s] one and a half steps
@@ -17,7 +17,7 @@ struct Meeting {
     [[nodiscard]] double depths() const { return sides[0]->shape->depth + sides[1]->shape->depth; }
 };
 
-inline std::uint64_t featureNumber(const Meeting& meeting, int first, int second)
+inline std::uint64_t featureNumber(const SurfacePair& meeting, int first, int second)
 {
     return featureNumber(FeaturePair{{meeting.sides[0]->name.model, meeting.sides[1]->name.model}, {first, second}});
 }
@@ -39,13 +39,13 @@ inline Vec3 velocityAt(const CollisionSurface& surface, const Feature& feature)
 }
 
 /// Whether two features of one surface are already near each other at rest.
-bool nearAtRest(const Meeting& meeting, const std::array<int, 3>& a, const std::array<int, 3>& b);
+bool nearAtRest(const SurfacePair& meeting, const std::array<int, 3>& a, const std::array<int, 3>& b);
 
 /// Finds the local minima of the distance from one point to the features that an element owns (and to its face), within
 /// the reach of both.
-void meetPoint(const Meeting& meeting, int source, int point, int element, std::vector<PointMinimum>& found);
+void collidePoint(const SurfacePair& meeting, int source, int point, int element, std::vector<PointMinimum>& found);
 
 /// Finds the place where two edges are nearest to each other, if it is a local minimum of the distance and near enough.
-void meetEdges(const Meeting& meeting, int first, int second, std::vector<Proximity>& found);
+void collideEdges(const SurfacePair& meeting, int first, int second, std::vector<Proximity>& found);
 
 } // namespace filasofia::engine

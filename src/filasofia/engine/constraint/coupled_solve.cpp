@@ -37,7 +37,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
         const bool number = rz >= 0.0 && std::isfinite(rz);
         report.residual = rz == 0.0 ? 0.0 : number ? std::sqrt(rz / (rz + energy_)) : 1.0;
         report.converged = report.residual <= linear.tolerance && impulsesSettled();
-        if (report.converged && !statesKept_ && updates < limits.multiplierUpdates && updateMultipliers()) {
+        if (report.converged && !activeSetFrozen_ && updates < limits.multiplierUpdates && updateMultipliers()) {
             ++updates;
             ++report.rounds;
             nonlinear = -1; // a new problem, which starts from this solution
@@ -49,7 +49,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
                            (report.iterations >= linear.minIterations && linear.outOfTime && linear.outOfTime());
         if (report.outOfTime) break;
         if (nonlinear == limits.nonlinear) {
-            keepStates();
+            freezeActiveSet();
             ++report.rounds;
         }
         if (!updateDirection(rz)) break; // no positive curvature: rounding errors dominate
@@ -91,7 +91,7 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     smallest_ = mass * limits_->smallChange;
     energy_ = smallest_ * limits_->smallChange;
     patches_.clear();
-    statesKept_ = false;
+    activeSetFrozen_ = false;
     restart_ = true;
 }
 
@@ -105,7 +105,7 @@ Projected CoupledSolve::law(std::size_t c, Vec3 u) const { return project(constr
 Vec3 CoupledSolve::lawAlong(std::size_t c, Vec3 u) const
 {
     const Row& row = rows_[c];
-    if (!statesKept_) return project(constraint(c), reaction(c, u), row.cone).impulse;
+    if (!activeSetFrozen_) return project(constraint(c), reaction(c, u), row.cone).impulse;
     return row.state.active ? times({1.0, row.state.slip, row.state.slip}, reaction(c, u)) : row.state.impulse;
 }
 
@@ -236,15 +236,15 @@ void CoupledSolve::lineSearch()
     derivativeAfter_ = derivativeAtEnd_;
     for (const Row& row : rows_) derivativeAfter_ += dot(row.along, row.scratch - row.change);
     lastDerivative_ = derivative_;
-    if (!statesKept_) renewFilter();
+    if (!activeSetFrozen_) renewFilter();
 }
 
 void CoupledSolve::projectImpulses()
 {
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
-        if (!statesKept_) row.now = law(c, row.u);
-        const Vec3 lawful = statesKept_ ? lawAlong(c, row.u) : row.now.impulse;
+        if (!activeSetFrozen_) row.now = law(c, row.u);
+        const Vec3 lawful = activeSetFrozen_ ? lawAlong(c, row.u) : row.now.impulse;
         row.scratch = lawful - row.impulse;
         row.impulse = lawful;
     }
@@ -254,10 +254,10 @@ void CoupledSolve::projectImpulses()
                 });
 }
 
-void CoupledSolve::keepStates()
+void CoupledSolve::freezeActiveSet()
 {
     makeFilter();
-    statesKept_ = true;
+    activeSetFrozen_ = true;
     restart_ = true;
 }
 

@@ -101,7 +101,7 @@ private:
     bool updateDirection(double rz); ///< false if the direction has no positive curvature
     void lineSearch();
     void projectImpulses(); ///< onto the constraint law; `scratch`: their change
-    void keepStates();
+    void freezeActiveSet();
     bool updateMultipliers(); ///< false if none is needed
     [[nodiscard]] double mismatch() const;
 
@@ -122,7 +122,7 @@ private:
     PatchCorrection patches_;
     double energy_ = 0.0, smallest_ = 0.0;
 
-    bool statesKept_ = false;      ///< the active set is frozen, and the law is linear
+    bool activeSetFrozen_ = false; ///< the active set is frozen, and the law is linear
     bool restart_ = true;          ///< the next direction is conjugate to no other
     double ownCurvature_ = 0.0;    ///< p . A p
     double curvature_ = 0.0;       ///< p . (A + J^T Sigma J) p

@@ -128,13 +128,13 @@ void keep(std::size_t attachment, double dt, std::span<const Constraint> welds, 
     for (std::size_t p = 0; p < welds.size(); ++p) {
         const Vec3 force = 1.0 / dt * welds[p].impulse;
         if (isFinite(force)) report.force += force;
-        Vec3& carried = scene.holding[attachment][p];
+        Vec3& carried = scene.attachmentForces[attachment][p];
         const Vec3 gap = places.of(made.pairs[p][0], body).position - places.of(made.pairs[p][1], to).position;
         const Vec3 next = isHard(made) ? 1.0 / dt * nextStart(welds[p], dt, carried, gap) : Vec3{};
         carried = isFinite(next) ? next : Vec3{};
     }
     report.broken = length(report.force) > made.breakForce;
-    scene.held.push_back(report);
+    scene.attachmentReports.push_back(report);
 }
 
 template <class Gone> void eraseAttachments(Scene& scene, const Gone& gone)
@@ -142,7 +142,7 @@ template <class Gone> void eraseAttachments(Scene& scene, const Gone& gone)
     for (std::size_t a = scene.attachments.size(); a-- > 0;) {
         if (!gone(scene.attachments[a])) continue;
         scene.attachments.erase(scene.attachments.begin() + static_cast<std::ptrdiff_t>(a));
-        scene.holding.erase(scene.holding.begin() + static_cast<std::ptrdiff_t>(a));
+        scene.attachmentForces.erase(scene.attachmentForces.begin() + static_cast<std::ptrdiff_t>(a));
     }
 }
 
@@ -178,7 +178,8 @@ void addAttachment(Attachment attachment, std::vector<Vec3> forces, Scene& scene
 {
     const auto place = std::upper_bound(scene.attachments.begin(), scene.attachments.end(), attachment.id,
                                         [](AttachmentId id, const Attachment& other) { return id < other.id; });
-    scene.holding.insert(scene.holding.begin() + (place - scene.attachments.begin()), std::move(forces));
+    scene.attachmentForces.insert(scene.attachmentForces.begin() + (place - scene.attachments.begin()),
+                                  std::move(forces));
     scene.attachments.insert(place, std::move(attachment));
 }
 
@@ -186,14 +187,15 @@ void release(AttachmentId id, Scene& scene)
 {
     eraseAttachments(scene, [&](const Attachment& each) { return each.id == id; });
     std::erase_if(scene.grasps, [&](const PendingGrasp& each) { return each.id == id; });
-    std::erase_if(scene.held, [&](const frame::Attachment& each) { return each.id == id; });
+    std::erase_if(scene.attachmentReports, [&](const frame::Attachment& each) { return each.id == id; });
 }
 
 void removeAttachmentsOf(BodyId id, Scene& scene)
 {
     eraseAttachments(scene, [&](const Attachment& each) { return each.body == id || each.to == id; });
     std::erase_if(scene.grasps, [&](const PendingGrasp& each) { return each.rigid == id || each.target == id; });
-    std::erase_if(scene.held, [&](const frame::Attachment& each) { return each.body == id || each.to == id; });
+    std::erase_if(scene.attachmentReports,
+                  [&](const frame::Attachment& each) { return each.body == id || each.to == id; });
 }
 
 void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
@@ -209,8 +211,8 @@ void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
         const auto body = findBody(scene, attachment.body), to = findBody(scene, attachment.to);
         for (std::size_t p = 0; p < attachment.pairs.size(); ++p) {
             const auto& pair = attachment.pairs[p];
-            coupling.constraints.push_back(
-                weldOf(attachment, dt, scene.holding[a][p], {places.of(pair[0], body), places.of(pair[1], to)}));
+            coupling.constraints.push_back(weldOf(attachment, dt, scene.attachmentForces[a][p],
+                                                  {places.of(pair[0], body), places.of(pair[1], to)}));
         }
     }
     coupling.weldCount = coupling.constraints.size() - coupling.contactCount;
@@ -219,10 +221,10 @@ void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
 void keepWelds(double dt, const Coupling& coupling, Scene& scene)
 {
     if (dt == 0.0) { // a break is reported once
-        std::erase_if(scene.held, [](const frame::Attachment& each) { return each.broken; });
+        std::erase_if(scene.attachmentReports, [](const frame::Attachment& each) { return each.broken; });
         return;
     }
-    scene.held.clear();
+    scene.attachmentReports.clear();
     std::span<const Constraint> welds = coupling.welds();
     std::vector<AttachmentId> broken;
     const Places places(scene, coupling.rigid);
@@ -230,10 +232,10 @@ void keepWelds(double dt, const Coupling& coupling, Scene& scene)
         const std::size_t count = scene.attachments[a].pairs.size();
         keep(a, dt, welds.first(count), places, scene);
         welds = welds.subspan(count);
-        if (scene.held.back().broken) broken.push_back(scene.held.back().id);
+        if (scene.attachmentReports.back().broken) broken.push_back(scene.attachmentReports.back().id);
     }
     addPinReactions(dt, coupling.constraints, scene);
-    std::ranges::stable_sort(scene.held, {}, &frame::Attachment::id);
+    std::ranges::stable_sort(scene.attachmentReports, {}, &frame::Attachment::id);
     eraseAttachments(scene, [&](const Attachment& each) { return std::ranges::count(broken, each.id) > 0; });
 }
 

@@ -19,8 +19,8 @@ struct ContactDetection {
     std::set<int> warnedThin;   ///< collision groups for which the log has said that the proximities are too small
     ProximityScratch scratch;
     std::vector<Proximity> proximities;
-    std::vector<SideKept> sides; ///< sides for the next step
-    std::vector<Vec3> normals;   ///< scratch: the normals of a surface's triangles
+    std::vector<SheetSide> sides; ///< sides for the next step
+    std::vector<Vec3> normals;    ///< scratch: the normals of a surface's triangles
 };
 
 /// The coupling of the bodies in a step: the unconstrained motion of the rigid ones, and all constraints.

@@ -68,8 +68,8 @@ void placeSurface(const Owner& owner, const Scene& scene, const RigidPlan& plan,
     if (owner.soft) {
         const SoftState& body = scene.soft[owner.body].state;
         for (std::size_t i = 0; i < count; ++i) {
-            out.x[i] = mean(body.x, collision.ties.nodes[i], collision.ties.weights[i]);
-            out.v[i] = mean(body.v, collision.ties.nodes[i], collision.ties.weights[i]);
+            out.x[i] = mean(body.x, collision.embedding.nodes[i], collision.embedding.weights[i]);
+            out.v[i] = mean(body.v, collision.embedding.nodes[i], collision.embedding.weights[i]);
         }
         applyInset(*collision.shape, collision.inset, normals, out.x);
         return;
@@ -115,7 +115,7 @@ bool onInvertedElement(const Owner& owner, const Proximity& found, std::size_t s
     const CollisionModel& collision = *owner.collision;
     if (!owner.soft || collision.behind.empty()) return false;
     const std::vector<Vec3>& x = scene.soft[owner.body].state.x;
-    const auto node = [&](int vertex) { return collision.ties.nodes[static_cast<std::size_t>(vertex)][0]; };
+    const auto node = [&](int vertex) { return collision.embedding.nodes[static_cast<std::size_t>(vertex)][0]; };
     for (int vertex : found.vertices[side]) {
         if (vertex < 0) continue;
         for (int triangle : collision.shape->vertexTriangles[vertex]) {
@@ -149,7 +149,7 @@ BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, 
         const auto vertex = static_cast<std::size_t>(found.vertices[side][k]);
         point.position += weight * surface.x[vertex];
         if (!owner.soft) continue;
-        const geometry::Embedding& embedding = owner.collision->ties;
+        const geometry::Embedding& embedding = owner.collision->embedding;
         for (std::size_t n = 0; n < 4; ++n)
             point.add(embedding.nodes[vertex][n], weight * embedding.weights[vertex][n]);
     }
@@ -259,7 +259,7 @@ struct DeepPoints {
 DeepPoints deepPointsOf(const std::vector<Owner>& owners, const ContactDetection& detection, std::array<int, 2> pair)
 {
     const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
-    const Meeting meeting{{&detection.surfaces[i], &detection.surfaces[k]}, pair, 0.0};
+    const SurfacePair meeting{{&detection.surfaces[i], &detection.surfaces[k]}, pair, 0.0};
     DeepPoints deep;
     findDeepPoints(meeting, 0, owners[k].soft ? deep.inTissue : deep.inRigid);
     findDeepPoints(meeting, 1, owners[i].soft ? deep.inTissue : deep.inRigid);
@@ -385,7 +385,7 @@ void keepContacts(const StepContext& context, const Coupling& coupling, Scene& s
     const double dt = context.dt;
     if (dt == 0.0) return;
     scene.contacts.clear();
-    scene.touching.clear();
+    scene.contactReports.clear();
     physics::ContactReport& report = context.report.contacts;
     report.found = static_cast<int>(coupling.contacts().size());
     const std::vector<bool> noWayOut = contradicted(coupling.contacts());
@@ -393,13 +393,13 @@ void keepContacts(const StepContext& context, const Coupling& coupling, Scene& s
         const Constraint& constraint = coupling.contacts()[c];
         const ContactInfo& contact = constraint.contact;
         const Vec3 force = 1.0 / dt * constraint.impulse;
-        scene.touching.push_back({.first = contact.cached.first,
-                                  .second = contact.cached.second,
-                                  .point = contact.cached.point,
-                                  .normal = constraint.frame[0],
-                                  .gap = contact.gap,
-                                  .normalForce = force.x,
-                                  .friction = force.y * constraint.frame[1] + force.z * constraint.frame[2]});
+        scene.contactReports.push_back({.first = contact.cached.first,
+                                        .second = contact.cached.second,
+                                        .point = contact.cached.point,
+                                        .normal = constraint.frame[0],
+                                        .gap = contact.gap,
+                                        .normalForce = force.x,
+                                        .friction = force.y * constraint.frame[1] + force.z * constraint.frame[2]});
         report.active += force.x != 0.0 ? 1 : 0;
         report.penetration = std::max(report.penetration, -contact.gap);
         if (!(constraint.multiplier.x > 0.0) || noWayOut[c]) continue;

@@ -18,8 +18,8 @@ constexpr double kMaxLimitForce = 1000.0;
 /// [N m] or [N] The start of the constraint's next solve.
 double& carriedBy(JointState& joint, const Constraint& constraint)
 {
-    if (constraint.kind == ConstraintKind::JointFriction) return joint.dry;
-    return constraint.joint.upper ? joint.upperStop : joint.lowerStop;
+    if (constraint.kind == ConstraintKind::JointFriction) return joint.frictionForce;
+    return constraint.joint.upper ? joint.upperLimitForce : joint.lowerLimitForce;
 }
 
 /// A constraint of joint `info` against space; `impulse` [N s] starts its solve.
@@ -85,13 +85,15 @@ void addJointConstraints(double dt, const Scene& scene, Coupling& coupling)
             const JointState& now = body.state.joints[j];
             JointInfo info{.articulation = a, .joint = plan.free[f], .arm = plan.arms[f]};
             if (std::isfinite(joint.lower))
-                coupling.constraints.push_back(limitOf(info, plan, now.now.position - joint.lower, now.lowerStop, dt));
+                coupling.constraints.push_back(
+                    limitOf(info, plan, now.now.position - joint.lower, now.lowerLimitForce, dt));
             info.upper = true;
             if (std::isfinite(joint.upper))
-                coupling.constraints.push_back(limitOf(info, plan, joint.upper - now.now.position, now.upperStop, dt));
+                coupling.constraints.push_back(
+                    limitOf(info, plan, joint.upper - now.now.position, now.upperLimitForce, dt));
             info.upper = false;
             if (joint.friction > 0.0)
-                coupling.constraints.push_back(frictionOf(info, plan, joint.friction, now.dry, dt));
+                coupling.constraints.push_back(frictionOf(info, plan, joint.friction, now.frictionForce, dt));
         }
     }
 }
@@ -102,7 +104,7 @@ void keepJoints(double dt, const Coupling& coupling, Scene& scene)
     for (const ArticulationPlan& plan : coupling.articulations)
         for (JointState& joint : scene.rigid[plan.body].state.joints) {
             joint.now.load = joint.now.stop = 0.0;
-            joint.lowerStop = joint.upperStop = joint.dry = 0.0;
+            joint.lowerLimitForce = joint.upperLimitForce = joint.frictionForce = 0.0;
         }
     for (const std::span<const Constraint> kind : {coupling.contacts(), coupling.welds()})
         for (const Constraint& each : kind) {

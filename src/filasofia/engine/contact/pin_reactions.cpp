@@ -9,7 +9,7 @@ namespace {
 
 /// Adds the forces of the body's own elements and springs on its nodes at the end of the step, as the step saw them:
 /// with the rotations at its start. They are correct only for nodes held by a hard pin.
-void addOwnForces(const SoftModel& model, const HeldParts& held, const SoftState& state, std::vector<Vec3>& forces)
+void addOwnForces(const SoftModel& model, const PinnedParts& held, const SoftState& state, std::vector<Vec3>& forces)
 {
     const double beta = model.rayleigh.stiffness;
     for (int e : held.elements) {
@@ -78,7 +78,7 @@ void addPinReactions(double dt, std::span<const Constraint> constraints, Scene& 
             addConstraintForces(b, dt, constraints, forces);
         }
         for (const PinGroup& group : body.pins.groups) {
-            frame::Attachment& report = scene.held.emplace_back();
+            frame::Attachment& report = scene.attachmentReports.emplace_back();
             report.id = group.id;
             report.body = body.id;
             report.points = static_cast<int>(group.nodes.size());

@@ -88,9 +88,9 @@ void makeSoft(double dt, SoftBody& body, WorkerPool& pool, Unit& unit)
 /// Damping is implicit, and so is a virtual coupling: to an impulse, both make the element heavier.
 void makeRigid(const RigidModel& model, double dt, const RigidPlanElement& element, Unit& unit)
 {
-    const double mass = (1.0 + dt * model.linearDamping) * element.mass + element.heldMass;
+    const double mass = (1.0 + dt * model.linearDamping) * element.mass + element.couplingMass;
     unit.diagonal = {mass * Mat3::identity(), (1.0 + dt * model.angularDamping) * element.inertia};
-    if (element.heldInertia > 0.0) unit.diagonal[1] += element.heldInertia * Mat3::identity();
+    if (element.couplingInertia > 0.0) unit.diagonal[1] += element.couplingInertia * Mat3::identity();
     unit.rightHandSide = {unit.diagonal[0] * element.change.linear, unit.diagonal[1] * element.change.angular};
     unit.blocks = std::make_unique<BlockOperator>(BlockOperatorInput{
         .diagonal = unit.diagonal, .rightHandSide = unit.rightHandSide, .mass = mass, .turning = true});
@@ -221,7 +221,7 @@ void storeSolution(const std::vector<Unit>& units, const CoupledReport& report, 
     for (std::size_t i = 0; i < island.soft.size(); ++i) {
         SoftSystem& system = scene.soft[island.soft[i]].system;
         if (!units[i].blocks)
-            system.matrixFree->finish(report, system.dv, system.leftover, pool);
+            system.matrixFree->finish(report, system.dv, system.residual, pool);
         else
             std::ranges::copy(units[i].blocks->answer(), system.dv.begin());
     }

@@ -18,7 +18,7 @@ struct IslandScratch {
     std::vector<int> pieceOf; ///< per node of the current body: its piece; empty if the body is whole
 };
 
-/// Solves the equations of an island. Writes the change of velocities and the residual to the systems (dv, leftover),
+/// Solves the equations of an island. Writes the change of velocities and the residual to the systems (dv, residual),
 /// the changes of rigid bodies to the plans, and impulses and multipliers to the constraints. Soft bodies must be
 /// assembled for the step, and the plan must hold the unconstrained changes.
 CoupledReport solveIsland(const StepContext& context, const Island& island, const CoupledLimits& limits, Scene& scene,

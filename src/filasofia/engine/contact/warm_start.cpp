@@ -143,7 +143,7 @@ void sortCache(std::vector<CachedContact>& cache)
 
 void forgetSurface(SurfaceName name, Scene& scene)
 {
-    std::erase_if(scene.sides, [&](const SideKept& kept) { return kept.source == name || kept.target == name; });
+    std::erase_if(scene.sides, [&](const SheetSide& kept) { return kept.source == name || kept.target == name; });
     std::erase_if(scene.contacts, [&](const CachedContact& cached) {
         const FeaturePair pair = featurePair(cached.feature);
         return SurfaceName{cached.first, pair.models[0]} == name || SurfaceName{cached.second, pair.models[1]} == name;

@@ -50,7 +50,7 @@ NativeSoftBody Native::softBody(BodyId id)
             .positions = body.state.x,
             .velocities = body.state.v,
             .velocityChanges = body.state.dv,
-            .residuals = body.state.leftover,
+            .residuals = body.state.residual,
             .masses = body.model.masses,
             .integrator = body.model.integrator,
             .solver = body.model.solver,

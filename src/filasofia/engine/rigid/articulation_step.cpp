@@ -179,14 +179,14 @@ ArticulationPlan planBody(const Scene& scene, double dt, std::size_t body, std::
         plan[first].velocity = now.velocities[0];
         plan[first].angularVelocity = now.angularVelocities[0];
     } else
-        planWay(out.baseEnd, dt, plan[first]);
+        planPrescribedMotion(out.baseEnd, dt, plan[first]);
     std::vector<LinkMotion> motion(now.poses.size(), {plan[first].velocity, plan[first].angularVelocity});
     moveLinks(tree, out.axes, now.poses, out.velocities, motion);
     for (std::size_t e = 0; e < now.poses.size(); ++e) {
         RigidPlanElement& link = plan[first + e];
         link.dynamic = std::ranges::any_of(out.free, [&](int j) { return moves(tree, j, static_cast<int>(e)); });
         if (!link.dynamic) {
-            if (e > 0) planWay(endPoses[e], dt, link); // kinematic, like all links between it and the base
+            if (e > 0) planPrescribedMotion(endPoses[e], dt, link); // kinematic, like all links between it and the base
             continue;
         }
         link.mass = rigid.inertias[e].mass;

@@ -24,15 +24,15 @@ void planDynamic(const RigidModel& model, double dt, Vec3 gravity, const RigidSt
                          .linearDamping = model.linearDamping,
                          .angularDamping = model.angularDamping};
     out.change = freeChange(load, pose.orientation, out.velocity, out.angularVelocity, dt);
-    for (const Hand& hand : state.hands)
-        if (static_cast<std::size_t>(hand.element) == e) planHand(hand, model, dt, pose, out);
+    for (const ElementCoupling& hand : state.couplings)
+        if (static_cast<std::size_t>(hand.element) == e) planCoupling(hand, model, dt, pose, out);
 }
 
 void planKinematic(double dt, const RigidState& state, RigidPlanElement& out)
 {
     const std::size_t e = out.element;
     out.centre = state.poses[e].position;
-    if (state.targets[e]) planWay(*state.targets[e], dt, out);
+    if (state.targets[e]) planPrescribedMotion(*state.targets[e], dt, out);
 }
 
 /// Computes and sets the new state; false, without setting it, if it is not usable.
@@ -52,7 +52,7 @@ bool moveDynamic(const physics::RigidInertia& body, double dt, const RigidPlanEl
 
 } // namespace
 
-void planWay(const Pose& end, double dt, RigidPlanElement& out)
+void planPrescribedMotion(const Pose& end, double dt, RigidPlanElement& out)
 {
     if (dt == 0.0) return;
     const auto [linear, angular] = velocitiesBetween(out.start, end, dt);

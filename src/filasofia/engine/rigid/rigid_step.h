@@ -14,18 +14,18 @@ struct RigidPlanElement {
     std::size_t body = 0; ///< index in Scene::rigid
     std::size_t element = 0;
     bool dynamic = false;
-    Pose start;               ///< pose at the start of the step
-    double mass = 0.0;        ///< [kg]
-    Mat3 inertia;             ///< [kg m^2] in world axes, at the start of the step
-    Vec3 centre;              ///< [m] in the world, at the start: centre of mass; the origin if the element is a link
-                              ///< or kinematic
-    Vec3 velocity;            ///< [m/s] velocity of `centre` at the start; throughout the step if kinematic
-    Vec3 angularVelocity;     ///< [rad/s] the same
-    double heldMass = 0.0;    ///< [kg] mass that an implicit virtual coupling adds against impulses
-    double heldInertia = 0.0; ///< [kg m^2] the same about any axis
-    RigidChange change;       ///< the element moves with velocity + change through the step; constraints add theirs
-    int articulation = -1;    ///< links: index of the body's ArticulationPlan (articulation_step.h); -1: not a link
-    std::size_t base = 0;     ///< links: index of the body's first element in the plan
+    Pose start;                ///< pose at the start of the step
+    double mass = 0.0;         ///< [kg]
+    Mat3 inertia;              ///< [kg m^2] in world axes, at the start of the step
+    Vec3 centre;               ///< [m] in the world, at the start: centre of mass; the origin if the element is a link
+                               ///< or kinematic
+    Vec3 velocity;             ///< [m/s] velocity of `centre` at the start; throughout the step if kinematic
+    Vec3 angularVelocity;      ///< [rad/s] the same
+    double couplingMass = 0.0; ///< [kg] mass that an implicit virtual coupling adds against impulses
+    double couplingInertia = 0.0; ///< [kg m^2] the same about any axis
+    RigidChange change;           ///< the element moves with velocity + change through the step; constraints add theirs
+    int articulation = -1;        ///< links: index of the body's ArticulationPlan (articulation_step.h); -1: not a link
+    std::size_t base = 0;         ///< links: index of the body's first element in the plan
 };
 using RigidPlan = std::vector<RigidPlanElement>; ///< in the order of bodies and elements
 
@@ -34,7 +34,7 @@ std::vector<std::size_t> firstElements(const Scene& scene);
 
 /// Sets the constant velocities that lead from the start of the element to `end` in dt [s]; leaves them unchanged if dt
 /// is 0 or the motion would be a jump (kTeleport, kTeleportTurn).
-void planWay(const Pose& end, double dt, RigidPlanElement& out);
+void planPrescribedMotion(const Pose& end, double dt, RigidPlanElement& out);
 
 /// Plans a step of dt [s] >= 0 without constraints. Links are left at rest, for planArticulations(). If a kinematic
 /// element would move faster than kTeleport or turn by more than kTeleportTurn, the motion is a jump and has no

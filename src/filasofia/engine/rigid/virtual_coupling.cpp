@@ -5,19 +5,19 @@
 
 namespace filasofia::engine {
 
-void hold(const Hand& hand, RigidState& state)
+void setCoupling(const ElementCoupling& hand, RigidState& state)
 {
     const VirtualCoupling& coupling = hand.target.coupling;
-    const auto place = std::ranges::lower_bound(state.hands, hand.element, {}, &Hand::element);
-    const bool there = place != state.hands.end() && place->element == hand.element;
+    const auto place = std::ranges::lower_bound(state.couplings, hand.element, {}, &ElementCoupling::element);
+    const bool there = place != state.couplings.end() && place->element == hand.element;
     const bool holds = coupling.linearStiffness > 0.0 || coupling.linearDamping > 0.0 ||
                        coupling.angularStiffness > 0.0 || coupling.angularDamping > 0.0;
     if (there && holds)
         *place = hand;
     else if (there)
-        state.hands.erase(place);
+        state.couplings.erase(place);
     else if (holds)
-        state.hands.insert(place, hand);
+        state.couplings.insert(place, hand);
 }
 
 // The force at the end of the step is F = s (k (x_target - x - h (v + dv)) + b (v_target - v - dv)), with stiffness k,
@@ -25,7 +25,8 @@ void hold(const Hand& hand, RigidState& state)
 //     (m + s h (b + h k)) dv = m dv0 + h F(dv = 0).
 // If the force would exceed its limit, spring and damper are both weaker by the factor s: they remain a spring and a
 // damper, so the step stays stable.
-void planHand(const Hand& hand, const RigidModel& model, double dt, const Pose& pose, RigidPlanElement& planned)
+void planCoupling(const ElementCoupling& hand, const RigidModel& model, double dt, const Pose& pose,
+                  RigidPlanElement& planned)
 {
     if (dt == 0.0) return;
     const MotionState target = atPoint({hand.target.pose, hand.target.velocity, hand.target.angularVelocity},
@@ -36,8 +37,8 @@ void planHand(const Hand& hand, const RigidModel& model, double dt, const Pose& 
     const Vec3 force = coupling.linearStiffness * apart + coupling.linearDamping * (target.velocity - planned.velocity);
     const double linear = limitFactor(length(force), coupling.forceLimit);
     const double mass = (1.0 + dt * model.linearDamping) * planned.mass;
-    planned.heldMass = linear * dt * (coupling.linearDamping + dt * coupling.linearStiffness);
-    planned.change.linear = (mass * planned.change.linear + linear * dt * force) / (mass + planned.heldMass);
+    planned.couplingMass = linear * dt * (coupling.linearDamping + dt * coupling.linearStiffness);
+    planned.change.linear = (mass * planned.change.linear + linear * dt * force) / (mass + planned.couplingMass);
 
     const Vec3 turned =
         rotationVector(target.pose.orientation * conjugate(pose.orientation)) - dt * planned.angularVelocity;
@@ -45,8 +46,8 @@ void planHand(const Hand& hand, const RigidModel& model, double dt, const Pose& 
                         coupling.angularDamping * (target.angularVelocity - planned.angularVelocity);
     const double angular = limitFactor(length(torque), coupling.torqueLimit);
     const Mat3 inertia = (1.0 + dt * model.angularDamping) * planned.inertia;
-    planned.heldInertia = angular * dt * (coupling.angularDamping + dt * coupling.angularStiffness);
-    planned.change.angular = inverse(inertia + planned.heldInertia * Mat3::identity()) *
+    planned.couplingInertia = angular * dt * (coupling.angularDamping + dt * coupling.angularStiffness);
+    planned.change.angular = inverse(inertia + planned.couplingInertia * Mat3::identity()) *
                              (inertia * planned.change.angular + angular * dt * torque);
 }
 

@@ -148,7 +148,7 @@ private:
             p[at] = rest;
             x[at] = current;
             const double volume = volumeOf(p);
-            if (tetQuality(p) < least || volumeOf(x) < parameters_.leastVolume * volume) return std::nan("");
+            if (tetQuality(p) < least || volumeOf(x) < parameters_.minVolumeRatio * volume) return std::nan("");
             sum += volume;
         }
         return sum;

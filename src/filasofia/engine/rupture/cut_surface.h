@@ -10,12 +10,12 @@ namespace filasofia::engine {
 /// solver, above .3/.15 the surface moves away from the blade.
 struct CutParameters {
     double snap = 0.3; ///< [-], in [0, 0.5]: a crossing nearer to a node than this fraction of the edge snaps to it
-    double minQuality = 0.15;   ///< [-], in (0, 1): no bisection leaves an element of lower quality
-    double shortestEdge = 0.2;  ///< [-] fraction of the mean edge: shorter edges are not bisected
-    bool moveNodes = true;      ///< a snapped node slides onto the surface if no element suffers
-    double leastVolume = 0.2;   ///< [-] lower bound of an element's current volume over its rest volume after a slide
-    double slideVolume = 2e-5;  ///< [-] fraction of the body's volume that one boundary node's slide may add or remove
-    double slideVolumes = 3e-4; ///< [-] the same for all slides together
+    double minQuality = 0.15;    ///< [-], in (0, 1): no bisection leaves an element of lower quality
+    double shortestEdge = 0.2;   ///< [-] fraction of the mean edge: shorter edges are not bisected
+    bool moveNodes = true;       ///< a snapped node slides onto the surface if no element suffers
+    double minVolumeRatio = 0.2; ///< [-] lower bound of an element's current volume over its rest volume after a slide
+    double slideVolume = 2e-5;   ///< [-] fraction of the body's volume that one boundary node's slide may add or remove
+    double slideVolumes = 3e-4;  ///< [-] the same for all slides together
     int maxNewTetrahedra = 400; ///< [-], >= 1, per step; the last edge may exceed it; the rest follows in the next step
 };
 

@@ -69,9 +69,9 @@ EditableMesh::EditableMesh(const geometry::TetMesh& mesh)
     data_.around.reserve(nodeRoom);
     data_.labels.reserve(nodeRoom);
     reach_.reserve(nodeRoom);
-    for (std::vector<std::uint8_t>* list : {&data_.flagged, &data_.deferred, &data_.opened, &toldBoundary_})
+    for (std::vector<std::uint8_t>* list : {&data_.flagged, &data_.deferred, &data_.opened, &publishedBoundary_})
         list->reserve(room);
-    for (std::vector<Tetrahedron>* list : {&data_.tetrahedra, &data_.neighbours, &told_}) list->reserve(room);
+    for (std::vector<Tetrahedron>* list : {&data_.tetrahedra, &data_.neighbours, &published_}) list->reserve(room);
     data_.sides.reserve(room);
     data_.tetrahedra.assign(mesh.tetrahedra.begin(), mesh.tetrahedra.end());
     for (std::vector<Vec3>* list : {&data_.rest, &data_.current, &data_.previous})
@@ -89,7 +89,7 @@ EditableMesh::EditableMesh(const geometry::TetMesh& mesh)
     geometry::Box box;
     for (Vec3 p : mesh.nodes) box = merged(box, p);
     diagonal_ = distance(box.low, box.high);
-    told_.assign(mesh.tetrahedra.begin(), mesh.tetrahedra.end());
+    published_.assign(mesh.tetrahedra.begin(), mesh.tetrahedra.end());
     for (int t = 0; t < tetrahedra(); ++t) {
         const Tetrahedron& n = data_.tetrahedra[t];
         startVolume_ += restVolume(data_, t);
@@ -104,7 +104,7 @@ EditableMesh::EditableMesh(const geometry::TetMesh& mesh)
             data_.around[n[f]].push_back(t);
             if (data_.neighbours[t][f] < 0) set(boundary, f);
         }
-        toldBoundary_.push_back(boundary);
+        publishedBoundary_.push_back(boundary);
     }
     meanEdge_ /= 6.0 * tetrahedra();
 }
@@ -365,15 +365,15 @@ void EditableMesh::publish(int t, frame::TopologyEdit& edit)
 {
     using Kind = frame::BoundaryChange::Kind;
     const Tetrahedron& now = data_.tetrahedra[t];
-    const bool fresh = t >= static_cast<int>(told_.size());
+    const bool fresh = t >= static_cast<int>(published_.size());
     if (fresh) {
-        told_.push_back({-1, -1, -1, -1});
-        toldBoundary_.push_back(0);
+        published_.push_back({-1, -1, -1, -1});
+        publishedBoundary_.push_back(0);
     }
-    const Tetrahedron before = told_[t];
+    const Tetrahedron before = published_[t];
     edit.changed.push_back({t, now});
     for (int f = 0; f < 4; ++f) {
-        const bool was = has(toldBoundary_[t], f), is = data_.neighbours[t][f] < 0;
+        const bool was = has(publishedBoundary_[t], f), is = data_.neighbours[t][f] < 0;
         const geometry::Triangle old = was ? faceNodes(before, f) : geometry::Triangle{}, nodes = faceNodes(now, f);
         const bool opened = has(data_.opened[t], f);
         if (was && is && old == nodes) continue;
@@ -381,11 +381,11 @@ void EditableMesh::publish(int t, frame::TopologyEdit& edit)
         if (was && !is) edit.boundary.push_back({Kind::Removed, t, f, old, opened});
         if (!was && is) edit.boundary.push_back({Kind::Added, t, f, nodes, opened});
         if (is)
-            set(toldBoundary_[t], f);
+            set(publishedBoundary_[t], f);
         else
-            clear(toldBoundary_[t], f);
+            clear(publishedBoundary_[t], f);
     }
-    told_[t] = now;
+    published_[t] = now;
 }
 
 void EditableMesh::remove(std::span<const int> tetrahedra)

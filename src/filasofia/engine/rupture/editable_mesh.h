@@ -146,9 +146,9 @@ private:
 
     std::uint64_t revision_ = 0;
     std::vector<frame::TopologyOp> ops_;
-    std::vector<int> dirty_;                  ///< tetrahedra that changed
-    std::vector<geometry::Tetrahedron> told_; ///< elements as published in the last edit
-    std::vector<std::uint8_t> toldBoundary_;  ///< boundary faces as published in the last edit
+    std::vector<int> dirty_;                       ///< tetrahedra that changed
+    std::vector<geometry::Tetrahedron> published_; ///< elements as published in the last edit
+    std::vector<std::uint8_t> publishedBoundary_;  ///< boundary faces as published in the last edit
 };
 
 } // namespace filasofia::engine

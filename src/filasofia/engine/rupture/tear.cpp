@@ -145,7 +145,7 @@ RuptureReport Tearing::step(EditableMesh& mesh, std::span<const Mat3> stresses, 
     std::vector<int> touched;
     for (const Tear& candidate : candidates_) {
         // A node whose elements are all on one side costs nothing and does not count as an attempt.
-        if (static_cast<int>(torn_.size()) >= parameters.mostTears || report.edits >= parameters.mostTries) break;
+        if (static_cast<int>(torn_.size()) >= parameters.maxTears || report.edits >= parameters.maxTries) break;
         const std::vector<int> star = mesh.data().around[candidate.node];
         if (std::ranges::any_of(star, [&](int t) { return std::ranges::find(touched, t) != touched.end(); })) continue;
         if (!tearAt(mesh, candidate.node, candidate.direction, report)) {

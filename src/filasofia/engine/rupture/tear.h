@@ -11,8 +11,8 @@ namespace filasofia::engine {
 /// When and how much a mesh tears.
 struct TearParameters {
     double threshold = 0.0; ///< [Pa], > 0: an element tears if its largest principal stress exceeds this
-    int mostTears = 4;      ///< [-], >= 1, tears per step; the rest follows in the next
-    int mostTries = 8;      ///< [-], >= 1, attempts per step: many nodes cannot open because of their neighbours
+    int maxTears = 4;       ///< [-], >= 1, tears per step; the rest follows in the next
+    int maxTries = 8;       ///< [-], >= 1, attempts per step: many nodes cannot open because of their neighbours
     int patience = 50;      ///< [steps] before a node that could not open is tried again, unless another one opens
 };
 

@@ -13,7 +13,7 @@ namespace filasofia::engine {
 
 void checkAttachments(const Scene& scene)
 {
-    if (scene.holding.size() != scene.attachments.size())
+    if (scene.attachmentForces.size() != scene.attachments.size())
         fail("attachments: holding must have one entry per attachment");
     const auto checkPoint = [&](const AttachedPoint& point, BodyId id, const std::string& object) {
         const auto body = findBody(scene, id);
@@ -48,8 +48,9 @@ void checkAttachments(const Scene& scene)
         checkPair(each.body, each.to, object);
         if (!positiveOrInfinite().contains(each.stiffness)) fail(object, ": stiffness must be > 0 N/m");
         if (!positiveOrInfinite().contains(each.breakForce)) fail(object, ": breakForce must be > 0 N");
-        if (scene.holding[a].size() != each.pairs.size()) fail(object, ": holding must have one entry per pair");
-        for (const Vec3& force : scene.holding[a])
+        if (scene.attachmentForces[a].size() != each.pairs.size())
+            fail(object, ": holding must have one entry per pair");
+        for (const Vec3& force : scene.attachmentForces[a])
             if (!isFinite(force)) fail(object, ": holding must be finite");
         for (const auto& pair : each.pairs) {
             checkPoint(pair[0], each.body, object);
@@ -91,7 +92,7 @@ void checkContacts(const Scene& scene)
             fail(object, ": contacts must ascend by bodies and feature");
     }
     for (std::size_t s = 0; s < scene.sides.size(); ++s) {
-        const SideKept& kept = scene.sides[s];
+        const SheetSide& kept = scene.sides[s];
         const std::string object = text("sides[", s, "]");
         const CollisionShape *source = surfaceOf(kept.source), *target = surfaceOf(kept.target);
         if (!source || !target)

@@ -4,7 +4,7 @@
 #include "filasofia/engine/body/body_topology.h"
 #include "filasofia/engine/body/rigid_model.h"
 #include "filasofia/engine/body/soft_model.h"
-#include "filasofia/engine/collision/side_kept.h"
+#include "filasofia/engine/collision/sheet_side.h"
 #include "filasofia/engine/constraint/constraint.h"
 #include "filasofia/engine/soft/soft_system.h"
 #include "filasofia/frame/attachment.h"
@@ -36,14 +36,15 @@ struct SceneState {
     double time = 0.0; ///< [s]
     Vec3 gravity;      ///< [m/s^2]
 
-    std::vector<CachedContact> contacts;  ///< warm start of the contact solve, ascending by bodies and feature
-    std::vector<SideKept> sides;          ///< the side of a sheet that points are on, ascending
-    std::vector<frame::Contact> touching; ///< the last step's contacts, as frames carry them
+    std::vector<CachedContact> contacts;        ///< warm start of the contact solve, ascending by bodies and feature
+    std::vector<SheetSide> sides;               ///< the side of a sheet that points are on, ascending
+    std::vector<frame::Contact> contactReports; ///< the last step's contacts, as frames carry them
 
-    std::vector<Attachment> attachments;    ///< ascending by id, without pins
-    std::vector<std::vector<Vec3>> holding; ///< [N] warm start per attachment and pair: the force on its body
-    std::vector<PendingGrasp> grasps;       ///< ascending by id
-    std::vector<frame::Attachment> held;    ///< forces of the attachments in the last step, as frames carry them
+    std::vector<Attachment> attachments;             ///< ascending by id, without pins
+    std::vector<std::vector<Vec3>> attachmentForces; ///< [N] warm start per attachment and pair: the force on its body
+    std::vector<PendingGrasp> grasps;                ///< ascending by id
+    std::vector<frame::Attachment>
+        attachmentReports; ///< forces of the attachments in the last step, as frames carry them
 };
 
 /// The whole state of the engine.

@@ -36,8 +36,8 @@ void add(Hasher& hash, const SurfaceName& name)
 
 void addCouplings(Hasher& hash, const RigidState& body)
 {
-    addCount(hash, body.hands.size());
-    for (const Hand& hand : body.hands) {
+    addCount(hash, body.couplings.size());
+    for (const ElementCoupling& hand : body.couplings) {
         hash.add(static_cast<std::uint64_t>(hand.element));
         add(hash, hand.target.pose);
         add(hash, hand.target.velocity);
@@ -59,7 +59,7 @@ void addContacts(Hasher& hash, const Scene& scene)
         add(hash, contact.force);
     }
     addCount(hash, scene.sides.size());
-    for (const SideKept& kept : scene.sides) {
+    for (const SheetSide& kept : scene.sides) {
         add(hash, kept.source);
         add(hash, kept.target);
         for (int each : {kept.point, kept.feature[0], kept.feature[1], kept.feature[2], kept.side})
@@ -87,7 +87,7 @@ void addAttachments(Hasher& hash, const Scene& scene)
         for (const auto& pair : each.pairs)
             for (const AttachedPoint& point : pair) add(hash, point);
     }
-    for (const std::vector<Vec3>& attachment : scene.holding)
+    for (const std::vector<Vec3>& attachment : scene.attachmentForces)
         for (const Vec3& force : attachment) add(hash, force);
     addCount(hash, scene.grasps.size());
     for (const PendingGrasp& each : scene.grasps) {
@@ -103,7 +103,7 @@ void addJoints(Hasher& hash, const RigidState& body)
         hash.add(static_cast<std::uint64_t>(joint.command.index()));
         hash.add(std::visit([](const auto& command) { return command.value; }, joint.command));
         for (double each : {joint.now.position, joint.now.velocity, joint.now.force, joint.now.load, joint.now.stop,
-                            joint.lowerStop, joint.upperStop, joint.dry})
+                            joint.lowerLimitForce, joint.upperLimitForce, joint.frictionForce})
             hash.add(each);
     }
 }

@@ -134,7 +134,7 @@ bool nearlyIncompressible(const SoftModel& model)
 {
     return std::any_of(model.elements.begin(), model.elements.end(), [](const FemElement& e) {
         const auto [mu, lambda] = lame(e.youngModulus, e.poissonRatio);
-        return lambda > kMostIncompressible * mu;
+        return lambda > kMaxLameRatio * mu;
     });
 }
 

@@ -12,7 +12,7 @@ namespace filasofia::engine {
 /// Largest lambda / mu that is solved in float, a Poisson ratio of 0.49983: beyond it the rounding errors of
 /// compression are larger than shear. Measured on bunnies that spin and stretch, with steps of 5 ms: good at 2.5e3, 5 %
 /// off at 5e3, blown up at 5e4.
-inline constexpr double kMostIncompressible = 3e3;
+inline constexpr double kMaxLameRatio = 3e3;
 /// True if an element exceeds that ratio: then neither the default solver nor conjugate gradients in double can solve
 /// the body.
 bool nearlyIncompressible(const SoftModel& model);

@@ -123,7 +123,7 @@ CoarseChoice coarseChoice(std::size_t freeNodes)
     return {.target = std::clamp(static_cast<int>(0.37 * std::pow(static_cast<double>(freeNodes), 0.72)), 12, 400)};
 }
 
-CoarseChoice remadeCoarseChoice(std::size_t freeNodes)
+CoarseChoice coarseChoiceAfterCut(std::size_t freeNodes)
 {
     constexpr int kCheap = 150;
     const int target = coarseChoice(freeNodes).target;
@@ -219,7 +219,7 @@ private:
 
 /// Input and result of a rebuild. The step that starts it copies only what is needed, and no other thread shares the
 /// data.
-struct CoarseRemake::Work {
+struct CoarseRebuild::Work {
     struct Element {
         geometry::Tetrahedron nodes;
         Lame material;
@@ -251,10 +251,10 @@ struct CoarseRemake::Work {
     [[nodiscard]] CoarseMatrix coarseMatrix(const geometry::CoarseLattice& lattice) const;
 };
 
-void CoarseRemake::Work::make()
+void CoarseRebuild::Work::make()
 {
     const auto [lattice, isFree] =
-        buildLattice({rest, edges(), nodes, held, pins, masses}, remadeCoarseChoice(nodes.size()));
+        buildLattice({rest, edges(), nodes, held, pins, masses}, coarseChoiceAfterCut(nodes.size()));
     if (lattice.nodeCount > 0 || !lattice.pieces.empty()) {
         const CoarseMatrix matrix = coarseMatrix(lattice);
         made = linalg::CoarseLevel(linalg::CoarseInput{.matrix = matrix.lattice(),
@@ -271,7 +271,7 @@ void CoarseRemake::Work::make()
 }
 
 /// Each edge once: a mesh has five times fewer edges than its elements have together.
-std::vector<std::array<int, 2>> CoarseRemake::Work::edges() const
+std::vector<std::array<int, 2>> CoarseRebuild::Work::edges() const
 {
     std::vector<std::array<int, 2>> list;
     list.reserve(6 * elements.size() + springs.size());
@@ -287,7 +287,7 @@ std::vector<std::array<int, 2>> CoarseRemake::Work::edges() const
 
 /// P^T A P without A: the stiffness of an element is bilinear in the gradients of its shape functions, and the
 /// gradients of the coarse nodes are weighted sums of them. Only the lower half is computed.
-CoarseMatrix CoarseRemake::Work::coarseMatrix(const geometry::CoarseLattice& lattice) const
+CoarseMatrix CoarseRebuild::Work::coarseMatrix(const geometry::CoarseLattice& lattice) const
 {
     CoarseMatrix matrix(lattice);
     CoarseSum<Vec3> sum;
@@ -348,7 +348,7 @@ int stepsToBuild(std::size_t elements, std::size_t freeNodes, double period)
 {
     constexpr double kPerElement = 1e-6, kInverse = 9e-3; // [s], the second for 150 coarse nodes
     constexpr double kMinSteps = 4.0, kMaxSteps = 10000.0;
-    const CoarseChoice choice = remadeCoarseChoice(freeNodes);
+    const CoarseChoice choice = coarseChoiceAfterCut(freeNodes);
     const auto maxCoarse = static_cast<double>(std::max(choice.target, choice.most));
     const double coarse = std::min(maxCoarse, static_cast<double>(freeNodes)) / 150.0;
     const double seconds = kPerElement * static_cast<double>(elements) + kInverse * coarse * coarse * coarse;
@@ -357,7 +357,7 @@ int stepsToBuild(std::size_t elements, std::size_t freeNodes, double period)
 
 } // namespace
 
-CoarseRemake::CoarseRemake(const SoftModel& model, const PreconditionerPlan& plan, BackgroundThread& meanwhile)
+CoarseRebuild::CoarseRebuild(const SoftModel& model, const PreconditionerPlan& plan, BackgroundThread& meanwhile)
     : work_(std::make_shared<Work>(model, plan)),
       job_(std::make_shared<BackgroundJob>([work = work_] { work->make(); })),
       stepsLeft_(stepsToBuild(model.elements.size() + model.springs.size(), plan.nodes.size(), plan.period))
@@ -365,9 +365,9 @@ CoarseRemake::CoarseRemake(const SoftModel& model, const PreconditionerPlan& pla
     meanwhile.submit(job_);
 }
 
-CoarseRemake::~CoarseRemake() { job_->drop(); }
+CoarseRebuild::~CoarseRebuild() { job_->drop(); }
 
-linalg::CoarseLevel&& CoarseRemake::take()
+linalg::CoarseLevel&& CoarseRebuild::take()
 {
     job_->finish();
     return std::move(work_->made);

@@ -30,7 +30,7 @@ CoarseChoice coarseChoice(std::size_t freeNodes);
 /// decays most slowly: so nodes with less than a fifth of the median mass get coarse nodes of their own, the lightest
 /// first. Measured on 20 pinned blocks with up to three cuts, iterations until the residual of a random vector is down
 /// to 1e-4: 27 to 52 without either, 24 to 53 with the first alone, 25 to 39 with both (24 before the cuts).
-CoarseChoice remadeCoarseChoice(std::size_t freeNodes);
+CoarseChoice coarseChoiceAfterCut(std::size_t freeNodes);
 
 /// Builds the preconditioner of a body of elements or springs at rest.
 linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, const PreconditionerPlan& plan,
@@ -43,12 +43,12 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
 /// long that takes: the motion is the same every time and for any number of threads. If the result is not ready by
 /// then, the step waits for it or builds it. The time allowed is about 2.5 times the build time, so that a body that is
 /// cut all the time takes at most 40 % of a core beside its steps.
-class CoarseRemake {
+class CoarseRebuild {
 public:
-    CoarseRemake(const SoftModel& model, const PreconditionerPlan& plan, BackgroundThread& meanwhile);
-    ~CoarseRemake();
-    CoarseRemake(const CoarseRemake&) = delete;
-    CoarseRemake& operator=(const CoarseRemake&) = delete;
+    CoarseRebuild(const SoftModel& model, const PreconditionerPlan& plan, BackgroundThread& meanwhile);
+    ~CoarseRebuild();
+    CoarseRebuild(const CoarseRebuild&) = delete;
+    CoarseRebuild& operator=(const CoarseRebuild&) = delete;
 
     /// Called once per step: true in the step in which the result is taken over.
     bool isDue() { return --stepsLeft_ <= 0; }

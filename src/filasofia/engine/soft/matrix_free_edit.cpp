@@ -58,7 +58,7 @@ bool MatrixFreeSystem::edit(const SoftModel& model, const MeshEdit& edit)
     const bool grown = reserve(model, edit);
     const int known = static_cast<int>(slotOf_.size());
     for (std::size_t i = 0; i < edit.nodes.size(); ++i) addNode(model, known + static_cast<int>(i), edit.nodes[i]);
-    if (remake_) remake_->add(edit.nodes);
+    if (rebuild_) rebuild_->add(edit.nodes);
     parted_ = parted_ || std::ranges::any_of(edit.nodes, [](const auto& each) { return each.first == each.second; });
     if (model.elements.empty()) { // springs have much less data than elements: rebuild them
         makeSprings(model);
@@ -138,18 +138,18 @@ void MatrixFreeSystem::interpolate(int slot, const MeshEdit::Node& made)
 void MatrixFreeSystem::followParting(const SoftModel& model, BackgroundThread& meanwhile)
 {
     if (!preconditioned_) return;
-    if (remake_ && remake_->isDue()) {
-        const bool taken = preconditioner_.takeCoarseLevel(remake_->take());
+    if (rebuild_ && rebuild_->isDue()) {
+        const bool taken = preconditioner_.takeCoarseLevel(rebuild_->take());
         // Nodes added meanwhile interpolate from their parents; if the old coarse level stays, they do so already.
-        const std::vector<MeshEdit::Node>& since = remake_->since();
+        const std::vector<MeshEdit::Node>& since = rebuild_->since();
         for (std::size_t i = 0; taken && i < since.size(); ++i)
             if (const int slot = slotOf_[slotOf_.size() - since.size() + i]; slot < freeNodes_)
                 interpolate(slot, since[i]);
-        remake_.reset();
+        rebuild_.reset();
     }
-    if (remake_ || !parted_) return;
+    if (rebuild_ || !parted_) return;
     parted_ = false;
-    remake_ = std::make_unique<CoarseRemake>(model, plan(), meanwhile);
+    rebuild_ = std::make_unique<CoarseRebuild>(model, plan(), meanwhile);
 }
 
 void MatrixFreeSystem::moveElement(const SoftModel& model, int element)

@@ -60,16 +60,16 @@ void MatrixFreeSystem::load(std::span<const Vec3> from, Vec3 origin, NodeArray& 
     });
 }
 
-void MatrixFreeSystem::loadImpulses(std::span<const Vec3> forces, std::span<const Vec3> leftover, double dt,
+void MatrixFreeSystem::loadImpulses(std::span<const Vec3> forces, std::span<const Vec3> residual, double dt,
                                     WorkerPool& pool)
 {
     const Parts parts{freeNodes_, kNodesPerPart};
     pool.run(parts.count(), [&](int part) {
         for (int slot = parts[part].begin; slot < parts[part].end; ++slot) {
             const int node = nodeOf_[slot];
-            store(scale_ * leftover[node], handedOn_[slot]);
+            store(scale_ * residual[node], handedOn_[slot]);
             if (free_) store(scale_ * dt * forces[node], outer_[slot]);
-            store(scale_ * (dt * forces[node] + leftover[node]), residual_[slot]);
+            store(scale_ * (dt * forces[node] + residual[node]), residual_[slot]);
         }
     });
 }
@@ -87,7 +87,7 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
 
     load(state.x, state.x[static_cast<std::size_t>(std::max(nodeOf_.front(), 0))], x_, pool);
     load(state.v, {}, v_, pool);
-    loadImpulses(given, state.leftover, dt, pool);
+    loadImpulses(given, state.residual, dt, pool);
 
     const BlockWeights blockWeights{asFloat(dt), asFloat(weights.stiffness), asFloat(weights.damping),
                                     asFloat(weights.turning)};
@@ -133,25 +133,25 @@ double MatrixFreeSystem::precondition(const NodeArray& r, NodeArray& z, WorkerPo
 }
 
 linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limits, std::span<Vec3> dv,
-                                                std::span<Vec3> leftover, WorkerPool& pool)
+                                                std::span<Vec3> residual, WorkerPool& pool)
 {
     load(dv, {}, dv_, pool);
     linalg::SolveLimits tighter = limits;
     if (freeNodes_ <= kFewNodes)
         closer.tolerance = std::min(limits.tolerance, std::max(kCloser * limits.tolerance, kClosest));
     const linalg::NodeSolveReport report = cg_.solve({*this, preconditioner_, residual_, size_}, dv_, closer, pool);
-    finish(report, rigidPush(), dv, leftover, pool);
+    finish(report, rigidPush(), dv, residual, pool);
     return report;
 }
 
-void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> leftover,
+void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> residual,
                               WorkerPool& pool)
 {
-    finish(report, {}, dv, leftover, pool);
+    finish(report, {}, dv, residual, pool);
 }
 
 void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, const RigidMotion& push, std::span<Vec3> dv,
-                              std::span<Vec3> leftover, WorkerPool& pool)
+                              std::span<Vec3> residual, WorkerPool& pool)
 {
     // If the solve was cut short, its residual could do harm: it is not handed on, and the body is slowed down instead.
     const double share = report.converged ? kHandedOn : 0.0;
@@ -162,7 +162,7 @@ void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, const Rigid
         for (int slot = parts[part].begin; slot < parts[part].end; ++slot) {
             const Vec3 change = vectorAt(dv_, slot), rest = vectorAt(residual_, slot);
             const int node = nodeOf_[slot];
-            leftover[node] = share / scale_ * rest;
+            residual[node] = share / scale_ * rest;
             dv[node] = change + push.at(vectorAt(x_, slot));
             if (removed > 0.0) dv[node] -= removed * (vectorAt(v_, slot) + change - rigid.at(vectorAt(x_, slot)));
         }
@@ -188,7 +188,7 @@ Vec3 MatrixFreeSystem::solved(int node) const
     return slot < freeNodes_ ? vectorAt(dv_, slot) : Vec3{};
 }
 
-Vec3 MatrixFreeSystem::undone(int node) const
+Vec3 MatrixFreeSystem::residualImpulse(int node) const
 {
     const int slot = slotOf_[static_cast<std::size_t>(node)];
     return slot < freeNodes_ ? 1.0 / scale_ * vectorAt(residual_, slot) : Vec3{};

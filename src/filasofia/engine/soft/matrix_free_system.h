@@ -17,7 +17,7 @@ class BackgroundThread;
 
 namespace filasofia::engine {
 
-class CoarseRemake;
+class CoarseRebuild;
 struct PreconditionerPlan;
 
 /// A number in the solver's precision.
@@ -43,13 +43,13 @@ public:
     void assemble(const SoftModel& model, std::span<const Vec3> given, double dt, double inertia, SoftState& state,
                   WorkerPool& pool);
 
-    /// Solves for the change of the velocities. `dv` [m/s]: the first guess, then the result. `leftover` [N s]: the
+    /// Solves for the change of the velocities. `dv` [m/s]: the first guess, then the result. `residual` [N s]: the
     /// part of the residual impulse that the next step takes over.
-    linalg::NodeSolveReport solve(const linalg::SolveLimits& limits, std::span<Vec3> dv, std::span<Vec3> leftover,
+    linalg::NodeSolveReport solve(const linalg::SolveLimits& limits, std::span<Vec3> dv, std::span<Vec3> residual,
                                   WorkerPool& pool);
-    /// Writes dv and `leftover` after a coupled solve, which has left its result in this system. The error of the rigid
+    /// Writes dv and `residual` after a coupled solve, which has left its result in this system. The error of the rigid
     /// motion is not corrected here as in solve(): it depends on the bodies in contact.
-    void finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> leftover, WorkerPool& pool);
+    void finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> residual, WorkerPool& pool);
     /// Per block of sixteen elements: bits of the elements that may have a principal stress of `limit` [Pa] or more,
     /// with the rotations of the step's start. Returns false if there is no such element.
     bool findStressed(const SoftState& state, double limit, WorkerPool& pool, std::vector<std::uint16_t>& stressed);
@@ -57,7 +57,7 @@ public:
     /// the node is pinned.
     [[nodiscard]] Vec3 solved(int node) const;
     /// [N s] The residual impulse of the last solve at a node; zero if the node is pinned.
-    [[nodiscard]] Vec3 undone(int node) const;
+    [[nodiscard]] Vec3 residualImpulse(int node) const;
     /// The change of the velocities in an explicit step, in which the matrix is that of the masses.
     void solveExplicit(std::span<Vec3> dv) const;
 
@@ -97,7 +97,7 @@ private:
 
     void load(std::span<const Vec3> from, Vec3 origin, linalg::NodeArray& to, WorkerPool& pool) const;
 
-    void loadImpulses(std::span<const Vec3> forces, std::span<const Vec3> leftover, double dt, WorkerPool& pool);
+    void loadImpulses(std::span<const Vec3> forces, std::span<const Vec3> residual, double dt, WorkerPool& pool);
 
     /// The fraction of the motion w = v + dv that must be removed so that the step does not gain energy; usually 0. A
     /// residual impulse r of the solve acts on the body like an external impulse -r. With the residual impulse l handed
@@ -109,7 +109,7 @@ private:
     double heldBack(WorkerPool& pool);
 
     void finish(const linalg::NodeSolveReport& report, const RigidMotion& push, std::span<Vec3> dv,
-                std::span<Vec3> leftover, WorkerPool& pool);
+                std::span<Vec3> residual, WorkerPool& pool);
 
     /// The rigid motion with the momentum and the angular momentum of the velocities v + dv; zero if the body is
     /// pinned.
@@ -153,7 +153,7 @@ private:
     std::vector<double> sums_;
     linalg::TwoLevelPreconditioner preconditioner_;
     bool parted_ = false; ///< tissue has been parted since the coarse level was built or its rebuild began
-    std::unique_ptr<CoarseRemake> remake_; ///< rebuild of the coarse level in progress; null: none
+    std::unique_ptr<CoarseRebuild> rebuild_; ///< rebuild of the coarse level in progress; null: none
     linalg::MatrixFreeCg cg_;
 };
 

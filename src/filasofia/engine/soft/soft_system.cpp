@@ -9,15 +9,15 @@ namespace {
 
 /// True if an element or spring pulls at hard-pinned nodes. If all its nodes are pinned, it is at rest and exerts no
 /// force.
-template <class Nodes> bool pulls(const HeldParts& parts, const Nodes& nodes)
+template <class Nodes> bool pulls(const PinnedParts& parts, const Nodes& nodes)
 {
     const auto held = std::ranges::count_if(nodes, [&](int node) { return parts.holders[node] > 0; });
     return held > 0 && held < std::ssize(nodes);
 }
 
-HeldParts heldParts(const SoftModel& model)
+PinnedParts pinnedParts(const SoftModel& model)
 {
-    HeldParts parts;
+    PinnedParts parts;
     for (const PinGroup& group : model.pins.groups) {
         if (group.stiffness != physics::kHard) continue;
         parts.holders.resize(model.rest.size());
@@ -33,11 +33,11 @@ HeldParts heldParts(const SoftModel& model)
 
 } // namespace
 
-void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts)
+void updatePinnedParts(const SoftModel& model, const MeshEdit& edit, PinnedParts& parts)
 {
     if (parts.holders.empty()) return;
     if (model.elements.empty()) {
-        parts = heldParts(model);
+        parts = pinnedParts(model);
         return;
     }
     const std::size_t known = parts.holders.size();
@@ -71,9 +71,9 @@ SoftSystem makeSystem(const SoftModel& model, double period)
         logWarning("soft body '", model.name,
                    "': its masses and stiffnesses span too wide a range for single precision; ",
                    "it is solved in double precision, which is slower");
-    for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
+    for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.residual})
         buffer->resize(model.rest.size());
-    system.held = heldParts(model);
+    system.held = pinnedParts(model);
     return system;
 }
 

@@ -7,7 +7,7 @@ namespace filasofia::engine {
 
 /// The elements and springs that pull at hard-pinned nodes, from which the reactions of pins are computed, and the
 /// number of pin groups per node.
-struct HeldParts {
+struct PinnedParts {
     std::vector<int> elements, springs;
     std::vector<int> holders; ///< per node: number of hard pin groups; empty if no node is pinned hard
 };
@@ -21,12 +21,12 @@ struct SoftSystem {
     std::unique_ptr<MatrixFreeOperator> coupled;
     std::unique_ptr<AssembledSystem> assembled; ///< in double, the reference solver
 
-    HeldParts held;
+    PinnedParts held;
     bool tuned = false;    ///< the model may differ from what its Def and its material say
     bool outdated = false; ///< the model has changed: the system is rebuilt before the next solve
 
     std::vector<Vec3> forces;             ///< [N] gravity, nodal forces, pressure, pin springs
-    std::vector<Vec3> x, v, dv, leftover; ///< the new state, until it is known to be usable
+    std::vector<Vec3> x, v, dv, residual; ///< the new state, until it is known to be usable
 };
 
 /// Marks the system as outdated: it is rebuilt after the last command of the step, as later commands may change more.
@@ -38,7 +38,7 @@ inline void outdate(bool tuned, SoftSystem& system)
 }
 
 /// Updates the parts that pull at hard-pinned nodes after an edit.
-void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts);
+void updatePinnedParts(const SoftModel& model, const MeshEdit& edit, PinnedParts& parts);
 
 /// Builds the system of a body, assembled if float cannot represent the model. `period` [s]: the step that the solver
 /// prepares for.

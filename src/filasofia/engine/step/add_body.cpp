@@ -55,9 +55,9 @@ void removeBody(BodyId id, Scene& scene)
 {
     removeAttachmentsOf(id, scene);
     const auto touches = [&](const auto& contact) { return contact.first == id || contact.second == id; };
-    std::erase_if(scene.touching, touches);
+    std::erase_if(scene.contactReports, touches);
     std::erase_if(scene.contacts, touches);
-    std::erase_if(scene.sides, [&](const SideKept& kept) { return kept.source.body == id || kept.target.body == id; });
+    std::erase_if(scene.sides, [&](const SheetSide& kept) { return kept.source.body == id || kept.target.body == id; });
     const auto is = [&](const auto& body) { return body.model.id == id; };
     const std::size_t erased = std::erase_if(scene.soft, is) + std::erase_if(scene.rigid, is);
     FILASOFIA_ASSERT(erased == 1);      // the server has checked that the body exists

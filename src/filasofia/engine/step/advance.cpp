@@ -32,7 +32,7 @@ linalg::NodeSolveReport solveBody(double dt, double inertia, const linalg::Solve
     SoftSystem& system = body.system;
     if (system.assembled) return {solve(body.model, dt, inertia, body.state.v, *system.assembled, system.dv)};
     if (std::holds_alternative<physics::ImplicitEuler>(body.model.integrator))
-        return system.matrixFree->solve(limits, system.dv, system.leftover, pool);
+        return system.matrixFree->solve(limits, system.dv, system.residual, pool);
     system.matrixFree->solveExplicit(system.dv);
     return {};
 }
@@ -54,7 +54,7 @@ bool moveBody(double dt, SoftBody& body, WorkerPool& pool)
         std::ranges::copy(nodes(state.v), v.begin());
         move(dt, withOld, nodes(system.dv), x, v);
         if (!usable(x) || !usable(v) ||
-            !std::ranges::all_of(nodes(system.leftover), [](Vec3 l) { return isFinite(l); }))
+            !std::ranges::all_of(nodes(system.residual), [](Vec3 l) { return isFinite(l); }))
             good = false;
     });
     return good;
@@ -83,7 +83,7 @@ void finishPieces(std::size_t index, double dt, const std::vector<Constraint>& c
         return;
     const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness});
     const auto solved = [&](int node) {
-        return NodeSolve{system.matrixFree->solved(node), system.matrixFree->undone(node)};
+        return NodeSolve{system.matrixFree->solved(node), system.matrixFree->residualImpulse(node)};
     };
     finishFragments(body, weights, constrainedNodes(index, model.rest.size(), constraints), solved);
 }
@@ -113,12 +113,12 @@ void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOu
     SoftSystem& system = body.system;
     bool good = moveBody(dt, body, context.pool);
     if (!good) { // roll back, clear velocities, and creep
-        for (auto* list : {&state.v, &state.dv, &state.leftover}) std::fill(list->begin(), list->end(), Vec3{});
+        for (auto* list : {&state.v, &state.dv, &state.residual}) std::fill(list->begin(), list->end(), Vec3{});
         assembleBody({gravity, dt, kCreep}, body, context.pool);
         system.dv = state.dv;
         solveBody(dt, kCreep, limitsOf(body.model), body, context.pool);
         // The residual of the heavier body must not be handed on to the real one.
-        std::fill(system.leftover.begin(), system.leftover.end(), Vec3{});
+        std::fill(system.residual.begin(), system.residual.end(), Vec3{});
         good = moveBody(dt, body, context.pool);
         outcome.set(StepFlag::Undone);
         if (good) outcome.set(StepFlag::Damped);
@@ -127,7 +127,7 @@ void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOu
         std::swap(system.x, state.x);
         std::swap(system.v, state.v);
         std::swap(system.dv, state.dv);
-        std::swap(system.leftover, state.leftover);
+        std::swap(system.residual, state.residual);
         limitSpin(body.model, kMaxTurn, dt, state);
     }
 }
@@ -145,7 +145,7 @@ BodyOutcome outcomeOf(BodyId id, const linalg::NodeSolveReport& solve)
 void prepareBody(SoftBody& body)
 {
     body.system.dv = body.state.dv;
-    auto& residual = body.system.leftover;
+    auto& residual = body.system.residual;
     std::fill(residual.begin(), residual.end(), Vec3{}); // only the default solver writes residuals
 }
 

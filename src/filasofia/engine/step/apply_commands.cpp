@@ -54,7 +54,7 @@ struct ApplyCommand {
         physics::HapticTarget target = set.target;
         target.pose = physics::unitPose(target.pose, "target.pose");
         if (body.model.dynamic)
-            hold({set.element, target}, body.state);
+            setCoupling({set.element, target}, body.state);
         else
             body.state.targets[set.element] = target.pose;
     }
@@ -84,7 +84,9 @@ struct ApplyCommand {
     }
     void operator()(const physics::Grasp& grasp) const
     {
-        scene.grasps.push_back({grasp.id, grasp.rigid, grasp.target, grasp.def.stiffness, grasp.def.breakForce});
+        // Ids may arrive slightly out of order: threads take them before their commands are queued.
+        const auto place = std::ranges::upper_bound(scene.grasps, grasp.id, {}, &PendingGrasp::id);
+        scene.grasps.insert(place, {grasp.id, grasp.rigid, grasp.target, grasp.def.stiffness, grasp.def.breakForce});
     }
     void operator()(const physics::RemovePiece& remove) const
     {

@@ -65,15 +65,15 @@ void resetScene(Scene& scene)
         RigidBody& body = scene.rigid[b];
         RigidState fresh = stateAtStart(body.model);
         fresh.wrenches = std::move(body.state.wrenches);
-        fresh.hands = std::move(body.state.hands);
+        fresh.couplings = std::move(body.state.couplings);
         body.state = std::move(fresh);
         placeLinks(b, scene); // a carrier comes before the bodies that it carries
     }
     scene.contacts.clear();
-    scene.touching.clear();
+    scene.contactReports.clear();
     scene.sides.clear(); // bodies have moved: the sides of sheets are unknown again
-    for (std::vector<Vec3>& forces : scene.holding) std::ranges::fill(forces, Vec3{});
-    scene.held.clear();
+    for (std::vector<Vec3>& forces : scene.attachmentForces) std::ranges::fill(forces, Vec3{});
+    scene.attachmentReports.clear();
 }
 
 } // namespace filasofia::engine

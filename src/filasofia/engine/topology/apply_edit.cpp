@@ -110,7 +110,7 @@ void followState(const TopologyEdit& edit, const MeshTopology& mesh, SoftModel& 
     const auto count = static_cast<std::size_t>(edit.nodes), known = model.rest.size();
     model.rest.insert(model.rest.end(), mesh.rest.begin() + static_cast<std::ptrdiff_t>(known), mesh.rest.end());
     state.x.insert(state.x.end(), mesh.current.begin() + static_cast<std::ptrdiff_t>(known), mesh.current.end());
-    state.leftover.resize(count); // residual impulses and forces stay with their nodes
+    state.residual.resize(count); // residual impulses and forces stay with their nodes
     state.forces.resize(count);
     model.masses.resize(count);
     for (std::size_t i = 0; i < count; ++i)
@@ -196,9 +196,9 @@ void followSystem(const MeshEdit& edit, double period, const SoftModel& model, S
         return;
     }
     if (system.matrixFree->edit(model, edit)) system.coupled.reset();
-    for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
+    for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.residual})
         buffer->resize(model.rest.size());
-    followHeld(model, edit, system.held);
+    updatePinnedParts(model, edit, system.held);
     system.tuned = true; // no longer as its Def describes it
 }
 

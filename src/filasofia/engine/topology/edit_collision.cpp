@@ -40,9 +40,9 @@ void editMemories(SurfaceName name, const CollisionShape& before, const Collisio
     sortCache(memories);
 }
 
-void editSides(SurfaceName name, const CollisionShape& now, std::vector<SideKept>& sides)
+void editSides(SurfaceName name, const CollisionShape& now, std::vector<SheetSide>& sides)
 {
-    std::erase_if(sides, [&](const SideKept& kept) {
+    std::erase_if(sides, [&](const SheetSide& kept) {
         if (kept.source == name && !inUse(now, kept.point)) return true;
         return kept.target == name &&
                std::ranges::any_of(kept.feature, [&](int vertex) { return vertex >= 0 && !inUse(now, vertex); });
@@ -72,7 +72,7 @@ void editCollision(const OwnSurfaceEdit& edit, int model, SoftModel& body, Scene
     collision.inset = editInset(collision.inset, *before, now, change, insetDepth(collision.proximity));
     setProximity(collision.proximity, collision.inset, now);
     collision.behind = behindNow(edit, change, collision.behind);
-    addTies(edit.nodes, collision.ties);
+    addToEmbedding(edit.nodes, collision.embedding);
     const SurfaceName name{body.id, model};
     editMemories(name, *before, now, change, scene.contacts);
     editSides(name, now, scene.sides);

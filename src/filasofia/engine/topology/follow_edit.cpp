@@ -100,17 +100,17 @@ private:
     std::vector<std::function<void(const std::vector<NodeWeight>&)>> tell_;
 };
 
-void addEmbedding(geometry::Embedding& ties, Riders& riders)
+void addEmbedding(geometry::Embedding& embedding, Riders& riders)
 {
-    for (std::size_t i = 0; i < ties.nodes.size(); ++i) {
+    for (std::size_t i = 0; i < embedding.nodes.size(); ++i) {
         std::array<NodeWeight, 4> point{};
-        for (std::size_t k = 0; k < 4; ++k) point[k] = {ties.nodes[i][k], ties.weights[i][k]};
-        riders.add(point, [&ties, i](const std::vector<NodeWeight>& now) {
-            ties.nodes[i].fill(now.front().node);
-            ties.weights[i].fill(0.0);
+        for (std::size_t k = 0; k < 4; ++k) point[k] = {embedding.nodes[i][k], embedding.weights[i][k]};
+        riders.add(point, [&embedding, i](const std::vector<NodeWeight>& now) {
+            embedding.nodes[i].fill(now.front().node);
+            embedding.weights[i].fill(0.0);
             for (std::size_t k = 0; k < now.size(); ++k) {
-                ties.nodes[i][k] = now[k].node;
-                ties.weights[i][k] = now[k].weight;
+                embedding.nodes[i][k] = now[k].node;
+                embedding.weights[i][k] = now[k].weight;
             }
         });
     }
@@ -132,7 +132,7 @@ void followRiders(const TopologyEdit& edit, const EditableMesh& mesh, SoftModel&
             if (attachment.to == soft.id) addPoint(pair[1]);
         }
     for (CollisionModel& collision : soft.collision)
-        if (collision.behind.empty()) addEmbedding(collision.ties, riders);
+        if (collision.behind.empty()) addEmbedding(collision.embedding, riders);
     riders.follow(edit, mesh, soft);
 }
 

@@ -62,7 +62,7 @@ public:
             placeOf(element, face, topology_) = static_cast<int>(t);
         }
         ++topology_.revision;
-        topology_.told.reset();
+        topology_.published.reset();
     }
 
 private:

@@ -129,13 +129,13 @@ void finishFragments(SoftBody& body, ImplicitWeights weights, const std::vector<
         const auto isConstrained = [&](int node) { return constrained[static_cast<std::size_t>(node)] != 0; };
         if (piece.elements.empty() || piece.held || std::ranges::any_of(piece.nodes, isConstrained)) continue;
         std::vector<Vec3> impulses;
-        for (int node : piece.nodes) impulses.push_back(solved(node).undone);
+        for (int node : piece.nodes) impulses.push_back(solved(node).residual);
         const std::vector<Vec3> correction =
             solve(FragmentMatrix(body.model, piece, weights, body.state), std::move(impulses));
         for (std::size_t k = 0; k < correction.size(); ++k) {
             const auto i = static_cast<std::size_t>(piece.nodes[k]);
             body.system.dv[i] = solved(piece.nodes[k]).dv + correction[k];
-            body.system.leftover[i] = {};
+            body.system.residual[i] = {};
         }
     }
 }

@@ -18,8 +18,8 @@ void findHeld(const Pins& pins, std::vector<BodyPiece>& pieces);
 
 /// The result of a solve of A dv = b at one node, with its residual b - A dv.
 struct NodeSolve {
-    Vec3 dv;     ///< [m/s]
-    Vec3 undone; ///< [N s] residual
+    Vec3 dv;       ///< [m/s]
+    Vec3 residual; ///< [N s] residual
 };
 
 /// Continues the solve of an implicit step for small fragments: pieces of few elements that are not pinned and have no

@@ -33,7 +33,7 @@ bool removePiece(int piece, SoftBody& body, Scene& scene)
     for (std::size_t i = 0; i < gone.size(); ++i) {
         if (!gone[i]) continue;
         model.pins.hard[i] = true;
-        state.v[i] = state.dv[i] = state.leftover[i] = state.forces[i] = {};
+        state.v[i] = state.dv[i] = state.residual[i] = state.forces[i] = {};
     }
     topology.mesh->remove(elements);
     const auto isGone = [&](int node) { return static_cast<bool>(gone[static_cast<std::size_t>(node)]); };

@@ -96,10 +96,10 @@ std::vector<Tool> toolsNear(SoftBody& body, const std::vector<Blade>& blades, ph
     for (const Blade& blade : blades) {
         if (!mayBeCut(model, blade.shape->group)) continue;
         if (geometry::isEmpty(box)) {
-            SlackBox& around = topology.around;
-            around.slack += topology.mesh->lastMotion();
-            if (!topology.followed || !(around.slack < 0.5 * margin)) around = {boxOf(model, body.state)};
-            box = geometry::grown(around.box, margin + around.slack);
+            MovingBounds& around = topology.around;
+            around.margin += topology.mesh->lastMotion();
+            if (!topology.followed || !(around.margin < 0.5 * margin)) around = {boxOf(model, body.state)};
+            box = geometry::grown(around.box, margin + around.margin);
         }
         const auto isNear = [&](const std::vector<Vec3>& vertices) {
             const geometry::Box around = geometry::boxAround(vertices);

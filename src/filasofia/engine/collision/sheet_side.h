@@ -15,13 +15,13 @@ struct SurfaceName {
 };
 
 /// The side of a sheet that a point was on. For a point's own surface: whether the point was outside.
-struct SideKept {
+struct SheetSide {
     SurfaceName source;           ///< the surface that the point belongs to
     SurfaceName target;           ///< the sheet
     int point = 0;                ///< vertex of the source
     std::array<int, 3> feature{}; ///< vertices of the nearest feature; -1: unused
     int side = 1;                 ///< 1 or -1
-    friend constexpr auto operator<=>(const SideKept&, const SideKept&) = default;
+    friend constexpr auto operator<=>(const SheetSide&, const SheetSide&) = default;
 };
 
 } // namespace filasofia::engine
