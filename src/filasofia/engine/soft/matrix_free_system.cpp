@@ -138,8 +138,8 @@ linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limit
     load(dv, {}, dv_, pool);
     linalg::SolveLimits tighter = limits;
     if (freeNodes_ <= kFewNodes)
-        closer.tolerance = std::min(limits.tolerance, std::max(kCloser * limits.tolerance, kClosest));
-    const linalg::NodeSolveReport report = cg_.solve({*this, preconditioner_, residual_, size_}, dv_, closer, pool);
+        tighter.tolerance = std::min(limits.tolerance, std::max(kTighter * limits.tolerance, kSmallestTolerance));
+    const linalg::NodeSolveReport report = cg_.solve({*this, preconditioner_, residual_, size_}, dv_, tighter, pool);
     finish(report, rigidPush(), dv, residual, pool);
     return report;
 }
