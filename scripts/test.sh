@@ -16,6 +16,8 @@ for preset in release asan; do
   build $preset
   headline "$preset: tests"
   run_tests $preset || failed+=("$preset")
+  headline "$preset: where the time went"
+  "$root/tools/slowest.py" "$root/build/$preset"
 done
 
 headline "result after $((SECONDS / 60)) min $((SECONDS % 60)) s"
