@@ -418,7 +418,7 @@ class Replay(Program):
     def test_what_is_no_whole_recording_is_refused_with_file_and_place(self):
         self.record("--headless", "--steps", "5")
         whole, records = self.file.read_bytes(), self.records()
-        self.refused("replay", "/nonexistent.rec", says=["/nonexistent.rec", "cannot be read"])
+        self.refused("replay", "/nonexistent.rec", says=["/nonexistent.rec", "there is no such file"])
         self.refused("replay", says=["RECORDING"])
         fourth = self.steps()[3]
         self.change(fourth, '"hash":', '"xx":')

@@ -92,7 +92,7 @@ TEST_CASE("a motion that was written is read again to the same bits")
 TEST_CASE("a motion file that is none is refused with file, line, field and value")
 {
     const std::string head = kHeader;
-    CHECK(refusal("") == "motion file 'FILE': cannot be read"); // none was made
+    CHECK(refusal("") == "motion file 'FILE': there is no such file"); // none was made
     CHECK(refusal(head) == "motion file 'FILE': must have at least one sample, got none");
     CHECK(refusal("# nothing\n" + head + "# nothing\n") ==
           "motion file 'FILE': must have at least one sample, got none");
@@ -114,13 +114,23 @@ TEST_CASE("a motion file that is none is refused with file, line, field and valu
     CHECK(refusal(head + "0,0,0,0,1,0,0,0,0\r\n1, 0.1,0,0,1,0,0,0,0") == "nothing"); // spaces, other line ends
 }
 
+TEST_CASE("a motion file that never ends, or would make the reader wait, is refused")
+{
+    CHECK_THROWS_WITH(readMotion("/dev/zero"), "motion file '/dev/zero': is neither a regular file nor a pipe");
+    CHECK_THROWS_WITH(readMotion("/tmp"), "motion file '/tmp': is a folder; a file is needed");
+    CHECK(refusal(std::string(5000, '#') + "\n" + kHeader) ==
+          "motion file 'FILE': line 1: must have at most 4096 bytes, got more");
+    CHECK(refusal(std::string(kHeader) + "0,0,0,0,1,0,0,0,0\n" + std::string(1 << 20, '\0')) ==
+          "motion file 'FILE': line 3: must have at most 4096 bytes, got more");
+}
+
 TEST_CASE("devices are made by name, and what cannot be is refused")
 {
     CHECK(nameOf(deviceNamed("spacemouse")) == "spacemouse");
     CHECK_THROWS_WITH(deviceNamed("omega"), "device: must be one of mouse, gamepad, spacemouse, scripted, "
                                             "forcedimension, openhaptics, got 'omega'");
     CHECK_THROWS_WITH(makeDevice(ScriptedDevice{}), "device scripted: motion must be a file or a motion, got none");
-    CHECK_THROWS_WITH(makeDevice(ScriptedDevice{"/nowhere.csv"}), "motion file '/nowhere.csv': cannot be read");
+    CHECK_THROWS_WITH(makeDevice(ScriptedDevice{"/nowhere.csv"}), "motion file '/nowhere.csv': there is no such file");
     CHECK_THROWS_WITH(makeDevice(MouseDevice{}, "libx.so"), "device mouse: is read without a library, got 'libx.so'");
     CHECK_THROWS_WITH(makeDevice(MouseDevice{.reach = 0.0}), "device mouse: reach must be > 0 m, got 0");
     CHECK_THROWS_WITH(makeDevice(ForceDimensionDevice{.index = 16}),

@@ -3,6 +3,8 @@
 #include "geometry/gmsh_writer.h"
 #include "geometry/sample_meshes.h"
 
+#include <sys/stat.h>
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 using Catch::Matchers::Contains;
@@ -202,10 +204,10 @@ TEST_CASE("what is no mesh file at all is refused by name")
 {
     const std::filesystem::path folder = std::filesystem::path(FILASOFIA_BINARY_DIR) / "test_files" / "folder.obj";
     std::filesystem::create_directories(folder);
-    CHECK_THAT(errorOf([&] { loadTriangleMesh(folder); }), Contains("folder.obj: is a directory"));
-    CHECK_THAT(errorOf([] { loadTriangleMesh("nowhere.obj"); }), Contains("nowhere.obj: no such file"));
-    CHECK_THAT(errorOf([] { loadTetMesh("nowhere.msh"); }), Contains("nowhere.msh: no such file"));
-    CHECK_THAT(errorOf([] { loadTetMesh("nowhere.node"); }), Contains("nowhere.node: no such file"));
+    CHECK_THAT(errorOf([&] { loadTriangleMesh(folder); }), Contains("folder.obj: is a folder"));
+    CHECK_THAT(errorOf([] { loadTriangleMesh("nowhere.obj"); }), Contains("nowhere.obj: there is no such file"));
+    CHECK_THAT(errorOf([] { loadTetMesh("nowhere.msh"); }), Contains("nowhere.msh: there is no such file"));
+    CHECK_THAT(errorOf([] { loadTetMesh("nowhere.node"); }), Contains("nowhere.node: there is no such file"));
     CHECK_THAT(errorOf([] { loadTriangleMesh("/dev/zero"); }),
                Contains("must be an .obj, .stl, .ply, .gltf or .glb file"));
     CHECK_THAT(errorOf([] { loadTriangleMesh("a.fbx"); }),
@@ -216,6 +218,15 @@ TEST_CASE("what is no mesh file at all is refused by name")
         CHECK_THAT(errorFor(name, ""), Contains(std::string(name) + ": is empty"));
     const TemporaryFile empty("e.msh", "");
     CHECK_THAT(errorOf([&] { loadTetMesh(empty.path()); }), Contains("e.msh: is empty"));
+}
+
+TEST_CASE("a pipe that a mesh file names as its material is not waited for")
+{
+    const TemporaryFile mesh("piped.obj", "mtllib piped.mtl\n" + obj());
+    const std::filesystem::path pipe = mesh.path().parent_path() / "piped.mtl";
+    REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+    checkIsUnitTetrahedron(loadTriangleMesh(mesh.path()));
+    std::filesystem::remove(pipe);
 }
 
 TEST_CASE("a broken surface file gives an Error that names it")

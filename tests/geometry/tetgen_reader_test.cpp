@@ -54,7 +54,7 @@ TEST_CASE("a mesh comes back from a TetGen pair, bit for bit, and points of no t
 TEST_CASE("either name of a TetGen pair loads both, and the missing partner is named")
 {
     const TemporaryFile nodes("pair.node", kNodes);
-    CHECK_THAT(errorOf([&] { loadTetMesh(nodes.path()); }), Contains("pair.ele: no such file"));
+    CHECK_THAT(errorOf([&] { loadTetMesh(nodes.path()); }), Contains("pair.ele: there is no such file"));
     const TemporaryFile elements("pair.ele", kElements);
     CHECK(loadTetMesh(nodes.path()).nodes == unitTetrahedron().nodes);
     CHECK(loadTetMesh(elements.path()).nodes == unitTetrahedron().nodes);

@@ -97,8 +97,8 @@ TEST_CASE("what is no recording says so")
                    Catch::StartsWith(": this is no Filasofia recording") || Catch::StartsWith(": cut off at byte "));
     CHECK(refusal("filasofia rec") == ": cut off at byte 13: a recording begins, and holds nothing");
     CHECK(refusal(record::openingLine()) == ": cut off at byte 31: the session's end is missing");
-    CHECK_THROWS_WITH(record::readRecording("/no/such/file.rec"), "/no/such/file.rec: cannot be read");
-    CHECK_THROWS_WITH(record::readRecording("/tmp"), "/tmp: is a folder");
+    CHECK_THROWS_WITH(record::readRecording("/no/such/file.rec"), "/no/such/file.rec: there is no such file");
+    CHECK_THROWS_WITH(record::readRecording("/tmp"), "/tmp: is a folder; a file is needed");
     CHECK_THROWS_WITH(record::readRecording("/dev/zero"), "/dev/zero: is no regular file");
     const record::ScratchFile pipe("pipe.rec");
     REQUIRE(mkfifo(pipe.path().c_str(), 0600) == 0);

@@ -103,6 +103,13 @@ TEST_CASE("every event of a scene comes back from its recording")
     STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 10);
 }
 
+TEST_CASE("a file of a scene that is none, or would never end, has no digest")
+{
+    CHECK_FALSE(digested("/dev/zero"));
+    CHECK_FALSE(digested("/tmp"));
+    CHECK_FALSE(digested("/nowhere.png"));
+}
+
 TEST_CASE("the files that an event names are found, however deep")
 {
     CHECK(filesOf(SceneShown{1,
@@ -152,7 +159,7 @@ TEST_CASE("a session is made again from its file alone, whatever the threads")
     const ReplayReport cut = replay({.file = folder / "run.rec", .check = true});
     CHECK_THAT(cut.damage, Catch::Contains("cut off at byte "));
     CHECK_FALSE(cut.difference);
-    CHECK_THROWS_WITH(replay({.file = folder / "no.rec"}), folder / "no.rec" + ": cannot be read");
+    CHECK_THROWS_WITH(replay({.file = folder / "no.rec"}), folder / "no.rec" + ": there is no such file");
     CHECK_THROWS_WITH(replay({.file = folder / "run.rec", .picture = "a.jpg"}),
                       "replay: picture must end in .png, got 'a.jpg'");
 }

@@ -108,7 +108,8 @@ struct TrainerProgram {
         if (wantsHelp()) return;
         static_cast<void>(seedNumber()); // what is wrong is told before any window opens
         if (motion != "hand" && !planned()) {
-            if (!std::filesystem::is_regular_file(motion))
+            std::error_code problem; // a name too long is no file either
+            if (!std::filesystem::is_regular_file(motion, problem))
                 fail(def.name, ": --motion must be ", motions(), " or a motion file, and there is no file ",
                      shownWord(motion));
             rest.insert(rest.end(), {"--motion", motion});
