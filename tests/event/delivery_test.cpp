@@ -116,6 +116,8 @@ TEST_CASE("a callback that throws is logged once and detached, the others go on"
     CHECK(others == 3);
     REQUIRE(log.lines().size() == 2);
     CHECK(log.lines()[0] == "an observer of Custom1 events threw at step 0 and is detached: no such polyp");
+    CHECK(log.lines()[1] == "an observer of Custom1 events threw at step 0 and is detached: it threw something that is "
+                            "no std::exception");
 }
 
 TEST_CASE("deliverAll also delivers what observers post in answer, and what those observers answer")

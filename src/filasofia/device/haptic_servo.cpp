@@ -1,6 +1,7 @@
 #include "filasofia/device/haptic_servo.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/guarded_call.h"
 #include "filasofia/core/real_time.h"
 
 #include <time.h>
@@ -68,18 +69,17 @@ void HapticServo::stop()
 void HapticServo::open()
 {
     tryAgain_ = clock_.now() + kSecond;
-    try {
+    const auto problem = guardedCall([this] { // the driver may be the user's
         device_.open();
         open_ = true;
         slow_ = refused_ = false;
         loop_.setCapabilities(device_.capabilities());
         loop_.interrupt();
         if (!told_) notice_({.kind = DeviceNotice::Kind::Connected}); // else when it has been right for a while
-    } catch (const std::exception& problem) {
-        device_.close();
-        if (!std::exchange(told_, ServoState::Lost))
-            notice_({.kind = DeviceNotice::Kind::Error, .problem = problem.what()});
-    }
+    });
+    if (!problem) return;
+    device_.close();
+    if (!std::exchange(told_, ServoState::Lost)) notice_({.kind = DeviceNotice::Kind::Error, .problem = *problem});
 }
 
 void HapticServo::close()

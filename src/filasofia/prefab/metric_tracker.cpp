@@ -1,6 +1,7 @@
 #include "filasofia/prefab/metric_tracker.h"
 
 #include "filasofia/core/date.h"
+#include "filasofia/core/guarded_call.h"
 #include "filasofia/core/log.h"
 #include "filasofia/core/mpsc_queue.h"
 #include "filasofia/core/spsc_ring.h"
@@ -258,17 +259,15 @@ struct MetricTracker::Impl {
     void attempt(const std::function<void()>& write)
     {
         if (failed.load()) return;
+        const std::optional<std::string> problem = guardedCall(write);
+        if (!problem) return;
+        failed.store(true);
+        runtime::FileFailedEvent failure;
+        failure.problem = text("metric tracker: ", *problem, "; the session goes on unrecorded");
+        logError(failure.problem);
         try {
-            write();
-        } catch (const std::exception& problem) {
-            failed.store(true);
-            runtime::FileFailedEvent failure;
-            failure.problem = text("metric tracker: ", problem.what(), "; the session goes on unrecorded");
-            logError(failure.problem);
-            try {
-                simulation.post(std::move(failure));
-            } catch (const Error&) { // the queue is full: the log has told
-            }
+            simulation.post(std::move(failure));
+        } catch (const Error&) { // the queue is full: the log has told
         }
     }
 

@@ -107,6 +107,8 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
         return report(problem);
     } catch (const std::exception& problem) { // thrown by the user's dress() or window
         return report(Error(text("the run ended by an exception: ", problem.what())));
+    } catch (...) {
+        return report(Error("the run ended by an exception: it is no std::exception"));
     }
 }
 
