@@ -76,7 +76,7 @@ public:
     /// For asking which engine it is, and for its build(). Any thread.
     [[nodiscard]] const PhysicsEngine& engine() const;
 
-    // The stepping thread only.
+    // The stepping thread only: a step, while another thread makes one, throws an Error.
     /// One step of dt [s], > 0. `flags`: StepFlag bits that the caller knows already, for report and log.
     StepReport step(double dt, std::uint32_t flags = 0, const StepBudget& budget = {});
     /// The commands of the next step as a recording has them, with their ids and built bodies, checked as if they were

@@ -18,6 +18,23 @@ namespace {
 constexpr std::size_t kMaximumCommands = 4096; // per step
 constexpr std::size_t kMaximumSpent = 64;
 
+/// A step that is being made. A second one at the same time, of another thread or from within, is refused before it
+/// touches anything.
+class SoleStep {
+public:
+    explicit SoleStep(std::atomic_flag& under) : underWay_(under)
+    {
+        if (underWay_.test_and_set(std::memory_order_acquire))
+            fail("physics: a step is being made already: only one thread at a time may step a server");
+    }
+    ~SoleStep() { underWay_.clear(std::memory_order_release); }
+    SoleStep(const SoleStep&) = delete;
+    SoleStep& operator=(const SoleStep&) = delete;
+
+private:
+    std::atomic_flag& underWay_;
+};
+
 } // namespace
 
 struct PhysicsServer::Impl {
@@ -33,6 +50,7 @@ struct PhysicsServer::Impl {
     bool recordLost = false; ///< since the last record that was written
     bool paused = false;
     std::atomic<bool> logging = false;
+    std::atomic_flag stepping = {}; ///< see SoleStep
 
     /// Callers only: the step never takes it. Held from the look at a body to the push of its command, so that no
     /// command for a body comes behind the one that removes it.
@@ -231,6 +249,7 @@ std::vector<AttachmentId> PhysicsServer::attachments(BodyId id) const
 StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget& budget)
 {
     if (!(std::isfinite(dt) && dt > 0.0)) fail("physics: step: dt must be > 0 s and finite, got ", dt);
+    const SoleStep sole(impl_->stepping);
     impl_->drainInbox();
     StepReport report = impl_->engine->step(
         {.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands, .flags = flags, .budget = &budget});
@@ -242,6 +261,7 @@ StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget&
 
 void PhysicsServer::expect(std::vector<Command> commands)
 {
+    const SoleStep sole(impl_->stepping);
     const std::lock_guard lock(impl_->registryMutex);
     for (const Command& command : commands) {
         impl_->registry.check(command);
@@ -253,6 +273,7 @@ void PhysicsServer::expect(std::vector<Command> commands)
 StepReport PhysicsServer::stepAgain(double dt, const StepBudget& budget)
 {
     if (!(std::isfinite(dt) && dt >= 0.0)) fail("physics: stepAgain: dt must be >= 0 s and finite, got ", dt);
+    const SoleStep sole(impl_->stepping);
     const StepReport report = impl_->engine->step({.dt = dt, .commands = impl_->commands, .budget = &budget});
     impl_->giveBackSpent();
     impl_->commands.clear();
