@@ -32,6 +32,15 @@ std::vector<std::string> linesOf(const std::string& file)
 
 } // namespace
 
+TEST_CASE("an empty list is the default Def")
+{
+    Simulation sim({}), other;
+    CHECK(sim.run(headless(2)).hash == other.run(headless(2)).hash);
+    Simulation slow({.physics = {.rate = 100}});
+    CHECK(slow.run(headless(2)).time == Approx(0.02));
+    STATIC_REQUIRE_FALSE(std::is_copy_constructible_v<Simulation>);
+}
+
 TEST_CASE("two headless runs of the same scene end in the same hash")
 {
     std::uint64_t hash[2];
@@ -300,6 +309,9 @@ TEST_CASE("what a user's dress throws ends the run with one line, --fps without 
     Simulation sim;
     sim.dress([](visual::VisualServer&) { throw std::runtime_error("no lamp"); });
     const char* picture[] = {"program", "--headless", "--steps", "2", "--picture", "never.png"};
+    CHECK(sim.run(6, picture) == 2);
+    sim.dress({});
+    sim.dress([](visual::VisualServer&) { throw 42; });
     CHECK(sim.run(6, picture) == 2);
     const char* fps[] = {"program", "--headless", "--steps", "2", "--fps", "20"};
     CHECK(sim.run(6, fps) == 2);
