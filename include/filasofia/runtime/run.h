@@ -80,7 +80,8 @@ struct RunReport {
     bool realTime = false;          ///< physics was scheduled before ordinary threads
     std::string finished;           ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
-    std::vector<std::string> pictures;       ///< files written, including the video
+    std::vector<std::string> bluntBlades; ///< one line per blade and soft body without dynamicTopology that met so far
+    std::vector<std::string> pictures;    ///< files written, including the video
     /// why log or recording end before the run, or a screenshot is missing; empty: all are complete
     std::vector<std::string> fileProblems;
 };

@@ -153,7 +153,8 @@ void Simulation::Impl::reset()
 {
     physics.reset();
     bindings.clearPaint();
-    recordScene(SceneCleaned{});
+    static const SceneEvent cleaned = SceneCleaned{}; // as a temporary GCC 12 takes it for uninitialized
+    recordScene(cleaned);
 }
 
 void Simulation::Impl::fill(RunReport& report) const
@@ -163,6 +164,7 @@ void Simulation::Impl::fill(RunReport& report) const
     report.hash = physics.hash();
     counters.fill(report);
     report.contacts = contacts.report(physics);
+    report.bluntBlades = blades.lines();
     files.fill(report);
     report.finished = control.reason();
 }
