@@ -318,3 +318,17 @@ TEST_CASE("what a user's dress throws ends the run with one line, --fps without 
     const char* good[] = {"program", "--headless", "--steps", "2"};
     CHECK(sim.run(4, good) == 0);
 }
+
+TEST_CASE("bodies that were shown and removed before a run are not drawn, however many there were")
+{
+    const auto ball = shapes::sphere(5_mm, 1);
+    Simulation sim;
+    sim.show(sim.add(RigidBodyDef{.name = "stays", .mesh = ball}));
+    for (int i = 0; i < 1500; ++i) { // more than a visual server holds
+        const BodyId id = sim.add(RigidBodyDef{.name = "goes", .mesh = ball});
+        sim.show(id);
+        sim.physics().remove(id);
+    }
+    const RunReport report = sim.run({.backend = Backend::Null, .steps = 5});
+    CHECK(report.visual.bodies == 1);
+}

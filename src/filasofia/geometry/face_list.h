@@ -13,6 +13,7 @@ struct Face {
 };
 
 /// All faces of all tetrahedra, ascending by nodes, then tetrahedron: those two that coincide stand side by side.
+/// Every tetrahedron must name nodes of the mesh.
 std::vector<Face> sortedFaces(const TetMesh& mesh);
 
 } // namespace filasofia::geometry

@@ -42,6 +42,9 @@ public:
     void retopologise(BodyId id, SharedSurface surface, SharedSurface interior = nullptr,
                       std::shared_ptr<const frame::Boundary> boundary = nullptr);
 
+    /// Forgets what was prepared for bodies that have been removed since: it would be drawn once, and each counts as
+    /// one of the bodies that a visual server holds at most. Main thread.
+    void forgetRemoved(const physics::PhysicsServer& physics);
     /// Makes visual bodies of what was prepared. Main thread, like everything below. If the visual server refuses one,
     /// its Error is passed on, and that one and those after it stay pending.
     void addPending(visual::VisualServer& visual);

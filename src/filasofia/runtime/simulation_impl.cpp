@@ -130,6 +130,7 @@ void Simulation::Impl::dressScene(visual::VisualServer& visual)
 
 void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
 {
+    bindings.forgetRemoved(physics);
     bindings.addPending(visual);
     if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, physics, visual);
     journal.observe(visual, now.step());
