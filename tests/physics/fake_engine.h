@@ -10,8 +10,13 @@ namespace filasofia::physics {
 
 struct FakeBody final : BuiltBody {
     int nodes = 0;
-    BodyDef def = {}; ///< what it was made from
-    [[nodiscard]] int nodeCount() const override { return nodes; }
+    BodyDef def = {};                   ///< what it was made from
+    std::function<void()> counted = {}; ///< called by nodeCount()
+    [[nodiscard]] int nodeCount() const override
+    {
+        if (counted) counted();
+        return nodes;
+    }
 };
 
 /// What a fake engine was asked to do. It outlives the server that owns the engine.
@@ -24,6 +29,7 @@ struct Told {
 
     int needed = 0;                     ///< iterations that each soft body's solver makes when nothing stops it
     std::function<void()> build = {};   ///< called while a body is built
+    std::function<void()> counted = {}; ///< called when a body that is built from now on is asked for its nodes
     std::function<void()> iterate = {}; ///< called for each: where a fake clock goes on
     std::vector<std::vector<int>> iterations = {}; ///< made, per step and soft body
 };
@@ -40,6 +46,7 @@ public:
         const auto* rigid = std::get_if<RigidBodyDef>(&def);
         body->def = def;
         if (told_.build) told_.build();
+        body->counted = told_.counted;
         body->nodes = rigid ? static_cast<int>(rigid->elements.size()) : 4;
         return body;
     }

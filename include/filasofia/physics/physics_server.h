@@ -76,6 +76,23 @@ public:
     /// For asking which engine it is, and for its build(). Any thread.
     [[nodiscard]] const PhysicsEngine& engine() const;
 
+    /// While it lives, its thread is the one that steps: from it, every function of this class but add() returns
+    /// without waiting for any other thread (add() may wait for others that add). One at a time; runtime makes one for
+    /// each run. Without one, a thread that steps is as any other.
+    class Stepping {
+    public:
+        explicit Stepping(PhysicsServer& server);
+        ~Stepping();
+        Stepping(const Stepping&) = delete;
+        Stepping& operator=(const Stepping&) = delete;
+
+    private:
+        const void* before_; ///< what the thread stepped until now
+    };
+
+    /// Is the calling thread the one that steps.
+    [[nodiscard]] bool stepsHere() const;
+
     // The stepping thread only: a step, while another thread makes one, throws an Error.
     /// One step of dt [s], > 0. `flags`: StepFlag bits that the caller knows already, for report and log.
     StepReport step(double dt, std::uint32_t flags = 0, const StepBudget& budget = {});
@@ -99,6 +116,7 @@ public:
     void keepLog(bool on);
 
 private:
+    friend class RegistryHold; // tests
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

@@ -1,14 +1,17 @@
 #include "filasofia/physics/physics_server.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/core/log.h"
 #include "filasofia/core/mpsc_queue.h"
 #include "filasofia/core/spsc_ring.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/registry.h"
+#include "filasofia/physics/registry_hold.h"
 
 #include <atomic>
 #include <cmath>
+#include <deque>
 #include <mutex>
 #include <utility>
 
@@ -17,6 +20,22 @@ namespace {
 
 constexpr std::size_t kMaximumCommands = 4096; // per step
 constexpr std::size_t kMaximumSpent = 64;
+
+thread_local const void* steppedHere = nullptr; ///< the server that this thread steps; see PhysicsServer::Stepping
+
+/// Where a command keeps the ids of the attachments that it makes.
+struct AttachmentIds {
+    AttachmentId* first = nullptr;
+    std::uint32_t count = 0;
+};
+AttachmentIds attachmentIdsOf(Command& command)
+{
+    if (auto* add = std::get_if<AddBody>(&command)) return {&add->attachments, attachmentCount(*add->def)};
+    if (auto* attach = std::get_if<Attach>(&command)) return {&attach->id, 1};
+    if (auto* rigid = std::get_if<AttachRigid>(&command)) return {&rigid->id, 1};
+    if (auto* grasp = std::get_if<Grasp>(&command)) return {&grasp->id, 1};
+    return {};
+}
 
 /// A step that is being made. A second one at the same time, of another thread or from within, is refused before it
 /// touches anything.
@@ -39,7 +58,6 @@ private:
 
 struct PhysicsServer::Impl {
     std::unique_ptr<PhysicsEngine> engine;
-    MpscQueue<Command> inbox;
     std::vector<Command> commands; ///< of the step being made
     frame::FramePool frames;
     SpscRing<StepRecord> log;
@@ -52,10 +70,29 @@ struct PhysicsServer::Impl {
     std::atomic<bool> logging = false;
     std::atomic_flag stepping = {}; ///< see SoleStep
 
-    /// Callers only: the step never takes it. Held from the look at a body to the push of its command, so that no
-    /// command for a body comes behind the one that removes it.
+    /// What a body's registries keep is found out before any lock is taken.
+    struct Posted {
+        Command command;
+        std::shared_ptr<const Registry::Body> added = {};
+    };
+
+    // Commands come in two ways. Every thread but the one that steps takes a lock, checks against `registry` and pushes
+    // to the inbox. The stepping thread (class Stepping) takes no lock: it checks against `known`, which is told of
+    // each command as it arrives from the inbox, and appends to what has arrived. A command that has arrived has its
+    // place among all others; so all orders of one thread are kept, and there is one order for all.
+
+    /// Held from the look at a body to the push of its command, so that no command for a body comes behind the one that
+    /// removes it. The stepping thread takes it only to add a body.
     mutable std::mutex registryMutex;
     Registry registry;
+    MpscQueue<Posted> inbox;
+    MpscQueue<BodyId> gone; ///< what the stepping thread has removed, on its way to `registry`; read under the lock
+    std::atomic<std::uint32_t> lastAttachment = 0;
+
+    // The stepping thread's own.
+    Registry known;
+    std::deque<Posted> arrived; ///< waits for its step
+    bool removes = false;       ///< it has removed bodies: what others ask of them meanwhile comes too late
 
     Impl(std::unique_ptr<PhysicsEngine> made, int logLength)
         : engine(std::move(made)), log(static_cast<std::size_t>(logLength))
@@ -65,61 +102,125 @@ struct PhysicsServer::Impl {
     BodyId add(BodyDef def)
     {
         check(def);
-        auto shared = std::make_shared<const BodyDef>(std::move(def));
-        auto body = engine->build(*shared);
-        const std::lock_guard lock(registryMutex);
-        const BodyId id{registry.lastAdded().value + 1};
-        const AttachmentId first = attachmentCount(*shared) > 0 ? registry.nextAttachment() : AttachmentId{};
-        push(AddBody{id, shared, std::move(body), first}); // under the lock: bodies arrive in the order of their ids
+        AddBody add{.def = std::make_shared<const BodyDef>(std::move(def))};
+        add.body = engine->build(*add.def);
+        const auto kept = Registry::bodyOf(add);
+        const std::lock_guard lock(registryMutex); // bodies arrive in the order of their ids
+        add.id = {registry.lastAdded().value + 1};
+        const BodyId id = add.id;
+        push(std::move(add), kept);
         return id;
     }
 
-    /// A command that makes an attachment, but for its id.
-    template <class Attaching> AttachmentId attach(Attaching command)
+    [[nodiscard]] bool isStepping() const { return steppedHere == this; }
+
+    /// Answers from the registry that the calling thread may look at.
+    template <class Ask> auto ask(Ask&& answer)
     {
+        if (isStepping()) {
+            takeArrived();
+            return answer(known);
+        }
         const std::lock_guard lock(registryMutex);
-        const AttachmentId id = command.id = registry.nextAttachment();
-        push(std::move(command));
-        return id;
+        takeGone();
+        return answer(registry);
     }
 
     /// What takes long about a new material is done here, as in add(): the step only moves it in.
     void setMaterial(BodyId id, const SoftMaterial& material)
     {
-        BodyDef def;
         std::vector<std::unique_ptr<BuiltBody>> ends; // here, and not under the lock
-        {
-            const std::lock_guard lock(registryMutex);
-            registry.check(SetMaterial{id, material});
-            def = *registry.find(id).def;
-            for (; auto* body = spent.beginRead(); spent.release()) ends.push_back(std::move(*body));
-        }
+        BodyDef def = ask([&](const Registry& bodies) {
+            bodies.check(SetMaterial{id, material});
+            if (!isStepping()) // it fills the ring
+                for (; auto* body = spent.beginRead(); spent.release()) ends.push_back(std::move(*body));
+            return *bodies.find(id).def;
+        });
         std::get<SoftBodyDef>(def).material = material;
         post(SetMaterial{id, material, engine->build(def)}); // checked again: the body may have gone meanwhile
     }
 
-    void post(Command command)
+    /// Returns the attachment that the command makes, if it makes one. Throws an Error if it is wrong.
+    AttachmentId post(Command command)
     {
-        const std::lock_guard lock(registryMutex);
-        push(std::move(command));
+        if (!isStepping()) {
+            const std::lock_guard lock(registryMutex);
+            return push(std::move(command));
+        }
+        takeArrived();
+        const AttachmentId made = checkAndNumber(known, command);
+        known.note(command);
+        if (const auto* remove = std::get_if<RemoveBody>(&command)) {
+            removes = true;
+            gone.push(remove->id);
+        }
+        arrived.push_back({std::move(command)});
+        return made;
     }
 
-    /// Throws an Error where the command is wrong. Under the lock.
-    void push(Command command)
+    /// Under the lock.
+    AttachmentId push(Command command, std::shared_ptr<Registry::Body> added = {})
     {
-        registry.check(command);
-        registry.note(command);
-        inbox.push(std::move(command));
+        takeGone();
+        const AttachmentId made = checkAndNumber(registry, command);
+        if (added) added->firstAttachment = made;
+        registry.note(command, added);
+        inbox.push({std::move(command), std::move(added)});
+        return made;
     }
 
-    void drainInbox()
+    /// Ids are given once the command is right: one that is wrong takes none.
+    AttachmentId checkAndNumber(Registry& bodies, Command& command)
+    {
+        bodies.knowAttachments({lastAttachment.load()});
+        const AttachmentIds ids = attachmentIdsOf(command);
+        if (ids.count > 0) *ids.first = {lastAttachment.load() + 1};
+        bodies.check(command);
+        if (ids.count == 0) return {};
+        return *ids.first = {lastAttachment.fetch_add(ids.count) + 1};
+    }
+
+    /// Under the lock.
+    void takeGone()
+    {
+        while (const auto id = gone.pop())
+            if (registry.has(*id)) registry.note(RemoveBody{*id});
+    }
+
+    /// Stepping thread.
+    void takeArrived()
+    {
+        while (auto posted = inbox.pop()) {
+            if (removes && comesTooLate(posted->command)) continue;
+            known.note(posted->command, posted->added);
+            arrived.push_back(std::move(*posted));
+        }
+    }
+
+    /// A body that it names was removed by the stepping thread after it was checked.
+    bool comesTooLate(const Command& command)
+    {
+        try {
+            known.knowAttachments({lastAttachment.load()});
+            known.check(command);
+            return false;
+        } catch (const Error& problem) {
+            logWarning("physics: a command came too late: ", problem.what());
+        }
+        if (const auto* add = std::get_if<AddBody>(&command)) gone.push(add->id); // it was tied to one that is gone
+        return true;
+    }
+
+    /// The commands of the next step.
+    void gather()
     {
         commands.clear();
-        while (commands.size() < kMaximumCommands) { // what comes faster waits: a step must end
-            auto command = inbox.pop();
-            if (!command) break;
-            if (const auto* pause = std::get_if<Pause>(&*command)) paused = pause->paused;
-            commands.push_back(std::move(*command));
+        takeArrived();
+        while (commands.size() < kMaximumCommands && !arrived.empty()) { // what comes faster waits: a step must end
+            Command& command = arrived.front().command;
+            if (const auto* pause = std::get_if<Pause>(&command)) paused = pause->paused;
+            commands.push_back(std::move(command));
+            arrived.pop_front();
         }
     }
 
@@ -169,10 +270,17 @@ PhysicsServer::PhysicsServer(std::unique_ptr<PhysicsEngine> engine, const Physic
     FILASOFIA_ASSERT(engine != nullptr);
     validate(def, "physics server");
     impl_ = std::make_unique<Impl>(std::move(engine), def.logLength);
-    impl_->inbox.push(SetGravity{def.gravity});
+    impl_->inbox.push({SetGravity{def.gravity}});
 }
 
 PhysicsServer::~PhysicsServer() = default;
+
+PhysicsServer::Stepping::Stepping(PhysicsServer& server) : before_(std::exchange(steppedHere, server.impl_.get())) {}
+bool PhysicsServer::stepsHere() const { return impl_->isStepping(); }
+
+RegistryHold::RegistryHold(PhysicsServer& server) : lock_(server.impl_->registryMutex) {}
+
+PhysicsServer::Stepping::~Stepping() { steppedHere = before_; }
 
 BodyId PhysicsServer::add(SoftBodyDef def)
 {
@@ -215,15 +323,15 @@ void PhysicsServer::setHaptic(BodyId id, const HapticTarget& target, int element
 }
 AttachmentId PhysicsServer::attach(BodyId soft, AttachmentDef def)
 {
-    return impl_->attach(Attach{{}, soft, std::move(def)});
+    return impl_->post(Attach{{}, soft, std::move(def)});
 }
 AttachmentId PhysicsServer::attach(BodyId rigid, RigidAttachmentDef def)
 {
-    return impl_->attach(AttachRigid{{}, rigid, std::move(def)});
+    return impl_->post(AttachRigid{{}, rigid, std::move(def)});
 }
 AttachmentId PhysicsServer::grasp(BodyId rigid, BodyId target, const GraspDef& def)
 {
-    return impl_->attach(Grasp{{}, rigid, target, def});
+    return impl_->post(Grasp{{}, rigid, target, def});
 }
 void PhysicsServer::removePiece(BodyId soft, int piece) { impl_->post(RemovePiece{soft, piece}); }
 void PhysicsServer::release(AttachmentId id) { impl_->post(Release{id}); }
@@ -233,24 +341,24 @@ void PhysicsServer::tune(std::function<void(PhysicsEngine&)> change) { impl_->po
 
 std::shared_ptr<const BodyDef> PhysicsServer::def(BodyId id) const
 {
-    const std::lock_guard lock(impl_->registryMutex);
-    return impl_->registry.find(id).def;
+    return impl_->ask([&](const Registry& bodies) { return bodies.find(id).def; });
 }
 
 std::vector<AttachmentId> PhysicsServer::attachments(BodyId id) const
 {
-    const std::lock_guard lock(impl_->registryMutex);
-    const Registry::Body& body = impl_->registry.find(id);
-    std::vector<AttachmentId> ids;
-    for (std::uint32_t k = 0; k < attachmentCount(*body.def); ++k) ids.push_back({body.firstAttachment.value + k});
-    return ids;
+    return impl_->ask([&](const Registry& bodies) {
+        const Registry::Body& body = bodies.find(id);
+        std::vector<AttachmentId> ids;
+        for (std::uint32_t k = 0; k < attachmentCount(*body.def); ++k) ids.push_back({body.firstAttachment.value + k});
+        return ids;
+    });
 }
 
 StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget& budget)
 {
     if (!(std::isfinite(dt) && dt > 0.0)) fail("physics: step: dt must be > 0 s and finite, got ", dt);
     const SoleStep sole(impl_->stepping);
-    impl_->drainInbox();
+    impl_->gather();
     StepReport report = impl_->engine->step(
         {.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands, .flags = flags, .budget = &budget});
     impl_->giveBackSpent();
@@ -266,7 +374,9 @@ void PhysicsServer::expect(std::vector<Command> commands)
     for (const Command& command : commands) {
         impl_->registry.check(command);
         impl_->registry.note(command);
+        impl_->known.note(command);
     }
+    impl_->lastAttachment = impl_->registry.lastAttachment().value;
     impl_->commands = std::move(commands);
 }
 
@@ -283,14 +393,12 @@ StepReport PhysicsServer::stepAgain(double dt, const StepBudget& budget)
 
 std::vector<BodyId> PhysicsServer::bodies() const
 {
-    const std::lock_guard lock(impl_->registryMutex);
-    return impl_->registry.bodies();
+    return impl_->ask([](const Registry& bodies) { return bodies.bodies(); });
 }
 
 bool PhysicsServer::has(BodyId id) const
 {
-    const std::lock_guard lock(impl_->registryMutex);
-    return impl_->registry.has(id);
+    return impl_->ask([&](const Registry& bodies) { return bodies.has(id); });
 }
 
 const PhysicsEngine& PhysicsServer::engine() const { return *impl_->engine; }

@@ -2,7 +2,9 @@
 
 #include "filasofia/physics/commands.h"
 
+#include <algorithm>
 #include <map>
+#include <memory>
 
 namespace filasofia::physics {
 
@@ -21,8 +23,13 @@ public:
 
     /// Throws an Error naming body, field, bound and value unless the command can be applied.
     void check(const Command& command) const;
+    /// What is kept of a body. It may compute mass properties: to be asked for before a lock is taken.
+    [[nodiscard]] static std::shared_ptr<Body> bodyOf(const AddBody& add);
     /// Bodies come and go: to be told of every command that was checked, in order, before its built body moves out.
-    void note(const Command& command);
+    /// `added`: what bodyOf() made of an AddBody; none: it is made here.
+    void note(const Command& command, std::shared_ptr<const Body> added = {});
+    /// Attachments up to this one were made, whether or not this registry was told.
+    void knowAttachments(AttachmentId last) { known_ = std::max(known_, last); }
 
     /// Error where there is none.
     [[nodiscard]] const Body& find(BodyId id) const;
@@ -31,13 +38,19 @@ public:
     [[nodiscard]] BodyId lastAdded() const { return last_; }
     [[nodiscard]] std::size_t softBodyCount() const;
     [[nodiscard]] std::size_t dynamicElementCount() const; ///< of rigid bodies; links are counted with them
-    [[nodiscard]] AttachmentId nextAttachment() const { return {lastAttachment_.value + 1}; }
+    [[nodiscard]] AttachmentId lastAttachment() const { return lastAttachment_; }
 
 private:
     struct Check;
-    std::map<BodyId, Body> bodies_;
+    [[nodiscard]] bool areFree(AttachmentId first, std::uint32_t count) const;
+    void noteAttachments(AttachmentId first, std::uint32_t count);
+
+    std::map<BodyId, std::shared_ptr<const Body>> bodies_;
     BodyId last_ = {};
-    AttachmentId lastAttachment_ = {};
+    AttachmentId lastAttachment_ = {}, known_ = {};
+    /// Ids below the last one that were not given yet, from first to last: two threads that attach at the same time may
+    /// be heard in the other order.
+    std::map<std::uint32_t, std::uint32_t> free_;
 };
 
 } // namespace filasofia::physics

@@ -1,12 +1,13 @@
 #include "filasofia/prefab/articulated_instrument.h"
 
+#include "filasofia/core/published.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/math/rounded.h"
+#include "filasofia/prefab/turns.h"
 #include "filasofia/runtime/assets.h"
 
 #include <algorithm>
-#include <mutex>
 
 namespace filasofia::prefab {
 namespace {
@@ -118,7 +119,7 @@ struct ArticulatedInstrument::Impl {
     };
 
     Impl(runtime::Simulation& sim, const ArticulatedInstrumentDef& asked)
-        : simulation(sim), def(completed(asked)), told(def.pose), body(addBody())
+        : simulation(sim), def(completed(asked)), told(def.pose), seen({.told = told}), body(addBody())
     {
         simulation.show(body, {.surface = def.shaft, .element = kShaft, .material = def.material});
         for (std::size_t i = 0; i < def.jaws.size(); ++i)
@@ -171,7 +172,10 @@ struct ArticulatedInstrument::Impl {
     void letGo()
     {
         if (grip) simulation.physics().release(grip);
-        if (state == State::Holding && def.onGrasp) def.onGrasp(held, false);
+        if (state == State::Holding && def.onGrasp) {
+            publish(); // it may ask
+            def.onGrasp(held, false);
+        }
         grip = {};
         held = {};
         force = 0.0;
@@ -184,12 +188,30 @@ struct ArticulatedInstrument::Impl {
         if (!frame) return;
         const frame::RigidBodyFrame* now = frame->rigidBody(body);
         if (now == nullptr) return;
-        const std::lock_guard lock(mutex);
-        widest = widestOf(*now);
-        if (state == State::Closing && def.grasps)
-            seek(*frame, *now);
-        else if (state == State::Asked || state == State::Holding)
-            follow(*frame);
+        // While another thread opens or closes it, it waits for the next step.
+        turns.now([&] {
+            widest = widestOf(*now);
+            if (state == State::Closing && def.grasps)
+                seek(*frame, *now);
+            else if (state == State::Asked || state == State::Holding)
+                follow(*frame);
+            publish();
+        });
+    }
+
+    /// Any thread, also the stepping one, which waits for none.
+    template <class Act> void act(Act what)
+    {
+        turns.take(!simulation.physics().stepsHere(), [this, what] {
+            what(*this);
+            publish();
+        });
+    }
+
+    void publish()
+    {
+        seen.write(
+            {.told = told, .holding = state == State::Holding ? held : BodyId{}, .force = force, .widest = widest});
     }
 
     [[nodiscard]] double widestOf(const frame::RigidBodyFrame& now) const
@@ -230,7 +252,10 @@ struct ArticulatedInstrument::Impl {
         const bool there = found != frame.attachments.end() && !found->broken && found->points > 0;
         if (there) {
             force = length(found->force);
-            if (state == State::Asked && def.onGrasp) def.onGrasp(held, true);
+            if (state == State::Asked && def.onGrasp) {
+                publish(); // it may ask
+                def.onGrasp(held, true);
+            }
             state = State::Holding;
         } else if (frame.step > askedAt) {
             const bool slipped = state == State::Holding;
@@ -242,7 +267,7 @@ struct ArticulatedInstrument::Impl {
 
     runtime::Simulation& simulation;
     const ArticulatedInstrumentDef def;
-    mutable std::recursive_mutex mutex; // of what follows, and of the order of commands; onGrasp may call back
+    Turns turns; // of what follows, and of the order of commands; onGrasp may call back
     Pose told;
     State state = State::Open;
     double torque = 0.0;
@@ -251,7 +276,14 @@ struct ArticulatedInstrument::Impl {
     std::uint64_t askedAt = 0;
     double force = 0.0;
     double widest = 0.0;
-    const BodyId body; // made of the Def
+    struct Seen {
+        Pose told = {};
+        BodyId holding = {};
+        double force = 0.0;
+        double widest = 0.0;
+    };
+    Published<Seen> seen; // the newest, for all
+    const BodyId body;    // made of the Def
 };
 
 ArticulatedInstrument::ArticulatedInstrument(runtime::Simulation& simulation, const ArticulatedInstrumentDef& def)
@@ -268,55 +300,40 @@ BodyId ArticulatedInstrument::body() const { return impl_->body; }
 void ArticulatedInstrument::move(const Pose& pivot)
 {
     const Pose unit = physics::unitPose(pivot, text("instrument '", impl_->def.name, "'"));
-    const std::lock_guard lock(impl_->mutex);
-    impl_->told = unit;
-    impl_->simulation.physics().setPose(impl_->body, rounded(unit), kShaft);
+    impl_->act([unit](Impl& impl) {
+        impl.told = unit;
+        impl.simulation.physics().setPose(impl.body, rounded(unit), kShaft);
+    });
 }
 
 void ArticulatedInstrument::open(double opening)
 {
     if (!(opening >= 0.0 && opening <= 1.0))
         fail("instrument '", impl_->def.name, "': open must be in [0, 1], got ", opening);
-    const std::lock_guard lock(impl_->mutex);
-    impl_->letGo();
-    impl_->state = Impl::State::Open;
-    impl_->tell(
-        [&](std::size_t, const JawDef& jaw) { return physics::JointCommand(JointPosition{opening * jaw.opensBy}); });
+    impl_->act([opening](Impl& impl) {
+        impl.letGo();
+        impl.state = Impl::State::Open;
+        impl.tell([&](std::size_t, const JawDef& jaw) {
+            return physics::JointCommand(JointPosition{opening * jaw.opensBy});
+        });
+    });
 }
 
 void ArticulatedInstrument::close(std::optional<double> torque)
 {
     if (torque && !(*torque > 0.0 && std::isfinite(*torque)))
         fail("instrument '", impl_->def.name, "': close: torque must be > 0 N m, got ", *torque);
-    const std::lock_guard lock(impl_->mutex);
-    impl_->torque = torque.value_or(impl_->def.closingTorque);
-    if (impl_->state == Impl::State::Asked || impl_->state == Impl::State::Holding) return; // it has closed
-    if (impl_->state == Impl::State::Open) impl_->state = Impl::State::Closing;
-    impl_->press();
+    impl_->act([torque](Impl& impl) {
+        impl.torque = torque.value_or(impl.def.closingTorque);
+        if (impl.state == Impl::State::Asked || impl.state == Impl::State::Holding) return; // it has closed
+        if (impl.state == Impl::State::Open) impl.state = Impl::State::Closing;
+        impl.press();
+    });
 }
 
-Pose ArticulatedInstrument::pose() const
-{
-    const std::lock_guard lock(impl_->mutex);
-    return impl_->told;
-}
-
-BodyId ArticulatedInstrument::holding() const
-{
-    const std::lock_guard lock(impl_->mutex);
-    return impl_->state == Impl::State::Holding ? impl_->held : BodyId{};
-}
-
-double ArticulatedInstrument::pull() const
-{
-    const std::lock_guard lock(impl_->mutex);
-    return impl_->force;
-}
-
-double ArticulatedInstrument::opening() const
-{
-    const std::lock_guard lock(impl_->mutex);
-    return impl_->widest;
-}
+Pose ArticulatedInstrument::pose() const { return impl_->seen.read().told; }
+BodyId ArticulatedInstrument::holding() const { return impl_->seen.read().holding; }
+double ArticulatedInstrument::pull() const { return impl_->seen.read().force; }
+double ArticulatedInstrument::opening() const { return impl_->seen.read().widest; }
 
 } // namespace filasofia::prefab

@@ -33,6 +33,7 @@ constexpr std::size_t kMostBodies = 64;
 constexpr int kMostEvents = 100'000;    ///< [-] that wait
 constexpr std::size_t kChunk = 1 << 16; ///< [bytes] that are written at once
 constexpr std::chrono::milliseconds kRest = std::chrono::milliseconds(20);
+constexpr std::chrono::microseconds kLook = std::chrono::microseconds(100); ///< between two looks for room
 
 std::string nameOf(runtime::Simulation& simulation, BodyId body)
 {
@@ -160,11 +161,12 @@ struct MetricTracker::Impl {
         const std::chrono::duration<double> wall = Clock::now() - begin->wall;
         const std::chrono::duration<double> ahead(time - begin->simulated - wall.count());
         Row* row = nullptr;
-        if (ahead.count() <= 0.0) return row;
-        std::unique_lock lock(resting);
-        hurry = true;
-        wake.notify_all();
-        room.wait_for(lock, ahead, [&] { return (row = rows.beginWrite()) != nullptr; });
+        const auto until = Clock::now() + ahead;
+        hurry.store(true, std::memory_order_relaxed);
+        while ((row = rows.beginWrite()) == nullptr && Clock::now() < until) {
+            wake.notify_all(); // without the lock, which only others take; what it misses the next round wakes
+            std::this_thread::sleep_for(kLook);
+        }
         return row;
     }
 
@@ -212,13 +214,11 @@ struct MetricTracker::Impl {
         for (bool last = false; !last;) {
             {
                 std::unique_lock lock(resting);
-                wake.wait_for(lock, kRest, [this] { return stopping || hurry; });
+                wake.wait_for(lock, kRest, [this] { return stopping || hurry.load(std::memory_order_relaxed); });
                 last = stopping;
-                hurry = false;
+                hurry.store(false, std::memory_order_relaxed);
             }
             drain();
-            const std::lock_guard lock(resting); // or the news could come between a look and the wait
-            room.notify_all();
         }
         session.lost = lost.load();
         attempt([this] {
@@ -296,9 +296,10 @@ struct MetricTracker::Impl {
     std::optional<Begin> begin; ///< of the first sample
 
     std::mutex resting;
-    std::condition_variable wake, room;
-    bool stopping = false, hurry = false;
-    std::thread thread; // last: it uses all of the above
+    std::condition_variable wake;
+    bool stopping = false;
+    std::atomic<bool> hurry = false; ///< the stepping thread wants room
+    std::thread thread;              // last: it uses all of the above
 };
 
 MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef def)
