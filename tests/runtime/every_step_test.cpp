@@ -1,5 +1,6 @@
 #include "filasofia/filasofia.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/recording.h"
