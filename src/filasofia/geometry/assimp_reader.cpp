@@ -152,10 +152,14 @@ TriangleMesh joined(const Soup& soup, Dropped& dropped)
 // A mesh file names others (materials, buffers), and whatever assimp opens must end: a pipe would wait for its writer.
 class RegularFiles : public Assimp::DefaultIOSystem {
 public:
-    Assimp::IOStream* Open(const char* file, const char* mode) override
+    [[nodiscard]] bool Exists(const char* file) const override // assimp's own opens it
     {
         std::error_code problem;
-        if (!std::filesystem::is_regular_file(file, problem)) return nullptr;
+        return std::filesystem::is_regular_file(file, problem);
+    }
+    Assimp::IOStream* Open(const char* file, const char* mode) override
+    {
+        if (!Exists(file)) return nullptr;
         checkRegularFile(file, file);
         return Assimp::DefaultIOSystem::Open(file, mode);
     }
