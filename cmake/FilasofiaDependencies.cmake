@@ -1,5 +1,6 @@
-# Every third-party library, found once. All are Debian packages; scripts/setup.sh installs them. This file is also
-# installed and read by FilasofiaConfig.cmake, so that a user's project finds the same ones (or its own builds of them).
+# Finds every third-party library once. All are Debian packages; scripts/setup.sh installs them. This file is also
+# installed and read by FilasofiaConfig.cmake, so that a user's project finds the same libraries (or its own builds of
+# them).
 find_package(Threads REQUIRED)
 find_package(assimp 5.2 REQUIRED CONFIG)
 find_package(spdlog REQUIRED CONFIG)
@@ -10,7 +11,7 @@ if(FILASOFIA_FILAMENT)
   find_package(filament 1.9 REQUIRED CONFIG)
   find_package(OpenGL REQUIRED COMPONENTS EGL)
 endif()
-# Debian's OpenSubdivConfig names a static library that the package does not ship: find the shared one ourselves.
+# Debian's OpenSubdivConfig names a static library that the package does not contain, so the shared one is found here.
 find_library(FILASOFIA_OSD_LIBRARY osdCPU REQUIRED)
 find_path(FILASOFIA_OSD_INCLUDE opensubdiv/far/topologyRefiner.h REQUIRED)
 if(NOT TARGET Filasofia::osd)

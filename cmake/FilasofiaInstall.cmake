@@ -1,23 +1,25 @@
-# What `cmake --install` puts in place: one static library per room, the public headers, the program, the meshes, and
-# the package that find_package(Filasofia) reads. Included last: by then every room has registered itself.
+# The content of `cmake --install`: one static library per room, the public headers, the program, the meshes, and the
+# package that find_package(Filasofia) reads. Included last, after every room has registered itself.
 include(CMakePackageConfigHelpers)
 set(FILASOFIA_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/Filasofia)
 
-# Filasofia::filasofia links every room; the program has that name as a target, so this one is called otherwise here.
+# Filasofia::filasofia links every room. The program's target is already called filasofia, so this target has another
+# name here.
 get_property(rooms GLOBAL PROPERTY FILASOFIA_ROOM_TARGETS)
 add_library(filasofia_all INTERFACE)
 add_library(Filasofia::filasofia ALIAS filasofia_all)
 set_target_properties(filasofia_all PROPERTIES EXPORT_NAME filasofia)
 target_link_libraries(filasofia_all INTERFACE ${rooms})
 
-# A project that adds this one as a subdirectory installs its own things only.
+# If a project adds this one as a subdirectory, it installs only its own files.
 option(FILASOFIA_INSTALL "Let cmake --install put the libraries, headers and program in place" ${PROJECT_IS_TOP_LEVEL})
 if(NOT FILASOFIA_INSTALL)
   return()
 endif()
 
 install(TARGETS ${rooms} filasofia_all EXPORT FilasofiaTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/filasofia DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.h)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/filasofia DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.h
+  PATTERN testing EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/motions DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/fonts DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia) # its licence
@@ -32,7 +34,7 @@ install(EXPORT FilasofiaTargets NAMESPACE Filasofia:: DESTINATION ${FILASOFIA_PA
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/FilasofiaConfig.cmake.in
   ${PROJECT_BINARY_DIR}/FilasofiaConfig.cmake INSTALL_DESTINATION ${FILASOFIA_PACKAGE_DIR}
   PATH_VARS CMAKE_INSTALL_DATADIR)
-# Below 1.0 a minor version may break its callers (API_CHANGES.md says how).
+# Below 1.0 a minor version may break its callers.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/FilasofiaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/FilasofiaConfig.cmake ${PROJECT_BINARY_DIR}/FilasofiaConfigVersion.cmake
   ${PROJECT_SOURCE_DIR}/cmake/FilasofiaDependencies.cmake

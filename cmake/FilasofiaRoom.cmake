@@ -1,4 +1,4 @@
-# What every target of the project shares, and the two functions that make a room and a room's tests.
+# The flags that all targets share, and the two functions that define a room and a room's tests.
 
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
@@ -8,7 +8,7 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
 endif()
 find_package(Threads REQUIRED)
 
-# Same input, same bits: no contraction of a*b+c, no -ffast-math, on any compiler.
+# Same input, same bits: no contraction of a*b+c and no -ffast-math, on any compiler.
 add_library(filasofia_flags INTERFACE)
 target_compile_features(filasofia_flags INTERFACE cxx_std_20)
 target_compile_options(filasofia_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
@@ -22,7 +22,7 @@ endif()
 
 # filasofia_room(geometry SOURCES a.cpp b.cpp DEPENDS core math VENDORS assimp::assimp)
 function(filasofia_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;DEPENDS;VENDORS" ${ARGN})
+  cmake_parse_arguments(ROOM "NOT_INSTALLED" "" "SOURCES;DEPENDS;VENDORS" ${ARGN})
   add_library(filasofia_${name} STATIC ${ROOM_SOURCES})
   add_library(Filasofia::${name} ALIAS filasofia_${name})
   target_include_directories(filasofia_${name} PUBLIC
@@ -34,11 +34,13 @@ function(filasofia_room name)
     PRIVATE $<BUILD_INTERFACE:filasofia_flags> ${ROOM_VENDORS})
   set_target_properties(filasofia_${name} PROPERTIES EXPORT_NAME ${name} CXX_EXTENSIONS OFF
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON POSITION_INDEPENDENT_CODE ON)
-  set_property(GLOBAL APPEND PROPERTY FILASOFIA_ROOM_TARGETS filasofia_${name})
+  if(NOT ROOM_NOT_INSTALLED)
+    set_property(GLOBAL APPEND PROPERTY FILASOFIA_ROOM_TARGETS filasofia_${name})
+  endif()
 endfunction()
 
 # filasofia_tests(geometry SOURCES mesh_test.cpp ... LINKS extra): one program, one ctest entry per TEST_CASE.
-# Private headers of the room under test are visible.
+# The tests see the private headers of their room.
 function(filasofia_tests name)
   cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
   if(NOT TEST_TIMEOUT)
@@ -55,5 +57,6 @@ function(filasofia_tests name)
     FILASOFIA_BINARY_DIR="${PROJECT_BINARY_DIR}")
   target_precompile_headers(test_${name} REUSE_FROM filasofia_test_main)
   set_target_properties(test_${name} PROPERTIES CXX_EXTENSIONS OFF)
-  catch_discover_tests(test_${name} TEST_PREFIX "${name}: " EXTRA_ARGS -w NoTests PROPERTIES TIMEOUT ${TEST_TIMEOUT} LABELS ${name})
+  catch_discover_tests(test_${name} TEST_PREFIX "${name}: " EXTRA_ARGS -w NoTests
+    PROPERTIES TIMEOUT ${TEST_TIMEOUT} LABELS ${name} SKIP_REGULAR_EXPRESSION "SKIPPED:") # tests/skip.h says it
 endfunction()

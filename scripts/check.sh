@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The slow checks. scripts/test.sh is what every change must pass; this is for a release and for doubt.
+# The slow checks. scripts/test.sh is required for every change; this script is for releases and for suspected problems.
 set -uo pipefail
 usage='Usage: check.sh [PART...] [--base REV | --all] [--seconds N] [--steps N]
 Parts (default: all of them)
@@ -8,7 +8,7 @@ Parts (default: all of them)
           tag, else all)
   tsan    all tests under the thread sanitizer
   fuzz    every fuzzer for --seconds (default 60)
-  soak    one simulated hour of the bunny, twice (or --steps of 5 ms): same hash, no growth of memory, always finite
+  soak    one simulated hour of the bunny (or --steps of 5 ms), twice: same hash, no growth of memory, always finite
 --all     clang-tidy on every source'
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 cd "$root" || exit 1
@@ -29,15 +29,16 @@ while (($# > 0)); do
   esac
   shift
 done
-[[ $seconds =~ ^[1-9][0-9]*$ ]] || die "--seconds must be a number > 0, got '$seconds'"
-[[ $steps =~ ^[1-9][0-9]*$ ]] || die "--steps must be a number > 0, got '$steps'"
+[[ $seconds =~ ^[1-9][0-9]*$ ]] || die "--seconds must be a whole number > 0, got '$seconds'"
+[[ $steps =~ ^[1-9][0-9]*$ ]] || die "--steps must be a whole number > 0, got '$steps'"
 ((${#parts[@]} > 0)) || parts=("${all_parts[@]}")
 
-# The thread sanitizer of these compilers cannot start where the kernel randomises addresses widely.
+# The thread sanitizer of these compilers cannot start if the kernel randomises addresses widely.
 fixed_addresses=()
 if setarch "$(uname -m)" -R true 2>/dev/null; then fixed_addresses=(setarch "$(uname -m)" -R); fi
 
-# Sources to look at (tests say odd things on purpose): those that are compiled, and so stand in compile_commands.json.
+# The sources to check (not the tests, which contain odd code on purpose): those that are compiled, as listed in
+# compile_commands.json.
 sources_to_tidy() {
   local since=$base
   if [ $all = no ] && [ -z "$since" ]; then
@@ -46,7 +47,7 @@ sources_to_tidy() {
   if [ $all = yes ] || [ -z "$since" ]; then
     git ls-files -co --exclude-standard 'src/*.cpp' 'apps/*.cpp' 'examples/*.cpp'
   else
-    git rev-parse --verify -q "$since^{commit}" >/dev/null || die "--base: '$since' is no revision"
+    git rev-parse --verify -q "$since^{commit}" >/dev/null || die "--base: '$since' is not a revision"
     { git diff --name-only --diff-filter=d "$since" -- '*.cpp' && git ls-files -o --exclude-standard '*.cpp'; } |
       grep -E '^(src|apps|examples)/' | sort -u
   fi
@@ -92,8 +93,9 @@ check_fuzz() {
 
 resident_kib() { awk '/^VmRSS/ {print $2}' "/proc/$1/status" 2>/dev/null || true; }
 
-# One run of the bunny at 200 steps per second, its words into the file $1; prints "HASH FIRST LAST": the memory it holds
-# [KiB] once settled (after 3 s) and at the end. A run shorter than that says nothing about growth: both are 0.
+# One run of the bunny at 200 steps per second, its output in the file $1. Prints "HASH FIRST LAST": the memory [KiB]
+# that it holds after it has settled (3 s) and at the end. If the run is shorter, growth cannot be measured, and both
+# are 0.
 soak_run() {
   local said=$1 first=0 last=0 held run second=0
   build/release/bin/filasofia run bunny --tets 756 --rate 200 --headless --steps "$steps" >"$said" &
@@ -108,18 +110,18 @@ soak_run() {
     fi
   done
   wait $run || return 1
-  grep -q 'put back 0,' "$said" || { cat "$said" >&2; echo "a state was not finite" >&2; return 1; }
+  grep -q 'rolled back 0,' "$said" || { cat "$said" >&2; echo "a state was not finite" >&2; return 1; }
   echo "$(awk '/^state hash/ {print $3}' "$said") $first $last"
 }
 
 check_soak() {
   (configure release && build release --target filasofia) || return 1
   local said run hash first last grown=0 hashes=()
-  said=build/release/soak.txt # kept: what the last run said
+  said=build/release/soak.txt # kept: the output of the last run
   for run in first second; do
     read -r hash first last < <(soak_run "$said") || return 1
     echo "$run run: hash $hash, $first KiB after 3 s, $last KiB at the end"
-    ((first > 0)) || echo "$run run: too short to judge its memory"
+    ((first > 0)) || echo "$run run: too short to measure the growth of its memory"
     ((last - first < 1024)) || { echo "$run run: memory grew by $((last - first)) KiB"; grown=1; }
     hashes+=("$hash")
   done

@@ -1,18 +1,19 @@
 # shellcheck shell=bash
-# Read by the scripts beside it: what they all say and need. Not a program.
+# Sourced by the scripts beside it: their common functions and settings. Not a program.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 script=$(basename "$0")
 
 die() { echo "$script: $*" >&2; exit 1; }
 headline() { printf '\n== %s\n' "$*"; }
 
-# ccache and Mesa keep files under HOME; a CI job may have none.
+# ccache and Mesa keep files under HOME, which a CI job may lack.
 if [ -z "${HOME:-}" ] || [ ! -w "${HOME:-}" ]; then
   export HOME="$root/build/home"
   mkdir -p "$HOME"
 fi
 
-# Compilers at once: one per core, and 1.5 GiB of memory for each (Eigen, Catch2 and CLI11 are heavy headers).
+# Number of parallel compilers: one per core, with 1.5 GiB of memory for each (Eigen, Catch2 and CLI11 are heavy
+# headers).
 jobs_that_fit() {
   local cores kib limit jobs
   cores=$(nproc)
@@ -24,13 +25,13 @@ jobs_that_fit() {
   echo $((jobs > 0 ? jobs : 1))
 }
 
-# configure PRESET [options]: silent unless it fails; quick when nothing changed.
+# configure PRESET [options]: silent unless it fails; fast if nothing changed.
 configure() {
   local log="$root/build/$1-configure.log"
   mkdir -p "$root/build"
   if ! (cd "$root" && cmake --preset "$@" >"$log" 2>&1); then
     cat "$log" >&2
-    die "cmake could not configure the preset '$1' (its words are above)"
+    die "cmake could not configure the preset '$1' (its messages are above)"
   fi
 }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# From a fresh clone to the trainer: in a window where there is a display, else as pictures and a report under out/.
+# From a fresh clone to the trainer: in a window if there is a display, otherwise as pictures and a report under out/.
 set -euo pipefail
 usage='Usage: demo.sh [--headless] [options of hysteroscopy]
        demo.sh --bunny [--headless] [options of filasofia run bunny]'
@@ -22,7 +22,7 @@ build release --target filasofia hysteroscopy
 program=$root/build/release/bin/filasofia
 trainer=$root/build/release/bin/hysteroscopy
 
-# A display may be named and not answer (ssh, sudo), and the renderer needs an X11 one.
+# A named display may not answer (ssh, sudo), and the renderer needs an X11 display.
 window_opens() {
   [ -n "${DISPLAY:-}" ] && WAYLAND_DISPLAY='' "$program" doctor --json - |
     python3 -c 'import json, sys; sys.exit(not json.load(sys.stdin)["display"]["a_window_can_open"]["value"])'
@@ -45,7 +45,7 @@ if [ $bunny = no ]; then
   headline "the hysteroscopy trainer, without a window: a planned motion finds the polyp and takes it out"
   rm -f "$root"/out/hysteroscopy.jsonl "$root"/out/report.html
   "$trainer" --motion expert --headless --pictures "$root/out" --session "$root/out/hysteroscopy.jsonl" "${options[@]}" ||
-    die "the trainer did not run to its end, for the reason above; $hint"
+    die "the trainer stopped early (see the message above); $hint"
   "$program" report "$root/out/hysteroscopy.jsonl" --html "$root/out/report.html"
   headline "written"
   ls -l "$root"/out/{os,canal,cavity,polyp,grasped,torn}.png "$root/out/report.html"
@@ -55,7 +55,7 @@ fi
 headline "the bunny, in pictures (no window): 2 s of falling under its own weight"
 rm -f "$root"/out/bunny_*.png
 "$program" run bunny --headless --rate 200 --steps 401 --picture "$root/out/bunny.png" --picture-every 0.5 "${options[@]}" ||
-  die "the bunny did not run, for the reason above; $hint"
+  die "the bunny did not run (see the message above); $hint"
 
 headline "physics alone, steps of 5 ms"
 printf '%10s  %12s  %12s\n' tetrahedra 'step [ms]' 'steps/s'

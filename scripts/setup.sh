@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Install the Debian packages that Filasofia needs. Quick when nothing is missing.
+# Installs the Debian packages that Filasofia needs. Fast if none is missing.
 set -euo pipefail
 usage='Usage: setup.sh [--run | --dev] [--assets] [--check]
-  (nothing)  what is needed to build, run and test
-  --run      only what is needed to build and run
+  (nothing)  install what is needed to build, run and test
+  --run      install only what is needed to build and run
   --dev      also the checkers of scripts/check.sh (clang, clang-tidy, sanitizers, fuzzers)
-  --assets   also what makes the meshes of the hysteroscopy trainer again (assets/pipeline)
-  --check    install nothing: say what is missing; exit 1 where something is'
+  --assets   also the tools that generate the meshes of the hysteroscopy trainer (assets/pipeline)
+  --check    install nothing: list what is missing; exit 1 if something is'
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-# Catch2 and python3 are here because configuring looks for them even when no test is built.
+# Catch2 and python3 are listed because configuring looks for them even if no test is built.
 run_packages=(
   g++ cmake ninja-build ccache git ca-certificates python3 catch2
   libeigen3-dev libhwy-dev libassimp-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libstb-dev
@@ -37,12 +37,12 @@ packages=("${run_packages[@]}")
 [ $assets = no ] || packages+=("${asset_packages[@]}")
 
 command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
-  die "this is not Debian (no apt-get): install by hand what these Debian 12 packages hold: ${packages[*]}"
+  die "this is not Debian (no apt-get); install the content of these Debian 12 packages by hand: ${packages[*]}"
 
-# The charts of `filasofia report` are no Debian package: uPlot, by version and checksum. Without it all builds as well,
-# and the pages have no plots.
+# uPlot draws the charts of `filasofia report`. It is not a Debian package, so it is fetched by version and checksum.
+# Without it everything still builds, but the pages have no plots.
 fetch_charts() {
-  "$root/tools/fetch_npm.py" "$root/tools/report" || echo "setup: going on without uPlot: the pages of filasofia report will have no plots"
+  "$root/tools/fetch_npm.py" "$root/tools/report" || echo "setup: continuing without uPlot; the pages of filasofia report will have no plots"
 }
 
 installed=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' "${packages[@]}" 2>/dev/null | awk 'substr($1, 2, 1) == "i" {print $2}' || true)
@@ -58,14 +58,14 @@ echo "setup: missing: ${missing[*]}"
 
 as_root=()
 if [ "$(id -u)" != 0 ]; then
-  command -v sudo >/dev/null || die "installing needs root, and there is no sudo: run as root: apt-get install ${missing[*]}"
+  command -v sudo >/dev/null || die "installing needs root, and sudo is not installed; run as root: apt-get install ${missing[*]}"
   # Without a terminal nobody can type a password.
   if [ -t 0 ]; then as_root=(sudo); else as_root=(sudo -n); fi
-  "${as_root[@]}" true || die "sudo was refused: run as root: apt-get install ${missing[*]}"
+  "${as_root[@]}" true || die "sudo was refused; run as root: apt-get install ${missing[*]}"
 fi
 apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0)
 
-"${apt[@]}" update -q || echo "setup: the package lists could not be refreshed; going on with those at hand"
+"${apt[@]}" update -q || echo "setup: the package lists could not be refreshed; continuing with the present ones"
 known=$(apt-cache --no-all-versions show "${missing[@]}" 2>/dev/null | awk '$1 == "Package:" {print $2}' || true)
 mapfile -t unknown < <(printf '%s\n' "${missing[@]}" | grep -vxF -f <(printf '%s\n' "$known") || true)
 if ((${#unknown[@]} > 0)); then

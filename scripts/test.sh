@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Everything that must hold before a change goes in: build and run all tests, then again under the address and undefined
-# behaviour sanitizers. Needs no GPU and no display. Quick when nothing changed.
+# Everything that must pass before a change goes in: builds and runs all tests, then again under the address and
+# undefined behaviour sanitizers. Needs no GPU and no display. Fast if nothing changed.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
-[ $# = 0 ] || die "takes no options, got '$1' (scripts/check.sh has the slow checks)"
+[ $# = 0 ] || die "takes no options, got '$1' (the slow checks are in scripts/check.sh)"
 
 run_tests() { (cd "$root" && ctest --preset "$1" -j "$(nproc)" </dev/null); }
 

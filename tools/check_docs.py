@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Fail when the README's program is not examples/01_bunny, or a link in a page leads nowhere. Usage: check_docs.py <root>"""
+"""Fail when the README's program is not examples/01_bunny, a link in a page leads nowhere, a page names a path of the
+repository that does not exist, a source names a page that does not exist, or where-is-what.md names something that its
+file does not contain.
+Usage: check_docs.py <root>"""
 import re
 import sys
 from pathlib import Path
@@ -10,9 +13,24 @@ readme = (root / "README.md").read_text()
 if (root / "examples/01_bunny/main.cpp").read_text().strip() not in readme:
     bad.append("README.md does not hold examples/01_bunny/main.cpp as it is")
 for page in [*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("assets/**/*.md")]:
-    prose = re.sub(r"```.*?```|`[^`]*`|^    .*$", "", page.read_text(), flags=re.S | re.M)  # a lambda is no link
+    text = page.read_text()
+    prose = re.sub(r"```.*?```|`[^`]*`|^    [^\n]*$", "", text, flags=re.S | re.M)  # a lambda is no link
     for target in re.findall(r"\]\(([^)#\s]+)", prose):
         if "://" not in target and not (page.parent / target).exists():
             bad.append(f"{page.relative_to(root)}: the link to {target} leads nowhere")
-print("\n".join(bad))
+    for path in re.findall(r"`((?:src|include|tests|apps|docs|examples)/[\w./-]+)`", text):
+        if not (root / path).exists():
+            bad.append(f"{page.relative_to(root)}: there is no {path}")
+for folder in ("src", "include", "apps", "tests", "bench"):
+    for source in [each for each in (root / folder).rglob("*") if each.suffix in {".h", ".cpp", ".py", ".txt"}]:
+        for path in re.findall(r"\bdocs/[\w./-]+\.md\b", source.read_text()):
+            if not (root / path).exists():
+                bad.append(f"{source.relative_to(root)}: there is no {path}")
+where = root / "docs/design/where-is-what.md"
+for path, names in re.findall(r"^\|[^|]*\| `([^`]+)` \| (.*) \|$", where.read_text(), re.M):
+    source = (root / path).read_text() if (root / path).is_file() else ""
+    for name in re.findall(r"`(?:\w+::)*(\w+)`", names):
+        if source and not re.search(rf"\b{name}\b", source):
+            bad.append(f"{where.relative_to(root)}: {path} does not contain {name}")
+print("\n".join(dict.fromkeys(bad)))
 sys.exit(bool(bad))

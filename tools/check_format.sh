@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Fail when a source differs from what clang-format (version 14, .clang-format) would write. Usage: check_format.sh ROOT [--fix]
+# Fail when a source differs from the output of clang-format (version 14, .clang-format). Usage: check_format.sh ROOT
+# [--fix]
 set -euo pipefail
 cd "$1"
 command -v clang-format >/dev/null || { echo "clang-format is missing: run scripts/setup.sh"; exit 1; }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Fetch what a package-lock.json names, checked against its hashes: `npm ci` without npm. Usage: fetch_npm.py FOLDER
+"""Fetch the packages named in a package-lock.json and check their hashes: `npm ci` without npm. Usage: fetch_npm.py FOLDER
 
-Only for packages without scripts of their own. A mirror of the registry: npm_config_registry=https://...
+Works only for packages without install scripts. A mirror of the registry: npm_config_registry=https://...
 """
 import base64
 import hashlib
@@ -36,7 +36,7 @@ for place, package in lock["packages"].items():
     shutil.rmtree(fresh, ignore_errors=True)
     with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
         for member in tar.getmembers():
-            path = Path(*Path(member.name).parts[1:])  # all lie in one folder, "package"
+            path = Path(*Path(member.name).parts[1:])  # all files are in one folder, "package"
             if member.isfile() and ".." not in path.parts:
                 (fresh / path).parent.mkdir(parents=True, exist_ok=True)
                 (fresh / path).write_bytes(tar.extractfile(member).read())

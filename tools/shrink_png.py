@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Packs PNG files of 8-bit RGB anew and smaller, without changing a pixel: shrink_png.py FILE..."""
+"""Recompresses PNG files of 8-bit RGB to a smaller size without changing a pixel: shrink_png.py FILE..."""
 import struct
 import sys
 import zlib
@@ -39,7 +39,7 @@ def unfiltered(raw, width, height):
 
 
 def filtered(rows):
-    """Each row by the predictor whose errors have the smallest entropy together with what stands before it."""
+    """Encodes each row with the predictor whose errors, together with the bytes before them, have the smallest entropy."""
     out, above = bytearray(), bytes(len(rows[0]))
     for line in rows:
         best = None

@@ -4,19 +4,19 @@
 
 namespace filasofia::app {
 
-/// The paper's benchmark: the Stanford bunny pinned at the head, the rest falling under its own weight.
+/// The paper's benchmark: the Stanford bunny is pinned at the head and the rest falls under its own weight.
 struct BunnyDef {
     int tets = 3004;     ///< one of kBunnySizes
-    int subdivision = 1; ///< [-], in [0, 3], of the visual surface
-    bool shown = true;   ///< drawn at all
+    int subdivision = 1; ///< [-] in [0, 3], subdivision levels of the visual surface
+    bool shown = true;   ///< false: not drawn
 };
 
 inline constexpr int kBunnySizes[] = {756, 1492, 3004, 10000, 30000};
 
-/// Throws an Error naming the sizes that there are.
+/// Throws an Error that names the available sizes.
 BodyId addBunny(Simulation& sim, const BunnyDef& def);
 
-/// Where the bunny swings: what the camera looks at.
+/// The room in which the bunny swings; the camera looks at it.
 Box bunnyRoom();
 
 } // namespace filasofia::app

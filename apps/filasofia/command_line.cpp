@@ -4,7 +4,7 @@
 #include "apps/filasofia/suggestion.h"
 #include "filasofia/core/error.h"
 
-// Long to compile: included here only.
+// Slow to compile, so it is included only here.
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ int refuse(std::string line, int code)
     return code;
 }
 
-/// The user's word for an option, onto its target. `name` is how errors call it.
+/// Writes the word that the user gave to an option's target. Errors call the option `name`.
 void take(const Option& option, const std::string& name, const std::string& word)
 {
     const std::vector<std::string>& choices = option.choices;
@@ -38,7 +38,7 @@ void take(const Option& option, const std::string& name, const std::string& word
         *std::get<std::string*>(option.target) = word;
 }
 
-/// What a target holds before anything was given, for the help.
+/// A target's value before any option is given, as the help shows it.
 std::string standardOf(const Option& option)
 {
     if (!option.standard.empty()) return option.standard;
@@ -48,7 +48,7 @@ std::string standardOf(const Option& option)
     return words.empty() ? "none" : words;
 }
 
-/// Teaches CLI11 one option. It hands us the words as they are: what we say of them is in our own.
+/// Registers one option with CLI11. CLI11 hands over the words unchanged, so that all error texts are our own.
 void addOption(CLI::App& app, const Option& option)
 {
     if (bool* const* flag = std::get_if<bool*>(&option.target)) {
@@ -73,7 +73,7 @@ std::vector<std::string> optionNames(const CLI::App& app)
     return names;
 }
 
-/// The first word that nobody understood, as an error; empty when all were understood. `after` is "" or " after 'run'".
+/// The first unknown word, as an error text; empty if all words are known. `after` is "" or " after 'run'".
 std::string unknownWord(const CLI::App& app, const std::string& after, const std::vector<std::string>& commands)
 {
     for (const std::string& word : app.remaining()) {
@@ -93,7 +93,7 @@ std::string unknownWord(const CLI::App& app, const std::string& after, const std
     return {};
 }
 
-/// What is wrong, in our words.
+/// The error in our own words.
 std::string inOurWords(const CLI::ParseError& error)
 {
     const std::string said = error.what();
@@ -103,10 +103,10 @@ std::string inOurWords(const CLI::ParseError& error)
 
 int understandAndRun(int argc, char** argv, const std::vector<Command>& commands)
 {
-    CLI::App app("Real-time surgical simulation: soft tissue, haptic rates, an endoscope's picture.", "filasofia");
+    CLI::App app("Real-time surgical simulation: soft tissue, haptics and an endoscope's view.", "filasofia");
     app.set_version_flag("--version", std::string("filasofia ") + kVersion);
     app.require_subcommand(0, 1);
-    app.allow_extras(); // unknown words are kept, so that we can name them ourselves
+    app.allow_extras(); // keeps unknown words, so that our own errors can name them
     std::vector<std::string> names;
     for (const Command& command : commands) {
         CLI::App* words = app.add_subcommand(command.name, command.meaning);
@@ -120,7 +120,7 @@ int understandAndRun(int argc, char** argv, const std::vector<Command>& commands
     } catch (const CLI::Success& asked) { // --help, --version
         return app.exit(asked);
     } catch (const CLI::ParseError& error) {
-        // A missing word is often a misspelt one: the misspelling says more.
+        // A missing word is often a misspelt one. If so, the misspelling is the better error.
         const std::string unknown = unknownWord(app, "", names);
         return refuse(unknown.empty() ? inOurWords(error) : unknown, kRefused);
     }
@@ -137,7 +137,7 @@ int runCommandLine(int argc, char** argv, const std::vector<Command>& commands)
 {
     try {
         const int code = understandAndRun(argc, argv, commands);
-        // A full disk or a closed pipe shows only when the last bytes leave.
+        // A full disk or a closed pipe shows only when the last bytes are written.
         if (!std::cout.flush()) return refuse("cannot write to standard output", kFailed);
         return code;
     } catch (const Error& error) {

@@ -8,22 +8,22 @@
 #include <variant>
 #include <vector>
 
-/// The words of the command line. Each command has its own file; main.cpp lists them.
+/// The commands of the command line. Each command has its own file; main.cpp lists them.
 namespace filasofia::app {
 
-/// What an option is written to. A flag is a bool; all keep their value, the default, when not given.
+/// The target of an option. A flag is a bool. If an option is not given, its target keeps its value, the default.
 using OptionTarget = std::variant<bool*, int*, double*, std::string*>;
 
-/// One word or option a command understands.
+/// One positional word or option of a command.
 struct Option {
-    std::string name;                      ///< "--steps" (or "-n,--steps"); without dashes it is a word in its place
+    std::string name;                      ///< "--steps" (or "-n,--steps"); a name without dashes is a positional word
     OptionTarget target = {};              ///< must outlive the command line
-    std::string meaning = {};              ///< for the help
-    std::string type = {};                 ///< "N", "FILE", for the help; empty: chosen by the target
-    std::vector<std::string> choices = {}; ///< the only legal values; empty: any
+    std::string meaning = {};              ///< text for the help
+    std::string type = {};                 ///< "N", "FILE", for the help; chosen by the target if empty
+    std::vector<std::string> choices = {}; ///< the only legal values; any value if empty
     bool required = false;
-    Bound bound = {};          ///< of a number
-    std::string standard = {}; ///< the default as the help shows it; empty: the target's value
+    Bound bound = {};          ///< legal range, if the target is a number
+    std::string standard = {}; ///< the default as the help shows it; the target's value if empty
 };
 
 /// One command: `filasofia <name>`.
@@ -31,20 +31,20 @@ struct Command {
     std::string name;
     std::string meaning = {};
     std::vector<Option> options = {};
-    std::function<int()> run = {}; ///< called once its words are understood; returns the exit code
-    std::string footer = {};       ///< after the options in the help
+    std::function<int()> run = {}; ///< called after the words have been parsed; returns the exit code
+    std::string footer = {};       ///< printed after the options in the help
 };
 
-Command runCommand();    ///< a scene in a window, or headless
-Command replayCommand(); ///< makes a recorded run again
-Command benchCommand();  ///< tables and JSON
-Command reportCommand(); ///< what an instructor reads of a session
-Command fuzzCommand();   ///< does things at random and checks everything after each
-Command doctorCommand(); ///< what this machine can do for the simulation, and what is missing
+Command runCommand();    ///< runs a scene in a window, or headless
+Command replayCommand(); ///< replays a recorded run
+Command benchCommand();  ///< measures and writes tables and JSON
+Command reportCommand(); ///< writes an instructor's report of a session
+Command fuzzCommand();   ///< makes random cuts and checks everything after each
+Command doctorCommand(); ///< reports what this machine offers for the simulation, and what is missing
 
-/// What --threads N may be; 0 leaves the choice to the engine.
+/// Legal range of --threads; 0 leaves the choice to the engine.
 inline constexpr Bound kThreads = {closed(0, 256), "-"};
-/// What --threads N asks for.
+/// The number of threads that --threads asks for; empty for 0.
 inline std::optional<int> givenThreads(int threads) { return threads == 0 ? std::nullopt : std::optional(threads); }
 
 } // namespace filasofia::app

@@ -5,7 +5,7 @@ namespace {
 
 const visual::Material kSteel = MetalMaterial{.roughness = 0.5};
 
-/// Dry and dull: bare metal is dark where the endoscope's light does not come back from it.
+/// A dry and matt material. Bare metal looks dark if the endoscope's light is not reflected back to the camera.
 visual::Material dull(const visual::Color& color)
 {
     return TissueMaterial{.baseColor = color,
@@ -27,7 +27,8 @@ BodyId addShown(Simulation& sim, RigidBodyDef def, const visual::Material& mater
     return id;
 }
 
-/// From 0 to 1 and back within a cycle of 4 s: it rises from `begin` to `end` [s] and falls in the mirrored times.
+/// [-] Goes from 0 to 1 and back in a cycle of 4 s: rises between `begin` and `end` [s] and falls at the mirrored
+/// times.
 double swing(double time, double begin, double end)
 {
     const double now = std::fmod(time, 4.0);
@@ -83,7 +84,7 @@ void addFriction(Simulation& sim)
     const auto slope = shapes::box({240_mm, 10_mm, 100_mm}), ledge = shapes::box({6_mm, 20_mm, 100_mm});
     addShown(sim, {.name = "slope", .elements = {onSlope({0, -5_mm, 0})}, .mesh = slope, .friction = 0.5}, kCloth);
     addShown(sim, {.name = "ledge", .elements = {onSlope({123_mm, 0, 0})}, .mesh = ledge, .friction = 0.5}, kCloth);
-    // Two bodies have the root of the product of their frictions: 0.4 and 0.3, and tan 20 deg = 0.364 lies between.
+    // The friction of a pair is the geometric mean: 0.4 and 0.3 here, and tan 20 deg = 0.364 lies between them.
     for (const auto& [name, friction, z] : {std::tuple{"rough box", 0.32, -25_mm}, {"smooth box", 0.18, 25_mm}})
         addShown(sim,
                  {.name = name,

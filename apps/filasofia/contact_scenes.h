@@ -4,10 +4,10 @@
 
 namespace filasofia::app {
 
-// What the examples of the same names show, going on for ever; each with the room that the camera is to look at.
-// `subdivision` [-], in [0, 3], is of the drawn soft bodies.
+// The examples of the same names as endless scenes, each with the room that the camera looks at. `subdivision` [-], in
+// [0, 3], applies to the drawn soft bodies.
 
-/// A ball pokes a block of tissue, once a second (examples/05_poke).
+/// A ball pokes a block of tissue once a second (examples/05_poke).
 void addPoke(Simulation& sim, int subdivision);
 inline constexpr Box kPokeRoom = {{-0.032, -0.015, -0.03}, {0.032, 0.03, 0.03}};
 

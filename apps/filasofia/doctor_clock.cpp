@@ -14,10 +14,10 @@
 namespace filasofia::app {
 namespace {
 
-constexpr const char* kRealTimeHint =
-    "put '@audio - rtprio 80' (your group in place of audio) into /etc/security/limits.d/filasofia.conf, log in again";
+constexpr const char* kRealTimeHint = "put '@audio - rtprio 80' (with your group instead of audio) into "
+                                      "/etc/security/limits.d/filasofia.conf and log in again";
 
-/// Whether this thread may run under SCHED_FIFO; it is put back at once.
+/// Whether this thread may run under SCHED_FIFO. The previous policy is restored at once.
 bool realTimeAllowed()
 {
     int policy = 0;
@@ -63,7 +63,7 @@ double microsecondsBetween(timespec from, timespec to)
     return static_cast<double>(to.tv_sec - from.tv_sec) * 1e6 + static_cast<double>(to.tv_nsec - from.tv_nsec) * 1e-3;
 }
 
-/// How late, in microseconds, a thread wakes at each of 200 ticks of a 1 ms grid; sorted.
+/// Lateness [us] of a thread at each of 200 ticks of a 1 ms grid, sorted.
 std::array<double, 200> wakeLateness()
 {
     std::array<double, 200> lateness = {};
@@ -71,7 +71,7 @@ std::array<double, 200> wakeLateness()
     clock_gettime(CLOCK_MONOTONIC, &due);
     for (double& late : lateness) {
         due = later(due, 1'000'000);
-        while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) != 0) { // a signal woke us early
+        while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) != 0) { // woken early by a signal
         }
         timespec now = {};
         clock_gettime(CLOCK_MONOTONIC, &now);
@@ -99,10 +99,10 @@ Section examineTimer()
 {
     const auto lateness = wakeLateness();
     const double p99 = lateness[lateness.size() * 99 / 100];
-    // A haptic servo runs at 1 kHz: a tenth of its period is what it can lose unnoticed.
+    // A haptic servo runs at 1 kHz; it can lose a tenth of its period unnoticed.
     const char* hint = p99 > 100.0
-                           ? "a 1 kHz servo will stutter: give real-time priority, stop other load, prefer a machine "
-                             "that is not virtual"
+                           ? "a 1 kHz servo will stutter: allow real-time priority, stop other programs, or use a "
+                             "machine that is not virtual"
                            : "";
     return {.title = "timer",
             .findings = {{.name = "lateness median", .value = lateness[lateness.size() / 2], .unit = "us"},

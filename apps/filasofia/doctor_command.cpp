@@ -9,14 +9,14 @@ namespace filasofia::app {
 namespace {
 
 struct DoctorOptions {
-    std::string json; ///< the file to write, "-" for standard output in place of the table, empty for none
+    std::string json; ///< the file to write; "-" for standard output instead of the table; empty for none
 };
 
 void writeJsonFile(const DoctorReport& report, const std::string& path)
 {
     std::ofstream file(path);
     if (file) writeJson(report, file);
-    file.close(); // what is still on its way may fail too
+    file.close(); // writing the last bytes may fail too
     if (!file) fail("doctor: cannot write '", path, "'");
 }
 
@@ -37,12 +37,12 @@ int runDoctor(const DoctorOptions& options)
 
 Command doctorCommand()
 {
-    static DoctorOptions options; // there is one command line, and it outlives this function
+    static DoctorOptions options; // static: there is one command line, and its targets must outlive this function
     return {.name = "doctor",
-            .meaning = "Say what this machine can do for the simulation, and what is missing",
+            .meaning = "Report what this machine offers for the simulation, and what is missing",
             .options = {{.name = "--json",
                          .target = &options.json,
-                         .meaning = "Write the report as JSON to FILE ('-': to standard output)",
+                         .meaning = "Write the report as JSON to FILE ('-' for standard output)",
                          .type = "FILE"}},
             .run = [] { return runDoctor(options); }};
 }

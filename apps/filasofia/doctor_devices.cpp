@@ -16,7 +16,7 @@
 namespace filasofia::app {
 namespace {
 
-/// A library opened by name for as long as this object lives. Looked for at run time, so that the program starts
+/// A library opened by name, and closed with this object. It is looked up at run time so that the program also starts
 /// without it.
 class RuntimeLibrary {
 public:
@@ -43,7 +43,7 @@ std::string environment(const char* name)
     return value ? value : "";
 }
 
-/// Whether the window system's own library can connect: opens, and closes again.
+/// Whether the window system's own library can connect; the connection is closed again.
 bool connects(const char* libraryName, const char* openName, const char* closeName)
 {
     const RuntimeLibrary library(libraryName);
@@ -60,7 +60,7 @@ Finding inputNodes(std::string name, std::string_view prefix)
 {
     Finding finding = {.name = std::move(name)};
     std::vector<std::string> nodes;
-    std::error_code ignored; // no /dev/input: no devices
+    std::error_code ignored; // without /dev/input there are no devices
     for (const auto& entry : std::filesystem::directory_iterator("/dev/input", ignored))
         if (entry.path().filename().string().starts_with(prefix)) nodes.push_back(entry.path().string());
     std::sort(nodes.begin(), nodes.end());
@@ -96,7 +96,7 @@ Finding vendorLibrary(std::string name, std::initializer_list<const char*> files
     const bool found =
         std::any_of(files.begin(), files.end(), [](const char* file) { return bool(RuntimeLibrary(file)); });
     if (found) return {.name = std::move(name), .value = true};
-    return {.name = std::move(name), .value = false, .hint = text("only for that device: install ", source)};
+    return {.name = std::move(name), .value = false, .hint = text("needed only for that device: install ", source)};
 }
 
 } // namespace
@@ -112,14 +112,15 @@ Section examineGpu()
                           .hint = text(gpu.problem, gpu.problem.empty() ? "" : "; ",
                                        "install libegl1 and libgl1-mesa-dri, or the driver of this machine's GPU")}}};
     return {.title = "gpu",
-            .findings = {
-                {.name = "drawing without a window", .value = true},
-                {.name = "software rendering",
-                 .value = gpu.software,
-                 .hint = gpu.software ? "the processor draws, slowly: install the driver of this machine's GPU" : ""},
-                {.name = "vendor", .value = gpu.vendor},
-                {.name = "renderer", .value = gpu.renderer},
-                {.name = "driver", .value = gpu.version}}};
+            .findings = {{.name = "drawing without a window", .value = true},
+                         {.name = "software rendering",
+                          .value = gpu.software,
+                          .hint = gpu.software
+                                      ? "the processor draws, which is slow: install the driver of this machine's GPU"
+                                      : ""},
+                         {.name = "vendor", .value = gpu.vendor},
+                         {.name = "renderer", .value = gpu.renderer},
+                         {.name = "driver", .value = gpu.version}}};
 }
 
 Section examineDisplay()
@@ -149,7 +150,7 @@ Section examineDevices()
                 inputNodes("input events", "event"),
                 {.name = "3D mouse daemon",
                  .value = spacenav,
-                 .hint = spacenav ? "" : "only for a SpaceNavigator: install spacenavd"},
+                 .hint = spacenav ? "" : "needed only for a SpaceNavigator: install spacenavd"},
                 vendorLibrary("Force Dimension library", {"libdhd.so.3", "libdhd.so"}, "the Force Dimension SDK"),
                 vendorLibrary("OpenHaptics library", {"libHD.so.3.4", "libHD.so"}, "the OpenHaptics SDK"),
             }};

@@ -12,7 +12,7 @@
 namespace filasofia::app {
 namespace {
 
-/// The text after "key   :" in a /proc file; empty where there is none.
+/// The text after "key   :" in a /proc file; empty if there is no such key.
 std::string procField(const char* path, std::string_view key)
 {
     std::ifstream file(path);
@@ -100,8 +100,7 @@ Section examineProcessor()
                 {.name = "processor", .value = model.empty() ? "unknown" : std::move(model)},
                 {.name = "cores",
                  .value = cores,
-                 .hint = cores < 4 ? "physics, drawing and a haptic device each want a core of their own: use 4 or more"
-                                   : ""},
+                 .hint = cores < 4 ? "physics, drawing and a haptic device each need a core: use 4 cores or more" : ""},
                 {.name = "vector instructions", .value = vectorInstructions()},
                 memory("memory", "MemTotal"),
                 memory("memory available", "MemAvailable"),

@@ -52,7 +52,7 @@ void writeJson(const DoctorReport& report, std::ostream& out)
             if (!finding.hint.empty()) entry["hint"] = finding.hint;
         }
     }
-    // A driver's name may hold any bytes: replace what is not UTF-8 rather than throw.
+    // A driver's name may hold any bytes. What is not UTF-8 is replaced, as dump() would throw otherwise.
     out << root.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
 }
 

@@ -11,8 +11,8 @@ namespace filasofia::app {
 struct Finding {
     std::string name; ///< "git revision"; in JSON git_revision
     std::variant<std::string, bool, long long, double> value = {};
-    std::string unit = {}; ///< of a number
-    std::string hint = {}; ///< what to do about a shortcoming; empty where all is well
+    std::string unit = {}; ///< if the value is a number
+    std::string hint = {}; ///< how to fix a shortcoming; empty if there is none
 };
 
 struct Section {
@@ -22,15 +22,15 @@ struct Section {
 
 using DoctorReport = std::vector<Section>;
 
-// One function per section; none throws.
+// One function per section. None of them throws.
 Section examineProgram();    ///< version, revision, compiler
 Section examineProcessor();  ///< model, cores, vector instructions, memory
-Section examineGpu();        ///< what draws without a window
-Section examineDisplay();    ///< whether a window can be opened
+Section examineGpu();        ///< the device that draws without a window
+Section examineDisplay();    ///< whether a window can open
 Section examineDevices();    ///< joysticks, 3D mouse, haptic device libraries
-Section examineScheduling(); ///< whether threads can be given real-time priority
+Section examineScheduling(); ///< whether threads may get real-time priority
 Section examineTimer();      ///< how late a thread wakes on a 1 ms grid; takes 0.2 s
-Section examineLibraries();  ///< third-party versions this program was compiled with
+Section examineLibraries();  ///< third-party versions that this program was compiled with
 
 void writeTable(const DoctorReport& report, std::ostream& out);
 void writeJson(const DoctorReport& report, std::ostream& out);

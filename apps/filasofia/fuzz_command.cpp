@@ -3,9 +3,9 @@
 #include "apps/filasofia/json_file.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
-#include "filasofia/engine/rupture/fuzz.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/runtime/assets.h"
+#include "filasofia/testing/fuzz_cuts.h"
 
 #include <nlohmann/json.hpp>
 
@@ -24,19 +24,19 @@ struct Options {
     int perBody = 4;
 };
 
-constexpr int kShown = 10; ///< bodies with something to look at
+constexpr int kShown = 10; ///< number of example faults that are printed
 
-json toJson(const std::vector<engine::CutFuzzCount>& counts)
+json toJson(const std::vector<testing::CutFuzzCount>& counts)
 {
     json all = json::object();
-    for (const engine::CutFuzzCount& each : counts) all[each.name] = each.count;
+    for (const testing::CutFuzzCount& each : counts) all[each.name] = each.count;
     return all;
 }
 
-json toJson(const Options& options, const engine::CutFuzzReport& r)
+json toJson(const Options& options, const testing::CutFuzzReport& r)
 {
     json kinds = json::array();
-    for (const engine::CutFuzzKind& kind : r.kinds)
+    for (const testing::CutFuzzKind& kind : r.kinds)
         kinds.push_back(
             {{"kind", kind.name}, {"cuts", kind.cuts}, {"judged", kind.judged}, {"incomplete", kind.incomplete}});
     return {{"fuzz", options.what},
@@ -62,16 +62,16 @@ json toJson(const Options& options, const engine::CutFuzzReport& r)
             {"hash", hexadecimal(r.hash)}};
 }
 
-void print(const engine::CutFuzzReport& r)
+void print(const testing::CutFuzzReport& r)
 {
-    std::printf("%ld cuts in %ld bodies: %ld steps, %ld edits, everything checked %ld times\n", r.cuts, r.bodies,
+    std::printf("%ld cuts in %ld bodies: %ld steps, %ld edits, all invariants checked %ld times\n", r.cuts, r.bodies,
                 r.steps, r.edits, r.checks);
     std::printf("\n%-16s %8s %8s %10s\n", "kind", "cuts", "judged", "incomplete");
-    for (const engine::CutFuzzKind& kind : r.kinds)
+    for (const testing::CutFuzzKind& kind : r.kinds)
         std::printf("%-16s %8ld %8ld %10ld\n", kind.name.c_str(), kind.cuts, kind.judged, kind.incomplete);
-    const auto list = [](const char* title, const std::vector<engine::CutFuzzCount>& counts) {
+    const auto list = [](const char* title, const std::vector<testing::CutFuzzCount>& counts) {
         std::printf("\n%s:\n", title);
-        for (const engine::CutFuzzCount& each : counts) std::printf("  %-28s %ld\n", each.name.c_str(), each.count);
+        for (const testing::CutFuzzCount& each : counts) std::printf("  %-28s %ld\n", each.name.c_str(), each.count);
     };
     list("refused", r.refusals);
     list("done and repaired", r.repairs);
@@ -83,22 +83,22 @@ void print(const engine::CutFuzzReport& r)
     if (!r.faults.empty()) list("BROKEN INVARIANTS", r.faults);
     for (int i = 0; i < std::min<int>(kShown, static_cast<int>(r.examples.size())); ++i)
         std::printf("  %s\n", r.examples[static_cast<std::size_t>(i)].c_str());
-    std::printf("hash %s; %ld bodies came out differently a second time\n", hexadecimal(r.hash).c_str(),
+    std::printf("hash %s; %ld bodies differed when they were cut a second time\n", hexadecimal(r.hash).c_str(),
                 r.hashesThatDiffer);
 }
 
 int fuzz(const Options& options)
 {
-    if (options.what != "cut") fail("fuzz: there is nothing called '", shortened(options.what), "'; there is cut");
+    if (options.what != "cut") fail("fuzz: unknown subject '", shortened(options.what), "'; known is cut");
     JsonFile file(options.file);
-    engine::CutFuzzDef def{.seed = static_cast<std::uint64_t>(options.seed),
-                           .cuts = options.cuts,
-                           .meshes = engine::cutFuzzShapes(),
-                           .cutsPerBody = options.perBody};
+    testing::CutFuzzDef def{.seed = static_cast<std::uint64_t>(options.seed),
+                            .cuts = options.cuts,
+                            .meshes = testing::cutFuzzShapes(),
+                            .cutsPerBody = options.perBody};
     for (const char* size : {"756", "1492"})
         def.meshes.push_back(
             {text("bunny ", size), geometry::loadTetMesh(runtime::asset(text("meshes/bunny_", size, ".msh")))});
-    const engine::CutFuzzReport report = engine::fuzzCuts(def);
+    const testing::CutFuzzReport report = testing::fuzzCuts(def);
     print(report);
     file.write(toJson(options, report));
     return report.sound() ? 0 : kFailed;
@@ -108,23 +108,23 @@ int fuzz(const Options& options)
 
 Command fuzzCommand()
 {
-    static Options options; // there is one command line, and it outlives this function
+    static Options options; // static: there is one command line, and its targets must outlive this function
     return {.name = "fuzz",
-            .meaning = "Do things at random and check everything after each",
+            .meaning = "Make random changes and check all invariants after each",
             .options = {{"WHAT", &options.what, "cut: cuts and tears of small bodies", "", {}, true},
                         {.name = "--seed",
                          .target = &options.seed,
-                         .meaning = "Of the random numbers",
+                         .meaning = "Seed of the random numbers",
                          .type = "S",
                          .bound = {closed(0, 1000000), "-"}},
                         {.name = "--cuts",
                          .target = &options.cuts,
-                         .meaning = "How many, tears among them",
+                         .meaning = "Number of cuts, including tears",
                          .type = "N",
                          .bound = {closed(1, 100000000), "-"}},
                         {.name = "--per-body",
                          .target = &options.perBody,
-                         .meaning = "How many one after another in the same body",
+                         .meaning = "Cuts made one after another in the same body",
                          .type = "N",
                          .bound = {closed(1, 1000), "-"}},
                         {"--json", &options.file, "Write every figure to this file", "FILE"}},

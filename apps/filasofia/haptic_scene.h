@@ -4,7 +4,7 @@
 
 namespace filasofia::app {
 
-/// A tool in a hand presses a block of tissue (examples/11_haptics), for ever or in the person's own hand.
+/// A tool in a scripted hand, or in the user's own, presses a block of tissue without end (examples/11_haptics).
 void addHaptics(Simulation& sim, int subdivision);
 inline constexpr Box kHapticsRoom = {{-0.032, -0.015, -0.03}, {0.032, 0.06, 0.03}};
 

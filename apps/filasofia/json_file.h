@@ -7,13 +7,14 @@
 
 namespace filasofia::app {
 
-/// The file of a command that measures for minutes: opened before them, so that a name that cannot be written is told
-/// at once.
+/// The output file of a command that measures for minutes. It is opened beforehand, so that a name that cannot be
+/// written is reported at once.
 class JsonFile {
 public:
-    /// Nothing is written where the name is empty. An Error where it cannot be opened, and for "-": the table is there.
+    /// If the name is empty, nothing is written. Throws Error if the file cannot be opened, and for "-", as standard
+    /// output carries the table.
     explicit JsonFile(const std::string& name);
-    /// All of it, or an Error.
+    /// Writes all figures, or throws Error.
     void write(const nlohmann::json& figures);
 
 private:

@@ -4,7 +4,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 #include "filasofia/runtime/replay.h"
 
 #include <cstdio>
@@ -18,7 +18,7 @@ struct Options {
     runtime::ReplayDef replay;
 };
 
-/// What made the bits: of a recording, or of this program.
+/// The program that made a recording, or this program: everything that decides the bits of a result.
 struct Maker {
     std::string version, revision, simd;
 };
@@ -30,7 +30,7 @@ std::string described(const Maker& maker)
                 shown(maker.simd));
 }
 
-/// What is different about this program, as a sentence; empty where nothing is.
+/// The difference between the recording program and this one, as a sentence; empty if there is none.
 std::string likelyReason(const Maker& recorder, const Maker& self)
 {
     const bool otherBuild = recorder.version != self.version || recorder.revision != self.revision;
@@ -40,7 +40,7 @@ std::string likelyReason(const Maker& recorder, const Maker& self)
                 otherSimd ? "other vector instructions" : "", "; this is ", described(self), "\n");
 }
 
-/// What the session was called, where it was.
+/// The names that the recording's header gives, if any.
 std::string namesOf(const record::RecordingHeader& header)
 {
     std::string line;
@@ -63,7 +63,7 @@ int replayFile(Options& options)
 
     if (report.made == 0) throw Error(report.damage.empty() ? options.replay.file + ": holds no step" : report.damage);
     std::cout << "recorded by " << described(recorder) << '\n' << namesOf(header);
-    std::printf("%llu %s, %.3f s simulated, made again in %.3f s\n", static_cast<unsigned long long>(report.step),
+    std::printf("%llu %s, %.3f s simulated, replayed in %.3f s\n", static_cast<unsigned long long>(report.step),
                 report.step == 1 ? "step" : "steps", report.time, report.wallSeconds);
     for (const std::string& note : report.notes) std::cout << "note: " << note << '\n';
     for (const std::string& picture : report.pictures) std::cout << "wrote " << picture << '\n';
@@ -85,21 +85,22 @@ int replayFile(Options& options)
 
 Command replayCommand()
 {
-    static Options options; // there is one command line, and it outlives this function
+    static Options options; // static: there is one command line, and its targets must outlive this function
     return {.name = "replay",
-            .meaning = "Make a recorded run again, as fast as it goes",
-            .options = {{"RECORDING", &options.replay.file, "What run --record FILE wrote", "FILE", {}, true},
+            .meaning = "Replay a recorded run as fast as possible",
+            .options = {{"RECORDING", &options.replay.file, "A file written by run --record FILE", "FILE", {}, true},
                         {"--check", &options.replay.check,
-                         "Compare the state after every step; exit with 1 at the first that differs"},
-                        {"--picture", &options.replay.picture, "Draw the last state into this PNG file", "FILE"},
-                        {"--video", &options.replay.video, "Draw it into this MP4 file (needs ffmpeg)", "FILE"},
+                         "Compare the state after every step; stop with exit code 1 at the first difference"},
+                        {"--picture", &options.replay.picture, "Write a picture of the last state to this PNG file",
+                         "FILE"},
+                        {"--video", &options.replay.video, "Write the run to this MP4 file (needs ffmpeg)", "FILE"},
                         {.name = "--fps",
                          .target = &options.replay.fps,
-                         .meaning = "Pictures per second of the video, simulated time",
+                         .meaning = "Pictures of the video per second of simulated time",
                          .bound = boundOf(&runtime::ReplayDef::fps)},
                         {.name = "--threads",
                          .target = &options.threads,
-                         .meaning = "Threads within one step; 0: the cores but one, up to 8",
+                         .meaning = "Threads within one step; 0: all cores except one, at most 8",
                          .bound = kThreads}},
             .run = [] { return replayFile(options); }};
 }

@@ -13,7 +13,7 @@
 #include <map>
 #include <set>
 
-// The one place where a report meets the format of recordings.
+// The only place where a report depends on the format of recordings.
 namespace filasofia::app {
 namespace {
 
@@ -22,7 +22,7 @@ const std::string& nameOf(const physics::AddBody& body)
     return std::visit([](const auto& def) -> const std::string& { return def.name; }, *body.def);
 }
 
-/// The rigid bodies among these, in the same order.
+/// The rigid bodies of a list, in the same order.
 std::vector<const physics::AddBody*> rigidOf(const std::vector<physics::AddBody>& bodies)
 {
     std::vector<const physics::AddBody*> rigid;
@@ -31,7 +31,7 @@ std::vector<const physics::AddBody*> rigidOf(const std::vector<physics::AddBody>
     return rigid;
 }
 
-/// The one that is measured. `moved`: from outside.
+/// The body that is measured. `moved`: the bodies moved from outside.
 BodyId toolOf(const std::vector<const physics::AddBody*>& rigid, const std::set<BodyId>& moved, const std::string& name,
               const std::string& file)
 {
@@ -40,12 +40,12 @@ BodyId toolOf(const std::vector<const physics::AddBody*>& rigid, const std::set<
         if (name.empty() ? moved.contains(body->id) : nameOf(*body) == name) return body->id;
         list += text(list.empty() ? "" : ", ", "'", shortened(nameOf(*body)), "'");
     }
-    if (rigid.empty()) fail(file, ": has no rigid body, so nothing that a hand could have moved");
-    if (name.empty()) fail(file, ": no rigid body is moved from outside; --tool names one of ", list);
-    fail(file, ": there is no rigid body '", shortened(name), "'; there are ", list);
+    if (rigid.empty()) fail(file, ": the recording has no rigid body, so a hand cannot have moved anything");
+    if (name.empty()) fail(file, ": no rigid body is moved from outside; choose one with --tool: ", list);
+    fail(file, ": the recording has no rigid body '", shortened(name), "'; it has ", list);
 }
 
-constexpr double kRate = 200.0; // [Hz], of samples
+constexpr double kRate = 200.0; // [Hz] rate of the samples
 
 } // namespace
 
@@ -63,7 +63,7 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
                             .software = header.filasofia,
                             .seed = header.seed,
                             .watched = {metric::EventKind::Tear, metric::EventKind::Cut}};
-    std::set<BodyId> moved; // from outside
+    std::set<BodyId> moved; // bodies moved from outside
     std::map<BodyId, metric::StepSampler> samplers;
     std::map<BodyId, std::vector<metric::Sample>> samples;
     double lastPeriod = -1.0;
@@ -74,8 +74,8 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
         const physics::StepReport& report = player.report();
         if (same && !player.same()) {
             same = false;
-            std::cerr << oneLine(recording.string()) << ": made again it differs from step " << report.step
-                      << " on (filasofia replay --check says more)\n";
+            std::cerr << oneLine(recording.string()) << ": the replay differs from the recording from step "
+                      << report.step << " on (filasofia replay --check gives details)\n";
         }
         for (const physics::Rupture& rupture : report.topology.ruptures)
             session.events.push_back(
@@ -97,7 +97,8 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
     if (rigid.empty() && !session.complete) fail(player.damage());
     if (!session.complete) std::cerr << oneLine(player.damage()) << '\n';
     const BodyId measured = toolOf(rigid, moved, tool, recording.string());
-    for (const physics::AddBody* body : rigid) { // a hand's are instruments; the measured one is the first
+    // Bodies moved by a hand are instruments; the measured one comes first.
+    for (const physics::AddBody* body : rigid) {
         const bool instrument = body->id == measured || moved.contains(body->id);
         session.tracks.insert(body->id == measured ? session.tracks.begin() : session.tracks.end(),
                               {.name = nameOf(*body),

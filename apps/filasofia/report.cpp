@@ -12,7 +12,7 @@
 namespace filasofia::app {
 namespace {
 
-/// Of the sessions of a cohort those of a case; Error where there is none.
+/// Keeps the sessions of one case. Throws Error if there is none.
 void keepCase(std::vector<Attempt>& cohort, const std::string& task)
 {
     std::map<std::string, int> cases;
@@ -55,7 +55,7 @@ Report makeReport(metric::Session session, std::string origin, std::vector<Attem
 
 namespace {
 
-/// The session with this track as its tool; an empty name leaves it as it is.
+/// The session with the named track as its tool. If the name is empty, the session is returned unchanged.
 metric::Session measuring(metric::Session session, const std::string& tool, const std::string& file)
 {
     if (tool.empty()) return session;
@@ -88,8 +88,9 @@ std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::
     std::error_code problem;
     const std::string name = shortened(folder.string());
     if (!fs::is_directory(folder, problem))
-        fail("report: --cohort ", name, fs::exists(folder, problem) ? ": is no folder" : ": there is no such folder");
-    std::map<fs::path, fs::path> files; // by their names without extension: a folder's order is nobody's
+        fail("report: --cohort ", name, fs::exists(folder, problem) ? ": is not a folder" : ": does not exist");
+    // Sorted by name without extension, because the order within a folder is arbitrary.
+    std::map<fs::path, fs::path> files;
     fs::directory_iterator each(folder, problem);
     if (problem) fail("report: --cohort ", name, ": ", problem.message());
     for (; each != fs::directory_iterator(); each.increment(problem)) {
@@ -105,7 +106,7 @@ std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::
         return named.second.stem() == except.stem() && fs::equivalent(folder, fs::absolute(except).parent_path(), gone);
     });
     if (files.empty()) fail("report: --cohort ", name, ": holds no other session (.jsonl) or recording (.rec)");
-    // One damaged file is not to hold up a whole class.
+    // One damaged file must not stop the report of a whole class.
     std::vector<Attempt> cohort;
     for (const auto& [session, file] : files) try {
             cohort.push_back(attemptOf(readAnySession(file, tool, threads)));
@@ -113,7 +114,7 @@ std::vector<Attempt> readCohort(const std::filesystem::path& folder, const std::
             std::cerr << "left out of the cohort: " << oneLine(error.what()) << '\n';
             leftOut.push_back(file.filename().string());
         }
-    if (cohort.empty()) fail("report: --cohort ", name, ": none of its ", files.size(), " files could be read");
+    if (cohort.empty()) fail("report: --cohort ", name, ": none of its ", files.size(), " files can be read");
     return cohort;
 }
 
@@ -123,7 +124,7 @@ struct Shown {
     std::string_view unit, shown;
     double scale;
 };
-/// The units that people read, beside the SI units that files have.
+/// The units shown to people, beside the SI units in files.
 constexpr Shown kShown[] = {
     {"m", "mm", 1e3},
     {"m/s", "mm/s", 1e3},
@@ -186,7 +187,7 @@ std::string shownName(const std::string& name)
     constexpr std::size_t longest = 120;
     std::string line = oneLine(name);
     if (line.size() <= longest) return line;
-    std::size_t end = longest; // not within a character of UTF-8
+    std::size_t end = longest; // do not cut within a UTF-8 character
     while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xc0) == 0x80) --end;
     return line.substr(0, end) + "…";
 }

@@ -2,12 +2,12 @@
 
 #include <string_view>
 
-/// Files that lie inside the program (report/embed.cmake), for the page of a report.
+/// Files embedded in the program by report/embed.cmake, for the page of a report.
 namespace filasofia::app {
 
 std::string_view pageStyle();
 std::string_view pageScript();
-// Of uPlot; empty where it was missing when the program was configured.
+// uPlot's files; empty if uPlot was missing when the program was configured.
 std::string_view chartLibrary();
 std::string_view chartStyle();
 std::string_view chartLicence();

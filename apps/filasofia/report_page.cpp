@@ -12,7 +12,7 @@
 namespace filasofia::app {
 namespace {
 
-/// The metrics that stand above all others: what was asked first of every session. There is no score of scores.
+/// The values shown at the top: the first that an instructor asks for. There is no overall score.
 constexpr std::array kTiles = {"perforations", "force_max",   "force_over_time",        "tears_unintended",
                                "duration",     "path_length", "log_dimensionless_jerk", "steps_done"};
 
@@ -35,7 +35,7 @@ std::string fact(const char* name, const std::string& value)
     return text("<div><dt>", name, "</dt><dd>", value, "</dd></div>\n");
 }
 
-/// Of the tool [s]: nothing is known of it, and nothing measured.
+/// [s] Time without samples of the tool; nothing is measured in it.
 double timeInGaps(const metric::Session& session)
 {
     const metric::Track* tool = metric::findTrack(session, metric::Role::Tool);
@@ -58,7 +58,7 @@ std::string header(const Report& report)
     out += fact("Date", shown(session.date, "not recorded"));
     out += fact("Session", shown(report.origin, "–"));
     out += fact("Seed", text(session.seed));
-    out += fact("Made by", shown(session.software, "–"));
+    out += fact("Software", shown(session.software, "–"));
     if (const metric::Track* tool = metric::findTrack(session, metric::Role::Tool)) {
         out += fact("Tool", shown(tool->name, "–"));
         if (tool->samples.size() > 1) {
@@ -72,10 +72,10 @@ std::string header(const Report& report)
     out += fact("Lost", session.lost == 0 ? "none" : text(session.lost, " samples"));
     out += "</dl>\n";
     if (!session.complete)
-        out += "<p class=\"warning\">This session broke off: its record has no end. All numbers are of what there "
-               "is.</p>\n";
+        out += "<p class=\"warning\">The record of this session is incomplete. All numbers describe the part that was "
+               "recorded.</p>\n";
     if (session.lost > 0)
-        out += "<p class=\"warning\">Samples were lost while the disk did not keep up: gaps are left out of every "
+        out += "<p class=\"warning\">Samples were lost because the disk did not keep up. Gaps are left out of every "
                "number.</p>\n";
     return out + "</header>\n";
 }
@@ -99,7 +99,7 @@ std::string tiles(const Report& report)
     return out + "</section>\n";
 }
 
-/// Where a z lies between -3 and 3.
+/// A strip that shows where z lies between -3 and 3.
 std::string strip(double z, metric::Better better)
 {
     const double x = 50.0 + 46.0 * std::clamp(z, -3.0, 3.0) / 3.0;
@@ -168,12 +168,12 @@ std::string metricTables(const Report& report)
 std::string eventTable(const Report& report)
 {
     if (report.session.events.empty()) return "<p class=\"absent\">No event was recorded.</p>\n";
-    constexpr std::size_t most = 500;
+    constexpr std::size_t kMaxRows = 500;
     std::string out = "<table class=\"events\"><thead><tr><th scope=\"col\">Moment</th><th scope=\"col\">Event</th>"
                       "<th scope=\"col\">What</th><th scope=\"col\">How much</th></tr></thead><tbody>\n";
     std::size_t count = 0;
     for (const metric::Event& event : report.session.events) {
-        if (++count > most) break;
+        if (++count > kMaxRows) break;
         const bool area = event.kind == metric::EventKind::Tear || event.kind == metric::EventKind::Cut;
         const char* unit = area ? "m^2" : event.kind == metric::EventKind::Removed ? "m^3" : "-";
         const std::string amount = event.amount ? withUnit(*event.amount, unit) : "";
@@ -183,17 +183,17 @@ std::string eventTable(const Report& report)
                     "</td><td data-label=\"How much\">", amount, "</td></tr>\n");
     }
     out += "</tbody></table>\n";
-    if (count > most) out += text("<p>The first ", most, " of ", report.session.events.size(), ".</p>\n");
+    if (count > kMaxRows) out += text("<p>The first ", kMaxRows, " of ", report.session.events.size(), ".</p>\n");
     return out;
 }
 
-/// What a section says where there is nothing to draw with, or nothing to draw.
+/// The empty element into which the script draws a plot.
 std::string plot(const char* id, const char* label)
 {
     return text("<div class=\"plot\" id=\"", id, "\" role=\"img\" aria-label=\"", label, "\"></div>\n");
 }
 
-/// Which line of the plot of forces is whose.
+/// A key that tells which line of the force plot belongs to which instrument.
 std::string otherForces(const metric::Session& session)
 {
     const metric::Track* tool = metric::findTrack(session, metric::Role::Tool);
@@ -210,22 +210,21 @@ std::string plots(const Report& report)
     const bool drawn = !chartLibrary().empty();
     std::string out = "<section id=\"time\">\n<h2>Over time</h2>\n";
     if (drawn)
-        out +=
-            text("<p class=\"hint\">Point at a moment to see it in all plots; drag to zoom, double-click to go back. "
-                 "Times in the tables lead here.</p>\n<p id=\"readout\" role=\"status\"></p>\n",
-                 plot("speed", "Speed of the tool's tip over time"), plot("force", "Force over time"),
-                 otherForces(report.session));
+        out += text("<p class=\"hint\">Point at a moment to see it in all plots. Drag to zoom, double-click to reset. "
+                    "Click on a time in a table to see it here.</p>\n<p id=\"readout\" role=\"status\"></p>\n",
+                    plot("speed", "Speed of the tool's tip over time"), plot("force", "Force over time"),
+                    otherForces(report.session));
     else
-        out +=
-            "<p class=\"warning\">The plots were not built into this program: uPlot was missing when it was configured "
-            "(scripts/setup.sh fetches it).</p>\n";
+        out += "<p class=\"warning\">This program was built without plots, because uPlot was missing when it was "
+               "configured "
+               "(scripts/setup.sh fetches it).</p>\n";
     out += text("</section>\n<section id=\"path\">\n<h2>Path of the tip</h2>\n<p class=\"hint\"><span class=\"key "
                 "start\"></span> "
                 "start <span class=\"key end\"></span> end <span class=\"key touching\"></span> in contact</p>\n"
                 "<div class=\"views\">\n",
                 pathPictures(report), "</div>\n</section>\n");
     if (drawn)
-        out += text("<section id=\"forces\">\n<h2>How long at which force</h2>\n",
+        out += text("<section id=\"forces\">\n<h2>Time in contact by force</h2>\n",
                     plot("histogram", "Seconds in contact at each force"), "</section>\n");
     return out;
 }
@@ -234,15 +233,16 @@ std::string learning(const Report& report)
 {
     std::string out = "<section id=\"learning\">\n<h2>Learning curve</h2>\n";
     if (report.own.size() < 2)
-        return out +
-               "<p class=\"absent\">One session of this trainee and case: no curve yet. --cohort names a folder that "
-               "holds the others.</p>\n</section>\n";
-    if (chartLibrary().empty()) return out + "<p class=\"absent\">See above: no plots.</p>\n</section>\n";
+        return out + "<p class=\"absent\">There is only one session of this trainee and case, so there is no curve. "
+                     "--cohort names a folder "
+                     "with further sessions.</p>\n</section>\n";
+    if (chartLibrary().empty())
+        return out + "<p class=\"absent\">This program was built without plots.</p>\n</section>\n";
     return out + text("<p><label>Measure <select id=\"which\"></select></label></p>\n",
                       plot("curve", "A measure over the trainee's sessions"), "</section>\n");
 }
 
-/// The software of all sessions that are compared, where it differs.
+/// The software versions of the compared sessions, if they differ.
 std::string otherMakers(const Report& report)
 {
     std::set<std::string> makers;
@@ -251,7 +251,7 @@ std::string otherMakers(const Report& report)
     std::string list;
     if (makers.size() > 1)
         for (const std::string& maker : makers)
-            list += (list.empty() ? "" : ", ") + (maker.empty() ? "not told" : maker);
+            list += (list.empty() ? "" : ", ") + (maker.empty() ? "not recorded" : maker);
     return list;
 }
 
@@ -259,23 +259,23 @@ std::string notes(const Report& report)
 {
     std::string out =
         "<section id=\"notes\">\n<h2>How to read this</h2>\n<ul>\n"
-        "<li>Every number has a definition, a source, and what studies found of it. "
-        "<em>Discriminates</em>: at least one study told novices from experts by it, on its own simulator "
-        "and task; it says nothing about this one.</li>\n"
-        "<li>There is no overall score: no study known to us supports one for this simulator.</li>\n"
-        "<li>Compare sessions of one case only. A single session says little; a curve says more.</li>\n"
-        "<li>Rating scales (GOALS, Vassiliou 2005; OSATS, Martin 1997) are for people: this report does "
+        "<li>Every number has a definition, a source, and a summary of what studies found. "
+        "<em>Discriminates</em>: at least one study could tell novices from experts by it, on its own simulator "
+        "and task; this says nothing about the simulator used here.</li>\n"
+        "<li>There is no overall score, because no study known to us supports one for this simulator.</li>\n"
+        "<li>Compare only sessions of the same case. A single session says little; a curve says more.</li>\n"
+        "<li>Rating scales (GOALS, Vassiliou 2005; OSATS, Martin 1997) are filled in by people; this report does "
         "not replace them.</li>\n"
-        "<li>Positions are low-passed at 20 Hz before speeds and jerks are made of them; peaks of the force are of "
-        "means over 5 ms. Gaps longer than 0.1 s are left out.</li>\n";
+        "<li>Positions are low-pass filtered at 20 Hz before speeds and jerks are computed. Force peaks are peaks "
+        "of means over 5 ms. Gaps longer than 0.1 s are left out.</li>\n";
     if (!report.comparisons.empty())
-        out += text("<li>z: how many standard deviations from the mean of ", report.others.size(),
+        out += text("<li>z: the distance in standard deviations from the mean of ", report.others.size(),
                     " sessions of other trainees of the same case. It ranks; it does not judge.</li>\n");
     for (const std::string& file : report.leftOut)
-        out += text("<li>Of the cohort, ", escaped(shownName(file)), " could not be read and is left out.</li>\n");
+        out += text("<li>The cohort's file ", escaped(shownName(file)), " could not be read and is left out.</li>\n");
     if (const std::string makers = otherMakers(report); !makers.empty())
-        out += text("<li>Not all sessions were made by the same software: ", escaped(makers),
-                    ". What changed between them may show in the numbers.</li>\n");
+        out += text("<li>The sessions were recorded with different software: ", escaped(makers),
+                    ". Differences between the versions may show in the numbers.</li>\n");
     return out + "</ul>\n</section>\n";
 }
 
@@ -312,7 +312,7 @@ std::string reportPage(const Report& report)
         report.session.trainee.empty() ? "Session report" : "Session report: " + shownName(report.session.trainee);
     std::string out =
         text("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-             // Nothing is fetched, whatever a name says.
+             // Nothing is fetched from elsewhere, whatever a name contains.
              "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
              "script-src 'unsafe-inline'; img-src data:\">\n<meta name=\"viewport\" content=\"width=device-width, "
              "initial-scale=1\">\n<title>",
@@ -323,7 +323,8 @@ std::string reportPage(const Report& report)
     out += "<section id=\"events\">\n<h2>Events</h2>\n" + eventTable(report) + "</section>\n" + notes(report);
     out += text("</main>\n<footer><p>Filasofia ", kVersion, "</p></footer>\n");
     if (!chartLibrary().empty())
-        // The library reads the sharpness of the screen: on paper, where there is more, it should draw finer too.
+        // The library reads the pixel ratio of the screen. Paper has a higher resolution, so it should draw at least at
+        // ratio 2.
         out += text("<script type=\"application/json\" id=\"data\">", plotData(report),
                     "</script>\n<!-- The plots are drawn by uPlot:\n", chartLicence(),
                     "-->\n<script>\nconst uPlot = (devicePixelRatio => {\n", chartLibrary(),

@@ -14,28 +14,28 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A page of ten minutes at 1 kHz stays below a megabyte.
-constexpr std::size_t kMostPoints = 6000;
-constexpr std::size_t kMostPathPoints = 1500;
-constexpr std::size_t kMostEvents = 500;
+// Keeps a page of ten minutes at 1 kHz below a megabyte.
+constexpr std::size_t kMaxPoints = 6000;
+constexpr std::size_t kMaxPathPoints = 1500;
+constexpr std::size_t kMaxEvents = 500;
 constexpr int kBins = 24;
 
 struct Series {
-    std::vector<double> times, values; ///< NaN: a gap
+    std::vector<double> times, values; ///< NaN marks a gap
 };
 
-/// The smallest and the largest value of every stretch, in their order: no peak is lost.
+/// Keeps the smallest and the largest value of every stretch, in their order, so that no peak is lost.
 Series thinned(const Series& series)
 {
     const std::size_t n = series.times.size();
-    if (n <= kMostPoints) return series;
+    if (n <= kMaxPoints) return series;
     Series out;
-    const std::size_t stretches = kMostPoints / 2;
+    const std::size_t stretches = kMaxPoints / 2;
     for (std::size_t k = 0; k < stretches; ++k) {
         const std::size_t first = k * n / stretches, end = (k + 1) * n / stretches;
         std::size_t low = first, high = first;
         for (std::size_t i = first; i < end; ++i) {
-            if (!(series.values[i] >= series.values[low])) low = i; // NaN too: a gap stays one
+            if (!(series.values[i] >= series.values[low])) low = i; // also true for NaN, so that a gap is kept
             if (series.values[i] > series.values[high]) high = i;
         }
         for (const std::size_t i : {std::min(low, high), std::max(low, high)}) {
@@ -47,7 +47,7 @@ Series thinned(const Series& series)
     return out;
 }
 
-/// Five digits are more than a plot shows.
+/// Rounds to five digits, which is more than a plot shows.
 Json rounded(double value, double scale = 1.0)
 {
     if (!std::isfinite(value)) return nullptr;
@@ -95,14 +95,14 @@ Series forceOf(const metric::Track& tool)
     return series;
 }
 
-/// Seconds in contact at forces between the edges.
+/// Seconds in contact in each interval of force.
 Json histogramJson(const metric::Track& tool)
 {
     double largest = 0.0;
     for (const metric::Sample& sample : tool.samples)
         if (sample.contacts > 0 && isFinite(sample.force)) largest = std::max(largest, length(sample.force));
     if (!(largest > 1e-9) || !std::isfinite(largest)) return nullptr; // below a nanonewton there is nothing to see
-    // Edges that people can read: 1, 2 or 5 times a power of ten apart.
+    // Readable edges: multiples of 1, 2 or 5 times a power of ten.
     const double raw = largest / kBins, decade = std::pow(10.0, std::floor(std::log10(raw)));
     const double width = decade * (raw <= decade ? 1.0 : raw <= 2.0 * decade ? 2.0 : raw <= 5.0 * decade ? 5.0 : 10.0);
     std::vector<double> seconds(static_cast<std::size_t>(largest / width) + 1);
@@ -127,10 +127,9 @@ std::vector<metric::Sample> pathOf(const metric::Track& tool)
     for (const metric::Sample& sample : tool.samples)
         if (std::isfinite(sample.time) && isFinite(sample.pose.position) && length(sample.pose.position) < 1e6)
             path.push_back(sample);
-    if (path.size() <= kMostPathPoints) return path;
+    if (path.size() <= kMaxPathPoints) return path;
     std::vector<metric::Sample> few;
-    for (std::size_t k = 0; k < kMostPathPoints; ++k)
-        few.push_back(path[k * (path.size() - 1) / (kMostPathPoints - 1)]);
+    for (std::size_t k = 0; k < kMaxPathPoints; ++k) few.push_back(path[k * (path.size() - 1) / (kMaxPathPoints - 1)]);
     return few;
 }
 
@@ -160,7 +159,7 @@ Json curvesJson(const Report& report)
     return curves;
 }
 
-/// One of three views: which coordinate goes right, which goes up.
+/// One of three views: the coordinates that point right and up.
 struct View {
     const char *name, *right, *up;
     Vec3 rightAxis, upAxis;
@@ -178,7 +177,7 @@ std::string number(double value)
     return buffer;
 }
 
-/// A length that people can read, about a quarter of `size` [m].
+/// A round length, about a quarter of `size` [m].
 double roundLength(double size)
 {
     const double raw = size / 4.0, decade = std::pow(10.0, std::floor(std::log10(raw)));
@@ -197,7 +196,7 @@ std::string plotData(const Report& report)
                  {"dates", Json::array()},
                  {"current", 0},
                  {"otherForces", Json::array()}};
-    for (const metric::Event& event : std::span(session.events).first(std::min(session.events.size(), kMostEvents)))
+    for (const metric::Event& event : std::span(session.events).first(std::min(session.events.size(), kMaxEvents)))
         json["events"].push_back(
             {{"t", milliseconds(event.time)}, {"kind", metric::name(event.kind)}, {"what", shownName(event.what)}});
     for (std::size_t i = 0; i < report.own.size(); ++i) {
@@ -218,7 +217,7 @@ std::string plotData(const Report& report)
         json["pathTimes"] = std::move(times);
     }
     const std::string plain = json.dump(-1, ' ', true, Json::error_handler_t::replace);
-    std::string out; // nothing in it may end the script element that holds it
+    std::string out; // nothing in it may end the script element that contains it
     for (const char letter : plain) out += letter == '<' ? "\\u003c" : std::string(1, letter);
     return out;
 }
@@ -227,7 +226,7 @@ std::string pathPictures(const Report& report)
 {
     const metric::Track* tool = metric::findTrack(report.session, metric::Role::Tool);
     const std::vector<metric::Sample> path = tool ? pathOf(*tool) : std::vector<metric::Sample>();
-    if (path.size() < 2) return "<p class=\"absent\">No place of a tool was observed.</p>\n";
+    if (path.size() < 2) return "<p class=\"absent\">No position of a tool was recorded.</p>\n";
     Vec3 low = path[0].pose.position, high = low;
     for (const metric::Sample& sample : path)
         for (int k = 0; k < 3; ++k) {

@@ -106,7 +106,7 @@ std::string reportText(const Report& report)
     const auto shown = [](const std::string& name) { return name.empty() ? "not named" : shownName(name); };
     std::string out = text("trainee ", shown(session.trainee), ", case ", shown(session.task), ", ",
                            session.date.empty() ? "no date" : shownName(session.date), '\n');
-    if (!session.complete) out += "the session broke off: it has no end\n";
+    if (!session.complete) out += "the record of the session is incomplete\n";
     if (session.lost > 0) out += text(session.lost, " samples were lost\n");
     for (std::size_t i = 0; i < report.values.size(); ++i) {
         const metric::MetricInfo& info = metric::catalog()[i];

@@ -19,10 +19,10 @@ struct Options {
     RunDef run;
 };
 
-/// What can be run by its name.
+/// A scene that can be run by its name.
 struct Scene {
     const char* name;
-    Box around; ///< what the camera looks at
+    Box around; ///< the camera looks at this box
     void (*make)(Simulation&, const BunnyDef&);
 };
 
@@ -43,7 +43,7 @@ const Scene& sceneOf(const Options& options)
         if (options.scene == scene.name) return scene;
         names += text(names.empty() ? "" : ", ", scene.name);
     }
-    fail("run: there is no scene '", shortened(options.scene), "'; there are ", names);
+    fail("run: unknown scene '", shortened(options.scene), "'; known are ", names);
 }
 
 std::vector<std::string> bunnySizes()
@@ -57,8 +57,8 @@ int runScene(Options& options)
 {
     const Scene& scene = sceneOf(options);
     if (options.scene != "bunny" && options.bunny.tets != BunnyDef{}.tets)
-        fail("run: --tets is for the bunny, not for '", scene.name, "'");
-    if (options.run.headless && options.run.steps == 0) options.run.steps = 1000; // it would never end
+        fail("run: --tets applies to the bunny, not to '", scene.name, "'");
+    if (options.run.headless && options.run.steps == 0) options.run.steps = 1000; // it would never end otherwise
     Simulation sim({.physics = {.rate = options.rate, .threads = givenThreads(options.threads)},
                     .window = {.title = text("Filasofia: ", scene.name)},
                     .look = {.around = scene.around}});
@@ -72,64 +72,66 @@ int runScene(Options& options)
 
 Command runCommand()
 {
-    static Options options; // there is one command line, and it outlives this function
+    static Options options; // static: there is one command line, and its targets must outlive this function
     return {.name = "run",
             .meaning = "Run a scene in a window (Space pauses, Escape ends; more below), or headless",
-            .options = {{"SCENE",
-                         &options.scene,
-                         "bunny (pinned at the head, falling by itself), poke, grasp, friction, cut, tear or haptics",
-                         "",
-                         {},
-                         true},
-                        {.name = "--tets",
-                         .target = &options.bunny.tets,
-                         .meaning = "The bunny's tetrahedra: 756, 1492, 3004, 10000 or 30000",
-                         .choices = bunnySizes()},
-                        {.name = "--subdivision",
-                         .target = &options.bunny.subdivision,
-                         .meaning = "Levels of the drawn surface, 0 to 3",
-                         .bound = boundOf(&runtime::ShowDef::subdivision)},
-                        {.name = "--rate",
-                         .target = &options.rate,
-                         .meaning = "Physics steps per second",
-                         .type = "HZ",
-                         .bound = boundOf(&runtime::PhysicsDef::rate)},
-                        {"--headless", &options.run.headless, "No window, no clock: the same steps every time"},
-                        {.name = "--steps",
-                         .target = &options.run.steps,
-                         .meaning = "End after as many steps; 0: no end (headless: 1000)",
-                         .bound = boundOf(&RunDef::steps)},
-                        {.name = "--seconds",
-                         .target = &options.run.seconds,
-                         .meaning = "End after as many seconds of wall time; 0: no end",
-                         .type = "S",
-                         .bound = boundOf(&RunDef::seconds)},
-                        {"--picture", &options.run.picture, "Write the last state to this PNG file", "FILE"},
-                        {.name = "--picture-every",
-                         .target = &options.run.pictureEvery,
-                         .meaning = "Headless: numbered pictures, seconds apart; 0: only the last",
-                         .type = "S",
-                         .bound = boundOf(&RunDef::pictureEvery)},
-                        {"--video", &options.run.video, "Write what is seen to this MP4 file (needs ffmpeg)", "FILE"},
-                        {.name = "--fps",
-                         .target = &options.run.fps,
-                         .meaning = "Pictures per second of the video",
-                         .bound = boundOf(&RunDef::fps)},
-                        {"--log", &options.run.log, "Write a line per step to this CSV file", "FILE"},
-                        {"--record", &options.run.record, "Write the run to this .rec file, for replay", "FILE"},
-                        {.name = "--seed",
-                         .target = &options.run.seed,
-                         .meaning = "Told by the recording: of what is drawn by chance",
-                         .bound = boundOf(&RunDef::seed)},
-                        {"--session", &options.run.session, "Told by the recording: what the run is called", "NAME"},
-                        {"--trainee", &options.run.trainee, "Told by the recording: who is at it", "NAME"},
-                        {"--device", &options.run.device, "Of haptics: its device, NAME or NAME:LIBRARY", "NAME"},
-                        {"--motion", &options.run.motion, "Of haptics: play this motion file", "FILE"},
-                        {"--record-motion", &options.run.recordMotion, "Write the hand's way to it", "FILE"},
-                        {.name = "--threads",
-                         .target = &options.threads,
-                         .meaning = "Threads within one step; 0: the cores but one, up to 8",
-                         .bound = kThreads}},
+            .options =
+                {{"SCENE",
+                  &options.scene,
+                  "bunny (pinned at the head, hanging by its own weight), poke, grasp, friction, cut, tear or haptics",
+                  "",
+                  {},
+                  true},
+                 {.name = "--tets",
+                  .target = &options.bunny.tets,
+                  .meaning = "Number of the bunny's tetrahedra: 756, 1492, 3004, 10000 or 30000",
+                  .choices = bunnySizes()},
+                 {.name = "--subdivision",
+                  .target = &options.bunny.subdivision,
+                  .meaning = "Subdivision levels of the drawn surface, 0 to 3",
+                  .bound = boundOf(&runtime::ShowDef::subdivision)},
+                 {.name = "--rate",
+                  .target = &options.rate,
+                  .meaning = "Physics steps per second",
+                  .type = "HZ",
+                  .bound = boundOf(&runtime::PhysicsDef::rate)},
+                 {"--headless", &options.run.headless, "No window and no clock: every run makes the same steps"},
+                 {.name = "--steps",
+                  .target = &options.run.steps,
+                  .meaning = "End after this many steps; 0: no end (headless: 1000)",
+                  .bound = boundOf(&RunDef::steps)},
+                 {.name = "--seconds",
+                  .target = &options.run.seconds,
+                  .meaning = "End after this many seconds of wall time; 0: no end",
+                  .type = "S",
+                  .bound = boundOf(&RunDef::seconds)},
+                 {"--picture", &options.run.picture, "Write a picture of the last state to this PNG file", "FILE"},
+                 {.name = "--picture-every",
+                  .target = &options.run.pictureEvery,
+                  .meaning = "Headless: seconds of simulated time between numbered pictures; 0: only the last",
+                  .type = "S",
+                  .bound = boundOf(&RunDef::pictureEvery)},
+                 {"--video", &options.run.video, "Write the view to this MP4 file (needs ffmpeg)", "FILE"},
+                 {.name = "--fps",
+                  .target = &options.run.fps,
+                  .meaning = "Pictures per second of the video",
+                  .bound = boundOf(&RunDef::fps)},
+                 {"--log", &options.run.log, "Write one line per step to this CSV file", "FILE"},
+                 {"--record", &options.run.record, "Record the run in this .rec file, for replay", "FILE"},
+                 {.name = "--seed",
+                  .target = &options.run.seed,
+                  .meaning = "Noted in the recording: seed of the random choices",
+                  .bound = boundOf(&RunDef::seed)},
+                 {"--session", &options.run.session, "Noted in the recording: name of the run", "NAME"},
+                 {"--trainee", &options.run.trainee, "Noted in the recording: name of the trainee", "NAME"},
+                 {"--device", &options.run.device, "haptics only: the device, NAME or NAME:LIBRARY", "NAME"},
+                 {"--motion", &options.run.motion, "haptics only: play this motion file", "FILE"},
+                 {"--record-motion", &options.run.recordMotion, "haptics only: record the hand's motion in this file",
+                  "FILE"},
+                 {.name = "--threads",
+                  .target = &options.threads,
+                  .meaning = "Threads within one step; 0: all cores except one, at most 8",
+                  .bound = kThreads}},
             .run = [] { return runScene(options); },
             .footer = "Mouse and keys in the window:\n" + runtime::keyHelp()};
 }

@@ -5,7 +5,7 @@ namespace {
 
 const TissueMaterial kInterior{.baseColor = {0.4, 0.02, 0.015}, .wetness = 1.0};
 
-/// The usual look with a brighter room: bare steel shows what is around it.
+/// The usual look with a brighter room, because bare steel shows its surroundings.
 void dress(Simulation& sim, const Box& room, Vec3 direction)
 {
     sim.dress([&sim, room, direction](VisualServer& server) {
@@ -24,7 +24,7 @@ void bleed(Simulation& sim, BodyId body, Vec3 place)
     sim.paint(body, {.place = place, .radius = 5_mm, .state = {.blood = 0.3, .wetness = 1.0}});
 }
 
-/// The outline of a blade, which leans towards +x. Its tip is the origin.
+/// The outline of a blade that leans towards +x. Its tip is the origin.
 std::shared_ptr<const TriangleMesh> bladeMesh()
 {
     return std::make_shared<const TriangleMesh>(
@@ -33,8 +33,8 @@ std::shared_ptr<const TriangleMesh> bladeMesh()
                      .uv = {}});
 }
 
-/// [m] Where the scalpel's tip is: from 0.5 s on, a stroke of a second every two, in between it goes back above the
-/// tissue. At rest over the last stroke's end.
+/// [m] Position of the scalpel's tip: from 0.5 s on, a stroke of one second every two seconds; in between it returns
+/// above the tissue. After the last stroke it rests above that stroke's end.
 Vec3 scalpelTip(double time)
 {
     constexpr int kStrokes = 3;
@@ -55,7 +55,7 @@ Vec3 scalpelTip(double time)
 void addCut(Simulation& sim, int subdivision)
 {
     dress(sim, kCutRoom, {-0.15, 1.0, 0.9});
-    const BodyId hand = sim.add(RigidBodyDef{.name = "hand"}); // it pulls the tissue tight
+    const BodyId hand = sim.add(RigidBodyDef{.name = "hand"}); // pulls the tissue tight
     const BodyId skin = sim.add(SoftBodyDef{.name = "skin",
                                             .mesh = shapes::block({100_mm, 20_mm, 60_mm}, {24, 5, 15}),
                                             .gravity = false,

@@ -27,12 +27,12 @@ int editDistance(std::string_view a, std::string_view b)
 std::string didYouMean(std::string_view word, const std::vector<std::string>& known)
 {
     const std::string* nearest = nullptr;
-    int least = std::max(2, static_cast<int>(word.size()) / 3) + 1; // further away is another word, not a slip
+    int smallest = std::max(2, static_cast<int>(word.size()) / 3) + 1; // a larger distance is another word, not a slip
     for (const std::string& candidate : known) {
         const int distance = editDistance(word, candidate);
-        // A word that shares no letter with the candidate is not a slip of it either.
-        if (distance < least && distance < static_cast<int>(std::max(word.size(), candidate.size()))) {
-            least = distance;
+        // If a word shares no letter with the candidate, it is not a slip of it either.
+        if (distance < smallest && distance < static_cast<int>(std::max(word.size(), candidate.size()))) {
+            smallest = distance;
             nearest = &candidate;
         }
     }

@@ -6,10 +6,11 @@
 
 namespace filasofia::app {
 
-/// How many letters must be inserted, removed, replaced or swapped with their neighbour to turn one word into another.
+/// The number of letters that must be inserted, removed, replaced or swapped with a neighbour to turn one word into the
+/// other.
 int editDistance(std::string_view a, std::string_view b);
 
-/// " (did you mean 'run'?)" for the known word nearest to `word`, or nothing where none is near.
+/// " (did you mean 'run'?)" with the known word nearest to `word`; empty if none is near.
 std::string didYouMean(std::string_view word, const std::vector<std::string>& known);
 
 } // namespace filasofia::app

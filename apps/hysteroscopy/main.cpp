@@ -8,11 +8,11 @@ namespace {
 struct Difficulty {
     const char* name;
     bool guided;    ///< arrow and instructions from the start
-    double minutes; ///< for all of it
-    double warning; ///< [N], of the force bar
+    double minutes; ///< [min] time limit of the whole task
+    double warning; ///< [N] the force bar warns above it
 };
 constexpr Difficulty kDifficulties[] = {{"easy", true, 10, 3}, {"normal", false, 10, 3}, {"hard", false, 5, 2}};
-constexpr double kPerforation = 8; ///< [N] on the uterus at which it counts as pierced
+constexpr double kPerforation = 8; ///< [N] force on the uterus that counts as a perforation
 
 std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, BodyId scope,
                               const ArticulatedInstrument& forceps, std::size_t top)
@@ -20,7 +20,7 @@ std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, Body
     using frame::Frame;
     const auto tip = [=](const Frame& now) { return now.rigidBody(scope)->poses[0].position; };
     const auto head = [=](const Frame& now) { return now.softBody(bodies.polyp)->positions[top]; };
-    const auto held = [=, &forceps] { return forceps.holding() == bodies.polyp; };
+    const auto holdsPolyp = [=, &forceps] { return forceps.holding() == bodies.polyp; };
     const auto to = [](Vec3 place) { return [place](const Frame&) { return std::optional(place); }; };
     const auto done = [&](const char* name, const char* instruction, auto when, auto target) {
         return TaskStep{.name = name, .instruction = instruction, .done = when, .target = target};
@@ -35,13 +35,14 @@ std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, Body
                 "find", "Find the polyp and come up to it",
                 [=](const Frame& now) { return distance(tip(now), patient.middle) < 20_mm; }, to(patient.middle)),
             done(
-                "grasp", "Open the forceps, take the polyp and close them", [=](const Frame&) { return held(); },
+                "grasp", "Open the forceps, take the polyp and close them", [=](const Frame&) { return holdsPolyp(); },
                 [=](const Frame& now) { return std::optional(head(now)); }),
             done(
                 "tear", "Pull until it comes off",
                 [=](const Frame& now) { return distance(head(now), root) > 1.8 * patient.height; }, to({0, 32_mm, 0})),
             done(
-                "bring out", "Bring it out", [=](const Frame& now) { return held() && head(now).y < -1_mm; }, to({}))};
+                "bring out", "Bring it out", [=](const Frame& now) { return holdsPolyp() && head(now).y < -1_mm; },
+                to({}))};
 }
 
 int train(const Training& training)
@@ -49,7 +50,8 @@ int train(const Training& training)
     const std::string& caseName = kCases[static_cast<std::size_t>(training.caseIndex)];
     const Patient patient = makePatient(caseName, static_cast<std::uint64_t>(training.seed));
     const Difficulty& difficulty = kDifficulties[training.difficulty];
-    // In the fluid all floats. A step may take longer than it lasts: tissue that is solved badly tears by that alone.
+    // Everything floats in the fluid, so there is no gravity. A step may take longer than the time it simulates,
+    // because tissue that is solved badly tears by that alone.
     Simulation sim({.physics = {.gravity = {}, .contact = ExactContact{.tolerance = 2e-2}, .deadline = 5e-3},
                     .window = {"Hysteroscopy", 720, 720},
                     .look = {.mouse = false, .keys = false}});
@@ -60,7 +62,7 @@ int train(const Training& training)
     const auto onGrasp = [&](BodyId body, bool on) {
         marks->mark(on ? EventKind::Grasp : EventKind::Release, body == bodies.polyp ? "polyp" : "uterus");
     };
-    // Of the shaft only what can leave the channel touches tissue.
+    // Only the part of the shaft that can leave the channel collides with tissue.
     TriangleMesh shaft = *shapes::cylinder(0.83_mm, 10_mm, 2);
     for (Vec3& vertex : shaft.vertices) vertex = {vertex.x, -vertex.z, vertex.y + 5_mm};
     ArticulatedInstrument forceps(sim, {.name = "forceps",
@@ -153,7 +155,7 @@ int train(const Training& training)
     const bool done = progress.state == TaskProgress::State::Done;
     std::printf("%s: %d of %zu steps in %.1f s; highest force %.2f N, %d warnings, %d perforations; session%s: %s\n",
                 done ? "done" : "not done", progress.step, taskSteps.size(), progress.time, bar.highest(),
-                bar.warnings(), perforations.count(), tracker.failed() ? " not whole" : "", training.file.c_str());
+                bar.warnings(), perforations.count(), tracker.failed() ? " (incomplete)" : "", training.file.c_str());
     if (tracker.failed()) return 1;
     return training.motion == "expert" && !session.cutShort() && !done ? 1 : 0;
 }
@@ -165,11 +167,12 @@ int main(int argc, char** argv)
     return runTrainer(
         argc, argv,
         {.name = "hysteroscopy",
-         .about = "A hysteroscopy trainer: through the cervical canal, find the polyp, tear it off, bring it out.",
+         .about = "A hysteroscopy trainer: pass the cervical canal, find the polyp, tear it off, bring it out.",
          .hands =
-             "Right drag turns the scope about the cervix, wheel, up and down move it, left and right roll it.\n"
+             "Drag with the right button to turn the scope about the cervix. The wheel and the keys up and down\n"
+             "move it in and out; left and right roll it.\n"
              "W and S move the forceps, G closes and opens them. A haptic device (--device) holds the scope's outer\n"
-             "end: its first button is G; while the second is held, in and out move the forceps.\n",
+             "end: its first button acts as G; while its second is pressed, moving in and out moves the forceps.\n",
          .cases = kCases,
          .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
          .motions = {"expert", "clumsy"},

@@ -7,10 +7,10 @@ using namespace filasofia;
 namespace hysteroscopy {
 namespace {
 
-/// Straight through the canal, the tip at that height.
+/// A pose straight in the canal with the tip at height `y`.
 ScopeHand axial(double y, double roll = 0.0, double reach = -6_mm) { return {{0, 1, 0}, y - kFulcrum.y, roll, reach}; }
 
-/// Tissue gives: before every move it looks again where the polyp is.
+/// Tissue yields, so before every move the polyp's position is looked up again.
 std::function<ScopeHand()> before(const Motion& with, double away, double roll, double sheathed = 0.0)
 {
     return [&hands = with.hands, middle = with.middle, away, roll, sheathed] {
@@ -33,7 +33,8 @@ std::vector<HandMove> expertMotion(const Motion& with)
         {.seconds = 0.8, .to = axial(37_mm, -50_deg)},
         {.seconds = 0.8, .aim = before(with, 12_mm, roll, 14_mm)},
         {.seconds = 0.4, .aim = before(with, 11_mm, roll, 14_mm), .end = with.picture("polyp")}};
-    // Soft tissue slips out of closing jaws: up to four times, from other sides and with the pivot elsewhere before it.
+    // Soft tissue slips out of closing jaws, so the forceps try up to four times, from different sides and with the
+    // pivot elsewhere in front of the polyp.
     const auto holds = [&forceps = with.forceps] { return static_cast<bool>(forceps.holding()); };
     const auto open = [&forceps = with.forceps] { forceps.open(); };
     const auto shut = [&forceps = with.forceps] { forceps.close(); };

@@ -27,7 +27,7 @@ nlohmann::json read(const std::string& name)
 
 Vec3 vec(const nlohmann::json& json) { return {json.at(0), json.at(1), json.at(2)}; }
 
-/// How far out a point is from the cavity's axis, relative to the wall: below 1 it is in the hollow.
+/// [-] Distance of a point from the cavity's axis relative to the wall's distance; below 1 the point is in the cavity.
 double outwards(const nlohmann::json& axis, Vec3 p)
 {
     for (std::size_t i = 1; i < axis.size(); ++i) {
@@ -41,13 +41,13 @@ double outwards(const nlohmann::json& axis, Vec3 p)
     return 2.0;
 }
 
-/// Nobody could treat a polyp that does not fit, or that a straight instrument from the canal cannot get at.
+/// Rejects a polyp that does not fit, or that a straight instrument in the canal cannot reach.
 std::string problemOf(const Patient& patient, const nlohmann::json& axis)
 {
-    if (patient.free < patient.height + 0.5_mm) return "it touches the wall opposite";
+    if (patient.free < patient.height + 0.5_mm) return "it touches the opposite wall";
     if (outwards(axis, patient.middle) >= 1.0) return "its head is inside the wall";
     const Vec3 way = patient.middle - kFulcrum;
-    if (std::acos(normalized(way).y) > 30_deg) return "it lies too far aside";
+    if (std::acos(normalized(way).y) > 30_deg) return "it lies too far to the side";
     for (double t = 0.2; t < 1.0; t += 0.05)
         if (outwards(axis, kFulcrum + t * way) >= 1.0) return "the wall is in the way";
     return {};
@@ -58,7 +58,7 @@ std::string problemOf(const Patient& patient, const nlohmann::json& axis)
 Patient makePatient(const std::string& caseName, std::uint64_t seed)
 {
     const auto chosen = std::ranges::find(kCases, caseName) - kCases.begin();
-    if (chosen == std::ssize(kCases)) fail("hysteroscopy: no case ", shownWord(caseName));
+    if (chosen == std::ssize(kCases)) fail("hysteroscopy: unknown case ", shownWord(caseName));
     Patient patient{.polyp = kPolyps[static_cast<std::size_t>(chosen)]};
     const nlohmann::json polyps = read("polyps.json"), uterus = read("uterus.json");
     for (const auto& each : polyps.at("polyps"))
@@ -67,17 +67,17 @@ Patient makePatient(const std::string& caseName, std::uint64_t seed)
             patient.width = each.at("width");
             patient.base = each.at("base").get<std::vector<int>>();
         }
-    // Sites are tried until one suits; what mt19937_64 gives is the same everywhere.
+    // Tries sites until one suits. mt19937_64 yields the same numbers on every machine.
     std::mt19937_64 random(seed);
     for (int attempt = 0; attempt < 200; ++attempt) {
         const auto& site = uterus.at("sites").at(random() % uterus.at("sites").size());
         patient.normal = normalized(vec(site.at("normal")));
         patient.free = site.at("free");
-        // +Y goes to the normal, after a turn about itself.
+        // Rotates +Y onto the normal, after a rotation about +Y itself.
         const Vec3 up = {0, 1, 0}, across = cross(up, patient.normal);
         const Quat lean = axisAngle(across, std::atan2(length(across), dot(up, patient.normal)));
         patient.pose = {vec(site.at("at")), lean * axisAngle(up, 1_deg * static_cast<double>(random() % 360))};
-        // By its head, or where jaws do not reach around that, by its neck.
+        // Forceps take the polyp by its head or, if the jaws do not reach around the head, by its neck.
         const double above = patient.width < 6_mm ? patient.height - 0.5 * patient.width : 0.4 * patient.height;
         patient.middle = patient.pose.position + above * patient.normal;
         patient.problem = problemOf(patient, uterus.at("centreline"));
@@ -94,11 +94,11 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
     uterus.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
     uterus.collision = {{.proximity = 0.2_mm, .group = ScopeWall}, {.proximity = 0.2_mm, .group = ForcepsWall}};
     uterus.friction = 0.05;
-    // Ligaments hold the cervix and the horns.
-    for (const Box& held : {Box{{-1, 2_mm, 9_mm}, {1, 26_mm, 1}}, Box{{-1, 2_mm, -1}, {1, 26_mm, -9_mm}},
-                            Box{{9_mm, 2_mm, -1}, {1, 26_mm, 1}}, Box{{-1, 2_mm, -1}, {-9_mm, 26_mm, 1}},
-                            Box{{20_mm, 40_mm, -1}, {1, 1, 1}}, Box{{-1, 40_mm, -1}, {-20_mm, 1, 1}}})
-        uterus.attachments.push_back({.box = held, .stiffness = 100.0});
+    // Ligaments attach the cervix and the horns.
+    for (const Box& ligament : {Box{{-1, 2_mm, 9_mm}, {1, 26_mm, 1}}, Box{{-1, 2_mm, -1}, {1, 26_mm, -9_mm}},
+                                Box{{9_mm, 2_mm, -1}, {1, 26_mm, 1}}, Box{{-1, 2_mm, -1}, {-9_mm, 26_mm, 1}},
+                                Box{{20_mm, 40_mm, -1}, {1, 1, 1}}, Box{{-1, 40_mm, -1}, {-20_mm, 1, 1}}})
+        uterus.attachments.push_back({.box = ligament, .stiffness = 100.0});
     Bodies bodies;
     bodies.uterus = sim.add(uterus);
     const MucosaMaterial lining{

@@ -5,28 +5,28 @@
 #include <string>
 #include <vector>
 
-/// A uterus, and a polyp in a place that the seed chooses.
+/// A uterus with a polyp at a site chosen by the seed.
 namespace hysteroscopy {
 
 struct Patient {
-    std::string polyp = {};      ///< the name of its files
-    double height = 0.0;         ///< [m], of the polyp
-    double width = 0.0;          ///< [m]
+    std::string polyp = {};      ///< base name of the polyp's files
+    double height = 0.0;         ///< [m] height of the polyp
+    double width = 0.0;          ///< [m] width of the polyp
     std::vector<int> base = {};  ///< nodes of its root
-    filasofia::Pose pose = {};   ///< of the polyp: its root in the wall, +Y out of it
-    filasofia::Vec3 normal = {}; ///< unit, out of the wall
-    double free = 0.0;           ///< [m], to the wall opposite
-    filasofia::Vec3 middle = {}; ///< [m], where forceps take it
-    std::string problem = {};    ///< why nobody could treat it; empty: somebody could
+    filasofia::Pose pose = {};   ///< pose of the polyp: root in the wall, +Y pointing out of it
+    filasofia::Vec3 normal = {}; ///< unit vector pointing out of the wall
+    double free = 0.0;           ///< [m] distance to the opposite wall
+    filasofia::Vec3 middle = {}; ///< [m] the point at which forceps take it
+    std::string problem = {};    ///< why it cannot be treated; empty if it can
 };
 
-/// The axis of the scope goes through this point, whatever it looks at: the canal holds it. [m]
+/// [m] The axis of the scope always passes through this point, because the canal guides it.
 inline constexpr filasofia::Vec3 kFulcrum = {0.0, 0.024, 0.0};
-/// Who touches whom: scope and forceps never each other, nor the polyp its wall.
+/// Collision groups. Scope and forceps never collide with each other, nor does the polyp with its wall.
 enum Group { ScopeWall, ForcepsWall, ScopePolyp, ForcepsPolyp };
 
 inline const std::vector<std::string> kCases = {"small", "medium", "lobed"};
-/// The patient of a case and seed: always the same. Throws Error where there is no such case.
+/// The patient of a case and a seed, always the same. Throws Error if there is no such case.
 Patient makePatient(const std::string& caseName, std::uint64_t seed);
 
 struct Bodies {

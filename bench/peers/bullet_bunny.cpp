@@ -18,7 +18,7 @@ using Vectors = btAlignedObjectArray<btVector3>;
 
 constexpr bool kSingle = sizeof(btScalar) == sizeof(float);
 
-/// Bullet's solver with its settings within reach: they are protected members and have no setters.
+/// Bullet's solver with access to its settings, which are protected members without setters.
 class TunedSolver : public btDeformableBodySolver {
 public:
     explicit TunedSolver(const BulletSetting& def) : fill_(def.massPreconditioner)
@@ -27,7 +27,7 @@ public:
         if (def.tolerance > 0.0) m_cg.m_tolerance = static_cast<btScalar>(def.tolerance);
         if (def.maxIterations > 0) m_cg.m_maxIterations = def.maxIterations;
     }
-    // Called at each step. Bullet 3.24 chooses the mass preconditioner but never fills it, and then it is the identity.
+    // Called at each step. Bullet 3.24 selects the mass preconditioner but never fills it, so it acts as the identity.
     void setPreconditioner(int which) override
     {
         btDeformableBodySolver::setPreconditioner(which);
@@ -39,7 +39,7 @@ private:
     bool fill_ = false;
 };
 
-/// Bullet's elasticity, counting its matrix products; on demand with the rotations that our equations have.
+/// Bullet's elasticity. Counts matrix products and, if asked, uses the rotations that our equations have.
 class Elasticity : public btDeformableLinearElasticityForce {
 public:
     Elasticity(const Problem& problem, bool rotationsOfStepStart)
@@ -69,9 +69,9 @@ public:
     }
 
 private:
-    // Bullet turns elements at the predicted positions and stops at 0.01 rad: a model of its own. With the rotations of
-    // the positions at which the step began, found once per step from those of the last, its equations are ours. Our
-    // own function finds them: Bullet's converges slowly and took a tenth of its step.
+    // Bullet extracts rotations at the predicted positions and stops at 0.01 rad, which is a model of its own. With the
+    // rotations of the positions at the start of the step, found once per step from those of the last step, its
+    // equations are ours. Our own function finds them: Bullet's converges slowly and took a tenth of its step.
     void turnElements()
     {
         btSoftBody& body = *m_softBodies[0];
@@ -109,8 +109,8 @@ std::unique_ptr<btSoftBody> makeBody(btSoftBodyWorldInfo& world, const Problem& 
     auto body = std::make_unique<btSoftBody>(&world, nodes.size(), &nodes[0], nullptr);
     const std::vector<double> masses = lumpedMasses(problem);
     for (int node = 0; node < nodes.size(); ++node)
-        body->setMass(node, static_cast<btScalar>(masses[static_cast<std::size_t>(node)])); // 0: it is held
-    // No faces: there is nothing to collide with, and Bullet keeps no normals and no face tree up to date.
+        body->setMass(node, static_cast<btScalar>(masses[static_cast<std::size_t>(node)])); // 0 for a pinned node
+    // Without faces: there is nothing to collide with, and Bullet then keeps no normals and no face tree up to date.
     for (const geometry::Tetrahedron& t : problem.mesh->tetrahedra) body->appendTetra(t[0], t[1], t[2], t[3]);
     body->initializeDmInverse();
     body->m_tetraScratches.resize(body->m_tetras.size());
@@ -137,7 +137,7 @@ Run runBullet(const Problem& problem, const BulletSetting& def)
     constraints.setDeformableSolver(&solver);
     btDeformableMultiBodyDynamicsWorld world(&dispatcher, &broadphase, &constraints, &configuration, &solver);
     world.setImplicit(def.implicitElasticity);
-    world.setUseProjection(true); // the other way, Lagrange multipliers, has no implicit elasticity in Bullet 3.24
+    world.setUseProjection(true); // the alternative, Lagrange multipliers, has no implicit elasticity in Bullet 3.24
     const btVector3 gravity(0, static_cast<btScalar>(-kGravity), 0);
     btDeformableGravityForce weight(gravity);
     Elasticity elasticity(problem, def.rotationsOfStepStart);

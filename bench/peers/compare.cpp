@@ -18,12 +18,12 @@ struct Setting {
     BulletSetting def;
 };
 
-const physics::ConjugateGradient kOracle{.maxIterations = 100000, .tolerance = 1e-12, .assembled = true};
+const physics::ConjugateGradient kReference{.maxIterations = 100000, .tolerance = 1e-12, .assembled = true};
 
-/// As far as Bullet's precision goes.
+/// The tightest tolerance that Bullet's precision allows.
 double converged() { return std::strcmp(bulletPrecision(), "single") == 0 ? 1e-14 : 1e-22; }
 
-/// Each setting with the preconditioner that Bullet leaves empty and with it filled, at several tolerances.
+/// Each setting with the preconditioner that Bullet leaves empty, and with the filled one, at several tolerances.
 std::vector<Setting> bulletSettings()
 {
     std::vector<Setting> all;
@@ -71,7 +71,8 @@ Row summary(Equations equations, const std::string& name, const Run& run, const 
             .error = relativeError(run.positions, exact, problem)};
 }
 
-/// One linear solve per step of the implicit equations: those that "converged" solves to the end.
+/// Whether a setting makes one linear solve of the implicit equations per step: the equations that "converged" solves
+/// to the end.
 bool sameEquations(const BulletSetting& def) { return def.implicitElasticity && def.newtonIterations == 0; }
 
 std::string number(const char* format, double value)
@@ -81,7 +82,7 @@ std::string number(const char* format, double value)
     return word;
 }
 
-/// The error that a verdict goes by.
+/// The error used for a verdict.
 using ErrorOf = double (*)(const Row&);
 double errorOf(const Row& row) { return row.error; }
 double solverErrorOf(const Row& row) { return row.equations == Equations::Ours ? row.error : *row.solverError; }
@@ -89,7 +90,7 @@ double solverErrorOf(const Row& row) { return row.equations == Equations::Ours ?
 Verdict judgeOne(std::string question, const Row& ours, const std::vector<const Row*>& bullets, ErrorOf of)
 {
     Verdict verdict{.question = std::move(question)};
-    const Row* fastest = nullptr; // of those not less exact than ours
+    const Row* fastest = nullptr; // among those at least as accurate as ours
     const Row* nearest = nullptr;
     for (const Row* row : bullets) {
         if (!std::isfinite(of(*row))) continue;
@@ -98,7 +99,7 @@ Verdict judgeOne(std::string question, const Row& ours, const std::vector<const 
     }
     const Row* shown = fastest ? fastest : nearest;
     if (!shown) {
-        verdict.words = "no ratio: no setting of Bullet's stayed finite";
+        verdict.words = "no ratio: no setting of Bullet stayed finite";
         return verdict;
     }
     if (fastest) verdict.ratio = fastest->median / ours.median;
@@ -131,14 +132,14 @@ Cell compare(int tets, double dt, int steps)
     problem.dt = dt;
     problem.steps = steps;
     Cell cell{.tets = tets, .dt = dt};
-    const std::vector<Vec3> exact = runOurs(problem, kOracle).positions;
+    const std::vector<Vec3> exact = runOurs(problem, kReference).positions;
     const auto measureOurs = [&](const char* name, const physics::Solver& solver) {
         cell.rows.push_back(summary(Equations::Ours, name, runOurs(problem, solver), exact, problem));
     };
     measureOurs("default", physics::ConjugateGradient{});
     measureOurs("tolerance 1e-4", physics::ConjugateGradient{.tolerance = 1e-4});
 
-    // The last of Bullet's settings is the converged one: the exact answer for the others with the same equations.
+    // The last of Bullet's settings is the converged one: the exact solution for the others with the same equations.
     std::vector<std::pair<std::size_t, std::vector<Vec3>>> sameAsLast;
     for (const Setting& setting : bulletSettings()) {
         Run run = runBullet(problem, setting.def);

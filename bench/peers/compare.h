@@ -8,23 +8,23 @@
 
 namespace filasofia::peers {
 
-/// Whose equations a step solves. Bullet can be given ours through its own virtual functions.
+/// The equations that a step solves. Bullet can be given ours through its own virtual functions.
 enum class Equations { Ours, OursInBullet, Bullets };
 
-/// One setting of one engine, measured.
+/// The measurements of one setting of one engine.
 struct Row {
     Equations equations = Equations::Ours;
     std::string name = {};
     double median = 0.0;     ///< [s] per step
     double p99 = 0.0;        ///< [s] per step
     double iterations = 0.0; ///< [-] per step
-    int unsolved = 0;        ///< steps whose solver stopped at its cap (ours)
-    double error = 0.0;      ///< [-] against our model solved to 1e-12 in double
-    /// [-] against the same equations of Bullet's solved as far as it can: what its solver alone leaves.
+    int unsolved = 0;        ///< steps whose solver stopped at its iteration limit (ours)
+    double error = 0.0;      ///< [-] relative to our model solved to 1e-12 in double precision
+    /// [-] relative to the same equations of Bullet, solved as far as it can: the error of its solver alone.
     std::optional<double> solverError = {};
 };
 
-/// A sentence about two rows, and the ratio of their times where one is due.
+/// A sentence about two rows, and the ratio of their times if it is meaningful.
 struct Verdict {
     std::string question = {};
     std::optional<double> ratio = {};
@@ -39,7 +39,8 @@ struct Cell {
     std::vector<Verdict> verdicts = {};
 };
 
-/// Where a bunny comes to rest, against ours by Cholesky factorisation. Depends on no time step and no damping.
+/// The error of the bunny's rest shape relative to ours by Cholesky factorisation. It depends on no time step and no
+/// damping.
 struct RestCell {
     int tets = 0;
     double ours = 0.0;               ///< [-]
@@ -50,7 +51,7 @@ struct RestCell {
 Cell compare(int tets, double dt, int steps);
 RestCell compareRest(int tets);
 
-/// Bullet is called slower, or faster, only by a setting whose error is not above ours.
+/// Bullet is called slower or faster only by a setting whose error is not above ours.
 std::vector<Verdict> judge(const std::vector<Row>& rows);
 
 } // namespace filasofia::peers

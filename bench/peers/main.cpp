@@ -11,7 +11,7 @@
 namespace filasofia::peers {
 namespace {
 
-/// Opened before the minutes of measuring, not after.
+/// Opened before the minutes of measuring, so that a wrong name is reported at once.
 std::ofstream open(const std::string& file)
 {
     std::ofstream out;

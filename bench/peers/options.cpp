@@ -3,7 +3,7 @@
 #include "bench/peers/problem.h"
 #include "filasofia/core/error.h"
 
-// Long to compile: included here only.
+// Slow to compile, so it is included only here.
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ void check(const Options& options)
 {
     for (int tets : options.tets)
         if (std::find(kSizes.begin(), kSizes.end(), tets) == kSizes.end())
-            fail("--tets: there is no bunny of ", tets, "; there are 756, 1492, 3004, 10000 and 30000");
+            fail("--tets: there is no bunny of ", tets, " tetrahedra; the sizes are 756, 1492, 3004, 10000 and 30000");
     for (double dt : options.dt)
         if (!(dt >= 1e-4 && dt <= 0.02)) fail("--dt must be in [0.0001, 0.02] s, got ", dt);
     if (options.steps < 1 || options.steps > 100000) fail("--steps must be in [1, 100000], got ", options.steps);
@@ -27,9 +27,9 @@ void check(const Options& options)
 std::optional<Options> readOptions(int argc, char** argv)
 {
     Options options;
-    CLI::App app("Measures Bullet's deformable body beside ours: time and error of each step.", "filasofia_peers");
-    app.add_option("--tets", options.tets, "Tetrahedra of the bunnies, such as 756,1492")->delimiter(',');
-    app.add_option("--dt", options.dt, "Time steps in seconds, such as 0.005,0.001")->delimiter(',');
+    CLI::App app("Compares Bullet's deformable body with ours: time and error of each step.", "filasofia_peers");
+    app.add_option("--tets", options.tets, "Numbers of the bunny's tetrahedra, for example 756,1492")->delimiter(',');
+    app.add_option("--dt", options.dt, "Time steps in seconds, for example 0.005,0.001")->delimiter(',');
     app.add_option("--steps", options.steps, "Steps of each run");
     app.add_option("--json", options.json, "Write every figure to this file")
         ->type_name("FILE")

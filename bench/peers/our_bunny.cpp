@@ -19,7 +19,7 @@ Run runOurs(const Problem& problem, const physics::Solver& solver)
                                                          .mass = physics::Density{kDensity},
                                                          .rayleigh = {problem.rayleighMass, problem.rayleighStiffness},
                                                          .solver = solver,
-                                                         .attachments = {{.nodes = problem.held}}});
+                                                         .attachments = {{.nodes = problem.pinned}}});
     Run run;
     for (int step = 0; step < problem.steps; ++step) {
         const Clock::time_point before = Clock::now();

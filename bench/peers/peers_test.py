@@ -15,7 +15,7 @@ def run(*words):
 
 class Peers(unittest.TestCase):
     def measured(self, steps):
-        """What the program prints, and the JSON that it writes."""
+        """The program's standard output, and the JSON that it writes."""
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "peers.json"
             done = run("--tets", "756", "--dt", "0.005", "--steps", str(steps), "--json", str(file))
@@ -33,7 +33,7 @@ class Peers(unittest.TestCase):
             self.assertIn(row["setting"], done.stdout)
         for engine in ("ours", "bullet", "bullet, our equations"):
             self.assertIn(f"\n{engine} ", done.stdout)
-        # Two engines that share no line, one set of equations: this is what makes their times comparable.
+        # Two engines without common code solve the same equations; only this makes their times comparable.
         self.assertLess(rows["bullet, our equations", "converged"]["error"], 1e-5)
         self.assertLess(rows["ours", "tolerance 1e-4"]["error"], 1e-3)
         rest, = figures["rest"]

@@ -14,7 +14,7 @@ Problem hangingBunny(int tets)
     problem.mesh = std::make_shared<geometry::TetMesh>(geometry::loadTetMesh(file));
     const std::vector<Vec3>& nodes = problem.mesh->nodes;
     for (std::size_t node = 0; node < nodes.size(); ++node)
-        if (nodes[node].y > kHeldAbove) problem.held.push_back(static_cast<int>(node));
+        if (nodes[node].y > kPinnedAbove) problem.pinned.push_back(static_cast<int>(node));
     return problem;
 }
 
@@ -23,7 +23,7 @@ Problem restingBunny(const Problem& hanging)
     Problem problem = hanging;
     problem.dt = 0.02;
     problem.steps = 250;
-    problem.rayleighMass = 10.0; // what is left of a swing after these 5 s is below 1e-10
+    problem.rayleighMass = 10.0; // the remaining swing after these 5 s is below 1e-10
     return problem;
 }
 
@@ -35,7 +35,7 @@ std::vector<double> lumpedMasses(const Problem& problem)
         const double quarter = kDensity * geometry::signedVolume(mesh, static_cast<int>(element)) / 4.0;
         for (int node : mesh.tetrahedra[element]) masses[static_cast<std::size_t>(node)] += quarter;
     }
-    for (int node : problem.held) masses[static_cast<std::size_t>(node)] = 0.0;
+    for (int node : problem.pinned) masses[static_cast<std::size_t>(node)] = 0.0;
     return masses;
 }
 

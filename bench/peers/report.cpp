@@ -19,7 +19,7 @@ const char* nameOf(Equations equations)
     return equations == Equations::OursInBullet ? "bullet, our equations" : "bullet";
 }
 
-/// "1.2e-03", "-" where there is none, "diverged" where it is no number.
+/// "1.2e-03"; "-" if there is no value, "diverged" if it is not finite.
 std::string error(const std::optional<double>& value)
 {
     if (!value) return "-";
@@ -56,7 +56,9 @@ void printHeading()
     std::printf(
         "Bullet %.2f in %s precision, ours at its defaults; one thread each. Errors: distance from our model solved "
         "to\n"
-        "1e-12 in double, relative to how far the bunny moved; 'solver': from Bullet's own equations converged.\n",
+        "1e-12 in double precision, relative to the bunny's motion; 'solver': distance from Bullet's own equations "
+        "solved to "
+        "convergence.\n",
         bulletVersion(), bulletPrecision());
 }
 
@@ -67,7 +69,7 @@ void print(const Cell& cell)
     for (const Row& row : cell.rows) {
         std::printf("%-22s %-34s %9.3f %9.3f %7.1f %9s %9s", nameOf(row.equations), row.name.c_str(), row.median * 1e3,
                     row.p99 * 1e3, row.iterations, error(row.error).c_str(), error(row.solverError).c_str());
-        if (row.unsolved > 0) std::printf("  %d steps at the cap", row.unsolved);
+        if (row.unsolved > 0) std::printf("  %d steps stopped at the iteration limit", row.unsolved);
         std::printf("\n");
     }
     for (const Verdict& verdict : cell.verdicts)
@@ -77,7 +79,7 @@ void print(const Cell& cell)
 
 void print(const std::vector<RestCell>& rests)
 {
-    std::printf("\nat rest (error against ours by Cholesky)\n%6s %10s %10s %24s\n", "tets", "ours", "bullet",
+    std::printf("\nat rest (error relative to ours by Cholesky)\n%6s %10s %10s %24s\n", "tets", "ours", "bullet",
                 "bullet, our equations");
     for (const RestCell& rest : rests)
         std::printf("%6d %10s %10s %24s\n", rest.tets, error(rest.ours).c_str(), error(rest.bullet).c_str(),

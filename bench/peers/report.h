@@ -6,10 +6,10 @@
 
 namespace filasofia::peers {
 
-/// The heading, once.
+/// Prints the heading; call it once.
 void printHeading();
 void print(const Cell& cell);
-/// The rest shapes in one table.
+/// Prints the rest shapes in one table.
 void print(const std::vector<RestCell>& rests);
 
 nlohmann::json toJson(const std::vector<Cell>& cells, const std::vector<RestCell>& rests, int steps);

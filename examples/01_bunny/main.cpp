@@ -9,7 +9,7 @@ try {
         .name = "bunny",
         .mesh = asset("meshes/bunny_3004.msh"),
         .material = FemMaterial{.youngModulus = 10_kPa, .poissonRatio = 0.45},
-        .attachments = {{.box = Box{{-1, 0.105, -1}, {1, 1, 1}}}}, // held at the head
+        .attachments = {{.box = Box{{-1, 0.105, -1}, {1, 1, 1}}}}, // pinned at the head
     });
     sim.show(bunny, {.surface = asset("meshes/bunny.obj"), .subdivision = 1});
 

@@ -8,7 +8,7 @@ int main(int argc, char** argv)
 try {
     Simulation sim({.window = {"Gui", 640, 480}});
     SoftBodyDef def{.name = "tissue", .mesh = shapes::block({60_mm, 30_mm, 60_mm}, {10, 6, 10}), .collision = {{}}};
-    def.attachments = {{.box = Box{{-1, -1, -1}, {1, -14.9_mm, 1}}}}; // held at its bottom
+    def.attachments = {{.box = Box{{-1, -1, -1}, {1, -14.9_mm, 1}}}}; // pinned at its bottom
     sim.show(sim.add(def), {.subdivision = 2});
     RigidBodyDef tool{.name = "probe", .elements = {{{0, 45_mm, 0}}}, .mesh = shapes::capsule(4_mm, 40_mm)};
     tool.collision = {{}};

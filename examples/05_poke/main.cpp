@@ -9,7 +9,7 @@ try {
         .name = "tissue",
         .mesh = shapes::block({60_mm, 30_mm, 60_mm}, {10, 6, 10}),
         .material = FemMaterial{.youngModulus = 10_kPa, .poissonRatio = 0.4},
-        .attachments = {{.box = Box{{-1, -1, -1}, {1, -14.9_mm, 1}}}}, // held at its bottom
+        .attachments = {{.box = Box{{-1, -1, -1}, {1, -14.9_mm, 1}}}}, // pinned at its bottom
         .collision = {{}},
     });
     RigidBodyDef tool{.name = "ball", .elements = {{{0, 30_mm, 0}}}, .mesh = shapes::sphere(8_mm), .collision = {{}}};
@@ -17,7 +17,7 @@ try {
     sim.show(tissue, {.subdivision = 1});
     sim.show(ball, {.material = MetalMaterial{}});
 
-    // A poke a second; what is asked for before a step is where the ball is after it.
+    // One poke a second. A pose set before a step is reached at the end of that step.
     const auto depthAt = [](double time) { return 3_mm - 8_mm * std::cos(2 * std::numbers::pi * time); };
     sim.everyStep([&](double time) { sim.physics().setPose(ball, {{0, 15_mm + 8_mm - depthAt(time), 0}}); });
 

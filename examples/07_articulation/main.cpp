@@ -10,7 +10,7 @@ try {
     const BodyId cube = sim.add(soft);
     RigidBodyDef table{.name = "table", .mesh = shapes::box({60_mm, 10_mm, 40_mm}), .collision = {{}}};
     table.elements = {{{0, -5_mm, 0}}};
-    // A shaft, and two jaws that hang on it by hinges and close with 3 N mm each.
+    // A shaft and two jaws on hinges that close with 3 N mm each.
     RigidBodyDef tool{.name = "gripper", .mesh = shapes::box({3_mm, 28_mm, 10_mm}), .mass = Density{7800}};
     for (const int side : {1, -1}) {
         JointDef hinge{.child = side > 0 ? 1 : 2, .start = side * 30_deg, .command = JointForce{-0.003 * side}};
@@ -25,7 +25,7 @@ try {
     for (const int jaw : {1, 2}) sim.show(gripper, {.surface = tool.mesh, .element = jaw, .material = MetalMaterial{}});
     sim.show(cube, {.subdivision = 1});
     sim.show(sim.add(table), {.material = TissueMaterial{.baseColor = {0.1, 0.3, 0.3}, .wetness = 0, .vessels = 0}});
-    sim.everyStep([&](double time) { // closed by 0.5 s, lifted from 0.7 s until 1.3 s
+    sim.everyStep([&](double time) { // closed by 0.5 s, lifted from 0.7 s to 1.3 s
         sim.physics().setPose(gripper, {{0, 50_mm + 30_mm * std::clamp((time - 0.7) / 0.6, 0.0, 1.0), 0}});
     });
     if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 1500: see --help

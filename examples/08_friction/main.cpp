@@ -14,7 +14,7 @@ try {
     slope.elements = {{rotate(tilt, {0, -5_mm, 0}), tilt}};
     sim.show(sim.add(slope), {.material = cloth});
 
-    // Two bodies have the root of the product of their frictions; a box slides where that is below tan 20 deg = 0.364.
+    // The friction of a pair is the geometric mean; a box slides if it is below tan 20 deg = 0.364.
     RigidBodyDef box{.mesh = shapes::box({30_mm, 20_mm, 30_mm}), .dynamic = true, .collision = {{}}};
     BodyId boxes[2];
     for (int i : {0, 1}) {
@@ -32,7 +32,7 @@ try {
     std::printf("after %.3f s the rough box has moved %.3f mm, the smooth one %.1f mm (theory: 0, %.1f)\n", frame->time,
                 moved[0] * 1e3, moved[1] * 1e3, theory * 1e3);
     const bool sticks = std::abs(moved[0]) < 0.1_mm, slides = std::abs(moved[1] / theory - 1.0) < 0.1;
-    return frame->time < 0.3 || frame->time > 0.7 || (sticks && slides) ? 0 : 1; // it leaves the slope later
+    return frame->time < 0.3 || frame->time > 0.7 || (sticks && slides) ? 0 : 1; // after 0.7 s it has left the slope
 } catch (const Error& error) {
     return report(error);
 }

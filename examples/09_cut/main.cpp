@@ -5,7 +5,7 @@ using namespace filasofia;
 int main(int argc, char** argv)
 try {
     Simulation sim({.physics = {.gravity = {}}, .window = {"Cut", 640, 480}});
-    const BodyId hand = sim.add(RigidBodyDef{.name = "hand"}); // it pulls the tissue tight
+    const BodyId hand = sim.add(RigidBodyDef{.name = "hand"}); // pulls the tissue tight
     SoftBodyDef def{.name = "skin", .mesh = shapes::block({0.1, 0.02, 0.06}, {26, 5, 15}), .dynamicTopology = true};
     def.attachments = {{.box = Box{{-1, -1, -1}, {1, 1, -.029}}}, {.box = Box{{-1, -1, .029}, {1, 1, 1}}, .to = hand}};
     const BodyId skin = sim.add(def);
@@ -21,7 +21,7 @@ try {
         addEndoscopeLook(server, {{-28_mm, -4_mm, -16_mm}, {30_mm, 10_mm, 20_mm}}, Quality::High, {-0.15, 1.0, 0.9});
         server.setEnvironment({.intensity = 300, .lampSize = 0.8, .lampDirection = {0, 1, -1}}); // for the steel
     });
-    sim.everyStep([&](double t) { // the hand pulls, the blade comes down and goes its way
+    sim.everyStep([&](double t) { // the hand pulls, the blade comes down and moves along its path
         sim.physics().setPose(hand, {{0, 0, std::min(50_mm * t, 16_mm)}});
         const Vec3 tip{std::clamp(43_mm * t - 45_mm, -27_mm, 15_mm), std::max(60_mm - 153_mm * t, -1_mm), 8_mm};
         sim.physics().setPose(scalpel, {tip});
@@ -30,7 +30,7 @@ try {
     double area = 0.0;
     sim.on<CutEvent>([&](const CutEvent& cut) {
         sim.paint(skin, {.place = cut.rupture.place, .radius = 5_mm, .state = {.blood = 0.3, .wetness = 1.0}});
-        std::printf("opened %6.2f mm^2, in all %.0f\n", cut.rupture.area * 1e6, (area += cut.rupture.area) * 1e6);
+        std::printf("opened %6.2f mm^2, %.0f in total\n", cut.rupture.area * 1e6, (area += cut.rupture.area) * 1e6);
     });
     if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 1500: see --help
     const auto frame = sim.physics().latest();

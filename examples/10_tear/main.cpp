@@ -34,7 +34,7 @@ try {
     });
     if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 650: see --help
     const auto frame = sim.physics().latest();
-    return !frame || frame->time < 0.6 || loose > 0 ? 0 : 1; // what the forceps hold has come off
+    return !frame || frame->time < 0.6 || loose > 0 ? 0 : 1; // the tissue between the forceps has come off
 } catch (const Error& error) {
     return report(error);
 }

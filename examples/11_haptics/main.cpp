@@ -9,7 +9,7 @@ try {
         .name = "tissue",
         .mesh = shapes::block({60_mm, 30_mm, 60_mm}, {10, 6, 10}),
         .material = FemMaterial{.youngModulus = 10_kPa, .poissonRatio = 0.4},
-        .attachments = {{.box = Box{{-1, -1, -1}, {1, -14.9_mm, 1}}}}, // held at its bottom
+        .attachments = {{.box = Box{{-1, -1, -1}, {1, -14.9_mm, 1}}}}, // pinned at its bottom
         .collision = {{}},
     });
     const BodyId tool = sim.add(RigidBodyDef{.name = "tool",
@@ -22,7 +22,8 @@ try {
     sim.show(tissue, {.subdivision = 1});
     sim.show(tool, {.material = MetalMaterial{}});
 
-    // A hand that presses twice. In yours: --device mouse, forcedimension or openhaptics (docs/devices.md).
+    // A scripted hand presses twice. To use your own: --device mouse, forcedimension or openhaptics
+    // (docs/guide/devices.md).
     const HapticId hand = sim.add(HapticInterfaceDef{
         .device = ScriptedDevice{asset("motions/press.csv")}, .body = tool, .coupling = {.linearStiffness = 400}});
 

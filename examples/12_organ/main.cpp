@@ -5,10 +5,10 @@ using namespace filasofia;
 int main(int argc, char** argv)
 try {
     Simulation sim({.physics = {.gravity = {}}, .window = {"An organ in finer detail than its mesh"}});
-    const BodyId hand = sim.add(RigidBodyDef{.name = "hand"}); // it pulls the two ends apart
+    const BodyId hand = sim.add(RigidBodyDef{.name = "hand"}); // pulls the two ends apart
     const BodyId bunny = sim.add(SoftBodyDef{
         .name = "bunny",
-        .mesh = asset("meshes/bunny_3004.msh"), // what is computed
+        .mesh = asset("meshes/bunny_3004.msh"), // the mesh that physics uses
         .material = FemMaterial{.youngModulus = 10_kPa, .poissonRatio = 0.45},
         .attachments = {{.box = Box{{-1, -1, -1}, {-0.07, 1, 1}}}, {.box = Box{{0.04, -1, -1}, {1, 1, 1}}, .to = hand}},
         .dynamicTopology = true,
@@ -17,7 +17,7 @@ try {
     blade->vertices = {{0, 0, -0.1}, {0, 0, 0.1}, {0, 0.2, 0.1}, {0, 0.2, -0.1}};
     blade->triangles = {{0, 1, 2}, {0, 2, 3}};
     const BodyId tool = sim.add(RigidBodyDef{.name = "blade", .collision = {{.mesh = blade, .cutting = true}}});
-    sim.show(bunny, {.surface = asset("meshes/bunny.obj"), // what is seen: it opens where the mesh is cut
+    sim.show(bunny, {.surface = asset("meshes/bunny.obj"), // the surface that is drawn: it opens where the mesh is cut
                      .subdivision = 1,
                      .interior = TissueMaterial{.baseColor = {0.4, 0.02, 0.015}, .wetness = 1}});
     sim.dress([](VisualServer& server) {
@@ -34,7 +34,7 @@ try {
     });
     if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 1000: see --help
     const auto frame = sim.physics().latest();
-    return !frame || frame->time < 0.9 || pieces > 0 ? 0 : 1; // it is in two
+    return !frame || frame->time < 0.9 || pieces > 0 ? 0 : 1; // the bunny is in two pieces
 } catch (const Error& error) {
     return report(error);
 }

@@ -20,7 +20,7 @@ def run(*words, timeout=100, **environment):
 
 class Program(unittest.TestCase):
     def refused(self, *words, says, **environment):
-        """The program exits with 2 and one line on standard error that holds each of `says`."""
+        """The program exits with 2 and prints one line on standard error that contains each of `says`."""
         done = run(*words, **environment)
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertEqual(done.stdout, "")
@@ -32,7 +32,7 @@ class Program(unittest.TestCase):
         return lines[0]
 
     def output(self, *words, **environment):
-        """What the program prints; it exits with 0."""
+        """The program's standard output; it must exit with 0."""
         done = run(*words, **environment)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
@@ -87,7 +87,7 @@ class Words(Program):
         self.refused("doctor", "--json", "-", "--json", "-", says=["--json must be given once, with one value"])
         self.refused("doctor", "--json", "", says=["doctor: --json must not be empty"])
         for command in (("bench", "solver"), ("fuzz", "cut")):
-            self.refused(*command, "--json", "-", says=["--json -: standard output has the table"])
+            self.refused(*command, "--json", "-", says=["--json -: standard output carries the table"])
 
     NUMBERS = {"run bunny --headless": {"--threads": "must be a whole number in [0, 256]",
                                         "--steps": "must be a whole number in [0, 2147483647]",
@@ -159,7 +159,7 @@ class Doctor(unittest.TestCase):
         self.assertEqual(titles, self.SECTIONS)
         self.assertRegex(done.stdout, rf"(?m)^  version +{VERSION}$")
 
-    def test_json_on_standard_output_says_what_the_table_says(self):
+    def test_json_on_standard_output_has_the_content_of_the_table(self):
         done = run("doctor", "--json", "-")
         self.assertEqual(done.returncode, 0, done.stderr)
         report = json.loads(done.stdout)
@@ -182,7 +182,7 @@ class Doctor(unittest.TestCase):
             self.assertTrue(done.stdout.startswith("program\n"))
             self.assertEqual(list(json.loads(path.read_text())), self.SECTIONS)
 
-    def test_a_display_that_does_not_answer_is_said_and_no_failure(self):
+    def test_a_display_that_does_not_answer_is_reported_without_failing(self):
         done = run("doctor", "--json", "-", DISPLAY=":97531", WAYLAND_DISPLAY="")
         self.assertEqual(done.returncode, 0, done.stderr)
         display = json.loads(done.stdout)["display"]
@@ -194,7 +194,7 @@ class Doctor(unittest.TestCase):
 class Run(Program):
     BUNNY = ("run", "bunny", "--tets", "756", "--headless")
 
-    def test_what_is_not_there_is_refused(self):
+    def test_unknown_scenes_and_illegal_values_are_refused(self):
         self.refused("run", "cat", "--headless", says=["'cat'", "bunny"])
         self.refused("run", "bunny", "--headless", "--tets", "5", says=["tets", "1492", "got 5"])
         self.refused("run", "bunny", "--headless", "--subdivision", "9", says=["subdivision", "[0, 3]", "got 9"])
@@ -215,7 +215,7 @@ class Run(Program):
         self.assertNotEqual(state_hash("20"), state_hash("21"))
 
     def test_every_scene_runs_and_its_contacts_are_in_the_summary(self):
-        # Steps at which the bodies have met, and a pair of which the forces are known to about a tenth.
+        # Steps after which the bodies touch, and a pair whose force is known to about a tenth.
         scenes = {"poke": ("500", "tissue, ball", 1.8), "grasp": ("800", "cube, left jaw", 0.9),
                   "friction": ("300", "slope, rough box", 0.018 * 9.81 * 0.94)}
         for scene, (steps, pair, force) in scenes.items():
@@ -226,10 +226,10 @@ class Run(Program):
             self.assertIsNotNone(row, said)
             self.assertLessEqual(int(row[1]), int(steps))
             self.assertAlmostEqual(float(row[2 if scene == "friction" else 3]), force, delta=0.15 * force)
-        self.assertNotIn("contacts of", self.output(*self.BUNNY, "--steps", "3"))
-        self.assertNotIn("contacts of", self.output("run", "poke", "--headless", "--steps", "3"))
+        self.assertNotIn("contacts between", self.output(*self.BUNNY, "--steps", "3"))
+        self.assertNotIn("contacts between", self.output("run", "poke", "--headless", "--steps", "3"))
 
-    def test_every_scene_can_be_seen_where_the_build_draws(self):
+    def test_every_scene_can_be_seen_if_the_build_draws(self):
         if not can_draw():
             self.refused("run", "poke", "--headless", "--steps", "1", "--picture", "poke.png", says=["draws nothing"])
             return
@@ -241,19 +241,19 @@ class Run(Program):
                     self.assertGreater(picture.stat().st_size, 20000)  # a dark picture has 3 kB
                 self.assertNotEqual(pictures[0].read_bytes(), pictures[1].read_bytes())
 
-    def test_what_is_cut_and_torn_is_made_again(self):
+    def test_cuts_and_tears_are_replayed(self):
         with tempfile.TemporaryDirectory() as folder:
             for scene in ("cut", "tear"):
                 file = os.path.join(folder, scene + ".rec")
                 said = self.output("run", scene, "--headless", "--steps", "800", "--record", file)
-                self.assertIn("put back 0, solver at its cap 0", said)
+                self.assertIn("rolled back 0, solver at its iteration limit 0", said)
                 self.assertIn("every step has the recorded hash\n", self.output("replay", file, "--check"))
 
     def test_an_option_of_the_bunny_is_refused_for_other_scenes(self):
         self.refused("run", "poke", "--headless", "--tets", "756", says=["--tets", "'poke'"])
         self.refused("run", "cat", "--headless", says=["bunny, poke, grasp, friction, cut, tear"])
 
-    def test_a_run_with_contacts_is_made_again(self):
+    def test_a_run_with_contacts_is_replayed(self):
         with tempfile.TemporaryDirectory() as folder:
             file, table = os.path.join(folder, "poke.rec"), Path(folder, "poke.csv")
             self.output("run", "poke", "--headless", "--steps", "300", "--record", file, "--log", str(table))
@@ -263,7 +263,7 @@ class Run(Program):
             self.assertEqual(float(lines[100][force]), 0)
             self.assertGreater(float(lines[-1][force]), 0.5)
 
-    def test_numbered_pictures_are_written_where_the_build_draws(self):
+    def test_numbered_pictures_are_written_if_the_build_draws(self):
         with tempfile.TemporaryDirectory() as folder:
             words = (*self.BUNNY, "--steps", "10", "--rate", "200", "--picture", os.path.join(folder, "bunny.png"),
                      "--picture-every", "0.025")
@@ -297,7 +297,7 @@ class Replay(Program):
         return re.search(r"(?m)^state hash ([0-9a-f]{16})$", said)[1]
 
     def records(self):
-        """What the recording's chunks hold, record by record; the numbers of a mesh belong to the line before them."""
+        """The content of the recording's chunks, record by record; the numbers of a mesh belong to the line before them."""
         data = self.file.read_bytes()
         place = data.index(b"\n") + 1
         content = b""
@@ -317,7 +317,7 @@ class Replay(Program):
     SIZES = {"nodes": 24, "tetrahedra": 16, "vertices": 24, "triangles": 12, "uv": 16}
 
     def write(self, records):
-        """The same, the other way."""
+        """Writes these records as the recording's chunks."""
         content = b"".join(records)
         data = self.file.read_bytes()
         data = data[:data.index(b"\n") + 1]
@@ -329,23 +329,23 @@ class Replay(Program):
         self.file.write_bytes(data)
 
     def steps(self):
-        """The places of the steps among the records."""
+        """The indices of the steps among the records."""
         others = {"filasofia", "mesh", "scene", "end"}
         return [i for i, record in enumerate(self.records()) if not others & json.loads(record.split(b"\n")[0]).keys()]
 
     def change(self, record, of, into):
-        """Edits a record, counted from 0."""
+        """Edits one record; `record` counts from 0."""
         records = self.records()
         self.assertRegex(records[record].decode(), of)
         records[record] = re.sub(of, into, records[record].decode(), count=1).encode()
         self.write(records)
 
-    def test_a_headless_run_is_made_again_by_any_number_of_threads(self):
+    def test_a_headless_run_is_replayed_by_any_number_of_threads(self):
         recorded = self.record("--headless", "--steps", "30", "--rate", "200")
         for words in ((), ("--check",), ("--check", "--threads", "1"), ("--check", "--threads", "3")):
             said = self.output("replay", str(self.file), *words)
             self.assertEqual(self.state_hash(said), recorded)
-            self.assertRegex(said, r"(?m)^30 steps, 0\.150 s simulated, made again in \d+\.\d+ s$")
+            self.assertRegex(said, r"(?m)^30 steps, 0\.150 s simulated, replayed in \d+\.\d+ s$")
             self.assertEqual("every step has the recorded hash\n" in said, "--check" in words)
 
     def test_the_recording_needs_no_other_file(self):
@@ -373,8 +373,8 @@ class Replay(Program):
         differs = r"step 7 differs: recorded [0-9a-f]{16}, replayed [0-9a-f]{16}\n"
         made = r"7 steps, 0\.007 s simulated, .*\n"
         self.assertRegex(done.stdout, rf"^{self.MAKER}\n{made}{differs}$")
-        self.assertEqual(run("replay", str(self.file)).returncode, 0)  # nobody asked
-        # Another build, then other vector instructions as well: the likely reasons.
+        self.assertEqual(run("replay", str(self.file)).returncode, 0)  # without --check nothing is compared
+        # If the build differs, and then also the vector instructions, they are named as the likely reasons.
         self.change(0, '"revision":"[^"]*"', '"revision":"0123456789ab"')
         said = run("replay", str(self.file), "--check").stdout
         self.assertRegex(said, rf"^recorded by .*, revision 0123456789ab, .*\n{made}{differs}the likely reason: another build; "
@@ -384,7 +384,7 @@ class Replay(Program):
         self.assertRegex(said, rf"^recorded by .*, vector instructions Z80\n{made}{differs}the likely reason: another build and "
                                r"other vector instructions; this is Filasofia .*\n$")
 
-    def test_a_replay_says_what_made_the_recording(self):
+    def test_a_replay_names_the_program_that_recorded(self):
         self.record("--headless", "--steps", "1")
         said = self.output("replay", str(self.file), "--check")
         self.assertRegex(said, rf"^{self.MAKER}\n1 step, ")
@@ -392,12 +392,12 @@ class Replay(Program):
         header = json.loads(self.records()[0])
         self.assertIn(f"Filasofia {VERSION}, revision {header['revision']}, ", said)
 
-    def test_what_is_no_regular_file_is_refused_at_once(self):
+    def test_a_file_that_is_not_regular_is_refused_at_once(self):
         pipe = os.path.join(self.folder.name, "pipe.rec")
         os.mkfifo(pipe)
         for file in (pipe, "/dev/zero", "/dev/null"):
-            self.refused("replay", file, says=[f"{file}: is no regular file"])
-        self.refused("replay", self.folder.name, says=[f"{self.folder.name}: is a folder"])
+            self.refused("replay", file, says=[f"{file}: is not a regular file"])
+        self.refused("replay", self.folder.name, says=[f"{self.folder.name}: must be a file, got a directory"])
 
     def test_one_file_by_two_names_is_refused_for_log_and_recording(self):
         table = Path(self.folder.name, "bunny.csv")
@@ -405,7 +405,7 @@ class Replay(Program):
             self.file.write_text("")
             link(self.file)
             self.refused("run", "bunny", "--tets", "756", "--headless", "--steps", "3", "--record", str(self.file),
-                         "--log", str(table), says=["is being written already"])
+                         "--log", str(table), says=["is already being written"])
             table.unlink()
 
     def test_a_changed_command_is_seen_in_the_first_step_it_changes(self):
@@ -415,20 +415,20 @@ class Replay(Program):
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertTrue(re.search(r"(?m)^step [12] differs: ", done.stdout), done.stdout)
 
-    def test_what_is_no_whole_recording_is_refused_with_file_and_place(self):
+    def test_a_damaged_recording_is_refused_with_file_and_place(self):
         self.record("--headless", "--steps", "5")
         whole, records = self.file.read_bytes(), self.records()
-        self.refused("replay", "/nonexistent.rec", says=["/nonexistent.rec", "there is no such file"])
+        self.refused("replay", "/nonexistent.rec", says=["/nonexistent.rec", "no such file"])
         self.refused("replay", says=["RECORDING"])
         fourth = self.steps()[3]
         self.change(fourth, '"hash":', '"xx":')
-        self.ends_early("made again", f"{self.file}: record {fourth + 1}: unknown field 'xx'; it is whole up to step 3")
+        self.ends_early("replayed", f"{self.file}: record {fourth + 1}: unknown field 'xx'; it is complete up to step 3")
         self.write(records[:-2])
-        self.ends_early("4 steps, ", f"{self.file}: cut off at byte ", "the session's end is missing; it is whole up to step 4")
+        self.ends_early("4 steps, ", f"{self.file}: cut off at byte ", "before the end of the session; it is complete up to step 4")
         self.file.write_bytes(whole[:-20])
-        self.ends_early(f"{self.file}: cut off at byte ", "a part of a chunk is missing; it has no whole step")
+        self.ends_early(f"{self.file}: cut off at byte ", "in the middle of a chunk; it has no complete step")
         self.file.write_bytes(whole[:60] + b"?" + whole[61:])
-        self.refused("replay", str(self.file), says=[f"{self.file}: damaged at byte 31: the checksum differs"])
+        self.refused("replay", str(self.file), says=[f"{self.file}: damaged at byte 31: the checksum of the chunk does not match"])
         self.file.write_bytes(whole.replace(b"version 5", b"version 9", 1))
         self.refused("replay", str(self.file), says=["version 9", "reads version 5"])
         self.file.write_text('{"format":"filasofia recording","version":3,"filasofia":"0.1.0","revision":"abc"}\n')
@@ -437,17 +437,17 @@ class Replay(Program):
         self.write([records[0], b'{"end":0}\n'])
         self.refused("replay", str(self.file), says=["holds no step"])
         self.file.write_bytes(b"\x00\xff\n" * 10)
-        self.refused("replay", str(self.file), says=["no Filasofia recording"])
+        self.refused("replay", str(self.file), says=["not a Filasofia recording"])
 
     def ends_early(self, *says):
-        """What is whole is made again and is as it was; then the exit code is 2."""
+        """The undamaged part is replayed with equal hashes; then the exit code is 2."""
         done = run("replay", str(self.file), "--check")
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertEqual(len(done.stderr.splitlines()), 1)
         for word in says:
             self.assertIn(word, done.stdout + done.stderr)
 
-    def test_steps_that_cannot_be_made_again_are_named(self):
+    def test_steps_that_cannot_be_replayed_are_named(self):
         self.record("--headless", "--steps", "5")
         records, steps = self.records(), self.steps()
         self.change(steps[2], '"hash"', '"flags":64,"hash"')
@@ -456,7 +456,7 @@ class Replay(Program):
         self.change(steps[3], '"hash"', '"step":5,"hash"')
         self.refused("replay", str(self.file), says=["step 5", "step 4 is missing"])
 
-    def test_a_session_is_called_as_it_was_told(self):
+    def test_a_session_has_the_names_given_on_the_command_line(self):
         self.record("--headless", "--steps", "2", "--session", "first <b>", "--trainee", "A. \"B\"\nC", "--seed", "7")
         said = self.output("replay", str(self.file))
         self.assertIn("session 'first <b>', trainee 'A. \"B\" C', seed 7\n", said)
@@ -467,7 +467,7 @@ class Replay(Program):
         done = run("run", "bunny", "--tets", "756", "--headless", "--steps", "50", "--record", str(self.file))
         self.assertEqual(done.returncode, 1)
         self.assertIn("50 steps, ", done.stdout)
-        self.assertIn(f"not whole: {self.file}: cannot be written (disk full?)\n", done.stdout)
+        self.assertIn(f"incomplete: {self.file}: cannot be written (disk full?)\n", done.stdout)
         self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
 
     def test_a_replay_draws_the_picture_of_the_run(self):
@@ -480,7 +480,7 @@ class Replay(Program):
             said = self.output("replay", str(self.file), "--check", "--picture", str(pictures[1]))
             self.assertIn(f"wrote {pictures[1]}\n", said)
             self.assertEqual(pictures[0].read_bytes(), pictures[1].read_bytes())
-            self.output(*words)  # nothing was drawn: the lights of a scene that the program makes itself are not known
+            self.output(*words)  # nothing was drawn: the recording does not hold the lights of a scene with a look of its own
             said = self.output("replay", str(self.file), "--picture", str(pictures[2]))
             self.assertEqual("note: " in said, scene == "tear")
             if scene == "poke":
@@ -494,7 +494,7 @@ class Replay(Program):
         self.refused("run", "bunny", "--headless", "--threads", "-1", says=["threads", "[0, 256]", "got -1"])
 
 
-    def test_a_video_is_refused_where_it_cannot_be_made(self):
+    def test_a_video_is_refused_if_it_cannot_be_made(self):
         self.refused("run", "bunny", "--headless", "--video", "bunny.avi", says=["video", ".mp4", "'bunny.avi'"])
         self.refused("run", "bunny", "--headless", "--video", "bunny.mp4", "--fps", "0.5", says=["fps", "got 0.5"])
         with tempfile.TemporaryDirectory() as nothing:
@@ -506,7 +506,7 @@ class Bench(Program):
     NO_EGL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json"}  # as on a machine without a driver
 
     def measured(self, *words, **environment):
-        """The JSON of a quick bench, and what it printed."""
+        """The JSON of a quick bench, and its standard output."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "bench.json")
             said = self.output(*self.QUICK, "--json", str(path), *words, **environment)
@@ -524,7 +524,7 @@ class Bench(Program):
         self.assertEqual(self.names(report["cells"]),
                          self.expected("null", "5 ms") + drawn + self.expected("null", "free"))
         self.assertEqual((report["skipped"], report["interrupted"], report["rate_hz"]), ([], False, 200))
-        self.assertEqual(report["lp_num_threads"], "2")  # the user's own choice stays
+        self.assertEqual(report["lp_num_threads"], "2")  # the user's own choice is kept
         for cell in report["cells"]:
             for spread in (cell["rate_per_s"], cell["cost_s"]):
                 self.assertLessEqual(0, spread["p1"])
@@ -549,6 +549,11 @@ class Bench(Program):
         costs = [cell["cost_s"]["median"] for cell in report["cells"] if cell["pace"] == "free"]
         self.assertEqual(report["limits"][2]["met"], max(costs) / min(costs) - 1 <= 0.05)
         self.assertEqual(report["slower_than_real_time"], [756] if max(costs) > 5e-3 else [])
+        # The verdicts depend on the machine's load, so they may be MISSED here. What may not depend on it: subdividing the
+        # drawn surface changes neither the cost of a step (picture_beside_physics_test.cpp measures it with care) nor the
+        # steps made by the clock.
+        self.assertLess(max(costs) / min(costs), 3)
+        self.assertLess(max(medians) / min(medians), 3)
 
     def test_pictures_that_cannot_start_are_named_and_the_rest_is_kept(self):
         report, said = self.measured(**self.NO_EGL)
@@ -565,7 +570,7 @@ class Bench(Program):
         self.assertEqual(len(re.findall(r"(?m)^ *756 ", done.stdout)), 9 if can_draw() else 6)
         self.assertIn("slower than real time at steps of 5 ms: ", done.stdout)
 
-    def test_what_it_cannot_do_is_refused_before_it_measures(self):
+    def test_impossible_options_are_refused_before_it_measures(self):
         with tempfile.TemporaryDirectory() as folder:
             missing = os.path.join(folder, "missing", "bench.json")
             self.refused("bench", "bunny", "--seconds", "3600", "--json", missing, says=[missing])
@@ -595,7 +600,7 @@ class BenchVisual(Program):
             self.assertGreater(row["prepare_s"]["median"], 0)
         self.assertEqual([row["beside"] for row in report["physics"]],
                          ["nothing", "mapping, null"] + (["picture"] if can_draw() else []) + ["nothing", "mapping, null"])
-        self.assertIsNone(report["limits"][0]["met"])  # 50,000 vertices are not for --quick
+        self.assertIsNone(report["limits"][0]["met"])  # --quick does not measure 50,000 vertices
         self.assertIn("not measured", said)
 
     def test_a_machine_that_draws_nothing_measures_the_rest(self):
@@ -680,7 +685,7 @@ class BenchSolver(Program):
         for part in ("at 10000 tetrahedra and 5 ms", "from 3004 to 30000", "from 10000 tetrahedra"):
             self.assertIsNone(met(part))
 
-    def test_what_it_cannot_do_is_refused_before_it_measures(self):
+    def test_impossible_options_are_refused_before_it_measures(self):
         with tempfile.TemporaryDirectory() as folder:
             missing = os.path.join(folder, "missing", "bench.json")
             self.refused("bench", "solver", "--json", missing, says=[missing])
@@ -692,7 +697,7 @@ class BenchSolver(Program):
 
 class Fuzz(Program):
     def cut(self, *words):
-        """The JSON of a fuzz of cuts, and what it printed."""
+        """The JSON of a fuzz of cuts, and its standard output."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "cut.json")
             said = self.output("fuzz", "cut", *words, "--json", str(path))
@@ -712,8 +717,8 @@ class Fuzz(Program):
         self.assertEqual(one, two)
         self.assertNotEqual(one["hash"], other["hash"])
 
-    def test_it_refuses_what_it_does_not_know(self):
-        self.refused("fuzz", "cat", says=["'cat'", "there is cut"])
+    def test_unknown_subjects_and_illegal_values_are_refused(self):
+        self.refused("fuzz", "cat", says=["'cat'", "known is cut"])
         self.refused("fuzz", "cut", "--cuts", "0", says=["--cuts must be a whole number in [1, 100000000]", "got 0"])
         self.refused("fuzz", "cut", "--seed", "-1", says=["--seed"])
         self.refused("fuzz", "cut", "--json", "/nowhere/cut.json", says=["/nowhere/cut.json", "cannot be written"])
@@ -721,7 +726,7 @@ class Fuzz(Program):
 
 class BenchContact(Program):
     def measured(self, *words, timeout):
-        """The JSON of a bench, and what it printed."""
+        """The JSON of a bench, and its standard output."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "contact.json")
             done = run("bench", "contact", *words, "--json", str(path), timeout=timeout)
@@ -758,13 +763,13 @@ class BenchContact(Program):
                     self.assertLessEqual(spread["p1"], spread["median"])
                     self.assertLessEqual(spread["median"], spread["p99"])
                     self.assertLessEqual(spread["p99"], spread["max"])
-        resting = cells[0]["force_n"]["median"]  # the floor bears the bunny: 9.81 m/s^2 of its litre and a half of water
+        resting = cells[0]["force_n"]["median"]  # [N] the floor bears the bunny's weight
         self.assertGreater(resting, 5)
         self.assertLess(resting, 10)
         scraped = [cell["runs"][0]["step_s"] for cell in cells if cell["scene"].startswith("scraped")]
         self.assertEqual(met("3004 tetrahedra, scraped: median"), max(s["median"] for s in scraped) <= 0.2e-3)
         self.assertEqual(met("3004 tetrahedra, scraped: p99"), max(s["p99"] for s in scraped) <= 0.8e-3)
-        self.assertEqual(met("at least 60 contacts"), cells[1]["found"]["median"] >= 60)
+        self.assertEqual(met("number of contacts is at least 60"), cells[1]["found"]["median"] >= 60)
         for part in ("10000 tetrahedra", "on 30000 tetrahedra"):
             self.assertIsNone(met(part))
 
@@ -776,7 +781,7 @@ class BenchContact(Program):
         for run_ in report["runs"]:
             self.assertEqual(run_["not_finite"]["steps"], 0)
             self.assertEqual(run_["inverted_at_end"], 0)
-        self.assertEqual(met("never through"), tools["through"]["steps"] == 0)
+        self.assertEqual(met("passes through the tissue"), tools["through"]["steps"] == 0)
         self.assertIs(met("soft ball"), True)
         self.assertLess(ball["penetration_m"], 0.05 * ball["proximity_m"])
         self.assertIs(met("the tower stands"), True)
@@ -785,7 +790,7 @@ class BenchContact(Program):
         for one, other in zip(report["runs"], again["runs"]):
             self.assertEqual({**one, "wall_s": 0}, {**other, "wall_s": 0})
 
-    def test_what_it_cannot_do_is_refused_before_it_measures(self):
+    def test_impossible_options_are_refused_before_it_measures(self):
         self.refused("bench", "contact", "--seconds", "3", says=["--seconds", "bunny"])
         self.refused("bench", "contact", "--soak", "0", says=["--soak", "got 0"])
         self.refused("bench", "contact", "--soak", "1", "--quick", says=["--soak", "--quick"])
@@ -795,7 +800,7 @@ class BenchContact(Program):
 class Haptics(Program):
     """`run haptics` and `bench haptics`."""
 
-    def test_a_session_with_a_device_is_recorded_played_back_and_made_again(self):
+    def test_a_session_with_a_device_is_recorded_played_back_and_replayed(self):
         with tempfile.TemporaryDirectory() as folder:
             record, motion = os.path.join(folder, "hand.rec"), os.path.join(folder, "hand.csv")
             words = ("run", "haptics", "--headless", "--steps", "600")
@@ -827,12 +832,12 @@ class Haptics(Program):
             report = json.loads(path.read_text())
         self.assertEqual([run_["name"] for run_ in report["runs"]],
                          ["physics at 1 kHz", "physics at 20 Hz", "stalled for 1 s"])
-        for run_ in report["runs"]:  # how evenly is the machine's matter
+        for run_ in report["runs"]:  # the jitter itself depends on the machine
             self.assertGreater(run_["ticks"], 0)
             self.assertEqual(sum(run_["jitter_s"]["counts"]), run_["ticks"])
             self.assertLessEqual(run_["most_force_N"], 10.0 + 1e-9)
         self.assertEqual(len(report["walls"]), 8)
-        for wall in report["walls"]:  # on a clock of its own
+        for wall in report["walls"]:  # on a simulated clock
             self.assertLessEqual(wall["most_energy_J"], 0)
             self.assertGreater(wall["given_by_hand_J"], 1e-3)
             self.assertLessEqual(wall["most_force_N"], 10.0 + 1e-9)

@@ -1,7 +1,7 @@
-"""Kills recording runs at random moments and looks at what is left. Usage: kill_test.py PROGRAM [ROUNDS [SEED]]
+"""Kills recording runs at random moments and checks the recordings they leave. Usage: kill_test.py PROGRAM [ROUNDS [SEED]]
 
-The file must be readable up to where it ends, every step must come out again with its hash, and the last write must have
-been less than a second before the kill: this alone is a matter of wall time, and is judged only when ROUNDS are given.
+The file must be readable up to its end, every step must replay with its hash, and the last write must have happened less
+than a second before the kill. Only this last condition depends on wall time; it is judged only if ROUNDS is given.
 """
 import os
 import random
@@ -26,7 +26,7 @@ with tempfile.TemporaryDirectory() as folder:
         running = subprocess.Popen([PROGRAM, "run", "bunny", "--tets", "756", "--headless", "--steps", "2000000000",
                                     "--threads", "1", "--record", file], stdout=subprocess.DEVNULL)
         began = time.time()
-        while not os.path.exists(file) or os.path.getsize(file) < 300:  # the header is there
+        while not os.path.exists(file) or os.path.getsize(file) < 300:  # until the header is written
             assert running.poll() is None and time.time() - began < 60, "the run did not begin"
             time.sleep(0.01)
         time.sleep(chance.uniform(0.0, 1.2))
@@ -38,11 +38,11 @@ with tempfile.TemporaryDirectory() as folder:
         assert not judged or age < 1.0, f"round {number}: the last write was {age:.3f} s before the kill"
         done = subprocess.run([PROGRAM, "replay", file, "--check", "--threads", "1"], capture_output=True, text=True)
         assert done.returncode == 2, f"round {number}: {done}"
-        assert re.search(r": cut off at byte \d+: .*; it (is whole up to step \d+|has no whole step)\n$", done.stderr), done
-        if "no whole step" in done.stderr:
+        assert re.search(r": cut off at byte \d+, .*; it (is complete up to step \d+|has no complete step)\n$", done.stderr), done
+        if "no complete step" in done.stderr:
             continue  # killed before the first
         whole = int(re.search(r"up to step (\d+)", done.stderr)[1])
         assert "every step has the recorded hash\n" in done.stdout and f"{whole} steps, " in done.stdout, done
         steps_made += whole
 assert steps_made > 0, "no run got as far as a step"
-print(f"{ROUNDS} runs killed: {steps_made} steps made again; the last write was at most {oldest:.3f} s before the kill")
+print(f"{ROUNDS} runs killed: {steps_made} steps replayed; the last write was at most {oldest:.3f} s before the kill")

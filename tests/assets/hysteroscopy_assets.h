@@ -33,7 +33,7 @@ inline nlohmann::json facts(const std::string& file)
     return nlohmann::json::parse(std::ifstream(hysteroscopyFolder() / file));
 }
 
-/// A list of such a file, by value: a loop over facts()[key] would walk what is gone.
+/// A list of such a file, by value: a loop over facts()[key] would use a destroyed temporary.
 inline std::vector<nlohmann::json> listed(const std::string& file, const std::string& key)
 {
     return facts(file).at(key).get<std::vector<nlohmann::json>>();
@@ -62,7 +62,7 @@ public:
     {
         return std::sqrt(tree_.nearest(p, [&](int triangle) { return nearest(p, triangle).squaredDistance; }).value);
     }
-    /// How often a ray from p crosses the surface is odd inside.
+    /// Whether a point lies inside: a ray from p then crosses the surface an odd number of times.
     [[nodiscard]] bool holds(Vec3 p) const
     {
         const Vec3 direction{0.0123, 0.0371, 1.0};

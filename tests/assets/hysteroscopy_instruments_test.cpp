@@ -12,9 +12,9 @@ constexpr double kHair = 0.02 * kMillimetre;
 
 double radiusAroundZ(const TriangleMesh& mesh)
 {
-    double most = 0.0;
-    for (Vec3 v : mesh.vertices) most = std::max(most, std::hypot(v.x, v.y));
-    return most;
+    double highest = 0.0;
+    for (Vec3 v : mesh.vertices) highest = std::max(highest, std::hypot(v.x, v.y));
+    return highest;
 }
 
 TriangleMesh closedSurface(const std::string& file)
@@ -22,7 +22,7 @@ TriangleMesh closedSurface(const std::string& file)
     CAPTURE(file);
     TriangleMesh mesh = triangles(file);
     CHECK(isClosedManifold(mesh));
-    CHECK(massProperties(mesh, file).volume > 0.0); // also refuses a part that is inside out
+    CHECK(massProperties(mesh, file).volume > 0.0); // also rejects a part that is inside out
     return mesh;
 }
 
@@ -44,7 +44,8 @@ void checkSameExtent(const TriangleMesh& fine, const TriangleMesh& coarse, doubl
 
 } // namespace
 
-TEST_CASE("the hysteroscope has the diameter of its sheath, begins at z = 0, and lens and channel are where told")
+TEST_CASE("the hysteroscope has the diameter of its sheath, begins at z = 0, and lens and channel are where its JSON "
+          "file says")
 {
     const auto known = facts("instruments.json")["hysteroscope"];
     const double radius = known["radius"], end = known["length"];
@@ -62,7 +63,7 @@ TEST_CASE("the hysteroscope has the diameter of its sheath, begins at z = 0, and
     CHECK(std::acos(-look.z) == Approx(30.0 * M_PI / 180.0).margin(1e-4));
     const Surroundings optic(triangles(known["surfaces"][1])), metal(sheath);
     CHECK(optic.distanceTo(lens) < 0.1 * kMillimetre);
-    CHECK_FALSE(metal.holds(lens + 0.2 * kMillimetre * look)); // nothing before it
+    CHECK_FALSE(metal.holds(lens + 0.2 * kMillimetre * look)); // nothing in front of it
     CHECK(metal.holds(lens - 0.2 * kMillimetre * look));
 
     const Vec3 mouth = toVec3(known["channelExit"]), out = toVec3(known["channelDirection"]);
@@ -76,7 +77,7 @@ TEST_CASE("the hysteroscope has the diameter of its sheath, begins at z = 0, and
 }
 
 TEST_CASE(
-    "every tool passes the working channel while closed, reaches as far as told, and its jaws turn about the pivot")
+    "every tool passes the working channel while closed, has the stated length, and its jaws turn about the pivot")
 {
     const auto tools = facts("instruments.json")["tools"];
     REQUIRE(tools.size() == 3);
@@ -97,10 +98,10 @@ TEST_CASE(
             CHECK(radiusAroundZ(coarse) < radius + kHair);
             CHECK(boundsOf(seen).low.z == Approx(-reach).margin(0.1 * kMillimetre));
             CHECK(boundsOf(coarse).low.z == Approx(-reach).margin(0.15 * kMillimetre));
-            // The pin is in its tang.
+            // The pin passes through the jaw's tang.
             const double beside = side == 0 ? 0.2 : -0.2;
             CHECK(Surroundings(seen).holds({beside * kMillimetre, 0, 0}));
-            // Upper and lower: a turn about +x by a positive angle takes -z to +y.
+            // Upper and lower jaw: a rotation about +x by a positive angle takes -z to +y.
             CHECK(toVec3(jaw["axis"]) == Vec3{side == 0 ? 1.0 : -1.0, 0, 0});
             CHECK(jaw["opensBy"].get<double>() > 0.4);
             for (Vec3 v : seen.vertices)

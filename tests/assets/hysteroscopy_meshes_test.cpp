@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kMillimetre = 1e-3;
 constexpr double kScopeRadius = 2.5 * kMillimetre;
-constexpr double kWorstQuality = 0.2; // stated in assets/README.md
-constexpr double kRelief = 0.45e-3;   // [m] how far the picture's folds and bumps stand out at most
+constexpr double kWorstQuality = 0.2; // [-] stated in assets/README.md
+constexpr double kRelief = 0.45e-3;   // [m] largest height of the drawn surface's folds and bumps
 constexpr const char* kUteri[] = {"uterus_1702", "uterus_5000", "uterus_12000"};
 
 void checkTets(const TetMesh& mesh, const std::string& name)
@@ -26,7 +26,7 @@ void checkTets(const TetMesh& mesh, const std::string& name)
     CHECK(isClosedManifold(extractSurface(mesh).mesh));
 }
 
-/// V - E + F of a closed surface: 2 for a ball, whatever its dents.
+/// V - E + F of a closed surface; 2 for any deformed ball.
 int eulerNumber(const TriangleMesh& closed)
 {
     return static_cast<int>(closed.vertices.size()) - static_cast<int>(closed.triangles.size()) / 2;
@@ -50,7 +50,7 @@ TEST_CASE("each uterus has as many tetrahedra as its name says, and none is bad"
         CHECK(static_cast<double>(mesh.tetrahedra.size()) == Approx(wanted[i]).epsilon(0.01));
         CHECK(volumeOf(mesh) == Approx(56.9e-6).epsilon(0.01)); // the same organ in every resolution
         const TriangleMesh skin = extractSurface(mesh).mesh;
-        CHECK(eulerNumber(skin) == 2); // one hollow, open to the outside: a dent in a ball, no tunnel and no void
+        CHECK(eulerNumber(skin) == 2); // one cavity open to the outside: a dented ball, without tunnel and void
         const Box box = boundsOf(skin);
         CHECK(box.high.y - box.low.y == Approx(75.0 * kMillimetre).margin(1.0 * kMillimetre));
         CHECK(box.high.x - box.low.x == Approx(53.0 * kMillimetre).margin(1.5 * kMillimetre));
@@ -71,11 +71,11 @@ TEST_CASE(
         CHECK(wall.holds({0, fundus + 2.0 * kMillimetre, 0}));
 
         const double freeRadius = entry["freeRadius"], narrowUpTo = entry["narrowUpTo"];
-        CHECK(freeRadius >= 1.6 * kMillimetre); // the canal gives way by 0.9 mm at most
+        CHECK(freeRadius >= 1.6 * kMillimetre); // the canal dilates by 0.9 mm at most
         CHECK(narrowUpTo <= 31.0 * kMillimetre);
         for (double y = 0.0; y < narrowUpTo; y += 0.25 * kMillimetre)
             REQUIRE(wall.distanceTo({0, y, 0}) >= freeRadius - 0.02 * kMillimetre);
-        // Beyond it the scope touches nothing until it is a radius from the fundus.
+        // Beyond that height the scope touches nothing until it is one radius from the fundus.
         for (double y = narrowUpTo; y < fundus - 1.5 * kScopeRadius; y += 0.25 * kMillimetre)
             REQUIRE(wall.distanceTo({0, y, 0}) >= kScopeRadius);
     }
@@ -108,8 +108,8 @@ TEST_CASE("the centreline's widths are those of the finest mesh")
     }
 }
 
-TEST_CASE(
-    "every site for a polyp lies on the lining, its normal points into the hollow, and that is free as far as told")
+TEST_CASE("every site for a polyp lies on the lining, its normal points into the cavity, and the cavity is free as far "
+          "as stated")
 {
     const auto sites = facts("uterus.json")["sites"];
     CHECK(sites.size() >= 200);
@@ -138,7 +138,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the uterus that is seen is closed, is divided into lining and serosa, and rides near the tetrahedra")
+TEST_CASE("the drawn uterus is closed, is divided into lining and serosa, and lies near the tetrahedra")
 {
     const TriangleMesh whole = triangles("uterus.obj");
     CHECK(isClosedManifold(whole));
@@ -162,12 +162,12 @@ TEST_CASE("the uterus that is seen is closed, is divided into lining and serosa,
     }
 }
 
-TEST_CASE("each polyp stands on its base, is as large as told, and the one that is seen rides near the tetrahedra")
+TEST_CASE("each polyp stands on its base, has the stated size, and the drawn one lies near the tetrahedra")
 {
     const auto known = facts("polyps.json");
     const double root = known["root"];
     CHECK(known["polyps"].size() >= 6);
-    double least = 1.0, most = 0.0;
+    double smallest = 1.0, largest = 0.0;
     for (const auto& entry : known["polyps"]) {
         const std::string name = entry["name"];
         const TetMesh mesh = tets(name);
@@ -193,18 +193,18 @@ TEST_CASE("each polyp stands on its base, is as large as told, and the one that 
         CHECK(box.high.x - box.low.x == Approx(entry["width"].get<double>()).margin(1e-6));
         CHECK(box.high.x - box.low.x > 2.0 * foot);
         const double size = std::max(box.high.y, box.high.x - box.low.x);
-        least = std::min(least, size), most = std::max(most, size);
+        smallest = std::min(smallest, size), largest = std::max(largest, size);
         const Surroundings skin(extractSurface(mesh).mesh);
         const double gap = entry["gapOfPicture"];
         CHECK(gap < 1.6 * kMillimetre);
         for (Vec3 v : seen.vertices) REQUIRE(skin.distanceTo(v) < gap + 1e-5);
     }
-    CHECK(least < 8.0 * kMillimetre);
-    CHECK(most > 18.0 * kMillimetre);
-    CHECK(most < 22.0 * kMillimetre);
+    CHECK(smallest < 8.0 * kMillimetre);
+    CHECK(largest > 18.0 * kMillimetre);
+    CHECK(largest < 22.0 * kMillimetre);
 }
 
-TEST_CASE("at each of the sites told for it a polyp stands in the hollow, with nothing but its foot in the wall")
+TEST_CASE("at each of its sites a polyp stands in the cavity, with only its foot in the wall")
 {
     const auto sites = facts("uterus.json")["sites"];
     const Surroundings wall(extractSurface(tets("uterus_1702")).mesh);

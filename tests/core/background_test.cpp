@@ -5,7 +5,7 @@
 
 using namespace filasofia;
 
-TEST_CASE("a background job that nobody has begun is done by who needs it")
+TEST_CASE("a background job that nobody has begun is done by the thread that needs it")
 {
     const auto here = std::this_thread::get_id();
     std::thread::id by;
@@ -21,8 +21,8 @@ TEST_CASE("a background job is done once, whoever asks for it and however often"
     std::vector<std::shared_ptr<BackgroundJob>> jobs;
     for (int& each : done) {
         jobs.push_back(std::make_shared<BackgroundJob>([&each] { ++each; }));
-        thread.give(jobs.back());
-        if (jobs.size() % 3 == 0) jobs.back()->finish(); // against the thread
+        thread.submit(jobs.back());
+        if (jobs.size() % 3 == 0) jobs.back()->finish(); // races with the thread
     }
     for (const auto& job : jobs) job->finish();
     for (const auto& job : jobs) job->finish();
@@ -36,8 +36,8 @@ TEST_CASE("a background job that was dropped is not done, and a thread with jobs
     dropped->drop();
     {
         BackgroundThread thread;
-        thread.give(dropped);
-        for (int i = 0; i < 100; ++i) thread.give(std::make_shared<BackgroundJob>([] {}));
+        thread.submit(dropped);
+        for (int i = 0; i < 100; ++i) thread.submit(std::make_shared<BackgroundJob>([] {}));
     }
     dropped->finish();
     CHECK(done == 0);

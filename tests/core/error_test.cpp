@@ -12,7 +12,7 @@ TEST_CASE("an error reads as one line, numbers in their shortest exact form")
                       "body 'x': density must be > 0 kg/m^3, got -1.5");
 }
 
-TEST_CASE("an error and a log line stay one line, whatever a user named his things")
+TEST_CASE("an error and a log line stay one line, whatever a user named their objects")
 {
     CHECK_THROWS_WITH(fail("body 'a\nb\033[31m': no"), "body 'a b [31m': no");
     std::string logged;

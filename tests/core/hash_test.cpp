@@ -48,5 +48,5 @@ TEST_CASE("lists that differ in two places hardly ever have the same hash")
             other[random() % other.size()] += 1e-15 * static_cast<double>(random() % 1000000);
         all.insert(hashOf(other));
     }
-    CHECK(all.size() > kRounds - 5000); // few are the same list
+    CHECK(all.size() > kRounds - 5000); // few lists are equal
 }

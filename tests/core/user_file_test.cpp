@@ -31,7 +31,7 @@ std::vector<std::string> linesOf(const std::string& path, const LineReader::Limi
 
 } // namespace
 
-TEST_CASE("lines are read without their ends, whatever they are and wherever a read breaks off")
+TEST_CASE("lines are read without their ends, whatever they are and wherever a read ends")
 {
     CHECK(linesOf(Scratch("").path).empty());
     const std::string longLine(4096, 'x');
@@ -57,16 +57,16 @@ TEST_CASE("a line or file beyond its limit is refused, naming the line")
     CHECK(readFile(file.path, "file", 207).size() == 207);
 }
 
-TEST_CASE("a file that is none, a device and a folder are refused before anything is read")
+TEST_CASE("a missing file, a device and a directory are refused before anything is read")
 {
     const Scratch none;
-    CHECK_THROWS_WITH(linesOf(none.path), "file: there is no such file");
-    CHECK_THROWS_WITH(linesOf("/dev/zero"), "file: is neither a regular file nor a pipe");
-    CHECK_THROWS_WITH(linesOf("/tmp"), "file: is a folder; a file is needed");
-    CHECK_THROWS_WITH(readFile(none.path, "file"), "file: there is no such file");
-    CHECK_THROWS_WITH(readFile("", "file"), "file: there is no such file");
-    CHECK_THROWS_WITH(readFile("/dev/zero", "file"), "file: is no regular file");
-    CHECK_THROWS_WITH(readFile("/tmp", "file"), "file: is a folder; a file is needed");
+    CHECK_THROWS_WITH(linesOf(none.path), "file: no such file");
+    CHECK_THROWS_WITH(linesOf("/dev/zero"), "file: must be a regular file or a pipe");
+    CHECK_THROWS_WITH(linesOf("/tmp"), "file: must be a file, got a directory");
+    CHECK_THROWS_WITH(readFile(none.path, "file"), "file: no such file");
+    CHECK_THROWS_WITH(readFile("", "file"), "file: no such file");
+    CHECK_THROWS_WITH(readFile("/dev/zero", "file"), "file: is not a regular file");
+    CHECK_THROWS_WITH(readFile("/tmp", "file"), "file: must be a file, got a directory");
     CHECK_THROWS_WITH(readFile(std::string(5000, 'x'), "file"), Catch::StartsWith("file: cannot be read: "));
 }
 
@@ -74,13 +74,13 @@ TEST_CASE("a pipe is read to its end, and one that sends nothing is given up")
 {
     const Scratch pipe;
     REQUIRE(::mkfifo(pipe.path.c_str(), 0600) == 0);
-    CHECK_THROWS_WITH(readFile(pipe.path, "file"), "file: is no regular file");
+    CHECK_THROWS_WITH(readFile(pipe.path, "file"), "file: is not a regular file");
     CHECK_THROWS_WITH(linesOf(pipe.path, {.wait = 0.05}), "file: is a pipe into which nothing was written for 0.05 s");
     std::thread writer([&] { std::ofstream(pipe.path) << "one\ntwo\n"; });
     CHECK(linesOf(pipe.path) == std::vector<std::string>{"one", "two"});
     writer.join();
 
-    std::signal(SIGPIPE, SIG_IGN); // its stream tells the writer that nobody reads
+    std::signal(SIGPIPE, SIG_IGN); // the writer sees the closed pipe in its stream
     std::thread endless([&] {
         std::ofstream out(pipe.path);
         while (out << "one\n" << std::flush) {

@@ -30,7 +30,7 @@ struct Thing {
 };
 constexpr auto fields(const Thing*)
 {
-    return describe("Thing", field("name", &Thing::name, "what it is called"),
+    return describe("Thing", field("name", &Thing::name, "its name"),
                     field("poisson", &Thing::poisson, "-", closedOpen(0, 0.5), "Poisson's ratio"),
                     field("part", &Thing::part, ""), field("parts", &Thing::parts, ""),
                     field("mass", &Thing::mass, "kg", positive(), "total mass"), field("choice", &Thing::choice, ""),

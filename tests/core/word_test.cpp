@@ -28,7 +28,7 @@ TEST_CASE("a word that is a number within its bounds is read")
     CHECK(realNumber("n", "+0.25", {}) == 0.25);
 }
 
-TEST_CASE("a word that is no number, or out of bounds, is refused with name, bound and word")
+TEST_CASE("a word that is not a number, or out of bounds, is refused with name, bound and word")
 {
     const Bound threads{closed(0, 256), "-"};
     for (const std::string word : {"abc", "", " 3", "3 ", "0x10", "3abc", "+-3", "1e2 "})

@@ -10,7 +10,7 @@ using namespace filasofia;
 
 namespace {
 
-/// The sum over the parts of a loop, each of which wrote its own place.
+/// The sum over the parts of a loop, each of which wrote to its own place.
 double sumOf(WorkerPool& pool, int count)
 {
     std::vector<double> terms(static_cast<std::size_t>(count));
@@ -18,7 +18,7 @@ double sumOf(WorkerPool& pool, int count)
     return std::accumulate(terms.begin(), terms.end(), 0.0);
 }
 
-/// A part's worth of work that no compiler can leave out.
+/// A part's worth of work that no compiler can remove.
 double turn(double x, int times)
 {
     for (int i = 0; i < times; ++i) x = std::sin(x + i);
@@ -57,7 +57,8 @@ TEST_CASE("a hundred thousand tiny loops, back to back, each see what the one be
         constexpr int kParts = 5;
         std::vector<int> now(kParts), next(kParts);
         for (int loop = 0; loop < 100'000; ++loop) {
-            // Each part reads its neighbour's last value: a part run late, early or with an old context breaks the row.
+            // Each part reads its neighbour's last value: a part run late, early or with an old context breaks the
+            // sequence.
             pool.run(kParts, [&](int i) {
                 next[static_cast<std::size_t>(i)] = now[static_cast<std::size_t>((i + 1) % kParts)] + 1;
             });
@@ -110,7 +111,7 @@ TEST_CASE("workers that fell asleep come back")
 {
     WorkerPool pool(3);
     for (int loop = 0; loop < 50; ++loop) {
-        // Around the length of the workers' spinning: some loops find them spinning, asleep, or on their way.
+        // Pauses around the time for which workers spin: some loops find them spinning, asleep, or on their way.
         std::this_thread::sleep_for(std::chrono::microseconds(loop % 5 == 0 ? 2000 : 3 * loop));
         std::vector<int> done(40);
         pool.run(40, [&](int i) { done[static_cast<std::size_t>(i)] = turn(i, 50) < 2 ? i : -1; });
@@ -177,7 +178,7 @@ TEST_CASE("workers that keep coming late are left out most of the time, and trie
         out[i] = turn(out[i], 20);
         if (std::this_thread::get_id() == caller) return;
         helped = true;
-        // A worker that sleeps is, to its caller, one that lost its core.
+        // To its caller, a worker that sleeps looks like one that lost its core.
         if (late) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     };
     int together = 0;
@@ -189,14 +190,14 @@ TEST_CASE("workers that keep coming late are left out most of the time, and trie
     }
     CHECK(together < kLoops / 10);
 
-    // On one core nobody can help; on more each worker is tried once a second at least.
+    // On one core nobody can help; with more, each worker is tried at least once a second.
     late = false;
     helped = usableCores() == 1;
     while (!helped) pool.run(16, part);
     CHECK(helped);
 }
 
-TEST_CASE("a worker takes part where there is a core for it")
+TEST_CASE("a worker takes part if there is a core for it")
 {
     WorkerPool pool(4);
     const auto caller = std::this_thread::get_id();

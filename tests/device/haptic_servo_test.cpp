@@ -13,7 +13,7 @@ namespace {
 
 constexpr Nanoseconds kMs = 1'000'000;
 
-/// A device in a test's hand, on a clock in a test's hand.
+/// A device and a clock under the test's control.
 struct Hand final : HapticDevice {
     [[nodiscard]] std::string name() const override { return "hand"; }
     void open() override
@@ -64,7 +64,7 @@ struct Held {
 
 } // namespace
 
-TEST_CASE("a tick reads the device, pushes the hand and tells who watches")
+TEST_CASE("a tick reads the device, pushes the hand and publishes a snapshot")
 {
     Held held;
     held.servo.open();
@@ -78,13 +78,13 @@ TEST_CASE("a tick reads the device, pushes the hand and tells who watches")
     CHECK(seen.tick.hand.pose.position == Vec3{0.01, 0, 0});
     CHECK(held.servo.statistics().ticks == 1);
     held.servo.close();
-    CHECK(held.hand.given == CouplingForce{}); // none is left
+    CHECK(held.hand.given == CouplingForce{}); // no force is left
     CHECK(held.hand.closed == 1);
     REQUIRE(held.notices.size() == 1);
     CHECK(held.notices[0].kind == DeviceNotice::Kind::Connected);
 }
 
-TEST_CASE("what goes wrong is told once, and that it is over once")
+TEST_CASE("a fault is reported once, and so is its end")
 {
     Held held;
     held.servo.open();
@@ -104,7 +104,7 @@ TEST_CASE("what goes wrong is told once, and that it is over once")
     CHECK(length(held.hand.given.force) > 0.0);
 }
 
-TEST_CASE("a call that blocks is told, and the force begins anew")
+TEST_CASE("a call that blocks is reported, and the force rises from zero again")
 {
     for (const bool reading : {true, false}) {
         Held held;
@@ -118,13 +118,13 @@ TEST_CASE("a call that blocks is told, and the force begins anew")
         REQUIRE(held.notices.size() == 2);
         CHECK(held.notices[1].kind == DeviceNotice::Kind::Error);
         CHECK(held.notices[1].problem ==
-              text(reading ? "reading it" : "writing to it", " took 100 ms; the force begins anew"));
+              text(reading ? "a read" : "a write", " took 100 ms; the force rises from zero again"));
         CHECK(held.servo.statistics().longestCall == Approx(0.1));
         CHECK(held.hand.given.force == Vec3{-1, 0, 0});
     }
 }
 
-TEST_CASE("a device that is not there is told once and tried every second")
+TEST_CASE("a device that is not there is reported once and tried every second")
 {
     Held held;
     held.hand.missing = true;
@@ -139,7 +139,7 @@ TEST_CASE("a device that is not there is told once and tried every second")
     REQUIRE(held.notices.size() == 2);
     CHECK(held.notices[1].kind == DeviceNotice::Kind::Connected);
 
-    held.hand.sample.status = DeviceStatus::Lost; // it goes, and comes again
+    held.hand.sample.status = DeviceStatus::Lost; // it is unplugged, and comes back
     held.tick(100);
     CHECK(held.notices.size() == 3);
     CHECK(held.notices.back().kind == DeviceNotice::Kind::Lost);
@@ -153,7 +153,7 @@ TEST_CASE("a device that is not there is told once and tried every second")
     CHECK(held.notices.back().kind == DeviceNotice::Kind::Connected);
 }
 
-TEST_CASE("buttons, refused forces and another place are told and taken")
+TEST_CASE("buttons, refused forces and another placement are reported and applied")
 {
     Held held;
     held.servo.open();
@@ -168,7 +168,7 @@ TEST_CASE("buttons, refused forces and another place are told and taken")
     held.hand.refuses = true;
     held.tick(50);
     REQUIRE(held.notices.size() == 5);
-    CHECK(held.notices[4].problem == "it refuses the force: a word");
+    CHECK(held.notices[4].problem == "the device refuses the force: a word");
     held.hand.refuses = false;
 
     held.hand.sample.hand.pose.position = {0.01, 0, 0};
@@ -184,7 +184,8 @@ TEST_CASE("the lateness of wake-ups is counted, and percentiles are upper ends o
 {
     Hand hand;
     std::atomic<bool> enough = false;
-    int wakes = 0; // of a hundred 90 on time, 9 by a tenth of a millisecond late, and one by ten
+    int wakes =
+        0; // out of a hundred wake-ups, 90 are on time, 9 a tenth of a millisecond late, and one ten milliseconds late
     const ServoClock clock{[&] { return hand.now; },
                            [&](Nanoseconds time) {
                                const int each = wakes++ % 100;

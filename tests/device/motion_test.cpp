@@ -40,7 +40,7 @@ std::string refusal(const std::string& lines)
 
 } // namespace
 
-TEST_CASE("a motion goes through its samples, without a jump and without swinging over")
+TEST_CASE("a motion goes through its samples, without a jump and without overshooting")
 {
     const Motion motion({{0.0, {{0, 0, 0}, {}}, 0},
                          {1.0, {{0.1, 0, 0}, axisAngle({0, 0, 1}, 0.5)}, 1},
@@ -55,7 +55,7 @@ TEST_CASE("a motion goes through its samples, without a jump and without swingin
     }
     const double h = 1e-6;
     for (double t = 0.01; t < 3.99; t += 0.01) {
-        const Moving at = motion.at(t).hand;
+        const MotionState at = motion.at(t).hand;
         CHECK(distance((motion.at(t + h).hand.pose.position - motion.at(t - h).hand.pose.position) / (2 * h),
                        at.velocity) < 1e-6);
         CHECK(at.pose.position.x >= 0.0);
@@ -65,8 +65,8 @@ TEST_CASE("a motion goes through its samples, without a jump and without swingin
     CHECK(motion.at(0.5).hand.angularVelocity.z == Approx(0.5));
     CHECK(length(rotationVector(motion.at(0.5).hand.pose.orientation)) == Approx(0.25));
     CHECK(motion.at(-1.0).hand.pose.position == Vec3{});
-    CHECK(motion.at(9.0).hand == Moving{{{0, 0.2, 0}, {}}, {}, {}});
-    CHECK(motion.at(5.0, true).buttons == 1); // one second into the second round
+    CHECK(motion.at(9.0).hand == MotionState{{{0, 0.2, 0}, {}}, {}, {}});
+    CHECK(motion.at(5.0, true).buttons == 1); // one second into the second repetition
 }
 
 TEST_CASE("a motion that was written is read again to the same bits")
@@ -77,7 +77,7 @@ TEST_CASE("a motion that was written is read again to the same bits")
     for (int i = 0; i < 50; ++i)
         samples.push_back({i / 3.0, {{std::sin(i), i / 7.0 * 0.1, -0.01}, axisAngle({1, 2, 3}, i)}, i % 3 ? 0u : 5u});
     for (const MotionSample& sample : samples) writer.write(sample);
-    writer.write(samples.back()); // does not come later
+    writer.write(samples.back()); // not later than the last one
     writer.close();
     const Motion read = readMotion(file.path);
     REQUIRE(read.samples().size() == samples.size());
@@ -89,49 +89,51 @@ TEST_CASE("a motion that was written is read again to the same bits")
     }
 }
 
-TEST_CASE("a motion file that is none is refused with file, line, field and value")
+TEST_CASE("an invalid motion file is refused with file, line, field and value")
 {
     const std::string head = kHeader;
-    CHECK(refusal("") == "motion file 'FILE': there is no such file"); // none was made
+    CHECK(refusal("") == "motion file 'FILE': no such file"); // it was not written
     CHECK(refusal(head) == "motion file 'FILE': must have at least one sample, got none");
     CHECK(refusal("# nothing\n" + head + "# nothing\n") ==
           "motion file 'FILE': must have at least one sample, got none");
     CHECK(refusal("0,0,0\n") == "motion file 'FILE': line 1: must be 'time,x,y,z,qw,qx,qy,qz,buttons', got '0,0,0'");
     CHECK(refusal(head + "0,0,0,0,1,0,0,0,0\n0,0,0,0,1,0,0,0,0\n") ==
-          "motion file 'FILE': line 3: time must be > 0 s, that of the sample before, got 0");
+          "motion file 'FILE': line 3: time must be > 0 s (the time of the previous sample), got 0");
     CHECK(refusal(head + "# a remark\n0,0,0,0,1,0,0,0,0\n-1,0,0,0,1,0,0,0,0\n") ==
-          "motion file 'FILE': line 4: time must be > 0 s, that of the sample before, got -1");
+          "motion file 'FILE': line 4: time must be > 0 s (the time of the previous sample), got -1");
     CHECK(refusal(head + "0,nan,0,0,1,0,0,0,0\n") ==
-          "motion file 'FILE': line 2: x, y, z must lie within 10 m, got nan 0 0");
+          "motion file 'FILE': line 2: the position x, y, z must lie within 10 m of the origin, got nan 0 0");
     CHECK(refusal(head + "inf,0,0,0,1,0,0,0,0\n") == "motion file 'FILE': line 2: time must be finite, got inf");
     CHECK(refusal(head + "0,0,0,0,0,0,0,0,0\n") ==
-          "motion file 'FILE': line 2: qw, qx, qy, qz must have a length > 1e-06, got 0");
+          "motion file 'FILE': line 2: the quaternion qw, qx, qy, qz must have a length > 1e-06, got 0");
     CHECK(refusal(head + "0,0,0,0,1,0,0,0\n") == "motion file 'FILE': line 2: must have 9 numbers, got 8");
     CHECK(refusal(head + "0,0,zero,0,1,0,0,0,0\n") ==
-          "motion file 'FILE': line 2: must be numbers, the last a whole one >= 0, got '0,0,zero,0,1,0,0,0,0'");
-    CHECK(refusal(head + "0,0,0,0,1,0,0,0,-1\n").find("the last a whole one") != std::string::npos);
+          "motion file 'FILE': line 2: must be 9 numbers, the last one whole and >= 0, got '0,0,zero,0,1,0,0,0,0'");
+    CHECK(refusal(head + "0,0,0,0,1,0,0,0,-1\n").find("the last one whole") != std::string::npos);
     CHECK(refusal(head + "0,0,0,0,1,0,0,0,0,\n") == "motion file 'FILE': line 2: must have 9 numbers, got 10");
     CHECK(refusal(head + "0,0,0,0,1,0,0,0,0\r\n1, 0.1,0,0,1,0,0,0,0") == "nothing"); // spaces, other line ends
 }
 
 TEST_CASE("a motion file that never ends, or would make the reader wait, is refused")
 {
-    CHECK_THROWS_WITH(readMotion("/dev/zero"), "motion file '/dev/zero': is neither a regular file nor a pipe");
-    CHECK_THROWS_WITH(readMotion("/tmp"), "motion file '/tmp': is a folder; a file is needed");
+    CHECK_THROWS_WITH(readMotion("/dev/zero"), "motion file '/dev/zero': must be a regular file or a pipe");
+    CHECK_THROWS_WITH(readMotion("/tmp"), "motion file '/tmp': must be a file, got a directory");
     CHECK(refusal(std::string(5000, '#') + "\n" + kHeader) ==
           "motion file 'FILE': line 1: must have at most 4096 bytes, got more");
     CHECK(refusal(std::string(kHeader) + "0,0,0,0,1,0,0,0,0\n" + std::string(1 << 20, '\0')) ==
           "motion file 'FILE': line 3: must have at most 4096 bytes, got more");
 }
 
-TEST_CASE("devices are made by name, and what cannot be is refused")
+TEST_CASE("devices are made by name, and invalid Defs are refused")
 {
     CHECK(nameOf(deviceNamed("spacemouse")) == "spacemouse");
     CHECK_THROWS_WITH(deviceNamed("omega"), "device: must be one of mouse, gamepad, spacemouse, scripted, "
                                             "forcedimension, openhaptics, got 'omega'");
-    CHECK_THROWS_WITH(makeDevice(ScriptedDevice{}), "device scripted: motion must be a file or a motion, got none");
-    CHECK_THROWS_WITH(makeDevice(ScriptedDevice{"/nowhere.csv"}), "motion file '/nowhere.csv': there is no such file");
-    CHECK_THROWS_WITH(makeDevice(MouseDevice{}, "libx.so"), "device mouse: is read without a library, got 'libx.so'");
+    CHECK_THROWS_WITH(makeDevice(ScriptedDevice{}),
+                      "device scripted: motion must be the name of a file or a motion, got none");
+    CHECK_THROWS_WITH(makeDevice(ScriptedDevice{"/nowhere.csv"}), "motion file '/nowhere.csv': no such file");
+    CHECK_THROWS_WITH(makeDevice(MouseDevice{}, "libx.so"),
+                      "device mouse: library must be empty, because this device needs none; got 'libx.so'");
     CHECK_THROWS_WITH(makeDevice(MouseDevice{.reach = 0.0}), "device mouse: reach must be > 0 m, got 0");
     CHECK_THROWS_WITH(makeDevice(ForceDimensionDevice{.index = 16}),
                       "device forcedimension: index must be in [0, 15], got 16");

@@ -41,6 +41,6 @@ TEST_CASE("a cap that is turned turns the hand, and one that is held for hours d
     CHECK(sample.hand.angularVelocity.z == Approx(1.0).epsilon(1e-6));
     for (int i = 0; i < 1000; ++i) sample = cap.read(1.0 + i * 0.1);
     CHECK(sample.hand.pose.position.x == Approx(0.5));
-    sample = cap.read(1e9); // what is longer than a moment was a pause
+    sample = cap.read(1e9); // a longer time counts as a pause
     CHECK(isFinite(sample.hand.pose));
 }

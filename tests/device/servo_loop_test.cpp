@@ -25,7 +25,8 @@ ServoDef plain()
 
 DeviceSample handAt(Vec3 position, Vec3 velocity = {}) { return {.hand = {{position, {}}, velocity, {}}}; }
 
-/// A loop with a device that pushes and turns, and a body that rests at the origin and says so every millisecond.
+/// A loop with a device that exerts force and torque, and a body that rests at the origin and reports it every
+/// millisecond.
 struct Bench {
     explicit Bench(const ServoDef& def) : loop(def)
     {
@@ -58,7 +59,7 @@ TEST_CASE("the hand is pulled by the coupling, towards the body")
     CHECK(distance(bench.tick(turned).onHand.torque, {0, 0, -0.1}) < 1e-12);
 }
 
-TEST_CASE("scale, origin and force scale lead into the scene and back, and make no energy")
+TEST_CASE("scale, origin and force scale map into the scene and back, and create no energy")
 {
     ServoDef def = plain();
     def.scale = 4.0;
@@ -71,10 +72,11 @@ TEST_CASE("scale, origin and force scale lead into the scene and back, and make 
     CHECK(distance(tick.hand.pose.position, {1, 2.04, 3}) < 1e-12);
     CHECK(distance(tick.onHand.force, {-0.5 * 200 * 0.04, 0, 0}) < 1e-12);
 
-    // Work on the hand is force scale over scale times what the coupling's energy loses, for turns as for ways.
-    const auto energy = [&](const Moving& hand) {
-        const Moving there = atPoint(inScene(def, hand), bench.body.centre),
-                     here = atPoint(bench.body.body, {0.1, 0, 0});
+    // The work on the hand is force scale over scale times the loss of the coupling's energy, for rotations as for
+    // displacements.
+    const auto energy = [&](const MotionState& hand) {
+        const MotionState there = atPoint(inScene(def, hand), bench.body.centre),
+                          here = atPoint(bench.body.body, {0.1, 0, 0});
         const Vec3 turn = rotationVector(there.pose.orientation * conjugate(here.pose.orientation));
         return 0.5 * 200 * lengthSquared(there.pose.position - here.pose.position) + 0.5 * 0.5 * lengthSquared(turn);
     };
@@ -86,7 +88,7 @@ TEST_CASE("scale, origin and force scale lead into the scene and back, and make 
     for (int k = 0; k < 3; ++k) {
         Vec3 step;
         step[k] = h;
-        Moving more = sample.hand, less = sample.hand;
+        MotionState more = sample.hand, less = sample.hand;
         more.pose.position += step;
         less.pose.position -= step;
         CHECK(2 * h * force.force[k] == Approx(-0.5 / 4.0 * (energy(more) - energy(less))).epsilon(1e-6));
@@ -97,7 +99,7 @@ TEST_CASE("scale, origin and force scale lead into the scene and back, and make 
     }
 }
 
-TEST_CASE("the body's last state is carried on by its velocity, for two steps at most")
+TEST_CASE("the body's last state is extrapolated by its velocity, for two steps at most")
 {
     ServoDef def = plain();
     def.stepPeriod = 0.05;
@@ -124,20 +126,20 @@ TEST_CASE("force and torque are clamped, and keep their direction")
     CHECK(distance(force.force, {-1.8, -2.4, 0}) < 1e-12);
     CHECK(distance(force.torque, {0, -0.05, 0}) < 1e-12);
 
-    bench.loop.setCapabilities({.orientation = true, .force = true, .forceLimit = 1.0}); // what the device can do
+    bench.loop.setCapabilities({.orientation = true, .force = true, .forceLimit = 1.0}); // the device's limit
     CHECK(length(bench.tick(sample).onHand.force) == Approx(1.0));
     CHECK(bench.tick(sample).onHand.torque == Vec3{});
-    // The body is pulled no harder than the hand.
+    // The body gets no larger force than the hand.
     CHECK(sceneCoupling(def).forceLimit == 3.0);
     def.forceScale = 0.5;
     def.scale = 2.0;
     CHECK(sceneCoupling(def).forceLimit == 6.0);
     CHECK(sceneCoupling(def).torqueLimit == Approx(0.2));
-    def.forceScale = 0.0; // it is followed, and not pushed
+    def.forceScale = 0.0; // the body follows the hand, which gets no force
     CHECK(sceneCoupling(def).forceLimit == 3.0);
 }
 
-TEST_CASE("the force ramps in, and begins anew after every interruption")
+TEST_CASE("the force ramps in, and rises from zero again after every interruption")
 {
     ServoDef def = plain();
     def.rampIn = 0.1;
@@ -157,7 +159,7 @@ TEST_CASE("the force ramps in, and begins anew after every interruption")
     bench.loop.interrupt();
     CHECK(pulled() == Approx(0.02));
     while (pulled() < 1.99) continue;
-    bench.now += 70 * kMs; // the tick itself comes late
+    bench.now += 70 * kMs; // the tick itself is late
     CHECK(pulled() == 0.0);
     CHECK(pulled() == Approx(0.02));
 }
@@ -169,7 +171,7 @@ TEST_CASE("without a new state of the body for max(50 ms, 3 periods) there is no
         def.stepPeriod = period;
         Bench bench(def);
         const DeviceSample sample = handAt({0.01, 0, 0});
-        CHECK(bench.loop.tick(0, sample, nullptr).state == ServoState::Waiting); // none has come yet
+        CHECK(bench.loop.tick(0, sample, nullptr).state == ServoState::Waiting); // no state has arrived yet
         CHECK(bench.loop.tick(0, sample, nullptr).onHand == CouplingForce{});
         bench.tick(sample);
         const int allowed = period < 0.02 ? 50 : 150;
@@ -200,7 +202,7 @@ TEST_CASE("whatever is wrong with the device or the body, the hand gets no force
         with([](DeviceSample& s) { s.status = DeviceStatus::NotCalibrated; }),
         with([](DeviceSample& s) { s.hand.pose.position.y = kNan; }),
         with([](DeviceSample& s) { s.hand.pose.position.z = 1e30; }),
-        with([](DeviceSample& s) { s.hand.pose.position.z = 0.2; }), // in a millisecond
+        with([](DeviceSample& s) { s.hand.pose.position.z = 0.2; }), // within a millisecond
         with([](DeviceSample& s) {
             s.hand.pose.orientation = {0, 0, 0, 0};
         }),
@@ -214,7 +216,7 @@ TEST_CASE("whatever is wrong with the device or the body, the hand gets no force
         const ServoTick tick = bench.tick(bad);
         CHECK(tick.onHand == CouplingForce{});
         CHECK_FALSE(isGood(tick.state));
-        CHECK(tick.hand.pose.position == Vec3{0.01, 0, 0}); // the last that was good
+        CHECK(tick.hand.pose.position == Vec3{0.01, 0, 0}); // the last valid one
         for (int ms = 1; ms < 100; ++ms) CHECK(bench.tick(good).onHand == CouplingForce{});
         CHECK(length(bench.tick(good).onHand.force) > 0.0);
     }
@@ -246,7 +248,7 @@ struct Wall {
 
 } // namespace
 
-TEST_CASE("a hand that pokes a wall is never given more energy than it gave, up to 10 kN/m")
+TEST_CASE("a hand that pokes a wall never gets more energy than it put in, up to 10 kN/m")
 {
     for (const double period : {1e-3, 0.05})
         for (const double stiffness : {100.0, 500.0, 1e3, 2e3, 5e3, 1e4})
@@ -283,11 +285,11 @@ TEST_CASE("a hand that pokes a wall is never given more energy than it gave, up 
                 }
                 INFO("physics " << 1.0 / period << " Hz, " << stiffness << " N/m, jitter " << jitter);
                 CHECK(most <= 0.0);
-                CHECK(least < -2e-3); // and it did feel something
+                CHECK(least < -2e-3); // and it did feel the wall
             }
 }
 
-TEST_CASE("a light device let fly at a stiff wall loses energy at every bounce")
+TEST_CASE("a light device thrown at a stiff wall loses energy at every bounce")
 {
     ServoDef def = plain();
     def.coupling.linearStiffness = 3000.0;
@@ -297,30 +299,30 @@ TEST_CASE("a light device let fly at a stiff wall loses energy at every bounce")
     Wall wall{1e-3};
     BodySample body;
     ServoTick tick;
-    double x = 0.01, v = -0.3, fastest = 0.0; // 80 g, nobody holds it
+    double x = 0.01, v = -0.3, fastest = 0.0; // 80 g, held by nobody
     for (int i = 1; i < 3000; ++i) {
         const DeviceSample sample = handAt({x, 0, 0}, {v, 0, 0});
         wall.step(i * kMs, tick, body);
         tick = loop.tick(i * kMs, sample, &body);
-        for (int k = 0; k < 100; ++k) { // in between it moves as it must
+        for (int k = 0; k < 100; ++k) { // it moves freely in between
             v += 1e-5 * tick.onHand.force.x / 0.08;
             x += 1e-5 * v;
         }
         fastest = std::max(fastest, v);
-        if (x > 0.02 && v > 0.0) v = -v; // a wall beyond, so that it comes again
+        if (x > 0.02 && v > 0.0) v = -v; // a second wall sends it back
     }
     CHECK(fastest <= 0.3);
     CHECK(fastest > 0.1);
 }
 
-TEST_CASE("a body that only pushes gives the hand nothing that it did not give first")
+TEST_CASE("a body that only pushes returns to the hand only energy that it put in first")
 {
     ServoDef def = plain();
     def.energyLimit = 0.02;
     Bench bench(def);
     double x = 0.0, most = -1.0;
     ServoTick tick;
-    for (int i = 0; i < 4000; ++i) { // the body is always 1 cm ahead on the hand's way
+    for (int i = 0; i < 4000; ++i) { // the body is always 1 cm ahead of the hand
         const double v = 0.05 * std::cos(1e-3 * i);
         x += 1e-3 * v;
         bench.body.body.pose.position = {x + (v > 0 ? 0.01 : -0.01), 0, 0};
@@ -329,7 +331,7 @@ TEST_CASE("a body that only pushes gives the hand nothing that it did not give f
     }
     CHECK(most <= 1e-9);
 
-    // And of what it gave long ago only so much is kept for it.
+    // And energy put in long ago is kept only up to a limit.
     for (int i = 0; i < 2000; ++i) { // pushing against the body, for 0.2 J
         x += 5e-5;
         bench.body.body.pose.position = {x - 0.01, 0, 0};

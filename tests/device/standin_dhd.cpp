@@ -1,4 +1,4 @@
-// Stands in for Force Dimension's libdhd: the same C functions, as far as the driver asks for them.
+// Stands in for Force Dimension's libdhd: the same C functions, as far as the driver uses them.
 #include "device/standin.h"
 
 #include <chrono>
@@ -90,9 +90,9 @@ int dhdGetLinearVelocity(double* x, double* y, double* z, char id)
     *x = state.velocity[int(id)][0];
     *y = state.velocity[int(id)][1];
     *z = state.velocity[int(id)][2];
-    return 1; // a remark: not an error
+    return 1; // a remark, not an error
 }
-int dhdGetAngularVelocityRad(double*, double*, double*, char) { return -1; } // not on this model
+int dhdGetAngularVelocityRad(double*, double*, double*, char) { return -1; } // this model cannot measure it
 unsigned int dhdGetButtonMask(char id)
 {
     const std::lock_guard lock(mutex);

@@ -1,4 +1,4 @@
-// Stands in for 3D Systems' libHD: the same C functions, and a servo loop of its own, as the library has.
+// Stands in for 3D Systems' libHD: the same C functions, and a servo loop of its own, like the library's.
 #include "device/standin.h"
 
 #include <atomic>
@@ -23,7 +23,7 @@ constexpr unsigned int kNone = 0xFFFFFFFF;
 std::mutex mutex;
 Standin state;
 std::atomic<unsigned int> current = 0;
-std::map<unsigned long, std::pair<Callback, void*>> tasks; // under the mutex
+std::map<unsigned long, std::pair<Callback, void*>> tasks; // guarded by the mutex
 unsigned long lastTask = 0;
 std::atomic<bool> running = false;
 std::thread servo;
@@ -88,7 +88,7 @@ void hdEndFrame(unsigned int id)
         return;
     }
     if (state.failing[id]) {
-        lastError = 0x0200; // warm motors
+        lastError = 0x0200; // the motors are warm
         return;
     }
     for (int k = 0; k < 3; ++k) state.force[id][k] = pending[id][k];
@@ -113,7 +113,7 @@ void hdGetDoublev(unsigned int what, double* out)
     const std::lock_guard lock(mutex);
     const double* p = state.position[current];
     const double* v = state.velocity[current];
-    if (what == 0x2052) { // a quarter turn about y, by columns, in millimetres
+    if (what == 0x2052) { // a quarter turn about y, column-major, in millimetres
         const double bad = std::numeric_limits<double>::quiet_NaN();
         const double m[16] = {0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1e3 * p[0], 1e3 * p[1], 1e3 * p[2], 1};
         for (int i = 0; i < 16; ++i) out[i] = state.garbage[current] ? bad : m[i];

@@ -14,7 +14,7 @@ using namespace filasofia::device;
 
 namespace {
 
-/// The stand-in behind a library's path: the same one that the driver has opened.
+/// The stand-in library at a path: the same instance that the driver has opened.
 class Vendor {
 public:
     explicit Vendor(const char* path)
@@ -34,7 +34,7 @@ private:
     StandinFunction function_;
 };
 
-/// Waits for what happens on another thread: as long as it takes, and the test program's own limit.
+/// Waits for something on another thread: as long as it takes, up to the test program's own limit.
 template <class Is> void waitFor(Is&& is)
 {
     while (!is()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -56,7 +56,7 @@ TEST_CASE("libdhd: place, velocity and force turn into our axes and back, and ea
 {
     const Vendor vendor(STANDIN_DHD);
     vendor.with([](Standin& all) {
-        all.position[0][0] = 0.01, all.position[0][1] = 0.02, all.position[0][2] = 0.03; // to the person, right, up
+        all.position[0][0] = 0.01, all.position[0][1] = 0.02, all.position[0][2] = 0.03; // towards the user, right, up
         all.velocity[0][2] = 0.5;
         all.buttons[1] = 5;
     });
@@ -84,7 +84,7 @@ TEST_CASE("libdhd: place, velocity and force turn into our axes and back, and ea
     });
     first->close();
     vendor.with([](Standin& all) {
-        CHECK((all.force[0][0] == 0 && !all.open[0] && !all.forceEnabled[0])); // it leaves no force
+        CHECK((all.force[0][0] == 0 && !all.open[0] && !all.forceEnabled[0])); // no force is left
         CHECK(all.open[1]);
     });
 }
@@ -93,11 +93,12 @@ TEST_CASE("libdhd: no device, one that is gone, not calibrated or failing")
 {
     const Vendor vendor(STANDIN_DHD);
     const auto third = makeDevice(ForceDimensionDevice{2}, STANDIN_DHD);
-    CHECK_THROWS_WITH(third->open(), "device forcedimension: index must be < 2, the devices connected, got 2");
+    CHECK_THROWS_WITH(third->open(),
+                      "device forcedimension: index must be < 2 (the number of connected devices), got 2");
     const auto device = makeDevice(ForceDimensionDevice{0}, STANDIN_DHD);
     vendor.with([](Standin& all) { all.connected[0] = false; });
     CHECK_THROWS_WITH(device->open(), "device forcedimension: cannot be opened: communication error");
-    CHECK(device->write({{1, 0, 0}, {}})); // of what is not open nothing comes
+    CHECK(device->write({{1, 0, 0}, {}})); // nothing comes from a device that is not open
     vendor.with([](Standin& all) { all.connected[0] = true, all.calibrated[0] = false; });
     device->open();
     CHECK(device->read(0).status == DeviceStatus::NotCalibrated);
@@ -147,7 +148,7 @@ TEST_CASE("libHD: place, velocity, buttons and force come through its own servo 
             [&](Standin& all) { arrived = all.force[0][0] == 1 && all.force[0][1] == 2 && all.force[0][2] == 3; });
         return arrived;
     });
-    // A servo that falls silent leaves no force on the hand.
+    // If the servo stops sending forces, the hand is left without a force.
     waitFor([&] {
         vendor.with([&](Standin& all) { arrived = all.force[0][0] == 0; });
         return arrived;
@@ -155,10 +156,10 @@ TEST_CASE("libHD: place, velocity, buttons and force come through its own servo 
     first->close();
     vendor.with([](Standin& all) { CHECK((!all.open[0] && all.open[1])); });
     vendor.with([](Standin& all) { all.position[1][2] = 0.07; });
-    waitFor([&] { return second->read(time += 1e-3).hand.pose.position.z > 0.06; }); // it goes on
+    waitFor([&] { return second->read(time += 1e-3).hand.pose.position.z > 0.06; }); // the second device continues
 }
 
-TEST_CASE("libHD: no device, one that is gone, not calibrated, failing or standing still")
+TEST_CASE("libHD: no device, one that is gone, not calibrated, failing or stopped")
 {
     const Vendor vendor(STANDIN_HD);
     CHECK_THROWS_WITH(makeDevice(OpenHapticsDevice{"Right Device"}, STANDIN_HD)->open(),
@@ -170,7 +171,7 @@ TEST_CASE("libHD: no device, one that is gone, not calibrated, failing or standi
         device->open();
         waitFor([&] { return device->read(time += 1e-3).status == DeviceStatus::NotCalibrated; });
         vendor.with([](Standin& all) { all.calibrated[0] = true; });
-        static_cast<void>(readUntil(*device, DeviceStatus::Ready, time)); // it looks again now and then
+        static_cast<void>(readUntil(*device, DeviceStatus::Ready, time)); // the driver checks again now and then
         vendor.with([](Standin& all) { all.failing[0] = true; });
         static_cast<void>(readUntil(*device, DeviceStatus::Failed, time));
         CHECK(device->problem() == "Motors are warm");
@@ -187,15 +188,15 @@ TEST_CASE("libHD: no device, one that is gone, not calibrated, failing or standi
     vendor.with([](Standin& all) { all.blockMilliseconds = 100; });
     DeviceSample sample;
     const double before = time;
-    waitFor([&] { // its frames stand while our time goes on
+    waitFor([&] { // its frames stop while our time goes on
         sample = device->read(time = before + 1.0);
         return sample.status == DeviceStatus::Failed || (time += 1.0, false);
     });
-    CHECK(device->problem() == "its servo loop stands still");
+    CHECK(device->problem() == "its servo loop has stopped");
     static_cast<void>(readUntil(*device, DeviceStatus::Ready, time));
 }
 
-TEST_CASE("a servo on its thread bears a vendor's device that blocks, lies, goes and comes again")
+TEST_CASE("a servo on its thread survives a vendor's device that blocks, reports nonsense, disappears and comes back")
 {
     for (const char* path : {STANDIN_DHD, STANDIN_HD}) {
         const Vendor vendor(path);
@@ -225,7 +226,7 @@ TEST_CASE("a servo on its thread bears a vendor's device that blocks, lies, goes
         using Kind = DeviceNotice::Kind;
         servo.start(false);
         heard(Kind::Connected, 1);
-        is(ServoState::Waiting); // nobody has said where the body is
+        is(ServoState::Waiting); // no state of the body has arrived
         vendor.with([](Standin& all) { all.garbage[0] = true; });
         heard(Kind::Error, 1);
         is(ServoState::Implausible);
@@ -244,7 +245,7 @@ TEST_CASE("a servo on its thread bears a vendor's device that blocks, lies, goes
             for (const DeviceNotice& notice : notices) before += notice.kind == Kind::Connected;
         }
         vendor.with([](Standin& all) { all.connected[0] = true; });
-        heard(Kind::Connected, before + 1); // it is tried again every second
+        heard(Kind::Connected, before + 1); // the servo tries again every second
         is(ServoState::Waiting);
         servo.stop();
         vendor.with([](Standin& all) { CHECK_FALSE(all.open[0]); });

@@ -44,7 +44,8 @@ inline std::string bunnyFile(int elements)
 inline geometry::TetMesh tetrahedronMesh() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2, 3}}}; }
 
 /// A box with its low corner at the origin, in n cells of six tetrahedra each (Kuhn 1960: one per order of the axes,
-/// along the cell's diagonal). Nodes run fastest along z. `jitter` moves inner nodes by that part of a cell at most.
+/// along the cell's diagonal). Nodes run fastest along z. `jitter` is the largest displacement of inner nodes as a
+/// fraction of a cell.
 inline geometry::TetMesh boxMesh(std::array<int, 3> n, Vec3 size, double jitter = 0.0)
 {
     geometry::TetMesh mesh;
@@ -79,7 +80,7 @@ inline geometry::TetMesh boxMesh(std::array<int, 3> n, Vec3 size, double jitter 
     return mesh;
 }
 
-/// The mesh and a copy of it, moved by `shift`: two pieces that are not connected.
+/// The mesh and a copy of it shifted by `shift`: two pieces that are not connected.
 inline geometry::TetMesh twice(const geometry::TetMesh& one, Vec3 shift)
 {
     geometry::TetMesh two = one;
@@ -92,7 +93,7 @@ inline geometry::TetMesh twice(const geometry::TetMesh& one, Vec3 shift)
     return two;
 }
 
-/// The nodes for which `where` holds.
+/// The nodes for which `where` returns true.
 template <class Where> std::vector<int> nodesWhere(const geometry::TetMesh& mesh, Where&& where)
 {
     std::vector<int> found;

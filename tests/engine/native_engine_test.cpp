@@ -1,6 +1,6 @@
 #include "filasofia/engine/native_engine.h" // and nothing else
 
-TEST_CASE("who makes a native engine needs its header alone")
+TEST_CASE("making a native engine needs only its header")
 {
     const auto engine = filasofia::engine::makeNativeEngine({.threads = 1});
     CHECK(engine != nullptr);

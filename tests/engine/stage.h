@@ -1,13 +1,14 @@
 #pragma once
 
 #include "filasofia/core/error.h"
+#include "filasofia/engine/scene/snapshot.h"
 #include "filasofia/engine/world.h"
 
 #include "engine/meshes.h"
 
 namespace filasofia::engine {
 
-/// A World driven by hand: commands wait for the next step, as the server would have them.
+/// A World stepped by hand: commands wait for the next step, as with the server.
 struct Stage {
     explicit Stage(const NativeEngineDef& def = {.threads = 1}) : world(def) {}
 
@@ -42,11 +43,12 @@ struct Stage {
         }
         return all;
     }
-    SoftModel& model(std::size_t body = 0) { return world.model().softBodies[body]; }
-    SoftState& soft(std::size_t body = 0) { return world.state().softBodies[body]; }
+    SoftModel& model(std::size_t body = 0) { return world.scene().soft[body].model; }
+    SoftState& soft(std::size_t body = 0) { return world.scene().soft[body].state; }
 };
 
-/// Without gravity, damping and pins: what a test does not name does not act. In double precision: for exact answers.
+/// A body without gravity, damping and pins, so that only what a test adds acts. It uses double precision for exact
+/// answers.
 inline physics::SoftBodyDef freeBody(geometry::TetMesh mesh)
 {
     return {.mesh = shared(std::move(mesh)),
@@ -55,17 +57,17 @@ inline physics::SoftBodyDef freeBody(geometry::TetMesh mesh)
             .solver = physics::ConjugateGradient{.tolerance = 1e-4, .assembled = true}};
 }
 
-/// The forces on the nodes of a free body at rest or not, read off one explicit step made on a copy of its state:
-/// the body must be explicit.
+/// The forces on the nodes of a free body, at rest or moving, from one explicit step on a copy of its state: the body
+/// must use an explicit integrator.
 inline std::vector<Vec3> forcesNow(Stage& stage, std::size_t body = 0)
 {
-    const State before = stage.world.state();
+    const Snapshot before(stage.world.scene());
     constexpr double dt = 1e-9;
     stage.step(dt);
     std::vector<Vec3> forces;
     for (std::size_t i = 0; i < stage.soft(body).v.size(); ++i)
-        forces.push_back(stage.model(body).masses[i] / dt * (stage.soft(body).v[i] - before.softBodies[body].v[i]));
-    stage.world.state() = before;
+        forces.push_back(stage.model(body).masses[i] / dt * (stage.soft(body).v[i] - before.softState(body).v[i]));
+    before.restore(stage.world.scene());
     return forces;
 }
 

@@ -27,7 +27,7 @@ void addOneOfEach(PhysicsServer& server)
 
 } // namespace
 
-TEST_CASE("two runs of the same input have the same hash at every step, and no two steps the same")
+TEST_CASE("two runs of the same input have the same hash at every step, and no two steps have the same hash")
 {
     PhysicsServer a(makeNativeEngine()), b(makeNativeEngine());
     addOneOfEach(a);
@@ -47,7 +47,7 @@ TEST_CASE("two runs of the same input have the same hash at every step, and no t
     CHECK(hashes.size() == 60);
 }
 
-TEST_CASE("who reads along does not change the result")
+TEST_CASE("keeping a log and hashing every step do not change the result")
 {
     PhysicsServer quiet(makeNativeEngine()), watched(makeNativeEngine());
     addOneOfEach(quiet);
@@ -64,7 +64,7 @@ TEST_CASE("who reads along does not change the result")
     }
 }
 
-TEST_CASE("the hash sees time, gravity, and where everything is and goes")
+TEST_CASE("the hash covers time, gravity, positions and velocities")
 {
     Stage stage;
     SoftBodyDef def{.mesh = shared(tetrahedronMesh())};
@@ -73,7 +73,7 @@ TEST_CASE("the hash sees time, gravity, and where everything is and goes")
     stage.post(SetGravity{{0, -9.81, 0}});
     stage.run(3, 0.01);
     const std::uint64_t before = stage.world.hash();
-    State& state = stage.world.state();
+    Scene& scene = stage.world.scene();
     const auto nudge = [&](auto& number) {
         const auto old = number;
         number = std::nextafter(number, std::decay_t<decltype(number)>(1e9));
@@ -81,24 +81,24 @@ TEST_CASE("the hash sees time, gravity, and where everything is and goes")
         number = old;
         CHECK(stage.world.hash() == before);
     };
-    nudge(state.time);
-    nudge(state.gravity.z);
-    nudge(state.softBodies[0].pressure);
-    for (auto* list : {&state.softBodies[0].x, &state.softBodies[0].v})
+    nudge(scene.time);
+    nudge(scene.gravity.z);
+    nudge(scene.soft[0].state.pressure);
+    for (auto* list : {&scene.soft[0].state.x, &scene.soft[0].state.v})
         for (int axis = 0; axis < 3; ++axis) nudge((*list)[3][axis]);
-    nudge(state.rigidBodies[0].poses[0].position.y);
-    nudge(state.rigidBodies[0].poses[0].orientation.z);
-    ++state.step;
+    nudge(scene.rigid[0].state.poses[0].position.y);
+    nudge(scene.rigid[0].state.poses[0].orientation.z);
+    ++scene.step;
     CHECK(stage.world.hash() != before);
 }
 
-TEST_CASE("what else a soft body's state has shows in the hash a step later")
+TEST_CASE("the rest of a soft body's state shows in the hash one step later")
 {
     using Change = std::function<void(SoftState&)>;
     const std::pair<const char*, Change> changes[] = {
         {"a force", [](SoftState& body) { body.forces[40].y += 1e-6; }},
         {"what the last step changed", [](SoftState& body) { body.dv[40].y += 1e-6; }},
-        {"what it left undone", [](SoftState& body) { body.leftover[40].y += 1e-9; }}};
+        {"the residual impulse", [](SoftState& body) { body.leftover[40].y += 1e-9; }}};
     for (const auto& [what, change] : changes) {
         INFO(what);
         Stage stages[2];
@@ -107,13 +107,13 @@ TEST_CASE("what else a soft body's state has shows in the hash a step later")
             stage.post(SetGravity{{0, -9.81, 0}});
             stage.run(3, 0.001);
         }
-        change(stages[1].world.state().softBodies[0]);
+        change(stages[1].soft());
         for (Stage& stage : stages) stage.run(1, 0.001);
         CHECK(stages[0].world.hash() != stages[1].world.hash());
     }
 }
 
-TEST_CASE("bodies do not feel each other: each moves as if it were alone")
+TEST_CASE("bodies without contact do not affect each other: each moves as if it were alone")
 {
     Stage both, first, second;
     const SoftBodyDef a{.mesh = bunnyFile(756), .attachments = {{.nodes = {0, 1, 2}}}};
@@ -132,7 +132,7 @@ TEST_CASE("bodies do not feel each other: each moves as if it were alone")
     CHECK(both.soft(1).x == second.soft(0).x);
 }
 
-TEST_CASE("pausing freezes every body, and time, and going on is as if nothing had been")
+TEST_CASE("pausing freezes every body and time, and going on is as if there had been no pause")
 {
     PhysicsServer paused(makeNativeEngine()), straight(makeNativeEngine());
     addOneOfEach(paused);
@@ -152,7 +152,7 @@ TEST_CASE("pausing freezes every body, and time, and going on is as if nothing h
     CHECK(paused.hash() == straight.hash());
 }
 
-TEST_CASE("a frame shows every body where the engine has it")
+TEST_CASE("a frame shows every body at its place in the engine")
 {
     PhysicsServer server(makeNativeEngine(), {.gravity = {0, -10, 0}});
     const BodyId soft = server.add(freeBody(tetrahedronMesh()));
@@ -175,7 +175,7 @@ TEST_CASE("a frame shows every body where the engine has it")
     CHECK(frame->softBody(soft)->velocities[0].x > 0.0);
 }
 
-TEST_CASE("a pose of any length of quaternion arrives as a unit one")
+TEST_CASE("a pose with a quaternion of any length arrives normalised")
 {
     PhysicsServer server(makeNativeEngine());
     const BodyId rigid = server.add(RigidBodyDef{.elements = {{{}, {0.5, 0, 0, 0}}}});
@@ -205,7 +205,7 @@ TEST_CASE("a world without bodies steps")
     CHECK(server.latest()->softBodies.empty());
 }
 
-TEST_CASE("a removed body is gone from frame and log")
+TEST_CASE("a removed body is missing from frame and log")
 {
     PhysicsServer server(makeNativeEngine());
     const BodyId soft = server.add(freeBody(tetrahedronMesh())), rigid = server.add(RigidBodyDef{});

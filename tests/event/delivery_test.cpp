@@ -21,7 +21,7 @@ TEST_CASE("observers of a type hear its events with payload, time and step, in t
     event.step = 100;
     dispatcher.post(event);
     dispatcher.post(NumberEvent(8));
-    CHECK(heard.empty()); // nothing before somebody delivers
+    CHECK(heard.empty()); // nothing before delivery
     CHECK(dispatcher.deliverAll() == 2);
     CHECK(heard == "a7@0.5/100 b7 a8@0/0 b8 ");
     CHECK(dispatcher.delivered() == 2);
@@ -63,11 +63,12 @@ TEST_CASE("a full queue throws for post, refuses for tryPost and loses nothing t
     std::vector<int> heard;
     dispatcher.on<NumberEvent>([&](const NumberEvent& event) { heard.push_back(event.number); });
     for (int i = 0; i < 3; ++i) dispatcher.post(NumberEvent(i));
-    CHECK_THROWS_WITH(dispatcher.post(NumberEvent(3)),
-                      "event dispatcher: queue is full: 3 events wait (capacity), a Custom1 event does not fit");
+    CHECK_THROWS_WITH(
+        dispatcher.post(NumberEvent(3)),
+        "event dispatcher: the queue is full: 3 events are waiting (capacity); the Custom1 event was refused");
     std::unique_ptr<Event> kept = std::make_unique<NumberEvent>(4);
     CHECK(!dispatcher.tryPost(std::move(kept)));
-    REQUIRE(kept); // refused: still the caller's
+    REQUIRE(kept); // refused: still owned by the caller
     CHECK(dispatcher.refused() == 2);
     // A merge key has its own place.
     for (int i = 0; i < 100; ++i) CHECK(dispatcher.tryPost(std::make_unique<PhysicsUpdateEvent>()));
@@ -108,16 +109,17 @@ TEST_CASE("a callback that throws is logged once and detached, the others go on"
     });
     dispatcher.on<NumberEvent>([&](const NumberEvent&) { ++others; });
     dispatcher.on<NumberEvent>([&, first = true](const NumberEvent&) mutable {
-        if (std::exchange(first, false)) throw 42; // no std::exception
+        if (std::exchange(first, false)) throw 42; // not a std::exception
     });
     for (int i = 0; i < 3; ++i) dispatcher.post(NumberEvent(i));
     dispatcher.deliverAll();
     CHECK(thrown == 1);
     CHECK(others == 3);
     REQUIRE(log.lines().size() == 2);
-    CHECK(log.lines()[0] == "an observer of Custom1 events threw at step 0 and is detached: no such polyp");
-    CHECK(log.lines()[1] == "an observer of Custom1 events threw at step 0 and is detached: it threw something that is "
-                            "no std::exception");
+    CHECK(log.lines()[0] ==
+          "event dispatcher: an observer of Custom1 events threw at step 0 and was detached: no such polyp");
+    CHECK(log.lines()[1] == "event dispatcher: an observer of Custom1 events threw at step 0 and was detached: it "
+                            "threw something that is not a std::exception");
 }
 
 TEST_CASE("deliverAll also delivers what observers post in answer, and what those observers answer")
@@ -159,7 +161,7 @@ TEST_CASE("callbacks attach and detach others while being called")
     dispatcher.on<NumberEvent>([&](const NumberEvent& event) {
         heard += "a";
         if (event.number == 1) {
-            CHECK(dispatcher.detach(second)); // not running: gone at once, does not hear of this event any more
+            CHECK(dispatcher.detach(second)); // not running: removed at once, does not get this event any more
             dispatcher.on<NumberEvent>([&](const NumberEvent&) { heard += "c"; });
         }
     });
@@ -169,7 +171,7 @@ TEST_CASE("callbacks attach and detach others while being called")
         dispatcher.deliverAll();
         heard += " ";
     }
-    CHECK(heard == "ab a ac "); // c hears of the events after the one during which it was attached
+    CHECK(heard == "ab a ac "); // c gets the events after the one during which it was attached
 }
 
 TEST_CASE("nobody delivers while somebody delivers")
@@ -218,7 +220,7 @@ TEST_CASE("the own thread wakes for a single event")
         heard.notify_one();
     });
     dispatcher.start();
-    for (int i = 1; i <= 200; ++i) { // hangs where a wake-up is lost
+    for (int i = 1; i <= 200; ++i) { // hangs if a wake-up is lost
         dispatcher.post(NumberEvent(i));
         heard.wait(i - 1);
         REQUIRE(heard == i);

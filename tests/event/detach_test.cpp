@@ -17,14 +17,14 @@ TEST_CASE("an observer that detaches itself returns at once and is not called ag
     self = dispatcher.on<NumberEvent>([&, token](const NumberEvent&) {
         ++calls;
         CHECK(!dispatcher.detach(self)); // still running: this very call
-        CHECK(*token == 1);              // and what it holds is still there
+        CHECK(*token == 1);              // and what it owns still exists
     });
     dispatcher.post(NumberEvent(1));
     dispatcher.post(NumberEvent(2));
     dispatcher.deliverAll();
     CHECK(calls == 1);
     CHECK(token.use_count() == 1);
-    CHECK(dispatcher.detach(self)); // nobody any more
+    CHECK(dispatcher.detach(self)); // no such observer any more
     CHECK(dispatcher.detach({}));
 }
 
@@ -62,14 +62,14 @@ TEST_CASE("detach from another thread waits for the running callback")
     dispatcher.post(NumberEvent(1));
     entered.wait();
     bool leftFirst[2] = {}, ended[2] = {};
-    std::vector<std::thread> waiters; // two at once: each keeps its promise
+    std::vector<std::thread> waiters; // two at once: each gets its guarantee
     for (int i = 0; i < 2; ++i)
         waiters.emplace_back([&, i] {
             ended[i] = dispatcher.detach(id);
             leftFirst[i] = left;
             detached = true;
         });
-    std::this_thread::sleep_for(std::chrono::milliseconds(20)); // time to be wrong in
+    std::this_thread::sleep_for(std::chrono::milliseconds(20)); // time in which a bug would show
     CHECK(!detached);
     mayLeave.count_down();
     for (std::thread& waiter : waiters) waiter.join();
@@ -77,7 +77,7 @@ TEST_CASE("detach from another thread waits for the running callback")
     CHECK(leftFirst[1]);
     CHECK(ended[0]);
     CHECK(ended[1]);
-    CHECK(token.use_count() == 1); // what the callback held is gone when detach() returns
+    CHECK(token.use_count() == 1); // what the callback owned is freed when detach() returns
     dispatcher.stop();
 }
 

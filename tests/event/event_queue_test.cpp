@@ -10,7 +10,7 @@ using namespace filasofia::event;
 
 TEST_CASE("a bounded queue refuses when full, hands over in order and goes round many times")
 {
-    BoundedQueue<int> queue(3); // no power of two
+    BoundedQueue<int> queue(3); // not a power of two
     int in = 0, out = 0;
     for (int round = 0; round < 10; ++round) {
         while (queue.tryPush(in)) ++in;
@@ -87,12 +87,12 @@ TEST_CASE("a writer does not wait for another that is in the place of the same k
     REQUIRE(push());
     std::thread inside([&] { (void)push(); });
     entered.wait();
-    CHECK(push()); // hangs where it waits
+    CHECK(push()); // hangs if it waits
     mayLeave.count_down();
     inside.join();
     CHECK(queue.merged() == 1);
     std::vector<QueuedEvent> batch;
-    queue.collect(batch); // what went another way merges here
+    queue.collect(batch); // what took another path merges here
     REQUIRE(batch.size() == 1);
     CHECK(batch[0].stamp == 2);
     CHECK(queue.merged() == 2);
@@ -137,6 +137,6 @@ TEST_CASE("each thread's events keep their order while a reader collects, mergea
     CHECK(ordered);
     const int merging = (kEach + 1) / 3;
     CHECK(plain == kWriters * (kEach - merging));
-    CHECK(touches == kWriters * merging); // each stands for those that gave way to it: none is lost
+    CHECK(touches == kWriters * merging); // each counts those that it replaced: none is lost
     CHECK(queue.merged() > 0);
 }

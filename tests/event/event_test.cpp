@@ -54,7 +54,7 @@ TEST_CASE("a merged mouse move is at the newest place and keeps the whole way")
     CHECK(dispatcher.merged() == 4);
 }
 
-TEST_CASE("a dispatcher's fields are held against their ranges")
+TEST_CASE("a dispatcher's fields are checked against their ranges")
 {
     CHECK_THROWS_WITH(EventDispatcher({.capacity = 1}),
                       "event dispatcher: capacity must be in [2, 1048576] events, got 1");

@@ -70,7 +70,7 @@ TEST_CASE("an observer that never comes back keeps nobody from posting, attachin
     CHECK(dispatcher.detach(dispatcher.on<NumberEvent>([&](const NumberEvent&) { heard = -1000; })));
     mayLeave.count_down();
     dispatcher.stop();
-    CHECK(heard == 100); // attached during the delivery of event 0: hears of the ones after it
+    CHECK(heard == 100); // attached during the delivery of event 0: gets the ones after it
     CHECK(dispatcher.merged() == 99);
     CHECK(dispatcher.detach(stuck));
 }
@@ -106,13 +106,13 @@ TEST_CASE("attach and detach from many threads: no call after detach, and every 
     for (int s = 0; s < 3; ++s)
         stormers.emplace_back([&] {
             while (!done) {
-                // Lives on this stack: a call after detach() would be a use of a dead object as well.
+                // Lives on this stack: a call after detach() would also use a dead object.
                 std::atomic<bool> attached = true;
                 const ObserverId id = dispatcher.on<NumberEvent>([&](const NumberEvent&) {
                     ++calls;
                     if (!attached) ++late;
                 });
-                if (!dispatcher.detach(id)) ++late; // no callback is being run by this thread: it must wait
+                if (!dispatcher.detach(id)) ++late; // this thread runs no callback, so detach() must wait
                 attached = false;
             }
         });
@@ -122,7 +122,7 @@ TEST_CASE("attach and detach from many threads: no call after detach, and every 
         while (!dispatcher.tryPost(std::move(event))) std::this_thread::yield();
     }
     int extra = 0;
-    while (calls == 0) // on until one of the short-lived observers was met
+    while (calls == 0) // until one of the short-lived observers was called
         extra += dispatcher.tryPost(std::make_unique<NumberEvent>(0)) ? 1 : 0;
     done = true;
     for (std::thread& stormer : stormers) stormer.join();

@@ -9,7 +9,7 @@
 /// Events that only the tests know, as a user would write them.
 namespace filasofia::event {
 
-/// Never merges; `number` tells one from the other.
+/// Never merges; `number` identifies it.
 class NumberEvent final : public Event {
 public:
     static constexpr EventType kType = EventType::Custom1;
@@ -17,7 +17,7 @@ public:
     int number = 0;
 };
 
-/// A contact that goes on: merges with those of the same pair.
+/// A contact that continues: merges with those of the same pair.
 class TouchEvent final : public Event {
 public:
     static constexpr EventType kType = EventType::Contact;
@@ -27,10 +27,10 @@ public:
 
     std::uint64_t pair = 0;
     int number = 0;
-    int absorbed = 1; // how many touches this one stands for
+    int absorbed = 1; // the number of events that this one stands for
 };
 
-/// Counts how many of its kind are alive.
+/// Counts how many objects of its class exist.
 class CountedEvent final : public Event {
 public:
     explicit CountedEvent(std::atomic<int>& count, bool merges = false)
@@ -48,7 +48,7 @@ public:
     bool mergeable;
 };
 
-/// The log's lines while it lives.
+/// Collects the log's lines while it exists.
 class LogLines {
 public:
     LogLines()

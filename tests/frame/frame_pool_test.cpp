@@ -8,9 +8,9 @@ using namespace filasofia::frame;
 
 namespace {
 
-constexpr int kReadable = FramePool::kFrames - 2; // what readers may hold without stopping the writer
+constexpr int kReadable = FramePool::kFrames - 2; // the number that readers may hold without stopping the writer
 
-/// Every number of the frame is its step, so that a torn frame shows.
+/// Every number of the frame is its step, so that a torn frame is noticed.
 void fill(Frame& frame, std::uint64_t step)
 {
     const auto value = static_cast<double>(step);
@@ -50,7 +50,7 @@ TEST_CASE("the newest frame wins")
     FramePool pool;
     for (std::uint64_t step = 1; step <= 50; ++step) REQUIRE(write(pool, step));
     CHECK(pool.latest()->step == 50);
-    CHECK(pool.latest()->step == 50); // and stays the newest until there is a newer one
+    CHECK(pool.latest()->step == 50); // it stays the newest until there is a newer one
     write(pool, 51);
     CHECK(pool.latest()->step == 51);
 }
@@ -115,7 +115,7 @@ TEST_CASE("a hold can be moved and is given back once")
     CHECK(c->step == 1);
     CHECK((*c).time == 1.0);
     c = FrameRef();
-    // Nothing is held any more: readers can take all the frames there are.
+    // Nothing is held any more: readers can take all the frames.
     std::vector<FrameRef> held;
     for (std::uint64_t step = 2; step < 2 + kReadable; ++step) {
         REQUIRE(write(pool, step));
@@ -166,5 +166,5 @@ TEST_CASE("one writer and three readers: no frame is torn, no reader goes back i
         CHECK(torn[r] == 0);
         CHECK(backwards[r] == 0);
     }
-    CHECK(skipped == 0); // two frames held by each of three readers are what the pool promises to bear
+    CHECK(skipped == 0); // two frames held by each of three readers are within the pool's promise
 }

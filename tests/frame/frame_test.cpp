@@ -34,7 +34,7 @@ TEST_CASE("the force of contacts on a body: its own side of each, and one with i
     CHECK(forceOn(BodyId{9}, std::vector{ab, ca, aa}) == Vec3{});
 }
 
-TEST_CASE("what holds a body or is held by it pulls at it, and what ties it to space does not count")
+TEST_CASE("attachments between bodies exert a force on both, and attachments to space do not count")
 {
     const std::vector<frame::Attachment> attachments = {{.id = {1}, .body = {2}, .to = {1}, .force = {0, 3, 0}},
                                                         {.id = {2}, .body = {1}, .to = {}, .force = {9, 0, 0}},

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-// Whatever the bytes, the reader gives a mesh that check() takes, or an Error: a second Error, thrown from check(),
-// ends the run.
+// For any bytes the reader must return a mesh that passes check(), or throw an Error. If check() throws a second Error,
+// the run ends.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     using namespace filasofia;

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-// What we look at ourselves before assimp reads a PLY file.
+// Our own checks of a PLY file before assimp reads it.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     try {

@@ -12,8 +12,8 @@
 #include <cstdio>
 #include <fstream>
 
-// A whole file where the input begins like one; else what the chunks of a file hold, in chunks of a size that the first
-// byte says: checksums would keep the fuzzer from everything behind them.
+// If the input begins like a recording, it is read as a whole file. Otherwise it is the content of a file's chunks, in
+// chunks of a size given by the first byte: checksums would keep the fuzzer from everything behind them.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     using namespace filasofia;
@@ -22,7 +22,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::string bytes(reinterpret_cast<const char*>(data), size);
     if (size > 0 && !bytes.starts_with("filas")) {
         const std::string content = bytes.substr(1);
-        // Each chunk is deflated, which takes a thousand times as long as to read it: eight are enough to end anywhere.
+        // Each chunk is deflated, which takes a thousand times as long as reading it. Eight chunks are enough for an
+        // end at any place.
         const std::size_t length = std::max<std::size_t>(1 + 16u * data[0], (content.size() + 7) / 8);
         bytes = record::openingLine();
         std::uint32_t number = 0;

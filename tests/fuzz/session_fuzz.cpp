@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <sstream>
 
-// Whatever the bytes, the reader gives a session or an Error, and of a session every measure is a finite number or
-// absent with a reason.
+// For any bytes the reader must return a session or throw an Error, and every measure of a session must be a finite
+// number or absent with a reason.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     using namespace filasofia;

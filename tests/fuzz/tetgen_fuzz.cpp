@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-// The two files stand in one input, a '|' between them.
+// The two files are in one input, separated by a '|'.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     using namespace filasofia;

@@ -21,7 +21,7 @@ TetMesh threeCubes()
     }
     for (Tetrahedron& t : mesh.tetrahedra)
         for (int& node : t)
-            if (node == 16) node = 15; // the third one's first corner is the second one's last
+            if (node == 16) node = 15; // the third cube's first corner is the second cube's last
     return mesh;
 }
 

@@ -27,7 +27,7 @@ std::vector<int> overlappingByHand(std::span<const Box> boxes, const Box& query)
     return found;
 }
 
-// Triangles as primitives, the way collision and picking use the tree.
+// Triangles as primitives, as collision detection and picking use the tree.
 struct Triangles {
     std::vector<std::array<Vec3, 3>> corners;
 
@@ -154,7 +154,7 @@ TEST_CASE("an empty tree finds nothing")
     CHECK(pairs.empty());
 }
 
-TEST_CASE("rays along the axes meet flat boxes, also from their border")
+TEST_CASE("rays along the axes hit flat boxes, also from their border")
 {
     const std::vector<Box> boxes{{{0, 0, 1}, {1, 1, 1}}};
     const Bvh tree(boxes);

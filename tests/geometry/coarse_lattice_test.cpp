@@ -33,7 +33,8 @@ std::vector<double> supports(const CoarseLattice& lattice)
 
 double sumOf(const std::array<float, 4>& weights) { return double(weights[0]) + weights[1] + weights[2] + weights[3]; }
 
-// What every lattice keeps: weights are shares, corners are coarse nodes, and every coarse node is used.
+// Invariants of every lattice: weights are non-negative and sum to 1, corners are coarse nodes, and every coarse node
+// is used.
 void checkSound(const CoarseLattice& lattice, const std::vector<bool>& active)
 {
     REQUIRE(lattice.corners.size() == active.size());
@@ -61,7 +62,7 @@ bool isEmpty(const CoarseLattice& lattice)
            std::ranges::all_of(lattice.weights, [](const std::array<float, 4>& w) { return w == decltype(w){}; });
 }
 
-// The coarse nodes that the nodes with `where` are held by.
+// The coarse nodes in which the nodes that satisfy `where` are embedded.
 template <class Where> std::set<int> usedWhere(const CoarseLattice& lattice, const TetMesh& mesh, Where&& where)
 {
     std::set<int> used;
@@ -84,8 +85,8 @@ TetMesh together(TetMesh a, const TetMesh& b, Vec3 shift)
     return a;
 }
 
-// How far the fields that the lattice spans stay from `field` at the nodes in `fitted`: the residual of least squares,
-// by conjugate gradients on the normal equations, scaled by their diagonal.
+// The distance between `field` and the fields that the lattice spans, at the nodes in `fitted`: the least-squares
+// residual, found by conjugate gradients on the normal equations, scaled by their diagonal.
 std::vector<double> residualOf(const CoarseLattice& lattice, const std::vector<double>& field,
                                const std::vector<int>& fitted)
 {
@@ -154,7 +155,7 @@ TEST_CASE("no coarse node of the bunny holds less than a hundredth of what the m
         }
 }
 
-TEST_CASE("a coarse lattice follows every linear field, exactly but for the few nodes of what was dropped")
+TEST_CASE("a coarse lattice follows every linear field, exactly except at the few nodes whose coarse node was dropped")
 {
     std::mt19937 random(3);
     for (int target : {4, 60, 250}) {
@@ -172,7 +173,7 @@ TEST_CASE("a coarse lattice follows every linear field, exactly but for the few 
         const double square = std::inner_product(residual.begin(), residual.end(), residual.begin(), 0.0);
         CHECK(std::sqrt(square / double(residual.size())) < 0.01);
 
-        // Without the nodes that follow worst, nothing but the rounding of the weights is left.
+        // Without the worst nodes, only the rounding of the weights is left.
         for (int round = 0; round < 8; ++round) {
             std::ranges::stable_sort(fitted, [&](int a, int b) { return residual[a] < residual[b]; });
             fitted.resize(fitted.size() - mesh.nodes.size() / 50);
@@ -200,9 +201,9 @@ TEST_CASE("two boxes a millimetre apart share no coarse node")
     }
 }
 
-TEST_CASE("two prongs with a slit between them share coarse nodes where they meet and none at their tips")
+TEST_CASE("two prongs with a slit between them share coarse nodes where they join and none at their tips")
 {
-    // Every element of one layer is gone, but at the end where the prongs meet.
+    // Every element of one layer is removed, except at the end where the prongs join.
     TetMesh mesh = boxMesh({30, 21, 6}, {0.3, 0.105, 0.06});
     std::erase_if(mesh.tetrahedra, [&](const Tetrahedron& t) {
         const Vec3 centre = 0.25 * (mesh.nodes[t[0]] + mesh.nodes[t[1]] + mesh.nodes[t[2]] + mesh.nodes[t[3]]);
@@ -277,7 +278,7 @@ TEST_CASE("flat, straight, shrunk and stretched bodies get a lattice of finite w
     CHECK(moved([](Vec3 p, std::size_t) { return p + Vec3{1e9, -1e9, 1e9}; }) >= 20);
 }
 
-TEST_CASE("there is no lattice where it would not pay, and none for numbers that are not")
+TEST_CASE("there is no lattice if it would not pay, and none for numbers that are not finite")
 {
     const TetMesh box = boxMesh({4, 4, 4}, {1.0, 1.0, 1.0});
     const Edges all = edges(box);
@@ -295,32 +296,32 @@ TEST_CASE("there is no lattice where it would not pay, and none for numbers that
     }
 }
 
-TEST_CASE("crumbs around a body are told one by one, then get one coarse node each, and the last ones none")
+TEST_CASE("fragments around a body are listed one by one, then get one coarse node each, and the last ones none")
 {
     TetMesh mesh = boxMesh({12, 12, 12}, {0.1, 0.1, 0.1});
     const std::size_t bodySize = mesh.nodes.size();
-    TetMesh crumb = tetrahedronMesh();
-    for (Vec3& p : crumb.nodes) p *= 0.001;
-    const auto withCrumbs = [&](TetMesh body, int count) {
-        for (int i = 0; i < count; ++i) body = together(std::move(body), crumb, {0.11, 0.002 * i, 0});
+    TetMesh fragment = tetrahedronMesh();
+    for (Vec3& p : fragment.nodes) p *= 0.001;
+    const auto withFragments = [&](TetMesh body, int count) {
+        for (int i = 0; i < count; ++i) body = together(std::move(body), fragment, {0.11, 0.002 * i, 0});
         return body;
     };
     const CoarseLattice body = latticeOf(mesh, 100);
-    const auto isTold = [](const CoarseLattice& lattice, std::size_t first, int crumbs) {
-        REQUIRE(lattice.pieces.size() == static_cast<std::size_t>(crumbs));
-        for (int i = 0; i < crumbs; ++i) {
+    const auto isTold = [](const CoarseLattice& lattice, std::size_t first, int fragments) {
+        REQUIRE(lattice.pieces.size() == static_cast<std::size_t>(fragments));
+        for (int i = 0; i < fragments; ++i) {
             const int at = static_cast<int>(first) + 4 * i;
             CHECK(lattice.pieces[static_cast<std::size_t>(i)] == std::vector<int>{at, at + 1, at + 2, at + 3});
         }
     };
-    const CoarseLattice few = latticeOf(withCrumbs(mesh, 64), 100);
+    const CoarseLattice few = latticeOf(withFragments(mesh, 64), 100);
     isTold(few, bodySize, 64);
     std::vector<bool> taken(few.corners.size());
     for (std::size_t i = 0; i < taken.size(); ++i) taken[i] = i < bodySize;
     checkSound(few, taken);
-    CHECK(few.nodeCount == body.nodeCount); // they cost the body none of its coarse nodes
+    CHECK(few.nodeCount == body.nodeCount); // the pieces cost the body none of its coarse nodes
 
-    const TetMesh many = withCrumbs(mesh, 100);
+    const TetMesh many = withFragments(mesh, 100);
     const CoarseLattice partly = latticeOf(many, 100);
     isTold(partly, bodySize, 64);
     taken.resize(many.nodes.size());
@@ -330,11 +331,11 @@ TEST_CASE("crumbs around a body are told one by one, then get one coarse node ea
     CHECK(partly.nodeCount <= 105);
     CHECK(usedWhere(partly, many, [](Vec3 p) { return p.x > 0.105; }).size() == 25);
 
-    isTold(latticeOf(withCrumbs({}, 60), 100), 0, 60);
-    CHECK(latticeOf(withCrumbs({}, 60), 100).nodeCount == 0);
+    isTold(latticeOf(withFragments({}, 60), 100), 0, 60);
+    CHECK(latticeOf(withFragments({}, 60), 100).nodeCount == 0);
     isTold(latticeOf(tetrahedronMesh(), 12), 0, 1);
-    CHECK(latticeOf(withCrumbs({}, 100), 100).nodeCount == 36);
-    CHECK(isEmpty(latticeOf(withCrumbs({}, 400), 100)));
+    CHECK(latticeOf(withFragments({}, 100), 100).nodeCount == 36);
+    CHECK(isEmpty(latticeOf(withFragments({}, 400), 100)));
 }
 
 TEST_CASE("several bodies in one mesh share the coarse nodes, each with enough to turn and strain")
@@ -345,7 +346,8 @@ TEST_CASE("several bodies in one mesh share the coarse nodes, each with enough t
     const CoarseLattice lattice = latticeOf(mesh, 40);
     checkSound(lattice);
     CHECK(lattice.nodeCount == 36);
-    // Where the target has no four for each, the larger ones still get a lattice and the rest one coarse node.
+    // If the target allows fewer than four per piece, the larger pieces still get a lattice and the others one coarse
+    // node each.
     const CoarseLattice scarce = latticeOf(mesh, 24);
     checkSound(scarce);
     CHECK(scarce.nodeCount <= 25);

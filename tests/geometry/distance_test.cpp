@@ -21,8 +21,8 @@ template <std::size_t n> void checkConsistent(const Nearest<int(n)>& found, Vec3
     CHECK(found.squaredDistance == Approx(lengthSquared(p - found.point)).margin(1e-28));
 }
 
-// Nearest is where the gap to p makes no acute angle with the way to any corner: necessary and enough, since a simplex
-// is convex.
+// A point of the simplex is nearest to p exactly if the vector to p makes no acute angle with the direction to any
+// corner, because a simplex is convex.
 template <std::size_t n> double worstImprovement(Vec3 point, Vec3 p, const std::array<Vec3, n>& corners)
 {
     double worst = 0.0;
@@ -100,7 +100,7 @@ TEST_CASE("barycentric weights give the point back, inside, outside and far from
         }
 }
 
-TEST_CASE("a ray meets a triangle where a walk along it arrives, and misses beside, behind and along it")
+TEST_CASE("a ray hits a triangle where a walk along it arrives, and misses beside, behind and along it")
 {
     std::mt19937 random(4);
     std::uniform_real_distribution<double> number(0.1, 3.0);

@@ -84,7 +84,7 @@ TEST_CASE("a wrong header is named")
 TEST_CASE("solids that are no plain tetrahedra are refused by name")
 {
     CHECK(errorIn(replaced(kAscii2, "7 4 2 0 1 1 2 3 4", "7 11 2 0 1 1 2 3 4 1 2 3 4 1 2")) ==
-          "a.msh:13: the only solid element taken is the tetrahedron of 4 nodes (type 4), got a second-order "
+          "a.msh:13: a solid element must be a tetrahedron of 4 nodes (type 4), got a second-order "
           "tetrahedron (type 11)");
     CHECK_THAT(errorIn(replaced(kAscii4, "3 1 4 1", "3 1 11 1")),
                Contains("a.msh:18: ") && Contains("second-order tetrahedron"));
@@ -102,10 +102,11 @@ TEST_CASE("a wrong number in a Gmsh file is named with its line")
     CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "2 1 O 0")) == "a.msh:7: a node's y must be a number, got 'O'");
     CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "2.5 1 0 0")) ==
           "a.msh:7: a node's number must be a whole number, got '2.5'");
-    CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "1 1 0 0")) == "a.msh:7: node 1 is given twice");
+    CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "1 1 0 0")) == "a.msh:7: node 1 is defined twice");
     CHECK_THAT(
         errorIn(replaced(kAscii2, "1 2 3 4\n$", "1 2 3 5\n$")),
-        Contains("a.msh:13: tetrahedron 7 names node 5, which the file does not give; 4 nodes are given, from 1 to 4"));
+        Contains(
+            "a.msh:13: tetrahedron 7 names node 5, which the file does not define; 4 nodes are defined, from 1 to 4"));
     CHECK_THAT(errorIn(replaced(kAscii2, "1 2 3 4\n$", "1 2 3 -4\n$")), Contains("names node -4"));
     CHECK_THAT(errorIn(replaced(kAscii2, "1 2 3 4\n$", "1 2 3 3\n$")),
                Contains("a.msh:13: tetrahedron 7 names node 3 twice"));
@@ -135,19 +136,19 @@ TEST_CASE("a wrong number in a binary Gmsh file is named with its byte")
 TEST_CASE("a file without tetrahedra, nodes or elements is refused, and so is one with two of them")
 {
     CHECK(errorIn(replaced(kAscii2, "1\n7 4 2 0 1 1 2 3 4", "1\n7 2 2 0 1 1 2 3")) ==
-          "a.msh: has no tetrahedra; it must have at least 1");
-    CHECK(errorIn(replaced(kAscii2, "1\n7 4 2 0 1 1 2 3 4", "0")) ==
-          "a.msh: has no tetrahedra; it must have at least 1");
+          "a.msh: must have at least 1 tetrahedron, got 0");
+    CHECK(errorIn(replaced(kAscii2, "1\n7 4 2 0 1 1 2 3 4", "0")) == "a.msh: must have at least 1 tetrahedron, got 0");
     const std::size_t elements = kAscii2.find("$Elements"), nodes = kAscii2.find("$Nodes");
-    CHECK_THAT(errorIn(kAscii2.substr(0, elements)), Contains("a.msh: has no $Elements section"));
-    CHECK_THAT(errorIn(kAscii2.substr(0, nodes) + kAscii2.substr(elements)), Contains("a.msh: has no $Nodes section"));
+    CHECK_THAT(errorIn(kAscii2.substr(0, elements)), Contains("a.msh: must have an $Elements section"));
+    CHECK_THAT(errorIn(kAscii2.substr(0, nodes) + kAscii2.substr(elements)),
+               Contains("a.msh: must have a $Nodes section"));
     CHECK_THAT(errorIn(kAscii2 + kAscii2.substr(nodes)), Contains("a.msh:15: the file has a second $Nodes section"));
 }
 
 TEST_CASE("a count that no file of this size could hold is refused before anything is allocated")
 {
     CHECK(errorIn(replaced(kAscii2, "$Nodes\n4", "$Nodes\n10000000000")) ==
-          "a.msh:5: the number of nodes must be in [0, 10] (what is left of the file holds no more), got 10000000000");
+          "a.msh:5: the number of nodes must be in [0, 10] (the rest of the file holds no more), got 10000000000");
     CHECK_THAT(errorIn(replaced(kAscii2, "$Nodes\n4", "$Nodes\n-4")),
                Contains("a.msh:5: the number of nodes must be in [0, "));
     CHECK_THAT(errorIn(replaced(kAscii2, "$Elements\n1", "$Elements\n400")),

@@ -18,7 +18,7 @@ struct GmshOptions {
     std::int64_t gap = 1; ///< between the numbers of neighbouring nodes
 };
 
-/// Writes what Gmsh would, so that the reader has something to read.
+/// Writes what Gmsh would write, as input for the reader.
 class GmshWriter {
 public:
     explicit GmshWriter(GmshOptions options) : options_(options) {}
@@ -61,7 +61,7 @@ private:
             putInt(tag(i)), put(p.x), put(p.y), put(p.z);
         }
     }
-    // Two blocks, so that the second's numbers do not begin where the file's do.
+    // Two blocks, so that the second block's numbers do not begin where the file's do.
     void nodes4(const TetMesh& mesh)
     {
         const std::size_t count = mesh.nodes.size(), half = count / 2;
@@ -75,7 +75,7 @@ private:
             }
         }
     }
-    // A triangle comes first, to be passed over; then the tetrahedra in one run.
+    // A triangle comes first, which must be skipped; then the tetrahedra in one run.
     void elements2(const TetMesh& mesh)
     {
         const std::int64_t count = std::int64_t(mesh.tetrahedra.size());

@@ -28,7 +28,7 @@ Mat3 boxInertia(Vec3 s)
     return s.x * s.y * s.z / 12.0 * Mat3::diagonal({y + z, z + x, x + y});
 }
 
-/// An octahedron whose triangles were divided in four and pushed out onto the sphere, so many times.
+/// An octahedron whose triangles were divided in four and projected onto the sphere, this many times.
 TriangleMesh sphere(double radius, int times)
 {
     TriangleMesh mesh{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
@@ -178,14 +178,14 @@ TEST_CASE("a surface with a hole is refused by its first open edge")
 {
     TriangleMesh mesh = box({1, 1, 1});
     mesh.triangles.erase(mesh.triangles.begin()); // 0 1 3
-    checkRefused(mesh, {"mesh 'm'", "must be closed", "vertices 0 and 1", "one triangle only"});
+    checkRefused(mesh, {"mesh 'm'", "must be a closed surface", "vertices 0 and 1", "one triangle only"});
 }
 
 TEST_CASE("a triangle turned against its neighbours is refused by an edge of it")
 {
     TriangleMesh mesh = box({1, 1, 1});
     std::swap(mesh.triangles[0][0], mesh.triangles[0][1]);
-    checkRefused(mesh, {"mesh 'm'", "must be closed", "vertices 0 and 1", "do not agree"});
+    checkRefused(mesh, {"mesh 'm'", "must be a closed surface", "vertices 0 and 1", "are not oriented alike"});
 }
 
 TEST_CASE("the enclosed volume is that of the body, less than nothing inside out, wherever it lies")
@@ -196,9 +196,9 @@ TEST_CASE("the enclosed volume is that of the body, less than nothing inside out
 
 TEST_CASE("a mesh turned inside out, a flat one, and one of parts that cannot be one body, are refused")
 {
-    checkRefused(insideOut(box({1, 2, 1})), {"mesh 'm'", "turned inside out", "its volume is -"});
+    checkRefused(insideOut(box({1, 2, 1})), {"mesh 'm'", "must not be inside out", "its volume is -"});
     const TriangleMesh sheet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}, {}};
     checkRefused(sheet, {"mesh 'm'", "flat", "> 0 m^3"});
     const TriangleMesh other = placed(insideOut(box({0.9, 0.9, 0.9})), {}, {5, 0, 0});
-    checkRefused(together(box({1, 1, 1}), other), {"mesh 'm'", "a part of it is turned inside out"});
+    checkRefused(together(box({1, 1, 1}), other), {"mesh 'm'", "a part of it is inside out"});
 }

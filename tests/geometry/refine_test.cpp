@@ -25,10 +25,10 @@ double worstQuality(const TetMesh& mesh)
 
 TEST_CASE("a refined tetrahedron is eight of an eighth of its volume, around its shortest inner diagonal")
 {
-    // Two opposite edges lie close to each other: the diagonal between their middles is the shortest.
+    // Two opposite edges lie close to each other, so the diagonal between their midpoints is the shortest.
     const Vec3 a{-1, 0, 0}, b{1, 0, 0}, c{0, -1, -0.3}, d{0, 1, -0.3};
     const std::vector<std::pair<std::vector<Vec3>, std::array<int, 2>>> cases{
-        {{a, b, c, d}, {4, 9}}, {{a, d, b, c}, {5, 8}}, {{a, c, d, b}, {6, 7}}}; // middles of 01 23, 02 13, 03 12
+        {{a, b, c, d}, {4, 9}}, {{a, d, b, c}, {5, 8}}, {{a, c, d, b}, {6, 7}}}; // midpoints of 01 23, 02 13, 03 12
     for (const auto& [nodes, middles] : cases) {
         CAPTURE(middles[0], middles[1]);
         const TetMesh mesh{nodes, {{0, 1, 2, 3}}}, fine = refined(mesh);
@@ -37,13 +37,14 @@ TEST_CASE("a refined tetrahedron is eight of an eighth of its volume, around its
         CHECK(distance(fine.nodes[middles[0]], fine.nodes[middles[1]]) == Approx(0.3));
         CHECK_NOTHROW(check(fine, "fine"));
         for (int t = 0; t < 8; ++t) CHECK(signedVolume(fine, t) == Approx(volumeOf(mesh) / 8).epsilon(1e-12));
-        for (int t = 0; t < 4; ++t) CHECK(quality(fine, t) == Approx(quality(mesh, 0)).epsilon(1e-12)); // the corners
+        for (int t = 0; t < 4; ++t)
+            CHECK(quality(fine, t) == Approx(quality(mesh, 0)).epsilon(1e-12)); // the tetrahedra at the corners
         for (int t = 4; t < 8; ++t)
             for (int middle : middles) CHECK(std::ranges::count(fine.tetrahedra[t], middle) == 1);
     }
 }
 
-TEST_CASE("a refined mesh is whole: same volume, closed surface, faces that meet, old nodes where they were")
+TEST_CASE("a refined mesh is conforming: same volume, closed surface, matching faces, old nodes unmoved")
 {
     for (const TetMesh& mesh : {cubeMesh(3, 7), bunny()}) {
         const TetMesh fine = refined(mesh);
@@ -54,7 +55,7 @@ TEST_CASE("a refined mesh is whole: same volume, closed surface, faces that meet
         CHECK(volumeOf(fine) == Approx(volumeOf(mesh)).epsilon(1e-12));
         const Surface coarseSurface = extractSurface(mesh), surface = extractSurface(fine);
         CHECK(isClosedManifold(surface.mesh));
-        CHECK(surface.mesh.triangles.size() == 4 * coarseSurface.mesh.triangles.size()); // no face inside lies bare
+        CHECK(surface.mesh.triangles.size() == 4 * coarseSurface.mesh.triangles.size()); // no inner face is exposed
     }
 }
 

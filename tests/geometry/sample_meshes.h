@@ -56,7 +56,7 @@ inline double volumeOf(const TetMesh& mesh)
     return sum;
 }
 
-/// By the divergence theorem; the surface is closed.
+/// The volume inside a closed surface, by the divergence theorem.
 inline double volumeInside(const TriangleMesh& mesh)
 {
     double sum = 0.0;
@@ -64,7 +64,7 @@ inline double volumeInside(const TriangleMesh& mesh)
     return sum;
 }
 
-/// Whether every edge is walked exactly once in each direction.
+/// True if every edge is traversed exactly once in each direction.
 inline bool isClosedManifold(const TriangleMesh& mesh)
 {
     std::vector<std::array<int, 2>> there, back;
@@ -85,7 +85,7 @@ inline Vec3 randomPoint(std::mt19937& random, double low, double high)
     return {x, y, number(random)};
 }
 
-/// What the Error says that `action` throws; empty where it throws none.
+/// The message of the Error that `action` throws; empty if it throws none.
 template <class Action> std::string errorOf(Action&& action)
 {
     try {
@@ -96,7 +96,7 @@ template <class Action> std::string errorOf(Action&& action)
     return {};
 }
 
-/// A file that is there as long as this is.
+/// A file that exists as long as this object.
 class TemporaryFile {
 public:
     TemporaryFile(const std::string& name, std::string_view bytes)
@@ -108,7 +108,7 @@ public:
     ~TemporaryFile()
     {
         std::filesystem::remove(path_);
-        std::error_code filled; // by another file of this test
+        std::error_code filled; // the directory may hold another file of this test
         std::filesystem::remove(path_.parent_path(), filled);
     }
     TemporaryFile(const TemporaryFile&) = delete;

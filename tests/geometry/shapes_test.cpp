@@ -13,14 +13,14 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The volume inside; an Error unless the surface is one that check() takes, closed and not inside out.
+/// The volume inside; throws an Error unless the surface passes check(), is closed and not inside out.
 double volumeOf(const std::shared_ptr<const TriangleMesh>& mesh)
 {
     check(*mesh, "shape");
     return massProperties(*mesh, "shape").volume;
 }
 
-/// Every triangle looks away from the middle: true of all shapes here, since they are convex.
+/// True if every triangle faces away from the centre, as it must, since all shapes here are convex.
 bool facesOutwards(const TriangleMesh& mesh)
 {
     return std::ranges::all_of(mesh.triangles, [&](const Triangle& t) {
@@ -39,7 +39,7 @@ TEST_CASE("a box has the volume of its edges, whatever its cells")
         CHECK(facesOutwards(*box));
         const int faces = cells[0] * cells[1] + cells[1] * cells[2] + cells[2] * cells[0];
         CHECK(static_cast<int>(box->triangles.size()) == 4 * faces);
-        CHECK(static_cast<int>(box->vertices.size()) == 2 * faces + 2); // Euler's count of a closed surface
+        CHECK(static_cast<int>(box->vertices.size()) == 2 * faces + 2); // by Euler's formula for a closed surface
     }
 }
 
@@ -56,7 +56,7 @@ TEST_CASE("round shapes are closed, face outwards, and come as near to their vol
             const double lack = 1.0 - volumeOf(each[i]) / volumes[i];
             INFO("shape " << i << ", quarter " << quarter << ", lack " << lack);
             CHECK(facesOutwards(*each[i]));
-            CHECK(lack > 0.0); // vertices on the round: flat triangles lie inside
+            CHECK(lack > 0.0); // vertices lie on the round surface, flat triangles inside it
             CHECK(lack < lacks[i]);
             CHECK(lack * quarter * quarter < 1.6); // second order
             lacks[i] = lack;
@@ -66,7 +66,7 @@ TEST_CASE("round shapes are closed, face outwards, and come as near to their vol
     for (const double lack : lacks) CHECK(lack < 3e-3);
 }
 
-TEST_CASE("the vertices of round shapes lie where the round is, and both ends are alike")
+TEST_CASE("the vertices of round shapes lie on the round surface, and both ends are alike")
 {
     const auto sphere = shapes::sphere(0.01), capsule = shapes::capsule(0.01, 0.04),
                cylinder = shapes::cylinder(0.01, 0.04);
@@ -88,7 +88,8 @@ TEST_CASE("no triangle of a sphere is a splinter")
     for (const Triangle& t : sphere->triangles) {
         const Vec3 a = sphere->vertices[t[0]], b = sphere->vertices[t[1]], c = sphere->vertices[t[2]];
         const double longest = std::max({length(b - a), length(c - b), length(a - c)});
-        CHECK(length(cross(b - a, c - a)) > 0.4 * longest * longest); // twice the area; 0.87 of an equilateral one
+        CHECK(length(cross(b - a, c - a)) >
+              0.4 * longest * longest); // twice the area; 0.87 for an equilateral triangle
     }
 }
 
@@ -101,7 +102,7 @@ TEST_CASE("a block fills its box with tetrahedra that meet face to face")
         for (std::size_t t = 0; t < block->tetrahedra.size(); ++t) volume += signedVolume(*block, static_cast<int>(t));
         CHECK(volume == Approx(0.03 * 0.02 * 0.05));
         CHECK(static_cast<int>(block->tetrahedra.size()) == 6 * cells[0] * cells[1] * cells[2]);
-        // A face inside that did not meet its neighbour's would count as boundary.
+        // An inner face that did not coincide with its neighbour's would count as boundary.
         const TriangleMesh surface = extractSurface(*block).mesh;
         const int faces = cells[0] * cells[1] + cells[1] * cells[2] + cells[2] * cells[0];
         CHECK(static_cast<int>(surface.triangles.size()) == 4 * faces);

@@ -53,9 +53,9 @@ TEST_CASE("the check of a tetrahedral mesh names what is wrong")
     SECTION("no tetrahedra")
     {
         mesh.tetrahedra.clear();
-        CHECK(message() == "liver: has no tetrahedra; it must have at least 1");
+        CHECK(message() == "liver: must have at least 1 tetrahedron, got 0");
     }
-    SECTION("a number that is none")
+    SECTION("a number that is not finite")
     {
         mesh.nodes[5].y = std::numeric_limits<double>::quiet_NaN();
         CHECK_THAT(message(), Contains("liver: node 5 must be finite"));
@@ -96,7 +96,7 @@ TEST_CASE("the check of a tetrahedral mesh names what is wrong")
     SECTION("a node in no tetrahedron")
     {
         mesh.nodes.push_back({});
-        CHECK(message() == "liver: node 27 is in no tetrahedron; every node must be in one");
+        CHECK(message() == "liver: node 27 must be in at least one tetrahedron, got none");
     }
     SECTION("a tetrahedron listed twice")
     {
@@ -114,9 +114,9 @@ TEST_CASE("the check of a triangle mesh names what is wrong")
     SECTION("no triangles")
     {
         mesh.triangles.clear();
-        CHECK(message() == "skin: has no triangles; it must have at least 1");
+        CHECK(message() == "skin: must have at least 1 triangle, got 0");
     }
-    SECTION("a number that is none")
+    SECTION("a number that is not finite")
     {
         mesh.vertices[3].z = std::numeric_limits<double>::quiet_NaN();
         CHECK_THAT(message(), Contains("skin: vertex 3 must be finite"));

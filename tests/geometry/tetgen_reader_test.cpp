@@ -54,7 +54,7 @@ TEST_CASE("a mesh comes back from a TetGen pair, bit for bit, and points of no t
 TEST_CASE("either name of a TetGen pair loads both, and the missing partner is named")
 {
     const TemporaryFile nodes("pair.node", kNodes);
-    CHECK_THAT(errorOf([&] { loadTetMesh(nodes.path()); }), Contains("pair.ele: there is no such file"));
+    CHECK_THAT(errorOf([&] { loadTetMesh(nodes.path()); }), Contains("pair.ele: no such file"));
     const TemporaryFile elements("pair.ele", kElements);
     CHECK(loadTetMesh(nodes.path()).nodes == unitTetrahedron().nodes);
     CHECK(loadTetMesh(elements.path()).nodes == unitTetrahedron().nodes);
@@ -90,14 +90,14 @@ TEST_CASE("what is wrong in a .node file is named with its line")
 TEST_CASE("what is wrong in an .ele file is named with its line")
 {
     CHECK_THAT(errorIn(kNodes, "1 10 0\n0 0 1 2 3 0 1 2 3 0 1\n"),
-               Contains("a.ele:1: second-order tetrahedra (10 nodes) are not taken"));
+               Contains("a.ele:1: the number of nodes per tetrahedron must be 4, got 10 (second order)"));
     CHECK_THAT(errorIn(kNodes, "1 8 0\n0 0 1 2 3\n"),
                Contains("a.ele:1: the number of nodes per tetrahedron must be 4, got 8"));
-    CHECK_THAT(errorIn(kNodes, "0 4 0\n"), Contains("a.ele: has no tetrahedra; it must have at least 1"));
+    CHECK_THAT(errorIn(kNodes, "0 4 0\n"), Contains("a.ele: must have at least 1 tetrahedron, got 0"));
     CHECK_THAT(errorIn(kNodes, "1 4 0\n0 0 1 2\n"),
                Contains("a.ele:2: the line ends before a tetrahedron's four nodes"));
     CHECK_THAT(errorIn(kNodes, "1 4 0\n0 0 1 2 4\n"),
-               Contains("a.ele:2: tetrahedron 0 names node 4, which the file does not give"));
+               Contains("a.ele:2: tetrahedron 0 names node 4, which the file does not define"));
     CHECK_THAT(errorIn(kNodes, "1 4 0\n0 1 0 2 3\n"),
                Contains("a.ele:2: tetrahedron 0 is inverted: its volume must be > "));
     CHECK_THAT(errorIn(kNodes, "1 4 0\n0 0 1 2 3 9\n"), Contains("a.ele:2: a tetrahedron has more numbers"));

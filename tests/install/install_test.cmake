@@ -1,5 +1,6 @@
-# cmake -D WAY=consumer|subproject ... -P install_test.cmake: copies that project out of the tree, then configures, builds
-# and runs it: against an installed Filasofia, or with Filasofia as its subdirectory. Stops at the first step that fails.
+# cmake -D WAY=consumer|subproject ... -P install_test.cmake: copies that project out of the tree, then configures,
+# builds and runs it, either against an installed Filasofia or with Filasofia as its subdirectory. Stops at the first
+# step that fails.
 set(place ${FILASOFIA_BUILD}/tests/install/${WAY}_test)
 set(prefix ${place}/prefix)
 
@@ -7,7 +8,7 @@ function(step)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed)
   if(failed)
     list(JOIN ARGN " " command)
-    message(FATAL_ERROR "this failed (${failed}): ${command}")
+    message(FATAL_ERROR "this command failed (${failed}): ${command}")
   endif()
 endfunction()
 
@@ -38,6 +39,6 @@ endif()
 step(${CMAKE_COMMAND} -S ${place}/source -B ${place}/build -G Ninja -D CMAKE_BUILD_TYPE=${BUILD_TYPE}
   -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} ${where})
 step(${CMAKE_COMMAND} --build ${place}/build)
-# The meshes must come from the package, and from where it lies now.
+# The meshes must come from the package, at its present location.
 unset(ENV{FILASOFIA_ASSETS})
 step(${place}/build/outside ${prefix}/)

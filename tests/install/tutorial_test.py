@@ -1,9 +1,9 @@
-"""Builds every program of docs/tutorial.md as its reader would, runs every command and compares what it prints.
+"""Builds every program of docs/guide/tutorial.md as its reader would, runs every command and compares its output.
 
     tutorial_test.py PAGE PREFIX FOLDER [words for cmake ...]   # builds in FOLDER, against the Filasofia in PREFIX
-    tutorial_test.py PAGE --write FOLDER                        # only writes the chapters' programs, to look at
+    tutorial_test.py PAGE --write FOLDER                        # only writes the chapters' programs
 
-What the page promises its reader about its blocks is what is done here: see its chapter 1.
+The page's chapter 1 tells its reader how its blocks are used; this program does the same.
 """
 import copy
 import os
@@ -22,18 +22,18 @@ def fail(*words):
 
 
 class Program:
-    """A file made of sections, each from its line `---- name` to the next one's."""
+    """A file of sections, each from its line `---- name` to the next such line."""
 
     def __init__(self, comment, last=None):
         self.mark = re.compile(rf"\s*{comment} ---- (\w+)(?: \((.*)\))?$")
-        self.last = last  # a new section goes in front of this one
+        self.last = last  # a new section is inserted before this one
         self.sections = {}
 
     def text(self):
         return "\n".join(line for lines in self.sections.values() for line in lines) + "\n"
 
     def changed(self, block, where):
-        """The program with a block of the page in it, and whether it stays so."""
+        """The program with a block of the page inserted, and whether the block is kept for later chapters."""
         out = copy.copy(self)
         out.sections = dict(self.sections)
         name, stays = None, True
@@ -60,7 +60,7 @@ class Program:
 class Page:
     def __init__(self, path):
         self.main, self.cmake = Program("//", "run"), Program("#")
-        self.runs = []  # (where, program's text, command, lines that it prints)
+        self.runs = []  # (where, program's text, command, expected lines)
         chapter, kind, block = "", None, []
         for number, line in enumerate(Path(path).read_text().splitlines(), 1):
             if kind is None and line.startswith("## "):
@@ -89,7 +89,7 @@ class Page:
                     self.runs[-1][3].append(line)
 
     def programs(self):
-        """Those that are run, each once, the last one excepted."""
+        """The programs that are run, each once, except the last one."""
         final = self.main.text()
         return [text for text in dict.fromkeys(text for _, text, _, _ in self.runs) if text != final]
 
@@ -99,7 +99,7 @@ class Page:
         for i, text in enumerate(self.programs()):
             (folder / f"stage{i}.cpp").write_text(text)
             cmake += f"add_executable(stage{i} stage{i}.cpp)\ntarget_link_libraries(stage{i} PRIVATE Filasofia::filasofia)\n"
-            # The reader's own program has no precompiled header: it must not lack an include.
+            # The reader's own program has no precompiled header, so a missing include must be an error.
             cmake += f"target_precompile_headers(stage{i} " + (
                 "REUSE_FROM stage0)\n" if i else "PRIVATE <filasofia/filasofia.h>)\n")
         (folder / "main.cpp").write_text(self.main.text())
@@ -107,7 +107,7 @@ class Page:
 
 
 def same(expected, printed):
-    """Is the one in the other, but for a tenth of a number or one and a half of its last decimal: solvers may improve."""
+    """Whether `printed` contains `expected`; numbers may differ by a tenth or by 1.5 of the last decimal, as solvers may improve."""
     wanted, there = (" ".join(NUMBER.sub("#", line).split()) for line in (expected, printed))
     at = there.find(wanted)
     if at < 0:
@@ -155,7 +155,7 @@ def main(path, prefix, folder, *options):
         print(where, command, flush=True)
         printed = run(words, where, folder, environment).splitlines()
         left = iter(printed)
-        for line in expected:  # in this order; there may be others between them
+        for line in expected:  # in this order, possibly with other lines between them
             if not any(same(line, each) for each in left):
                 fail(where, command, "\ndoes not print:", line, "\nbut:\n" + "\n".join(printed))
     length = f"{len(page.main.text().splitlines())} lines in the end"

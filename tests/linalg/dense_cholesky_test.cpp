@@ -6,7 +6,7 @@
 
 using filasofia::linalg::DenseCholesky;
 
-TEST_CASE("a dense factor solves, and says where there is none")
+TEST_CASE("a dense factor solves, and reports a matrix that has none")
 {
     std::mt19937 random(1);
     std::normal_distribution<double> number;

@@ -24,7 +24,7 @@ double relativeDistance(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
 TEST_CASE("both solvers find the x that made b")
 {
     std::mt19937 random(6);
-    const auto cholesky = makeCholesky(); // one solver for all sizes: it must notice a new pattern
+    const auto cholesky = makeCholesky(); // one solver for all sizes: it must detect a new pattern
     for (int n : {1, 2, 7, 40, 150}) {
         const BlockSparseMatrix a = randomSpd(random, n);
         const std::vector<Vec3> expected = randomVector(random, n);
@@ -83,7 +83,7 @@ TEST_CASE("a right-hand side of zero gives zero")
     std::mt19937 random(9);
     const BlockSparseMatrix a = randomSpd(random, 10);
     const std::vector<Vec3> b(10);
-    std::vector<Vec3> x = randomVector(random, 10); // a guess that is wrong
+    std::vector<Vec3> x = randomVector(random, 10); // a wrong guess
     CHECK(makeConjugateGradient(100, 1e-6)->solve(a, b, x).converged);
     CHECK(x == b);
 }
@@ -96,12 +96,12 @@ TEST_CASE("a matrix that is not positive definite is reported, not thrown")
     std::vector<Vec3> x(1);
     x[0] = {5, 5, 5};
     CHECK_FALSE(makeCholesky()->solve(a, b, x).converged);
-    CHECK(x[0] == Vec3{}); // a guess is no answer
+    CHECK(x[0] == Vec3{}); // the guess is not returned as an answer
     a.block(0) = Mat3::diagonal({std::numeric_limits<double>::quiet_NaN(), 1, 1});
     CHECK_FALSE(makeConjugateGradient(10, 1e-6)->solve(a, b, x).converged);
 }
 
-TEST_CASE("a right-hand side too large to measure gives no answer, and says so")
+TEST_CASE("a right-hand side whose norm overflows gives no answer, and is reported")
 {
     const BlockSparseMatrix a = [] {
         BlockSparseMatrix one(std::vector<std::vector<int>>{{0}});

@@ -44,7 +44,7 @@ double relativeDistance(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
     return size(difference) / size(b);
 }
 
-/// A random matrix, a right-hand side, and the two parts of the solver for it.
+/// A random matrix and right-hand side, with a preconditioner and a solver.
 struct Problem : NodeOperator {
     explicit Problem(std::mt19937& random, int nodes = 150)
         : count(nodes), matrix(randomSpd(random, nodes)), order(static_cast<std::size_t>(nodes)), q(order.size()),
@@ -65,14 +65,14 @@ struct Problem : NodeOperator {
         return product(in, vectors(out, count));
     }
 
-    /// From the first guess in x.
+    /// Solves from the first guess in x.
     NodeSolveReport solve(const SolveLimits& limits, int threads = 1)
     {
         WorkerPool pool(threads);
         products = 0;
         residual = NodeArray(blocksFor(count));
         store(b, residual);
-        return cg.solve(*this, preconditioner, residual, product(b, b), x, limits, pool);
+        return cg.solve({*this, preconditioner, residual, product(b, b)}, x, limits, pool);
     }
     NodeSolveReport solveFrom(const std::vector<Vec3>& guess, const SolveLimits& limits)
     {
@@ -80,7 +80,7 @@ struct Problem : NodeOperator {
         store(guess, x);
         return solve(limits);
     }
-    /// The square of the error in the norm of the matrix: what conjugate gradients make smaller.
+    /// The square of the error in the norm of the matrix, which conjugate gradients reduce.
     double energyOfError()
     {
         std::vector<Vec3> error = vectors(x, count);
@@ -100,13 +100,13 @@ struct Problem : NodeOperator {
     std::vector<int> order;
     std::vector<Vec3> q, b, exact;
     TwoLevelPreconditioner preconditioner;
-    NodeArray residual, x{blocksFor(count), 1}; // one block of held nodes, that stays zero
+    NodeArray residual, x{blocksFor(count), 1}; // one block of pinned nodes, which stays zero
     MatrixFreeCg cg{blocksFor(count), 1};
 };
 
 bool isFinite(const NodeArray& x)
 {
-    return std::all_of(x.data(), x.data() + 64 * (x.blocks() + x.heldBlocks()),
+    return std::all_of(x.data(), x.data() + 64 * (x.blocks() + x.pinnedBlocks()),
                        [](float each) { return std::isfinite(each); });
 }
 
@@ -126,7 +126,8 @@ TEST_CASE("matrix-free conjugate gradients find the solution of Cholesky, to the
     }
 }
 
-TEST_CASE("the residual that comes back is that of the solution, and the report tells the error as it promises")
+TEST_CASE(
+    "the returned residual is that of the solution, and the reported error is the one that the tolerance is about")
 {
     std::mt19937 random(2);
     Problem problem(random);
@@ -139,13 +140,14 @@ TEST_CASE("the residual that comes back is that of the solution, and the report 
         for (std::size_t i = 0; i < left.size(); ++i) left[i] -= ax[i];
         const std::vector<Vec3> found = vectors(problem.residual, problem.count);
         for (std::size_t i = 0; i < left.size(); ++i) left[i] -= found[i];
-        CHECK(size(left) < 1e-5 * size(problem.b)); // roundings of each iteration
+        CHECK(size(left) < 1e-5 * size(problem.b)); // each iteration rounds
 
-        // The error's energy as the preconditioner sees it, and what the answer has of the solution's energy b . x.
+        // The error's energy as the preconditioner sees it, and the energy of the answer: b . x minus the error's
+        // energy.
         NodeArray z(problem.residual.blocks());
         const double rz = problem.preconditioner.apply(problem.residual, z, pool);
         const double energy = product(problem.b, problem.exact) - problem.energyOfError();
-        CHECK(report.residual == Approx(std::sqrt(rz / (rz + energy))).epsilon(1e-3)); // sums of floats
+        CHECK(report.residual == Approx(std::sqrt(rz / (rz + energy))).epsilon(1e-3)); // floats are summed
         CHECK(report.residual <= tolerance);
         CHECK(report.converged);
     }
@@ -159,7 +161,7 @@ TEST_CASE("a good first guess saves iterations, and the answer itself needs none
     std::vector<Vec3> near = problem.exact;
     for (std::size_t i = 0; i < near.size(); ++i) near[i] += 1e-3 * problem.b[i];
     CHECK(problem.solveFrom(near, {.tolerance = 1e-4}).iterations < fromZero);
-    for (const double factor : {1.0, -1.0, 1e-8, -1e12}) { // also the wrong way around, and huge
+    for (const double factor : {1.0, -1.0, 1e-8, -1e12}) { // also with the wrong sign, and huge
         const NodeSolveReport report = problem.solveFrom(problem.scaled(factor), {.tolerance = 1e-4});
         CHECK(report.converged);
         CHECK(report.iterations == 0);
@@ -167,7 +169,7 @@ TEST_CASE("a good first guess saves iterations, and the answer itself needs none
     }
 }
 
-TEST_CASE("no first guess leaves a larger error than none")
+TEST_CASE("no first guess leaves a larger error than zero does")
 {
     std::mt19937 random(4);
     Problem problem(random);
@@ -185,7 +187,7 @@ TEST_CASE("no first guess leaves a larger error than none")
     }
 }
 
-TEST_CASE("a first guess too large for floats, or not a number, is none")
+TEST_CASE("a first guess that is too large for floats, or not a number, counts as zero")
 {
     std::mt19937 random(5);
     Problem problem(random);
@@ -202,7 +204,7 @@ TEST_CASE("a first guess too large for floats, or not a number, is none")
     }
 }
 
-TEST_CASE("zero is the answer to zero, whatever the guess")
+TEST_CASE("a right-hand side of zero gives zero, whatever the guess")
 {
     std::mt19937 random(6);
     Problem problem(random);
@@ -229,7 +231,7 @@ TEST_CASE("a right-hand side that is not finite ends the solve at once, with zer
     }
 }
 
-TEST_CASE("a solve ends at its cap, with what it has")
+TEST_CASE("a solve ends at its cap with the answer that it has")
 {
     std::mt19937 random(8);
     Problem problem(random);
@@ -240,12 +242,12 @@ TEST_CASE("a solve ends at its cap, with what it has")
         CHECK(report.iterations == cap);
         CHECK(!report.converged);
         CHECK(!report.outOfTime);
-        CHECK(problem.energyOfError() < error); // each iteration makes it smaller
+        CHECK(problem.energyOfError() < error); // each iteration reduces it
         error = problem.energyOfError();
     }
 }
 
-TEST_CASE("a solve ends when time is out, which is asked after the least number of iterations and between all others")
+TEST_CASE("a solve ends when time is out, which is asked between iterations once the minimum is done")
 {
     std::mt19937 random(9);
     Problem problem(random);
@@ -273,7 +275,7 @@ TEST_CASE("a solve ends when time is out, which is asked after the least number 
 
     asked = 0, yesAt = 1;
     report = problem.solveFrom(problem.exact, {.minIterations = 0, .outOfTime = limits.outOfTime});
-    CHECK(asked == 0); // it was there already
+    CHECK(asked == 0); // the guess was good enough already
     CHECK(report.converged);
     CHECK(!report.outOfTime);
 }
@@ -292,7 +294,7 @@ TEST_CASE("an indefinite matrix ends the solve with finite numbers, and is not c
 
     for (int at = 0; at < static_cast<int>(problem.matrix.columns().size()); ++at) problem.matrix.block(at) *= -1.0;
     problem.matrix.block(problem.matrix.find(0, 0)) = Mat3{};
-    CHECK(!problem.solveFrom(problem.exact, {}).converged); // a guess without curvature is none
+    CHECK(!problem.solveFrom(problem.exact, {}).converged); // a guess without curvature counts as zero
     CHECK(isFinite(problem.x));
 }
 

@@ -8,11 +8,12 @@
 #include <cstring>
 #include <map>
 
-/// What the tests of the loops over nodes share. Tolerances are counts of roundings (WorstError): of n products added
-/// up one after the other, each may add one rounding of all that was summed so far, whatever the order.
+/// What the tests of the loops over nodes share. Tolerances are counts of roundings (WorstError): if n products are
+/// added up one after another, each may add one rounding of the sum so far, whatever the order.
 namespace filasofia::linalg {
 
-/// Calls test(blocks, range) for arrays of 1 to 40 blocks and ranges over all of them, over their middle, and empty.
+/// Calls test(blocks, range) for arrays of 1 to 40 blocks: for all of them, their middle, the last one, and an empty
+/// range.
 template <class Test> void onManyRanges(const Test& test)
 {
     for (int blocks : {1, 2, 3, 5, 16, 17, 40})
@@ -29,7 +30,7 @@ inline bool inside(int node, Blocks range) { return node >= kBlock * range.begin
 
 inline bool sameBits(const float* a, const float* b, std::size_t floats) { return std::memcmp(a, b, 4 * floats) == 0; }
 
-/// Whether nothing but the range differs from what was there before.
+/// Whether nothing outside the range has changed.
 inline bool untouchedOutside(Blocks range, const NodeArray& before, const NodeArray& after)
 {
     for (int node = 0; node < kBlock * before.blocks(); ++node)
@@ -37,7 +38,7 @@ inline bool untouchedOutside(Blocks range, const NodeArray& before, const NodeAr
     return true;
 }
 
-/// What a sum should be, and how large its terms are.
+/// The exact value of a sum, and the sum of the absolute values of its terms.
 struct Sum {
     double value = 0.0, size = 0.0;
     void add(double term) { value += term, size += std::abs(term); }
@@ -51,17 +52,17 @@ inline Sum product(const NodeArray& a, const NodeArray& b, Blocks range)
     return sum;
 }
 
-/// Corners of elements around nodes: `most` or fewer for each, also none, in random places.
-inline Gather randomGather(std::mt19937& random, int blocks, int elementBlocks, int most)
+/// Corners of elements around nodes: up to `maxCorners` for each, or none, in random places.
+inline Gather randomGather(std::mt19937& random, int blocks, int elementBlocks, int maxCorners)
 {
     std::vector<std::vector<int>> places(static_cast<std::size_t>(kBlock * blocks));
     for (std::vector<int>& list : places)
-        for (int left = static_cast<int>(random() % (most + 1)); left > 0; --left)
+        for (int left = static_cast<int>(random() % (maxCorners + 1)); left > 0; --left)
             list.push_back(4 * static_cast<int>(random() % (64u * elementBlocks)));
     return Gather(places);
 }
 
-/// Vectors that elements or quaternions lie in, aligned as the kernels need them.
+/// The floats of an array: vectors of corners or quaternions, aligned as the kernels need them.
 inline std::span<const float> floats(const NodeArray& array)
 {
     return {array.data(), 64 * static_cast<std::size_t>(array.blocks())};
@@ -79,7 +80,7 @@ inline Vec3 absolute(Vec3 v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.
 inline void compare(WorstError& worst, const float* value, Vec3 exact, Vec3 size)
 {
     for (int i = 0; i < 3; ++i) worst.compare(value[i], exact[i], size[i]);
-    worst.compare(value[3], 0.0, 0.0); // the fourth float stays zero: sums run over it
+    worst.compare(value[3], 0.0, 0.0); // the fourth float stays zero, because sums include it
 }
 
 /// The bits of results and sums, each with a name.

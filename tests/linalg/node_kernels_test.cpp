@@ -7,7 +7,7 @@ using namespace filasofia::linalg;
 
 namespace {
 
-/// a * b + c as an instruction set with or without fused multiply-add does it.
+/// a * b + c as an instruction set computes it that has, or does not have, fused multiply-add.
 float multiplyAdd(bool fused, float a, float b, float c) { return fused ? std::fma(a, b, c) : a * b + c; }
 
 /// The sum of products that the header promises: lane by lane, then over the sixteen lanes in double.
@@ -53,19 +53,19 @@ TEST_CASE("the best instruction set comes first, is in use, and comes back after
     CHECK(simdTargets() == targets);
 }
 
-TEST_CASE("an instruction set fuses multiply and add where its name says so, and only there")
+TEST_CASE("an instruction set fuses multiply and add if its name says so, and only then")
 {
     onEveryTarget([](const std::string& target) {
-        // (1 + e)^2 - (1 + 2 e) is e^2, but zero where the product is rounded first.
+        // (1 + e)^2 - (1 + 2 e) is e^2, but zero if the product is rounded first.
         NodeArray z(1), p(1);
         z[5][1] = -(1.0f + 0x1p-11f);
         p[5][1] = 1.0f + 0x1p-12f;
-        turn(z, 1.0f + 0x1p-12f, p, {0, 1});
+        updateDirection(z, 1.0f + 0x1p-12f, p, {0, 1});
         CHECK(p[5][1] == (isFused(target) ? 0x1p-24f : 0.0f));
     });
 }
 
-TEST_CASE("dot, turn and descend do what they say to the last bit, and nothing outside their blocks")
+TEST_CASE("dot, updateDirection and stepAlong have the right bits, and write nothing outside their blocks")
 {
     onEveryTarget([](const std::string& target) {
         const bool fused = isFused(target);
@@ -76,8 +76,8 @@ TEST_CASE("dot, turn and descend do what they say to the last bit, and nothing o
 
             NodeArray p = randomBlocks(random, blocks), x = a, r = b;
             const NodeArray before = p, q = randomBlocks(random, blocks);
-            turn(a, 0.7f, p, range);
-            const double square = descend(0.3f, p, q, x, r, range);
+            updateDirection(a, 0.7f, p, range);
+            const double square = stepAlong(0.3f, p, q, x, r, range);
             bool same = true;
             for (int i = 64 * range.begin; i < 64 * range.end; ++i)
                 same = same && p.data()[i] == multiplyAdd(fused, 0.7f, before.data()[i], a.data()[i]) &&
@@ -101,7 +101,7 @@ TEST_CASE("sums of products are right to the rounding of each lane's own sum")
             const Sum exact = product(a, b, range);
             WorstError worst;
             worst.compare(dot(a, b, range), exact.value, exact.size);
-            CHECK(worst.roundings() <= 4 * blocks + 1); // four rows of a block after the other, products and sums
+            CHECK(worst.roundings() <= 4 * blocks + 1); // four rows per block, one after another, products and sums
         });
     });
 }
@@ -169,8 +169,8 @@ TEST_CASE("nodes gather their corners, many, one or none, with their own masses 
             const std::vector<float> extra = randomFloats(random, masses.size());
             const NodeArray p = randomBlocks(random, blocks), before = randomBlocks(random, blocks);
             NodeArray y = before, f = before;
-            const double py = gatherAndAdd(gather, floats(corners), 1.7f, masses, extra, p, y, range);
-            const double ff = gatherForces(gather, floats(corners), 1.7f, masses, extra, p, f, range);
+            const double py = gatherAndAdd({gather, floats(corners), 1.7f, masses, extra}, p, y, range);
+            const double ff = gatherForces({gather, floats(corners), 1.7f, masses, extra}, p, f, range);
             CHECK(untouchedOutside(range, before, y));
             CHECK(untouchedOutside(range, before, f));
             WorstError sums;
@@ -193,7 +193,7 @@ TEST_CASE("nodes gather their corners, many, one or none, with their own masses 
                 compare(vectors, f[node], old + sum - diagonal * v, size + absolute(old));
             }
         });
-        CHECK(vectors.roundings() <= 15); // half of twenty corners one after the other, and five more
+        CHECK(vectors.roundings() <= 15); // half of twenty corners, one after another, and five more
     });
 }
 
@@ -206,11 +206,11 @@ TEST_CASE("instruction sets with fused multiply-add give the same bits, those wi
         const Blocks range{3, 35};
         NodeArray p = randomBlocks(random, kBlocks), q = p, x = p, r = randomBlocks(random, kBlocks);
         found.add("dot", {}, dot(p, r, range));
-        turn(r, 0.3f, p, range);
-        found.add("turn", floats(p));
-        const double square = descend(0.2f, p, q, x, r, range);
-        found.add("descend x", floats(x));
-        found.add("descend r", floats(r), square);
+        updateDirection(r, 0.3f, p, range);
+        found.add("updateDirection", floats(p));
+        const double square = stepAlong(0.2f, p, q, x, r, range);
+        found.add("stepAlong x", floats(x));
+        found.add("stepAlong r", floats(r), square);
 
         std::vector<float> packed(3 * kCoarse), y(16 * kCoarse);
         restrictTo(randomRestriction(random, kBlock * kBlocks, kCoarse), x, packed, 0, kCoarse);
@@ -219,16 +219,16 @@ TEST_CASE("instruction sets with fused multiply-add give the same bits, those wi
         found.add("panels", y);
         std::vector<float> many(7 * y.size());
         multiplyPanels(randomPanels(random, kCoarse, kRows), randomFloats(random, 7 * kRows), many,
-                       {.count = 7, .rows = kRows, .stride = kRows, .answerStride = static_cast<int>(y.size())},
+                       {.count = 7, .rows = kRows, .stride = kRows, .resultStride = static_cast<int>(y.size())},
                        kCoarse);
         found.add("panels, many vectors", many);
 
         const NodeArray corners = randomBlocks(random, 4 * 5);
         const Gather gather = randomGather(random, kBlocks, 5, 20);
         const std::vector<float> masses = randomFloats(random, kBlock * kBlocks);
-        const double py = gatherAndAdd(gather, floats(corners), 1.7f, masses, masses, p, q, range);
+        const double py = gatherAndAdd({gather, floats(corners), 1.7f, masses, masses}, p, q, range);
         found.add("gather product", floats(q), py);
-        const double ff = gatherForces(gather, floats(corners), 1.7f, masses, masses, p, q, range);
+        const double ff = gatherForces({gather, floats(corners), 1.7f, masses, masses}, p, q, range);
         found.add("gather forces", floats(q), ff);
         return found.bits;
     });
@@ -244,7 +244,7 @@ TEST_CASE("a dense matrix times many vectors is its product with each")
             const std::size_t vectors = static_cast<std::size_t>(count);
             const std::vector<float> x = randomFloats(random, vectors * kStride);
             std::vector<float> all(vectors * kEntries), one(kEntries);
-            multiplyPanels(matrix, x, all, {.count = count, .rows = kRows, .stride = kStride, .answerStride = kEntries},
+            multiplyPanels(matrix, x, all, {.count = count, .rows = kRows, .stride = kStride, .resultStride = kEntries},
                            kPanels);
             for (std::size_t v = 0; v < vectors; ++v) {
                 multiplyPanels(matrix, std::span(x).subspan(v * kStride, kRows), one, 0, kPanels);

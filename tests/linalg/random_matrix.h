@@ -20,7 +20,8 @@ inline std::vector<Vec3> randomVector(std::mt19937& random, int n)
     return x;
 }
 
-/// A random sparse symmetric matrix made positive definite by adding, per random pair, a block that is.
+/// A random sparse symmetric matrix: positive definite, because it is a sum of spring stiffnesses and a positive
+/// diagonal.
 inline BlockSparseMatrix randomSpd(std::mt19937& random, int n)
 {
     std::uniform_int_distribution<int> index(0, n - 1);
@@ -57,9 +58,9 @@ inline float randomFloat(std::mt19937& random)
 }
 
 /// The first `count` nodes are random, x y z 0, and the rest of the array zero.
-inline NodeArray randomNodes(std::mt19937& random, int count, int heldBlocks = 0)
+inline NodeArray randomNodes(std::mt19937& random, int count, int pinnedBlocks = 0)
 {
-    NodeArray nodes(blocksFor(count), heldBlocks);
+    NodeArray nodes(blocksFor(count), pinnedBlocks);
     for (int node = 0; node < count; ++node)
         for (int i = 0; i < 3; ++i) nodes[node][i] = randomFloat(random);
     return nodes;
@@ -95,13 +96,13 @@ inline std::vector<RotationBlock> randomRotations(std::mt19937& random, int bloc
 
 inline Vec3 vectorOf(const float* node) { return {node[0], node[1], node[2]}; }
 
-/// Half the distance of floats around 1: what one operation may err, relative to its result.
+/// Half the distance of floats around 1: the largest error of one operation, relative to its result.
 constexpr double kRounding = 0x1p-24;
 
-/// The largest error of what has been compared, in roundings of what was summed up for it.
+/// The largest error of all values compared, in roundings of the terms that were summed.
 class WorstError {
 public:
-    /// `size`: the sum of the absolute values of all terms that the exact value is the sum of.
+    /// `size`: the sum of the absolute values of the terms of the exact value.
     void compare(double value, double exact, double size)
     {
         const double error = std::abs(value - exact) / (kRounding * size);
@@ -114,14 +115,14 @@ private:
     double roundings_ = 0.0;
 };
 
-/// Whether an instruction set multiplies and adds with one rounding. All that do give the same bits.
+/// Whether an instruction set multiplies and adds with one rounding. All of those give the same bits.
 inline bool isFused(const std::string& target)
 {
     return target.rfind("SSE", 0) != 0 && target != "EMU128" && target != "SCALAR";
 }
 
-/// Calls test(name) on every instruction set of this machine, with the best one in use again afterwards, also when a
-/// check throws.
+/// Calls test(name) on every instruction set of this machine. The best one is restored afterwards, even if a check
+/// throws.
 template <class Test> void onEveryTarget(const Test& test)
 {
     struct BestAgain {
@@ -135,7 +136,7 @@ template <class Test> void onEveryTarget(const Test& test)
     }
 }
 
-/// `results()` gives the bits of many results, each with a name: all instruction sets that fuse must agree on them.
+/// `results()` returns the bits of many results by name; all instruction sets that fuse must agree on them.
 template <class Results> void checkSameBitsWhereFused(const Results& results)
 {
     decltype(results()) first;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Weights of 1 to 4 coarse nodes for every node. Behind the last coarse node lies a float that nobody may look at.
+/// Weights of 1 to 4 coarse nodes for every node. Behind the last coarse node lies a NaN that must not be used.
 struct Coarse {
     Coarse(std::mt19937& random, int blocks, int nodes)
         : values(randomFloats(random, 3 * static_cast<std::size_t>(nodes))), from(static_cast<std::size_t>(blocks))
@@ -43,11 +43,11 @@ Mat3 absolute(Mat3 m)
 
 } // namespace
 
-TEST_CASE("a residual is turned into the rest frame and smoothed there")
+TEST_CASE("a residual is rotated into the rest frame and smoothed there")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(3);
-        WorstError turned, smoothed;
+        WorstError rotated, smoothed;
         onManyRanges([&](int blocks, Blocks range) {
             const std::vector<RotationBlock> rotations = randomRotations(random, blocks);
             const std::vector<SymmetricBlock> inverseDiagonal = randomSymmetric(random, blocks);
@@ -63,16 +63,17 @@ TEST_CASE("a residual is turned into the rest frame and smoothed there")
                     {{entry(0), entry(1), entry(2)}, {entry(1), entry(3), entry(4)}, {entry(2), entry(4), entry(5)}}};
                 const Mat3 back = transpose(rotationOf(rotations, node));
                 const Vec3 v = vectorOf(r[node]), size = absolute(back) * absolute(v);
-                compare(turned, s[node], back * v, size);
+                compare(rotated, s[node], back * v, size);
                 compare(smoothed, w[node], d * (back * v), absolute(d) * size);
             }
         });
-        CHECK(turned.roundings() <= 3); // two sums of products
+        CHECK(rotated.roundings() <= 3); // two sums of products
         CHECK(smoothed.roundings() <= 6);
     });
 }
 
-TEST_CASE("what the coarse nodes say is added, turned back and multiplied by the residual, without them only turned")
+TEST_CASE("the coarse correction is added, the sum rotated and multiplied by the residual; without coarse nodes it is "
+          "only rotated")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(4);
@@ -84,12 +85,12 @@ TEST_CASE("what the coarse nodes say is added, turned back and multiplied by the
                 const NodeArray w = randomBlocks(random, blocks), r = randomBlocks(random, blocks);
                 const NodeArray before = randomBlocks(random, blocks);
                 NodeArray z = before;
-                const double found = prolongAndUnwarp(rotations, coarse.from, coarse.values, w, r, z, range);
+                const double found = prolongAndUnwarp(rotations, {coarse.from, coarse.values}, w, r, z, range);
                 CHECK(untouchedOutside(range, before, z));
-                const Sum exact = product(r, z, range); // of z as it is: how it came about is looked at below
+                const Sum exact = product(r, z, range); // with z as it is; its own error is checked below
                 WorstError sum;
                 sum.compare(found, exact.value, exact.size);
-                CHECK(sum.roundings() <= blocks + 3); // one node of a lane after the other, each from three products
+                CHECK(sum.roundings() <= blocks + 3); // one node per lane after another, each of three products
                 for (int node = kBlock * range.begin; node < kBlock * range.end; ++node) {
                     Vec3 rest = vectorOf(w[node]), size = absolute(rest);
                     for (int k = 0; k < 4 && coarseNodes > 0; ++k) {
@@ -99,8 +100,8 @@ TEST_CASE("what the coarse nodes say is added, turned back and multiplied by the
                         rest += weight * value;
                         size += absolute(weight * value);
                     }
-                    const Mat3 turn = rotationOf(rotations, node);
-                    compare(vectors, z[node], turn * rest, absolute(turn) * size);
+                    const Mat3 rotation = rotationOf(rotations, node);
+                    compare(vectors, z[node], rotation * rest, absolute(rotation) * size);
                 }
             }
         });
@@ -108,14 +109,13 @@ TEST_CASE("what the coarse nodes say is added, turned back and multiplied by the
     });
 }
 
-TEST_CASE(
-    "a node turns like the elements around it: the sign of a quaternion does not matter, and none is the identity")
+TEST_CASE("a node rotates as its elements do, whatever the signs of their quaternions, and without elements not at all")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(8);
         WorstError worst;
         onManyRanges([&](int blocks, Blocks range) {
-            NodeArray quaternions(3); // of three blocks of elements, all near one rotation, every other one with -q
+            NodeArray quaternions(3); // three blocks of elements, all near one rotation, every other one as -q
             Gather gather = randomGather(random, blocks, 3, 20);
             const Quat common = randomQuat(random);
             for (int at = 0; at < 48; ++at) {
@@ -124,7 +124,7 @@ TEST_CASE(
                 const double entries[4] = {sign * near.x, sign * near.y, sign * near.z, sign * near.w};
                 for (int i = 0; i < 4; ++i) quaternions[at][i] = static_cast<float>(entries[i]);
             }
-            // A node sees one sign only, or as many of one as of the other: two corners, then, for one of two.
+            // Even nodes see one sign only; odd nodes see both in turn, so that their plain sums nearly cancel.
             const auto elementAt = [&](int k) { return gather.values[k] / 256 * 16 + gather.values[k] % 64 / 4; };
             for (int node = 0; node < kBlock * blocks; ++node)
                 for (int k = gather.ranges[node].begin; k < gather.ranges[node].end; ++k)
@@ -148,11 +148,11 @@ TEST_CASE(
                     worst.compare(found[k / 3][k % 3], exact[k / 3][k % 3], written && !none ? 1.0 : 0.0);
             }
         });
-        CHECK(worst.roundings() <= 25); // of the largest entry: up to ten sums, squared, and the products
+        CHECK(worst.roundings() <= 25); // relative to the largest entry: up to ten sums, squared, and the products
     });
 }
 
-TEST_CASE("rotations and what they turn have the same bits on instruction sets with fused multiply-add")
+TEST_CASE("rotations and rotated vectors have the same bits on instruction sets with fused multiply-add")
 {
     checkSameBitsWhereFused([] {
         std::mt19937 random(9);
@@ -166,12 +166,12 @@ TEST_CASE("rotations and what they turn have the same bits on instruction sets w
         found.add("warp", floats(x));
         found.add("smooth", floats(q));
         const Coarse coarse(random, kBlocks, kCoarse);
-        const double rz = prolongAndUnwarp(rotations, coarse.from, coarse.values, q, r, z, range);
+        const double rz = prolongAndUnwarp(rotations, {coarse.from, coarse.values}, q, r, z, range);
         found.add("prolong", floats(z), rz);
-        const double rw = prolongAndUnwarp(rotations, {}, {}, q, r, z, range);
+        const double rw = prolongAndUnwarp(rotations, {}, q, r, z, range);
         found.add("unwarp", floats(z), rw);
         const Gather gather = randomGather(random, kBlocks, 5, 20);
-        NodeArray quaternions(5); // at random: sums that cancel, and that do not
+        NodeArray quaternions(5); // random ones: some sums cancel
         for (int at = 0; at < 5 * kBlock; ++at) {
             const Quat each = randomQuat(random);
             const double entries[4] = {each.x, each.y, each.z, each.w};

@@ -65,7 +65,7 @@ TEST_CASE("creases get a vertex for each side, and only creases do")
 {
     const auto box = geometry::shapes::box({1, 2, 3}, {2, 2, 2});
     const geometry::TriangleMesh sharp = mapping::withCreases(*box, 0.6);
-    CHECK(sharp.vertices.size() == 6 * 9); // every face has its own
+    CHECK(sharp.vertices.size() == 6 * 9); // every face has its own vertices
     REQUIRE(sharp.triangles.size() == box->triangles.size());
     for (std::size_t t = 0; t < sharp.triangles.size(); ++t)
         for (int corner : {0, 1, 2})
@@ -75,7 +75,7 @@ TEST_CASE("creases get a vertex for each side, and only creases do")
     const auto sphere = geometry::shapes::sphere(0.01);
     CHECK(mapping::withCreases(*sphere, 0.6).vertices.size() == sphere->vertices.size());
     const auto can = geometry::shapes::cylinder(0.01, 0.04, 8);
-    CHECK(mapping::withCreases(*can, 0.6).vertices.size() == can->vertices.size() + 2 * 32); // both rims
+    CHECK(mapping::withCreases(*can, 0.6).vertices.size() == can->vertices.size() + 2 * 32); // the rims of both ends
 
     geometry::TriangleMesh pictured = *box;
     for (std::size_t v = 0; v < pictured.vertices.size(); ++v) pictured.uv.push_back({static_cast<double>(v), 0.0});

@@ -17,11 +17,12 @@ namespace {
 
 const Vec3 kSize{0.04, 0.04, 0.04};
 
-/// A block that was parted in the plane x = 0 where `parted` says so of a node there: elements right of it have copies.
+/// A block that was parted in the plane x = 0 at the nodes for which `parted` is true: elements right of it have copies
+/// of them.
 struct PartedBlock {
     TetMesh rest = *geometry::shapes::block(kSize, {6, 6, 6});
     TetMesh now = rest;
-    std::vector<char> right; ///< per node of `now`: has it left the left half
+    std::vector<char> right; ///< per node of `now`, whether it is on the right half only
 
     explicit PartedBlock(const std::function<bool(Vec3)>& parted)
     {
@@ -59,7 +60,7 @@ struct PartedBlock {
                 inside = inside && std::abs(now.nodes[corner].x) < 1e-9;
             }
             const int back = behind.at({triangle[0], triangle[1], triangle[2]});
-            if (!keep(0.75 * middle + 0.25 * now.nodes[back])) continue; // the element's middle
+            if (!keep(0.75 * middle + 0.25 * now.nodes[back])) continue; // the centre of the element
             boundary.triangles.push_back(triangle);
             boundary.opened.push_back(inside);
             boundary.behind.push_back(back);
@@ -78,7 +79,7 @@ struct PartedBlock {
     }
 };
 
-/// The surface of the same block in other cells, so that the plane x = 0 goes through its triangles; `above` [m] it.
+/// The surface of the same block with other cells, so that the plane x = 0 cuts its triangles; `above` [m] the block.
 std::shared_ptr<const MappedSurface> skin(const TetMesh& rest, double above = 0.0)
 {
     TriangleMesh mesh = geometry::extractSurface(*geometry::shapes::block(kSize, {9, 7, 8})).mesh;
@@ -110,7 +111,7 @@ double longestEdge(const std::vector<Vec3>& places, const std::vector<Triangle>&
 
 } // namespace
 
-TEST_CASE("a surface on a body that nothing has cut is what it was")
+TEST_CASE("a surface on a body that nothing has cut is unchanged")
 {
     const PartedBlock block([](Vec3) { return false; });
     const auto whole = skin(block.rest);
@@ -161,7 +162,7 @@ TEST_CASE("a slit opens down to its end and no further")
         if (surface.vertices[v].y < -0.0058) CHECK(std::abs(places[v].x) < 1e-9); // a triangle below the tip
     }
     CHECK(gap == Approx(0.02).epsilon(0.01));
-    // Nothing of the skin spans the gap: of the part that opened every triangle is on one side.
+    // No triangle of the skin spans the gap: in the opened part every triangle is on one side.
     for (const Triangle& triangle : surface.triangles) {
         double low = 1.0, high = -1.0;
         for (const int v : triangle) {
@@ -173,7 +174,7 @@ TEST_CASE("a slit opens down to its end and no further")
     }
 }
 
-TEST_CASE("a surface above its body gets a strip down to the rim, also where it has none of the body's nodes")
+TEST_CASE("a surface above its body gets a strip down to the rim, even if it has none of the body's nodes")
 {
     const PartedBlock block([](Vec3) { return true; });
     const auto whole = skin(block.rest, 0.5e-3);
@@ -189,7 +190,7 @@ TEST_CASE("a surface above its body gets a strip down to the rim, also where it 
     }
 }
 
-TEST_CASE("of a surface the part that was on a removed piece is gone")
+TEST_CASE("the part of a surface that was on a removed piece is gone")
 {
     const PartedBlock block([](Vec3) { return true; });
     const auto opened =
@@ -202,7 +203,7 @@ TEST_CASE("of a surface the part that was on a removed piece is gone")
         CHECK(distance(places[v], surface.vertices[v] - Vec3{0.01, 0, 0}) < 1e-12);
 }
 
-TEST_CASE("what lies inside a body is not its skin")
+TEST_CASE("a surface inside a body is not its skin")
 {
     const PartedBlock block([](Vec3) { return true; });
     const auto inside = std::make_shared<const MappedSurface>(mapSurface(block.rest, *geometry::shapes::sphere(0.005)));

@@ -26,7 +26,7 @@ frame::SoftBodyFrame atRest()
     return moved(block(), [](Vec3 p) { return p; });
 }
 
-/// A skin that is no part of the mesh: it rides on its tetrahedra.
+/// A skin that is not part of the mesh: it is embedded in its tetrahedra.
 MappedSurface skin() { return mapSurface(block(), *geometry::shapes::sphere(0.012, 6)); }
 
 double angleBetween(Quat a, Quat b) { return length(rotationVector(conjugate(a) * b)); }
@@ -44,7 +44,7 @@ TEST_CASE("a point on a surface at rest lies there, its frame looks outwards and
     CHECK(distance(axis(pose, 1), {0, 1, 0}) < 1e-12);
 }
 
-TEST_CASE("on a floor or a ceiling, where no direction of the surface is upwards, there is a frame too")
+TEST_CASE("there is a frame on a floor or a ceiling too, where no direction of the surface is upwards")
 {
     for (const double side : {1.0, -1.0}) {
         const SurfacePoint point = nearestPoint(mapBoundary(block()), {0.001, side, 0.002}, "lamp");
@@ -62,7 +62,8 @@ TEST_CASE("a rigid motion of the body moves the frame exactly, on its boundary a
             const SurfacePoint point = nearestPoint(surface, place, "lamp");
             const Pose now = apply(point, body, point.rest.orientation), expected = motion * point.rest;
             CHECK(distance(now.position, expected.position) < 1e-13);
-            CHECK(angleBetween(now.orientation, expected.orientation) < 1e-7); // an angle is the root of a rounding
+            CHECK(angleBetween(now.orientation, expected.orientation) <
+                  1e-7); // the angle is the square root of a rounding error
             for (int k = 0; k < 3; ++k) CHECK(distance(axis(now, k), axis(expected, k)) < 1e-11);
         }
 }
@@ -99,7 +100,7 @@ TEST_CASE("the frame goes round continuously with a body that turns twice, and s
     CHECK(most < 3.0 * 4.0 * kPi / steps);
 }
 
-TEST_CASE("where the triangle has collapsed or is no number, the place follows and the orientation stays")
+TEST_CASE("if the triangle has collapsed or is not finite, the position follows and the orientation stays")
 {
     const SurfacePoint point = nearestPoint(mapBoundary(block()), {0.1, 0.004, 0.003}, "lamp");
     const Quat last = axisAngle({1, 2, 3}, 0.7);
@@ -110,7 +111,7 @@ TEST_CASE("where the triangle has collapsed or is no number, the place follows a
     CHECK(apply(point, wrong, last).orientation == last);
 }
 
-TEST_CASE("a triangle and its weights give the point that they say")
+TEST_CASE("a triangle and its weights give the point that they define")
 {
     const MappedSurface boundary = mapBoundary(block());
     const auto& [a, b, c] = boundary.surface.triangles[7];
@@ -119,7 +120,7 @@ TEST_CASE("a triangle and its weights give the point that they say")
     CHECK(distance(point.rest.position, 0.2 * at[a] + 0.3 * at[b] + 0.5 * at[c]) < 1e-15);
 }
 
-TEST_CASE("a triangle that is not there, one without area and wrong weights are Errors")
+TEST_CASE("a triangle that does not exist, one without area and wrong weights are Errors")
 {
     MappedSurface boundary = mapBoundary(block());
     const int count = static_cast<int>(boundary.surface.triangles.size());
@@ -127,13 +128,15 @@ TEST_CASE("a triangle that is not there, one without area and wrong weights are 
                       Catch::Contains("follow: triangle must be in [0, ") && Catch::Contains("got -1"));
     CHECK_THROWS_WITH(pointOnTriangle(boundary, count, {1, 0, 0}, "follow"), Catch::Contains("triangle must be in"));
     CHECK_THROWS_WITH(pointOnTriangle(boundary, 0, {1.5, -0.5, 0}, "follow"),
-                      "follow: weights must be in [0, 1], got 1.5");
+                      "follow: each weight must be in [0, 1], got 1.5");
     CHECK_THROWS_WITH(pointOnTriangle(boundary, 0, {NAN, 0.5, 0.5}, "follow"), Catch::Contains("weights must be"));
     CHECK_THROWS_WITH(pointOnTriangle(boundary, 0, {0.5, 0.2, 0.2}, "follow"),
                       Catch::Contains("sum of the weights must be 1"));
     boundary.surface.vertices[boundary.surface.triangles[0][1]] =
         boundary.surface.vertices[boundary.surface.triangles[0][0]];
-    CHECK_THROWS_WITH(pointOnTriangle(boundary, 0, {1, 0, 0}, "follow"), "follow: triangle 0 has no area");
+    CHECK_THROWS_WITH(pointOnTriangle(boundary, 0, {1, 0, 0}, "follow"),
+                      "follow: triangle 0 must have an area, got none");
     for (Vec3& vertex : boundary.surface.vertices) vertex = {};
-    CHECK_THROWS_WITH(nearestPoint(boundary, {}, "follow"), "follow: the surface has no triangle with an area");
+    CHECK_THROWS_WITH(nearestPoint(boundary, {}, "follow"),
+                      "follow: the surface must have a triangle with an area, got none");
 }

@@ -13,14 +13,14 @@ geometry::TriangleMesh square() { return {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 
 TEST_CASE("vertices that stay keep their values to the bit, doubled ones too, whatever their new numbers")
 {
     const geometry::TriangleMesh old = square();
-    // Cut along the diagonal: its two ends exist twice.
+    // Cut along the diagonal, whose two ends exist twice.
     const geometry::TriangleMesh fresh{
         {{0, 1, 0}, {1, 1, 0}, {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}}, {{2, 3, 1}, {5, 4, 0}}, {}};
     CHECK(carry(transferBetween(old, fresh), std::vector<double>{0.1, 0.2, 0.3, 0.4}) ==
           std::vector<double>{0.4, 0.3, 0.1, 0.2, 0.3, 0.1});
 }
 
-TEST_CASE("a new vertex on the surface gets the mean, one inside the tissue begins anew")
+TEST_CASE("a new vertex on the surface gets the mean, one inside the tissue gets a default value")
 {
     geometry::TriangleMesh fresh = square();
     fresh.vertices.push_back({0.25, 0.0, 0.0});

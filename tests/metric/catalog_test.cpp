@@ -23,14 +23,14 @@ TEST_CASE("every metric has a definition, a unit, a source and its evidence, and
     }
 }
 
-TEST_CASE("docs/metrics.md has the table of the code (filasofia report --definitions writes it)")
+TEST_CASE("docs/guide/metrics.md has the list of the code (filasofia report --definitions writes it)")
 {
-    std::ifstream file(FILASOFIA_SOURCE_DIR "/docs/metrics.md");
+    std::ifstream file(FILASOFIA_SOURCE_DIR "/docs/guide/metrics.md");
     const std::string page{std::istreambuf_iterator<char>(file), {}};
     CHECK(page.find(catalogMarkdown()) != std::string::npos);
 }
 
-TEST_CASE("definitions tell the thresholds that are used")
+TEST_CASE("definitions state the thresholds that are used")
 {
     const MeasureDef def;
     const auto tells = [](std::string_view id, const std::string& words) {
@@ -57,9 +57,9 @@ TEST_CASE("a number is compared with those of others")
 
 TEST_CASE("few others, others all alike, or no number: no z, and a reason")
 {
-    CHECK(compare({.value = 1.0}, std::vector{1.0, 2.0}).reason == "needs 3 other sessions, has 2");
-    CHECK(compare({.value = 1.0}, {}).reason == "needs 3 other sessions, has 0");
-    CHECK(compare({.value = 1.0}, std::vector{2.0, 2.0, 2.0}).reason == "all others have the same number");
+    CHECK(compare({.value = 1.0}, std::vector{1.0, 2.0}).reason == "needs 3 other sessions, got 2");
+    CHECK(compare({.value = 1.0}, {}).reason == "needs 3 other sessions, got 0");
+    CHECK(compare({.value = 1.0}, std::vector{2.0, 2.0, 2.0}).reason == "all other sessions have the same number");
     CHECK(compare({.reason = "no tool"}, std::vector{1.0, 2.0, 3.0}).reason == "no tool");
     CHECK_FALSE(compare({.reason = "no tool"}, std::vector{1.0, 2.0, 3.0}).z);
 }

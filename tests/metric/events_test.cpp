@@ -14,7 +14,7 @@ Session withEvents(std::vector<Event> events)
     return session;
 }
 
-/// A scope at the origin that looks along -z and turns about it, and a tool before it.
+/// A scope at the origin that looks along -z and rolls about it, and a tool in front of it.
 Session scoped(const std::function<double(double)>& roll, const std::function<Vec3(double)>& tool)
 {
     Session session = sampled(1000, 2.0, tool);
@@ -29,7 +29,7 @@ Session scoped(const std::function<double(double)>& roll, const std::function<Ve
 
 } // namespace
 
-TEST_CASE("what opens the target is meant, anything else is not")
+TEST_CASE("opening the target is intended, opening anything else is not")
 {
     const Session session = withEvents({{1.0, EventKind::Tear, "polyp", 2e-5},
                                         {2.0, EventKind::Tear, "uterus", 3e-5},
@@ -43,7 +43,7 @@ TEST_CASE("what opens the target is meant, anything else is not")
     CHECK(number("perforations", session) == 0);
 }
 
-TEST_CASE("what is cut or torn on at once is one cut, of each body")
+TEST_CASE("cuts or tears of one body in quick succession are one")
 {
     std::vector<Event> events;
     for (int i = 0; i < 20; ++i) {
@@ -54,21 +54,21 @@ TEST_CASE("what is cut or torn on at once is one cut, of each body")
     events.push_back({9.2, EventKind::Tear, "uterus", 1e-6});
     const Session session = withEvents(events);
     CHECK(number("tears_unintended", session) == 2);
-    CHECK(number("cuts_unintended", session) == 20); // 0.8 s apart on each
+    CHECK(number("cuts_unintended", session) == 20); // 0.8 s apart on each body
     CHECK(number("cuts_unintended", session, {.rupturePause = 1.0}) == 2);
     CHECK(number("area_unintended", session) == exactly(41e-6));
 }
 
-TEST_CASE("events that nobody watched for are not none")
+TEST_CASE("kinds of events that were not recorded have no count")
 {
     Session session = withEvents({});
     session.watched.clear();
-    CHECK(reason("perforations", session) == "the session was not watched for events 'perforation'");
+    CHECK(reason("perforations", session) == "the session did not record events of kind 'perforation'");
     for (const char* id : {"tears_unintended", "cuts_unintended", "area_unintended", "volume_removed", "mistakes"})
-        CHECK(reason(id, session).starts_with("the session was not watched for events '"));
+        CHECK(reason(id, session).starts_with("the session did not record events of kind '"));
 }
 
-TEST_CASE("what the simulator tells is taken: volume, share seen, what is left, mistakes, steps")
+TEST_CASE("the simulator's reports are used: volume, share seen, what is left, mistakes, steps")
 {
     Session session = withEvents({{1.0, EventKind::Seen, "", 0.3},
                                   {2.0, EventKind::Removed, "polyp", 1.5e-7},
@@ -84,10 +84,10 @@ TEST_CASE("what the simulator tells is taken: volume, share seen, what is left, 
     CHECK(*measured("share_seen", session).moment == 6.0);
     CHECK(number("residual", session) == 0.05);
     CHECK(number("mistakes", session) == 1);
-    CHECK(reason("steps_done", session) == "the case names no steps");
+    CHECK(reason("steps_done", session) == "the case specifies no steps");
     session.steps = {"enter", "see both ostia", "take it out", "leave"};
     CHECK(number("steps_done", session) == 0.25);
-    CHECK(reason("share_seen", withEvents({})) == "no event 'seen' told of it");
+    CHECK(reason("share_seen", withEvents({})) == "there was no event of kind 'seen'");
 }
 
 TEST_CASE("the horizon error is the mean roll of the picture")
@@ -103,12 +103,14 @@ TEST_CASE("the horizon error is the mean roll of the picture")
 TEST_CASE("a tool beyond the cone of view is out of view for that time")
 {
     const auto upright = [](double) { return 0.0; };
-    // Out where x > 0.1 in a cone of 45 degrees to each side: half of the time, less its first moment.
+    // Out of view if x > 0.1, for a cone of 45 degrees to each side: half of the time, minus its first moment.
     const Session session = scoped(upright, [](double t) { return Vec3{0.2 * std::sin(kPi * t), 0, -0.1}; });
     const double share = 4.0 * (0.5 - std::asin(0.5) / kPi);
     CHECK(number("out_of_view", session) == Approx(share).margin(4e-3)); // four ends, each within a sample
     CHECK(*measured("out_of_view", session).moment == Approx(1.0 / 6.0).margin(1e-3));
-    CHECK(number("out_of_view", scoped(upright, [](double) { return Vec3{0, 0, 0.1}; })) == exactly(2.0)); // behind
+    CHECK(number("out_of_view", scoped(upright, [](double) {
+                     return Vec3{0, 0, 0.1};
+                 })) == exactly(2.0)); // behind the scope
 }
 
 TEST_CASE("only a contact near the lens is one of the lens")

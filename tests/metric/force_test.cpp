@@ -33,9 +33,9 @@ TEST_CASE("a half-sine push has its peak, mean, root mean square and impulse")
 TEST_CASE("the time above a limit is that of the wave, and each rise counts once")
 {
     Session session = pushes({2.0, 0.5, 4.0});
-    CHECK(reason("force_over_time", session) == "the case names no force that the tissue stands");
+    CHECK(reason("force_over_time", session) == "the case specifies no force limit of the tissue");
     session.forceLimit = 1.0;
-    // Of a half-sine of peak p: 1 - 2 asin(1 / p) / pi.
+    // For a half-sine of peak p: 1 - 2 asin(1 / p) / pi.
     CHECK(number("force_over_time", session) == exactly(2.0 / 3.0 + 1.0 - 2.0 * std::asin(0.25) / kPi));
     CHECK(number("force_over_count", session) == 2);
     CHECK(*measured("force_over_time", session).moment == Approx(1.0 / 6.0).epsilon(1e-5));
@@ -58,7 +58,7 @@ TEST_CASE("the largest force and the time above the limit are of every instrumen
     CHECK(number("force_over_time", session) == exactly(2.0 / 3.0 + 1.0 - 2.0 * std::asin(1.0 / 6.0) / kPi));
     CHECK(number("force_over_count", session) == 2);
     CHECK(number("force_impulse", session) == exactly(2.5 * 2.0 / kPi));
-    // Both at once are above it once.
+    // If both are above it at the same time, that counts once.
     Session both = pushes({2.0});
     both.tracks.push_back(pushes({4.0}).tracks[0]);
     both.forceLimit = 1.0;
@@ -66,7 +66,7 @@ TEST_CASE("the largest force and the time above the limit are of every instrumen
     CHECK(number("force_over_count", both) == 1);
 }
 
-TEST_CASE("contacts are counted, timed and told by their peaks")
+TEST_CASE("contacts are counted, timed and described by their peaks")
 {
     const Session session = pushes({2.0, 1.0, 6.0});
     CHECK(number("contact_count", session) == 3);
@@ -76,7 +76,7 @@ TEST_CASE("contacts are counted, timed and told by their peaks")
     CHECK(*measured("contact_count", session).moment == exactly(0.0));
 }
 
-TEST_CASE("who lets go for a moment only has not let go")
+TEST_CASE("a momentary release does not end a contact")
 {
     const auto touching = [](double pause) {
         return sampled(1000, 1.0, still, [=](double t) { return Vec3{0, t > 0.4 && t < 0.4 + pause ? 0.0 : 1.0, 0}; });
@@ -97,7 +97,7 @@ TEST_CASE("a session that touches nothing has zeros, and no mean of nothing")
         CHECK(reason(id, session) == "the tool touched nothing");
 }
 
-TEST_CASE("where forces were not observed there is no force")
+TEST_CASE("without observed forces there are no force metrics")
 {
     const Session session = sampled(200, 1.0, minimumJerk(0.1, 1.0));
     for (const char* id : {"force_max", "force_mean", "force_impulse", "contact_count", "contact_time"})
@@ -115,7 +115,7 @@ TEST_CASE("a hit of one step counts as its mean over 5 ms, whatever the step was
         CHECK(measured("force_over_count", session, MeasureDef{}).value == 0.0);
         CHECK(number("force_over_count", session) == 1); // without the mean
     }
-    // Sampled every 5 ms or slower it changes nothing.
+    // If sampled every 5 ms or slower, it changes nothing.
     const Session slow = pushes({3.0}, 200);
     CHECK(number("force_max", slow, {}) == exactly(3.0));
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Every value is a finite number, or absent with a reason.
+/// Every value must be a finite number, or absent with a reason.
 void checkHonest(const Session& session)
 {
     const std::vector<Value> values = measure(session);
@@ -34,12 +34,12 @@ TEST_CASE("without a track, without samples, with few of them: no number, and a 
         Session session = sampled(100, 1.0, minimumJerk(0.1, 1.0), [](double t) { return Vec3{t, 0, 0}; });
         session.tracks[0].samples.resize(static_cast<std::size_t>(count));
         checkHonest(session);
-        CHECK(measured("path_length", session).value.has_value() == (count >= kFewest));
+        CHECK(measured("path_length", session).value.has_value() == (count >= kMinSamples));
         CHECK(measured("duration", session).value.has_value() == (count >= 2));
     }
 }
 
-TEST_CASE("samples that are no numbers are as if they were not there")
+TEST_CASE("samples that are not finite are ignored")
 {
     Session session = sampled(1000, 1.0, minimumJerk(0.2, 1.0), [](double) { return Vec3{1, 0, 0}; });
     for (std::size_t i = 100; i < 900; i += 50) {
@@ -53,7 +53,7 @@ TEST_CASE("samples that are no numbers are as if they were not there")
     CHECK(number("duration", session) == exactly(1.0));
 }
 
-TEST_CASE("in a gap nothing is added, and what needs the whole is absent")
+TEST_CASE("gaps add nothing, and metrics that need the whole session are absent")
 {
     Session session = sampled(
         1000, 4.0,
@@ -72,10 +72,10 @@ TEST_CASE("in a gap nothing is added, and what needs the whole is absent")
     CHECK(number("speed_mean", session) == exactly(0.05));
     CHECK(number("force_impulse", session) == exactly(4.0));
     for (const char* id : {"sparc", "log_dimensionless_jerk", "motion_frequency"})
-        CHECK(reason(id, session) == "gaps: the longest stretch without one is 1 s of 4 s");
+        CHECK(reason(id, session) == "too many gaps: the longest stretch without a gap is 1 s of 4 s");
 }
 
-TEST_CASE("times that do not rise are left out")
+TEST_CASE("samples whose time does not increase are left out")
 {
     Session session = sampled(1000, 1.0, minimumJerk(0.2, 1.0));
     auto& samples = session.tracks[0].samples;
@@ -111,24 +111,24 @@ TEST_CASE("sampled too slowly there is no motion")
 {
     const Session session = sampled(5, 10.0, minimumJerk(0.1, 10.0));
     checkHonest(session);
-    CHECK(reason("path_length", session) == "needs 7 samples in a row with a place, none further apart than 0.1 s");
-    CHECK(reason("sparc", sampled(15, 10.0, minimumJerk(0.1, 10.0))) == "needs 20 samples a second");
+    CHECK(reason("path_length", session) == "needs 7 consecutive samples with a position, at most 0.1 s apart");
+    CHECK(reason("sparc", sampled(15, 10.0, minimumJerk(0.1, 10.0))) == "needs at least 20 samples per second");
 }
 
-TEST_CASE("how it is measured is checked")
+TEST_CASE("the parameters of the measures are checked")
 {
     CHECK_THROWS_WITH(measure({}, {.lowPass = -1}), "measure: lowPass must be in [0, 1000] Hz, got -1");
     CHECK_THROWS_WITH(measure({}, {.maximumGap = 0}), "measure: maximumGap must be > 0 s, got 0");
 }
 
-TEST_CASE("a tool that was put somewhere else did not go there")
+TEST_CASE("a jump of the tool is not motion")
 {
     const auto path = [](double t) { return Vec3{0.05 * t + (t > 2.0 ? 0.3 : 0.0), 0, 0}; };
     Session session = sampled(1000, 4.0, path);
     for (Sample& sample : session.tracks[0].samples) sample.pose.orientation = axisAngle({0, 1, 0}, kPi / 2);
     checkHonest(session);
     CHECK(motionsOf(session.tracks[0], kUnfiltered).size() == 2);
-    CHECK(number("path_length", session) == exactly(0.05 * 3.999)); // the step of the jump is not known
+    CHECK(number("path_length", session) == exactly(0.05 * 3.999)); // the displacement of the jump is unknown
     CHECK(number("depth_path", session) == exactly(0.05 * 3.999));
     CHECK(number("speed_peak", session) == exactly(0.05));
 }

@@ -42,7 +42,7 @@ TEST_CASE("a circle has its length, speed, frequency and no idle time")
     CHECK(number("idle_share", session) == 0.0);
     CHECK(number("idle_longest", session) == 0.0);
     CHECK(number("working_volume", session) == exactly(0.0));
-    // Jerk is r w^3 all the time: T^3 / (r w)^2 * (r w^3)^2 T.
+    // The jerk is constantly r w^3: T^3 / (r w)^2 * (r w^3)^2 T.
     CHECK(number("log_dimensionless_jerk", session) == exactly(-4.0 * std::log(2 * kPi * f * 4.0)));
 }
 
@@ -63,7 +63,7 @@ TEST_CASE("a sinusoid has a peak in each half period, and rests where it is slow
 TEST_CASE("95 % of the power lies below the frequency of a sinusoid, or of the faster of two")
 {
     const auto wave = [](double amplitude, double hertz, double t) {
-        return amplitude / hertz * std::sin(2 * kPi * hertz * t); // of velocity 2 pi amplitude
+        return amplitude / hertz * std::sin(2 * kPi * hertz * t); // its velocity is 2 pi amplitude
     };
     const auto at = [&](double second) {
         Session session = sampled(256, 16.0, [&](double t) {
@@ -93,7 +93,7 @@ TEST_CASE("the spectral arc length of a bell is that of its spectrum, which is a
     for (std::size_t k = 1; k < bell.size(); ++k)
         length += std::hypot(1.0 / static_cast<double>(bell.size() - 1), bell[k] - bell[k - 1]);
     CHECK(spectralArcLength(speeds, 1.0 / rate) == exactly(-length));
-    // And that polygon is nearly the curve: the integral of sqrt(1 / fc^2 + (dM/df)^2).
+    // That polygon approximates the curve: the integral of sqrt(1 / fc^2 + (dM/df)^2).
     const double fc = std::sqrt(std::log(20.0) / 2.0) / (kPi * sigma);
     std::vector<double> arc;
     for (int i = 0; i <= 2000; ++i) {
@@ -119,12 +119,12 @@ TEST_CASE("economy is the ideal path over the path")
     Session session = sampled(2000, 1.0, [](double t) {
         return Vec3{0.1 * std::cos(kPi * t), 0.1 * std::sin(kPi * t), 0};
     });
-    CHECK(reason("economy", session) == "the case names no ideal path");
+    CHECK(reason("economy", session) == "the case specifies no ideal path");
     session.idealPath = 0.2; // the diameter
     CHECK(number("economy", session) == exactly(2.0 / kPi));
 }
 
-TEST_CASE("the depth path is what goes along the instrument, however it points")
+TEST_CASE("the depth path is the displacement along the instrument, however it points")
 {
     const double depth = 0.01, side = 0.04;
     Session session = sampled(2000, 3.0, [=](double t) { return Vec3{depth * std::sin(2 * kPi * t), side * t, 0}; });
@@ -150,7 +150,7 @@ TEST_CASE("the working volume is that of the hull")
     CHECK(hullVolume({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) == exactly(1.0 / 6.0));
     CHECK(hullVolume({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}) == 0.0);
     CHECK(hullVolume(std::vector<Vec3>(600, Vec3{1, 1, 1})) == 0.0);
-    // What is round is a little too small, and never too large.
+    // The hull of a round shape is a little too small, and never too large.
     std::vector<Vec3> ball;
     for (int i = 0; i < 20000; ++i) {
         const double z = 1.0 - (2.0 * i + 1.0) / 20000, turn = 2.4 * i, r = std::sqrt(1.0 - z * z);
@@ -232,7 +232,7 @@ TEST_CASE("unevenly sampled motion is brought to an even rate")
         sample.pose.position = minimumJerk(0.2, 1.0)(sample.time);
     }
     CHECK(number("path_length", session) == exactly(0.2));
-    CHECK(number("speed_peak", session) == Approx(0.375).epsilon(1e-5)); // it lies between two samples
+    CHECK(number("speed_peak", session) == Approx(0.375).epsilon(1e-5)); // the peak lies between two samples
     CHECK(number("log_dimensionless_jerk", session) == Approx(-std::log(204.8)).epsilon(1e-2));
 }
 
@@ -267,7 +267,7 @@ TEST_CASE("the hull of scattered points, and of a nearly straight path, is that 
         for (int round = 0; round < 5; ++round) {
             std::vector<Vec3> points;
             for (int i = 0; i < 60; ++i) {
-                const double t = i / 20.0; // three straight ways
+                const double t = i / 20.0; // three straight segments
                 const Vec3 way = t < 1.0 ? Vec3{t, 0, 0} : t < 2.0 ? Vec3{1, t - 1.0, 0} : Vec3{1, 1, 0.3 * (t - 2.0)};
                 points.push_back(way + noise * Vec3{side(random), side(random), side(random)});
             }

@@ -14,7 +14,7 @@ using namespace filasofia::metric;
 
 namespace {
 
-/// A file of the test's own, gone with it.
+/// A temporary file, removed with this object.
 struct TemporaryFile {
     std::filesystem::path path =
         std::filesystem::temp_directory_path() / ("filasofia_session_test_" + std::to_string(getpid()) + ".jsonl");
@@ -98,7 +98,7 @@ TEST_CASE("a session reads back as it was, to the bit")
     CHECK(file.read() == once);
 }
 
-TEST_CASE("what is no number is none when it comes back")
+TEST_CASE("NaN comes back as NaN")
 {
     const TemporaryFile file;
     Session session = little();
@@ -110,7 +110,7 @@ TEST_CASE("what is no number is none when it comes back")
     CHECK(std::isnan(back.tracks[0].samples[4].force.x));
 }
 
-TEST_CASE("cut off at any byte a session is read up to there, or refused in one line")
+TEST_CASE("a session cut off at any byte is read up to there, or refused in one line")
 {
     const TemporaryFile file;
     writeSession(file.path, little());
@@ -119,7 +119,7 @@ TEST_CASE("cut off at any byte a session is read up to there, or refused in one 
     std::size_t before = 0;
     for (std::size_t size = 0; size < whole.size(); ++size) {
         file.write(whole.substr(0, size));
-        if (size + 1 < head) { // without its line break a head is still whole
+        if (size + 1 < head) { // without its line break a header is still complete
             CHECK(refusal(file) != "read");
             continue;
         }
@@ -131,32 +131,33 @@ TEST_CASE("cut off at any byte a session is read up to there, or refused in one 
     CHECK(before == little().tracks[0].samples.size());
 }
 
-TEST_CASE("what is no session is refused by file and line")
+TEST_CASE("a file that is not a session is refused by file and line")
 {
     const TemporaryFile file;
-    CHECK(refusal(file) == ": there is no such file");
+    CHECK(refusal(file) == ": no such file");
     file.write("");
     CHECK(refusal(file) == ": is empty");
     file.write("hello\n");
-    CHECK(refusal(file) == ", line 1: is no line of a session");
+    CHECK(refusal(file) == ", line 1: must be a JSON object");
     file.write("{}\n");
-    CHECK(refusal(file) == ", line 1: this is no session of Filasofia");
+    CHECK(refusal(file) == ", line 1: this is not a Filasofia session");
     file.write("{\"format\":\"filasofia session\",\"version\":2}\n");
-    CHECK(refusal(file) == ", line 1: is a session of version 2, and this program reads 1");
+    CHECK(refusal(file) == ", line 1: the session has version 2, but this program reads version 1");
     const std::string head = headLine(little());
     const auto second = [&](const std::string& line) {
         file.write(head + line + "\n");
         return refusal(file);
     };
-    CHECK(second("{\"t\":0}") == ", line 2: must have samples 's' of 2 tracks");
-    CHECK(second("{\"s\":[]}") == ", line 2: has no time 't'");
+    CHECK(second("{\"t\":0}") == ", line 2: 's' must be a list of samples of 2 tracks");
+    CHECK(second("{\"s\":[]}") == ", line 2: field 't', the time, is missing");
     CHECK(second("{\"t\":0,\"s\":[[1],[2]]}") ==
-          ", line 2: a sample must be 7, 11 or 14 numbers, the eleventh the number of contacts");
-    CHECK(second("{\"t\":0,\"event\":\"party\"}") == ", line 2: there is no kind of event 'party'");
-    CHECK(second(endLine(0) + eventLine({})) == ", line 3: comes after the end");
-    CHECK(second(std::string(200'000, '[')) == ", line 2: is no line of a session");
-    CHECK(second(std::string(2'000'000, ' ')) == ", line 2: is longer than any line of a session");
-    CHECK(second("{\"t\":1e999,\"s\":[]}") == ", line 2: is no line of a session");
+          ", line 2: a sample must have 7, 11 or 14 numbers, of which the eleventh is the number of contacts");
+    CHECK(second("{\"t\":0,\"event\":\"party\"}") ==
+          ", line 2: the kind of an event must be one of Filasofia's, got 'party'");
+    CHECK(second(endLine(0) + eventLine({})) == ", line 3: there must be no line after the end");
+    CHECK(second(std::string(200'000, '[')) == ", line 2: must be a JSON object");
+    CHECK(second(std::string(2'000'000, ' ')) == ", line 2: must be shorter than 1 MiB, as every line of a session");
+    CHECK(second("{\"t\":1e999,\"s\":[]}") == ", line 2: must be a JSON object");
 }
 
 TEST_CASE("events that come a little late are put where they belong")
@@ -170,7 +171,7 @@ TEST_CASE("events that come a little late are put where they belong")
     CHECK(session.lost == 3);
 }
 
-TEST_CASE("a frame tells where a body is and what pushes it")
+TEST_CASE("a sample has a body's pose and the forces on it")
 {
     frame::Frame frame;
     frame.time = 1.5;
@@ -184,14 +185,15 @@ TEST_CASE("a frame tells where a body is and what pushes it")
     CHECK(distance(tool.pose.position, {1, 0.5, 0}) < 1e-15);
     CHECK(tool.force == Vec3{0, -3, 0});
     CHECK(tool.contacts == 2);
-    CHECK(tool.point == Vec3{1, 2, 0}); // the stronger
+    CHECK(tool.point == Vec3{1, 2, 0}); // the stronger one
     CHECK(sampleOf(frame, {.body = {2}}).pose.position == Vec3{1, 0, 0});
-    CHECK(sampleOf(frame, {.body = {2}}).force == Vec3{0, 3, 0}); // its own fold is no force on it
+    CHECK(sampleOf(frame, {.body = {2}}).force ==
+          Vec3{0, 3, 0}); // contact of the body with itself exerts no force on it
     CHECK(std::isnan(sampleOf(frame, {.body = {7}}).pose.position.x));
     CHECK(std::isnan(sampleOf(frame, {.body = {1}, .element = 4}).force.x));
 }
 
-TEST_CASE("what a tool holds pulls at it and is one more contact, and what ties it to space is none")
+TEST_CASE("an attachment to another body exerts a force and counts as a contact, one to space does not")
 {
     frame::Frame frame;
     frame.rigidBodies = {{.id = {1}, .poses = {{}}}};
@@ -208,7 +210,7 @@ TEST_CASE("what a tool holds pulls at it and is one more contact, and what ties 
     CHECK(sampleOf(frame, {.body = {2}}).force == Vec3{0, 1, 7});
 }
 
-TEST_CASE("between two samples no blow is missed: the force is the mean over the steps")
+TEST_CASE("between two samples no impact is missed: the force is the mean over the steps")
 {
     StepSampler sampler({.body = {1}});
     frame::Frame frame;
@@ -233,7 +235,7 @@ TEST_CASE("between two samples no blow is missed: the force is the mean over the
     CHECK(sampler.take().force == Vec3{}); // nothing is left of it
 }
 
-TEST_CASE("samples written in another way than ours are the same samples")
+TEST_CASE("samples in another JSON format are read as the same samples")
 {
     const TemporaryFile file;
     const std::string head = headLine(little());
@@ -253,7 +255,7 @@ TEST_CASE("samples written in another way than ours are the same samples")
     for (const char* line : {"{\"t\":0,\"s\":[[inf,0,0,1,0,0,0],[0,0,0,1,0,0,0]]}", "{\"t\":0,\"s\":[[0,0,0,1,0,0,0]",
                              "{\"t\":0,\"s\":[[0,0,0,1,0,0,0],[0,0,0,1,0,0,0]]}]"}) {
         file.write(head + line + "\n");
-        CHECK(refusal(file) == ", line 2: is no line of a session");
+        CHECK(refusal(file) == ", line 2: must be a JSON object");
     }
 }
 

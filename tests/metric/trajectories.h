@@ -9,7 +9,7 @@ namespace filasofia::metric {
 
 inline constexpr double kPi = std::numbers::pi;
 
-/// As sampled: closed forms know no filter and no mean.
+/// As sampled, because closed forms include no filter and no mean.
 inline constexpr MeasureDef kUnfiltered = {.lowPass = 0.0, .forceWindow = 0.0};
 
 /// Samples of a path at rate [Hz] from 0 to `end` [s].
@@ -56,10 +56,10 @@ inline std::string reason(std::string_view id, const Session& session)
     return value.reason;
 }
 
-/// To 1e-6 of the value.
+/// Within 1e-6 of the value.
 inline Approx exactly(double value) { return Approx(value).epsilon(1e-6).margin(1e-9); }
 
-/// A straight reach of `reach` [m] in `time` [s] with the least jerk (Flash and Hogan 1985).
+/// A straight reach of `reach` [m] in `time` [s] with minimum jerk (Flash and Hogan 1985).
 inline std::function<Vec3(double)> minimumJerk(double reach, double time)
 {
     return [=](double t) {

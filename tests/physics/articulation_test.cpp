@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A shaft with two jaws; the second slides.
+/// A shaft with two jaws; the second one slides.
 RigidBodyDef tool()
 {
     RigidBodyDef def{.name = "forceps", .elements = {Pose{{0, 1, 0}, {}}}};
@@ -22,8 +22,8 @@ RigidBodyDef tool()
 
 template <class Change> void checkRefused(Change change, const std::vector<std::string>& parts)
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     RigidBodyDef def = tool();
     change(def, server);
     checkError([&] { server.add(def); }, parts);
@@ -33,19 +33,19 @@ template <class Change> void checkRefused(Change change, const std::vector<std::
 
 TEST_CASE("links of an articulated body are where their joints put them, in the Def that everyone sees")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId id = server.add(tool());
     const auto& def = std::get<RigidBodyDef>(*server.def(id));
     REQUIRE(def.elements.size() == 3);
     CHECK(length(def.elements[1].position - Vec3{1, 1, 0}) < 1e-15);
     CHECK(length(rotationVector(def.elements[1].orientation) - Vec3{0, 0, 0.5}) < 1e-14);
     CHECK(length(rotationVector(def.elements[2].orientation) - Vec3{0, 0, 0.5}) < 1e-14);
-    CHECK_NOTHROW(server.add(def)); // as a recording has it
+    CHECK_NOTHROW(server.add(def)); // as a recording stores it
     CHECK(elementCount(tool()) == 3);
 }
 
-TEST_CASE("joints that make no tree, or that nobody could build, are refused with their names and values")
+TEST_CASE("joints that make no tree, or that cannot be built, are refused with their names and values")
 {
     const auto joint = [](std::size_t j, auto change) {
         return [=](RigidBodyDef& def, PhysicsServer&) { change(def.articulation.joints[j]); };
@@ -57,8 +57,8 @@ TEST_CASE("joints that make no tree, or that nobody could build, are refused wit
     checkRefused(joint(1, [](JointDef& j) { j.child = 3; }), {second + ".child", "[0, 3)", "got 3"});
     checkRefused(joint(1, [](JointDef& j) { j.parent = 3; }), {second + ".parent", "[0, 3)", "got 3"});
     checkRefused(joint(1, [](JointDef& j) { j.parent = -1; }), {"joints[1].parent", ">= 0", "got -1"});
-    checkRefused(joint(1, [](JointDef& j) { j.child = 0; }), {second + ".child", "element 0 is the base"});
-    checkRefused(joint(1, [](JointDef& j) { j.child = 1; }), {second + ".child", "child of joints[0] already"});
+    checkRefused(joint(1, [](JointDef& j) { j.child = 0; }), {second + ".child", "must not be 0, the base"});
+    checkRefused(joint(1, [](JointDef& j) { j.child = 1; }), {second + ".child", "already the child of joints[0]"});
     checkRefused(joint(0, [](JointDef& j) { j.parent = 2; }), {first, "part of a loop", "element 1"});
     checkRefused(joint(1, [](JointDef& j) { j.parent = 2; }), {second, "part of a loop", "element 2"});
     checkRefused(joint(0, [](JointDef& j) { j.lower = 2.0; }), {first + ".upper", ">= lower", "2", "got 1"});
@@ -66,7 +66,8 @@ TEST_CASE("joints that make no tree, or that nobody could build, are refused wit
     checkRefused(joint(0, [](JointDef& j) { j.start = -1.5; }), {first + ".start", "[-1, 1] rad", "got -1.5"});
     checkRefused(joint(0, [](JointDef& j) { j.command = JointPosition{1.5}; }),
                  {first + ".command", "[-1, 1] rad", "got 1.5"});
-    checkRefused(joint(0, [](JointDef& j) { j.command = JointForce{1.0}; }), {first + ".command", "resists"});
+    checkRefused(joint(0, [](JointDef& j) { j.command = JointForce{1.0}; }),
+                 {first + ".command", "without an inertia"});
     checkRefused(joint(0, [](JointDef& j) { j.command = JointForce{kNan}; }), {"joints[0].command", "got nan"});
     checkRefused(joint(0, [](JointDef& j) { j.speed = 0.0; }), {"joints[0].speed", "> 0", "got 0"});
     checkRefused(joint(0, [](JointDef& j) { j.friction = -1.0; }), {"joints[0].friction", ">= 0", "got -1"});
@@ -84,7 +85,7 @@ TEST_CASE("joints that make no tree, or that nobody could build, are refused wit
                  {first + ".mass.moments", "sum of the other two"});
 }
 
-TEST_CASE("an articulated body's elements, base and carrier are refused where they cannot be")
+TEST_CASE("an articulated body's elements, base and carrier are refused if they are invalid")
 {
     checkRefused([](RigidBodyDef& def, PhysicsServer&) { def.dynamic = true; },
                  {"rigid body 'forceps': mass of a dynamic body"});
@@ -94,11 +95,11 @@ TEST_CASE("an articulated body's elements, base and carrier are refused where th
             def.mass = GivenInertia{};
             def.articulation.to = physics.add(RigidBodyDef{});
         },
-        {"rigid body 'forceps': articulation.to", "no body", "got body 1"});
+        {"rigid body 'forceps': articulation.to", "must not name a body", "got body 1"});
     checkRefused([](RigidBodyDef& def, PhysicsServer&) { def.elements.resize(2); },
                  {"rigid body 'forceps': elements", "1 entry", "or 3", "got 2"});
     checkRefused([](RigidBodyDef& def, PhysicsServer&) { def.elements.resize(3); },
-                 {"rigid body 'forceps': elements[1]", "where its joint puts it"});
+                 {"rigid body 'forceps': elements[1]", "the pose that follows from its joint"});
     checkRefused(
         [](RigidBodyDef& def, PhysicsServer&) {
             def.collision = {{.mesh = geometry::shapes::box({1, 1, 1}), .element = 3}};
@@ -113,11 +114,11 @@ TEST_CASE("an articulated body's elements, base and carrier are refused where th
     checkRefused(to([](PhysicsServer&) { return BodyId{7}; }), {"articulation.to", "body 7", "no such body"});
     checkRefused(
         to([](PhysicsServer& physics) { return physics.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()}); }),
-        {"articulation.to", "soft body 'liver'", "rigid body that goes where it is told"});
+        {"articulation.to", "must be a kinematic rigid body", "soft body 'liver'"});
     checkRefused(to([](PhysicsServer& physics) {
                      return physics.add(RigidBodyDef{.name = "ball", .dynamic = true, .mass = GivenInertia{}});
                  }),
-                 {"articulation.to", "rigid body 'ball'", "goes where it is told"});
+                 {"articulation.to", "must be a kinematic rigid body", "rigid body 'ball'"});
     checkRefused(to([](PhysicsServer& physics) { return physics.add(RigidBodyDef{}); }, 1),
                  {"articulation.toElement", "[0, 1)", "got 1"});
     checkRefused(to([](PhysicsServer& physics) { return physics.add(tool()); }, 1),
@@ -132,40 +133,40 @@ TEST_CASE("an articulated body's elements, base and carrier are refused where th
         {"articulation.joints", "at least one entry"});
 }
 
-TEST_CASE("joints are told from outside, a wrong command is an error at the caller")
+TEST_CASE("joints follow commands, and a wrong command is an error at the caller")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId id = server.add(tool()), plain = server.add(RigidBodyDef{.name = "probe"}),
                  soft = server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()});
     server.setJoint(id, 0, JointPosition{0.25});
     server.setJoint(id, 1, JointForce{-3.0});
     server.setPose(id, Pose{});
     server.step(0.1);
-    const SetJoint& position = command<SetJoint>(told, 4);
+    const SetJoint& position = command<SetJoint>(calls, 4);
     CHECK((position.id == id && position.joint == 0));
     CHECK(std::get<JointPosition>(position.command).value == 0.25);
-    CHECK(std::get<JointForce>(command<SetJoint>(told, 5).command).value == -3.0);
-    told.commands.clear();
+    CHECK(std::get<JointForce>(command<SetJoint>(calls, 5).command).value == -3.0);
+    calls.commands.clear();
 
     checkError([&] { server.setJoint(id, 2, JointPosition{}); }, {"'forceps': joint", "[0, 2)", "got 2"});
     checkError([&] { server.setJoint(id, -1, JointPosition{}); }, {"'forceps': joint", "[0, 2)", "got -1"});
     checkError([&] { server.setJoint(plain, 0, JointPosition{}); }, {"rigid body 'probe'", "no such joint"});
-    checkError([&] { server.setJoint(soft, 0, JointPosition{}); }, {"soft body 'liver'", "rigid body has joints"});
+    checkError([&] { server.setJoint(soft, 0, JointPosition{}); }, {"soft body 'liver'", "must be a rigid body"});
     checkError([&] { server.setJoint(BodyId{99}, 0, JointPosition{}); }, {"body 99", "no such body"});
     checkError([&] { server.setJoint(id, 0, JointPosition{1.01}); }, {"joint 0: position", "[-1, 1] rad", "got 1.01"});
     checkError([&] { server.setJoint(id, 0, JointPosition{kNan}); }, {"joint 0", "must be finite", "got nan"});
     checkError([&] { server.setJoint(id, 1, JointForce{kNan}); }, {"joint 1", "must be finite", "got nan"});
-    checkError([&] { server.setJoint(id, 0, JointForce{1.0}); }, {"joint 0", "a force needs something that resists"});
+    checkError([&] { server.setJoint(id, 0, JointForce{1.0}); }, {"joint 0", "must not be a force without an inertia"});
     checkError([&] { server.setPose(id, Pose{}, 1); }, {"'forceps'", "element 1", "only the base"});
 
     RigidBodyDef carried = tool();
     carried.name = "carried";
     carried.articulation.to = plain;
     const BodyId follower = server.add(carried);
-    checkError([&] { server.setPose(follower, Pose{}); }, {"'carried'", "goes with body 2"});
+    checkError([&] { server.setPose(follower, Pose{}); }, {"'carried'", "follows body 2"});
     server.remove(plain);
     server.setPose(follower, Pose{});
     server.step(0.1);
-    CHECK(told.commands.size() == 3); // what was wrong has not come
+    CHECK(calls.commands.size() == 3); // refused commands have not arrived
 }

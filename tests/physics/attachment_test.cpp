@@ -18,8 +18,8 @@ std::shared_ptr<const geometry::TriangleMesh> corner()
 
 /// A soft body (1), a tool without a mesh (2), a dynamic body of two elements (3), another tool (4).
 struct Fixture {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     BodyId soft = server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()});
     BodyId tool = server.add(RigidBodyDef{.name = "tool"});
     BodyId box =
@@ -29,7 +29,7 @@ struct Fixture {
     Fixture()
     {
         server.step(0.1);
-        told.commands.clear();
+        calls.commands.clear();
     }
     void refused(const AttachmentDef& def, const std::vector<std::string>& parts)
     {
@@ -40,11 +40,11 @@ struct Fixture {
     {
         checkError([&] { server.attach(body, def); }, parts);
     }
-    /// That nothing of what was refused has left a trace.
+    /// Checks that nothing of what was refused has left a trace.
     void checkNothingCame()
     {
         server.step(0.1);
-        CHECK(told.commands.empty());
+        CHECK(calls.commands.empty());
         CHECK(server.attach(soft, AttachmentDef{.nodes = {0}}) == AttachmentId{1});
     }
 };
@@ -59,17 +59,17 @@ TEST_CASE_METHOD(Fixture, "attachments reach the engine with their ids, as they 
     server.release(b);
     CHECK((a == AttachmentId{1} && b == AttachmentId{2} && c == AttachmentId{3}));
     server.step(0.1);
-    REQUIRE(told.commands.size() == 4);
-    const auto& first = command<Attach>(told, 0);
+    REQUIRE(calls.commands.size() == 4);
+    const auto& first = command<Attach>(calls, 0);
     CHECK((first.id == a && first.body == soft && first.def.to == box && first.def.element == 1));
     CHECK((first.def.nodes == std::vector{1, 3} && first.def.stiffness == 7));
-    const auto& second = command<AttachRigid>(told, 1);
+    const auto& second = command<AttachRigid>(calls, 1);
     CHECK((second.id == b && second.body == box && second.def.element == 1 && second.def.to == soft));
     CHECK(second.def.points == std::vector<Vec3>{{1, 2, 3}});
-    const auto& third = command<Grasp>(told, 2);
+    const auto& third = command<Grasp>(calls, 2);
     CHECK((third.id == c && third.rigid == tool && third.target == soft));
     CHECK((third.def.stiffness == 5 && third.def.breakForce == 6));
-    CHECK(command<Release>(told, 3).id == b);
+    CHECK(command<Release>(calls, 3).id == b);
 }
 
 TEST_CASE_METHOD(Fixture, "the attachments of a Def have ids in its order")
@@ -84,10 +84,10 @@ TEST_CASE_METHOD(Fixture, "the attachments of a Def have ids in its order")
     CHECK(server.attach(soft, AttachmentDef{.nodes = {0}}) == AttachmentId{5});
     checkError([&] { static_cast<void>(server.attachments(BodyId{99})); }, {"body 99", "no such body"});
     server.step(0.1);
-    CHECK(command<AddBody>(told, 1).attachments == AttachmentId{2});
+    CHECK(command<AddBody>(calls, 1).attachments == AttachmentId{2});
 }
 
-TEST_CASE_METHOD(Fixture, "an attachment that holds nothing, or not what there is, is an error at the caller")
+TEST_CASE_METHOD(Fixture, "an attachment of nothing, or of a node that does not exist, is an error at the caller")
 {
     refused({}, {"must name nodes, a box, a ball or another body"});
     refused({.nodes = {4}}, {".nodes", "[0, 4)", "got 4"});
@@ -107,7 +107,7 @@ TEST_CASE_METHOD(Fixture, "an attachment that holds nothing, or not what there i
 TEST_CASE_METHOD(Fixture, "an attachment to no body, to itself or to no element is an error at the caller")
 {
     refused({.nodes = {0}, .to = {99}}, {".to: body 99", "no such body"});
-    refused({.nodes = {0}, .to = soft}, {".to must be another body", "body 1 itself"});
+    refused({.nodes = {0}, .to = soft}, {".to must name another body", "body 1 itself"});
     refused({.nodes = {0}, .to = box, .element = 2}, {".element", "[0, 2)", "got 2"});
     refused({.nodes = {0}, .to = box, .element = -1}, {"element", ">= 0", "got -1"});
     refused({.nodes = {0}, .element = 1}, {".element must be 0", "got 1"});
@@ -120,11 +120,11 @@ TEST_CASE_METHOD(Fixture, "an attachment to no body, to itself or to no element 
     checkError([&] { server.attach(box, AttachmentDef{.nodes = {0}}); }, {"rigid body 'box'", "RigidAttachmentDef"});
     checkError([&] { server.attach(BodyId{99}, AttachmentDef{.nodes = {0}}); }, {"body 99", "no such body"});
     server.step(0.1);
-    told.commands.clear();
+    calls.commands.clear();
     checkNothingCame();
 }
 
-TEST_CASE_METHOD(Fixture, "a rigid attachment of what cannot be held is an error at the caller")
+TEST_CASE_METHOD(Fixture, "a rigid attachment between kinematic bodies is an error at the caller")
 {
     const std::string name = "rigid body 'box': attachment";
     refused(box, {.element = 2}, {name, ".element", "[0, 2)", "got 2"});
@@ -132,13 +132,13 @@ TEST_CASE_METHOD(Fixture, "a rigid attachment of what cannot be held is an error
     refused(box, {.points = {{2e4, 0, 0}}}, {name, "points[0]", "10000 m"});
     refused(box, {.stiffness = -1}, {name, "stiffness", "got -1"});
     refused(box, {.breakForce = 0}, {name, "breakForce", "got 0"});
-    refused(box, {.to = box}, {name, ".to must be another body"});
+    refused(box, {.to = box}, {name, ".to must name another body"});
     refused(box, {.to = {99}}, {name, ".to: body 99", "no such body"});
     refused(box, {.to = soft, .toElement = 1}, {name, ".toElement must be 0"});
     refused(box, {.to = tool, .toElement = 1}, {name, ".toElement", "[0, 1)", "got 1"});
     refused(box, {.toElement = 1}, {name, ".toElement must be 0", "got 1"});
-    refused(tool, {}, {"rigid body 'tool': attachment", "goes where it is told"});
-    refused(tool, {.to = other}, {"rigid body 'tool': attachment", "goes where it is told"});
+    refused(tool, {}, {"rigid body 'tool': attachment", "both are kinematic"});
+    refused(tool, {.to = other}, {"rigid body 'tool': attachment", "both are kinematic"});
     refused(soft, RigidAttachmentDef{}, {"soft body 'liver'", "AttachmentDef"});
     checkNothingCame();
 }
@@ -146,9 +146,9 @@ TEST_CASE_METHOD(Fixture, "a rigid attachment of what cannot be held is an error
 TEST_CASE_METHOD(Fixture,
                  "a grasp of what cannot be grasped, and a release of what never was, are errors at the caller")
 {
-    checkError([&] { server.grasp(soft, box); }, {"soft body 'liver'", "only a rigid body can grasp"});
+    checkError([&] { server.grasp(soft, box); }, {"soft body 'liver'", "must be a rigid body to grasp"});
     checkError([&] { server.grasp(tool, tool); }, {"rigid body 'tool': grasp", "another body"});
-    checkError([&] { server.grasp(tool, other); }, {"rigid body 'tool': grasp", "goes where it is told"});
+    checkError([&] { server.grasp(tool, other); }, {"rigid body 'tool': grasp", "both are kinematic"});
     checkError([&] { server.grasp(tool, BodyId{99}); }, {"body 99", "no such body"});
     checkError([&] { server.grasp(BodyId{99}, soft); }, {"body 99", "no such body"});
     checkError([&] { server.grasp(tool, soft, {.stiffness = 0}); }, {"rigid body 'tool': grasp", "stiffness", "got 0"});
@@ -158,11 +158,11 @@ TEST_CASE_METHOD(Fixture,
     checkNothingCame();
     const AttachmentId id = server.attach(soft, AttachmentDef{.nodes = {0}});
     server.remove(soft);
-    CHECK_NOTHROW(server.release(id)); // it went with its body
+    CHECK_NOTHROW(server.release(id)); // it was removed with its body
     CHECK_NOTHROW(server.release(id));
 }
 
-TEST_CASE_METHOD(Fixture, "a Def's attachments are held to the same when the body is added")
+TEST_CASE_METHOD(Fixture, "a Def's attachments are checked in the same way when the body is added")
 {
     const auto soft2 = [&](AttachmentDef def, const std::vector<std::string>& parts) {
         checkError(
@@ -176,11 +176,11 @@ TEST_CASE_METHOD(Fixture, "a Def's attachments are held to the same when the bod
     soft2({.within = 1.0}, {"soft body 'bile': attachments[1].within"});
     soft2({}, {"soft body 'bile': attachments[1]", "must name"});
     checkError([&] { server.add(RigidBodyDef{.name = "clip", .attachments = {{}}}); },
-               {"rigid body 'clip': attachments[0]", "goes where it is told"});
+               {"rigid body 'clip': attachments[0]", "both are kinematic"});
     checkError(
         [&] {
             server.add(RigidBodyDef{.name = "clip", .mesh = corner(), .dynamic = true, .attachments = {{.to = {5}}}});
         },
-        {"rigid body 'clip': attachments[0].to: body 5", "no such body"}); // itself is not there yet
+        {"rigid body 'clip': attachments[0].to: body 5", "no such body"}); // the body itself is not there yet
     checkNothingCame();
 }

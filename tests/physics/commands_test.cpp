@@ -7,8 +7,8 @@ using namespace filasofia::physics;
 
 TEST_CASE("commands reach the engine at the next step, in the order of posting, with what was said")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told, {.gravity = {1, 2, 3}});
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls, {.gravity = {1, 2, 3}});
     const BodyId soft = server.add(SoftBodyDef{.name = "tissue", .mesh = oneTetrahedron()});
     const BodyId rigid = server.add(RigidBodyDef{.elements = {Pose{}, Pose{}}});
     server.setPose(rigid, {{4, 5, 6}, axisAngle({0, 0, 1}, 0.3)}, 1);
@@ -18,41 +18,41 @@ TEST_CASE("commands reach the engine at the next step, in the order of posting, 
     server.setPressure(soft, -11);
     server.reset();
     server.remove(rigid);
-    CHECK(told.commands.empty());
+    CHECK(calls.commands.empty());
 
     server.step(0.25);
-    REQUIRE(told.commands.size() == 10);
-    CHECK(command<SetGravity>(told, 0).gravity == Vec3{1, 2, 3});
-    CHECK(command<AddBody>(told, 1).id == soft);
-    CHECK(std::get<SoftBodyDef>(*command<AddBody>(told, 1).def).name == "tissue");
-    CHECK(command<AddBody>(told, 1).body->nodeCount() == 4);
-    CHECK(command<AddBody>(told, 2).id == rigid);
-    CHECK(command<SetPose>(told, 3).id == rigid);
-    CHECK(command<SetPose>(told, 3).element == 1);
-    CHECK(command<SetPose>(told, 3).pose.position == Vec3{4, 5, 6});
-    CHECK(command<SetGravity>(told, 4).gravity == Vec3{7, 8, 9});
-    CHECK(std::get<FemMaterial>(command<SetMaterial>(told, 5).material).youngModulus == 77);
-    const auto& rebuilt = dynamic_cast<const FakeBody&>(*command<SetMaterial>(told, 5).body);
+    REQUIRE(calls.commands.size() == 10);
+    CHECK(command<SetGravity>(calls, 0).gravity == Vec3{1, 2, 3});
+    CHECK(command<AddBody>(calls, 1).id == soft);
+    CHECK(std::get<SoftBodyDef>(*command<AddBody>(calls, 1).def).name == "tissue");
+    CHECK(command<AddBody>(calls, 1).body->nodeCount() == 4);
+    CHECK(command<AddBody>(calls, 2).id == rigid);
+    CHECK(command<SetPose>(calls, 3).id == rigid);
+    CHECK(command<SetPose>(calls, 3).element == 1);
+    CHECK(command<SetPose>(calls, 3).pose.position == Vec3{4, 5, 6});
+    CHECK(command<SetGravity>(calls, 4).gravity == Vec3{7, 8, 9});
+    CHECK(std::get<FemMaterial>(command<SetMaterial>(calls, 5).material).youngModulus == 77);
+    const auto& rebuilt = dynamic_cast<const FakeBody&>(*command<SetMaterial>(calls, 5).body);
     CHECK(std::get<SoftBodyDef>(rebuilt.def).name == "tissue");
     CHECK(std::get<FemMaterial>(std::get<SoftBodyDef>(rebuilt.def).material).youngModulus == 77);
     CHECK(std::get<FemMaterial>(std::get<SoftBodyDef>(*server.def(soft)).material).youngModulus ==
-          FemMaterial{}.youngModulus); // what it was made from stays
-    REQUIRE(command<SetForces>(told, 6).forces.size() == 1);
-    CHECK(command<SetForces>(told, 6).forces[0].node == 3);
-    CHECK(command<SetPressure>(told, 7).pressure == -11);
-    CHECK(std::holds_alternative<Reset>(told.commands[8]));
-    CHECK(command<RemoveBody>(told, 9).id == rigid);
-    CHECK(told.dts == std::vector{0.25});
+          FemMaterial{}.youngModulus); // the Def stays what the body was made from
+    REQUIRE(command<SetForces>(calls, 6).forces.size() == 1);
+    CHECK(command<SetForces>(calls, 6).forces[0].node == 3);
+    CHECK(command<SetPressure>(calls, 7).pressure == -11);
+    CHECK(std::holds_alternative<Reset>(calls.commands[8]));
+    CHECK(command<RemoveBody>(calls, 9).id == rigid);
+    CHECK(calls.dts == std::vector{0.25});
 
     server.step(0.5);
-    CHECK(told.commands.size() == 10); // each command once
-    CHECK(told.dts == std::vector{0.25, 0.5});
+    CHECK(calls.commands.size() == 10); // each command once
+    CHECK(calls.dts == std::vector{0.25, 0.5});
 }
 
-TEST_CASE("ids are given once, rise, and are never zero")
+TEST_CASE("ids are used once, increase, and are never zero")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     std::uint32_t last = 0;
     for (int i = 0; i < 10; ++i) {
         const BodyId id = i % 2 ? server.add(SoftBodyDef{.mesh = oneTetrahedron()}) : server.add(RigidBodyDef{});
@@ -65,8 +65,8 @@ TEST_CASE("ids are given once, rise, and are never zero")
 
 TEST_CASE("while paused the engine steps with dt = 0 and still gets its commands")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     server.step(0.1);
     server.pause(true);
     CHECK_FALSE(server.paused()); // not before the next step
@@ -74,20 +74,20 @@ TEST_CASE("while paused the engine steps with dt = 0 and still gets its commands
     CHECK(server.paused());
     server.setGravity({1, 0, 0});
     server.step(0.1);
-    CHECK(command<SetGravity>(told, told.commands.size() - 1).gravity == Vec3{1, 0, 0});
+    CHECK(command<SetGravity>(calls, calls.commands.size() - 1).gravity == Vec3{1, 0, 0});
     server.pause(false);
     CHECK(server.step(0.1).dt == 0.1);
     CHECK_FALSE(server.paused());
     server.pause(true);
-    server.pause(false); // the last word counts
+    server.pause(false); // the last command counts
     server.step(0.1);
-    CHECK(told.dts == std::vector{0.1, 0.0, 0.0, 0.1, 0.1});
+    CHECK(calls.dts == std::vector{0.1, 0.0, 0.0, 0.1, 0.1});
 }
 
 TEST_CASE("tune runs once, on the stepping thread, with the engine in hand")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     int runs = 0;
     std::thread::id where;
     std::thread([&] {
@@ -104,10 +104,10 @@ TEST_CASE("tune runs once, on the stepping thread, with the engine in hand")
     CHECK(where == std::this_thread::get_id());
 }
 
-TEST_CASE("def() tells what a body was made from")
+TEST_CASE("def() returns what a body was made from")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId id = server.add(SoftBodyDef{.name = "polyp", .mesh = oneTetrahedron(), .pressure = 3});
     CHECK(std::get<SoftBodyDef>(*server.def(id)).name == "polyp");
     CHECK(std::get<SoftBodyDef>(*server.def(id)).pressure == 3);
@@ -118,8 +118,8 @@ TEST_CASE("def() tells what a body was made from")
 TEST_CASE("commands from several threads all arrive, each thread's in its own order")
 {
     constexpr int kThreads = 4, kEach = 2000;
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     std::vector<std::thread> threads;
     for (int t = 0; t < kThreads; ++t)
         threads.emplace_back([&, t] {
@@ -127,20 +127,20 @@ TEST_CASE("commands from several threads all arrive, each thread's in its own or
         });
     for (int i = 0; i < 200; ++i) server.step(0.1);
     for (std::thread& thread : threads) thread.join();
-    for (int i = 0; i < 3; ++i) server.step(0.1); // a step takes 4096 commands at most
+    for (int i = 0; i < 3; ++i) server.step(0.1); // a step takes at most 4096 commands
 
-    REQUIRE(told.commands.size() == 1 + kThreads * kEach);
+    REQUIRE(calls.commands.size() == 1 + kThreads * kEach);
     std::vector<int> next(kThreads, 0);
-    for (std::size_t c = 1; c < told.commands.size(); ++c) {
-        const Vec3 gravity = std::get<SetGravity>(told.commands[c]).gravity;
+    for (std::size_t c = 1; c < calls.commands.size(); ++c) {
+        const Vec3 gravity = std::get<SetGravity>(calls.commands[c]).gravity;
         REQUIRE(gravity.y == next[static_cast<std::size_t>(gravity.x)]++);
     }
 }
 
 TEST_CASE("bodies added from several threads arrive in the order of their ids")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     std::vector<std::thread> threads;
     for (int t = 0; t < 4; ++t)
         threads.emplace_back([&] {
@@ -148,22 +148,22 @@ TEST_CASE("bodies added from several threads arrive in the order of their ids")
         });
     for (std::thread& thread : threads) thread.join();
     server.step(0.1);
-    REQUIRE(told.commands.size() == 1201);
-    for (std::size_t c = 1; c < told.commands.size(); ++c)
-        REQUIRE(std::get<AddBody>(told.commands[c]).id.value == static_cast<std::uint32_t>(c));
+    REQUIRE(calls.commands.size() == 1201);
+    for (std::size_t c = 1; c < calls.commands.size(); ++c)
+        REQUIRE(std::get<AddBody>(calls.commands[c]).id.value == static_cast<std::uint32_t>(c));
 }
 
 TEST_CASE("whatever other threads do, no command follows the removal of its body")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     std::vector<BodyId> ids;
     for (int i = 0; i < 2000; ++i) ids.push_back(server.add(SoftBodyDef{.mesh = oneTetrahedron()}));
     const auto untilRemoved = [&](const auto& post) {
         for (BodyId id : ids) {
             try {
                 for (;;) post(id);
-            } catch (const Error&) { // removed by the other thread: on to the next
+            } catch (const Error&) { // removed by the other thread: take the next body
             }
         }
     };
@@ -176,7 +176,7 @@ TEST_CASE("whatever other threads do, no command follows the removal of its body
     server.step(0.1);
 
     std::vector<bool> removed(ids.size() + 1, false);
-    for (const Command& each : told.commands) {
+    for (const Command& each : calls.commands) {
         if (const auto* remove = std::get_if<RemoveBody>(&each)) removed[remove->id.value] = true;
         if (const auto* press = std::get_if<SetPressure>(&each)) REQUIRE_FALSE(removed[press->id.value]);
     }

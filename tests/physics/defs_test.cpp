@@ -12,7 +12,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// Numbers around the ends of a range that lie outside it.
+/// Numbers near the ends of a range that lie outside it.
 std::vector<double> outside(const Range& range)
 {
     std::vector<double> values{kNan};
@@ -26,7 +26,8 @@ template <class Value> bool representable(double value)
     return std::is_floating_point_v<Value> || std::abs(value) < 1e9;
 }
 
-/// Holds every numeric field of Def, also in lists, against each number outside its range. Returns how many it tried.
+/// Sets every numeric field of Def, also in lists, to each number outside its range and expects an Error. Returns how
+/// many it tried.
 template <class Def> int checkEveryField()
 {
     int tried = 0;

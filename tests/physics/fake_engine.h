@@ -10,7 +10,7 @@ namespace filasofia::physics {
 
 struct FakeBody final : BuiltBody {
     int nodes = 0;
-    BodyDef def = {};                   ///< what it was made from
+    BodyDef def = {};                   ///< the Def that it was made from
     std::function<void()> counted = {}; ///< called by nodeCount()
     [[nodiscard]] int nodeCount() const override
     {
@@ -19,34 +19,34 @@ struct FakeBody final : BuiltBody {
     }
 };
 
-/// What a fake engine was asked to do. It outlives the server that owns the engine.
-struct Told {
-    std::vector<Command> commands = {}; ///< all, in the order in which they arrived
+/// The calls that a fake engine received. It outlives the server that owns the engine.
+struct EngineCalls {
+    std::vector<Command> commands = {}; ///< all, in the order of arrival
     std::vector<double> dts = {};       ///< one per step
     int captures = 0;
     int hashes = 0;
     std::vector<std::int64_t> deadlines = {}; ///< one per step that had a clock
 
-    int needed = 0;                     ///< iterations that each soft body's solver makes when nothing stops it
+    int needed = 0;                     ///< iterations that each soft body's solver makes if nothing stops it
     std::function<void()> build = {};   ///< called while a body is built
-    std::function<void()> counted = {}; ///< called when a body that is built from now on is asked for its nodes
-    std::function<void()> iterate = {}; ///< called for each: where a fake clock goes on
-    std::vector<std::vector<int>> iterations = {}; ///< made, per step and soft body
+    std::function<void()> counted = {}; ///< called by nodeCount() of every body that is built from now on
+    std::function<void()> iterate = {}; ///< called for each iteration: a fake clock can advance here
+    std::vector<std::vector<int>> iterations = {}; ///< iterations made, per step and soft body
 };
 
-/// An engine that moves nothing and writes down what it is told. Soft bodies have four nodes, and solvers whose
-/// iterations are the only thing that the hash depends on besides the number of the step.
+/// An engine that moves nothing and records its calls. Soft bodies have four nodes. The hash depends only on the number
+/// of the step and the solvers' iterations.
 class FakeEngine final : public PhysicsEngine {
 public:
-    explicit FakeEngine(Told& told) : told_(told) {}
+    explicit FakeEngine(EngineCalls& calls) : calls_(calls) {}
 
     [[nodiscard]] std::unique_ptr<BuiltBody> build(const BodyDef& def) const override
     {
         auto body = std::make_unique<FakeBody>();
         const auto* rigid = std::get_if<RigidBodyDef>(&def);
         body->def = def;
-        if (told_.build) told_.build();
-        body->counted = told_.counted;
+        if (calls_.build) calls_.build();
+        body->counted = calls_.counted;
         body->nodes = rigid ? static_cast<int>(rigid->elements.size()) : 4;
         return body;
     }
@@ -56,29 +56,29 @@ public:
             if (auto* tune = std::get_if<Tune>(&command)) tune->change(*this);
             if (const auto* add = std::get_if<AddBody>(&command))
                 softBodies_ += std::holds_alternative<SoftBodyDef>(*add->def);
-            told_.commands.push_back(taken(command));
+            calls_.commands.push_back(taken(command));
         }
-        told_.dts.push_back(in.dt);
+        calls_.dts.push_back(in.dt);
         ++steps_;
         StepReport report{.step = steps_, .time = 0.5, .dt = in.dt, .flags = in.flags};
-        if (told_.needed > 0) solve(in.budget ? *in.budget : StepBudget{}, report);
-        if (in.budget && in.budget->now) told_.deadlines.push_back(in.budget->deadline);
+        if (calls_.needed > 0) solve(in.budget ? *in.budget : StepBudget{}, report);
+        if (in.budget && in.budget->now) calls_.deadlines.push_back(in.budget->deadline);
         return report;
     }
     void capture(frame::Frame& out) const override
     {
-        ++told_.captures;
+        ++calls_.captures;
         out.step = steps_;
     }
     void record(StepRecord& out) const override { out.rigidPoses.assign(2, Pose{}); }
     [[nodiscard]] std::uint64_t hash() const override
     {
-        ++told_.hashes;
+        ++calls_.hashes;
         return 1000 + steps_ + 1'000'000 * iterationsMade_;
     }
 
 private:
-    /// As the seam says: the built body is moved out, the rest of the command stays for the log.
+    /// As the seam requires: the built body is moved out, the rest of the command stays for the log.
     static Command taken(Command& command)
     {
         if (auto* add = std::get_if<AddBody>(&command))
@@ -94,38 +94,38 @@ private:
         return copy;
     }
 
-    /// As the seam says: a deadline is looked at between iterations; recorded counts stand in its place.
+    /// As the seam requires: the deadline is checked between iterations; recorded counts replace it.
     void solve(const StepBudget& budget, StepReport& report)
     {
-        told_.iterations.emplace_back();
+        calls_.iterations.emplace_back();
         for (std::size_t body = 0; body < softBodies_; ++body) {
-            const int wanted = budget.iterations.empty() ? told_.needed : budget.iterations[body];
+            const int wanted = budget.iterations.empty() ? calls_.needed : budget.iterations[body];
             int made = 0;
             for (; made < wanted && !(budget.now && budget.now() >= budget.deadline); ++made)
-                if (told_.iterate) told_.iterate();
+                if (calls_.iterate) calls_.iterate();
             if (made < wanted) report.set(StepFlag::OutOfTime);
             iterationsMade_ = 31 * iterationsMade_ + static_cast<std::uint64_t>(made);
             report.solves.push_back({.body = {}, .iterations = made});
-            told_.iterations.back().push_back(made);
+            calls_.iterations.back().push_back(made);
         }
     }
 
-    Told& told_;
+    EngineCalls& calls_;
     std::uint64_t steps_ = 0;
     std::size_t softBodies_ = 0;
     std::uint64_t iterationsMade_ = 0;
 };
 
-inline PhysicsServer fakeServer(Told& told, const PhysicsServerDef& def = {})
+inline PhysicsServer fakeServer(EngineCalls& calls, const PhysicsServerDef& def = {})
 {
-    return PhysicsServer(std::make_unique<FakeEngine>(told), def);
+    return PhysicsServer(std::make_unique<FakeEngine>(calls), def);
 }
 
 /// The command at `place`, which must be of kind C.
-template <class C> const C& command(const Told& told, std::size_t place)
+template <class C> const C& command(const EngineCalls& calls, std::size_t place)
 {
-    REQUIRE(place < told.commands.size());
-    const C* found = std::get_if<C>(&told.commands[place]);
+    REQUIRE(place < calls.commands.size());
+    const C* found = std::get_if<C>(&calls.commands[place]);
     REQUIRE(found != nullptr);
     return *found;
 }
@@ -137,7 +137,7 @@ inline std::shared_ptr<const geometry::TetMesh> oneTetrahedron()
     return std::make_shared<const geometry::TetMesh>(mesh);
 }
 
-/// Runs `act` and holds its Error against every part of the message.
+/// Runs `act` and checks that its Error contains every part.
 template <class Act> void checkError(Act&& act, const std::vector<std::string>& parts)
 {
     try {

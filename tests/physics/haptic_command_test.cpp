@@ -5,19 +5,19 @@
 using namespace filasofia;
 using namespace filasofia::physics;
 
-TEST_CASE("a hand arrives as it was given, one that cannot be is an error at the caller")
+TEST_CASE("a haptic target arrives as it was given, an invalid one is an error at the caller")
 {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId tool = server.add(RigidBodyDef{.name = "tool", .elements = {Pose{}, Pose{}}}),
                  soft = server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()});
     const HapticTarget good{.pose = {{1, 2, 3}, {0.5, 0, 0, 0}}, .velocity = {4, 5, 6}};
     server.setHaptic(tool, good, 1);
     server.step(0.1);
-    const SetHaptic& arrived = command<SetHaptic>(told, 3);
+    const SetHaptic& arrived = command<SetHaptic>(calls, 3);
     CHECK((arrived.id == tool && arrived.element == 1));
-    CHECK(arrived.target.pose == good.pose); // the engine makes its orientation unit
+    CHECK(arrived.target.pose == good.pose); // the engine normalises its orientation
     CHECK(arrived.target.velocity == Vec3{4, 5, 6});
 
     const auto with = [&](auto&& change) {
@@ -25,7 +25,8 @@ TEST_CASE("a hand arrives as it was given, one that cannot be is an error at the
         change(bad);
         return [&server, tool, bad] { server.setHaptic(tool, bad); };
     };
-    checkError([&] { server.setHaptic(soft, good); }, {"soft body 'liver'", "a hand can hold a rigid body only"});
+    checkError([&] { server.setHaptic(soft, good); },
+               {"soft body 'liver'", "must be a rigid body to be held by a hand"});
     checkError([&] { server.setHaptic(BodyId{99}, good); }, {"body 99", "no such body"});
     checkError([&] { server.setHaptic(tool, good, 2); }, {"rigid body 'tool'", "element", "[0, 2)", "got 2"});
     checkError(with([](HapticTarget& t) { t.pose.position.x = nan; }), {"tool", "target.pose.position.x", "got nan"});
@@ -35,33 +36,33 @@ TEST_CASE("a hand arrives as it was given, one that cannot be is an error at the
                {"tool", "target.pose", "orientation"});
     checkError(with([](HapticTarget& t) { t.velocity.y = nan; }), {"tool", "target.velocity.y", "got nan"});
     checkError(with([](HapticTarget& t) { t.angularVelocity.y = 1e9; }),
-               {"tool", "target", "velocities must be < 10000"});
+               {"tool", "target", "must have a length < 10000"});
     checkError(with([](HapticTarget& t) { t.coupling.linearStiffness = -1; }), {"linearStiffness", "must be >= 0 N/m"});
     checkError(with([](HapticTarget& t) { t.coupling.forceLimit = 0; }), {"forceLimit", "must be > 0 N", "got 0"});
     RigidBodyDef forceps{.name = "forceps", .articulation = {.joints = {{.lower = -1, .upper = 1}}}};
-    const BodyId told1 = server.add(forceps);
+    const BodyId kinematic = server.add(forceps);
     forceps.dynamic = true;
     forceps.mass = GivenInertia{.mass = 0.1};
     const BodyId free = server.add(forceps);
-    checkError([&] { server.setHaptic(told1, good, 1); }, {"forceps", "element 1", "only the base, element 0"});
+    checkError([&] { server.setHaptic(kinematic, good, 1); }, {"forceps", "element 1", "only the base, element 0"});
     checkError([&] { server.setHaptic(free, good); },
-               {"forceps", "a hand cannot hold a body with joints that forces move"});
+               {"forceps", "must not be a dynamic body with joints to be held by a hand"});
     server.step(0.1);
-    told.commands.clear();
+    calls.commands.clear();
     server.step(0.1);
-    CHECK(told.commands.empty());
+    CHECK(calls.commands.empty());
 }
 
-TEST_CASE("a base that another body takes along is in no hand until that body is removed")
+TEST_CASE("a base that follows another body cannot be held by a hand until that body is removed")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId arm = server.add(RigidBodyDef{.name = "arm"});
     const BodyId forceps =
         server.add(RigidBodyDef{.name = "forceps", .articulation = {.joints = {{.lower = -1, .upper = 1}}, .to = arm}});
-    checkError([&] { server.setHaptic(forceps, {}); }, {"forceps", "its base goes with body 1 and cannot be set"});
+    checkError([&] { server.setHaptic(forceps, {}); }, {"forceps", "its base follows body 1 and cannot be set"});
     server.remove(arm);
     server.setHaptic(forceps, {});
     server.step(0.1);
-    CHECK(command<SetHaptic>(told, 4).id == forceps);
+    CHECK(command<SetHaptic>(calls, 4).id == forceps);
 }

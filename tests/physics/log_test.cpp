@@ -8,19 +8,19 @@ using namespace filasofia::physics;
 
 TEST_CASE("without a reader no step is logged")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     server.hashEveryStep(true);
     server.step(0.1);
     CHECK(server.nextRecord() == nullptr);
-    CHECK(told.hashes == 0);
+    CHECK(calls.hashes == 0);
 }
 
-TEST_CASE("two threads that step one server at once: the second is refused, and the first goes on")
+TEST_CASE("if two threads step one server at once, the second is refused, and the first goes on")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
-    const auto refused = "physics: a step is being made already: only one thread at a time may step a server";
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
+    const auto refused = "physics: a step is already in progress: only one thread at a time may step a server";
     std::atomic<bool> inside = false, done = false;
     server.tune([&](PhysicsEngine&) {
         inside = true;
@@ -29,7 +29,7 @@ TEST_CASE("two threads that step one server at once: the second is refused, and 
     std::thread stepper([&] { server.step(0.1); });
     while (!inside) std::this_thread::yield();
     CHECK_THROWS_WITH(server.step(0.1), refused);
-    CHECK_THROWS_WITH(server.stepAgain(0.1), refused);
+    CHECK_THROWS_WITH(server.replayStep(0.1), refused);
     CHECK_THROWS_WITH(server.expect({}), refused);
     done = true;
     stepper.join();
@@ -40,8 +40,8 @@ TEST_CASE("two threads that step one server at once: the second is refused, and 
 
 TEST_CASE("the log holds every step once, in order")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told, {.logLength = 4});
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls, {.logLength = 4});
     server.keepLog(true);
     std::uint64_t expected = 1;
     for (int round = 0; round < 5; ++round) {
@@ -52,7 +52,7 @@ TEST_CASE("the log holds every step once, in order")
             CHECK(record->report.step == expected++);
             CHECK(record->report.dt == 0.1 * (round + 1));
             CHECK(record->rigidPoses.size() == 2);
-            CHECK(record->hash == 0); // not asked for
+            CHECK(record->hash == 0); // hashes were not turned on
             server.popRecord();
         }
         CHECK(server.nextRecord() == nullptr);
@@ -61,11 +61,11 @@ TEST_CASE("the log holds every step once, in order")
 
 TEST_CASE("a record holds the commands applied at the start of its step, and no other step's")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told, {.gravity = {1, 2, 3}, .logLength = 2});
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls, {.gravity = {1, 2, 3}, .logLength = 2});
     server.keepLog(true);
     const BodyId id = server.add(SoftBodyDef{.name = "tissue", .mesh = oneTetrahedron()});
-    for (int i = 0; i < 4; ++i) { // longer than the ring: a slot is used again
+    for (int i = 0; i < 4; ++i) { // longer than the ring, so that a slot is used again
         if (i == 2) server.setPressure(id, 7);
         server.step(0.1);
         const auto& commands = server.nextRecord()->commands;
@@ -83,10 +83,10 @@ TEST_CASE("a record holds the commands applied at the start of its step, and no 
     }
 }
 
-TEST_CASE("flags that the caller knows reach the engine's report and the log")
+TEST_CASE("flags that the caller sets reach the engine's report and the log")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     server.keepLog(true);
     const auto late = static_cast<std::uint32_t>(StepFlag::Late);
     CHECK(server.step(0.1, late).flags == late);
@@ -97,8 +97,8 @@ TEST_CASE("flags that the caller knows reach the engine's report and the log")
 
 TEST_CASE("when the log is full the step says that its record is lost")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told, {.logLength = 3});
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls, {.logLength = 3});
     server.keepLog(true);
     for (int i = 0; i < 3; ++i) CHECK_FALSE(server.step(0.1).has(StepFlag::RecordLost));
     for (int i = 0; i < 2; ++i) CHECK(server.step(0.1).has(StepFlag::RecordLost));
@@ -108,21 +108,21 @@ TEST_CASE("when the log is full the step says that its record is lost")
     for (std::uint64_t step : {2u, 3u, 6u}) {
         REQUIRE(server.nextRecord() != nullptr);
         CHECK(server.nextRecord()->report.step == step);
-        CHECK(server.nextRecord()->report.has(StepFlag::RecordLost) == (step == 6)); // the gap lies before this one
+        CHECK(server.nextRecord()->report.has(StepFlag::RecordLost) == (step == 6)); // the gap is before this record
         server.popRecord();
     }
 }
 
 TEST_CASE("hashes are computed for every step once asked for, and not after that")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     server.keepLog(true);
     server.hashEveryStep(true);
     for (int i = 0; i < 3; ++i) server.step(0.1);
     server.hashEveryStep(false);
     server.step(0.1);
-    CHECK(told.hashes == 3);
+    CHECK(calls.hashes == 3);
     for (std::uint64_t hash : {1001u, 1002u, 1003u, 0u}) {
         CHECK(server.nextRecord()->hash == hash);
         server.popRecord();

@@ -10,22 +10,22 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// A server with one body of each kind and nothing waiting; every test ends with nothing having reached the engine.
+/// A server with one body of each kind and no queued command; every test ends with nothing having reached the engine.
 struct Fixture {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     BodyId soft = server.add(SoftBodyDef{.name = "liver", .mesh = oneTetrahedron()});
     BodyId rigid = server.add(RigidBodyDef{.name = "forceps", .elements = {Pose{}, Pose{}}});
 
     Fixture()
     {
         server.step(0.1);
-        told.commands.clear();
+        calls.commands.clear();
     }
     ~Fixture()
     {
         server.step(0.1);
-        CHECK(told.commands.empty());
+        CHECK(calls.commands.empty());
     }
 };
 
@@ -47,11 +47,11 @@ TEST_CASE_METHOD(Fixture, "a command for a body that was removed or never was is
     const BodyId gone = server.add(SoftBodyDef{.mesh = oneTetrahedron()});
     server.remove(gone);
     server.step(0.1);
-    told.commands.clear();
+    calls.commands.clear();
     each(gone);
 }
 
-TEST_CASE_METHOD(Fixture, "a step takes a time that is a number above 0")
+TEST_CASE_METHOD(Fixture, "a step's time must be finite and > 0")
 {
     for (const double dt : {0.0, -1e-3, kNan, kInf}) checkError([&] { server.step(dt); }, {"step: dt must be > 0 s"});
 }
@@ -64,18 +64,18 @@ TEST_CASE_METHOD(Fixture, "the bodies are those that were added and not removed"
     server.remove(gone);
     CHECK(server.bodies() == std::vector{soft, rigid});
     server.step(0.1);
-    told.commands.clear();
+    calls.commands.clear();
 }
 
 TEST_CASE_METHOD(Fixture, "a command for a body of the other kind is an error")
 {
-    checkError([&] { server.setPose(soft, {}); }, {"soft body 'liver'", "pose", "rigid body only"});
+    checkError([&] { server.setPose(soft, {}); }, {"soft body 'liver'", "pose", "must be a rigid body"});
     checkError([&] { server.setMaterial(rigid, FemMaterial{}); }, {"rigid body 'forceps'", "material"});
     checkError([&] { server.setForces(rigid, {}); }, {"rigid body 'forceps'", "forces"});
     checkError([&] { server.setPressure(rigid, 1); }, {"rigid body 'forceps'", "pressure"});
 }
 
-TEST_CASE_METHOD(Fixture, "a pose that is not one is an error")
+TEST_CASE_METHOD(Fixture, "an invalid pose is an error")
 {
     checkError(
         [&] {
@@ -107,7 +107,7 @@ TEST_CASE_METHOD(Fixture, "a material out of its range, or of the other kind, is
     checkError([&] { server.setMaterial(soft, MassSpringMaterial{}); }, {"soft body 'liver'", "material", "kind"});
 }
 
-TEST_CASE_METHOD(Fixture, "a force on no node, or one that is not finite, is an error")
+TEST_CASE_METHOD(Fixture, "a force on a node that does not exist, or one that is not finite, is an error")
 {
     checkError([&] { server.setForces(soft, {{0, {}}, {4, {}}}); }, {"liver", "forces[1].node", "[0, 4)", "got 4"});
     checkError([&] { server.setForces(soft, {{-1, {}}}); }, {"liver", "forces[0]", "node", ">= 0", "got -1"});
@@ -125,18 +125,19 @@ TEST_CASE_METHOD(Fixture, "a pressure that is not finite is an error")
 
 TEST_CASE("a server def out of its range is an error")
 {
-    Told told;
-    checkError([&] { fakeServer(told, {.gravity = {0, kNan, 0}}); }, {"physics server", "gravity.y", "finite", "nan"});
-    checkError([&] { fakeServer(told, {.logLength = 0}); }, {"physics server", "logLength", "[1, 1000000]", "got 0"});
+    EngineCalls calls;
+    checkError([&] { fakeServer(calls, {.gravity = {0, kNan, 0}}); }, {"physics server", "gravity.y", "finite", "nan"});
+    checkError([&] { fakeServer(calls, {.logLength = 0}); }, {"physics server", "logLength", "[1, 1000000]", "got 0"});
 }
 
-TEST_CASE_METHOD(Fixture, "others may go on while a material is built, one whose body went meanwhile is an error")
+TEST_CASE_METHOD(
+    Fixture, "other threads continue while a material is built, and an error results if its body was removed meanwhile")
 {
     const BodyId gone = server.add(SoftBodyDef{.name = "bile", .mesh = oneTetrahedron()});
-    told.build = [&] { server.remove(gone); };
+    calls.build = [&] { server.remove(gone); };
     checkError([&] { server.setMaterial(gone, FemMaterial{}); }, {text("body ", gone.value), "no such body"});
-    told.build = {};
+    calls.build = {};
     server.step(0.1);
-    REQUIRE(told.commands.size() == 2); // the body came and went
-    told.commands.clear();
+    REQUIRE(calls.commands.size() == 2); // the body was added and removed
+    calls.commands.clear();
 }

@@ -19,20 +19,20 @@ RigidBodyDef rigid(const std::string& name, bool dynamic = false)
     return {.name = name, .dynamic = dynamic, .mass = GivenInertia{}};
 }
 
-/// Commands of the steps in their order, each by its kind's place in the variant.
-std::vector<std::size_t> kindsOf(const Told& told)
+/// The kinds of all commands of the steps, in their order, as indices in the variant.
+std::vector<std::size_t> kindsOf(const EngineCalls& calls)
 {
     std::vector<std::size_t> kinds;
-    for (const Command& each : told.commands) kinds.push_back(each.index());
+    for (const Command& each : calls.commands) kinds.push_back(each.index());
     return kinds;
 }
 
 } // namespace
 
-TEST_CASE("the stepping thread asks, commands and steps while another thread holds the lock of all others")
+TEST_CASE("the stepping thread asks, commands and steps while another thread holds the callers' lock")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId probe = server.add(rigid("probe")), ball = server.add(rigid("ball", true));
     const BodyId tissue = server.add(SoftBodyDef{.name = "tissue", .mesh = oneTetrahedron()});
 
@@ -69,14 +69,15 @@ TEST_CASE("the stepping thread asks, commands and steps while another thread hol
     CHECK_FALSE(server.has(ball)); // now the others know
     CHECK(server.bodies() == std::vector<BodyId>{probe, tissue});
     CHECK_THROWS_WITH(server.setWrench(ball, {}, {}), Catch::Contains("no such body"));
-    CHECK(server.attach(tissue, AttachmentDef{.nodes = {0}}).value == 101); // ids go on behind those given in steps
+    CHECK(server.attach(tissue, AttachmentDef{.nodes = {0}}).value ==
+          101); // ids continue after those assigned in steps
 }
 
-TEST_CASE("the order in which one thread asks is kept, whether or not it is the one that steps")
+TEST_CASE("the order of one thread's commands is kept, whether or not it is the stepping thread")
 {
     const auto play = [](bool stepping) {
-        Told told;
-        PhysicsServer server = fakeServer(told);
+        EngineCalls calls;
+        PhysicsServer server = fakeServer(calls);
         const BodyId probe = server.add(rigid("probe"));
         std::optional<PhysicsServer::Stepping> here;
         if (stepping) here.emplace(server);
@@ -92,25 +93,25 @@ TEST_CASE("the order in which one thread asks is kept, whether or not it is the 
         server.remove(late);
         server.reset();
         server.step(0.1);
-        return kindsOf(told);
+        return kindsOf(calls);
     };
     CHECK(play(true) == play(false));
 }
 
-TEST_CASE("what others ask of a body that the stepping thread has just removed comes too late, and harms nothing")
+TEST_CASE("commands of other threads for a body that the stepping thread has just removed are dropped with a warning")
 {
     std::string logged;
     setLogSink([&](LogLevel, std::string_view line) { logged = line; });
-    Told told;
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
     const BodyId ball = server.add(rigid("ball", true)), other = server.add(rigid("other", true));
     server.step(0.1);
-    const std::size_t before = told.commands.size();
+    const std::size_t before = calls.commands.size();
 
-    // Another thread adds a body that is tied to the ball, and is held up while it is checked, under the lock.
+    // Another thread adds a body that is attached to the ball, and is blocked while it is checked, under the lock.
     std::atomic<int> counted = 0;
     std::atomic<bool> goOn = false;
-    told.counted = [&] {
+    calls.counted = [&] {
         if (++counted == 2) // the first time was before the lock
             while (!goOn) std::this_thread::yield();
     };
@@ -133,17 +134,17 @@ TEST_CASE("what others ask of a body that the stepping thread has just removed c
     setLogSink({});
     CHECK(logged == text("physics: a command came too late: soft body 'late': attachments[0].to: body ", ball.value,
                          ": no such body (it was removed, or never added)"));
-    CHECK(told.commands.size() == before + 1); // the removal
+    CHECK(calls.commands.size() == before + 1); // the removal
     CHECK_THROWS_WITH(server.setPressure(late, 1.0), Catch::Contains("no such body"));
     server.setWrench(other, {}, {});
     server.step(0.1);
-    CHECK(told.commands.size() == before + 2);
+    CHECK(calls.commands.size() == before + 2);
 }
 
 TEST_CASE("two threads that attach at the same time get ids of their own, and every step's commands can be replayed")
 {
-    Told told;
-    PhysicsServer server = fakeServer(told, {.logLength = 100'000});
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls, {.logLength = 100'000});
     server.keepLog(true);
     const BodyId tissue = server.add(SoftBodyDef{.name = "tissue", .mesh = oneTetrahedron()});
     constexpr int kEach = 1000;
@@ -168,7 +169,7 @@ TEST_CASE("two threads that attach at the same time get ids of their own, and ev
     std::ranges::sort(all);
     CHECK(std::ranges::adjacent_find(all) == all.end());
 
-    Told again;
+    EngineCalls again;
     PhysicsServer replay = fakeServer(again);
     std::size_t attached = 0;
     for (; StepRecord* step = server.nextRecord(); server.popRecord()) {
@@ -179,7 +180,7 @@ TEST_CASE("two threads that attach at the same time get ids of their own, and ev
             commands.push_back(std::move(command));
         }
         replay.expect(std::move(commands));
-        replay.stepAgain(1e-3);
+        replay.replayStep(1e-3);
     }
     CHECK(attached == all.size());
 }

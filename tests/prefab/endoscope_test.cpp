@@ -19,7 +19,7 @@ Vec3 upOf(const Pose& camera) { return rotate(camera.orientation, {0, 1, 0}); }
 
 bool near(Vec3 a, Vec3 b, double tolerance = 1e-12) { return distance(a, b) < tolerance; }
 
-/// Where the engine has the camera after some steps.
+/// The camera's pose in the engine after some steps.
 Pose cameraAfter(Simulation& sim, const Endoscope& scope, int steps)
 {
     sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps});
@@ -49,7 +49,7 @@ TEST_CASE("rolling an endoscope sweeps its view about the shaft, rolling its cam
     const double angle = 0.4;
     scope.roll(angle);
     const double s = std::sin(30_deg), c = std::cos(30_deg);
-    // (0, -s, -c) turned by the angle about +Z.
+    // (0, -s, -c) rotated by the angle about +Z.
     const Vec3 swept = rotate(kTip.orientation, {s * std::sin(angle), -s * std::cos(angle), -c});
     CHECK(near(viewOf(scope.camera()), swept));
     CHECK(near(scope.tip().position, kTip.position));
@@ -84,7 +84,7 @@ TEST_CASE("an endoscope's light and camera are where its body is, and its channe
         light = view.light->worldPose();
         CHECK(view.view->def().effects->endoscope.has_value());
         const auto frame = sim.physics().latest();
-        if (frame && frame->step > 5 && ++pictures == 4) sim.finish("seen"); // older states may be in the first of them
+        if (frame && frame->step > 5 && ++pictures == 4) sim.finish("seen"); // the first of them may show older states
     }});
     sim.everyStep([&](double) { scope.move(kTip); });
     sim.run({.backend = visual::Backend::Null});
@@ -94,7 +94,7 @@ TEST_CASE("an endoscope's light and camera are where its body is, and its channe
     CHECK(near(scope.channel().position, transform(kTip, EndoscopeDef{}.channel.position)));
 }
 
-TEST_CASE("an endoscope that cannot be is refused with its name, the field and the bound")
+TEST_CASE("a wrong endoscope Def is refused with its name, the field and the bound")
 {
     Simulation sim;
     CHECK_THROWS_WITH(Endoscope(sim, {.name = "scope", .inclination = 2.0}),

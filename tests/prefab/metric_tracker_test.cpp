@@ -23,7 +23,7 @@ std::string temporary(const std::string& ending)
 
 Vec3 pathAt(double time) { return {0.01 * std::sin(6.0 * time), 0.02 * time, 0}; }
 
-/// Probes that a script moves, each a metre beside the last.
+/// Probes that a script moves, each a metre from the previous one.
 std::vector<TrackedBody> addProbes(Simulation& sim, int count)
 {
     std::vector<TrackedBody> bodies;
@@ -36,7 +36,7 @@ std::vector<TrackedBody> addProbes(Simulation& sim, int count)
     return bodies;
 }
 
-/// The lines of a log while it lives.
+/// Collects the lines of the log while it lives.
 class Log {
 public:
     Log()
@@ -47,7 +47,7 @@ public:
     std::vector<std::string> lines;
 };
 
-/// A disk that takes nothing until it is let go.
+/// A disk that takes no data until it is released.
 struct StuckDisk {
     void write(std::string_view text)
     {
@@ -78,7 +78,7 @@ metric::Session parsed(const std::string& lines)
 
 } // namespace
 
-TEST_CASE("what a session would miss without a word is told: a target that no body is, a step that is none")
+TEST_CASE("a warning says what a session would silently miss: a target that is no body, a step that is unknown")
 {
     Log log;
     Simulation sim;
@@ -87,7 +87,7 @@ TEST_CASE("what a session would miss without a word is told: a target that no bo
     def.session.steps = {"reach"};
     MetricTracker tracker(sim, def);
     REQUIRE(log.lines.size() == 1);
-    CHECK(log.lines[0] == "metric tracker: session.targets: no body is called 'prob 2' now");
+    CHECK(log.lines[0] == "metric tracker: session.targets: no body has the name 'prob 2' now");
     tracker.mark(EventKind::Step, "reach");
     CHECK(log.lines.size() == 1);
     tracker.mark(EventKind::Step, "reech");
@@ -107,7 +107,7 @@ TEST_CASE("every step of a run is sampled, the last one too, where and when it w
         const metric::Session& session = tracker.session();
         REQUIRE(session.tracks.size() == 2);
         CHECK(session.tracks[1].name == "probe 1");
-        // In a live run two steps may share a period of the rate: late, then on time.
+        // In a live run two steps may fall into one period of the rate: one late, the next on time.
         if (headless) REQUIRE(session.tracks[0].samples.size() == 300);
         CHECK(session.tracks[0].samples.back().time == report.time);
         CHECK(tracker.lost() == 0);
@@ -122,7 +122,7 @@ TEST_CASE("four bodies at 1 kHz: while writes are blocked for a second no sample
     Simulation sim;
     MetricTracker tracker(
         sim, {.bodies = addProbes(sim, 4), .rate = 1_kHz, .write = [&](std::string_view lines) { disk.write(lines); }});
-    // The run ends though nothing was written of it: physics has not waited.
+    // The run ends although nothing was written: physics did not wait.
     CHECK(sim.run({.headless = true, .steps = 1000}).steps == 1000);
     CHECK(disk.written.empty());
     disk.release();
@@ -160,7 +160,7 @@ TEST_CASE("blocked for longer than its buffer it loses samples, counts them, and
     CHECK(session.tracks[0].samples.size() == tracker.taken());
 }
 
-TEST_CASE("a writer that throws something that is no std::exception ends the session like any other")
+TEST_CASE("a writer that throws something that is not a std::exception ends the session like any other")
 {
     Simulation sim;
     MetricTracker tracker(sim, {.bodies = addProbes(sim, 1), .rate = 1_kHz, .write = [](std::string_view lines) {
@@ -183,7 +183,7 @@ TEST_CASE("a run that is faster than its disk waits for it, as long as it is ahe
     tracker.close();
     CHECK(tracker.lost() == 0);
     CHECK(tracker.taken() == 20'000);
-    CHECK(lines == 20'002); // and a head, and an end
+    CHECK(lines == 20'002); // with head and end
 }
 
 TEST_CASE("a lower rate takes every fifth step")
@@ -212,13 +212,13 @@ TEST_CASE("a full disk is one line in the log and an event, and the session goes
         tracker.close();
         CHECK(tracker.failed());
         CHECK(tracker.lost() == 0);
-        CHECK(tracker.session().tracks[0].samples.size() == 500); // the memory's copy is whole
+        CHECK(tracker.session().tracks[0].samples.size() == 500); // the copy in memory is complete
     }
-    sim.run({.headless = true, .steps = 1}); // delivers what was posted
+    sim.run({.headless = true, .steps = 1}); // delivers the posted event
     CHECK(troubles == 1);
     REQUIRE(log.lines.size() == 1);
     CHECK(log.lines[0] ==
-          text("metric tracker: ", file, ": cannot be written (disk full?); the session goes on unrecorded"));
+          text("metric tracker: ", file, ": cannot be written (disk full?); the session goes on without recording"));
     std::filesystem::remove(file);
 }
 
@@ -260,7 +260,7 @@ TEST_CASE("forces of contact, tears and what the simulator marks are in the sess
     CHECK(session.events[1].kind == EventKind::Tear);
     CHECK(session.events[1].what == "liver");
     CHECK(session.events[1].amount == 1e-5);
-    const auto values = metric::measure(session, {.forceWindow = 0.0}); // the largest of a step
+    const auto values = metric::measure(session, {.forceWindow = 0.0}); // the maximum over single steps
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (metric::catalog()[i].id == "force_max") {
             CHECK(largest > 0.01);
@@ -269,13 +269,13 @@ TEST_CASE("forces of contact, tears and what the simulator marks are in the sess
         if (metric::catalog()[i].id == "steps_done") CHECK(*values[i].value == 1.0);
         if (metric::catalog()[i].id == "tears_unintended") CHECK(*values[i].value == 1.0);
     }
-    // Action and reaction: what pushes the ball pushes the block the other way.
+    // Action and reaction: the force on the ball is opposite to the force on the block.
     const metric::Sample &tool = session.tracks[0].samples.back(), &organ = session.tracks[1].samples.back();
     CHECK(length(tool.force + organ.force) < 1e-12);
     CHECK(tool.contacts > 0);
 }
 
-TEST_CASE("a file for spreadsheets has a row per moment, and names that are no formulas")
+TEST_CASE("a file for spreadsheets has a row per moment, and names that cannot act as formulas")
 {
     const std::string file = temporary(".csv");
     Simulation sim;
@@ -313,7 +313,7 @@ TEST_CASE("a tracker may end before the run, and the simulation goes on")
     CHECK(sim.run({.headless = true, .steps = 10}).steps == 20);
 }
 
-TEST_CASE("what is asked of a tracker is checked")
+TEST_CASE("a wrong tracker Def is refused with its field")
 {
     Simulation sim;
     const auto bodies = addProbes(sim, 1);
@@ -331,5 +331,5 @@ TEST_CASE("what is asked of a tracker is checked")
     CHECK_THROWS_WITH(MetricTracker(sim, (Def{.bodies = bodies, .session = {.forceLimit = -1.0}})),
                       "metric tracker: session.forceLimit must be > 0, got -1");
     MetricTracker tracker(sim, {.bodies = bodies});
-    CHECK_THROWS_WITH(tracker.session(), "metric tracker: session() needs `keep`");
+    CHECK_THROWS_WITH(tracker.session(), "metric tracker: session() needs keep");
 }

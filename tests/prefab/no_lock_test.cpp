@@ -22,9 +22,9 @@ using namespace filasofia::prefab;
 
 namespace {
 
-constexpr int kSteps = 150; ///< made while all is held
+constexpr int kSteps = 150; ///< steps computed while all locks are held
 
-/// A thread that holds something up until it is told to go on.
+/// Blocks its caller until goOn is set.
 struct HoldUp {
     std::atomic<bool> reached = false, goOn = false;
     void operator()()
@@ -46,9 +46,9 @@ bool within10s(const std::function<bool()>& happens)
 
 } // namespace
 
-TEST_CASE("steps go on with prefabs, a script and a haptic interface while other threads hold all that these share")
+TEST_CASE("steps go on with prefabs, a script and a haptic interface while other threads hold all their shared state")
 {
-    // Forceps that hold a block, so that opening them tells somebody, who takes his time.
+    // Forceps that hold a block, so that opening them calls onGrasp, which blocks.
     HoldUp opening, playing;
     Simulation sim({.physics = {.gravity = {}}});
     const BodyId block = sim.add(SoftBodyDef{.name = "block",
@@ -64,7 +64,7 @@ TEST_CASE("steps go on with prefabs, a script and a haptic interface while other
     sim.run({.headless = true, .backend = Backend::Null, .steps = 800});
     REQUIRE(forceps.holding() == block);
 
-    // A scope with its hands, whose last script holds up whoever ends it.
+    // A scope with its hands. The end of their last script blocks the thread that removes it.
     Endoscope scope(sim, {.pose = {{0.2, 0, 0}, {}}, .groups = {}});
     ArticulatedInstrument grasper(sim, {.name = "grasper", .pose = {{0.2, 0, 0}, {}}, .groups = {}});
     ScopeHands hands(sim, scope, grasper, {.fulcrum = {0.2, 20_mm, 0}, .up = {0, 0, 1}, .start = {.aim = {0, 1, 0}}});
@@ -105,7 +105,7 @@ TEST_CASE("steps go on with prefabs, a script and a haptic interface while other
         std::thread opener([&] { forceps.open(); });
         std::thread player([&] {
             script([last = std::move(ended)] {});
-            script({}); // and the last of the first script goes
+            script({}); // destroys the first script
         });
         allHeld = within10s([&] { return opening.reached && playing.reached; });
         {

@@ -13,7 +13,7 @@ namespace shapes = geometry::shapes;
 
 namespace {
 
-/// A wall 10 mm thick on a hard floor, and a rod above it that goes where the test says: at height(time) is its end.
+/// A wall 10 mm thick on a rigid floor, and a kinematic rod above it whose end is at height(time).
 struct Scene {
     explicit Scene(bool touching = true)
     {
@@ -30,7 +30,7 @@ struct Scene {
     {
         def.wall = wall;
         def.tools = {{.body = rod, .tip = {0, -12_mm, 0}}}; // 1 mm behind its end
-        def.perforated = [this](Vec3 place, double force) { told.emplace_back(place, force); };
+        def.perforated = [this](Vec3 place, double force) { perforations.emplace_back(place, force); };
         return {sim, def};
     }
     void run(const std::function<double(double)>& height, int steps)
@@ -41,7 +41,7 @@ struct Scene {
 
     Simulation sim;
     BodyId wall, rod;
-    std::vector<std::pair<Vec3, double>> told;
+    std::vector<std::pair<Vec3, double>> perforations;
 };
 
 } // namespace
@@ -51,7 +51,7 @@ TEST_CASE(
 {
     Scene scene;
     const PerforationWatch watch = scene.watch({.force = 0.5});
-    // From 8 mm (the wall's top is at 5 mm) down to 1 mm within 50 ms; away from 0.4 to 1.1 s; again.
+    // From 8 mm (the wall's top is at 5 mm) down to 1 mm within 50 ms; away from 0.4 to 1.1 s; then again.
     scene.run(
         [](double time) {
             const double in = std::clamp(std::min(time - 0.1, 0.4 - time) / 0.05, 0.0, 1.0);
@@ -59,18 +59,18 @@ TEST_CASE(
             return 8_mm - (in + again) * 7_mm;
         },
         1400);
-    REQUIRE(scene.told.size() == 2);
+    REQUIRE(scene.perforations.size() == 2);
     CHECK(watch.count() == 2);
-    CHECK(scene.told[0].second > 0.5);
-    CHECK(scene.told[0].first.y == Approx(3_mm).margin(2.1_mm)); // where the rod's end was
+    CHECK(scene.perforations[0].second > 0.5);
+    CHECK(scene.perforations[0].first.y == Approx(3_mm).margin(2.1_mm)); // at the rod's end
 }
 
 TEST_CASE("a touch is no perforation")
 {
     Scene scene;
     const PerforationWatch watch = scene.watch({.force = 50.0});
-    scene.run([](double time) { return 8_mm - std::min(time, 0.2) * 20_mm; }, 400); // 1 mm in
-    CHECK(scene.told.empty());
+    scene.run([](double time) { return 8_mm - std::min(time, 0.2) * 20_mm; }, 400); // 1 mm deep
+    CHECK(scene.perforations.empty());
     CHECK(watch.count() == 0);
 }
 
@@ -79,9 +79,9 @@ TEST_CASE("a tip inside the tissue has perforated it, whatever the force")
     Scene scene(false);
     const PerforationWatch watch = scene.watch({.force = 1e3});
     scene.run([](double time) { return 8_mm - std::min(time, 0.5) * 16_mm; }, 500); // its end comes to 0
-    REQUIRE(scene.told.size() == 1);
-    CHECK(scene.told[0].first.y == Approx(5_mm).margin(0.2_mm)); // the watched point is seen as it enters
-    CHECK(scene.told[0].second == 0.0);
+    REQUIRE(scene.perforations.size() == 1);
+    CHECK(scene.perforations[0].first.y == Approx(5_mm).margin(0.2_mm)); // detected as the watched point enters
+    CHECK(scene.perforations[0].second == 0.0);
 }
 
 TEST_CASE("a tracker notes a perforation, with its force")
@@ -98,11 +98,11 @@ TEST_CASE("a tracker notes a perforation, with its force")
     CHECK(tracker.session().events[0].amount == 0.0);
 }
 
-TEST_CASE("a watch that cannot be is refused with its field")
+TEST_CASE("a wrong perforation Def is refused with its field")
 {
     Scene scene;
     const auto make = [&](const PerforationDef& def) { PerforationWatch(scene.sim, def); };
-    CHECK_THROWS_WITH(make({.wall = scene.wall}), Catch::Contains("perforation: tools must be at least one"));
+    CHECK_THROWS_WITH(make({.wall = scene.wall}), Catch::Contains("perforation: tools must have at least one entry"));
     CHECK_THROWS_WITH(make({.wall = scene.rod, .tools = {{.body = scene.rod}}}),
                       Catch::Contains("wall must be a soft"));
     CHECK_THROWS_WITH(make({.wall = scene.wall, .tools = {{.body = scene.wall}}}),

@@ -12,10 +12,10 @@ using runtime::Simulation;
 
 namespace {
 
-constexpr double kLever = 0.2; // [m], as ScopeHands says
+constexpr double kLever = 0.2; // [m], as in ScopeHands
 
-/// A scope that points along +Y through the origin, its tip 20 mm beyond, and a handle in a hand that goes the way
-/// that the test says.
+/// A scope that points along +Y through the origin, with its tip 20 mm beyond, and a handle in a hand whose motion the
+/// test gives.
 struct Scene {
     explicit Scene(const device::Motion& way, std::vector<int> groups = {}) : scope(sim, {.groups = groups})
     {
@@ -38,7 +38,7 @@ struct Scene {
         {.up = {0, 0, 1}, .start = {.aim = {0, 1, 0}, .depth = 20_mm}, .mostDepth = 50_mm, .handle = true}};
 };
 
-/// Rests for 0.1 s, goes to `to` within 0.3 s, and stays; the buttons are pressed before it goes.
+/// Rests for 0.1 s, moves to `to` within 0.3 s, and stays; the buttons are pressed before it moves.
 device::Motion motionTo(Vec3 to, std::uint32_t buttons = 0)
 {
     std::vector<device::MotionSample> samples;
@@ -60,7 +60,7 @@ TEST_CASE("a handle moves the scope as a lever about the fulcrum does, and rolls
     const Pose tip = scene.element(scene.scope.body());
     const Vec3 aim = normalized(-handle);
     CHECK(distance(tip.position, (kLever - length(handle)) * aim) < 1e-6);
-    CHECK(tip.position.x < 0.0); // the other side of the fulcrum
+    CHECK(tip.position.x < 0.0); // on the other side of the fulcrum
     const Vec3 right = rotate(tip.orientation, {1, 0, 0});
     CHECK(std::abs(std::acos(std::clamp(std::abs(right.x), 0.0, 1.0))) == Approx(40_deg).epsilon(0.05));
 }

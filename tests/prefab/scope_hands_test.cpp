@@ -12,7 +12,7 @@ using runtime::Simulation;
 
 namespace {
 
-/// A scope and forceps that touch nothing, and their hands, about a fulcrum off the origin.
+/// A scope and forceps that touch nothing, and their hands, about a fulcrum away from the origin.
 struct Scene {
     Simulation sim;
     Endoscope scope{sim, {.groups = {}}};
@@ -24,7 +24,7 @@ struct Scene {
     [[nodiscard]] Pose element(BodyId body) { return sim.physics().latest()->rigidBody(body)->poses[0]; }
 };
 
-/// The least distance of a point from the axis of a pose.
+/// The distance of a point from the axis of a pose.
 double fromAxis(const Pose& pose, Vec3 point)
 {
     return length(cross(point - pose.position, rotate(pose.orientation, {0, 0, -1})));
@@ -32,7 +32,7 @@ double fromAxis(const Pose& pose, Vec3 point)
 
 } // namespace
 
-TEST_CASE("hands that are to reach a target have the instrument before it, and the shaft through the fulcrum")
+TEST_CASE("at() places the instrument before a target, with the shaft through the fulcrum")
 {
     Scene scene;
     const Vec3 target = {6_mm, 50_mm, 3_mm};
@@ -52,29 +52,29 @@ TEST_CASE("hands that are to reach a target have the instrument before it, and t
 TEST_CASE("a script is played move by move, each begun and ended once, at its time")
 {
     Scene scene;
-    std::vector<std::pair<std::string, double>> told;
-    const auto tell = [&](const char* what) {
+    std::vector<std::pair<std::string, double>> calls;
+    const auto record = [&](const char* what) {
         return [&, what] {
-            const auto frame = scene.sim.physics().latest(); // none before the first step
-            told.emplace_back(what, frame ? frame->time : 0.0);
+            const auto frame = scene.sim.physics().latest(); // null before the first step
+            calls.emplace_back(what, frame ? frame->time : 0.0);
         };
     };
     const ScopeHand in{.aim = {0, 1, 0}, .depth = 10_mm};
-    scene.hands.play({{.seconds = 0.02, .to = in, .begin = tell("in"), .end = tell("is in")},
-                      {.seconds = 0.01, .to = in, .begin = tell("rest"), .end = tell("has rested")}});
+    scene.hands.play({{.seconds = 0.02, .to = in, .begin = record("in"), .end = record("is in")},
+                      {.seconds = 0.01, .to = in, .begin = record("rest"), .end = record("has rested")}});
     scene.run(100);
-    REQUIRE(told.size() == 4);
-    CHECK(told[0].first == "in");
-    CHECK(told[1].first == "is in");
-    CHECK(told[2].first == "rest");
-    CHECK(told[3].first == "has rested");
-    CHECK(told[1].second - told[0].second == Approx(19e-3).margin(1.1e-3));
-    CHECK(told[3].second - told[2].second == Approx(10e-3).margin(1.1e-3));
+    REQUIRE(calls.size() == 4);
+    CHECK(calls[0].first == "in");
+    CHECK(calls[1].first == "is in");
+    CHECK(calls[2].first == "rest");
+    CHECK(calls[3].first == "has rested");
+    CHECK(calls[1].second - calls[0].second == Approx(19e-3).margin(1.1e-3));
+    CHECK(calls[3].second - calls[2].second == Approx(10e-3).margin(1.1e-3));
     CHECK(scene.element(scene.scope.body()).position.y == Approx(30_mm).epsilon(1e-9));
     CHECK(durationOf({{.seconds = 1.5}, {.seconds = 2.0}}) == 3.5);
 }
 
-TEST_CASE("a move that looks first goes where it is told as it begins")
+TEST_CASE("a move with an aim function goes where it says when the move begins")
 {
     Scene scene;
     double depth = 1_mm;
@@ -99,7 +99,7 @@ TEST_CASE("a person's wheel and keys move the hands smoothly and within their bo
     event::KeyEvent key;
     key.key = event::KeyCode::G;
     key.pressed = true;
-    scene.sim.post(key); // opens
+    scene.sim.post(key); // opens the jaws
     scene.run(1000);
     CHECK(scene.element(scene.scope.body()).position.y == Approx(20_mm - 30_mm + 15_mm).epsilon(1e-4));
     CHECK(scene.forceps.opening() == Approx(1.0).epsilon(1e-6));
@@ -118,7 +118,7 @@ TEST_CASE("a person's wheel and keys move the hands smoothly and within their bo
     CHECK(angle == Approx(0.2).epsilon(1e-3));
 }
 
-TEST_CASE("hands that cannot be are refused with the field and the bound")
+TEST_CASE("wrong hands are refused with the field and the bound")
 {
     Scene scene;
     const auto make = [&](const ScopeHandsDef& def) { ScopeHands(scene.sim, scene.scope, scene.forceps, def); };
@@ -128,7 +128,7 @@ TEST_CASE("hands that cannot be are refused with the field and the bound")
     CHECK_THROWS_WITH(scene.hands.play({{.seconds = 0.0}}), Catch::Contains("moves[0].seconds must be > 0 s, got 0"));
 }
 
-TEST_CASE("hands pull no harder at what they hold than they are strong")
+TEST_CASE("hands pull on what they hold no harder than their strength")
 {
     const auto pullWith = [](double strength) {
         Simulation sim{{.physics = {.gravity = {}}}};
@@ -142,7 +142,7 @@ TEST_CASE("hands pull no harder at what they hold than they are strong")
         const auto run = [&](int steps) {
             sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps});
         };
-        run(10); // to where the hands begin
+        run(10); // to the start pose of the hands
         sim.physics().attach(block, {.box = geometry::Box{{-1, -1, -1}, {1, -4.9_mm, 1}}, .to = forceps.body()});
         ScopeHand back{.depth = 10_mm};
         hands.play({{.seconds = 1.0, .to = back}});

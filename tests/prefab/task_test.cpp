@@ -19,7 +19,7 @@ namespace {
 
 void run(Simulation& sim, int steps) { sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps}); }
 
-/// Draws some pictures, of which nobody sees anything.
+/// Draws some pictures that nobody sees.
 void draw(Simulation& sim)
 {
     int pictures = 0;
@@ -29,7 +29,7 @@ void draw(Simulation& sim)
     sim.run({.backend = visual::Backend::Null});
 }
 
-/// Done when so much time has passed.
+/// A step that is done at this time.
 TaskStep after(double time, std::string name)
 {
     return {.name = std::move(name),
@@ -62,7 +62,7 @@ TEST_CASE("the steps of a task are done in their order, each at its time, and it
 {
     Simulation sim;
     std::vector<bool> over;
-    // The second step would be done at once, but waits for the first.
+    // The second step's condition holds at once, but it waits for the first.
     Task task(sim, {.steps = {after(0.02, "first"), after(0.01, "second"), after(0.03, "third")},
                     .over = [&](bool done) { over.push_back(done); }});
     CHECK(task.instruction() == "wait until 0.02 s");
@@ -74,7 +74,7 @@ TEST_CASE("the steps of a task are done in their order, each at its time, and it
     CHECK(end.state == TaskProgress::State::Done);
     CHECK(end.step == 3);
     REQUIRE(end.doneAt.size() == 3);
-    CHECK(end.doneAt[1] - end.doneAt[0] == Approx(1e-3).epsilon(1e-6)); // a step of the simulation each
+    CHECK(end.doneAt[1] - end.doneAt[0] == Approx(1e-3).epsilon(1e-6)); // one step of the simulation apart
     CHECK(end.doneAt[2] - end.doneAt[0] == Approx(10e-3).epsilon(1e-6));
     CHECK(over == std::vector{true});
     CHECK(task.instruction().empty());
@@ -104,21 +104,21 @@ TEST_CASE("a task fails at its time limit, and a step that takes too long is a m
     CHECK(kinds == std::vector{metric::EventKind::Mistake, metric::EventKind::Step});
 }
 
-TEST_CASE("a task that cannot be is refused with its name and field")
+TEST_CASE("a wrong task Def is refused with its name and field")
 {
     Simulation sim;
-    CHECK_THROWS_WITH(Task(sim, {.name = "t"}), Catch::Contains("task 't': steps must be at least one"));
+    CHECK_THROWS_WITH(Task(sim, {.name = "t"}), Catch::Contains("task 't': steps must have at least one entry"));
     CHECK_THROWS_WITH(Task(sim, {.name = "t", .steps = {{}}}), Catch::Contains("steps[0].done must be a function"));
     CHECK_THROWS_WITH(Task(sim, {.name = "t", .steps = {after(1, "a")}, .timeLimit = 0.0}),
                       Catch::Contains("timeLimit must be > 0"));
 }
 
-TEST_CASE("what somebody typed is shown as one line, cut between letters")
+TEST_CASE("typed text is shown as one line, cut between characters")
 {
     CHECK(shown("plain") == "plain");
     CHECK(shown("two\nlines") == "two lines");
     CHECK(shown(std::string(10'000, 'x')).size() == 80 + 3);
-    CHECK(shown("\u00e4\u00e4\u00e4", 3) == "\u00e4\u2026"); // the second letter would end beyond
+    CHECK(shown("\u00e4\u00e4\u00e4", 3) == "\u00e4\u2026"); // the second character would end beyond the limit
     CHECK(shown("\u00e4\u00e4\u00e4", 0) == "\u2026");
 }
 
@@ -131,7 +131,7 @@ TEST_CASE("a force bar shows the weight of what lies on a body, and counts warni
     CHECK(bar.force() == Approx(0.981).epsilon(0.02));
     CHECK(bar.highest() >= bar.force());
     CHECK(bar.warnings() == 1);
-    // At 0.43 N it is below the threshold, but above 80 % of it: nothing new.
+    // 0.43 N is below the threshold but above 80 % of it: no new warning.
     sim.physics().setWrench(weight, {0, 0.55, 0}, {});
     run(sim, 300);
     CHECK(bar.force() == Approx(0.431).epsilon(0.03));
@@ -143,11 +143,11 @@ TEST_CASE("a force bar shows the weight of what lies on a body, and counts warni
     sim.physics().setWrench(weight, {}, {});
     run(sim, 300);
     CHECK(bar.warnings() == 2);
-    CHECK_THROWS_WITH(ForceBar(sim, {}), Catch::Contains("force bar: bodies must be at least one"));
+    CHECK_THROWS_WITH(ForceBar(sim, {}), Catch::Contains("force bar: bodies must have at least one entry"));
     CHECK_THROWS_WITH(ForceBar(sim, {.bodies = {weight}, .warning = 3.0}), Catch::Contains("full must be > warning"));
 }
 
-TEST_CASE("guidance, bar and screens draw names of any length and content without a complaint")
+TEST_CASE("guidance, bar and screens draw names of any length and content without an error")
 {
     Simulation sim;
     std::string nasty(10'000, 'n');
@@ -207,19 +207,19 @@ TEST_CASE("a start screen holds the simulation until Start is pressed, and an en
                                 ++pictures;
                                 if (pictures == 8) {
                                     pausedAt = sim.physics().latest()->time;
-                                    click(230, 311); // Start, as the panel lies in this window
+                                    click(230, 311); // the Start button, at the panel's place in this window
                                 }
                                 if (pictures == 20)
                                     end.show("Done", {{"a", "1"}, {"b", "2"}, {"c", "3"}}, "file.jsonl");
                                 if (pictures > 30 && pictures % 10 == 0)
-                                    for (double x = 280; x <= 360; x += 20) click(x, 295); // Close, wherever it begins
+                                    for (double x = 280; x <= 360; x += 20) click(x, 295); // the Close button, anywhere
                             }});
     const auto report = sim.run({.backend = visual::Backend::Null, .seconds = 60});
     CHECK(report.finished == "closed");
     CHECK(pausedAt == 0.0);
     CHECK(report.time > 0.0);
     REQUIRE(chosen.size() == 1);
-    CHECK(chosen[0].trainee == longName); // longer than its field, and not edited: whole
-    CHECK(chosen[0].caseIndex == 1);      // the last there is
+    CHECK(chosen[0].trainee == longName); // longer than its field and not edited, so it is complete
+    CHECK(chosen[0].caseIndex == 1);      // the last case
     CHECK(chosen[0].seed == 5);
 }

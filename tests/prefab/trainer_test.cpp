@@ -15,7 +15,7 @@ using runtime::Simulation;
 
 namespace {
 
-/// A trainer without anything to see: what it was called with, and what it said of wrong words.
+/// A trainer without pictures. It records what it was called with and what it printed about wrong words.
 struct Program {
     TrainerDef def{.name = "drill",
                    .about = "A drill.",
@@ -26,7 +26,7 @@ struct Program {
                        return caseIndex == 1 && seed == 3 ? std::string("too hard") : std::string();
                    }};
     std::vector<Training> trained;
-    int steps = 0; ///< of the last session
+    int steps = 0; ///< in the last session
     std::string said;
 
     int run(std::vector<const char*> words)
@@ -69,7 +69,7 @@ TEST_CASE("a trainer's session gets what the command line says")
     CHECK(program.steps == 7);
 }
 
-TEST_CASE("a planned motion takes as long as it takes, unless --steps says less")
+TEST_CASE("a planned motion runs to its end, unless --steps is less")
 {
     Program program;
     CHECK(program.run({"--headless", "--motion", "expert"}) == 0);
@@ -80,7 +80,7 @@ TEST_CASE("a planned motion takes as long as it takes, unless --steps says less"
     CHECK(program.steps == 3);
 }
 
-TEST_CASE("a device's motion file is handed on, and a device is to be held")
+TEST_CASE("a device's motion file is passed on, and the session uses a device")
 {
     Program program;
     const std::string file = (std::filesystem::temp_directory_path() / "filasofia_no_motion.csv").string();
@@ -92,7 +92,7 @@ TEST_CASE("a device's motion file is handed on, and a device is to be held")
     CHECK(program.trained[0].motion.empty());
 }
 
-TEST_CASE("what a trainer does not know is refused in one line, before any session")
+TEST_CASE("unknown words are refused in one line, before any session")
 {
     Program program;
     const auto refused = [&](std::vector<const char*> words, const std::string& because) {
@@ -102,7 +102,7 @@ TEST_CASE("what a trainer does not know is refused in one line, before any sessi
     };
     refused({"--case", "hip"}, "drill: --case must be tooth or bone, got 'hip'");
     refused({"--difficulty", "9"}, "drill: --difficulty must be easy or hard, got 9");
-    refused({"--motion", "wild"}, "drill: --motion must be hand, expert or a motion file, and there is no file 'wild'");
+    refused({"--motion", "wild"}, "drill: --motion must be hand, expert or a motion file, but there is no file 'wild'");
     refused({"--trainee", "--seed", "3"}, "drill: --trainee needs a value");
     refused({"--seed"}, "drill: --seed needs a value");
     refused({"--seed", "-1"}, "drill: --seed must be a whole number in [0, 999999999], got -1");
@@ -110,12 +110,12 @@ TEST_CASE("what a trainer does not know is refused in one line, before any sessi
     refused({"--check-seeds", "0"}, "drill: --check-seeds must be a whole number in [1, 1000000], got 0");
     CHECK(program.trained.empty());
     program.def.cases = {};
-    refused({}, "trainer: cases and difficulties must be at least one each");
+    refused({}, "trainer: cases and difficulties must have at least one entry each");
     program.def.cases = {"a tooth"};
     refused({}, "trainer: cases must be words without spaces, got 'a tooth'");
 }
 
-TEST_CASE("a user's last word that lacks its value takes none of ours")
+TEST_CASE("a user's last option that lacks its value does not take one of our words")
 {
     Program program;
     CHECK(program.run({"--headless", "--picture"}) == 2);
@@ -142,7 +142,7 @@ TEST_CASE("a session that is refused leaves no file behind, unless it was named 
     CHECK(leaves({"drill", "--headless", "--session", "named.jsonl"}, 0));
 }
 
-TEST_CASE("patients of many seeds are checked without a session")
+TEST_CASE("the option --check-seeds checks the patients of many seeds without a session")
 {
     Program program;
     CHECK(program.run({"--check-seeds", "5"}) == 0);
@@ -150,7 +150,7 @@ TEST_CASE("patients of many seeds are checked without a session")
     CHECK(program.trained.empty());
 }
 
-TEST_CASE("no session is written over")
+TEST_CASE("no session is overwritten")
 {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "filasofia_unused_session";
     std::filesystem::create_directory(folder);

@@ -12,7 +12,7 @@
 using namespace filasofia;
 using prefab::Turns;
 
-TEST_CASE("work is done at once where nobody else is at it, also from within, and what it throws comes through")
+TEST_CASE("work is done at once if no other thread holds the state, also from within, and its exceptions are passed on")
 {
     Turns turns;
     std::vector<int> done;
@@ -27,7 +27,7 @@ TEST_CASE("work is done at once where nobody else is at it, also from within, an
     CHECK(turns.now([] {}));
 }
 
-TEST_CASE("who finds the state taken does not wait: its work is done, in order, by who has it")
+TEST_CASE("a thread that finds the state taken does not wait: the holder does its work, in order")
 {
     Turns turns;
     std::vector<std::thread::id> by;
@@ -56,10 +56,10 @@ TEST_CASE("who finds the state taken does not wait: its work is done, in order, 
     setLogSink({});
     CHECK(done == std::vector<int>{0, 1, 2, 3});
     CHECK(by == std::vector<std::thread::id>(3, other));
-    CHECK(logged == "it threw something that is no std::exception");
+    CHECK(logged == "it threw something that is not a std::exception");
 }
 
-TEST_CASE("of all work that four threads leave to each other none is lost, and none overlaps")
+TEST_CASE("no work that four threads leave to each other is lost, and none overlaps")
 {
     Turns turns;
     int inside = 0, done = 0;
@@ -79,7 +79,7 @@ TEST_CASE("of all work that four threads leave to each other none is lost, and n
     CHECK(done == 80'000);
 }
 
-TEST_CASE("what is published is read whole and never goes back, by any number of readers")
+TEST_CASE("published values are read whole and never go back, with any number of readers")
 {
     struct Pair {
         std::vector<int> a = {0}, b = {0};

@@ -51,8 +51,8 @@ std::string joined(const std::vector<std::string>& lines)
     return all;
 }
 
-/// The message with which a file of these bytes is refused, without the file's name and what of it is whole; empty
-/// where it is not.
+/// The message with which a file of these bytes is refused, without the file's name and the part that is complete;
+/// empty if it is accepted.
 std::string refusal(const std::string& bytes)
 {
     const record::ScratchFile file("damaged.rec");
@@ -80,38 +80,38 @@ std::string refusal(std::size_t line, const std::string& what, const std::string
 
 } // namespace
 
-TEST_CASE("the small recording itself is whole and can be made again")
+TEST_CASE("the small recording itself is complete and can be replayed")
 {
     const record::ScratchFile file("whole.rec");
     file.write(record::framed(joined(smallRecording())));
     CHECK_FALSE(record::replay(record::readRecording(file.path()).steps, *engine::makeNativeEngine()));
 }
 
-TEST_CASE("what is no recording says so")
+TEST_CASE("a file that is not a recording is refused as such")
 {
-    CHECK(refusal("") == ": is empty, no recording");
+    CHECK(refusal("") == ": must be a recording, got an empty file");
     for (const char* bytes :
          {"\n", "step,time\n1,2\n", "[1]\n", "{}\n", "{\"format\":\"something else\",\"version\":1}\n",
           "filasofia recording, version x\n", "filasofia recording, version 5", "{{{{{{{{"})
         CHECK_THAT(refusal(bytes),
-                   Catch::StartsWith(": this is no Filasofia recording") || Catch::StartsWith(": cut off at byte "));
-    CHECK(refusal("filasofia rec") == ": cut off at byte 13: a recording begins, and holds nothing");
-    CHECK(refusal(record::openingLine()) == ": cut off at byte 31: the session's end is missing");
-    CHECK_THROWS_WITH(record::readRecording("/no/such/file.rec"), "/no/such/file.rec: there is no such file");
-    CHECK_THROWS_WITH(record::readRecording("/tmp"), "/tmp: is a folder; a file is needed");
-    CHECK_THROWS_WITH(record::readRecording("/dev/zero"), "/dev/zero: is no regular file");
+                   Catch::StartsWith(": this is not a Filasofia recording") || Catch::StartsWith(": cut off at byte "));
+    CHECK(refusal("filasofia rec") == ": cut off at byte 13, before the header of the recording");
+    CHECK(refusal(record::openingLine()) == ": cut off at byte 31, before the end of the session");
+    CHECK_THROWS_WITH(record::readRecording("/no/such/file.rec"), "/no/such/file.rec: no such file");
+    CHECK_THROWS_WITH(record::readRecording("/tmp"), "/tmp: must be a file, got a directory");
+    CHECK_THROWS_WITH(record::readRecording("/dev/zero"), "/dev/zero: is not a regular file");
     const record::ScratchFile pipe("pipe.rec");
     REQUIRE(mkfifo(pipe.path().c_str(), 0600) == 0);
-    CHECK_THROWS_WITH(record::readRecording(pipe.path()), pipe.name() + ": is no regular file");
+    CHECK_THROWS_WITH(record::readRecording(pipe.path()), pipe.name() + ": is not a regular file");
 }
 
-TEST_CASE("a recording of another version says which, and where it is known what wrote it")
+TEST_CASE("a recording of another version is refused with that version and, if known, the program that wrote it")
 {
     CHECK(refusal("filasofia recording, version 12\n???") ==
-          ": the recording is of version 12, this Filasofia reads version 5");
+          ": the recording has version 12, but this Filasofia reads version 5");
     CHECK(refusal(R"({"format":"filasofia recording","version":3,"filasofia":"0.1.0","revision":"abc"})"
-                  "\n") == ": the recording is of version 3, this Filasofia reads version 5; Filasofia "
-                           "0.1.0, revision abc, wrote it, and can make it again");
+                  "\n") == ": the recording has version 3, but this Filasofia reads version 5; Filasofia "
+                           "0.1.0, revision abc, wrote it and can replay it");
 }
 
 TEST_CASE("a record without one of its fields names the field")
@@ -119,7 +119,8 @@ TEST_CASE("a record without one of its fields names the field")
     for (const std::string field :
          {"filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee", "date"})
         CHECK(refusal(1, "\"" + field + "\"", "\"x\"") == ": record 1: field '" + field + "' is missing");
-    CHECK(refusal(3, "\"dt\"", "\"x\"") == ": record 3: field 'dt' is missing"); // later ones have the last one's
+    CHECK(refusal(3, "\"dt\"", "\"x\"") ==
+          ": record 3: field 'dt' is missing"); // later steps use that of the step before
     for (const std::string field : {"hash", "commands"})
         CHECK(refusal(3, "\"" + field + "\"", "\"x\"") == ": record 3: unknown field 'x'");
     CHECK(refusal(2, "\"tetrahedra\"", "\"triangles\"") == ": record 2: field 'vertices' is missing");
@@ -151,28 +152,28 @@ TEST_CASE("a value of the wrong kind is named with what it must be")
           ": record 4: commands[5].Pause.paused must be true or false, got 1");
     CHECK(refusal(3, "\"mesh\":0", "\"mesh\":1") ==
           ": record 3: commands[1].AddBody.def.SoftBodyDef.mesh must be the number "
-          "of a mesh of its kind on a line before, got 1");
-    CHECK(refusal(2, "\"mesh\":0", "\"mesh\":1") == ": record 2: mesh must be 0, the next number, got 1");
+          "of a mesh of its kind on an earlier line, got 1");
+    CHECK(refusal(2, "\"mesh\":0", "\"mesh\":1") == ": record 2: mesh must be 0, the number of the next mesh, got 1");
     CHECK_THAT(refusal(2, "\"nodes\":4", "\"nodes\":-4"),
                Catch::StartsWith(": record 2: nodes must be a whole number"));
     CHECK(refusal(2, "\"nodes\":4", "\"nodes\":999999999") == ": record 2: nodes must be <= 268435456, got 999999999");
     CHECK_THAT(refusal(2, "\"nodes\":4", "\"nodes\":3"), Catch::StartsWith(": record 2: mesh 0: its digest must be "));
     CHECK_THAT(refusal(2, "\"nodes\":4", "\"nodes\":200000000"), Catch::StartsWith(": cut off at byte "));
     CHECK_THAT(refusal(4, "{\"Reset\":{}}", "\"Reset\""),
-               Catch::Contains("commands[4] must be an object with one name"));
-    CHECK_THAT(refusal(3, "\"dt\":0.001", "\"dt\":1e999"), Catch::StartsWith(": record 3: this is no record"));
+               Catch::Contains("commands[4] must be an object with one member"));
+    CHECK_THAT(refusal(3, "\"dt\":0.001", "\"dt\":1e999"), Catch::StartsWith(": record 3: this is not a record"));
 }
 
 TEST_CASE("the session's end tells how many steps there are, and nothing follows it")
 {
-    CHECK(refusal(5, "2", "3") == ": record 5: the session's end tells of 3 steps, and there are 2");
+    CHECK(refusal(5, "2", "3") == ": record 5: the end of the session announces 3 steps, but the file holds 2");
     CHECK(refusal(5, "\"end\"", "\"x\":1,\"end\"") == ": record 5: unknown field 'x'");
     const std::string whole = joined(smallRecording());
-    CHECK(refusal(record::framed(whole + "{}\n")) == ": record 5: something follows the session's end");
+    CHECK(refusal(record::framed(whole + "{}\n")) == ": record 5: the file must end after the end of the session");
     CHECK(refusal(record::framed(whole.substr(0, whole.size() - 1))).starts_with(": cut off at byte "));
 }
 
-TEST_CASE("ids of attachments that run over are refused")
+TEST_CASE("ids of attachments that overflow are refused")
 {
     auto lines = smallRecording();
     const std::string was = "\"attachments\":1";
@@ -181,11 +182,12 @@ TEST_CASE("ids of attachments that run over are refused")
     lines[2].replace(place, was.size(), "\"attachments\":4294967295"); // the body has two
     const record::ScratchFile file("ids.rec");
     file.write(record::framed(joined(lines)));
-    CHECK_THROWS_WITH(record::replay(record::readRecording(file.path()).steps, *engine::makeNativeEngine()),
-                      "step 1: attachment 4294967295: must be <= 4294967294: 2 ids follow from it");
+    CHECK_THROWS_WITH(
+        record::replay(record::readRecording(file.path()).steps, *engine::makeNativeEngine()),
+        "step 1: attachment 4294967295: id must be <= 4294967294 to leave room for 2 ids, got 4294967295");
 }
 
-TEST_CASE("the steps before a damaged line can be made again")
+TEST_CASE("the steps before a damaged line can be replayed")
 {
     auto lines = smallRecording();
     lines[3] = "{";
@@ -199,11 +201,11 @@ TEST_CASE("the steps before a damaged line can be made again")
     replayer.step(*step);
     CHECK(engine->hash() == step->hash);
     for (int again = 0; again < 2; ++again)
-        CHECK_THROWS_WITH(reader.next(), Catch::Contains(": record 4: this is no record") &&
-                                             Catch::EndsWith("; it is whole up to step 1"));
+        CHECK_THROWS_WITH(reader.next(), Catch::Contains(": record 4: this is not a record") &&
+                                             Catch::EndsWith("; it is complete up to step 1"));
 }
 
-TEST_CASE("whatever the bytes of a recording, it is read and made again or refused")
+TEST_CASE("whatever the bytes of a recording, it is read and replayed or refused")
 {
     const std::string whole = joined(smallRecording());
     const record::ScratchFile file("fuzzed.rec");

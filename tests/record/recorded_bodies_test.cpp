@@ -109,7 +109,7 @@ TEST_CASE("every field of a rigid body comes back bit for bit, its surfaces with
     CHECK(back.attachments[1].breakForce == kNever);
 }
 
-TEST_CASE("what a soft body is touched by, and what holds it, comes back bit for bit")
+TEST_CASE("a soft body's collision models and attachments come back bit for bit")
 {
     const SoftBodyDef back = roundTrip(SoftBodyDef{
         .mesh = oneTetrahedron(), .attachments = {kAttachment, {}}, .collision = {kCollision, {}}, .friction = kThird});

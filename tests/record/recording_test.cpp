@@ -7,9 +7,9 @@ using namespace filasofia;
 using namespace filasofia::physics;
 using namespace filasofia::record_test;
 
-TEST_CASE("what a step was comes back bit for bit")
+TEST_CASE("a step's content comes back bit for bit")
 {
-    StepRecord step; // every flag but RecordLost and Tuned, which warn
+    StepRecord step; // every flag except RecordLost and Tuned, which warn
     step.report = {.step = 123456789012345678u, .dt = kThird, .flags = 0xffffff9fu};
     step.report.solves = {{.body = {}, .iterations = 17}, {.body = {}, .iterations = 0}};
     step.hash = 0xfedcba9876543210u;
@@ -136,11 +136,11 @@ TEST_CASE("every other kind of command comes back bit for bit")
     roundTrip(Reset{});
     CHECK(roundTrip(Pause{true}).paused);
     CHECK_FALSE(roundTrip(Pause{false}).paused);
-    CHECK_FALSE(roundTrip(Tune{[](PhysicsEngine&) {}}).change); // that there was one is all that can be kept
+    CHECK_FALSE(roundTrip(Tune{[](PhysicsEngine&) {}}).change); // only the fact that there was one can be kept
     STATIC_REQUIRE(std::variant_size_v<Command> == 18);
 }
 
-TEST_CASE("a name that is no text does not end the recording")
+TEST_CASE("a name that is not valid text does not end the recording")
 {
     CHECK(roundTrip(SoftBodyDef{.name = "li\xffver", .mesh = oneTetrahedron()}).name == "li\xef\xbf\xbdver");
 }
@@ -153,7 +153,7 @@ TEST_CASE("a mesh is written once, before the step that needs it, however often 
         for (std::uint32_t id = 1; id <= 3; ++id)
             writer.write(stepWith(adding(id, SoftBodyDef{.mesh = oneTetrahedron()})));
         auto other = *oneTetrahedron();
-        other.nodes[0].x = -0.0; // equal, and not the same bits
+        other.nodes[0].x = -0.0; // equal, but not the same bits
         writer.write(stepWith(adding(4, SoftBodyDef{.mesh = std::make_shared<const geometry::TetMesh>(other)})));
     }
     const auto lines = file.records();
@@ -180,7 +180,7 @@ TEST_CASE("what was flushed can be read while the writer is still at work")
         writer.flush();
         const record::Recording so = record::readUpToDamage(file.path());
         CHECK(so.steps.size() == steps);
-        CHECK_THAT(so.damage, Catch::Contains("the session's end is missing; it is whole up to step 1"));
+        CHECK_THAT(so.damage, Catch::Contains("before the end of the session; it is complete up to step 1"));
         CHECK_THROWS_WITH(record::readRecording(file.path()), so.damage);
     }
     writer.close();
@@ -206,7 +206,7 @@ TEST_CASE("a recording names the build and the vector instructions that made it"
     CHECK(header.period == 0.005);
 }
 
-TEST_CASE("the last bytes that a disk refuses are told when a file is closed, and logged when it is only dropped")
+TEST_CASE("the last bytes that a disk refuses are reported when a file is closed, and logged when it is only dropped")
 {
     CHECK_THROWS_WITH(record::RecordingWriter("/dev/full", {}).close(), "/dev/full: cannot be written (disk full?)");
     std::vector<std::string> errors;
@@ -228,14 +228,14 @@ TEST_CASE("a file has one writer, by whatever names it is opened, and is left as
     std::filesystem::create_hard_link(file.path(), hard.path());
     for (const auto& path : {file.path(), std::filesystem::relative(file.path()), symbolic.path(), hard.path()})
         CHECK_THROWS_WITH(record::RecordingWriter(path, {}),
-                          path.string() + ": is being written already, by this name or another");
+                          path.string() + ": is already being written, under this or another name");
     CHECK(file.bytes() == before);
     first.close();
     record::RecordingWriter(hard.path(), {}).close(); // nobody writes it any more
     CHECK(record::readRecording(file.path()).steps.empty());
 }
 
-TEST_CASE("the log is told once that a recording cannot be replayed to its end")
+TEST_CASE("a recording that cannot be replayed to its end is logged once")
 {
     std::vector<std::string> warnings;
     setLogSink([&](LogLevel, std::string_view line) { warnings.emplace_back(line); });
@@ -250,5 +250,5 @@ TEST_CASE("the log is told once that a recording cannot be replayed to its end")
     }
     setLogSink({});
     REQUIRE(warnings.size() == 1);
-    CHECK(warnings[0] == file.name() + ": no replay can go beyond step 12: tune() ran before it");
+    CHECK(warnings[0] == file.name() + ": a replay will stop at step 12: tune() ran before it");
 }

@@ -12,7 +12,7 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// A shaft on a holder, and two jaws that its Def lists in full.
+/// A shaft on a holder, and two jaws, all elements listed in the Def.
 RigidBodyDef gripper(BodyId holder)
 {
     RigidBodyDef def{.name = "gripper", .mesh = geometry::shapes::box({0.03, 0.004, 0.02}), .friction = 0.8};
@@ -32,7 +32,7 @@ RigidBodyDef gripper(BodyId holder)
     return def;
 }
 
-/// Jaws close on a loose cube by force, one goes on by position, the holder lifts them, and goes.
+/// Two jaws close on a loose cube, one by force and one by position; the holder lifts them and is removed.
 template <class AfterStep> void run(PhysicsServer& server, AfterStep&& afterStep)
 {
     server.keepLog(true);
@@ -60,7 +60,7 @@ template <class AfterStep> void run(PhysicsServer& server, AfterStep&& afterStep
 
 } // namespace
 
-TEST_CASE("a session with joints, from a file, is made again with the same hash at every step")
+TEST_CASE("a session with joints, from a file, is replayed with the same hash at every step")
 {
     const record::ScratchFile file("joints.rec");
     bool touched = false;

@@ -25,7 +25,7 @@ RigidBodyDef box(Vec3 half, Vec3 at, bool dynamic)
     return def;
 }
 
-/// Two blocks on a floor, one tied to the other and to a box; a tool grasps one, lifts it, and lets go.
+/// Two blocks on a floor, one attached to the other and to a box; a tool grasps one, lifts it, and releases it.
 template <class AfterStep> void run(PhysicsServer& server, AfterStep&& afterStep)
 {
     server.keepLog(true);
@@ -55,7 +55,7 @@ template <class AfterStep> void run(PhysicsServer& server, AfterStep&& afterStep
 
 } // namespace
 
-TEST_CASE("contacts, attachments, grasps and releases are made again with the same hash at every step")
+TEST_CASE("contacts, attachments, grasps and releases are replayed with the same hash at every step")
 {
     const record::ScratchFile file("attached.rec");
     int most = 0, broken = 0, pushing = 0;

@@ -33,7 +33,7 @@ RigidBodyDef scalpel()
             .collision = {{.mesh = mesh, .proximity = 0, .cutting = true}}};
 }
 
-/// One block is cut through, another is pulled until it tears, and a ball in a hand presses it meanwhile.
+/// One block is cut through, another is pulled until it tears, and a ball held by a hand presses it meanwhile.
 template <class AfterStep> void run(PhysicsServer& server, AfterStep&& afterStep)
 {
     server.keepLog(true);
@@ -63,12 +63,12 @@ template <class AfterStep> void run(PhysicsServer& server, AfterStep&& afterStep
 
 } // namespace
 
-TEST_CASE("a session of cutting, tearing and a hand that presses is made again with the same hash at every step, "
+TEST_CASE("a session of cutting, tearing and a hand that presses is replayed with the same hash at every step, "
           "whatever the threads")
 {
     const record::ScratchFile file("cut.rec");
     int cuts = 0, tears = 0, loose = 0;
-    std::size_t pushing = 0; // contacts
+    std::size_t pushing = 0; // number of contacts
     {
         PhysicsServer server(engine::makeNativeEngine({.threads = 1}));
         record::RecordingWriter writer(file.path(), {});
@@ -95,7 +95,7 @@ TEST_CASE("a session of cutting, tearing and a hand that presses is made again w
     }
 }
 
-TEST_CASE("what a body may be cut and torn by survives a file, infinity too")
+TEST_CASE("a body's parameters of cutting and tearing survive a file, infinity too")
 {
     for (double threshold : {kNever, kThird, 5000.0}) {
         const SoftBodyDef def = roundTrip(tissue(0.0, threshold));

@@ -22,7 +22,7 @@ void recordEventfulRun(const record::ScratchFile& file)
     });
 }
 
-/// A step of a recording of one soft body (1) and one rigid body (2), in which `wrong` happens.
+/// A step of a recording of one soft body (1) and one rigid body (2), with an invalid command `wrong`.
 StepRecord wrongStep(Command wrong)
 {
     StepRecord step;
@@ -47,7 +47,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 
 } // namespace
 
-TEST_CASE("a run read back from its file is made again with the same hash at every step")
+TEST_CASE("a run read back from its file is replayed with the same hash at every step")
 {
     const record::ScratchFile file("eventful.rec");
     recordEventfulRun(file);
@@ -71,12 +71,12 @@ TEST_CASE("a step that differs is named with both hashes, whatever comes after i
 
 TEST_CASE("a solver that a deadline stopped makes the same iterations again, without a clock")
 {
-    Told told{.needed = 10};
+    EngineCalls calls{.needed = 10};
     std::int64_t time = 0;
-    told.iterate = [&] { time += 100; };
+    calls.iterate = [&] { time += 100; };
     const record::ScratchFile file("deadline.rec");
     {
-        PhysicsServer server = fakeServer(told);
+        PhysicsServer server = fakeServer(calls);
         server.keepLog(true);
         server.hashEveryStep(true);
         server.add(SoftBodyDef{.mesh = oneTetrahedron()});
@@ -91,9 +91,9 @@ TEST_CASE("a solver that a deadline stopped makes the same iterations again, wit
         }
     }
     const std::vector<std::vector<int>> made = {{10, 10}, {10, 3}, {4, 0}, {0, 0}, {10, 10}};
-    CHECK(told.iterations == made);
+    CHECK(calls.iterations == made);
 
-    Told again{.needed = 10};
+    EngineCalls again{.needed = 10};
     FakeEngine fresh(again);
     CHECK_FALSE(record::replay(record::readRecording(file.path()).steps, fresh));
     CHECK(again.iterations == made);
@@ -102,15 +102,15 @@ TEST_CASE("a solver that a deadline stopped makes the same iterations again, wit
 
 TEST_CASE("a step in which nothing ran out of time must come out by itself")
 {
-    Told told{.needed = 10};
-    PhysicsServer server = fakeServer(told);
+    EngineCalls calls{.needed = 10};
+    PhysicsServer server = fakeServer(calls);
     server.keepLog(true);
     server.hashEveryStep(true);
     server.add(SoftBodyDef{.mesh = oneTetrahedron()});
     server.step(1e-3);
     record::StepLog log;
     log.drain(server);
-    Told again{.needed = 11}; // another engine: told the counts, it would hide that it is
+    EngineCalls again{.needed = 11}; // a different engine: if it got the counts, it would hide that it differs
     FakeEngine fresh(again);
     const auto difference = record::replay(log.steps(), fresh);
     REQUIRE(difference);
@@ -121,12 +121,12 @@ TEST_CASE("a step out of time without a count for every soft body is refused")
 {
     StepRecord step = wrongStep(Reset{});
     step.report.set(StepFlag::OutOfTime);
-    checkRefused(step, {"step 1", "iterations", "bodies were solved", "got 0"});
+    checkRefused(step, {"step 1", "iterations", "one per solve", "got 0"});
     step.report.solves.resize(2);
     checkRefused(step, {"step 1", "iterations", "got 2"});
 }
 
-TEST_CASE("a recording's commands are held to what a server holds its callers to")
+TEST_CASE("a recording's commands get the same checks as those of a server's callers")
 {
     checkRefused(wrongStep(RemoveBody{BodyId{3}}), {"step 1", "body 3", "no such body"});
     checkRefused(wrongStep(SetPose{BodyId{1}, 0, {}}), {"step 1", "soft body 'liver'", "pose"});
@@ -139,7 +139,7 @@ TEST_CASE("a recording's commands are held to what a server holds its callers to
     checkRefused(wrongStep(SetPressure{BodyId{1}, kInf}), {"step 1", "pressure", "finite"});
     checkRefused(wrongStep(SetGravity{{kInf, 0, 0}}), {"step 1", "gravity", "finite"});
     const auto twice = std::make_shared<const BodyDef>(RigidBodyDef{});
-    checkRefused(wrongStep(AddBody{BodyId{2}, twice, nullptr}), {"step 1", "body 2", "ids rise"});
+    checkRefused(wrongStep(AddBody{BodyId{2}, twice, nullptr}), {"step 1", "body 2", "id must be > "});
     const auto empty = std::make_shared<const BodyDef>(RigidBodyDef{.name = "nothing", .elements = {}});
     checkRefused(wrongStep(AddBody{BodyId{3}, empty, nullptr}), {"step 1", "nothing"});
     checkRefused(wrongStep(Tune{}), {"step 1", "tune"});

@@ -6,7 +6,7 @@
 
 #include <bit>
 
-/// Values that a careless format loses, and their way through a file.
+/// Values that a careless format loses, and their round trip through a file.
 namespace filasofia::record_test {
 
 using namespace filasofia::physics;
@@ -42,7 +42,7 @@ inline StepRecord stepWith(Command command)
     return step;
 }
 
-/// What a recording makes of a step.
+/// The step read back from a recording of it.
 inline StepRecord roundTrip(const StepRecord& step)
 {
     const record::ScratchFile file("round.rec");

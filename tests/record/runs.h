@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-/// What the tests of this room share: a run to record, and files that go away.
+/// What the tests of this room share: a run to record, and files that are removed afterwards.
 namespace filasofia::record {
 
 inline physics::SoftBodyDef bunny()
@@ -21,7 +21,7 @@ inline physics::SoftBodyDef bunny()
 
 inline constexpr int kEventfulSteps = 30;
 
-/// Thirty steps of a scene in which every kind of command happens but tune(); `afterStep` is called after each.
+/// Thirty steps of a scene with every kind of command except tune(); `afterStep` is called after each.
 template <class AfterStep> void eventfulRun(physics::PhysicsServer& server, AfterStep&& afterStep)
 {
     server.keepLog(true);
@@ -63,7 +63,7 @@ public:
         return {std::istreambuf_iterator<char>(in), {}};
     }
     [[nodiscard]] std::vector<std::string> lines() const { return linesOf(bytes()); }
-    /// Of the recording that it is: what its chunks hold.
+    /// The content of a recording's chunks.
     [[nodiscard]] std::string content() const
     {
         ChunkReader chunks(name());
@@ -72,7 +72,7 @@ public:
         }
         return all;
     }
-    /// The same, where it breaks: the numbers of a mesh are the beginning of the line that follows them.
+    /// The same, split into lines: the numbers of a mesh are the beginning of the line that follows them.
     [[nodiscard]] std::vector<std::string> records() const { return linesOf(content()); }
 
 private:
@@ -87,7 +87,7 @@ private:
     std::filesystem::path path_;
 };
 
-/// A file whose chunks hold this, `size` bytes each.
+/// A file whose chunks hold this content, `size` bytes each.
 inline std::string framed(const std::string& content, std::size_t size = kMaximumChunk)
 {
     std::string bytes = openingLine();

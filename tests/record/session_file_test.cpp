@@ -57,8 +57,8 @@ bool same(const StepRecord& a, const StepRecord& b)
            a.commands.size() == b.commands.size();
 }
 
-/// What can be read of these bytes is the beginning of the session, and whatever ends it early is told. Returns how
-/// many steps there were.
+/// Checks that what can be read of these bytes is the beginning of the session, and that an early end is reported.
+/// Returns the number of steps.
 std::size_t checkBeginning(const record::ScratchFile& file, const std::vector<StepRecord>& all)
 {
     try {
@@ -67,8 +67,8 @@ std::size_t checkBeginning(const record::ScratchFile& file, const std::vector<St
         for (std::size_t i = 0; i < found.steps.size(); ++i) REQUIRE(same(found.steps[i], all[i]));
         REQUIRE_FALSE(found.damage.empty());
         REQUIRE(found.damage.substr(0, file.name().size()) == file.name());
-        const auto tells = found.steps.empty() ? std::string("it has no whole step")
-                                               : text("it is whole up to step ", found.steps.back().report.step);
+        const auto tells = found.steps.empty() ? std::string("it has no complete step")
+                                               : text("it is complete up to step ", found.steps.back().report.step);
         REQUIRE_THAT(found.damage, Catch::EndsWith(tells));
         return found.steps.size();
     } catch (const Error& refused) {
@@ -77,7 +77,7 @@ std::size_t checkBeginning(const record::ScratchFile& file, const std::vector<St
     }
 }
 
-/// A recording of one step whose words are these.
+/// The refusal of a recording of one step with these words.
 std::string refusalOf(const std::string& words)
 {
     const record::ScratchFile file("hostile.rec");
@@ -112,7 +112,7 @@ TEST_CASE("a session comes back whole: names, seed, scene and steps")
     int steps = 1;
     for (; reader.next(); ++steps) CHECK(reader.takeScene().empty());
     CHECK(steps == kSteps);
-    REQUIRE(reader.takeScene().size() == 1); // came after the last step
+    REQUIRE(reader.takeScene().size() == 1); // it came after the last step
     CHECK_FALSE(reader.next());
 }
 
@@ -126,7 +126,7 @@ TEST_CASE("a session cut off at any byte is read up to there, and says so")
     for (std::size_t length = 0; length < whole.size(); ++length) {
         file.write(whole.substr(0, length));
         const std::size_t steps = checkBeginning(file, all);
-        REQUIRE(steps >= most); // what was whole stays so
+        REQUIRE(steps >= most); // complete steps stay complete
         most = steps;
     }
     CHECK(most == kSteps);
@@ -146,7 +146,7 @@ TEST_CASE("a session with any byte flipped is read up to there, and says so")
         }
 }
 
-TEST_CASE("chunks that are missing, doubled or exchanged are told")
+TEST_CASE("chunks that are missing, doubled or exchanged are reported")
 {
     const std::string content(100, 'x');
     const record::ScratchFile file("order.rec");
@@ -164,11 +164,11 @@ TEST_CASE("chunks that are missing, doubled or exchanged are told")
     };
     const std::string first = record::chunkOf(0, content), second = record::chunkOf(1, content);
     CHECK(refusal(first + second).empty());
-    CHECK(refusal(second) == ": damaged at byte 31: chunk 0 is missing, chunk 1 comes in its place");
-    CHECK_THAT(refusal(first + first), Catch::EndsWith(": chunk 1 is missing, chunk 0 comes in its place"));
+    CHECK(refusal(second) == ": damaged at byte 31: chunk 0 is missing; chunk 1 is in its place");
+    CHECK_THAT(refusal(first + first), Catch::EndsWith(": chunk 1 is missing; chunk 0 is in its place"));
 }
 
-TEST_CASE("a chunk cannot grow beyond what it says, nor say more than a little")
+TEST_CASE("a chunk cannot grow beyond its announced size, nor announce too much")
 {
     const record::ScratchFile file("bomb.rec");
     const auto refusal = [&](std::string chunk, std::uint32_t size) {
@@ -192,22 +192,22 @@ TEST_CASE("a chunk cannot grow beyond what it says, nor say more than a little")
     CHECK(bomb.size() < 200);
     refusal(bomb, 1000);                      // holds more
     refusal(bomb, record::kMaximumChunk - 1); // holds more
-    refusal(bomb, record::kMaximumChunk + 1); // says too much
-    refusal(bomb, 0xffffffff);                // says too much
+    refusal(bomb, record::kMaximumChunk + 1); // announces too much
+    refusal(bomb, 0xffffffff);                // announces too much
     refusal(record::chunkOf(0, "x"), 2);      // holds less
 }
 
-TEST_CASE("lists in lists, long records and crowded objects are refused before anything is made of them")
+TEST_CASE("lists in lists, long records and crowded objects are refused before anything is built from them")
 {
     CHECK_THAT(refusalOf("{\"commands\":" + std::string(100000, '[') + "\n"),
-               Catch::StartsWith(": record 2: lists and objects must be at most 32 in each other"));
-    CHECK_THAT(refusalOf("]\n"), Catch::StartsWith(": record 2: this is no record"));
+               Catch::StartsWith(": record 2: lists and objects must be nested at most 32 deep"));
+    CHECK_THAT(refusalOf("]\n"), Catch::StartsWith(": record 2: this is not a record"));
     std::string crowd = "{\"x\":0";
     for (int i = 0; i < 100; ++i) crowd += text(",\"x", i, "\":0");
     CHECK_THAT(refusalOf(crowd + "}\n"), Catch::StartsWith(": record 2: an object must have at most 64 members"));
     CHECK_THAT(refusalOf("{\"x\":\"" + std::string(record::kMaximumLine, ' ') + "\"}\n"),
                Catch::StartsWith(": record 2: a record must be <= 16777216 bytes"));
-    CHECK_THAT(refusalOf(std::string(record::kMaximumLine + 200000, ' ')), Catch::Contains("a record has no end"));
+    CHECK_THAT(refusalOf(std::string(record::kMaximumLine + 200000, ' ')), Catch::Contains("a record does not end"));
     CHECK_THAT(refusalOf("{\"scene\":3,\"surfaces\":[]}\n"), Catch::Contains("scene must be an object, got 3"));
     CHECK_THAT(refusalOf("{\"scene\":{},\"surfaces\":[0]}\n"), Catch::Contains("must be the number of a mesh"));
 }
@@ -220,7 +220,7 @@ TEST_CASE("a record that is too long is refused by the writer too")
     CHECK_THROWS_WITH(writer.write(step), Catch::Contains("a record must be <= 16777216 bytes"));
 }
 
-TEST_CASE("a session player hands out every step with its frame, and says where the file ends early")
+TEST_CASE("a session player returns every step with its frame, and says where the file ends early")
 {
     const record::ScratchFile file("player.rec");
     const std::string whole = smallSession();
@@ -249,7 +249,7 @@ TEST_CASE("a session player hands out every step with its frame, and says where 
     }
 }
 
-TEST_CASE("a server makes a recorded session again, and knows its bodies")
+TEST_CASE("a server replays a recorded session, and knows its bodies")
 {
     const auto steps = stepsOf(smallSession());
     PhysicsServer server(engine::makeNativeEngine());
@@ -269,7 +269,7 @@ TEST_CASE("a server makes a recorded session again, and knows its bodies")
 
 TEST_CASE("a minute of a moving tool at 1 kHz takes less than a tenth of 50 MB")
 {
-    // What costs room: a hash a step, full-precision poses that never repeat, dt of a live run, iterations.
+    // What takes space: a hash per step, full-precision poses that never repeat, the dt of a live run, iterations.
     for (const int tools : {0, 1}) {
         const record::ScratchFile file("minute.rec");
         std::mt19937_64 random(3);

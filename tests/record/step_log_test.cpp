@@ -1,6 +1,6 @@
 #include "filasofia/record/step_log.h"
 
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/replay.h"
@@ -21,7 +21,7 @@ record::StepLog logOfEventfulRun()
 
 } // namespace
 
-TEST_CASE("a recorded run is made again with the same hash at every step")
+TEST_CASE("a recorded run is replayed with the same hash at every step")
 {
     const record::StepLog log = logOfEventfulRun();
     CHECK(log.steps().size() == record::kEventfulSteps);
@@ -40,20 +40,20 @@ TEST_CASE("a replay names the first step that differs")
     CHECK(difference->recorded != difference->replayed);
 }
 
-TEST_CASE("a log with tune() says that it cannot be made again")
+TEST_CASE("a log with tune() is not replayable")
 {
     physics::PhysicsServer server(engine::makeNativeEngine());
     server.keepLog(true);
-    engine::tune(server, [](engine::Native& native) { native.state.gravity = {}; });
+    engine::tune(server, [](engine::Native& native) { native.scene().gravity = {}; });
     server.step(1e-3);
     record::StepLog log;
     log.drain(server);
     CHECK_FALSE(log.replayable());
     CHECK_THROWS_WITH(record::replay(log.steps(), *engine::makeNativeEngine()),
-                      "step 1 cannot be made again: tune() ran before it");
+                      "step 1 cannot be replayed: tune() ran before it");
 }
 
-TEST_CASE("a log that begins after the first step says that it cannot be made again")
+TEST_CASE("a log that begins after the first step is not replayable")
 {
     physics::PhysicsServer server(engine::makeNativeEngine());
     server.add(record::bunny());
@@ -64,21 +64,21 @@ TEST_CASE("a log that begins after the first step says that it cannot be made ag
     log.drain(server);
     CHECK_FALSE(log.replayable());
     CHECK_THROWS_WITH(record::replay(log.steps(), *engine::makeNativeEngine()),
-                      "step 2 cannot be made again: steps before it were lost while recording");
+                      "step 2 cannot be replayed: steps before it were lost during recording");
 }
 
-TEST_CASE("a log of which a reader took the beginning says that it cannot be made again")
+TEST_CASE("a log of which a reader took the beginning is not replayable")
 {
     std::vector<physics::StepRecord> steps = logOfEventfulRun().take();
     steps.erase(steps.begin() + 4);
     CHECK_THROWS_WITH(record::replay(steps, *engine::makeNativeEngine()),
-                      "step 6 cannot be made again: step 5 is missing");
+                      "step 6 cannot be replayed: step 5 is missing");
     steps.erase(steps.begin());
     CHECK_THROWS_WITH(record::replay(steps, *engine::makeNativeEngine()),
-                      "step 2 cannot be made again: step 1 is missing");
+                      "step 2 cannot be replayed: step 1 is missing");
 }
 
-TEST_CASE("a full log is seen by who reads it")
+TEST_CASE("a full log is visible to its reader")
 {
     physics::PhysicsServer server(engine::makeNativeEngine(), {.logLength = 4});
     server.keepLog(true);
@@ -99,12 +99,12 @@ TEST_CASE("a list of iterations that is not one per soft body is refused, of a s
     for (const bool cutShort : {false, true})
         for (const int change : {-1, 1}) {
             std::vector<physics::StepRecord> steps = logOfEventfulRun().take();
-            physics::StepReport& report = steps[18].report; // two soft bodies by now
+            physics::StepReport& report = steps[18].report; // two soft bodies by then
             if (cutShort) report.set(physics::StepFlag::OutOfTime);
             report.solves.resize(2 + change);
             CHECK_THROWS_WITH(record::replay(steps, *engine::makeNativeEngine()),
                               text("step ", report.step,
-                                   ": iterations must have as many entries as bodies were solved, in [2, 2], got ",
+                                   ": iterations must have a number of entries in [2, 2], one per solve, got ",
                                    2 + change));
         }
 }
@@ -117,5 +117,5 @@ TEST_CASE("a paused step has no iterations")
     CHECK(paused->report.solves.empty());
     paused->report.solves.resize(1);
     CHECK_THROWS_WITH(record::replay(steps, *engine::makeNativeEngine()),
-                      Catch::Contains("as many entries as bodies were solved, in [0, 0], got 1"));
+                      Catch::Contains("a number of entries in [0, 0], one per solve, got 1"));
 }

@@ -15,7 +15,7 @@ using namespace filasofia::runtime;
 
 namespace {
 
-/// A physics server, a null visual server, and what binds them.
+/// A physics server, a null visual server and the bindings between them.
 struct Stage {
     physics::PhysicsServer physics{engine::makeNativeEngine()};
     Bindings bindings;
@@ -78,7 +78,7 @@ TEST_CASE("what is drawn of a soft body moves with its nodes, of a rigid one wit
     stage.physics.step(0.01);
     stage.map();
     CHECK(stage.drawn() == 2);
-    CHECK(stage.visual.statistics().vertexUpdates == before + 1); // the soft one; the rigid one has a pose
+    CHECK(stage.visual.statistics().vertexUpdates == before + 1); // only the soft body; the rigid one has a pose
 }
 
 TEST_CASE("a removed body is no longer drawn")
@@ -123,7 +123,7 @@ TEST_CASE("what a visual server refuses stays pending, with all that comes after
 {
     Stage stage;
     const BodyId id = stage.addBunny();
-    // Three triangles on one edge: fine as it is, but no surface that can be subdivided.
+    // Three triangles on one edge: valid as it is, but it cannot be subdivided.
     auto fin = std::make_shared<geometry::TriangleMesh>();
     fin->vertices = {{0, 0, 0}, {0, 0, 0.1}, {0.1, 0, 0}, {-0.1, 0, 0}, {0, 0.1, 0}};
     fin->triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};

@@ -8,7 +8,7 @@ namespace {
 
 using Kind = ContactEvent::Kind;
 
-/// A box of 8 g a millimetre above a table.
+/// A box of 8 g, a millimetre above a table.
 struct Drop {
     Simulation sim;
     BodyId table, box;
@@ -54,7 +54,7 @@ TEST_CASE("a box that falls onto a table begins to touch, rests with its weight,
     });
     const RunReport report = scene.sim.run({.headless = true, .steps = 510});
 
-    CHECK_FALSE(updateFirst); // who hears of a step has heard of its contacts
+    CHECK_FALSE(updateFirst); // contact events come before the update event of their step
     REQUIRE(heard.size() > 400);
     CHECK(heard.front().kind == Kind::Begin);
     CHECK(heard.back().kind == Kind::End);
@@ -80,7 +80,7 @@ TEST_CASE("a box that falls onto a table begins to touch, rests with its weight,
     CHECK(report.contacts[0].meanNormalForce == Approx(kWeight).epsilon(0.1));
 }
 
-TEST_CASE("a run in which nothing touches tells of no contacts")
+TEST_CASE("the report of a run in which nothing touches has no contacts")
 {
     Drop scene;
     scene.sim.physics().setGravity({});
@@ -89,7 +89,7 @@ TEST_CASE("a run in which nothing touches tells of no contacts")
     const RunReport report = scene.sim.run({.headless = true, .steps = 20});
     CHECK(heard == 0);
     CHECK(report.contacts.empty());
-    CHECK_THAT(summary(report), !Catch::Contains("contacts of"));
+    CHECK_THAT(summary(report), !Catch::Contains("contacts between"));
 }
 
 TEST_CASE("pausing ends no contact, removing a body does")
@@ -111,7 +111,7 @@ TEST_CASE("pausing ends no contact, removing a body does")
     const RunReport report = scene.sim.run({.headless = true, .steps = 10});
     REQUIRE(changes.size() == before + 1);
     CHECK(changes.back().first == Kind::End);
-    CHECK(report.contacts.empty()); // of this run
+    CHECK(report.contacts.empty()); // the report covers this run only
 }
 
 TEST_CASE("in a live run begins and ends alternate and none is missing, however slow the observer")
@@ -130,12 +130,12 @@ TEST_CASE("in a live run begins and ends alternate and none is missing, however 
     sim.on<ContactEvent>([&](const ContactEvent& touch) {
         if (touch.kind != Kind::Persist) changes.push_back(touch.kind);
         steps.push_back(touch.step);
-        std::this_thread::sleep_for(std::chrono::milliseconds(10)); // five steps
+        std::this_thread::sleep_for(std::chrono::milliseconds(10)); // as long as five steps
     });
     const RunReport report = sim.run({.backend = Backend::Null, .steps = 250});
     CHECK(changes.size() >= 6);
     for (std::size_t i = 0; i < changes.size(); ++i) CHECK(changes[i] == (i % 2 == 0 ? Kind::Begin : Kind::End));
     CHECK(std::ranges::is_sorted(steps));
     REQUIRE(report.contacts.size() == 1);
-    CHECK(steps.size() < report.contacts[0].steps); // those that go on gave way
+    CHECK(steps.size() < report.contacts[0].steps); // some Persist events were merged
 }

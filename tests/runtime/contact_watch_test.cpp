@@ -23,7 +23,7 @@ frame::Contact contact(BodyId first, BodyId second, double normalForce, double g
             .friction = friction};
 }
 
-/// A watch, two bodies that have names, and all that was posted.
+/// A watch, two named bodies, and all that was posted.
 struct Stage {
     physics::PhysicsServer physics{engine::makeNativeEngine()};
     ContactWatch watch;
@@ -49,7 +49,7 @@ struct Stage {
 
 } // namespace
 
-TEST_CASE("a pair begins once, goes on, ends once, and may begin again")
+TEST_CASE("a pair begins once, persists, ends once, and may begin again")
 {
     Stage stage;
     CHECK(stage.observe({}).empty());
@@ -102,7 +102,7 @@ TEST_CASE("only contacts that go on merge, and only with those of the same pair"
     CHECK(event.mergeKey() != key);
 }
 
-TEST_CASE("an event that found no place is told, and the pair goes on as it is")
+TEST_CASE("a lost event is reported, and the pair's state goes on")
 {
     Stage stage;
     CHECK_FALSE(stage.watch.observe({contact(kA, kB, 1.0)}, [](std::unique_ptr<ContactEvent>) { return false; }));
@@ -116,7 +116,7 @@ TEST_CASE("a step concerns the watch while something touches, in the step after 
     CHECK_FALSE(stage.watch.concerns(nothing));
     CHECK(stage.watch.concerns(touching));
     stage.observe({contact(kA, kB, 1.0)});
-    CHECK(stage.watch.concerns(nothing)); // to say that it ended
+    CHECK(stage.watch.concerns(nothing)); // to post the end
     CHECK_FALSE(stage.watch.concerns({.dt = 0.0}));
     stage.observe({});
     CHECK_FALSE(stage.watch.concerns(nothing));
@@ -127,7 +127,7 @@ TEST_CASE("the report has means over the steps in contact, the largest values, a
     Stage stage;
     stage.observe({contact(kA, kB, 1.0, 1e-4, {0.1, 0, 0})});
     stage.observe({contact(kA, kB, 3.0, -2e-4, {0, 0, 0.3}), contact(kA, kB, 0.0, -3e-4)});
-    stage.observe({contact(kA, kB, 0.0, -9e-4)}); // does not push: no step in contact
+    stage.observe({contact(kA, kB, 0.0, -9e-4)}); // does not push, so it does not count as a step in contact
     stage.observe({contact(kA, kB, 2.0, -1e-4), contact(kB, kC, 0.5)});
     const auto report = stage.watch.report(stage.physics);
     REQUIRE(report.size() == 2);
@@ -142,7 +142,7 @@ TEST_CASE("the report has means over the steps in contact, the largest values, a
     CHECK(report[1].second == "body 3 (removed)");
 }
 
-TEST_CASE("a new run begins new figures, but what touches has begun already")
+TEST_CASE("a new run begins new statistics, but a touching pair does not begin again")
 {
     Stage stage;
     stage.observe({contact(kA, kB, 1.0), contact(kB, kC, 1.0)});
@@ -156,10 +156,10 @@ TEST_CASE("a new run begins new figures, but what touches has begun already")
     CHECK(report[0].meanNormalForce == 5.0);
 }
 
-TEST_CASE("the summary has a line per pair that touched, the hardest first, and none where nothing did")
+TEST_CASE("the summary has a line per pair that touched, the largest force first, and none if nothing touched")
 {
     RunReport report;
-    CHECK_THAT(summary(report), !Catch::Contains("contacts of"));
+    CHECK_THAT(summary(report), !Catch::Contains("contacts between"));
     report.contacts.push_back({.first = "table", .second = "a\nball", .steps = 12, .maxNormalForce = 1.5});
     report.contacts.push_back({.first = "table", .second = "cube", .steps = 7, .maxNormalForce = 2.5, .deepest = 1e-4});
     const std::string said = summary(report);
@@ -168,7 +168,7 @@ TEST_CASE("the summary has a line per pair that touched, the hardest first, and 
     CHECK(said.find("table, cube") < said.find("table, a ball"));
     const std::string heading = said.substr(0, said.find("table, cube") - 1);
     CHECK(heading.size() - heading.rfind('\n') ==
-          said.find('\n', said.find("table, cube")) - heading.size()); // one width
+          said.find('\n', said.find("table, cube")) - heading.size()); // all lines have the same width
     for (int i = 0; i < 11; ++i) report.contacts.push_back({.first = "x", .second = "y", .steps = 1});
-    CHECK_THAT(summary(report), Catch::Contains("and 1 pair that pressed less\n"));
+    CHECK_THAT(summary(report), Catch::Contains("and 1 pair with smaller forces\n"));
 }

@@ -39,7 +39,7 @@ std::unique_ptr<event::Event> move(double dx, double dy)
     return event;
 }
 
-/// A simulation with a box that falls, in a window that nobody sees.
+/// A simulation with a falling box, in a window that nobody sees.
 struct Live {
     explicit Live(const LookDef& look = {}) : sim({.look = look})
     {
@@ -60,7 +60,7 @@ struct Live {
     std::vector<std::unique_ptr<event::Event>> first; ///< what the person does at once
 };
 
-/// Opens a window in which somebody acts: `person` is called on the main thread whenever it looks for input.
+/// Opens a window with a person: `person` is called on the main thread each time the run looks for input.
 auto personAt(std::function<void(NullWindow&, int look)> person)
 {
     struct Watched final : window::Window {
@@ -87,7 +87,7 @@ auto personAt(std::function<void(NullWindow&, int look)> person)
         [person = std::move(person)](const window::WindowDef& def) { return std::make_unique<Watched>(def, person); };
 }
 
-/// The folder that a test may fill; it is the working folder meanwhile.
+/// A folder for one test; it is the working folder meanwhile.
 struct OwnFolder {
     fs::path before = fs::current_path();
     fs::path folder = fs::temp_directory_path() / text("filasofia_controls_", getpid());
@@ -139,7 +139,7 @@ TEST_CASE("a single step while paused makes one step, with everyStep, and is pau
     std::vector<double> ends;
     sim.everyStep([&](double end) { ends.push_back(end); });
     sim.pause(true);
-    sim.singleStep(); // the first step finds it running: only what is paused makes a single one
+    sim.singleStep(); // has no effect: the simulation runs in the first step
     int made = 0;
     sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent&) {
         ++made;
@@ -162,7 +162,7 @@ TEST_CASE("Space pauses a live run, N makes one step of it, R puts the bodies ba
     double pausedAt = 0.0, steppedTo = 0.0;
     Vec3 fallen, back;
     const auto now = [&] { return sim.physics().latest(); };
-    // Each key waits for what the one before it has done.
+    // Each key waits for the effect of the one before it.
     live.sim.useWindow(personAt([&](NullWindow& window, int) {
         const FrameRef frame = now();
         if (!frame || frame->step < 20) return;
@@ -170,7 +170,7 @@ TEST_CASE("Space pauses a live run, N makes one step of it, R puts the bodies ba
             window.inject(key(KeyCode::Space));
             ++did;
         } else if (did == 1 && sim.paused()) {
-            pausedAt = now()->time; // not that of a frame from before
+            pausedAt = now()->time; // the newest frame's time, not that of `frame`
             window.inject(key(KeyCode::N));
             ++did;
         } else if (did == 2 && frame->time > pausedAt) {
@@ -185,13 +185,13 @@ TEST_CASE("Space pauses a live run, N makes one step of it, R puts the bodies ba
         }
     }));
     CHECK(live.run().finished == "Escape");
-    CHECK(steppedTo - pausedAt <= 0.003 + 1e-9); // one step: a period and its slack at most
+    CHECK(steppedTo - pausedAt <= 0.003 + 1e-9); // one step: at most a period and its slack
     CHECK(fallen.y < 0.0);
     CHECK(back == Vec3{});
     CHECK(sim.paused());
 }
 
-TEST_CASE("single steps are in a recording, and it can be made again")
+TEST_CASE("single steps are in a recording, and it can be replayed")
 {
     const OwnFolder folder;
     Simulation sim;
@@ -208,7 +208,7 @@ TEST_CASE("single steps are in a recording, and it can be made again")
     CHECK(sim.physics().latest()->rigidBody(body)->poses.front().position.y < 0.0);
 }
 
-TEST_CASE("a person turns the camera that was put into his hand, and observers hear of it too")
+TEST_CASE("a person turns the camera given to steer(), and observers hear of it too")
 {
     Live live;
     visual::Camera* camera = nullptr;
@@ -275,15 +275,15 @@ TEST_CASE("only a camera of the visual server, without a parent, can be steered"
     visual::VisualServer other({.backend = Backend::Null});
     visual::Camera& foreign = other.add(visual::CameraDef{});
     CHECK_THROWS_WITH(live.sim.steer(foreign, {}),
-                      Catch::Contains("steer: the camera is not one of the visual server's"));
+                      Catch::Contains("steer: the camera does not belong to the visual server"));
     live.sim.dress([&](visual::VisualServer& visual) {
         CHECK_THROWS_AS(live.sim.steer(foreign, {}), Error);
         visual::Camera& camera = visual.add(visual::CameraDef{.name = "eye"});
         camera.attachTo(visual.addTransform("rig"));
-        CHECK_THROWS_WITH(live.sim.steer(camera, {}), "steer: 'eye' hangs on 'rig': steer that");
+        CHECK_THROWS_WITH(live.sim.steer(camera, {}), "steer: 'eye' has the parent 'rig': steer the parent");
         visual::Transform& gone = visual.addTransform("gone");
         live.sim.steer(gone, {});
-        visual.remove(gone); // nobody touches it any more
+        visual.remove(gone); // nothing touches it any more
     });
     live.first.push_back(button(true));
     live.first.push_back(move(10, 10));
@@ -307,7 +307,7 @@ TEST_CASE("screenshots come from the program and from the key, without overwriti
     CHECK_THROWS_WITH(live.sim.screenshot("mine.jpg"), Catch::Contains("must end in .png"));
 }
 
-TEST_CASE("who asks for a screenshot and ends the run gets it, one that cannot be written ends nothing")
+TEST_CASE("a screenshot asked for just before finish() is taken, and one that cannot be written ends nothing")
 {
     const OwnFolder folder;
     fs::create_directory("gone");
@@ -322,7 +322,7 @@ TEST_CASE("who asks for a screenshot and ends the run gets it, one that cannot b
         live.sim.screenshot("last.png");
         live.sim.finish("enough");
     });
-    // The folder is gone when the picture is written, unless that was quicker: then nothing is wrong.
+    // The folder is gone when the picture is written. If the picture was quicker, nothing is wrong.
     const RunReport report = live.run();
     setLogSink({});
     CHECK(report.finished == "enough");
@@ -333,7 +333,7 @@ TEST_CASE("who asks for a screenshot and ends the run gets it, one that cannot b
 
 TEST_CASE("the page about showing and the help name every key")
 {
-    std::ifstream file(FILASOFIA_SOURCE_DIR "/docs/showing.md");
+    std::ifstream file(FILASOFIA_SOURCE_DIR "/docs/guide/showing.md");
     const std::string page{std::istreambuf_iterator<char>(file), {}};
     for (const auto& [keys, meaning] : keyLines()) {
         CHECK_THAT(page, Catch::Contains(text("| ", keys, " | ", meaning, " |")));

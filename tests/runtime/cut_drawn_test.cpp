@@ -50,14 +50,14 @@ TEST_CASE("what a cut opens is drawn in the inside's material, until the body is
     stage.cut(0.0);
     auto all = stage.drawn();
     REQUIRE(all.size() == 2);
-    CHECK(all[0]->geometry.indices.size() >= whole);         // nothing of the skin is lost
+    CHECK(all[0]->geometry.indices.size() >= whole);         // no triangle of the skin is lost
     CHECK(all[1]->geometry.indices.size() >= 3 * 2 * 6 * 3); // both sides of at least three rows of cells
     CHECK(CutStage::red(*all[1]) < CutStage::red(*all[0]));
     for (const visual::Float3& place : all[1]->geometry.rest) CHECK(std::abs(place.x - 0.001F) < 0.004F);
 
     visual::TissueMaterial pale;
     pale.baseColor = {0.9, 0.8, 0.7};
-    stage.bindings.setMaterial(id, pale); // the skin's; the inside is made of it again
+    stage.bindings.setMaterial(id, pale); // the skin's; the inside's material is derived from it again
     stage.step();
     CHECK(CutStage::red(*all[0]) == 0.9);
     CHECK(CutStage::red(*all[1]) < 0.9);
@@ -86,7 +86,7 @@ TEST_CASE("a finer surface opens where its body is cut, and is whole again with 
     stage.bindings.show(stage.tissue, {.surface = std::make_shared<const geometry::TriangleMesh>(fine)}, stage.physics);
     stage.step();
     CHECK(stage.only().geometry.indices.size() == 3 * fine.triangles.size());
-    const auto widest = [&] { // a triangle along x
+    const auto widest = [&] { // largest extent of a triangle along x
         const visual::NullBackend::Body& skin = *stage.drawn().front();
         float width = 0.0F;
         for (std::size_t i = 0; i < skin.geometry.indices.size(); i += 3) {
@@ -108,7 +108,7 @@ TEST_CASE("a finer surface opens where its body is cut, and is whole again with 
     CHECK(all[0]->geometry.indices.size() > 3 * fine.triangles.size());
     CHECK(all[1]->geometry.indices.size() >= 3 * 2 * 6 * 3);
     CHECK(CutStage::red(*all[1]) < CutStage::red(*all[0]));
-    CHECK(widest() < 0.0035F); // at the top none reaches from one side of the cut to the other any more
+    CHECK(widest() < 0.0035F); // no triangle at the top reaches across the cut any more
 
     stage.physics.setPose(stage.blade, CutStage::poseAt(0.5));
     stage.physics.reset();

@@ -52,7 +52,7 @@ TEST_CASE("a body that a script moves is exactly where the script says, headless
     }
 }
 
-TEST_CASE("what a script commands is in the recording: it is made again without the script")
+TEST_CASE("a script's commands are in the recording, which is replayed without the script")
 {
     const std::string file =
         (std::filesystem::temp_directory_path() / text("filasofia_every_step_test_", getpid(), ".rec")).string();
@@ -82,7 +82,7 @@ TEST_CASE("a script rests while physics is paused")
     sim.run({.headless = true, .steps = 5});
     sim.physics().pause(true);
     sim.run({.headless = true, .steps = 5});
-    CHECK(calls == 6); // the step that a pause comes with is known to be paused only when it is made
+    CHECK(calls == 6); // the step that starts the pause is known to be paused only when it is made
     sim.physics().pause(false);
     sim.run({.headless = true, .steps = 5});
     CHECK(calls == 10);
@@ -105,7 +105,7 @@ TEST_CASE("a script that throws is not called again, and the others go on")
     }
 }
 
-TEST_CASE("a script that throws something that is no std::exception is reported like any other")
+TEST_CASE("a script that throws something that is not a std::exception is reported like any other")
 {
     std::vector<std::string> lines; // written by the stepping thread, read after the run
     setLogSink([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
@@ -122,15 +122,15 @@ TEST_CASE("a script that throws something that is no std::exception is reported 
         CHECK((thrown == 1 && calls == 20));
         REQUIRE(lines.size() >= 1);
         CHECK(lines[0] ==
-              "simulation: everyStep: it threw something that is no std::exception; it is not called again");
+              "simulation: everyStep: it threw something that is not a std::exception; it is not called again");
     }
     setLogSink({});
 }
 
-TEST_CASE("nothing is no script, and a run takes no new one")
+TEST_CASE("an empty script is refused, and so is a new one during a run")
 {
     Simulation sim;
-    CHECK_THROWS_WITH(sim.everyStep({}), "simulation: everyStep: the function to call must be one, got nothing");
+    CHECK_THROWS_WITH(sim.everyStep({}), "simulation: everyStep: needs a function to call, got an empty one");
     std::string refused;
     sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent&) {
         try {
@@ -140,18 +140,18 @@ TEST_CASE("nothing is no script, and a run takes no new one")
         }
     });
     sim.run({.headless = true, .steps = 2});
-    CHECK(refused == "simulation: everyStep is to be set before a run, and one is going on");
+    CHECK(refused == "simulation: everyStep must be set before a run, but one is going on");
 }
 
 TEST_CASE("an orientation of any length is made unit where a body goes")
 {
     Simulation sim;
-    const BodyId told = sim.add(physics::RigidBodyDef{.name = "told"});
+    const BodyId kinematic = sim.add(physics::RigidBodyDef{.name = "kinematic"});
     const BodyId free = sim.add(physics::RigidBodyDef{
         .name = "free", .dynamic = true, .mass = physics::GivenInertia{.mass = 1.0}, .gravity = false});
-    for (const BodyId body : {told, free}) sim.physics().setPose(body, {{0, 1e-3, 0}, {0.3, 0, 0, 0.4}});
+    for (const BodyId body : {kinematic, free}) sim.physics().setPose(body, {{0, 1e-3, 0}, {0.3, 0, 0, 0.4}});
     sim.run({.headless = true, .backend = visual::Backend::Null, .steps = 2});
-    for (const BodyId body : {told, free}) {
+    for (const BodyId body : {kinematic, free}) {
         const Quat q = sim.physics().latest()->rigidBody(body)->poses[0].orientation;
         CHECK(std::sqrt(dot(q, q)) == Approx(1.0).epsilon(1e-15));
         CHECK(q.z == Approx(0.8).epsilon(1e-12));

@@ -4,7 +4,7 @@ using namespace filasofia;
 
 namespace {
 
-/// What an act is refused with; empty: it was not.
+/// The error message that an act is refused with, or empty if it is accepted.
 std::string refusal(const std::function<void(Simulation&)>& act)
 {
     Simulation sim;
@@ -54,7 +54,7 @@ TEST_CASE("coordinates of any size are refused by object, field, bound and value
         holds(refusal([&](Simulation& sim) { sim.physics().setPose(sim.add(RigidBodyDef{.name = "it"}), away); }),
               "rigid body 'it': ", "within 10000 m");
 
-        // A large surface is none in the way: one whose volume no double holds is.
+        // A large surface is allowed, unless its volume overflows a double.
         for (const std::string& said :
              {add(SoftBodyDef{.name = "it", .mesh = block, .collision = {{.mesh = farSphere(far)}}}),
               add(RigidBodyDef{.name = "it", .mesh = farSphere(far), .collision = {{}}}),

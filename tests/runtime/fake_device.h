@@ -8,7 +8,7 @@
 
 namespace filasofia::runtime {
 
-/// A device that says what a test tells it to, and remembers what it was told.
+/// A device whose hand the test prescribes, and which records the forces sent to it.
 class FakeDevice final : public device::HapticDevice {
 public:
     explicit FakeDevice(std::function<device::DeviceSample(double)> where) : where_(std::move(where)) {}

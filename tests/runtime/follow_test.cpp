@@ -25,7 +25,7 @@ const FollowDef kOnSide{.at = FollowNearest{.place = {1, 0.01, 0.01}}};
 
 } // namespace
 
-TEST_CASE("a light on an element of a rigid body goes where that goes, offset and all, from the start on")
+TEST_CASE("a light on an element of a rigid body follows it with its offset, from the start on")
 {
     FollowStage stage;
     const Pose start{{1, 2, 3}, axisAngle({0, 1, 0}, 0.3)}, offset{{0, 0, 0.1}, axisAngle({1, 0, 0}, 0.2)};
@@ -59,7 +59,7 @@ TEST_CASE("a camera on a soft body moves with its surface")
     CHECK(distance(camera.worldPose().position, transform(pose, {0.07, 0.01, 0.01}) + fallen) < 1e-6);
 }
 
-TEST_CASE("whoever follows leaves its parent, and follows no more once it has one")
+TEST_CASE("a follower leaves its parent, and stops following once it has one")
 {
     FollowStage stage;
     const BodyId box = stage.addBox();
@@ -105,7 +105,7 @@ TEST_CASE("following again replaces what was followed, and a transform that ends
     stage.step();
     CHECK(light.worldPose().position == Vec3{5, 0, 0});
     stage.visual.remove(light);
-    stage.step(); // nobody touches what is gone
+    stage.step(); // nothing touches a destroyed transform
     CHECK(stage.visual.statistics().lights == 0);
 }
 
@@ -140,7 +140,7 @@ TEST_CASE("wrong things to follow are Errors that name them")
 
     visual::VisualServer other({.backend = visual::Backend::Null});
     CHECK_THROWS_WITH(stage.follow(other.add(visual::LightDef{}), box),
-                      "follow: the transform is not one of the visual server's");
+                      "follow: the transform does not belong to the visual server");
     stage.bindings.release();
     CHECK_THROWS_WITH(stage.follow(light, box), Catch::Contains("there is no visual server yet"));
 }
@@ -153,12 +153,12 @@ TEST_CASE("a dressed scene follows bodies through a whole run, and again in the 
     std::vector<Vec3> seen;
     visual::Light* light = nullptr;
     sim.dress([&](visual::VisualServer& visual) {
-        if (light) seen.push_back({}); // a second dressing
+        if (light) seen.push_back({}); // the scene is dressed a second time
         light = &visual.add(visual::LightDef{});
         sim.follow(*light, box);
         seen.push_back(light->worldPose().position);
     });
     for (int i = 0; i < 2; ++i) sim.run({.backend = visual::Backend::Null, .steps = 5, .freeRunning = true});
     CHECK(seen == std::vector<Vec3>{{1, 0, 0}, {}, {1, 0, 0}});
-    CHECK_THROWS_AS(sim.follow(*light, box), Error); // the run is over, and with it the light
+    CHECK_THROWS_AS(sim.follow(*light, box), Error); // the run is over, and the light with it
 }

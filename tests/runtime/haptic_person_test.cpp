@@ -9,7 +9,7 @@ using filasofia::window::NullWindow;
 
 namespace {
 
-/// A window in which somebody acts, once, when the run has found its feet.
+/// A window with a person who acts once, after the first pictures.
 class HandAtWindow final : public window::Window {
 public:
     HandAtWindow(const window::WindowDef& def, std::function<void(NullWindow&)> acts)
@@ -33,7 +33,7 @@ private:
     int looks_ = 0;
 };
 
-/// Runs until the tool is where `there` says, for a person who acts so with such a device.
+/// Runs until the tool is where `there` says, with a person who acts in this way on such a device.
 void reach(const device::DeviceDef& device, std::function<void(NullWindow&)> acts, std::function<bool(Vec3)> there)
 {
     Simulation sim;
@@ -50,7 +50,7 @@ void reach(const device::DeviceDef& device, std::function<void(NullWindow&)> act
         const FrameRef frame = sim.physics().latest();
         if (frame && there(frame->rigidBody(tool)->poses[0].position - Vec3{0.1, 0.2, 0.3})) sim.finish("there");
     });
-    CHECK(sim.run({.backend = Backend::Null}).finished == "there"); // else the test never ends
+    CHECK(sim.run({.backend = Backend::Null}).finished == "there"); // otherwise the test never ends
 }
 
 } // namespace

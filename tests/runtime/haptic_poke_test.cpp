@@ -9,10 +9,11 @@
 using namespace filasofia;
 using namespace filasofia::device;
 
-/// The force in the hand against that of the tissue: the servo at its rate, the step at its own, on one fake clock.
+/// Compares the force on the hand with that on the tissue: the servo at its rate, the step at its own, on one fake
+/// clock.
 namespace {
 
-constexpr double kTop = 0.097; ///< [m] of its back
+constexpr double kTop = 0.097; ///< [m], height of its back
 
 struct Poke {
     physics::PhysicsServer server;
@@ -38,7 +39,7 @@ struct Poke {
     {
         return frame::forceOn(probe, const_cast<physics::PhysicsServer&>(server).latest()->contacts);
     }
-    Moving probeNow() const
+    MotionState probeNow() const
     {
         const auto frame = const_cast<physics::PhysicsServer&>(server).latest();
         const frame::RigidBodyFrame* body = frame->rigidBody(probe);
@@ -51,7 +52,8 @@ struct Felt {
     Pose probe;
 };
 
-/// From above the bunny down by `depth` within a second, and held there for another: means over its last quarter.
+/// Moves the hand from above the bunny down by `depth` within one second and holds it there for another. Returns means
+/// over the last quarter.
 Felt pokeByHand(Vec3 above, double depth, double physicsRate, double servoRate)
 {
     Poke poke(true, above, 1.0 / physicsRate);
@@ -64,9 +66,9 @@ Felt pokeByHand(Vec3 above, double depth, double physicsRate, double servoRate)
     loop.setCapabilities({.force = true});
     const auto handAt = [&](double t) {
         const double s = std::min(t, 1.0), w = std::numbers::pi;
-        return Moving{{above - Vec3{0, 0.5 * depth * (1.0 - std::cos(w * s)), 0}, {}},
-                      {0, t < 1.0 ? -0.5 * depth * w * std::sin(w * s) : 0.0, 0},
-                      {}};
+        return MotionState{{above - Vec3{0, 0.5 * depth * (1.0 - std::cos(w * s)), 0}, {}},
+                           {0, t < 1.0 ? -0.5 * depth * w * std::sin(w * s) : 0.0, 0},
+                           {}};
     };
     BodySample body;
     Felt felt;
@@ -77,7 +79,7 @@ Felt pokeByHand(Vec3 above, double depth, double physicsRate, double servoRate)
         const double t = i / servoRate;
         const auto now = static_cast<Nanoseconds>(std::llround(t * 1e9));
         while (nextStep <= t + 1e-12) {
-            const Moving hand = handAt(nextStep);
+            const MotionState hand = handAt(nextStep);
             poke.server.setHaptic(poke.probe, {hand.pose, hand.velocity, hand.angularVelocity, sceneCoupling(def)});
             poke.server.step(1.0 / physicsRate);
             ++body.number;
@@ -108,7 +110,8 @@ TEST_CASE("a hand that pokes the soft bunny feels the engine's quasi-static forc
     const Vec3 above{0.015, kTop + 0.010, 0.015};
     for (const double physicsRate : {1000.0, 100.0}) {
         const Felt first = pokeByHand(above, 0.02, physicsRate, 1000.0);
-        // The same probe, led to where it came to rest and held there: what the tissue says of it by itself.
+        // The same probe, moved kinematically to where it came to rest and held there: the reaction of the tissue
+        // alone.
         Poke still(false, above, 1e-3);
         const int steps = 1000;
         for (int i = 1; i <= steps; ++i) {

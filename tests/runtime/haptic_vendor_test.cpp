@@ -11,7 +11,7 @@ using device::DeviceNotice;
 
 namespace {
 
-/// The stand-in behind a library's path: the same one that the driver opens.
+/// The stand-in library at a path: the same instance that the driver opens.
 template <class Do> void with(const char* path, Do&& what)
 {
     void* handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
@@ -23,7 +23,7 @@ template <class Do> void with(const char* path, Do&& what)
 
 } // namespace
 
-TEST_CASE("a run asks for a vendor's device by its word, and bears that it is unplugged")
+TEST_CASE("a run opens a vendor's device by its name, and survives unplugging it")
 {
     std::vector<std::string> lines;
     setLogSink([&](LogLevel, std::string_view line) {
@@ -53,9 +53,9 @@ TEST_CASE("a run asks for a vendor's device by its word, and bears that it is un
     setLogSink({});
     CHECK(report.undone == 0);
     CHECK(distance(sim.physics().latest()->rigidBody(tool)->poses[0].position, {10_mm, 0, 0.1}) < 0.5_mm);
-    CHECK(pushed < -0.1); // on its way it held the hand back
+    CHECK(pushed < -0.1); // on its way the tool held the hand back
     CHECK(kinds == std::vector{DeviceNotice::Kind::Connected, DeviceNotice::Kind::Lost});
     CHECK(lines == std::vector<std::string>{"haptic interface 'right hand': device forcedimension: lost: communication "
-                                            "error; it gets no force until it is right again"});
+                                            "error; it gets no force until it works again"});
     with(STANDIN_DHD, [](Standin& all) { CHECK_FALSE(all.open[0]); });
 }

@@ -33,7 +33,7 @@ struct Folder {
     [[nodiscard]] std::string operator/(const char* name) const { return (path / name).string(); }
 };
 
-/// Lines of the log that name an interface, while it lives.
+/// Collects the lines of the log that name an interface while it lives.
 struct LogLines {
     LogLines()
     {
@@ -58,7 +58,7 @@ RigidBodyDef tool(Vec3 at = {})
             .collision = {{}}};
 }
 
-/// Down by 2 cm, there for a while, and back, with a turn.
+/// Down by 2 cm, there for a while, and back, with a rotation.
 std::shared_ptr<const Motion> dip()
 {
     const Quat turned = axisAngle({0, 1, 0}, 0.3);
@@ -106,11 +106,11 @@ TEST_CASE("a scripted hand moves the tool it holds, feels the tissue, and is rep
         });
         const RunReport report = sim.run({.headless = true, .steps = 700, .record = folder / "run.rec"});
         CHECK(deepest < 16_mm); // the tissue's top is at 15, the ball's radius 5
-        CHECK(deepest > 10_mm); // where the hand was
+        CHECK(deepest > 10_mm); // the hand's height
         CHECK(pressed > 0.2);
         CHECK(felt == Approx(pressed).epsilon(0.1));
         const auto frame = sim.physics().latest();
-        CHECK(distance(frame->rigidBody(scene.body)->poses[0].position, {0, 30_mm, 0}) < 0.1_mm); // it went back
+        CHECK(distance(frame->rigidBody(scene.body)->poses[0].position, {0, 30_mm, 0}) < 0.1_mm); // it came back
         CHECK(sim.haptic(scene.hand).state == ServoState::Running);
         CHECK(sim.haptic(scene.hand).servo.energy <= 0.0);
         REQUIRE(notices.size() == 3);
@@ -127,7 +127,7 @@ TEST_CASE("a scripted hand moves the tool it holds, feels the tissue, and is rep
     }
 }
 
-TEST_CASE("over time the hand is pulled as the body is, the other way round")
+TEST_CASE("over time the forces on hand and body are opposite and equal")
 {
     for (const double rate : {1000.0, 100.0, 20.0}) {
         Simulation sim({.physics = {.rate = rate}});
@@ -147,7 +147,7 @@ TEST_CASE("over time the hand is pulled as the body is, the other way round")
         Vec3 onHand, onBody;
         double size = 0.0;
         sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
-            if (update.time <= 2.0) return; // the ramp is over, and whole waves follow
+            if (update.time <= 2.0) return; // the ramp is over, and whole periods follow
             const HapticState state = sim.haptic(hand);
             onHand += state.onHand.force;
             onBody += state.onBody.force;
@@ -155,7 +155,7 @@ TEST_CASE("over time the hand is pulled as the body is, the other way round")
         });
         sim.run({.headless = true, .steps = static_cast<int>(6.0 * rate)});
         INFO("physics at " << rate << " Hz: " << onHand.y << " and " << onBody.y);
-        CHECK(size > 0.1 * 4.0 * rate); // 0.1 N in the mean
+        CHECK(size > 0.1 * 4.0 * rate); // 0.1 N on average
         CHECK(length(onHand + onBody) < 0.05 * length(onBody));
         static_cast<void>(wall);
     }
@@ -194,7 +194,7 @@ TEST_CASE("without an origin the tool stays where it was added, however the devi
     }
 }
 
-TEST_CASE("a body that goes where it is told is where the hand is, and the hand feels nothing")
+TEST_CASE("a kinematic body is where the hand is, and the hand feels nothing")
 {
     Simulation sim;
     RigidBodyDef def{
@@ -203,7 +203,7 @@ TEST_CASE("a body that goes where it is told is where the hand is, and the hand 
     const HapticId hand = sim.add(HapticInterfaceDef{.device = device::ScriptedDevice{.motion = dip()}, .body = body});
     sim.run({.headless = true, .steps = 300});
     CHECK(distance(sim.physics().latest()->rigidBody(body)->poses[0].position, {0, 10_mm, 0}) <
-          1e-5); // taken up within two steps
+          1e-5); // reached within two steps
     CHECK(sim.haptic(hand).onHand == CouplingForce{});
 }
 
@@ -239,7 +239,7 @@ TEST_CASE("a device that is unplugged is an event and one line in the log, and t
         REQUIRE(log.lines.size() == 1);
         CHECK(log.lines[0] ==
               "haptic interface 'haptic interface': device fake: lost: the cable; it gets no force until "
-              "it is right again");
+              "it works again");
         CHECK(sim.haptic(hand).state == ServoState::Lost);
         CHECK(sim.haptic(hand).onHand == CouplingForce{});
         if (live) continue;
@@ -275,21 +275,21 @@ TEST_CASE("while a device blocks, physics and picture go on")
     std::atomic<std::uint64_t> steps = 0, pictures = 0;
     std::atomic<bool> blocked = false, released = false;
     int reads = 0;
-    const HapticId hand =
-        sim.add(HapticInterfaceDef{.body = body}, std::make_unique<FakeDevice>([&](double) {
-                    if (++reads == 100) {
-                        const std::uint64_t step = steps, picture = pictures;
-                        blocked = true; // for a hundred steps and three pictures, and not for less than 100 ms
-                        std::this_thread::sleep_for(std::chrono::milliseconds(100));
-                        while (steps < step + 100 || pictures < picture + 3) std::this_thread::yield();
-                        released = true;
-                    }
-                    return DeviceSample{};
-                }));
+    const HapticId hand = sim.add(HapticInterfaceDef{.body = body}, std::make_unique<FakeDevice>([&](double) {
+                                      if (++reads == 100) {
+                                          const std::uint64_t step = steps, picture = pictures;
+                                          blocked = true; // for 100 steps, three pictures and at least 100 ms
+                                          std::this_thread::sleep_for(std::chrono::milliseconds(100));
+                                          while (steps < step + 100 || pictures < picture + 3)
+                                              std::this_thread::yield();
+                                          released = true;
+                                      }
+                                      return DeviceSample{};
+                                  }));
     std::vector<DeviceNotice> errors;
     sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
         steps = update.step;
-        if (released && !errors.empty()) sim.finish("told");
+        if (released && !errors.empty()) sim.finish("reported");
     });
     sim.on<VisualUpdateEvent>([&](const VisualUpdateEvent&) { ++pictures; });
     sim.on<DeviceEvent>([&](const DeviceEvent& event) {
@@ -297,7 +297,7 @@ TEST_CASE("while a device blocks, physics and picture go on")
     });
     sim.run({.backend = Backend::Null});
     CHECK((blocked && released));
-    REQUIRE(errors.size() == 1); // once, also where a busy machine made another call slow
+    REQUIRE(errors.size() == 1); // once, even if a busy machine made another call slow
     CHECK(errors[0].problem.find(" took ") != std::string::npos);
     CHECK(sim.haptic(hand).servo.longestCall >= 0.1);
     const std::lock_guard lock(log.mutex);
@@ -342,7 +342,7 @@ TEST_CASE("while a run is paused the hand feels nothing, and a removed body take
     const RunReport report = sim.run({.headless = true, .steps = 300});
     CHECK(report.undone == 0);
     CHECK(*std::max_element(felt.begin(), felt.end()) > 0.1);
-    CHECK(felt.back() == 0.0); // the watchdog: nothing is heard of the body
+    CHECK(felt.back() == 0.0); // the watchdog: no state of the body arrives
 }
 
 TEST_CASE("haptic interfaces that cannot be are refused, and so are runs that ask for what is not there")
@@ -351,11 +351,11 @@ TEST_CASE("haptic interfaces that cannot be are refused, and so are runs that as
     const BodyId body = sim.add(tool());
     const BodyId soft = sim.add(SoftBodyDef{.name = "block", .mesh = shapes::block({0.1, 0.1, 0.1}, {1, 1, 1})});
     CHECK_THROWS_WITH(sim.run({.headless = true, .steps = 1, .device = "mouse"}),
-                      "run: device needs a haptic interface, and there is none");
+                      "run: device needs a haptic interface, but there is none");
     HapticInterfaceDef def{.name = "left", .body = body};
     sim.add(def);
     def.name = "right";
-    CHECK_THROWS_WITH(sim.add(def), "haptic interface 'right': body 'tool' is controlled by 'left' already");
+    CHECK_THROWS_WITH(sim.add(def), "haptic interface 'right': body 'tool' is already controlled by 'left'");
     def.element = 1;
     CHECK_THROWS_WITH(sim.add(def), "haptic interface 'right': element must be in [0, 1), got 1");
     def.body = soft;
@@ -364,7 +364,7 @@ TEST_CASE("haptic interfaces that cannot be are refused, and so are runs that as
     CHECK_THROWS_WITH(sim.add(def), Catch::Contains("body 9: no such body"));
     def = {.body = body, .forceLimit = 0.0};
     CHECK_THROWS_WITH(sim.add(def), "haptic interface 'haptic interface': forceLimit must be > 0 N, got 0");
-    CHECK_THROWS_WITH(sim.haptic(HapticId{2}), "haptic interface 2: there is none");
+    CHECK_THROWS_WITH(sim.haptic(HapticId{2}), "haptic interface 2: it does not exist");
 
     const auto run = [&](const RunDef& wanted) { sim.run(wanted); };
     CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .device = "omega"}),
@@ -374,9 +374,9 @@ TEST_CASE("haptic interfaces that cannot be are refused, and so are runs that as
     CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .device = "mouse", .motion = "a.csv"}),
                       "run: device and motion: only one of the two can be given");
     CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .motion = "/nowhere.csv"}),
-                      "motion file '/nowhere.csv': there is no such file");
+                      "motion file '/nowhere.csv': no such file");
     CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .recordMotion = "a.txt"}),
                       "run: recordMotion must end in .csv, got 'a.txt'");
-    CHECK(sim.run({.headless = true, .steps = 1}).steps == 1); // and nothing of it is left
+    CHECK(sim.run({.headless = true, .steps = 1}).steps == 1); // nothing is left of the failed runs
     CHECK_THROWS_WITH(sim.placeHaptic(HapticId{1}, 0.0, {}), Catch::Contains("scale must be in [0.001, 1000]"));
 }

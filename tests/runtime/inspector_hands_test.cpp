@@ -10,7 +10,7 @@
 using namespace filasofia;
 using namespace filasofia::runtime;
 
-TEST_CASE("an origin leads a hand to a place, whatever scale and directions")
+TEST_CASE("originThrough() puts a hand at a place, whatever scale and directions")
 {
     const Quat turn = axisAngle({1, 2, 3}, 0.7);
     const Vec3 place{0.1, 0.2, 0.3}, hand{0.01, -0.02, 0.03};
@@ -44,7 +44,7 @@ TEST_CASE("the inspector shows a hand, and its button puts the hand where the bo
                           ImGui::SetNextWindowSize({500, 580});
                           ImGui::Begin("hands");
                           hands.draw();
-                          low = ImGui::GetItemRectMin(); // the button is the last
+                          low = ImGui::GetItemRectMin(); // the button is the last item
                           high = ImGui::GetItemRectMax();
                           ImGui::End();
                       }});

@@ -14,7 +14,7 @@ using window::NullWindow;
 
 namespace {
 
-/// A box of 8 g and a soft cube on a table, stepped by hand, with an inspector that is open.
+/// A box of 8 g and a soft cube on a table, stepped by the test, with an open inspector.
 struct InspectedScene {
     explicit InspectedScene(Backend backend = Backend::Null, int width = 800, int height = 600)
         : visual({.backend = backend, .width = width, .height = height}), inspector(impl, visual)
@@ -79,7 +79,7 @@ struct InspectedScene {
     physics::StepReport last;
 
 private:
-    /// The inspector looks at the same made-up time.
+    /// The inspector uses the same simulated clock.
     const bool clocked = [this] {
         impl.clock.now = [this] { return now; };
         return true;
@@ -108,7 +108,8 @@ TEST_CASE("the inspector shows its rates, and every panel is drawn")
     scene.inspector.beforePicture();
     const visual::Image image = scene.visual.capture();
     if (hasBackend(Backend::Headless))
-        visual::savePng(image, std::filesystem::path(FILASOFIA_BINARY_DIR) / "inspector.png"); // to be looked at
+        visual::savePng(image,
+                        std::filesystem::path(FILASOFIA_BINARY_DIR) / "inspector.png"); // to look at
     CHECK(scene.inspector.problem().empty());
 }
 
@@ -117,7 +118,7 @@ TEST_CASE("an arrow in newtons is as long as its force, and points where it push
     InspectedScene scene;
     scene.impl.physics.remove(scene.cube);
     scene.inspector.show = {.forces = true, .metresPerNewton = 0.5};
-    scene.step(400); // it rests
+    scene.step(400); // the box rests
     scene.impl.mapNewestFrame(scene.visual);
     scene.inspector.beforePicture();
     const visual::DebugPicture drawn = scene.visual.debug().impl().shapes.picture();
@@ -127,9 +128,9 @@ TEST_CASE("an arrow in newtons is as long as its force, and points where it push
         low = std::min(low, vertex.position.y);
         high = std::max(high, vertex.position.y);
     }
-    CHECK(low == Approx(0.0).margin(1e-4));                   // from where they touch
-    CHECK(high - low == Approx(0.5 * kWeight).epsilon(0.01)); // up, on the box: the table is led
-    scene.inspector.show.metresPerNewton = 0.0; // then the largest is a quarter of the scene, in round numbers
+    CHECK(low == Approx(0.0).margin(1e-4));                   // from the contact
+    CHECK(high - low == Approx(0.5 * kWeight).epsilon(0.01)); // upwards, on the box: the table is kinematic
+    scene.inspector.show.metresPerNewton = 0.0;               // the largest is then a quarter of the scene, rounded
     scene.visual.debug().clear();
     scene.inspector.beforePicture();
     CHECK(scene.visual.debug().counts().texts == 1);
@@ -150,9 +151,9 @@ TEST_CASE("wireframe and collision models are lines of the right number where th
         return scene.visual.debug().counts().vertices / 4;
     };
     CHECK(lines({}) == 0);
-    const long cube = 3 * 192 / 2, box = 3 * 12 / 2; // of closed surfaces of so many triangles
+    const long cube = 3 * 192 / 2, box = 3 * 12 / 2; // edges of closed surfaces with this many triangles
     CHECK(lines({.collision = true}) == cube + 2 * box);
-    CHECK(lines({.wireframe = true}) == cube + 2 * 6 * 5); // a box is drawn with each side for itself
+    CHECK(lines({.wireframe = true}) == cube + 2 * 6 * 5); // each side of a box is drawn separately
 
     scene.impl.physics.remove(scene.table);
     scene.step(1);
@@ -225,7 +226,7 @@ TEST_CASE("a thousand blind clicks and drags in the inspector break nothing")
     scene.inspector.screenshotFolder = "/no/such/folder";
     scene.run(3);
     std::mt19937 random(7);
-    const auto upTo = [&](int most) { return int(random() % unsigned(most)); };
+    const auto upTo = [&](int bound) { return int(random() % unsigned(bound)); };
     for (int i = 0; i < 1000; ++i) {
         scene.person.move(10 + upTo(320), 10 + upTo(590));
         scene.person.press();
@@ -234,7 +235,7 @@ TEST_CASE("a thousand blind clicks and drags in the inspector break nothing")
         if (upTo(10) == 0) scene.person.wheel(upTo(2) ? 3.0 : -3.0);
         if (upTo(10) == 0) scene.person.type("1e9");
         if (upTo(10) == 0) scene.person.stroke(KeyCode::Enter);
-        scene.inspector.setOpen(true); // it may have been closed
+        scene.inspector.setOpen(true); // a click may have closed it
         scene.step(2);
         scene.picture();
         scene.picture();
@@ -262,7 +263,7 @@ TEST_CASE("F1 opens and closes the inspector in a live run, and keys for a Gui r
         return window;
     });
     sim.on<VisualUpdateEvent>([&](const VisualUpdateEvent&) { ++pictures; });
-    // Once the inspector has had its pictures, the person closes it and leaves.
+    // After the inspector has had its pictures, the person closes it and leaves.
     sim.show(GuiDef{.renderCallback = [&, drawn = 0]() mutable {
         if (++drawn != 8) return;
         opened->inject(keyEvent(KeyCode::F1));
@@ -270,7 +271,7 @@ TEST_CASE("F1 opens and closes the inspector in a live run, and keys for a Gui r
     }});
     CHECK_THROWS_WITH(sim.show(GuiDef{.name = "huge", .scale = 100}), "gui 'huge': scale must be in [0.5, 8], got 100");
     const RunReport report = sim.run({.backend = Backend::Null, .seconds = 60});
-    CHECK(report.finished == "Escape"); // a key of the run
+    CHECK(report.finished == "Escape"); // from a key of the run
     CHECK(f1 == 0);
 }
 

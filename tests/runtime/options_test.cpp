@@ -44,7 +44,7 @@ TEST_CASE("an option without value, given twice or of no such choice is refused 
     CHECK_THROWS_WITH(Words().take({"--size="}), "tool: --size must be small, medium or large, got ''");
 }
 
-TEST_CASE("help names every option with its choices and what it is where it is not given")
+TEST_CASE("help names every option with its choices and its default")
 {
     const Words words;
     const std::string help = optionHelp(words.options);
@@ -53,7 +53,7 @@ TEST_CASE("help names every option with its choices and what it is where it is n
     CHECK_THAT(help, Catch::Contains("of whom\n"));
 }
 
-TEST_CASE("a simulation runs by words that were put together")
+TEST_CASE("a simulation runs with a command line in parts")
 {
     Simulation sim;
     CHECK(run(sim, {"program", "--headless", "--steps", "2"}) == 0);
@@ -61,7 +61,7 @@ TEST_CASE("a simulation runs by words that were put together")
     CHECK(run(sim, {"program", "--steps", "-2"}) == 2);
 }
 
-TEST_CASE("what a program takes itself is not told a second time by the help of a run")
+TEST_CASE("the help of a run leaves out the program's own options")
 {
     const auto helpOf = [](const std::vector<OwnOption>& own) {
         Simulation sim;

@@ -78,12 +78,12 @@ TEST_CASE("blood on a soft body stays where it was painted while the body moves,
     const Vec3 corner = frame->softBody(block)->positions.back(); // where the corner has fallen to
     CHECK(corner.y < ShownStage::mesh()->nodes.back().y - 1e-3);
     CHECK(stage.bindings.paint(block, {.place = corner, .radius = 0.004, .state = kBlood}, stage.physics) == 2);
-    CHECK(bloody(*stage.drawn()[0]) == 0); // it comes with the next picture
+    CHECK(bloody(*stage.drawn()[0]) == 0); // it appears in the next picture
     stage.step();
     const auto all = stage.drawn();
     CHECK(bloody(*all[0]) == 1);
-    CHECK(bloody(*all[1]) > 1); // refined
-    // The vertex that is red is the corner.
+    CHECK(bloody(*all[1]) > 1); // this one is subdivided
+    // The red vertex is the corner.
     const auto red = blood(*all[0]);
     const auto at = static_cast<std::size_t>(std::max_element(red.begin(), red.end()) - red.begin());
     CHECK(red[at] == 255);
@@ -100,7 +100,7 @@ TEST_CASE("a place at rest is in the body's coordinates, before the first step t
     stage.bindings.show(block, {}, stage.physics);
     const Vec3 corner = ShownStage::mesh()->nodes.back();
     const PaintDef mark{.place = corner, .radius = 0.004, .state = kBlood};
-    CHECK(stage.bindings.paint(block, mark, stage.physics) == 0); // the world's: nothing is there
+    CHECK(stage.bindings.paint(block, mark, stage.physics) == 0); // in world coordinates there is nothing
     PaintDef rest = mark;
     rest.atRest = true;
     CHECK(stage.bindings.paint(block, rest, stage.physics) == 1);

@@ -30,7 +30,7 @@ TEST_CASE("the mouse moves the hand while its right button is held, and only the
     const auto move = with<MouseMoveEvent>([](MouseMoveEvent& e) { e.dx = 3, e.dy = 4; });
     const auto wheel = with<MouseWheelEvent>([](MouseWheelEvent& e) { e.dy = 2; });
     CHECK_FALSE(reader.read(move));
-    CHECK_FALSE(reader.read(wheel)); // the camera's
+    CHECK_FALSE(reader.read(wheel)); // both are the camera's
     CHECK_FALSE(reader.read(button(MouseButton::Left, true)));
     CHECK(reader.read(button(MouseButton::Right, true)));
     CHECK(reader.read(move)->moved == Vec3{3, -4, 0});

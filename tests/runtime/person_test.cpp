@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A real window, and somebody in front of it who is asked what to do whenever the run looks for input.
+/// A real window with a person who is asked what to do each time the run looks for input.
 class Attended final : public window::Window {
 public:
     using Act = std::function<void(window::Person&)>;
@@ -61,7 +61,7 @@ TEST_CASE("a person at a real window turns the camera, takes a picture by key an
     std::atomic<bool> released = false;
     sim.on<MouseButtonEvent>([&](const MouseButtonEvent& event) { released = released || !event.pressed; });
     int looks = 0, did = 0;
-    // Each act waits for what the one before it has done, not for time.
+    // Each action waits for the effect of the one before it, not for time.
     const auto act = [&](window::Person& person) {
         ++looks;
         if (did == 0 && looks == 3) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr Nanoseconds kMs = 1'000'000;
 
-/// A clock that a test turns: sleeping takes it to the wake-up time and a given lateness further.
+/// A clock that a test sets: sleeping moves it to the wake-up time plus a given lateness.
 struct FakeClock {
     Nanoseconds time = 12345;
     Nanoseconds oversleep = 0;
@@ -47,10 +47,10 @@ TEST_CASE("on a quiet machine simulated time equals wall time to the microsecond
     physics::PhysicsServer server(engine::makeNativeEngine());
     const Nanoseconds start = fake.time;
     double last = 0.0;
-    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .maximumSteps = 1000}, fake.clock(),
+    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .maxSteps = 1000}, fake.clock(),
                                         kNeverStop, [&](const physics::StepReport& report) {
                                             last = report.time;
-                                            fake.time += 400'000; // what the step took
+                                            fake.time += 400'000; // duration of the step
                                             return 0u;
                                         });
     const Nanoseconds lastWake = timing.steps.back().wake + start;
@@ -71,7 +71,7 @@ TEST_CASE("under load no step is longer than period and slack, the report counts
     std::uniform_int_distribution<Nanoseconds> load(kMs, 20 * kMs);
     double longest = 0.0;
     std::uint64_t clampedReports = 0;
-    const RunTiming timing = runPhysics(server, {.period = period, .slack = slack, .maximumSteps = 200}, fake.clock(),
+    const RunTiming timing = runPhysics(server, {.period = period, .slack = slack, .maxSteps = 200}, fake.clock(),
                                         kNeverStop, [&](const physics::StepReport& report) {
                                             longest = std::max(longest, report.dt);
                                             clampedReports += report.has(physics::StepFlag::Clamped);
@@ -94,7 +94,7 @@ TEST_CASE("flags that the runtime knows reach the next report")
     physics::PhysicsServer server(engine::makeNativeEngine());
     int lost = 0;
     const auto flag = static_cast<std::uint32_t>(physics::StepFlag::EventLost);
-    runPhysics(server, {.period = kMs, .maximumSteps = 3}, fake.clock(), kNeverStop,
+    runPhysics(server, {.period = kMs, .maxSteps = 3}, fake.clock(), kNeverStop,
                [&](const physics::StepReport& report) {
                    lost += report.has(physics::StepFlag::EventLost);
                    return flag;
@@ -106,7 +106,7 @@ TEST_CASE("a free-running loop does not sleep and steps by the period")
 {
     FakeClock fake;
     physics::PhysicsServer server(engine::makeNativeEngine());
-    const RunTiming timing = runPhysics(server, {.period = kMs, .freeRunning = true, .maximumSteps = 10}, fake.clock(),
+    const RunTiming timing = runPhysics(server, {.period = kMs, .freeRunning = true, .maxSteps = 10}, fake.clock(),
                                         kNeverStop, [](const physics::StepReport&) { return 0u; });
     CHECK(fake.sleeps == 0);
     CHECK(timing.simulatedSeconds == Approx(0.01));
@@ -116,53 +116,54 @@ TEST_CASE("every live step is given the time until its deadline, counted from it
 {
     FakeClock fake;
     fake.oversleep = 70'000;
-    physics::Told told;
-    physics::PhysicsServer server = physics::fakeServer(told);
+    physics::EngineCalls calls;
+    physics::PhysicsServer server = physics::fakeServer(calls);
     std::vector<Nanoseconds> expected;
     const Nanoseconds start = fake.time;
-    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maximumSteps = 50},
+    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maxSteps = 50},
                                         fake.clock(), kNeverStop, [&](const physics::StepReport&) {
                                             fake.time += 400'000;
                                             return 0u;
                                         });
     for (const StepTiming& step : timing.steps) expected.push_back(start + step.wake + kMs);
     CHECK(expected.size() == 50);
-    CHECK(told.deadlines == expected);
+    CHECK(calls.deadlines == expected);
 }
 
-TEST_CASE("a deadline that never comes is the end of all time, and so is none")
+TEST_CASE("an infinite deadline is the largest time, and so is none at all")
 {
     constexpr Nanoseconds never = std::numeric_limits<Nanoseconds>::max();
     for (const std::optional<Nanoseconds> deadline :
          {std::optional<Nanoseconds>(), std::optional<Nanoseconds>(never)}) {
         FakeClock fake;
-        physics::Told told;
-        physics::PhysicsServer server = physics::fakeServer(told);
-        runPhysics(server, {.period = kMs, .deadline = deadline, .maximumSteps = 3}, fake.clock(), kNeverStop,
+        physics::EngineCalls calls;
+        physics::PhysicsServer server = physics::fakeServer(calls);
+        runPhysics(server, {.period = kMs, .deadline = deadline, .maxSteps = 3}, fake.clock(), kNeverStop,
                    [](const physics::StepReport&) { return 0u; });
-        CHECK(told.deadlines == std::vector<Nanoseconds>(3, never)); // and there is a clock for the stages' times
+        CHECK(calls.deadlines == std::vector<Nanoseconds>(3, never)); // there is still a clock for the stages' times
     }
 }
 
 TEST_CASE("a step whose solver is stopped ends at its deadline and says so")
 {
     FakeClock fake;
-    physics::Told told{.needed = 10};
-    told.iterate = [&] { fake.time += 300'000; };
-    physics::PhysicsServer server = physics::fakeServer(told);
+    physics::EngineCalls calls{.needed = 10};
+    calls.iterate = [&] { fake.time += 300'000; };
+    physics::PhysicsServer server = physics::fakeServer(calls);
     server.add(physics::SoftBodyDef{.mesh = physics::oneTetrahedron()});
     int outOfTime = 0;
-    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maximumSteps = 4},
+    const RunTiming timing = runPhysics(server, {.period = kMs, .slack = 2 * kMs, .deadline = kMs, .maxSteps = 4},
                                         fake.clock(), kNeverStop, [&](const physics::StepReport& report) {
                                             outOfTime += report.has(physics::StepFlag::OutOfTime);
                                             return 0u;
                                         });
     CHECK(outOfTime == 4);
-    CHECK(told.iterations == std::vector<std::vector<int>>(4, {4})); // the fourth goes over: only then it looks again
+    // The fourth iteration goes over the deadline, which is checked after each one.
+    CHECK(calls.iterations == std::vector<std::vector<int>>(4, {4}));
     for (const StepTiming& step : timing.steps) CHECK(step.cost == 1'200'000);
 }
 
-TEST_CASE("the loop ends when it is told to")
+TEST_CASE("the loop ends when its stop flag is set")
 {
     FakeClock fake;
     physics::PhysicsServer server(engine::makeNativeEngine());
@@ -185,11 +186,11 @@ TEST_CASE("the machine's clock wakes no earlier than asked")
     }
 }
 
-TEST_CASE("what is called before a step is told the length that the step then has")
+TEST_CASE("a callback before a step gets the length that the step then has")
 {
     FakeClock fake;
     physics::PhysicsServer server(engine::makeNativeEngine());
-    std::vector<double> told, made;
+    std::vector<double> announced, made;
     std::mt19937 random(5);
     std::uniform_int_distribution<Nanoseconds> load(kMs / 2, 5 * kMs); // some late, some clamped
     const auto afterStep = [&](const physics::StepReport& report) {
@@ -197,11 +198,11 @@ TEST_CASE("what is called before a step is told the length that the step then ha
         fake.time += load(random);
         return 0u;
     };
-    runPhysics(server, {.period = kMs, .slack = kMs, .maximumSteps = 50}, fake.clock(), kNeverStop, afterStep,
+    runPhysics(server, {.period = kMs, .slack = kMs, .maxSteps = 50}, fake.clock(), kNeverStop, afterStep,
                [&](double dt) {
-                   CHECK(told.size() == made.size());
-                   told.push_back(dt);
+                   CHECK(announced.size() == made.size());
+                   announced.push_back(dt);
                });
-    CHECK(told.size() == 50);
-    CHECK(told == made);
+    CHECK(announced.size() == 50);
+    CHECK(announced == made);
 }

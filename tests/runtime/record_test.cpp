@@ -2,7 +2,7 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/engine/native_engine.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/recording.h"
 #include "filasofia/record/replay.h"
@@ -30,7 +30,7 @@ SoftBodyDef bunny()
             .attachments = {{.box = Box{{-1, 0.105, -1}, {1, 1, 1}}}}};
 }
 
-/// Files of this test's own in a folder that goes away.
+/// A folder for this test's files, removed at the end.
 struct Folder {
     std::filesystem::path path =
         std::filesystem::temp_directory_path() / text("filasofia_runtime_record_test_", getpid());
@@ -39,7 +39,7 @@ struct Folder {
     [[nodiscard]] std::string operator/(const char* name) const { return (path / name).string(); }
 };
 
-/// Makes a recorded run again and returns its last hash; the test fails where a step differs.
+/// Replays a recorded run and returns its last hash; the test fails if a step differs.
 std::uint64_t madeAgain(const std::string& file, std::size_t steps)
 {
     const record::Recording recording = record::readRecording(file);
@@ -51,7 +51,7 @@ std::uint64_t madeAgain(const std::string& file, std::size_t steps)
 
 } // namespace
 
-TEST_CASE("a headless run with commands on its way is made again from its recording")
+TEST_CASE("a headless run with commands on its way is replayed from its recording")
 {
     const Folder folder;
     Simulation sim({.physics = {.rate = 500}});
@@ -71,25 +71,25 @@ TEST_CASE("a headless run with commands on its way is made again from its record
     CHECK(madeAgain(folder / "run.rec", 25) == report.hash);
 }
 
-TEST_CASE("a live run is made again from its recording")
+TEST_CASE("a live run is replayed from its recording")
 {
     const Folder folder;
     Simulation sim;
     const BodyId body = sim.add(bunny());
     sim.show(body);
     sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
-        if (update.step == 50) sim.physics().setPressure(body, 20.0); // comes whenever it comes
+        if (update.step == 50) sim.physics().setPressure(body, 20.0); // at whichever step it comes
     });
     const RunReport report =
         sim.run({.backend = Backend::Null, .steps = 300, .log = folder / "run.csv", .record = folder / "run.rec"});
     CHECK(madeAgain(folder / "run.rec", 300) == report.hash);
-    std::ifstream table(folder / "run.csv"); // both files are fed from the one log
+    std::ifstream table(folder / "run.csv"); // both files are written from the same log
     int lines = 0;
     for (std::string line; std::getline(table, line);) ++lines;
     CHECK(lines == 301);
 }
 
-TEST_CASE("a live run whose solvers were stopped by the deadline is made again without one")
+TEST_CASE("a live run whose solvers were stopped by the deadline is replayed without one")
 {
     const Folder folder;
     Simulation sim({.physics = {.deadline = 1e-9}}); // has always passed
@@ -110,11 +110,11 @@ TEST_CASE("only a simulation's first run can be recorded")
     Simulation sim;
     sim.run({.headless = true, .steps = 2});
     CHECK_THROWS_WITH(sim.run({.headless = true, .steps = 2, .record = folder / "run.rec"}),
-                      "run: record is for a simulation's first run, and this one has made 2 steps");
+                      "run: record is for a simulation's first run, but this one has already made 2 steps");
     CHECK(sim.run({.headless = true, .steps = 2}).steps == 4);
 }
 
-TEST_CASE("a run whose files find no room on the disk goes on, and says so once for each")
+TEST_CASE("a run whose files find no room on the disk goes on, and reports each file once")
 {
     const Folder folder;
     std::filesystem::create_symlink("/dev/full", folder.path / "full.rec");
@@ -123,10 +123,10 @@ TEST_CASE("a run whose files find no room on the disk goes on, and says so once 
         Simulation sim;
         sim.add(bunny());
         std::mutex mutex;
-        std::vector<std::string> logged, told;
+        std::vector<std::string> logged, posted;
         sim.on<FileFailedEvent>([&](const FileFailedEvent& failed) {
             const std::lock_guard lock(mutex);
-            told.push_back(failed.problem);
+            posted.push_back(failed.problem);
         });
         setLogSink([&](LogLevel level, std::string_view line) {
             const std::lock_guard lock(mutex);
@@ -145,12 +145,12 @@ TEST_CASE("a run whose files find no room on the disk goes on, and says so once 
         std::vector<std::string> found = report.fileProblems;
         std::ranges::sort(found);
         CHECK(found == problems);
-        std::ranges::sort(told);
-        CHECK(told == problems);
+        std::ranges::sort(posted);
+        CHECK(posted == problems);
         std::ranges::sort(logged);
         REQUIRE(logged.size() == 2);
         for (std::size_t i = 0; i < 2; ++i) CHECK_THAT(logged[i], Catch::StartsWith(problems[i]));
-        CHECK_THAT(runtime::summary(report), Catch::Contains("not whole: " + problems[1]));
+        CHECK_THAT(runtime::summary(report), Catch::Contains("incomplete: " + problems[1]));
     }
 }
 
@@ -159,7 +159,7 @@ TEST_CASE("physics goes on while a disk takes nothing, and no step is lost")
     const Folder folder;
     const std::string pipe = folder / "slow.rec";
     REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
-    std::promise<void> far; // physics has come far while nobody took what it wrote
+    std::promise<void> far; // set when physics has come far although nobody read its data
     std::thread disk([&] {
         const int from = open(pipe.c_str(), O_RDONLY);
         fcntl(from, F_SETPIPE_SZ, 4096);
@@ -171,8 +171,8 @@ TEST_CASE("physics goes on while a disk takes nothing, and no step is lost")
     });
     Simulation sim;
     sim.add(bunny());
-    sim.on<PhysicsUpdateEvent>([&, told = false](const PhysicsUpdateEvent& update) mutable {
-        if (update.step >= 1500 && !std::exchange(told, true)) far.set_value(); // else it would wait for ever
+    sim.on<PhysicsUpdateEvent>([&, reached = false](const PhysicsUpdateEvent& update) mutable {
+        if (update.step >= 1500 && !std::exchange(reached, true)) far.set_value(); // else the reader waits for ever
     });
     const RunReport report = sim.run({.backend = Backend::Null, .steps = 1600, .record = pipe});
     disk.join();
@@ -182,7 +182,7 @@ TEST_CASE("physics goes on while a disk takes nothing, and no step is lost")
     for (const auto& step : recording.steps) REQUIRE_FALSE(step.report.has(physics::StepFlag::RecordLost));
 }
 
-TEST_CASE("a run tells its recording what it is called")
+TEST_CASE("a recording has the run's session and trainee names")
 {
     const Folder folder;
     Simulation sim;
@@ -207,15 +207,18 @@ TEST_CASE("the summary counts what did not go as asked")
 {
     RunReport report;
     CHECK_THAT(runtime::summary(report), Catch::StartsWith("0 steps, "));
-    CHECK_THAT(runtime::summary(report), Catch::Contains("put back 0, solver at its cap 0, at the deadline 0\n"));
+    CHECK_THAT(runtime::summary(report),
+               Catch::Contains("rolled back 0, solver at its iteration limit 0, at the deadline 0\n"));
     report.timing.stepCount = 1;
     CHECK_THAT(runtime::summary(report), Catch::StartsWith("1 step, "));
     report.undone = 5;
     report.notConverged = 2;
     report.damped = 3;
     report.outOfTime = 4;
-    CHECK_THAT(runtime::summary(report),
-               Catch::Contains("put back 5 (3 made again damped), solver at its cap 2, at the deadline 4\n"));
+    CHECK_THAT(
+        runtime::summary(report),
+        Catch::Contains(
+            "rolled back 5 (3 advanced again with damping), solver at its iteration limit 2, at the deadline 4\n"));
 }
 
 TEST_CASE("a simulation's command line refuses in one line what is no number, out of bounds or unknown")
@@ -237,7 +240,7 @@ TEST_CASE("a simulation's command line refuses in one line what is no number, ou
     CHECK(refusal({"--picture-every", "often"}) == "run: --picture-every must be >= 0 s, got 'often'\n");
     CHECK(refusal({"--record", ""}) == "run: --record must not be empty\n");
     CHECK(refusal({"--steps"}) == "--steps must be given once, with one value\n");
-    CHECK(refusal({"--stesp", "3"}) == "unknown word '--stesp'; --help lists those known\n");
+    CHECK(refusal({"--stesp", "3"}) == "unknown word '--stesp'; --help lists the known ones\n");
     const std::string endless = text("/", std::string(1000, 'x'), ".rec");
     CHECK(refusal({"--record", endless.c_str()}).size() < 200);
 }
@@ -248,10 +251,10 @@ TEST_CASE("one file by two names is refused for log and recording")
     std::filesystem::create_symlink(folder / "run.rec", folder / "run.csv");
     Simulation sim;
     CHECK_THROWS_WITH(sim.run({.headless = true, .steps = 3, .log = folder / "run.csv", .record = folder / "run.rec"}),
-                      folder / "run.rec" + ": is being written already, by this name or another");
+                      folder / "run.rec" + ": is already being written, under this or another name");
 }
 
-TEST_CASE("a run that begins paused is made again from its recording")
+TEST_CASE("a run that begins paused is replayed from its recording")
 {
     const Folder folder;
     Simulation sim;

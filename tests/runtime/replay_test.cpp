@@ -4,6 +4,8 @@
 #include "filasofia/runtime/scene_events.h"
 #include "filasofia/visual/image.h"
 
+#include "skip.h"
+
 #include <unistd.h>
 
 #include <filesystem>
@@ -14,7 +16,7 @@ using namespace filasofia::runtime;
 
 namespace {
 
-/// Files of this test's own in a folder that goes away.
+/// A folder for this test's files, removed at the end.
 struct Folder {
     std::filesystem::path path =
         std::filesystem::temp_directory_path() / text("filasofia_runtime_replay_test_", getpid());
@@ -29,7 +31,7 @@ std::string bytesOf(const std::string& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// What a recording makes of an event and of what it made of it: the same words.
+/// Writes an event, reads it and writes it again: the text must be the same.
 template <class Event> Event roundTrip(const Event& event)
 {
     const record::SceneRecord once = recordOf(event);
@@ -39,7 +41,7 @@ template <class Event> Event roundTrip(const Event& event)
     return std::get<Event>(back);
 }
 
-/// A square with a picture on it, whose file has this colour.
+/// A square with a texture whose file has this colour.
 std::shared_ptr<const TriangleMesh> square()
 {
     return std::make_shared<const TriangleMesh>(TriangleMesh{.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
@@ -135,10 +137,10 @@ TEST_CASE("an event of a scene that is wrong is refused")
     CHECK_THAT(refusal("{\"SceneX\":{}}"), Catch::Contains("unknown field 'SceneX'"));
     CHECK_THAT(refusal("{\"SceneUnshown\":{}}"), Catch::Contains("'scene.SceneUnshown.shown' is missing"));
     CHECK_THAT(refusal("{\"SceneUnshown\":{\"shown\":-1}}"), Catch::Contains("must be a whole number"));
-    CHECK_THAT(refusal("{"), Catch::Contains("this is no record"));
+    CHECK_THAT(refusal("{"), Catch::Contains("this is not a record"));
 }
 
-TEST_CASE("a session is made again from its file alone, whatever the threads")
+TEST_CASE("a session is replayed from its file alone, whatever the threads")
 {
     const Folder folder;
     Simulation sim({.physics = {.rate = 500}});
@@ -159,14 +161,14 @@ TEST_CASE("a session is made again from its file alone, whatever the threads")
     const ReplayReport cut = replay({.file = folder / "run.rec", .check = true});
     CHECK_THAT(cut.damage, Catch::Contains("cut off at byte "));
     CHECK_FALSE(cut.difference);
-    CHECK_THROWS_WITH(replay({.file = folder / "no.rec"}), folder / "no.rec" + ": there is no such file");
+    CHECK_THROWS_WITH(replay({.file = folder / "no.rec"}), folder / "no.rec" + ": no such file");
     CHECK_THROWS_WITH(replay({.file = folder / "run.rec", .picture = "a.jpg"}),
                       "replay: picture must end in .png, got 'a.jpg'");
 }
 
 TEST_CASE("a replay draws what the run has drawn: own lights, materials by name, paint, what is hidden, what is gone")
 {
-    if (!visual::hasBackend(Backend::Headless)) return;
+    if (skipIf(!visual::hasBackend(Backend::Headless), "this build draws nothing")) return;
     const Folder folder;
     writeTexture(folder / "red.png", 200);
     Simulation sim({.window = {.width = 200, .height = 150}});
@@ -211,7 +213,7 @@ TEST_CASE("a replay draws what the run has drawn: own lights, materials by name,
     REQUIRE(bytesOf(folder / "run.png").size() > 1000);
     CHECK(bytesOf(folder / "run.png") == bytesOf(folder / "again.png"));
 
-    // The one file that a recording does not hold: named where it has changed, or is gone.
+    // The one file that a recording does not contain: an Error names it if it has changed or is missing.
     writeTexture(folder / "red.png", 100);
     CHECK_THROWS_WITH(replay({.file = folder / "run.rec", .picture = folder / "again.png"}),
                       Catch::Contains("red.png', which the scene needs, has changed: recorded with ") &&
@@ -219,5 +221,5 @@ TEST_CASE("a replay draws what the run has drawn: own lights, materials by name,
     std::filesystem::remove(folder / "red.png");
     CHECK_THROWS_WITH(replay({.file = folder / "run.rec", .picture = folder / "again.png"}),
                       Catch::Contains("red.png', which the scene needs, is missing: recorded with "));
-    CHECK(replay({.file = folder / "run.rec", .check = true}).made == 20); // nobody draws
+    CHECK(replay({.file = folder / "run.rec", .check = true}).made == 20); // nothing is drawn
 }

@@ -4,6 +4,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/geometry/surface.h"
 
+#include <atomic>
 #include <latch>
 
 using namespace filasofia;
@@ -11,8 +12,7 @@ using namespace filasofia::runtime;
 
 namespace {
 
-/// The boundary of the block without its last `removed` tetrahedra: what is left after so much was cut away. Nodes keep
-/// their numbers.
+/// The boundary of the block without its last `removed` tetrahedra, as after a cut. Nodes keep their numbers.
 SharedSurface boundaryWithout(int removed)
 {
     geometry::TetMesh rest = *ShownStage::mesh();
@@ -20,7 +20,7 @@ SharedSurface boundaryWithout(int removed)
     return std::make_shared<const mapping::MappedSurface>(mapping::mapBoundary(rest));
 }
 
-/// What setMesh makes of a surface at the body's present positions.
+/// The result of setMesh for a surface at the body's present positions.
 struct Synchronous {
     visual::VisualServer server{{.backend = visual::Backend::Null}};
     visual::VisualBody& body;
@@ -47,7 +47,7 @@ bool same(const visual::BodyGeometry& a, const visual::BodyGeometry& b)
     return a.rest == b.rest && a.indices == b.indices && a.vertices.positions == b.vertices.positions;
 }
 
-/// Lets jobs through one by one, and says what came.
+/// Lets jobs pass one by one, and records which came.
 struct Gate {
     std::mutex mutex;
     std::condition_variable changed;
@@ -96,7 +96,7 @@ TEST_CASE("new triangles come out as setMesh would make them, one topology after
             const auto frame = stage.physics.latest();
             Synchronous expected(*surface, *frame->softBody(block), level);
             CHECK(same(stage.only().geometry, expected.geometry()));
-            stage.step(); // and it goes on following
+            stage.step(); // and it keeps following
             Synchronous next(*surface, *stage.physics.latest()->softBody(block), level);
             CHECK(same(stage.only().geometry, next.geometry()));
         }
@@ -145,7 +145,7 @@ TEST_CASE("a newer edit takes the place of one that waits, not of one that is at
     stage.bindings.retopologise(block, third);
     stage.map();
     gate->letThrough(1);
-    gate->awaitBegun(2); // the first is done, the next is at work
+    gate->awaitBegun(2); // the first is done, the second is at work
     stage.step();
     CHECK(stage.only().geometryCalls == 1);
     CHECK(stage.only().geometry.rest.size() == first->surface.vertices.size());
@@ -175,7 +175,7 @@ TEST_CASE("paint stays where it was through new triangles, also through ones tha
     const visual::Float3 corner = visual::toFloat3(ShownStage::mesh()->nodes.front());
     const visual::PackedState before = stateAt(corner);
     CHECK(before[0] == 255);
-    // Two edits, of which the picture takes only the last.
+    // Two edits; the picture takes only the last.
     for (const int removed : {6, 12}) {
         stage.bindings.retopologise(block, boundaryWithout(removed));
         stage.bindings.finishMeshes();
@@ -183,7 +183,7 @@ TEST_CASE("paint stays where it was through new triangles, also through ones tha
     stage.step();
     CHECK(stage.only().geometryCalls == 1);
     CHECK(stateAt(corner) == before);
-    // What is painted now goes onto the new triangles.
+    // New paint goes onto the new triangles.
     PaintDef more = mark;
     more.place = {0.02, -0.03, -0.04};
     stage.bindings.paint(block, more, stage.physics);
@@ -242,7 +242,7 @@ TEST_CASE("new triangles on nodes that the frame does not have yet wait for them
     CHECK(stage.only().vertexCalls == 2);
 }
 
-TEST_CASE("a cut surface that cannot be subdivided is drawn as it is, and said so")
+TEST_CASE("a cut surface that cannot be subdivided is drawn without subdivision, with a warning")
 {
     std::vector<std::string> lines;
     setLogSink([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
@@ -257,7 +257,7 @@ TEST_CASE("a cut surface that cannot be subdivided is drawn as it is, and said s
         stage.bindings.finishMeshes();
         stage.step();
         CHECK(stage.only().geometry.indices.size() == 9);
-        // One that is no surface at all changes nothing.
+        // An invalid surface changes nothing.
         auto wrong = std::make_shared<mapping::MappedSurface>(*torn);
         wrong->surface.triangles = {{0, 1, -1}};
         stage.bindings.retopologise(block, wrong);
@@ -271,7 +271,7 @@ TEST_CASE("a cut surface that cannot be subdivided is drawn as it is, and said s
     CHECK_THAT(lines[1], Catch::Contains("new triangles of 'block'"));
 }
 
-TEST_CASE("whoever waits for the triangles has those of the newest frame, also where no picture was mapped since")
+TEST_CASE("finishMeshes() waits for the triangles of the newest frame, even if no picture was mapped since")
 {
     ShownStage stage;
     const BodyId block = stage.addBlock();
@@ -299,10 +299,14 @@ TEST_CASE("whoever waits for the triangles has those of the newest frame, also w
 TEST_CASE("bindings may end while triangles are being made")
 {
     std::latch begun(1);
+    std::atomic<int> jobsBegun = 0, jobsEnded = 0;
     for (int i = 0; i < 3; ++i) {
         ShownStage stage([&](const MeshJob& job) {
+            ++jobsBegun;
             if (i == 0) begun.count_down();
-            return prepareMesh(job);
+            MeshResult result = prepareMesh(job);
+            ++jobsEnded;
+            return result;
         });
         const BodyId block = stage.addBlock();
         stage.bindings.show(block, {.subdivision = 2}, stage.physics);
@@ -311,5 +315,6 @@ TEST_CASE("bindings may end while triangles are being made")
         stage.map();
         begun.wait();
     }
-    SUCCEED();
+    CHECK(jobsBegun.load() >= 1);
+    CHECK(jobsEnded.load() == jobsBegun.load()); // no job was running when its bindings had ended
 }

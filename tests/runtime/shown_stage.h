@@ -12,7 +12,7 @@
 
 namespace filasofia::runtime {
 
-/// A physics server without gravity, a null visual server and what binds them; a block and a box.
+/// A physics server without gravity, a null visual server and the bindings between them; a block and a box.
 struct ShownStage {
     explicit ShownStage(MeshWorker::Prepare prepare = prepareMesh) : bindings(std::move(prepare))
     {
@@ -43,18 +43,18 @@ struct ShownStage {
     {
         bindings.addPending(visual);
         if (const auto frame = physics.latest()) bindings.update(*frame, physics, visual);
-        visual.render(); // what is visible is told with a picture
+        visual.render(); // visibility is passed on with a picture
     }
     void step()
     {
         physics.step(1e-3);
         map();
     }
-    /// What the null backend has of all bodies, in the order in which they came.
+    /// All bodies in the null backend, in the order in which they came.
     std::vector<const visual::NullBackend::Body*> drawn() { return drawn(visual); }
     static std::vector<const visual::NullBackend::Body*> drawn(visual::VisualServer& server)
     {
-        visual::Camera& door = server.add(visual::CameraDef{}); // any entity leads to the backend
+        visual::Camera& door = server.add(visual::CameraDef{}); // any entity gives access to the backend
         const auto& backend = dynamic_cast<const visual::NullBackend&>(*door.impl().scene.backend);
         server.remove(door);
         std::vector<const visual::NullBackend::Body*> all;

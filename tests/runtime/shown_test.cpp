@@ -5,7 +5,7 @@
 using namespace filasofia;
 using namespace filasofia::runtime;
 
-TEST_CASE("what is shown can be hidden, shown again, given another material, and taken away, each by its id")
+TEST_CASE("a shown surface can be hidden, shown again, given another material and removed by its id")
 {
     ShownStage stage;
     const BodyId block = stage.addBlock(), box = stage.addBox();
@@ -32,16 +32,16 @@ TEST_CASE("what is shown can be hidden, shown again, given another material, and
     all = stage.drawn();
     REQUIRE(all.size() == 2);
     CHECK_FALSE(all[0]->visible);
-    stage.bindings.setVisible(second, true); // it is gone: nothing happens
+    stage.bindings.setVisible(second, true); // it was removed: nothing happens
     stage.step();
     CHECK(stage.drawn().size() == 2);
 }
 
-TEST_CASE("what was asked of a shown thing holds for the next visual server too")
+TEST_CASE("changes of a shown surface hold for the next visual server too")
 {
     ShownStage stage;
     const ShownId id = stage.bindings.show(stage.addBlock(), {}, stage.physics);
-    stage.bindings.setVisible(id, false); // before there is anything to see
+    stage.bindings.setVisible(id, false); // before anything is drawn
     stage.bindings.setMaterial(id, visual::MetalMaterial{});
     stage.step();
     CHECK_FALSE(stage.only().visible);
@@ -54,7 +54,7 @@ TEST_CASE("what was asked of a shown thing holds for the next visual server too"
     CHECK(next.statistics().bodies == 0);
 }
 
-TEST_CASE("an id that was never given and a material that is none are Errors at once")
+TEST_CASE("an unknown id and an invalid material are Errors at once")
 {
     ShownStage stage;
     const ShownId id = stage.bindings.show(stage.addBlock(), {}, stage.physics);
@@ -77,7 +77,7 @@ TEST_CASE("every element of a rigid body answers to the one id of its show()")
     CHECK(stage.drawn().empty());
 }
 
-TEST_CASE("what nobody sees is not deformed, and is where it should be as soon as it is seen")
+TEST_CASE("a hidden surface is not deformed, and is in place as soon as it is shown")
 {
     ShownStage stage;
     const BodyId block = stage.addBlock();
@@ -91,7 +91,7 @@ TEST_CASE("what nobody sees is not deformed, and is where it should be as soon a
     CHECK(stage.only().geometry.vertices.low.y < ShownStage::mesh()->nodes.front().y);
 }
 
-TEST_CASE("a thousand bodies come and go, and nothing is left of them")
+TEST_CASE("a thousand bodies are added and removed, and nothing is left of them")
 {
     ShownStage stage;
     std::vector<BodyId> bodies;

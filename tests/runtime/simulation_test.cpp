@@ -1,6 +1,7 @@
 #include "filasofia/filasofia.h"
 
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
+#include "filasofia/engine/scene/scene.h"
 
 #include <csignal>
 #include <unistd.h>
@@ -90,7 +91,7 @@ TEST_CASE("every event of a headless step is delivered before the next step begi
         std::vector<std::uint64_t> steps;
         sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
             steps.push_back(update.step);
-            if (update.step == 10) sim.physics().setGravity({9.81, 0, 0}); // comes at the same step every time
+            if (update.step == 10) sim.physics().setGravity({9.81, 0, 0}); // at the same step every time
         });
         each = sim.run(headless(20)).hash;
         REQUIRE(steps.size() == 20);
@@ -138,7 +139,7 @@ TEST_CASE("Ctrl-C ends a run cleanly")
     }
 }
 
-TEST_CASE("bodies come and go while a simulation runs")
+TEST_CASE("bodies are added and removed while a simulation runs")
 {
     Simulation sim;
     std::thread surgeon([&] {
@@ -185,7 +186,7 @@ TEST_CASE("a run inside a run is refused, and the outer one does not notice")
     CHECK_THAT(refused, Catch::Contains("a run is going on"));
 }
 
-TEST_CASE("nothing is no event and no tune")
+TEST_CASE("an empty event or tune is refused")
 {
     Simulation sim;
     CHECK_THROWS_AS(sim.post(std::unique_ptr<event::Event>()), Error);
@@ -204,7 +205,7 @@ TEST_CASE("a run that fails leaves a simulation that can run")
     CHECK(report.visual.bodies == 1);
 }
 
-TEST_CASE("several dress a scene, in their order, and none from inside a run")
+TEST_CASE("several functions dress a scene in order, and none can be set during a run")
 {
     Simulation sim;
     std::string order, refused;
@@ -219,10 +220,10 @@ TEST_CASE("several dress a scene, in their order, and none from inside a run")
     });
     sim.run({.backend = visual::Backend::Null, .steps = 3});
     CHECK(order == "ab");
-    CHECK(refused == "simulation: dress is to be set before a run, and one is going on");
+    CHECK(refused == "simulation: dress must be set before a run, but one is going on");
 }
 
-TEST_CASE("a kinematic rigid body goes where it was put")
+TEST_CASE("a kinematic rigid body goes to the pose that was set")
 {
     Simulation sim;
     const BodyId probe = sim.add(RigidBodyDef{.name = "probe"});
@@ -242,9 +243,10 @@ TEST_CASE("tune() reaches the engine of a simulation")
     Simulation sim;
     sim.add(bunny());
     int elements = 0;
-    sim.tune([&](engine::Native& native) { elements = static_cast<int>(native.model.softBodies[0].elements.size()); });
+    sim.tune(
+        [&](engine::Native& native) { elements = static_cast<int>(native.scene().soft[0].model.elements.size()); });
     sim.run(headless(1));
-    CHECK(elements == 754); // what the mesh file holds: within 1 % of its name
+    CHECK(elements == 754); // the mesh file's number, within 1 % of its name
 }
 
 TEST_CASE("a log has a line per step with the state's hash")
@@ -271,11 +273,12 @@ TEST_CASE("what cannot be run is refused before anything starts")
     CHECK_THROWS_WITH(Simulation({.physics = {.deadline = 0.0}}), "simulation: physics.deadline must be > 0 s, got 0");
     CHECK_THROWS_WITH(sim.run({.headless = true, .picture = "/no/folder/x.png"}),
                       "run: picture '/no/folder/x.png': there is no such folder");
-    CHECK_THROWS_WITH(sim.run({.headless = true, .seconds = 1}), "run: a headless run ends after steps, not seconds");
+    CHECK_THROWS_WITH(sim.run({.headless = true, .seconds = 1}),
+                      "run: seconds is for live runs; a headless run ends after steps");
     CHECK_THROWS_WITH(Simulation({.physics = {.rate = 0}}),
                       "simulation: physics.rate must be in [1, 100000] Hz, got 0");
     RunDef longName = headless(1);
-    longName.picture.assign(300, 'x').append(".png"); // longer than a file's name can be
+    longName.picture.assign(300, 'x').append(".png"); // longer than a file name can be
     CHECK_THROWS_AS(sim.run(longName), Error);
     CHECK_THROWS_WITH(sim.run({.headless = true, .picture = "x.png", .pictureEvery = 1e-20}),
                       Catch::Contains("run: pictureEvery must be 0 or >= 0.001 s"));
@@ -304,7 +307,7 @@ TEST_CASE("a simulation's command line refuses what it does not know with exit c
     CHECK(sim.run(4, good) == 0);
 }
 
-TEST_CASE("what a user's dress throws ends the run with one line, --fps without a video is told")
+TEST_CASE("an exception in a user's dress ends the run with one line, --fps without a video is refused")
 {
     Simulation sim;
     sim.dress([](visual::VisualServer&) { throw std::runtime_error("no lamp"); });

@@ -19,7 +19,7 @@ TEST_CASE("a person clicks into a Gui of a real window, types")
         native = window->nativeWindow();
         return window;
     });
-    int keys = 0, clicks = 0; // that reach the scene
+    int keys = 0, clicks = 0; // events that reach the scene
     sim.on<KeyEvent>([&](const KeyEvent&) { ++keys; });
     sim.on<MouseButtonEvent>([&](const MouseButtonEvent&) { ++clicks; });
     char note[32] = "";
@@ -35,7 +35,7 @@ TEST_CASE("a person clicks into a Gui of a real window, types")
             writing = ImGui::IsItemActive();
             const ImVec2 low = ImGui::GetItemRectMin();
             ImGui::End();
-            // The person sees the field, clicks into it and types as soon as it is theirs.
+            // The person sees the field, clicks into it and types as soon as it has the focus.
             if (doing == Waiting) {
                 person = std::make_unique<Person>(native);
                 person->moveMouse(int(low.x) + 20, int(low.y) + 8);

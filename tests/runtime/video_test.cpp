@@ -3,6 +3,8 @@
 #include "filasofia/filasofia.h"
 #include "filasofia/runtime/replay.h"
 
+#include "skip.h"
+
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of its own that is all of PATH but for the system's, with a program called ffmpeg in it.
+/// A folder that replaces PATH except for the system's folders, with a program called ffmpeg in it.
 class FakeFfmpeg {
 public:
     explicit FakeFfmpeg(const std::string& script, const std::string& others = ":/usr/bin:/bin")
@@ -49,7 +51,7 @@ private:
     std::string path_;
 };
 
-/// Writes its arguments, one a line, and what it is fed, beside itself.
+/// Writes its arguments, one per line, and its input into files beside itself.
 const std::string kRecorder = R"(here=$(dirname "$0")
 case "$*" in *-version*) exit 0;; esac
 printf '%s\n' "$@" > "$here/arguments"
@@ -68,7 +70,7 @@ SimulationDef small() { return {.physics = {.gravity = {}}, .window = {.width = 
 
 } // namespace
 
-TEST_CASE("ffmpeg gets raw pictures of the size and rate it is told, and the file by its name alone")
+TEST_CASE("ffmpeg gets raw pictures of the given size and rate, and the file by its name alone")
 {
     const FakeFfmpeg ffmpeg(kRecorder);
     const std::string name = ffmpeg.file("-odd $(touch gone) name.mp4");
@@ -78,7 +80,7 @@ TEST_CASE("ffmpeg gets raw pictures of the size and rate it is told, and the fil
     const std::string arguments = ffmpeg.read("arguments");
     for (const char* line : {"rawvideo\n", "rgba\n", "-video_size\n5x3\n", "-framerate\n24\n", "pipe:0\n"})
         CHECK_THAT(arguments, Catch::Contains(line));
-    CHECK_THAT(arguments, Catch::Contains("\nfile:" + name + "\n")); // no shell has seen it
+    CHECK_THAT(arguments, Catch::Contains("\nfile:" + name + "\n")); // no shell has interpreted it
     CHECK(ffmpeg.read("input") == std::string(3 * 4 * 5 * 3, 7));
 }
 
@@ -121,10 +123,10 @@ TEST_CASE("without ffmpeg, or with one that does not run, a video is refused bef
     }
     CHECK_THROWS_WITH(run("/nowhere/at/all.mp4"), Catch::Contains("there is no such folder"));
     CHECK_THROWS_WITH(run("film.avi"), "run: video must end in .mp4, got 'film.avi'");
-    CHECK(sim.run({.headless = true, .steps = 1}).steps == 1); // nothing was stepped, and it still runs
+    CHECK(sim.run({.headless = true, .steps = 1}).steps == 1); // nothing was stepped, and it can still run
 }
 
-TEST_CASE("an ffmpeg that dies on the way, or whose disk is full at the end, ends the run with its own words")
+TEST_CASE("if ffmpeg dies on the way or finds the disk full at the end, the run ends with its message")
 {
     Simulation sim(small());
     {
@@ -152,7 +154,7 @@ TEST_CASE("a live run's video has the length of its wall time")
     const RunReport report = sim.run({.backend = Backend::Null, .seconds = 0.3, .video = ffmpeg.file(), .fps = 20});
     const double pictures = static_cast<double>(ffmpeg.read("input").size()) / (4.0 * 32 * 16);
     CHECK(pictures == std::floor(pictures));
-    CHECK(pictures >= 5); // those due by 0.3 s, but for the last; a slow machine makes the run longer, and so the video
+    CHECK(pictures >= 5); // those due by 0.3 s, except the last; a slow machine makes the run longer, and so the video
     CHECK(report.pictures == std::vector<std::string>{ffmpeg.file()});
 }
 
@@ -165,14 +167,14 @@ TEST_CASE("a headless run's video has a picture for each part of simulated time,
     const auto pictures = [&] { return ffmpeg.read("input").size() / (4 * 32 * 16); };
     sim.run({.headless = true, .steps = 50, .video = ffmpeg.file(), .fps = 20}); // 0.25 s
     CHECK(pictures() == 5);
-    sim.run({.headless = true, .steps = 4, .video = ffmpeg.file(), .fps = 240}); // 0.02 s: more than steps
+    sim.run({.headless = true, .steps = 4, .video = ffmpeg.file(), .fps = 240}); // 0.02 s: more pictures than steps
     CHECK(pictures() == 4);
 }
 #endif
 
 TEST_CASE("a replay films what the run has filmed, picture by picture")
 {
-    if (!visual::hasBackend(Backend::Headless)) return;
+    if (skipIf(!visual::hasBackend(Backend::Headless), "this build draws nothing")) return;
     const FakeFfmpeg ffmpeg(kRecorder);
     Simulation sim({.window = {.width = 64, .height = 48}});
     const BodyId box = sim.add(RigidBodyDef{.mesh = shapes::box({0.02, 0.02, 0.02})});

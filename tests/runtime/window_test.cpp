@@ -13,7 +13,7 @@ struct PolypRemoved final : event::Event {
     double volume = 0.0; ///< [m^3]
 };
 
-/// A live run in a window that nobody sees; `person` acts on it from the moment it is open.
+/// A live run in a window that nobody sees; `person` acts on it as soon as it is open.
 RunReport runInWindow(Simulation& sim, std::function<void(NullWindow&)> person)
 {
     sim.useWindow([person = std::move(person)](const window::WindowDef& def) {

@@ -4,7 +4,7 @@
 
 #include "verification/verification.h"
 
-/// Bodies to attach to each other, and what to ask of attachments.
+/// Bodies to attach to each other, and functions that measure attachments.
 namespace filasofia::engine {
 
 inline constexpr double kG = 9.81;
@@ -33,51 +33,51 @@ inline double weightOf(const Stage& stage, std::size_t body)
     return mass * kG;
 }
 
-inline const frame::Attachment& held(Stage& stage, AttachmentId id)
+inline const frame::Attachment& attachmentOf(Stage& stage, AttachmentId id)
 {
-    const auto found = std::ranges::find(stage.world.state().held, id, &frame::Attachment::id);
-    REQUIRE(found != stage.world.state().held.end());
+    const auto found = std::ranges::find(stage.world.scene().held, id, &frame::Attachment::id);
+    REQUIRE(found != stage.world.scene().held.end());
     return *found;
 }
 
 inline Vec3 placeOf(Stage& stage, const AttachedPoint& point, BodyId id)
 {
-    const Model& model = stage.world.model();
-    for (std::size_t b = 0; b < model.softBodies.size(); ++b) {
-        if (model.softBodies[b].id != id) continue;
+    const Scene& scene = stage.world.scene();
+    for (std::size_t b = 0; b < scene.soft.size(); ++b) {
+        if (scene.soft[b].model.id != id) continue;
         Vec3 sum;
         for (const NodeWeight& each : point.nodes)
             sum += each.weight * stage.soft(b).x[static_cast<std::size_t>(each.node)];
         return sum;
     }
-    for (std::size_t b = 0; b < model.rigidBodies.size(); ++b)
-        if (model.rigidBodies[b].id == id)
-            return transform(stage.world.state().rigidBodies[b].poses[static_cast<std::size_t>(point.element)],
+    for (std::size_t b = 0; b < scene.rigid.size(); ++b)
+        if (scene.rigid[b].model.id == id)
+            return transform(stage.world.scene().rigid[b].state.poses[static_cast<std::size_t>(point.element)],
                              point.place);
     return point.place;
 }
 
-/// [m] the farthest that any two points that are to be one are apart.
+/// [m] The largest distance between two points that should coincide.
 inline double worstGap(Stage& stage)
 {
     double worst = 0.0;
-    for (const Attachment& each : stage.world.state().attachments)
+    for (const Attachment& each : stage.world.scene().attachments)
         for (const auto& pair : each.pairs)
             worst = std::max(worst, distance(placeOf(stage, pair[0], each.body), placeOf(stage, pair[1], each.to)));
     return worst;
 }
 
-/// [N], [N m] about the origin: what an attachment does to its body.
+/// [N], [N m] about the origin: the wrench that an attachment exerts on its body.
 inline Wrench wrenchOf(Stage& stage, AttachmentId id)
 {
-    const State& state = stage.world.state();
+    const Scene& scene = stage.world.scene();
     Wrench sum;
-    for (std::size_t a = 0; a < state.attachments.size(); ++a) {
-        if (state.attachments[a].id != id) continue;
-        for (std::size_t p = 0; p < state.attachments[a].pairs.size(); ++p) {
-            const Vec3 force = state.holding[a][p];
+    for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
+        if (scene.attachments[a].id != id) continue;
+        for (std::size_t p = 0; p < scene.attachments[a].pairs.size(); ++p) {
+            const Vec3 force = scene.holding[a][p];
             sum.force += force;
-            sum.torque += cross(placeOf(stage, state.attachments[a].pairs[p][0], state.attachments[a].body), force);
+            sum.torque += cross(placeOf(stage, scene.attachments[a].pairs[p][0], scene.attachments[a].body), force);
         }
     }
     return sum;

@@ -32,9 +32,9 @@ TEST_CASE("a hanging body's pins bear its weight and do not move, whatever solve
         stage.add(def);
         stage.run(static_cast<int>(std::lround(2.0 / dt)), dt);
         const double weight = weightOf(stage, 0);
-        const frame::Attachment& pins = held(stage, {1});
+        const frame::Attachment& pins = attachmentOf(stage, {1});
         CHECK(pins.points == 9);
-        verify(text("hanging beam, ", kind.name, ": reaction of its pins over its weight, less one"),
+        verify(text("hanging beam, ", kind.name, ": reaction of its pins over its weight, minus one"),
                length(pins.force - Vec3{0, weight, 0}) / weight, 0.01);
         for (int node : nodesWhere(*std::get<1>(def.mesh), [](Vec3 p) { return p.x < 1e-6; }))
             CHECK(distance(stage.soft().x[static_cast<std::size_t>(node)],
@@ -42,7 +42,7 @@ TEST_CASE("a hanging body's pins bear its weight and do not move, whatever solve
     }
 }
 
-TEST_CASE("nodes held at run time stay where they were, and bear the weight")
+TEST_CASE("nodes pinned at run time stay where they were, and bear the weight")
 {
     Stage stage = withGravity();
     stage.add(beam({6, 2, 2}, {0.06, 0.02, 0.02}));
@@ -53,13 +53,14 @@ TEST_CASE("nodes held at run time stay where they were, and bear the weight")
         worst = std::max(worst, worstGap(stage));
     }
     const double weight = weightOf(stage, 0);
-    verify("beam let fall, held at run time: farthest that a node strays on the way [m]", worst, 1e-5);
-    verify("beam held at run time, at rest: farthest that a node is from where it is held [m]", worstGap(stage), 1e-6);
-    verify("beam held at run time: reaction over its weight, less one",
-           length(held(stage, {1}).force - Vec3{0, weight, 0}) / weight, 0.01);
+    verify("falling beam, pinned at run time: largest distance of a node from its place during the fall [m]", worst,
+           1e-5);
+    verify("beam pinned at run time, at rest: largest distance of a node from its place [m]", worstGap(stage), 1e-6);
+    verify("beam pinned at run time: reaction over its weight, minus one",
+           length(attachmentOf(stage, {1}).force - Vec3{0, weight, 0}) / weight, 0.01);
 }
 
-TEST_CASE("a spring gives as far as its stiffness says")
+TEST_CASE("a spring extends as far as its stiffness says")
 {
     const double k = 50.0;
     Stage stage = withGravity();
@@ -68,28 +69,28 @@ TEST_CASE("a spring gives as far as its stiffness says")
     stage.add(box);
     stage.run(2000, 5e-3);
     const double weight = 0.064 * kG;
-    const double fell = -stage.world.state().rigidBodies[0].poses[0].position.y;
-    verify("box on a spring: k x over its weight, less one", std::abs(k * fell / weight - 1.0), 0.01);
-    verify("box on a spring: reported force over k x, less one", std::abs(held(stage, {1}).force.y / (k * fell) - 1.0),
-           0.01);
+    const double fell = -stage.world.scene().rigid[0].state.poses[0].position.y;
+    verify("box on a spring: k x over its weight, minus one", std::abs(k * fell / weight - 1.0), 0.01);
+    verify("box on a spring: reported force over k x, minus one",
+           std::abs(attachmentOf(stage, {1}).force.y / (k * fell) - 1.0), 0.01);
 
     Stage soft = withGravity();
     physics::SoftBodyDef def = beam({3, 2, 2}, {0.03, 0.02, 0.02});
     def.attachments = {{.box = kLeft, .stiffness = 20.0}};
     soft.add(def);
     soft.run(4000, 1e-3);
-    verify("beam on pin springs: reported force over its weight, less one",
-           std::abs(held(soft, {1}).force.y / weightOf(soft, 0) - 1.0), 0.01);
+    verify("beam on pin springs: reported force over its weight, minus one",
+           std::abs(attachmentOf(soft, {1}).force.y / weightOf(soft, 0) - 1.0), 0.01);
 }
 
-TEST_CASE("two blocks whose meshes do not match hand on what pulls and twists them")
+TEST_CASE("two blocks whose meshes do not match transmit pull and twist")
 {
     for (const bool twist : {false, true}) {
         Stage stage;
         physics::SoftBodyDef left = beam({4, 3, 3}, {0.04, 0.03, 0.03}),
                              right = beam({5, 2, 4}, {0.04, 0.03, 0.03}, 0.038);
         left.attachments = {{.box = kLeft}};
-        right.attachments = {{.to = {1}}}; // what lies inside the other
+        right.attachments = {{.to = {1}}}; // attached to the nodes inside the other block
         const Vec3 axis{0.0, 0.015, 0.015};
         Wrench applied;
         for (int node : nodesWhere(*std::get<1>(right.mesh), [](Vec3 p) { return p.x > 0.0399; })) {
@@ -99,27 +100,26 @@ TEST_CASE("two blocks whose meshes do not match hand on what pulls and twists th
         }
         stage.add(left);
         stage.add(right);
-        int most = 0;
-        for (int i = 0; i < 2500; ++i) most = std::max(most, stage.step(2e-3).solves[0].iterations);
+        int highest = 0;
+        for (int i = 0; i < 2500; ++i) highest = std::max(highest, stage.step(2e-3).solves[0].iterations);
         for (const physics::NodalForce& each : right.forces) {
             applied.force += each.force;
             applied.torque += cross(stage.soft(1).x[static_cast<std::size_t>(each.node)], each.force);
         }
         const Wrench handed = wrenchOf(stage, {2});
-        CHECK(held(stage, {2}).points >= 15);
+        CHECK(attachmentOf(stage, {2}).points >= 15);
         if (twist) {
             tell("two blocks twisted by [N m]", applied.torque.x);
-            verify("two blocks twisted: torque handed on over that applied, less one",
+            verify("two blocks twisted: transmitted torque over the applied torque, minus one",
                    std::abs(-handed.torque.x / applied.torque.x - 1.0), 0.01);
         } else {
-            verify("two blocks pulled: force handed on over that applied, less one",
+            verify("two blocks pulled: transmitted force over the applied force, minus one",
                    length(handed.force + applied.force) / length(applied.force), 0.01);
-            verify("two blocks pulled: reaction of the pins over the force applied, less one",
-                   length(held(stage, {1}).force + applied.force) / length(applied.force), 0.01);
+            verify("two blocks pulled: reaction of the pins over the applied force, minus one",
+                   length(attachmentOf(stage, {1}).force + applied.force) / length(applied.force), 0.01);
         }
-        tell(text("two blocks ", twist ? "twisted" : "pulled", ": iterations per step at most"), most);
-        verify(text("two blocks ", twist ? "twisted" : "pulled", ": farthest that they are apart [m]"), worstGap(stage),
-               1e-6);
+        tell(text("two blocks ", twist ? "twisted" : "pulled", ": largest number of iterations per step"), highest);
+        verify(text("two blocks ", twist ? "twisted" : "pulled", ": largest gap [m]"), worstGap(stage), 1e-6);
     }
 }
 
@@ -135,16 +135,17 @@ TEST_CASE("a rigid box hangs from a soft beam with its weight")
     stage.post(physics::Attach{{2}, {1}, {.within = 1e-4, .to = {2}}});
     stage.run(2000, 2e-3);
     const double weight = 8e-6 * 1000 * kG;
-    CHECK(held(stage, {2}).points == 9);
-    verify("rigid box on a soft beam: force that holds it over its weight, less one",
-           length(held(stage, {2}).force + Vec3{0, weight, 0}) / weight, 0.01);
-    verify("rigid box on a soft beam: reaction of the beam's pins over the weight of both, less one",
-           length(held(stage, {1}).force - Vec3{0, weight + weightOf(stage, 0), 0}) / (weight + weightOf(stage, 0)),
+    CHECK(attachmentOf(stage, {2}).points == 9);
+    verify("rigid box on a soft beam: force of its attachment over its weight, minus one",
+           length(attachmentOf(stage, {2}).force + Vec3{0, weight, 0}) / weight, 0.01);
+    verify("rigid box on a soft beam: reaction of the beam's pins over the weight of both, minus one",
+           length(attachmentOf(stage, {1}).force - Vec3{0, weight + weightOf(stage, 0), 0}) /
+               (weight + weightOf(stage, 0)),
            0.01);
-    verify("rigid box on a soft beam: farthest that they are apart [m]", worstGap(stage), 1e-6);
+    verify("rigid box on a soft beam: largest gap [m]", worstGap(stage), 1e-6);
 }
 
-TEST_CASE("a rod that hangs from a point swings as theory says")
+TEST_CASE("a rod that hangs from a point swings with the theoretical period")
 {
     const Vec3 half{0.005, 0.1, 0.005};
     Stage stage = withGravity();
@@ -162,7 +163,7 @@ TEST_CASE("a rod that hangs from a point swings as theory says")
     for (int i = 0; i < static_cast<int>(5.2 * period / dt); ++i) {
         stage.step(dt);
         worst = std::max(worst, worstGap(stage));
-        const double x = stage.world.state().rigidBodies[0].poses[0].position.x;
+        const double x = stage.world.scene().rigid[0].state.poses[0].position.x;
         if (i > 0 && before > 0.0 && x <= 0.0) {
             last = dt * (i - x / (x - before));
             if (crossings++ == 0) first = last;
@@ -170,18 +171,18 @@ TEST_CASE("a rod that hangs from a point swings as theory says")
         before = x;
     }
     REQUIRE(crossings >= 5);
-    verify("rod on a point: period over theory, less one", std::abs((last - first) / (crossings - 1) / period - 1.0),
+    verify("rod on a point: period over theory, minus one", std::abs((last - first) / (crossings - 1) / period - 1.0),
            0.005);
-    verify("rod on a point: farthest that the point strays [m]", worst, 1e-6);
+    verify("rod on a point: largest distance of the point from its place [m]", worst, 1e-6);
 }
 
-TEST_CASE("boxes welded to each other and to space stand out like a cantilever")
+TEST_CASE("boxes welded to each other and to space stand like a cantilever")
 {
     Stage stage = withGravity();
     const Vec3 half{0.02, 0.01, 0.01};
     for (int k = 0; k < 4; ++k) {
         physics::RigidBodyDef box = rigidBox(text("box ", k), half, {0.04 * k, 0, 0});
-        box.attachments = {{.to = BodyId{static_cast<std::uint32_t>(k)}}}; // the first: to space
+        box.attachments = {{.to = BodyId{static_cast<std::uint32_t>(k)}}}; // the first box is attached to space
         stage.add(box);
     }
     double worst = 0.0;
@@ -191,12 +192,12 @@ TEST_CASE("boxes welded to each other and to space stand out like a cantilever")
     }
     const double weight = 8 * half.x * half.y * half.z * 1000 * kG;
     for (std::uint32_t k = 0; k < 4; ++k)
-        CHECK(length(held(stage, {k + 1}).force - Vec3{0, (4 - k) * weight, 0}) < 0.01 * weight);
+        CHECK(length(attachmentOf(stage, {k + 1}).force - Vec3{0, (4 - k) * weight, 0}) < 0.01 * weight);
     const Wrench atRoot = wrenchOf(stage, {1});
-    verify("four welded boxes: moment at the root over theory, less one",
+    verify("four welded boxes: moment at the root over theory, minus one",
            std::abs(atRoot.torque.z / (4 * weight * 0.06) - 1.0), 0.01);
-    verify("four welded boxes: farthest that a point strays after the start [m]", worst, 1e-5);
-    verify("four welded boxes: farthest that a point strays at rest [m]", worstGap(stage), 1e-6);
+    verify("four welded boxes: largest gap after the start [m]", worst, 1e-5);
+    verify("four welded boxes: largest gap at rest [m]", worstGap(stage), 1e-6);
 }
 
 TEST_CASE("a ring of hard attachments holds, and its forces do not grow")
@@ -210,13 +211,13 @@ TEST_CASE("a ring of hard attachments holds, and its forces do not grow")
     }
     stage.post(physics::AttachRigid{{4}, {1}, {.to = {3}}}); // closes the ring
     stage.run(2000, 1e-3);
-    const double after2 = length(held(stage, {4}).force);
+    const double after2 = length(attachmentOf(stage, {4}).force);
     stage.run(8000, 1e-3);
     const double weight = 8e-6 * 1000 * kG;
-    CHECK(length(held(stage, {1}).force - Vec3{0, 3 * weight, 0}) < 0.01 * weight);
-    verify("three boxes in a ring of hard attachments: force that closes it after 10 s over that after 2 s, less one",
-           std::abs(length(held(stage, {4}).force) / after2 - 1.0), 0.01);
-    verify("three boxes in a ring of hard attachments: farthest that a point strays [m]", worstGap(stage), 1e-6);
+    CHECK(length(attachmentOf(stage, {1}).force - Vec3{0, 3 * weight, 0}) < 0.01 * weight);
+    verify("three boxes in a ring of hard attachments: force that closes it after 10 s over that after 2 s, minus one",
+           std::abs(length(attachmentOf(stage, {4}).force) / after2 - 1.0), 0.01);
+    verify("three boxes in a ring of hard attachments: largest gap [m]", worstGap(stage), 1e-6);
 }
 
 TEST_CASE("attachments come out the same for any number of threads")
@@ -225,8 +226,8 @@ TEST_CASE("attachments come out the same for any number of threads")
     for (int threads : {1, 2, 8}) {
         Stage stage({.threads = threads});
         stage.post(physics::SetGravity{{0, -kG, 0}});
-        physics::SoftBodyDef left = beam({8, 5, 5}, {0.04, 0.03, 0.03}),
-                             right = beam({6, 4, 7}, {0.04, 0.03, 0.03}, 0.038);
+        physics::SoftBodyDef left = beam({12, 6, 6}, {0.04, 0.03, 0.03}), // large enough for threads to share it
+            right = beam({6, 4, 7}, {0.04, 0.03, 0.03}, 0.038);
         left.attachments = {{.box = kLeft}};
         right.attachments = {{.to = {1}}};
         stage.add(left);
@@ -235,6 +236,7 @@ TEST_CASE("attachments come out the same for any number of threads")
         box.attachments = {{.stiffness = 100.0, .to = {2}}};
         stage.add(box);
         stage.run(100, 1e-3);
+        CHECK((threads == 1 || threadsShare(stage, threads)));
         hashes.push_back(stage.world.hash());
     }
     for (std::uint64_t hash : hashes) CHECK(hash == hashes.front());

@@ -15,7 +15,7 @@ inline Stage standingBunny(int elements, const physics::Solver& solver, int thre
     return stage;
 }
 
-/// Root mean square of the displacements [m].
+/// [m] Root mean square of the displacements.
 inline double displacement(Stage& stage) { return relativeDistance(stage.soft().x, stage.model().rest, 1.0); }
 
 } // namespace filasofia::engine

@@ -36,9 +36,9 @@ struct Rest {
     }
     static double largest(const std::vector<Vec3>& vectors)
     {
-        double most = 0.0;
-        for (Vec3 each : vectors) most = std::max(most, length(each));
-        return most;
+        double highest = 0.0;
+        for (Vec3 each : vectors) highest = std::max(highest, length(each));
+        return highest;
     }
     static double gap(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
     {
@@ -46,8 +46,8 @@ struct Rest {
     }
 };
 
-/// Holds the engine's linear answer to CalculiX's, which is linear. A load and its opposite share the linear part; what
-/// they do not share is the change of geometry, which the engine has and the linear answer has not.
+/// Compares the engine's linear response with CalculiX's, which is linear. A load and its opposite have the same linear
+/// part; they differ by the change of geometry, which only the engine includes.
 void verifyLinear(const std::string& what, const std::string& name)
 {
     const Deck deck = readDeck(kFolder + name + ".inp");
@@ -59,7 +59,7 @@ void verifyLinear(const std::string& what, const std::string& name)
     verify(what + ", the same with the change of geometry left in", Rest::gap(there, expected), 1e-4);
 }
 
-/// Of all elements, |R^T F - I|.
+/// The largest |R^T F - I| of all elements.
 double largestStrain(Stage& stage)
 {
     double strain = 0.0;
@@ -78,18 +78,19 @@ TEST_CASE("a clamped beam sags under its weight as in CalculiX")
     verifyLinear("clamped beam under its weight", "sagging_beam");
 }
 
-TEST_CASE("a ball around a rigid core gives way to pressure as in CalculiX")
+TEST_CASE("a ball around a rigid core yields to pressure as in CalculiX")
 {
     verifyLinear("ball under pressure", "pressed_ball");
 }
 
-TEST_CASE("a ball around a rigid core gives way to pressure almost as Lame's shell does")
+TEST_CASE("a ball around a rigid core yields to pressure almost as Lame's shell does")
 {
     const Deck deck = readDeck(kFolder + "pressed_ball.inp");
     const FemMaterial material = std::get<FemMaterial>(deck.def.material);
     const auto [mu, lambda] = lame(material.youngModulus, material.poissonRatio);
     constexpr double radius = 0.03, core = 0.01; // [m]
-    // Lame 1852: u = A r + B / r^2, nothing at the core, a radial stress of minus the pressure outside.
+    // Lame 1852: u = A r + B / r^2, no displacement at the core, a radial stress of minus the pressure at the outer
+    // surface.
     const double ratio = std::pow(core / radius, 3.0);
     const double a = -deck.def.pressure / (3.0 * lambda + 2.0 * mu + 4.0 * mu * ratio);
     const double expected = a * radius * (1.0 - ratio);
@@ -107,11 +108,11 @@ TEST_CASE("a ball around a rigid core gives way to pressure almost as Lame's she
                  sum / count / expected, 0.95, 1.0);
 }
 
-TEST_CASE("a slender beam bends far as in CalculiX")
+TEST_CASE("a slender beam with large bending deforms as in CalculiX")
 {
-    // CalculiX is linear in Green's strain, the engine in the corotated one: in a pulled bar of strain e the two
-    // stresses differ by 3/2 e. In bending the pulled and the pressed side differ in opposite directions, which takes
-    // most of it away; the rest must still fall with the strain.
+    // CalculiX is linear in Green's strain, the engine in the corotated one: in a stretched bar of strain e the two
+    // stresses differ by 3/2 e. In bending the stretched and the compressed side differ in opposite directions, which
+    // cancels most of the difference; the rest must still fall with the strain.
     const Deck deck = readDeck(kFolder + "bent_beam.inp");
     std::vector<double> gaps;
     for (const auto& [name, factor] : {std::pair{"half_bent_beam", 0.5}, std::pair{"bent_beam", 1.0}}) {

@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kLength = 1.0, kHeight = 0.1, kYoung = 1e6, kPoisson = 0.3, kLoad = 0.1; // [m] [m] [Pa] [-] [N]
 
-/// Deflection of the end of a cantilever of square section under a shear load there: bending and shear
-/// (Timoshenko 1921, with Cowper's 1966 shear coefficient for a rectangle).
+/// Deflection of the end of a cantilever of square section under a shear load there: bending and shear (Timoshenko
+/// 1921, with Cowper's 1966 shear coefficient for a rectangle).
 double timoshenko()
 {
     const double area = kHeight * kHeight, inertia = area * area / 12.0, shear = kYoung / (2 * (1 + kPoisson));
@@ -17,10 +17,10 @@ double timoshenko()
     return kLoad * kLength * kLength * kLength / (3 * kYoung * inertia) + kLoad * kLength / (kappa * area * shear);
 }
 
-/// A bar along x with n cells through its height and width, held at x = 0, with the load on its end face.
+/// A bar along x with n cells through its height and width, pinned at x = 0, with the load on its end face.
 struct Cantilever {
     Stage stage;
-    std::vector<double> share; ///< of the load, per node; sums to 1
+    std::vector<double> share; ///< [-] fraction of the load per node; sums to 1
 
     explicit Cantilever(int n)
     {
@@ -31,7 +31,7 @@ struct Cantilever {
         def.attachments = {{.nodes = nodesWhere(mesh, [](Vec3 p) { return p.x == 0.0; })}};
         stage.add(def);
         stage.step(0.0);
-        // The end face bears the traction that shear makes in a beam, a parabola over its height.
+        // The traction on the end face is that of shear in a beam, a parabola over the height.
         share.resize(mesh.nodes.size());
         double sum = 0.0;
         for (const geometry::Triangle& t : stage.model().surface) {
@@ -51,7 +51,7 @@ struct Cantilever {
         for (double each : share) loads.push_back({0, -each * kLoad, 0});
         return loads;
     }
-    /// [m] of the loaded face, weighted as the load works.
+    /// [m] Deflection of the loaded face, weighted by the load, so that it is the load's work per unit of force.
     double deflection(const std::vector<Vec3>& x)
     {
         double sum = 0.0;
@@ -80,15 +80,15 @@ TEST_CASE("a cantilever's deflection converges to Timoshenko's")
     CHECK(found[0] < found[1]); // linear elements are too stiff, the coarser the more
     CHECK(found[1] < found[2]);
     CHECK(found[2] < 1.01 * theory);
-    // The error of linear elements in bending adds to the stiffness, in the second order of the cell size: of the
-    // stiffness, not of the deflection, three sizes tell order and limit (Richardson 1911; Aitken's form).
+    // The error of linear elements in bending adds to the stiffness, with second order in the cell size. The stiffness,
+    // not the deflection, at three sizes therefore gives order and limit (Richardson 1911; Aitken's form).
     const double first = 1 / found[0] - 1 / found[1], second = 1 / found[1] - 1 / found[2];
     verifyWithin("cantilever, observed order of convergence of the stiffness", std::log2(first / second), 1.7, 2.3);
     const double limit = 1 / (1 / found[2] - second * second / (first - second));
     verify("cantilever, extrapolated deflection against Timoshenko's, relative", std::abs(limit / theory - 1), 0.02);
 }
 
-TEST_CASE("a cantilever stepped to rest hangs where the static solution says")
+TEST_CASE("a cantilever stepped to rest agrees with the static solution")
 {
     Cantilever bar(2);
     const double expected = bar.staticDeflection();

@@ -4,7 +4,7 @@ using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
 
-TEST_CASE("implicit Euler is of the first order in dt")
+TEST_CASE("implicit Euler has first order in dt")
 {
     const auto after = [](double dt) {
         Stage stage = standingBunny(756, Cholesky{});
@@ -19,6 +19,6 @@ TEST_CASE("implicit Euler is of the first order in dt")
         errors.push_back(relativeDistance(stage.soft().x, reference.soft().x, size));
         tell(text("bunny 756 after 0.05 s in ", steps, " steps, error relative to displacement"), errors.back());
     }
-    // The reference is of the same order: its own error moves the ratio from 2 to (1/50 - 1/2400) / (1/100 - 1/2400).
+    // The reference has the same order: its own error moves the ratio from 2 to (1/50 - 1/2400) / (1/100 - 1/2400).
     verifyWithin("bunny 756, implicit Euler, ratio of errors at dt and dt / 2", errors[0] / errors[1], 1.8, 2.2);
 }

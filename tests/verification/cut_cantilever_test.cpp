@@ -9,7 +9,7 @@ namespace {
 constexpr double kLength = 0.4, kHeight = 0.08, kWidth = 0.04, kLoad = 0.02; // [m] [m] [m] [N]
 constexpr int kCells = 4;                                                    ///< through half of the height
 
-/// A bar along x, held at x = 0, from y = `low` to kHeight.
+/// A bar along x, pinned at x = 0, from y = `low` to kHeight.
 SoftBodyDef bar(double low, double jitter)
 {
     const double height = kHeight - low;
@@ -24,8 +24,8 @@ SoftBodyDef bar(double low, double jitter)
     return def;
 }
 
-/// [m] that the end of what lies above y = `low` sinks under a load there: the parabola over its height that shear
-/// makes in a beam. Static, by Cholesky.
+/// [m] Deflection of the end of the part above y = `low` under a load there with the parabolic distribution that shear
+/// has in a beam. Static, by Cholesky.
 double deflection(const SoftModel& model, double low)
 {
     std::vector<double> share(model.rest.size());
@@ -56,14 +56,15 @@ SoftModel uncut(double low)
     return stage.model();
 }
 
-/// The model of a bar after a blade went through all of it from end to end at y = `at`, at rest.
+/// The model of a bar at rest after a blade has passed through all of it from end to end at y = `at`.
 SoftModel cutAlong(double at, double jitter, int& pieces)
 {
     Stage stage;
     SoftBodyDef def = bar(0.0, jitter);
     def.solver = ConjugateGradient{}; // at rest there is nothing to solve
     stage.add(def);
-    // Upright across the bar, its edge ahead; a rectangle of 4 cm along x, and wider than the bar along z.
+    // The blade stands upright across the bar with its edge ahead: a rectangle of 4 cm along x, wider than the bar
+    // along z.
     const double z = 0.75 * kWidth;
     const TriangleMeshSource mesh = std::make_shared<const geometry::TriangleMesh>(
         geometry::TriangleMesh{.vertices = {{0, 0, -z}, {-0.04, 0, -z}, {-0.04, 0, z}, {0, 0, z}},

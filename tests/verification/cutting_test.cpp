@@ -10,7 +10,7 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// A rectangle in the plane x = 0, its lower edge along y through the origin.
+/// A rectangle in the plane x = 0 with its lower edge along y through the origin.
 TriangleMeshSource bladeMesh(double width, double height)
 {
     const double y = 0.5 * width;
@@ -27,7 +27,7 @@ RigidBodyDef blade(double width, double height, Pose at)
             .collision = {{.mesh = bladeMesh(width, height), .proximity = 0, .cutting = true}}};
 }
 
-/// From one place to another in so many steps of 1 ms.
+/// Moves a tool from one place to another in `steps` steps of 1 ms.
 StepReport sweep(Stage& stage, BodyId tool, Quat turn, Vec3 from, Vec3 to, int steps)
 {
     StepReport all;
@@ -51,8 +51,8 @@ double areaOf(const StepReport& report)
 
 double massOf(const SoftModel& model) { return std::accumulate(model.masses.begin(), model.masses.end(), 0.0); }
 
-/// The nodes of all elements that hang together with this one, ascending. Pieces share no nodes.
-std::vector<int> nodesHangingOn(const SoftModel& model, int element)
+/// The nodes of all elements connected to this one, ascending. Pieces share no nodes.
+std::vector<int> connectedNodes(const SoftModel& model, int element)
 {
     std::vector<char> reached(model.rest.size());
     for (int node : model.elements[static_cast<std::size_t>(element)].nodes)
@@ -72,7 +72,7 @@ std::vector<int> nodesHangingOn(const SoftModel& model, int element)
     return nodes;
 }
 
-/// A free block of tissue on a floor, in gravity that swings; and what its solver takes meanwhile.
+/// A free block of tissue on a floor, with gravity that can swing.
 struct FloorScene {
     Stage stage;
     BodyId tissue, tool;
@@ -100,7 +100,7 @@ struct FloorScene {
     {
         for (int i = 0; i < steps; ++i) flags |= stage.step(1e-3).flags;
     }
-    /// [-] mean iterations of so many steps
+    /// [-] Mean number of iterations over `steps` steps of swinging gravity.
     double swing(int steps)
     {
         double sum = 0.0;
@@ -118,11 +118,11 @@ struct FloorScene {
 
 } // namespace
 
-TEST_CASE("after any cut a body goes on for 500 steps of gravity and contact, with about as many iterations")
+TEST_CASE("after any cut a body survives 500 steps of gravity and contact, with about as many iterations")
 {
     constexpr int kCuts = 20, kSteps = 500;
     std::mt19937 random(5);
-    const auto uniform = [&](double low, double high) { // the same on every machine
+    const auto uniform = [&](double low, double high) { // the same numbers on every machine
         return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
     };
     std::vector<double> ratios;
@@ -135,7 +135,7 @@ TEST_CASE("after any cut a body goes on for 500 steps of gravity and contact, wi
                      volume = meshVolume(scene.stage.model(), scene.stage.model().rest);
         const double before = scene.swing(kSteps);
         for (int again = 0; again < 1 + cut % 3; ++again) { // one cut, two or three, also across each other
-            // One after the other: compilers differ in which argument they look at first.
+            // Drawn one after the other, because the order in which arguments are evaluated depends on the compiler.
             const double lean = uniform(-0.5, 0.5), about = uniform(0, 3.14);
             const Quat turn = axisAngle({0, 0, 1}, about) * axisAngle({0, 1, 0}, lean);
             const double x = uniform(-0.015, 0.015), y = uniform(-0.01, 0.01);
@@ -163,20 +163,21 @@ TEST_CASE("after any cut a body goes on for 500 steps of gravity and contact, wi
     std::ranges::sort(ratios);
     CHECK(opened > 0.01);
     CHECK(through >= 5);
-    verify("cutting, mass lost or won by up to three cuts, relative", drift, 1e-3);
-    verify("cutting, volume lost or won by up to three cuts, relative", volumeDrift, 1e-3);
-    verify("cutting, iterations after a cut over those before, median of 20 bodies", ratios[kCuts / 2], 1.5);
-    verify("cutting, iterations after a cut over those before, worst of 7 bodies with one cut", worstOfOne, 1.5);
+    verify("cutting, change of mass by up to three cuts, relative", drift, 1e-3);
+    verify("cutting, change of volume by up to three cuts, relative", volumeDrift, 1e-3);
+    verify("cutting, iterations after a cut over those before, median of 20 bodies", ratios[kCuts / 2], 1.25);
+    verify("cutting, iterations after a cut over those before, worst of 7 bodies with one cut", worstOfOne, 1.3);
     verify("cutting, iterations after up to three cuts over those before, worst but one of 20 bodies",
-           ratios[kCuts - 2], 3.0);
-    // Three are asked for. Flaps of some elements can tie the coarse level, in a body of its own luck.
-    verify("cutting, iterations after up to three cuts over those before, worst of 20 bodies", ratios.back(), 6.0);
+           ratios[kCuts - 2], 2.8);
+    // The bounds are about a tenth above what was measured: 1.14, 1.18, 2.55 and 4.05. The aim is 3 after any cut,
+    // which one body misses after two cuts: flaps of a few elements can tie the coarse level.
+    verify("cutting, iterations after up to three cuts over those before, worst of 20 bodies", ratios.back(), 4.5);
 }
 
-TEST_CASE("what a cut sets free keeps its momentum over the edits, and falls freely")
+TEST_CASE("a piece cut free keeps its momentum during the edits, and falls freely")
 {
-    // Alone in space, tumbling: nothing but the edits could change what all of it has. A direct solver: an iterative
-    // one leaves a little of each step's change of momentum undone.
+    // Alone in space, tumbling: nothing but the edits could change the total momentum. The solver is direct, because an
+    // iterative one leaves a residual in each step's change of momentum.
     Stage stage;
     SoftBodyDef def = freeBody(boxMesh({10, 4, 4}, {0.1, 0.04, 0.04}, 0.2));
     def.material = FemMaterial{.youngModulus = 2e4};
@@ -202,7 +203,7 @@ TEST_CASE("what a cut sets free keeps its momentum over the edits, and falls fre
     };
     const Vec3 start = momentum(all());
     std::vector<int> piece;
-    LoosePiece told;
+    LoosePiece reported;
     double worst = 0.0;
     for (int i = 1; i <= 200; ++i) {
         stage.post(SetPose{tool, 0, {{0.052, 0.02, 0.06 - 5e-4 * i}, {}}});
@@ -210,21 +211,22 @@ TEST_CASE("what a cut sets free keeps its momentum over the edits, and falls fre
         CHECK(report.flags == 0);
         worst = std::max(worst, length(momentum(all()) - start) / length(start));
         for (const Rupture& rupture : report.topology.ruptures)
-            for (const LoosePiece& loose : rupture.detached) piece = (told = loose).elements;
+            for (const LoosePiece& loose : rupture.detached) piece = (reported = loose).elements;
     }
     REQUIRE_FALSE(piece.empty());
-    verify("cutting, momentum lost or won by a cut across a flying bar, relative", worst, 1e-9);
+    verify("cutting, change of momentum by a cut across a flying bar, relative", worst, 1e-9);
 
-    stage.post(SetPose{tool, 0, {{0.052, 0.02, 1}, {}}}); // it would go on cutting what moves through it
+    // The blade is moved away, or it would continue to cut the piece that moves through it.
+    stage.post(SetPose{tool, 0, {{0.052, 0.02, 1}, {}}});
     stage.step(1e-3);
     stage.step(1e-3);
-    const std::vector<int> nodes = nodesHangingOn(stage.model(), piece.front());
+    const std::vector<int> nodes = connectedNodes(stage.model(), piece.front());
     double mass = 0.0;
     for (int node : nodes) mass += stage.model().masses[static_cast<std::size_t>(node)];
     CHECK(mass == Approx(0.48 * massOf(stage.model())).epsilon(0.1));
-    CHECK(told.mass == Approx(mass).epsilon(1e-3));
-    CHECK(std::abs(told.place.x - 0.052) > 0.01); // on one side of the cut, and well away from it
-    CHECK_FALSE(told.held);
+    CHECK(reported.mass == Approx(mass).epsilon(1e-3));
+    CHECK(std::abs(reported.place.x - 0.052) > 0.01); // on one side of the cut, and well away from it
+    CHECK_FALSE(reported.held);
 
     // The same piece in gravity.
     stage.model().gravity = true;
@@ -236,5 +238,5 @@ TEST_CASE("what a cut sets free keeps its momentum over the edits, and falls fre
         const Vec3 gained = (momentum(nodes) - before) / (1e-3 * mass);
         error = std::max(error, length(gained - Vec3{0, 0, -9.81}) / 9.81);
     }
-    verify("cutting, what was cut off falls with g, relative", error, 1e-9);
+    verify("cutting, acceleration of the free piece against g, relative", error, 1e-9);
 }

@@ -1,4 +1,4 @@
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 #include "filasofia/linalg/node_kernels.h"
 
 #include "verification/bunny.h"
@@ -9,13 +9,13 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// Uses one instruction set until it goes out of scope.
+/// Uses one instruction set until the end of its scope.
 struct Target {
     explicit Target(const std::string& name) { linalg::useSimdTarget(name); }
     ~Target() { linalg::useSimdTarget(""); }
 };
 
-/// With fused multiply-add all compute the same bits.
+/// Instruction sets with fused multiply-add; all of them compute the same bits.
 bool fused(const std::string& target) { return target == "AVX3" || target == "AVX2" || target == "NEON"; }
 
 std::uint64_t hashAfter(int elements, int threads, int steps, double dt, const Solver& solver = ConjugateGradient{})
@@ -44,18 +44,45 @@ TEST_CASE("two runs of every bunny have the same hash at every step")
 TEST_CASE("1, 2, 3 and 8 threads make the same hash")
 {
     for (const Solver& solver : {Solver{ConjugateGradient{}}, Solver{ConjugateGradient{.assembled = true}}})
-        for (int elements : {756, 3004}) {
+        for (int elements : {756, 3004}) { // one thread computes the small one, all threads share the large one
             const std::uint64_t one = hashAfter(elements, 1, 30, 0.005, solver);
             for (int threads : {2, 3, 8}) CHECK(hashAfter(elements, threads, 30, 0.005, solver) == one);
         }
     CHECK(hashAfter(10000, 1, 10, 0.001) == hashAfter(10000, 3, 10, 0.001));
+    for (int threads : {2, 3, 8}) {
+        Stage small = standingBunny(756, ConjugateGradient{}, threads);
+        Stage large = standingBunny(3004, ConjugateGradient{}, threads);
+        small.step(0.0);
+        large.step(0.0);
+        CHECK_FALSE(threadsShare(small, threads));
+        CHECK(threadsShare(large, threads));
+    }
+}
+
+TEST_CASE("1, 2, 3 and 8 threads make the same hash of bodies that threads share and bodies that they divide up")
+{
+    const auto hashWith = [](int threads) {
+        Stage stage = standingBunny(3004, ConjugateGradient{}, threads);
+        for (int i = 0; i < 4; ++i) {
+            SoftBodyDef def{.mesh = bunnyFile(756), .pose = {{0.3 * (i + 1), 0, 0}, {}}};
+            def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 0.02, 1}}}};
+            stage.add(def);
+        }
+        stage.run(30, 0.002);
+        const bool isShared = threadsShare(stage, threads, 0), isDivided = !threadsShare(stage, threads, 1);
+        CHECK(((isShared && isDivided) || threads < 3)); // two threads divide up all bodies
+        return stage.world.hash();
+    };
+    const std::uint64_t one = hashWith(1);
+    for (int threads : {2, 3, 8}) CHECK(hashWith(threads) == one);
 }
 
 TEST_CASE("every instruction set with fused multiply-add makes the same hash, others come close")
 {
     Stage best = standingBunny(1492, ConjugateGradient{});
     best.run(50, 0.001);
-    if (!fused(linalg::simdTarget())) WARN("no fused multiply-add on this machine: nothing has equal bits here");
+    if (!fused(linalg::simdTarget()))
+        WARN("no fused multiply-add on this machine: no two instruction sets compute the same bits here");
     for (const std::string& name : simdTargets()) {
         const Target target(name);
         Stage stage = standingBunny(1492, ConjugateGradient{});
@@ -66,9 +93,10 @@ TEST_CASE("every instruction set with fused multiply-add makes the same hash, ot
     }
 }
 
-// No contraction, no -ffast-math, fixed order of sums: every compiler on every machine with fused multiply-add computes
-// these bits. Whoever changes the engine's arithmetic or what a hash is made of copies the new ones from what this test
-// prints:  test_verification "after 50 steps*"  (and says so in CHANGELOG.md: recorded hashes change for users too)
+// No contraction, no -ffast-math, and a fixed order of sums: with fused multiply-add, every compiler on every machine
+// computes these bits. If you change the engine's arithmetic or the content of a hash, copy the new hashes from the
+// output of  test_verification "after 50 steps*"  and say so in CHANGELOG.md, because recorded hashes change for users
+// too.
 TEST_CASE("after 50 steps of 1 ms every bunny has the hash that it had on any machine")
 {
     const std::tuple<int, std::uint64_t, std::uint64_t> goldens[] = {{756, 0x884fb10c8a252e0f, 0xa185c6649d73720e},
@@ -78,6 +106,7 @@ TEST_CASE("after 50 steps of 1 ms every bunny has the hash that it had on any ma
     if (!same) WARN("no fused multiply-add on this machine: the default solver's hashes are not checked");
     for (const auto& [elements, inFloat, inDouble] : goldens) {
         const std::uint64_t fast = hashAfter(elements, 1, 50, 0.001);
+        if (elements == 3004) CHECK(hashAfter(elements, 3, 50, 0.001) == fast); // threads share it
         const std::uint64_t reference = hashAfter(elements, 1, 50, 0.001, ConjugateGradient{.assembled = true});
         std::cout << "verification: bunny " << elements << " after 50 steps of 1 ms, hashes: {" << elements << std::hex
                   << ", 0x" << fast << ", 0x" << reference << std::dec << "} (bound: as ever)\n";

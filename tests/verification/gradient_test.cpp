@@ -11,8 +11,8 @@ double elementEnergy(const FemElement& element, const Corners& x)
     return corotationalEnergy(element, f, nearestRotation(f));
 }
 
-/// The largest error of the element's forces against central differences of its energy, relative to the forces,
-/// over random deformations; `inverted` keeps only those that turn it inside out.
+/// The largest error of the element's forces against central differences of its energy, relative to the forces, over
+/// random deformations; if `inverted`, only over those that invert it.
 double worstForceError(bool inverted)
 {
     std::mt19937 random(21);
@@ -43,13 +43,13 @@ double worstForceError(bool inverted)
 
 } // namespace
 
-TEST_CASE("an element's force is minus the gradient of its energy")
+TEST_CASE("an element's force is the negative gradient of its energy")
 {
     verify("force against -dW/dx, large deformations", worstForceError(false), 1e-6);
     verify("force against -dW/dx, inverted elements", worstForceError(true), 1e-6);
 }
 
-TEST_CASE("a spring's force is minus the gradient of its energy, and its stiffness the gradient of its force")
+TEST_CASE("a spring's force is the negative gradient of its energy, and its stiffness the gradient of its force")
 {
     std::mt19937 random(22);
     double force = 0.0, stiffness = 0.0;
@@ -71,7 +71,7 @@ TEST_CASE("a spring's force is minus the gradient of its energy, and its stiffne
             difference[axis] = (springForce(spring, behind, b) - springForce(spring, ahead, b)) / (2 * h);
         }
         force = std::max(force, length(f + slope) / length(slope));
-        if (distance(a, b) > 1.0) // in compression the part across is left out on purpose
+        if (distance(a, b) > 1.0) // in compression the transverse part is left out on purpose
             stiffness = std::max(stiffness, frobeniusNorm(exact - difference) / frobeniusNorm(exact));
     }
     verify("spring force against -dW/dx", force, 1e-6);

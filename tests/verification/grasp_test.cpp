@@ -3,7 +3,7 @@
 using namespace filasofia;
 using namespace filasofia::engine;
 
-TEST_CASE("what is grasped is lifted, and lost when it pulls more than the grasp stands")
+TEST_CASE("a grasped body is lifted, and lost if it pulls with more than the break force")
 {
     const double dt = 1e-3;
     for (const bool anchored : {false, true}) {
@@ -30,22 +30,22 @@ TEST_CASE("what is grasped is lifted, and lost when it pulls more than the grasp
             y += dt * (anchored ? 0.01 : i < 1000 ? 0.03 : 0.0);
             stage.post(physics::SetPose{id, 0, Pose{{0.0203, y, 0.0197}, {}}});
             CHECK_FALSE(stage.step(dt).has(physics::StepFlag::NothingAttached));
-            const frame::Attachment& now = held(stage, grasp);
+            const frame::Attachment& now = attachmentOf(stage, grasp);
             broken = now.broken;
             force = length(now.force);
         }
         if (anchored) {
             CHECK(broken);
-            verify("anchored block pulled by a tool: force at which the grasp broke over its break force, less one",
+            verify("anchored block pulled by a tool: force at which the grasp broke over its break force, minus one",
                    std::abs(force / breakForce - 1.0), 0.05);
             stage.step(dt);
-            for (const frame::Attachment& each : stage.world.state().held) CHECK(each.id != grasp);
+            for (const frame::Attachment& each : stage.world.scene().held) CHECK(each.id != grasp);
         } else {
-            CHECK(held(stage, grasp).points > 3);
-            CHECK(held(stage, grasp).body == BodyId{1});
+            CHECK(attachmentOf(stage, grasp).points > 3);
+            CHECK(attachmentOf(stage, grasp).body == BodyId{1});
             const double weight = weightOf(stage, 0);
-            verify("block lifted by a tool: force of the grasp over its weight, less one",
-                   length(held(stage, grasp).force - Vec3{0, weight, 0}) / weight, 0.02);
+            verify("block lifted by a tool: force of the grasp over its weight, minus one",
+                   length(attachmentOf(stage, grasp).force - Vec3{0, weight, 0}) / weight, 0.02);
             double low = 1.0;
             for (Vec3 p : stage.soft().x) low = std::min(low, p.y);
             CHECK(low > 0.02);
@@ -53,9 +53,9 @@ TEST_CASE("what is grasped is lifted, and lost when it pulls more than the grasp
     }
 }
 
-TEST_CASE("a block squeezed by two jaws that both grasp it is held for long without forces that grow")
+TEST_CASE("a block squeezed and grasped by two jaws is held for long without growing forces")
 {
-    Stage stage; // without gravity, until it is held
+    Stage stage; // without gravity until it is grasped
     physics::SoftBodyDef block{.name = "block", .mesh = shared(boxMesh({3, 3, 3}, {0.03, 0.03, 0.03}))};
     block.collision = {{}};
     stage.add(block);
@@ -81,16 +81,16 @@ TEST_CASE("a block squeezed by two jaws that both grasp it is held for long with
     for (int i = 0; i < 10000; ++i) {
         stage.step(1e-3);
         if (i % 1000 != 999) continue;
-        double most = 0.0;
-        for (const auto& pairs : stage.world.state().holding)
-            for (Vec3 force : pairs) most = std::max(most, length(force));
-        for (const frame::Contact& each : stage.world.state().touching) most = std::max(most, each.normalForce);
-        largest.push_back(most);
+        double highest = 0.0;
+        for (const auto& pairs : stage.world.scene().holding)
+            for (Vec3 force : pairs) highest = std::max(highest, length(force));
+        for (const frame::Contact& each : stage.world.scene().touching) highest = std::max(highest, each.normalForce);
+        largest.push_back(highest);
     }
-    const Vec3 sum = held(stage, grasps[0]).force + held(stage, grasps[1]).force +
-                     frame::forceOn(BodyId{1}, stage.world.state().touching);
-    verify("block held by two jaws: largest force at a point after 10 s over that after 1 s, less one",
+    const Vec3 sum = attachmentOf(stage, grasps[0]).force + attachmentOf(stage, grasps[1]).force +
+                     frame::forceOn(BodyId{1}, stage.world.scene().touching);
+    verify("block held by two jaws: largest force at a point after 10 s over that after 1 s, minus one",
            std::abs(largest.back() / largest.front() - 1.0), 0.05);
-    verify("block held by two jaws: sum of the forces over its weight, less one",
+    verify("block held by two jaws: sum of the forces over its weight, minus one",
            length(sum - Vec3{0, weightOf(stage, 0), 0}) / weightOf(stage, 0), 0.02);
 }

@@ -8,7 +8,7 @@ namespace {
 
 struct Momenta {
     Vec3 linear, angular;
-    double speed = 0.0; ///< sum of m |v|
+    double speed = 0.0; ///< [kg m/s] sum of m |v|
 };
 
 Momenta momenta(const SoftModel& model, const SoftState& state)
@@ -23,7 +23,7 @@ Momenta momenta(const SoftModel& model, const SoftState& state)
     return sum;
 }
 
-/// A bunny let go stretched and spinning about an axis through its middle.
+/// A bunny released in a stretched state, spinning about an axis through its middle.
 Stage spinning(const Solver& solver)
 {
     Stage stage;
@@ -51,7 +51,7 @@ double angularDrift(double dt)
     return length(momenta(stage.model(), stage.soft()).angular - before.angular) / length(before.angular);
 }
 
-/// The torque of a shaken bunny's inner forces, over the sum of the absolute torques.
+/// The torque of a deformed bunny's internal forces, over the sum of the absolute torques.
 double relativeTorque(const SoftMaterial& material, const Solver& solver, std::mt19937& random)
 {
     Stage stage;
@@ -74,10 +74,10 @@ double relativeTorque(const SoftMaterial& material, const Solver& solver, std::m
     return length(torque) / terms;
 }
 
-/// Boxes, hung up by the node in one corner each, and let go.
+/// Boxes, each hung up by the node in one corner and released.
 struct Hung {
     std::array<int, 3> cells;
-    int count = 1; ///< of boxes, in one body
+    int count = 1; ///< number of boxes in one body
     double cell = 0.004;
     double youngModulus = 2e4;
     double dt = 1e-3;
@@ -102,8 +102,8 @@ struct Hung {
     }
 };
 
-/// The most energy that it has in 4 s, but for the elastic one, which was 0 and is not less, over what it has to lose
-/// by a fall by its length.
+/// The largest energy that it has in 4 s without the elastic energy (which was 0 at first and is never less), over the
+/// energy of a fall by its length.
 double energyFromNowhere(const Hung& hung)
 {
     Stage stage;
@@ -111,7 +111,7 @@ double energyFromNowhere(const Hung& hung)
     stage.post(SetGravity{{0, -9.81, 0}});
     stage.step(0.0);
     const std::vector<Vec3> start = stage.soft().x;
-    double mass = 0.0, most = 0.0;
+    double mass = 0.0, highest = 0.0;
     for (double each : stage.model().masses) mass += each;
     for (int i = 0; i < 4.0 / hung.dt; ++i) {
         stage.step(hung.dt);
@@ -120,9 +120,9 @@ double energyFromNowhere(const Hung& hung)
             const Vec3 v = stage.soft().v[k];
             energy += stage.model().masses[k] * (0.5 * dot(v, v) + 9.81 * (stage.soft().x[k].y - start[k].y));
         }
-        most = std::max(most, energy / (mass * 9.81 * hung.length()));
+        highest = std::max(highest, energy / (mass * 9.81 * hung.length()));
     }
-    return most;
+    return highest;
 }
 
 } // namespace
@@ -148,7 +148,7 @@ TEST_CASE("a free body without damping keeps its linear momentum")
     }
 }
 
-TEST_CASE("internal forces make no torque")
+TEST_CASE("internal forces produce no torque")
 {
     for (const auto& [solver, name, bound] :
          {std::tuple{Solver{Cholesky{}}, "double", 1e-10}, std::tuple{Solver{ConjugateGradient{}}, "float", 1e-7}})
@@ -170,21 +170,21 @@ TEST_CASE("the drift of angular momentum halves with dt under implicit Euler")
     verifyWithin("angular momentum drift, ratio of dt = 0.25 ms to 0.125 ms", middle / fine, 1.7, 2.3);
 }
 
-TEST_CASE("what hangs by one node and swings never has more energy than it was let go with, however small it is")
+TEST_CASE("a body that hangs by one node and swings never has more energy than at first, however small it is")
 {
     for (const auto& [cells, count] :
          {std::pair{std::array{1, 1, 1}, 1}, {{2, 1, 1}, 1}, {{3, 2, 2}, 1}, {{1, 1, 1}, 9}})
-        verify(text("energy from nowhere of ", count, " boxes of ", cells[0], " x ", cells[1], " x ", cells[2],
+        verify(text("energy gained by ", count, " boxes of ", cells[0], " x ", cells[1], " x ", cells[2],
                     " cells, over a fall by their length"),
                energyFromNowhere({.cells = cells, .count = count}), 0.03);
 }
 
-TEST_CASE("a few stiff elements that hang by one node make no energy in long steps")
+TEST_CASE("a few stiff elements that hang by one node gain no energy in long steps")
 {
     for (double dt : {1e-3, 5e-3}) {
-        verify(text("energy from nowhere of a rod of 1 MPa in steps of ", dt, " s, over a fall by its length"),
+        verify(text("energy gained by a rod of 1 MPa in steps of ", dt, " s, over a fall by its length"),
                energyFromNowhere({.cells = {4, 1, 1}, .youngModulus = 1e6, .dt = dt}), 0.1);
-        verify(text("the same of a thread of 30 cells"),
+        verify(text("energy gained by a thread of 30 cells in steps of ", dt, " s, over a fall by its length"),
                energyFromNowhere({.cells = {30, 1, 1}, .cell = 0.002, .youngModulus = 1e6, .dt = dt}), 0.1);
     }
 }

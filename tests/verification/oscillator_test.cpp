@@ -10,11 +10,11 @@ using namespace filasofia::physics;
 
 namespace {
 
-constexpr double kMass = 0.2, kStiffness = 45.0; // per node [kg], per spring [N/m]
+constexpr double kMass = 0.2, kStiffness = 45.0; // [kg] per node, [N/m] per spring
 
 geometry::TetMesh regularTetrahedron() { return {{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {{0, 2, 1, 3}}}; }
 
-/// A tetrahedron on four pin springs, moved aside: every node is the same harmonic oscillator.
+/// A tetrahedron on four pin springs, displaced: every node is the same harmonic oscillator.
 Stage pinned(const Integrator& integrator)
 {
     Stage stage;
@@ -30,8 +30,8 @@ Stage pinned(const Integrator& integrator)
     return stage;
 }
 
-/// A regular tetrahedron of springs, blown up and let go: it breathes, with 4 k / m for the square of its frequency,
-/// exactly, since its shape stays and each spring is linear in its length.
+/// A regular tetrahedron of springs, inflated and released: it breathes. The square of its angular frequency is exactly
+/// 4 k / m, because its shape is kept and each spring is linear in its length.
 Stage breathing(const Integrator& integrator, double damping)
 {
     Stage stage;
@@ -54,16 +54,16 @@ double worst(Stage stage, double (*elongation)(Stage&), double dt, int steps,
              const std::function<double(int)>& expected)
 {
     const double start = elongation(stage);
-    double most = 0.0;
+    double highest = 0.0;
     for (int n = 1; n <= steps; ++n) {
         stage.step(dt);
-        most = std::max(most, std::abs(elongation(stage) - start * expected(n)) / start);
+        highest = std::max(highest, std::abs(elongation(stage) - start * expected(n)) / start);
     }
-    return most;
+    return highest;
 }
 
-/// The angular frequency [rad/s] of a stage that swings, from 20 half periods between zero crossings, each interpolated
-/// linearly: the curve is straight there.
+/// The angular frequency [rad/s] of a stage that swings, from 20 half periods between zero crossings. Each crossing is
+/// interpolated linearly, as the curve is straight there.
 double measuredFrequency(Stage stage, double (*elongation)(Stage&), double dt)
 {
     constexpr int kHalves = 20;
@@ -112,7 +112,7 @@ TEST_CASE("a breathing tetrahedron of springs follows each integrator's closed f
            1e-10);
 }
 
-TEST_CASE("dashpots damp a breathing tetrahedron as implicit Euler's closed form says")
+TEST_CASE("dashpots damp a breathing tetrahedron as in implicit Euler's closed form")
 {
     const double h = 0.005, k = 4 * kStiffness, c = 4 * 0.3;
     double u = 1.0, v = 0.0;
@@ -123,10 +123,10 @@ TEST_CASE("dashpots damp a breathing tetrahedron as implicit Euler's closed form
     };
     verify("spring oscillator with dashpots, implicit Euler against its closed form",
            worst(breathing(ImplicitEuler{}, 0.3), swollen, h, 300, next), 1e-10);
-    CHECK(std::abs(u) < 1e-3); // the damping was felt
+    CHECK(std::abs(u) < 1e-3); // the damping had an effect
 }
 
-TEST_CASE("symplectic Euler comes to the true oscillation with the first order in dt, its frequency with the second")
+TEST_CASE("symplectic Euler converges to the true oscillation with first order in dt, its frequency with second order")
 {
     const double w = std::sqrt(kStiffness / kMass);
     const auto error = [&](double h) {
@@ -139,7 +139,7 @@ TEST_CASE("symplectic Euler comes to the true oscillation with the first order i
     const auto detuning = [&](double h) { return measuredFrequency(pinned(ExplicitEuler{true}), aside, h) / w - 1.0; };
     const double far = detuning(0.004), near = detuning(0.002);
     verifyWithin("pin oscillator, symplectic Euler, ratio of frequency errors at dt and dt / 2", far / near, 3.9, 4.1);
-    // The closed form's series: the frequency is (h w)^2 / 24 too high.
+    // From the closed form's series: the frequency is too high by the fraction (h w)^2 / 24.
     verifyWithin("pin oscillator, symplectic Euler, frequency error over (dt w)^2 / 24",
                  near / (0.002 * 0.002 * w * w / 24.0), 0.98, 1.02);
 }

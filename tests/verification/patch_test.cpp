@@ -8,8 +8,8 @@ using namespace filasofia::physics;
 
 namespace {
 
-/// A box with jittered inner nodes whose surface is held.
-Stage heldBox()
+/// A box with jittered inner nodes and a pinned surface.
+Stage pinnedBox()
 {
     const geometry::TetMesh mesh = boxMesh({4, 4, 4}, {0.4, 0.3, 0.2}, 0.25);
     SoftBodyDef def = freeBody(mesh);
@@ -33,12 +33,12 @@ double worstDistance(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
 
 } // namespace
 
-TEST_CASE("patch test: a surface moved by an affine map carries the inside with it")
+TEST_CASE("patch test: if an affine map moves the surface, the inside follows the same map")
 {
     std::mt19937 random(41);
     double still = 0.0, moving = 0.0;
     for (double size : {0.01, 0.1}) {
-        Stage stage = heldBox();
+        Stage stage = pinnedBox();
         const Mat3 a = toMat3(randomRotation(random)) * (Mat3::identity() + randomMat3(random, size));
         std::vector<Vec3> expected, x = stage.model().rest;
         for (const Vec3& p : x) expected.push_back(a * p + Vec3{0.1, -0.2, 0.3});
@@ -54,7 +54,7 @@ TEST_CASE("patch test: a surface moved by an affine map carries the inside with 
         std::vector<Vec3> solved = x;
         solveStatic(stage.model(), std::vector<Vec3>(x.size()), solved);
         still = std::max(still, worstDistance(solved, expected) / 0.4);
-        // ... and by letting the engine step until all is quiet.
+        // ... and by stepping the engine until all is at rest.
         stage.soft().x = x;
         stage.model().rayleigh = {.mass = 20.0, .stiffness = 0.0};
         stage.run(400, 0.1);
@@ -64,7 +64,7 @@ TEST_CASE("patch test: a surface moved by an affine map carries the inside with 
     verify("patch test, stepped to rest, error over length", moving, 1e-10);
 }
 
-TEST_CASE("a rigid motion, however large, makes no force")
+TEST_CASE("a rigid motion, however large, causes no force")
 {
     for (const auto& [solver, name, bound] :
          {std::tuple{Solver{Cholesky{}}, "double", 1e-12}, std::tuple{Solver{ConjugateGradient{}}, "float", 5e-6}}) {
@@ -87,7 +87,7 @@ TEST_CASE("a rigid motion, however large, makes no force")
             }
             double total = 0.0;
             for (const Vec3& f : forcesNow(stage)) total += length(f);
-            // Double coordinates carry an error of 1e-16 of how far they are, over an element's size of about 1 cm.
+            // Double coordinates have a relative error of 1e-16, taken over an element's size of about 1 cm.
             worst = std::max(worst, total / (10e3 * area) / (1.0 + far / 0.01));
         }
         verify(text("forces of a rigid motion, sum of |f| over E A, ", name), worst, bound);

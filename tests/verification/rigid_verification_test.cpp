@@ -1,4 +1,4 @@
-#include "engine/rigid_bodies.h"
+#include "engine/rigid/rigid_bodies.h"
 #include "verification/verification.h"
 
 #include <numbers>
@@ -9,10 +9,10 @@ using namespace filasofia::physics;
 
 namespace {
 
-constexpr Vec3 kMoments{1e-4, 2e-4, 3e-4}; // of the body that tumbles about its middle axis
+constexpr Vec3 kMoments{1e-4, 2e-4, 3e-4}; // principal moments of the body that tumbles about its middle axis
 constexpr Vec3 kNearMiddle{0.01, 10.0, 0.02};
 
-/// [rad/s] about the element's own axes.
+/// [rad/s] Angular velocity in the element's own axes.
 Vec3 inElement(Stage& stage)
 {
     const RigidState& state = rigidState(stage);
@@ -22,9 +22,9 @@ Vec3 inElement(Stage& stage)
 double angleBetween(Quat a, Quat b) { return length(rotationVector(a * conjugate(b))); }
 
 struct Drift {
-    double momentum = 0.0; ///< [-], largest, relative to the start
-    double energy = 0.0;   ///< [-], largest, relative to the start
-    int turnovers = 0;     ///< times that the middle axis changed its direction
+    double momentum = 0.0; ///< [-] largest, relative to the start
+    double energy = 0.0;   ///< [-] largest, relative to the start
+    int turnovers = 0;     ///< number of times that the middle axis reversed
 };
 
 Drift tumble(Vec3 moments, Vec3 angularVelocity, double dt, int steps)
@@ -45,7 +45,7 @@ Drift tumble(Vec3 moments, Vec3 angularVelocity, double dt, int steps)
     return drift;
 }
 
-/// Where a tumbling body's orientation is after a second.
+/// A tumbling body's orientation after one second.
 Quat afterASecond(int steps)
 {
     Stage stage;
@@ -56,7 +56,7 @@ Quat afterASecond(int steps)
 
 } // namespace
 
-TEST_CASE("a falling body is where the discrete closed form has it")
+TEST_CASE("a falling body follows the discrete closed form")
 {
     const double dt = 0.004;
     const int steps = 500;
@@ -77,7 +77,7 @@ TEST_CASE("a falling body is where the discrete closed form has it")
            distance(rigidState(stage).velocities[0], v), 1e-12);
 }
 
-TEST_CASE("damping slows a body as the discrete closed form says, whatever the step")
+TEST_CASE("damping slows a body as in the discrete closed form, whatever the step")
 {
     for (const double dt : {0.001, 0.1, 10.0}) {
         const double c = 0.7, d = 1.3;
@@ -92,7 +92,7 @@ TEST_CASE("damping slows a body as the discrete closed form says, whatever the s
         stage.post(SetGravity{{0, -9.81, 0}});
         stage.run(steps, dt);
         const double linear = std::pow(1.0 + dt * c, -steps), angular = std::pow(1.0 + dt * d, -steps);
-        const Vec3 end = Vec3{0, -9.81 / c, 0}; // where fall and damping are in balance
+        const Vec3 end = Vec3{0, -9.81 / c, 0}; // terminal velocity: fall and damping are in balance
         const Vec3 v = end + linear * (Vec3{3, 0, 0} - end);
         verify(text("damped body after 20 steps of ", dt, " s, velocity off the discrete closed form [m/s]"),
                distance(rigidState(stage).velocities[0], v), 1e-12);
@@ -113,12 +113,13 @@ TEST_CASE("a spin about a principal axis is exact at any step")
     }
 }
 
-// A symmetric top without torque turns about its momentum at |L| / A, its axis at a constant angle (Goldstein 5.6).
-TEST_CASE("a symmetric top precesses as theory says, better with the square of the step")
+// A symmetric top without torque precesses about its angular momentum at |L| / A, with its axis at a constant angle
+// (Goldstein 5.6).
+TEST_CASE("a symmetric top precesses as in theory, with second order in the step")
 {
     const double a = 1e-4, c = 1.8e-4;
     const Vec3 w{2, 0, 9}, momentum{a * w.x, a * w.y, c * w.z};
-    const Vec3 axis = rotate(axisAngle(momentum, length(momentum) / a), {0, 0, 1}); // after a second
+    const Vec3 axis = rotate(axisAngle(momentum, length(momentum) / a), {0, 0, 1}); // after one second
     double before = 1.0;
     for (const int steps : {50, 100, 200, 400}) {
         Stage stage;
@@ -138,7 +139,7 @@ TEST_CASE("a tumbling body's orientation converges with the square of the step")
     verifyWithin("tumbling body, error at 5 ms over error at 2.5 ms [-]", coarse / half, 3.8, 4.3);
 }
 
-// The middle axis turns over again and again (Dzhanibekov). A free body keeps momentum and energy.
+// The middle axis reverses again and again (Dzhanibekov). A free body keeps momentum and energy.
 TEST_CASE("a body that tumbles about its middle axis for 10 s keeps momentum and energy")
 {
     const Drift drift = tumble(kMoments, kNearMiddle, 0.001, 10000);
@@ -147,14 +148,14 @@ TEST_CASE("a body that tumbles about its middle axis for 10 s keeps momentum and
     verify("tumbling body, 10 s at 1 ms, drift of energy [-]", drift.energy, 1e-5);
 }
 
-TEST_CASE("a tumbling body's energy comes back: what 100 s lose is what 10 s lose")
+TEST_CASE("a tumbling body's energy error does not grow: 100 s lose no more than 10 s")
 {
     const Drift first = tumble(kMoments, kNearMiddle, 0.001, 10000);
     const Drift all = tumble(kMoments, kNearMiddle, 0.001, 100000);
     verify("tumbling body, largest drift of energy in 100 s over that in 10 s [-]", all.energy / first.energy, 1.1);
 }
 
-TEST_CASE("at 100 rad/s and 20 ms a tumbling body keeps its momentum, and about its energy")
+TEST_CASE("at 100 rad/s and 20 ms a tumbling body keeps its momentum, and roughly its energy")
 {
     std::mt19937 random(5);
     double momentum = 0.0, energy = 0.0;
@@ -167,8 +168,7 @@ TEST_CASE("at 100 rad/s and 20 ms a tumbling body keeps its momentum, and about 
     verify("tumbling at 100 rad/s by steps of 20 ms, drift of energy [-]", energy, 0.5);
 }
 
-TEST_CASE(
-    "no step is too long for a fast tumbling body: the size of its momentum stays, and its energy is bounded by that")
+TEST_CASE("no step is too long for a fast tumbling body: the size of its momentum is kept, which bounds its energy")
 {
     std::mt19937 random(5);
     for (const auto& [speed, dt] : {std::pair{100.0, 0.1}, {1000.0, 0.02}, {3000.0, 1.0}})
@@ -187,7 +187,7 @@ TEST_CASE(
         }
 }
 
-TEST_CASE("every number of threads makes the same hash of rigid bodies")
+TEST_CASE("every number of threads yields the same hash of rigid bodies")
 {
     const auto hashWith = [](int threads) {
         Stage stage({.threads = threads});

@@ -1,4 +1,4 @@
-// Friction while something slides: what it is against Coulomb's law, and against the same steps solved to the end.
+// Friction during sliding, compared with Coulomb's law and with the same steps solved to convergence.
 #include "filasofia/geometry/shapes.h"
 
 #include "verification/verification.h"
@@ -11,17 +11,17 @@ namespace {
 constexpr double kG = 9.81, kMu = 0.4, kDt = 1e-3;
 constexpr std::size_t kWindow = 5; // steps: forces are judged by means over 5 ms
 
-/// What all contacts did in a step, or in the mean of some.
+/// The forces of all contacts in a step, or their mean over several steps.
 struct Forces {
-    Vec3 sum;              ///< [N] on the body whose id is the smaller one
-    double normal = 0.0;   ///< [N] sums of sizes
-    double friction = 0.0; ///< [N]
+    Vec3 sum;              ///< [N] on the body with the smaller id
+    double normal = 0.0;   ///< [N] sum of magnitudes
+    double friction = 0.0; ///< [N] sum of magnitudes
 };
 
 Forces contactForces(Stage& stage)
 {
     Forces all;
-    for (const frame::Contact& c : stage.world.state().touching) {
+    for (const frame::Contact& c : stage.world.scene().touching) {
         all.sum += c.normalForce * c.normal + c.friction;
         all.normal += c.normalForce;
         all.friction += length(c.friction);
@@ -41,7 +41,7 @@ std::vector<Forces> meansOf(const std::vector<Forces>& steps)
     return means;
 }
 
-/// How far friction is from mu N in any mean, relative to that.
+/// The largest relative difference between friction and mu N in any mean.
 double offCoulomb(const std::vector<Forces>& steps)
 {
     double worst = 0.0;
@@ -68,14 +68,14 @@ physics::RigidBodyDef rigidBox(Vec3 size, Vec3 place, bool dynamic)
     return def;
 }
 
-/// Gravity as on a slope of that tangent, which goes down along x.
+/// Gravity as on a slope of that tangent that descends along x.
 physics::SetGravity slope(double tangent)
 {
     const double angle = std::atan(tangent);
     return {kG * Vec3{std::sin(angle), -std::cos(angle), 0.0}};
 }
 
-/// A slab of tissue held at its floor, its top at height 0.
+/// A slab of tissue pinned at its floor, with its top at height 0.
 physics::SoftBodyDef slab()
 {
     physics::SoftBodyDef def = softBlock({24, 3, 12}, {0.16, 0.02, 0.08}, {-0.06, -0.02, -0.04});
@@ -96,14 +96,14 @@ TEST_CASE("a rigid block slides on a soft slab with the friction mu N, and all f
     stage.add(rigidBox(size, {-0.033, 0.0101, 0.0012}, true));
     stage.run(150, kDt);
     std::vector<Forces> steps;
-    std::vector<Vec3> velocities{stage.world.state().rigidBodies[0].velocities[0]};
+    std::vector<Vec3> velocities{stage.world.scene().rigid[0].state.velocities[0]};
     for (int i = 0; i < 100; ++i) {
         stage.step(kDt);
         steps.push_back(contactForces(stage));
-        velocities.push_back(stage.world.state().rigidBodies[0].velocities[0]);
+        velocities.push_back(stage.world.scene().rigid[0].state.velocities[0]);
     }
     CHECK(velocities.back().x > 0.2);
-    verify("rigid block sliding on a soft slab: friction over mu N, less one, means over 5 ms", offCoulomb(steps),
+    verify("rigid block sliding on a soft slab: friction over mu N, minus one, means over 5 ms", offCoulomb(steps),
            0.01);
     double unbalanced = 0.0;
     const std::vector<Forces> means = meansOf(steps);
@@ -111,11 +111,11 @@ TEST_CASE("a rigid block slides on a soft slab with the friction mu N, and all f
         const Vec3 change = mass / (kWindow * kDt) * (velocities[(i + 1) * kWindow] - velocities[i * kWindow]);
         unbalanced = std::max(unbalanced, length(change - mass * gravity.gravity + means[i].sum));
     }
-    verify("rigid block sliding on a soft slab: momentum gained less all forces, over the weight, means over 5 ms",
+    verify("rigid block sliding on a soft slab: change of momentum minus all forces, over the weight, means over 5 ms",
            unbalanced / (mass * kG), 0.01);
 }
 
-TEST_CASE("a soft block slides on a rigid floor as fast as mu says, and all forces balance its momentum")
+TEST_CASE("a soft block slides on a rigid floor with the acceleration of mu, and all forces balance its momentum")
 {
     Stage stage;
     const physics::SetGravity gravity = slope(0.8);
@@ -136,7 +136,7 @@ TEST_CASE("a soft block slides on a rigid floor as fast as mu says, and all forc
         steps.push_back(contactForces(stage));
         momenta.push_back(momentum());
     }
-    verify("soft block sliding on a rigid floor: friction over mu N, less one, means over 5 ms", offCoulomb(steps),
+    verify("soft block sliding on a rigid floor: friction over mu N, minus one, means over 5 ms", offCoulomb(steps),
            0.01);
     const std::vector<Forces> means = meansOf(steps);
     double unbalanced = 0.0;
@@ -144,22 +144,22 @@ TEST_CASE("a soft block slides on a rigid floor as fast as mu says, and all forc
         const Vec3 change = 1.0 / (kWindow * kDt) * (momenta[(i + 1) * kWindow] - momenta[i * kWindow]);
         unbalanced = std::max(unbalanced, length(change - mass * gravity.gravity - means[i].sum));
     }
-    verify("soft block sliding on a rigid floor: momentum gained less all forces, over the weight, means over 5 ms",
+    verify("soft block sliding on a rigid floor: change of momentum minus all forces, over the weight, means over 5 ms",
            unbalanced / (mass * kG), 0.01);
     const double gained = (momenta.back().x - momenta.front().x) / (mass * 100 * kDt);
     const double angle = std::atan(0.8), expected = kG * (std::sin(angle) - kMu * std::cos(angle));
-    verify("soft block on a slope of tangent 0.8, mu 0.4: acceleration over theory, less one",
+    verify("soft block on a slope of tangent 0.8, mu 0.4: acceleration over theory, minus one",
            std::abs(gained / expected - 1.0), 0.01);
 }
 
 namespace {
 
-/// A plate that is told to go: pressed 2 mm into the slab, and scraped along it to and fro at up to 1 m/s.
+/// A kinematic plate: pressed 2 mm into the slab, then scraped to and fro along it at up to 1 m/s.
 struct Scrape {
     Stage stage;
     BodyId plate;
     double time = 0.0;
-    static constexpr double press = 0.05; ///< [s] it takes
+    static constexpr double press = 0.05; ///< [s] duration of the pressing
 
     explicit Scrape(const physics::ExactContact& contact, const physics::ConjugateGradient& solver)
         : stage({.threads = 1, .contact = contact})
@@ -185,18 +185,18 @@ struct Scrape {
 
 } // namespace
 
-TEST_CASE("a plate scraped over tissue at 1 m/s feels what it would feel were every step solved to the end")
+TEST_CASE("a plate scraped over tissue at 1 m/s feels the same forces as if every step were solved to convergence")
 {
     Scrape scrape({}, {}), exact({.rounds = 100, .tolerance = 1e-6}, {.maxIterations = 5000, .tolerance = 1e-4});
     std::vector<Forces> steps, wanted;
     exact.step(); // bodies are added in a step
     exact.time = 0.0;
     for (int i = 1; i <= 200; ++i) {
-        if (i > 1) exact.stage.world.state() = scrape.stage.world.state();
+        if (i > 1) Snapshot(scrape.stage.world.scene()).restore(exact.stage.world.scene());
         CHECK(scrape.step().flags == 0);
         const physics::StepReport report = exact.step(); // from the same state
         if (scrape.time < 1.2 * Scrape::press) continue;
-        CHECK(report.contacts.mismatch == 0.0); // it was solved to the end
+        CHECK(report.contacts.mismatch == 0.0); // solved to convergence
         steps.push_back(contactForces(scrape.stage));
         wanted.push_back(contactForces(exact.stage));
     }
@@ -212,10 +212,12 @@ TEST_CASE("a plate scraped over tissue at 1 m/s feels what it would feel were ev
         size = std::max(size, length(steps[i].sum - wanted[i].sum));
     }
     CHECK(largest > 1.0);
-    verify("plate scraped at 1 m/s: force less that of the same step solved to the end, over N, means over 5 ms", off,
-           0.01);
-    verify("plate scraped at 1 m/s: friction less that of the same step solved to the end, over mu N, means over 5 ms",
+    verify("plate scraped at 1 m/s: force minus that of the same step solved to convergence, over N, means over 5 ms",
+           off, 0.01);
+    verify("plate scraped at 1 m/s: friction minus that of the same step solved to convergence, over mu N, means over "
+           "5 ms",
            sides, 0.01);
-    tell("plate scraped at 1 m/s: force less that of the same step solved to the end, over the largest N, any step",
-         size / largest);
+    tell(
+        "plate scraped at 1 m/s: force minus that of the same step solved to convergence, over the largest N, any step",
+        size / largest);
 }

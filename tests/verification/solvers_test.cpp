@@ -19,7 +19,7 @@ TEST_CASE("Cholesky and tight conjugate gradients agree")
            relativeDistance(direct.soft().x, iterative.soft().x, displacement(direct)), 1e-8);
 }
 
-TEST_CASE("the default tolerance of conjugate gradients is good to a thousandth")
+TEST_CASE("the default tolerance of conjugate gradients is accurate to a thousandth")
 {
     for (int elements : {756, 1492, 3004})
         for (double dt : {0.001, 0.005}) {

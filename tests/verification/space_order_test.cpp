@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::array<double, 3> kSize{1.0, 0.8, 0.9}; // [m]
 constexpr Lame kMaterial = lame(1e6, 0.3);
-constexpr double kAmplitude = 1e-6; // [m]: so little that the geometry stays as it is
+constexpr double kAmplitude = 1e-6; // [m] so small that the geometry does not change
 
 /// The manufactured displacement: component c is a product of sines, zero on the whole surface of the box.
 constexpr std::array<std::array<int, 3>, 3> kWaves{{{1, 1, 1}, {2, 1, 1}, {1, 1, 1}}};
 constexpr std::array<double, 3> kParts{1.0, -0.3, 0.7};
 
-/// Component c at p, differentiated once along each axis that `along` counts.
+/// Component c at p, differentiated along each axis as often as `along` counts.
 double field(int c, Vec3 p, std::array<int, 3> along = {})
 {
     double value = kAmplitude * kParts[c];
@@ -35,7 +35,7 @@ double derivative(int c, Vec3 p, int i, int j)
     return field(c, p, along);
 }
 
-/// [N/m^3] The body force that keeps the field in balance: -(mu laplace u + (lambda + mu) grad div u) (Navier).
+/// [N/m^3] The body force that balances the field: -(mu laplace u + (lambda + mu) grad div u) (Navier).
 Vec3 bodyForce(Vec3 p)
 {
     Vec3 force;
@@ -46,8 +46,8 @@ Vec3 bodyForce(Vec3 p)
     return force;
 }
 
-/// The box in n^3 cells, bent smoothly inside so that no symmetry makes it better than it is.
-geometry::TetMesh bentBox(int n)
+/// The box in n^3 cells, distorted smoothly inside, so that no symmetry makes the result better than it is.
+geometry::TetMesh distortedBox(int n)
 {
     geometry::TetMesh mesh = boxMesh({n, n, n}, {kSize[0], kSize[1], kSize[2]});
     for (Vec3& p : mesh.nodes) {
@@ -62,7 +62,7 @@ struct Errors {
     double displacement = 0.0, gradient = 0.0; ///< [-] root mean squares over the box, relative
 };
 
-/// Errors of the engine's state, with Keast's rule of 4 points, exact for squares of linear functions.
+/// Errors of the engine's state by Keast's rule of 4 points, exact for squares of linear functions.
 Errors errors(Stage& stage)
 {
     const SoftModel& model = stage.model();
@@ -92,7 +92,7 @@ Errors errors(Stage& stage)
 
 Errors solve(int n)
 {
-    const geometry::TetMesh mesh = bentBox(n);
+    const geometry::TetMesh mesh = distortedBox(n);
     SoftBodyDef def = freeBody(mesh);
     def.material = FemMaterial{.youngModulus = 1e6, .poissonRatio = 0.3};
     def.solver = Cholesky{};
@@ -101,7 +101,7 @@ Errors solve(int n)
                                 if (std::min(p[d], kSize[d] - p[d]) < 1e-9) return true;
                             return false;
                         })}};
-    // The body force by the rule of the corners, of the second order as the elements are.
+    // The body force by the corner rule, which has second order like the elements.
     std::vector<double> volumes(mesh.nodes.size());
     for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
         for (int node : mesh.tetrahedra[t]) volumes[node] += 0.25 * geometry::signedVolume(mesh, static_cast<int>(t));
@@ -115,7 +115,7 @@ Errors solve(int n)
 
 } // namespace
 
-TEST_CASE("linear tetrahedra are of the second order in the cell size")
+TEST_CASE("linear tetrahedra have second order in the cell size")
 {
     std::vector<Errors> found;
     for (int n : {4, 8, 16}) {

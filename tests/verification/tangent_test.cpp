@@ -9,7 +9,7 @@ namespace {
 
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
-/// The 12 x 12 matrix of a linear map of corners, its columns the images of the unit vectors.
+/// The 12 x 12 matrix of a linear map of corners; its columns are the images of the unit vectors.
 template <class Map> Matrix12 matrixOf(Map&& map)
 {
     Matrix12 m;
@@ -65,7 +65,7 @@ TEST_CASE("the exact tangent is the derivative of the forces")
         do f = 1.5 * randomMat3(random, 1.0);
         while (std::abs(determinant(f)) < 0.2);
         const Mat3 s = transposeTimes(nearestRotation(f), f);
-        // Where the two smallest stretches nearly cancel, the nearest rotation itself nearly jumps.
+        // If the two smallest stretches nearly cancel, the nearest rotation itself is nearly discontinuous.
         if (determinant(trace(s) * Mat3::identity() - s) < 0.3) continue;
         for (std::size_t i = 0; i < 4; ++i) x[i] = f * rest[i];
         const Matrix12 exact = exactTangent(element, f);
@@ -73,12 +73,12 @@ TEST_CASE("the exact tangent is the derivative of the forces")
         double& worst = determinant(f) > 0.0 ? upright : inverted;
         worst = std::max(worst, error);
     }
-    CHECK(inverted > 0.0); // both kinds came up
+    CHECK(inverted > 0.0); // both kinds occurred
     verify("exact tangent against differences of the force", upright, 1e-6);
     verify("exact tangent against differences, inverted elements", inverted, 1e-6);
 }
 
-TEST_CASE("the warped tangent is positive semi-definite, with the six rigid motions for nothing")
+TEST_CASE("the warped tangent is positive semi-definite, and the six rigid motions are its null space")
 {
     std::mt19937 random(32);
     double lowest = 0.0;
@@ -126,8 +126,8 @@ TEST_CASE("in tension the warped tangent with its geometric part is never less t
         bare = std::min(bare, least(whole));
     }
     CHECK(tense > 100);
-    CHECK(without < -0.1); // what it is there for
-    verify("tangent in tension less than the exact one, by the exact one", -lowest, 1e-12);
+    CHECK(without < -0.1); // the reason for the geometric part
+    verify("tangent in tension minus the exact one, lowest eigenvalue below zero over the exact one", -lowest, 1e-12);
     verify("tangent in tension, lowest eigenvalue below zero over the exact one", -bare, 1e-12);
 }
 
@@ -159,6 +159,6 @@ TEST_CASE("away from the rest shape the warped tangent is off by about the strai
         }
         tell(text("warped against exact tangent, mean gap at random strain up to ", size), mean);
         CHECK(mean > 0.0);
-        CHECK(mean < 10.0 * size); // of first order in the strain
+        CHECK(mean < 10.0 * size); // first order in the strain
     }
 }

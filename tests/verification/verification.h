@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/core/text.h"
+#include "filasofia/engine/scene/each_body.h"
 #include "filasofia/math/polar.h"
 
 #include "engine/stage.h"
@@ -9,7 +10,7 @@
 
 namespace filasofia::engine {
 
-/// Says what was measured, in the one form that docs/verification.md is written from, and holds it to its bound.
+/// Prints a measured value in the form that docs/lab/verification.md uses, and checks it against its bound.
 inline void verify(const std::string& what, double value, double bound)
 {
     std::cout << "verification: " << what << ": " << text(value) << " (bound " << text(bound) << ")\n";
@@ -24,10 +25,17 @@ inline void verifyWithin(const std::string& what, double value, double low, doub
     CHECK(value <= high);
 }
 
-/// What is only printed, because nothing says how large it may be.
+/// Prints a value that has no bound.
 inline void tell(const std::string& what, double value)
 {
     std::cout << "verification: " << what << ": " << text(value) << " (bound none)\n";
+}
+
+/// Whether all threads work inside this body, as opposed to one thread per body (engine/scene/each_body.h).
+inline bool threadsShare(Stage& stage, int threads, std::size_t body = 0)
+{
+    const WorkerPool pool(threads);
+    return sizeOf(stage.model(body)) > sharedBeyond(stage.world.scene(), pool);
 }
 
 /// An element with a random shape of about unit size.
@@ -46,7 +54,7 @@ inline FemElement randomElement(std::mt19937& random, Corners& rest)
             .poissonRatio = 0.4};
 }
 
-/// The nearest rotation, from no guess.
+/// The nearest rotation, found without an initial guess.
 inline Mat3 nearestRotation(const Mat3& f) { return toMat3(polarRotation(f, {})); }
 
 inline Corners elementForces(const FemElement& element, const Corners& x)
@@ -55,10 +63,10 @@ inline Corners elementForces(const FemElement& element, const Corners& x)
     return corotationalForces(element, f, nearestRotation(f));
 }
 
-/// Finds where a body of elements is at rest under given forces, nodes that are held staying where x has them:
-/// Newton's method on the forces with the warped stiffness, each solved by Cholesky, until a correction is
-/// made from a residual below `tolerance` of the first.
-inline void solveStatic(const SoftModel& model, std::span<const Vec3> given, std::vector<Vec3>& x,
+/// Finds where a body of elements is at rest under `loads` [N]; pinned nodes stay where x has them. Newton's method on
+/// the forces with the warped stiffness, each step solved by Cholesky, until a correction is computed from a residual
+/// below `tolerance` times the first.
+inline void solveStatic(const SoftModel& model, std::span<const Vec3> loads, std::vector<Vec3>& x,
                         double tolerance = 1e-13)
 {
     SoftModel implicit = model;
@@ -69,7 +77,7 @@ inline void solveStatic(const SoftModel& model, std::span<const Vec3> given, std
     std::vector<Vec3> residual(x.size()), dx(x.size());
     double first = 0.0;
     for (int iteration = 0; iteration < 300; ++iteration) {
-        residual.assign(given.begin(), given.end());
+        residual.assign(loads.begin(), loads.end());
         system.matrix.setZero();
         for (std::size_t e = 0; e < model.elements.size(); ++e) {
             const FemElement& element = model.elements[e];

@@ -41,11 +41,11 @@ TEST_CASE("a debug drawing is in one picture, or in all until it is cleared")
     CHECK(drawn.debug.onTop.indices.empty());
 }
 
-TEST_CASE("an arrow begins and ends where it is told, and has its length")
+TEST_CASE("an arrow begins and ends at its points, and has its length")
 {
     LittleScene scene(Backend::Null);
     scene.server.debug().arrow({1, 2, 3}, {1, 2, 5}, {.color = {1, 0, 0}});
-    scene.server.debug().arrow({1, 2, 3}, {1, 2, 3}); // of no force
+    scene.server.debug().arrow({1, 2, 3}, {1, 2, 3}); // without length
     scene.server.render();
     const DebugLayer& layer = overlaysOf(scene).debug.inside;
     float low = 100, high = -100;
@@ -92,7 +92,7 @@ TEST_CASE("a text stands where its place is seen")
     CHECK((*middle)[1] == Approx(120));
     const auto above = projected(view, 320, 240, {0.05, 0.05, 0});
     REQUIRE(above);
-    const double pixels = 120.0 / (std::tan(std::numbers::pi / 6) * 0.3); // per metre there
+    const double pixels = 120.0 / (std::tan(std::numbers::pi / 6) * 0.3); // pixels per metre there
     CHECK((*above)[0] == Approx(160 + 0.05 * pixels));
     CHECK((*above)[1] == Approx(120 - 0.05 * pixels));
     CHECK_FALSE(projected(view, 320, 240, {0, 0, 1})); // behind the camera

@@ -14,7 +14,7 @@ double diffuse(const std::array<Float3, 9>& sh, Vec3 n)
            sh[6].x * (3.0 * n.z * n.z - 1.0) + sh[7].x * n.z * n.x + sh[8].x * (n.x * n.x - n.y * n.y);
 }
 
-/// The same by brute force: the cosine-weighted mean of the radiance.
+/// The same by quadrature: the cosine-weighted mean of the radiance.
 double diffuseByQuadrature(const EnvironmentDef& def, Vec3 n)
 {
     double sum = 0.0;

@@ -5,7 +5,7 @@
 
 namespace filasofia::visual {
 
-/// Somebody at mouse and keyboard of a server without a window. Every call says whether a Gui took it.
+/// A person at mouse and keyboard of a server without a window. Every call returns whether a Gui took it.
 class GuiPerson {
 public:
     explicit GuiPerson(VisualServer& server) : server_(server) {}
@@ -62,7 +62,7 @@ public:
         typed.text = text;
         return server_.handle(typed);
     }
-    /// Frames, until all input has been seen.
+    /// Draws frames until all input has been seen.
     void look(int frames = 4)
     {
         for (int i = 0; i < frames; ++i) server_.render();

@@ -23,7 +23,7 @@ void vitalSigns(const char* patient)
     ImGui::ProgressBar(0.62F, {-1, 0}, "fluid 62 %");
 }
 
-/// What a person works through in the picture test.
+/// The items that a person uses in the picture test.
 struct Tools {
     char note[32] = "";
     float grip = 1.5F;
@@ -66,7 +66,7 @@ TEST_CASE("a Gui that was typed into, clicked and dragged looks as it should")
     person.move(100, 80);
     person.look();
     person.release();
-    person.click(30, 106);  // the box
+    person.click(30, 106);  // the checkbox
     person.click(130, 106); // the button, twice
     person.click(130, 106);
     person.look(10);
@@ -101,7 +101,7 @@ TEST_CASE("a Gui is cut off at its view's edges and drawn larger on a finer scre
     CHECK(scene.server.capture() != image);
 }
 
-TEST_CASE("a Canvas hangs in the scene, sharp, and hidden by what is in front of it")
+TEST_CASE("a Canvas in the scene is sharp, and hidden by bodies in front of it")
 {
     LittleScene scene;
     lookFromFront(scene);
@@ -122,7 +122,7 @@ TEST_CASE("a Canvas hangs in the scene, sharp, and hidden by what is in front of
     canvas.setVisible(true);
     CHECK(scene.server.capture() == image);
     scene.body.setPose({{0.02, 0, 0}, {}});
-    canvas.attachTo(scene.body); // goes where the body goes
+    canvas.attachTo(scene.body); // follows the body
     CHECK(scene.server.capture() != image);
     scene.server.remove(canvas);
     scene.body.setPose({{-0.07, -0.04, 0}, {}});
@@ -144,7 +144,7 @@ TEST_CASE("a Canvas follows its callback, and white on it is white")
     CHECK(brightnessAt(white, 5, 5) == 0);
     red = 0.0F;
     const auto cyan = scene.server.capture().pixel(160, 120);
-    CHECK(cyan[0] + 40 < cyan[1]); // not 0: the view's tone mapping bleaches what is as bright as this
+    CHECK(cyan[0] + 40 < cyan[1]); // not 0: the view's tone mapping desaturates such bright colours
     canvas.setRenderCallback({});
     CHECK(brightness(scene.server.capture()) == 0.0);
 }
@@ -189,8 +189,8 @@ TEST_CASE("an oblique debug line is as wide at its ends as in its middle, in a v
         for (int x = 0; x < image.width; ++x) lit += brightnessAt(image, x, y) > 60;
         return lit;
     };
-    CHECK(widthAt(90) > 14); // cut askew
-    CHECK(widthAt(90) < 20); // by no more than 1 / cos of the slope
+    CHECK(widthAt(90) > 14); // an oblique section
+    CHECK(widthAt(90) < 20); // wider by at most 1 / cos of the slope
     for (int y = 95; y < 150; ++y) CHECK(std::abs(widthAt(y) - widthAt(90)) <= 2);
 }
 

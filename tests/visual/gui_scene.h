@@ -7,14 +7,14 @@
 
 namespace filasofia::visual {
 
-/// A panel at a known place, with one of everything that a person can act on.
+/// A panel at a known place, with one of each item that a person can use.
 struct Panel {
     char note[64] = "";
     float force = 1.0F;
     bool cutting = false;
     int clicks = 0;
     ImVec2 place = {10, 10};
-    ImVec2 noteAt, sliderAt, boxAt, buttonAt; ///< their middles [px] of the Gui, in the last frame
+    ImVec2 noteAt, sliderAt, boxAt, buttonAt; ///< [px], their centres in the Gui, in the last frame
 
     void draw()
     {
@@ -54,7 +54,7 @@ struct GuiScene {
     GuiPerson person{server};
 };
 
-/// What is logged while it lives.
+/// Collects the log while it lives.
 class Logged {
 public:
     Logged()

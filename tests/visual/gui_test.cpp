@@ -87,17 +87,17 @@ TEST_CASE("a thousand typed letters arrive, all of them")
     CHECK(std::string(text.data()) == typed);
 }
 
-TEST_CASE("the Gui takes what is for it and leaves the rest to the scene")
+TEST_CASE("the Gui takes its own events and leaves the rest to the scene")
 {
     GuiScene scene;
     CHECK_FALSE(scene.person.move(300, 200));
     CHECK_FALSE(scene.person.press());      // beside the panel
-    CHECK_FALSE(scene.person.move(50, 50)); // that drag stays the scene's, over the panel too
+    CHECK_FALSE(scene.person.move(50, 50)); // that drag stays with the scene, even over the panel
     CHECK_FALSE(scene.person.release());
     CHECK(scene.person.move(50, 100));
     CHECK(scene.person.wheel(1.0));
     CHECK(scene.person.press());
-    CHECK(scene.person.move(310, 200)); // and this one the Gui's
+    CHECK(scene.person.move(310, 200)); // and this one with the Gui
     CHECK(scene.person.release());
     CHECK_FALSE(scene.person.move(310, 201));
     CHECK_FALSE(scene.person.wheel(1.0));
@@ -106,7 +106,7 @@ TEST_CASE("the Gui takes what is for it and leaves the rest to the scene")
     CHECK_FALSE(scene.person.type("h"));
     scene.person.look(12);
 
-    CHECK_FALSE(scene.person.key(KeyCode::W, true)); // held for the scene: its release is the scene's
+    CHECK_FALSE(scene.person.key(KeyCode::W, true)); // pressed for the scene, so its release is the scene's
     scene.person.click(scene.panel.noteAt.x, scene.panel.noteAt.y);
     scene.person.look();
     CHECK(scene.person.type("h"));
@@ -114,7 +114,7 @@ TEST_CASE("the Gui takes what is for it and leaves the rest to the scene")
     CHECK_FALSE(scene.person.key(KeyCode::W, false));
     scene.person.stroke(KeyCode::Escape);
     scene.person.look();
-    CHECK(scene.person.key(KeyCode::H, false)); // its press was taken
+    CHECK(scene.person.key(KeyCode::H, false)); // its press was taken by the Gui
     CHECK_FALSE(scene.person.key(KeyCode::H, true));
 }
 
@@ -178,7 +178,7 @@ TEST_CASE("an upper Gui keeps the mouse from a lower one, a hidden one does not"
     CHECK_THROWS_WITH(scene.server.remove(*scene.gui->view()), Catch::Contains("gui 'panel' lies on it"));
 }
 
-TEST_CASE("keys and buttons that are held when the window loses the focus are let go")
+TEST_CASE("keys and buttons are released when the window loses the focus")
 {
     GuiScene scene;
     scene.person.move(scene.panel.sliderAt.x, scene.panel.sliderAt.y);
@@ -209,6 +209,6 @@ TEST_CASE("wrong Guis are Errors")
     CHECK_THROWS_WITH(scene.server.add(CanvasDef{.name = "c", .height = std::nan("")}), Catch::Contains("height"));
     CHECK_THROWS_WITH(scene.server.add(CanvasDef{.name = "c", .pixelWidth = 100000}),
                       "canvas 'c': pixelWidth must be in [16, 4096] px, got 100000");
-    scene.server.render();                        // and the picture goes on
-    CHECK(ImGui::GetCurrentContext() == nullptr); // none is left behind
+    scene.server.render();                        // drawing goes on
+    CHECK(ImGui::GetCurrentContext() == nullptr); // no context is left behind
 }

@@ -50,7 +50,7 @@ TEST_CASE("servers one after another work and end cleanly")
         LittleScene scene;
         CHECK(brightness(scene.server.capture()) > 3.0);
     }
-    LittleScene one, two; // and side by side
+    LittleScene one, two; // two servers at once
     CHECK(one.server.capture() == two.server.capture());
 }
 
@@ -87,8 +87,8 @@ TEST_CASE("a body that deforms deforms in the picture, and its pattern goes with
     CHECK(difference(scene.server.capture(), before) > 40);
     scene.body.setVertices(rest);
     CHECK(scene.server.capture() == before);
-    // All vertices displaced and the body put back: the pattern is the rest shape's, so nothing changes but by
-    // rounding.
+    // All vertices displaced and the body moved back: the pattern belongs to the rest shape, so nothing changes except
+    // by rounding.
     std::vector<Vec3> shifted = rest;
     for (Vec3& v : shifted) v += Vec3{0.25, 0, 0};
     scene.body.setVertices(shifted);
@@ -96,7 +96,7 @@ TEST_CASE("a body that deforms deforms in the picture, and its pattern goes with
     const Image again = scene.server.capture();
     int changed = 0;
     for (std::size_t i = 0; i < again.rgba.size(); ++i) changed += std::abs(again.rgba[i] - before.rgba[i]) > 8;
-    CHECK(changed < 200); // of 307200 bytes: silhouettes may fall on the other side of a pixel
+    CHECK(changed < 200); // out of 307200 bytes; silhouettes may fall on the other side of a pixel
 }
 
 TEST_CASE("a hidden or removed body disappears, and a shown one comes back")
@@ -194,7 +194,7 @@ TEST_CASE("exposure and lamps change the brightness")
     CHECK(brightness(scene.server.capture()) > before);
 }
 
-TEST_CASE("so much more light at so much more exposure gives the same picture, over all exposures")
+TEST_CASE("more light at a correspondingly higher exposure value gives the same picture, over all exposures")
 {
     LittleScene scene;
     scene.look.light->set(LightDef{.kind = SpotLight{.intensity = 60.0}});
@@ -212,7 +212,7 @@ TEST_CASE("so much more light at so much more exposure gives the same picture, o
     }
 }
 
-TEST_CASE("one body throws its shadow on another")
+TEST_CASE("one body casts its shadow on another")
 {
     LittleScene scene(Backend::Headless, Quality::Medium);
     geometry::TriangleMesh wall;
@@ -220,7 +220,7 @@ TEST_CASE("one body throws its shadow on another")
     wall.triangles = {{0, 1, 2}, {0, 2, 3}};
     scene.server.add(VisualBodyDef{.name = "wall", .mesh = wall});
     lookFromFront(scene);
-    scene.look.light->setPose(lookAt({0.15, 0, 0}, {0, 0, -0.3})); // from the side: the camera sees the shadow
+    scene.look.light->setPose(lookAt({0.15, 0, 0}, {0, 0, -0.3})); // from the side, so that the camera sees the shadow
     const Image shaded = scene.server.capture();
     LightDef light = scene.look.light->def();
     light.castShadows = false;
@@ -230,7 +230,7 @@ TEST_CASE("one body throws its shadow on another")
     CHECK(brightnessAt(lit, 250, 120) == brightnessAt(shaded, 250, 120));
 }
 
-TEST_CASE("the native door leads to the library's objects")
+TEST_CASE("native.h gives access to the library's objects")
 {
     LittleScene scene;
     CHECK(native::engine(scene.server) != nullptr);

@@ -39,7 +39,7 @@ TEST_CASE("a picture that cannot be written is an error that names the file")
 {
     using Catch::Contains;
     CHECK_THROWS_WITH(savePng(checkers(), "/no/such/folder/picture.png"), Contains("/no/such/folder/picture.png"));
-    CHECK_THROWS_WITH(savePng(checkers(), "/dev/full"), Contains("/dev/full")); // opens, and has no room
+    CHECK_THROWS_WITH(savePng(checkers(), "/dev/full"), Contains("/dev/full")); // can be opened, but has no room
     CHECK_THROWS_WITH(savePng(Image{}, "empty.png"), Contains("empty.png"));
     Image torn = checkers();
     torn.rgba.pop_back();

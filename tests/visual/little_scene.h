@@ -7,7 +7,7 @@
 
 namespace filasofia::visual {
 
-/// An octahedron split `level` times and blown up to a sphere: closed, one orientation, 8 * 4^level triangles.
+/// An octahedron split `level` times and projected onto a sphere: closed, oriented, 8 * 4^level triangles.
 inline geometry::TriangleMesh sphere(double radius, int level)
 {
     geometry::TriangleMesh mesh;
@@ -54,7 +54,8 @@ struct LittleScene {
     EndoscopeLook look;
 };
 
-/// The camera at (0, 0, 0.3), looking along -Z, under a wide lamp: for tests that know where in the picture things lie.
+/// Puts the camera at (0, 0, 0.3), looking along -Z, under a wide light, for tests that know where things are in the
+/// picture.
 inline void lookFromFront(LittleScene& scene)
 {
     scene.look.rig->setPose(lookAt({0, 0, 0.3}, {0, 0, 0}));
@@ -83,10 +84,10 @@ inline int brightnessAt(const Image& image, int x, int y)
 /// The largest difference of any byte, in 255ths.
 inline int difference(const Image& a, const Image& b)
 {
-    int most = a.rgba.size() == b.rgba.size() ? 0 : 255;
-    for (std::size_t i = 0; i < a.rgba.size() && most < 255; ++i)
-        most = std::max(most, std::abs(int(a.rgba[i]) - int(b.rgba[i])));
-    return most;
+    int largest = a.rgba.size() == b.rgba.size() ? 0 : 255;
+    for (std::size_t i = 0; i < a.rgba.size() && largest < 255; ++i)
+        largest = std::max(largest, std::abs(int(a.rgba[i]) - int(b.rgba[i])));
+    return largest;
 }
 
 } // namespace filasofia::visual

@@ -8,8 +8,8 @@ using namespace filasofia::visual;
 namespace {
 
 struct Look {
-    double dark = 0.0;  ///< share of pixels that are nearly black
-    double white = 0.0; ///< share of pixels where all three colours are full
+    double dark = 0.0;  ///< fraction of pixels that are nearly black
+    double white = 0.0; ///< fraction of pixels with all three colours at full
     double red = 0.0;   ///< mean red of the others
     double green = 0.0; ///< mean green of the others
 };
@@ -38,7 +38,7 @@ Look lookOf(const Image& image)
 
 } // namespace
 
-TEST_CASE("the bunny looks like wet tissue under an endoscope: red, glistening, not burnt out, in the dark")
+TEST_CASE("the bunny looks like wet tissue under an endoscope: red, glistening, not overexposed, on black")
 {
     VisualBodyDef def;
     def.name = "bunny";
@@ -48,7 +48,7 @@ TEST_CASE("the bunny looks like wet tissue under an endoscope: red, glistening, 
     server.add(def);
     addEndoscopeLook(server, boundsOf(def.mesh));
     const Image image = server.capture();
-    savePng(image, FILASOFIA_BINARY_DIR "/endoscope_look.png"); // for who wants to see it
+    savePng(image, FILASOFIA_BINARY_DIR "/endoscope_look.png"); // for a person to look at
 
     const Look look = lookOf(image);
     CHECK(look.dark > 0.3);

@@ -1,4 +1,4 @@
-// Materials, textures and the pool: what works and what is an Error, alike on every backend.
+// Materials, textures and the pool: what works and what is an Error, the same on every backend.
 #include "little_scene.h"
 #include "organs.h"
 
@@ -38,7 +38,7 @@ std::string readAll(const std::string& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// A small good picture as a file.
+/// A small valid picture as a file.
 std::string goodPng()
 {
     Image image{4, 4, std::vector<std::uint8_t>(64, 200)};
@@ -46,7 +46,7 @@ std::string goodPng()
     return tempFile("good.png");
 }
 
-/// The head of a PNG of this size, and nothing behind it.
+/// The head of a PNG of this size, with nothing after it.
 std::string pngHead(std::uint32_t width, std::uint32_t height)
 {
     std::string bytes;
@@ -68,7 +68,7 @@ const NullBackend::Body& kept(VisualBody& body)
 
 } // namespace
 
-TEST_CASE("a number or colour that is none is an error in every material")
+TEST_CASE("an invalid number or colour is an error in every material")
 {
     const std::vector<std::pair<Material, const char*>> wrong = {
         {TissueMaterial{.baseColor = {kNan, 0, 0}}, "baseColor.red"},
@@ -100,8 +100,8 @@ TEST_CASE("a missing, damaged or huge picture is an error that names it")
     const std::string png = readAll(goodPng());
     const std::vector<std::pair<std::string, const char*>> wrong = {
         {tempFile("nowhere.png"), "nowhere.png"},
-        {std::string(FILASOFIA_BINARY_DIR), "is a folder"},
-        {"/dev/zero", "is no regular file"},
+        {std::string(FILASOFIA_BINARY_DIR), "must be a file, got a directory"},
+        {"/dev/zero", "is not a regular file"},
         {"", "no such file"},
         {written("text.png", "not a picture"), "text.png"},
         {written("empty.png", ""), "empty.png"},
@@ -178,7 +178,7 @@ TEST_CASE("a change in the pool changes the bodies that use it, and no other")
     CHECK(std::holds_alternative<MetalMaterial>(kept(second).material));
     CHECK(std::holds_alternative<TissueMaterial>(kept(other).material));
     CHECK(server.material("liver") == Material(MucosaMaterial{.wetness = 0.2}));
-    // Back in the pool's hands.
+    // Refers to the pool again.
     second.setMaterial(NamedMaterial{"liver"});
     CHECK(std::holds_alternative<MucosaMaterial>(kept(second).material));
 }
@@ -210,7 +210,7 @@ TEST_CASE("wrong use of the pool is an error that names the material")
 
 #ifdef FILASOFIA_TEST_MATERIAL
 
-TEST_CASE("a material file tells its parameters, and wrong ones are errors that name file and parameter")
+TEST_CASE("a material file lists its parameters, and wrong ones are errors that name file and parameter")
 {
     const std::string own = FILASOFIA_TEST_MATERIAL;
     const MaterialPackage package = readMaterialPackage(own);
@@ -253,19 +253,19 @@ TEST_CASE("a material file tells its parameters, and wrong ones are errors that 
     }
 }
 
-TEST_CASE("a material file that is none, damaged, of another version or purpose is an error that names it")
+TEST_CASE("a material file that is invalid, damaged, of another version or purpose is an error that names it")
 {
     const std::string own = readAll(FILASOFIA_TEST_MATERIAL);
     std::string version = own, shaders = own, blending = own;
     version[12] = 9; // the first chunk holds the version
     const std::size_t glsl = own.find("LSLG_TAM");
     REQUIRE(glsl != std::string::npos);
-    shaders[glsl + 12 + 8 + 3 + 2] = char(0x7f); // where the first shader begins
+    shaders[glsl + 12 + 8 + 3 + 2] = char(0x7f); // the beginning of the first shader
     blending[own.find("NELB_TAM") + 12] = 77;
     const std::vector<std::pair<std::string, const char*>> wrong = {
         {tempFile("nowhere.filamat"), "no such file"},
         {written("empty.filamat", ""), "empty"},
-        {written("text.filamat", "material { name : text }"), "no compiled material"},
+        {written("text.filamat", "material { name : text }"), "not a compiled material"},
         {written("short.filamat", own.substr(0, 5)), "damaged"},
         {written("cut.filamat", own.substr(0, own.size() / 2)), "damaged"},
         {written("end.filamat", own.substr(0, own.size() - 1)), "damaged"},

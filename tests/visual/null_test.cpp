@@ -159,7 +159,7 @@ TEST_CASE("a server stops the program when another thread draws")
     const pid_t child = fork();
     REQUIRE(child >= 0);
     if (child == 0) {
-        std::signal(SIGABRT, SIG_DFL); // not the test framework's
+        std::signal(SIGABRT, SIG_DFL); // instead of the test framework's handler
         close(STDERR_FILENO);
         VisualServer server({.backend = Backend::Null});
         std::thread([&] { server.render(); }).join();

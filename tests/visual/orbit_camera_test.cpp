@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A cube of 2 m around (1, 0, 0), seen from 4 m before its middle, in a picture of 800 x 600.
+/// A cube of 2 m around (1, 0, 0), seen from 4 m in front of its centre, in a picture of 800 x 600.
 OrbitDef cube() { return {.around = {{0, -1, -1}, {2, 1, 1}}, .start = {{1, 0, 4}, {}}, .width = 800, .height = 600}; }
 
 bool button(OrbitCamera& camera, MouseButton which, bool pressed, Modifiers held = {})
@@ -52,7 +52,7 @@ bool key(OrbitCamera& camera, KeyCode code)
     return camera.handle(event);
 }
 
-/// Where a point of the world lies in the picture [px from its middle, right and up].
+/// The place of a world point in the picture, in [px] from its centre, right and up.
 std::array<double, 2> inPicture(const OrbitCamera& camera, const OrbitDef& def, Vec3 point)
 {
     const Vec3 p = transform(inverse(camera.pose()), point);
@@ -68,7 +68,7 @@ TEST_CASE("until it is moved an orbit camera is exactly where it started, also o
     def.start.orientation = axisAngle({0, 0, 1}, 0.3);
     OrbitCamera camera(def);
     CHECK(camera.pose() == def.start);
-    CHECK_FALSE(move(camera, 50, 20)); // no button is held
+    CHECK_FALSE(move(camera, 50, 20)); // no button is pressed
     CHECK(camera.pose() == def.start);
     CHECK(camera.distance() == Approx(4.0));
     CHECK(distance(camera.target(), {1, 0, 0}) < 1e-12);
@@ -77,7 +77,7 @@ TEST_CASE("until it is moved an orbit camera is exactly where it started, also o
 TEST_CASE("a left drag turns about the target: half a turn for the height of the picture")
 {
     OrbitCamera camera(cube());
-    drag(camera, MouseButton::Left, 300, 0); // the scene goes right, so the eye goes left
+    drag(camera, MouseButton::Left, 300, 0); // the scene moves right, so the camera moves left
     CHECK(distance(camera.pose().position, {-3, 0, 0}) < 1e-12);
     drag(camera, MouseButton::Left, -300, 100);
     CHECK(distance(camera.pose().position, {1, 4 * std::sin(kPi / 6), 4 * std::cos(kPi / 6)}) < 1e-12);
@@ -93,7 +93,7 @@ TEST_CASE("it never tips over at the poles, and stands upright everywhere")
     for (const double way : {5000.0, -10000.0, 700.0, 333.0}) {
         drag(camera, MouseButton::Left, 77, way);
         const Mat3 axes = toMat3(camera.pose().orientation);
-        CHECK(axes.column(1).y > 0.017); // up is up: sin of the degree that is left to the pole
+        CHECK(axes.column(1).y > 0.017); // upright: sin of the degree that remains to the pole
         CHECK(std::abs(axes.column(0).y) < 1e-12);
         CHECK(camera.distance() == Approx(4.0));
     }
@@ -146,13 +146,13 @@ TEST_CASE("F shows all of the scene and no more, in a wide picture and in a narr
         wheel(camera, 5);
         CHECK(key(camera, KeyCode::F));
         CHECK(camera.target() == Vec3{1, 0, 0});
-        // The sphere's rim, seen from the eye, touches the nearer edge of the picture.
+        // The sphere's rim, seen from the camera, touches the nearer edge of the picture.
         const double half = std::atan(std::tan(kPi / 6) * std::min(1.0, width / 600.0));
         CHECK(camera.distance() == Approx(std::sqrt(3.0) / std::sin(half)));
     }
 }
 
-TEST_CASE("F frames the scene where it is now, a scene that is none changes nothing")
+TEST_CASE("F frames the scene where it is now, an empty scene changes nothing")
 {
     OrbitCamera camera(cube());
     camera.setScene({{9, -1, -1}, {11, 1, 1}});
@@ -186,13 +186,13 @@ TEST_CASE("the size of the window is the picture's")
     CHECK(distance(camera.pose().position, {-3, 0, 0}) < 1e-12);
 }
 
-TEST_CASE("what is not for the camera is left to others")
+TEST_CASE("events that are not for the camera are left to others")
 {
     OrbitCamera camera(cube());
     CHECK_FALSE(button(camera, MouseButton::Right, true));
     CHECK_FALSE(move(camera, 10, 10));
     CHECK_FALSE(button(camera, MouseButton::Left, true, {.control = true}));
-    CHECK_FALSE(button(camera, MouseButton::Left, false)); // of a press that a Gui took
+    CHECK_FALSE(button(camera, MouseButton::Left, false)); // the press was taken by a Gui
     CHECK_FALSE(key(camera, KeyCode::Space));
     CHECK_FALSE(wheel(camera, 0));
     CHECK(camera.pose() == cube().start);
@@ -206,7 +206,7 @@ TEST_CASE("what is not for the camera is left to others")
     CHECK_FALSE(move(camera, 10, 10));
 }
 
-TEST_CASE("an orbit camera refuses a scene that is none and limits that cross")
+TEST_CASE("an orbit camera refuses an empty scene and limits in the wrong order")
 {
     OrbitDef def = cube();
     def.around = {};

@@ -6,12 +6,12 @@
 #include <numbers>
 #include <span>
 
-/// Small meshes that look like what a surgeon sees, made by formulas: the pictures of the tests show these.
+/// Small meshes that look like what a surgeon sees, computed from formulas, for the pictures of the tests.
 namespace filasofia::visual {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A smooth bumpy number in about [-1, 1] for a point, `scale` bumps per unit of length.
+/// A smooth bumpy number in about [-1, 1] for a point, with `scale` bumps per unit of length.
 inline double bumps(Vec3 p, double scale)
 {
     const Vec3 q = scale * p;
@@ -20,8 +20,9 @@ inline double bumps(Vec3 p, double scale)
            0.2 * std::sin(4.3 * q.x - 3.1 * q.z);
 }
 
-/// A surface (u, v) -> point over a grid, u around (closed where `closed`), v along; seen from where u runs to the
-/// right and v upwards. uv are (u, v). Along a closed seam the vertices are doubled, so that uv may jump there.
+/// A surface (u, v) -> point over a grid, u around (closed if `closed`), v along; its front faces the side from which u
+/// runs to the right and v upwards. uv are (u, v). The vertices of a closed seam are doubled, so that uv may jump
+/// there.
 template <class Shape> geometry::TriangleMesh gridSurface(int columns, int rows, Shape&& shape)
 {
     geometry::TriangleMesh mesh;
@@ -42,7 +43,7 @@ template <class Shape> geometry::TriangleMesh gridSurface(int columns, int rows,
     return mesh;
 }
 
-/// A closed organ with lobes and a notch, about `radius` [m]: an octahedron split `level` times and blown up. No uv.
+/// A closed organ with lobes and a notch, about `radius` [m]: an octahedron split `level` times and projected. No uv.
 inline geometry::TriangleMesh organ(double radius, int level)
 {
     geometry::TriangleMesh mesh = sphere(1.0, level);
@@ -55,12 +56,13 @@ inline geometry::TriangleMesh organ(double radius, int level)
     return mesh;
 }
 
-/// The inside of a hollow organ along -Z, of `radius` and `length` [m], narrowed by folds and bent: for a camera at 0.
+/// The inside of a hollow organ along -Z, of `radius` and `length` [m], narrowed by folds and curved: for a camera at
+/// 0.
 inline geometry::TriangleMesh tubeInside(double radius, double length, int around = 72, int along = 150)
 {
     return gridSurface(around, along, [&](double u, double v) {
         const double angle = 2.0 * kPi * u, z = (0.15 - v) * length;
-        // Folds are crescents: deep on one side, gone on the other, each ring turned against the last.
+        // Folds are crescents: deep on one side and absent on the other, each ring rotated against the previous one.
         const double ring = 7.0 * v;
         const double fold = std::exp(-std::pow((ring - std::round(ring)) / 0.075, 2.0)) *
                             (0.55 + 0.45 * std::cos(angle - 2.1 * std::round(ring)));
@@ -71,7 +73,7 @@ inline geometry::TriangleMesh tubeInside(double radius, double length, int aroun
     });
 }
 
-/// A surface of revolution about X: (x, radius) pairs from its left to its right end, radii > 0 but at closed ends.
+/// A surface of revolution about X: (x, radius) pairs from its left to its right end, radii > 0 except at closed ends.
 inline geometry::TriangleMesh turned(std::span<const std::array<double, 2>> profile, int around = 48)
 {
     const int rows = int(profile.size()) - 1;

@@ -38,10 +38,10 @@ void checkPicture(const Image& image, const std::string& name)
     REQUIRE(expected.height == image.height);
     int beyond = 0;
     for (std::size_t pixel = 0; pixel < image.rgba.size(); pixel += 4) {
-        int most = 0;
+        int largest = 0;
         for (std::size_t part = 0; part < 3; ++part)
-            most = std::max(most, std::abs(int(image.rgba[pixel + part]) - int(expected.rgba[pixel + part])));
-        beyond += most > 2;
+            largest = std::max(largest, std::abs(int(image.rgba[pixel + part]) - int(expected.rgba[pixel + part])));
+        beyond += largest > 2;
     }
     const std::filesystem::path shown = std::filesystem::path(FILASOFIA_BINARY_DIR) / (name + "_differs.png");
     if (1000 * beyond > image.width * image.height) savePng(image, shown);

@@ -10,13 +10,13 @@ namespace {
 
 int pixelDifference(const Image& a, const Image& b, std::size_t pixel)
 {
-    int most = 0;
+    int largest = 0;
     for (std::size_t k = 0; k < 3; ++k)
-        most = std::max(most, std::abs(int(a.rgba[4 * pixel + k]) - int(b.rgba[4 * pixel + k])));
-    return most;
+        largest = std::max(largest, std::abs(int(a.rgba[4 * pixel + k]) - int(b.rgba[4 * pixel + k])));
+    return largest;
 }
 
-/// Ten times the difference, so that the eye finds it.
+/// Ten times the difference, so that it can be seen.
 Image differenceImage(const Image& a, const Image& b)
 {
     Image out = a;

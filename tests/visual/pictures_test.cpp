@@ -1,4 +1,4 @@
-// Every material, light and effect as a picture, held against a reference (see pictures.h).
+// Every material, light and effect as a picture, compared with a reference (see pictures.h).
 #include "little_scene.h"
 #include "organs.h"
 #include "pictures.h"
@@ -10,7 +10,7 @@ using namespace filasofia::visual;
 
 namespace {
 
-/// Around what is looked at, the picture is calm.
+/// Low contrast around the object in the middle.
 const TissueMaterial kGround{.wetness = 0.55, .noiseScale = 85.0, .mottling = 0.5, .vessels = 0.5, .bump = 0.15};
 
 const TissueMaterial kOrgan{.bump = 0.35};
@@ -142,7 +142,7 @@ TEST_CASE("picture: metal")
     Scenery scene(MetalMaterial{}, probe(0.2, 0.007));
     scene.body->setPose(Scenery::lookAlong({-0.022, 0.002, 0.016}, {0.8, 0.42, 0.10}));
     scene.tool->setPose(Scenery::lookAlong({-0.030, -0.010, 0.046}, {-0.8, 0.30, -0.25}));
-    EnvironmentDef environment; // lit tissue all around mirrors in it
+    EnvironmentDef environment; // lit tissue all around is reflected in it
     environment.intensity = 1100.0;
     environment.above = {0.85, 0.42, 0.36};
     environment.below = {0.80, 0.22, 0.17};
@@ -203,8 +203,8 @@ TEST_CASE("picture: unlit colour and a texture from a file")
     checkPicture(scene.server.capture(), "unlit");
 }
 
-/// A picture of `ground` with ink where `inked` says so for (u, v) in [0, 1], as a file; (0, 0) is its lower left
-/// corner.
+/// Writes a picture of `ground` with ink at each (u, v) in [0, 1] for which `inked` is true; (0, 0) is its lower left
+/// corner. Returns the file.
 template <class Inked>
 TextureFile inkFile(const char* name, std::array<int, 3> ground, std::array<int, 3> ink, Inked&& inked)
 {
@@ -297,7 +297,7 @@ TEST_CASE("picture: each effect is seen, and off it leaves the picture as it was
     const Effects plain = {.shadows = false, .antialiasing = Antialiasing::None};
     struct Case {
         const char* name;
-        double least; ///< share of the pixels that it changes
+        double least; ///< fraction of the pixels that it changes
         Effects effects;
     };
     const auto with = [&](auto&& change) {

@@ -52,7 +52,7 @@ TEST_CASE("triangles prepared on another thread come out as those of setMesh, to
         CHECK(sameBytes(a.vertices.frames, b.vertices.frames));
         CHECK(later.vertices()[3] == moved[3]);
         CHECK(later.triangles().size() == cut.triangles.size());
-        // And it goes on deforming.
+        // It can still be deformed.
         later.setVertices(cut.vertices);
         CHECK(bodyOf(later).geometry.vertices.positions == b.rest);
     }
@@ -97,7 +97,7 @@ TEST_CASE("the stages of a picture add up by the clock that is given, and cost n
     CHECK(calls == 6);
 }
 
-TEST_CASE("a server knows what is its own, and a transform's life ends with it")
+TEST_CASE("a server knows its own entities, and a transform's life expires with it")
 {
     VisualServer server({.backend = Backend::Null}), other({.backend = Backend::Null});
     VisualBody& body = server.add(sphereDef());

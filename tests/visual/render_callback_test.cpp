@@ -13,7 +13,7 @@ TEST_CASE("a callback that throws ends alone, and is replaced by one that does n
     int calls = 0;
     scene.gui->setRenderCallback([&] {
         ++calls;
-        ImGui::Begin("half"); // and its End is never reached
+        ImGui::Begin("half"); // its End is never reached
         throw std::runtime_error("no forceps");
     });
     scene.person.look(5);
@@ -22,7 +22,7 @@ TEST_CASE("a callback that throws ends alone, and is replaced by one that does n
     CHECK(log.lines[0] == "gui 'panel': renderCallback: no forceps; it is not called again");
     scene.gui->setRenderCallback([&] { throw 7; });
     scene.person.look(5);
-    CHECK(log.lines.back().find("gui 'panel': renderCallback: it threw something that is no std::exception") == 0);
+    CHECK(log.lines.back().find("gui 'panel': renderCallback: it threw something that is not a std::exception") == 0);
     scene.gui->setRenderCallback([&] { scene.panel.draw(); });
     scene.person.look();
     scene.person.click(scene.panel.buttonAt.x, scene.panel.buttonAt.y);
@@ -95,7 +95,7 @@ TEST_CASE("a callback may be replaced from another thread, and the old one never
                 if (!*alive) wrong = true;
             });
             scene.gui->setRenderCallback({});
-            *alive = false; // nobody may look at it any more
+            *alive = false; // the old callback must not run any more
             ++replaced;
         }
     });
@@ -118,7 +118,7 @@ TEST_CASE("a callback may replace itself")
     CHECK(second == 2);
 }
 
-TEST_CASE("a callback may not draw or remove what it is called from, and can make more")
+TEST_CASE("a callback may not draw or remove its caller, and can add more")
 {
     const Logged log;
     GuiScene scene;

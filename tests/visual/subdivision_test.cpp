@@ -19,7 +19,7 @@ std::vector<Float3> toFloats(const std::vector<Vec3>& positions)
     return floats;
 }
 
-/// A flat square of n x n cells in the plane z = 0, with a border.
+/// A flat square of n x n cells in the plane z = 0, with a boundary.
 geometry::TriangleMesh square(int n)
 {
     geometry::TriangleMesh mesh;
@@ -84,15 +84,15 @@ TEST_CASE("a subdivided sphere stays round and keeps its orientation")
     const auto mesh = sphere(1.0, 2);
     const Subdivision refined(mesh, 2, "ball");
     const auto points = refined.refine(toFloats(mesh.vertices));
-    double most = 0.0, least = 2.0;
+    double largest = 0.0, least = 2.0;
     for (Float3 p : points) {
         const double r = std::sqrt(dot(p, p));
-        most = std::max(most, r);
+        largest = std::max(largest, r);
         least = std::min(least, r);
     }
-    CHECK(most < 1.0);
+    CHECK(largest < 1.0);
     CHECK(least > 0.9);
-    CHECK(most - least < 0.05);
+    CHECK(largest - least < 0.05);
     for (std::size_t i = 0; i < refined.indices().size(); i += 3) {
         const Float3 a = points[refined.indices()[i]], b = points[refined.indices()[i + 1]],
                      c = points[refined.indices()[i + 2]];

@@ -44,7 +44,7 @@ TEST_CASE("a detached child stays where it is")
     CHECK(near(b.worldPose(), before));
     CHECK(b.parent() == nullptr);
     CHECK(a.children().empty());
-    b.detach(); // twice does no harm
+    b.detach(); // a second detach() has no effect
     CHECK(near(b.worldPose(), before));
 }
 
@@ -73,12 +73,12 @@ TEST_CASE("a circle of parents is an error, and changes nothing")
     CHECK_THROWS_WITH(a.attachTo(c), Contains("alpha") && Contains("gamma"));
     CHECK_THROWS_AS(a.attachTo(a), Error);
     CHECK(a.parent() == nullptr);
-    c.attachTo(a); // another parent is no circle
+    c.attachTo(a); // another parent makes no cycle
     CHECK(c.parent() == &a);
     CHECK(b.children().empty());
 }
 
-TEST_CASE("a pose that is no pose is an error")
+TEST_CASE("an invalid pose is an error")
 {
     Transform a("alpha");
     const double nan = std::numeric_limits<double>::quiet_NaN();

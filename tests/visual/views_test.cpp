@@ -1,10 +1,12 @@
-// Effects, off-screen views, scale and visibility, and long lives: what works and what is an Error.
+// Effects, off-screen views, scale and visibility, and long runs: what works and what is an Error.
 #include "little_scene.h"
 #include "organs.h"
 
 #include "filasofia/core/error.h"
 #include "filasofia/visual/null_backend.h"
 #include "filasofia/visual/scene.h"
+
+#include "skip.h"
 
 using namespace filasofia;
 using namespace filasofia::visual;
@@ -36,7 +38,11 @@ TEST_CASE("a preset's effects are those that its view gets")
     CHECK(effectsOf(Quality::Medium).vignette.has_value());
     CHECK_FALSE(effectsOf(Quality::Medium).bloom.has_value());
     CHECK(effectsOf(Quality::High, 0.02).ambientOcclusion == AmbientOcclusion{.radius = 0.02});
-    if (!hasBackend(Backend::Headless)) return;
+}
+
+TEST_CASE("a preset's picture is that of its effects, given one by one")
+{
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     for (Quality quality : {Quality::Low, Quality::Medium, Quality::High}) {
         LittleScene scene(Backend::Headless, quality);
         const Image preset = scene.server.capture();
@@ -93,7 +99,7 @@ TEST_CASE("an off-screen view has a picture of its own size, which follows a cha
         def.target = OffScreen{64, 64};
         view.set(def);
         CHECK(view.capture().width == 64);
-        CHECK(scene.server.capture() == window); // the window is not concerned
+        CHECK(scene.server.capture() == window); // the window is not affected
         def.target = InWindow{};
         view.set(def);
         CHECK_THROWS_WITH(view.capture(), Contains("side") && Contains("window"));
@@ -105,7 +111,7 @@ TEST_CASE("an off-screen view has a picture of its own size, which follows a cha
 
 TEST_CASE("an off-screen view shows the same as the window does")
 {
-    if (!hasBackend(Backend::Headless)) return;
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     for (const bool lens : {false, true}) {
         LittleScene scene;
         lookFromFront(scene);
@@ -124,7 +130,7 @@ TEST_CASE("an off-screen view shows the same as the window does")
 
 TEST_CASE("endoscope optics: black outside the mask, whatever its shape, the first frame already")
 {
-    if (!hasBackend(Backend::Headless)) return;
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     LittleScene scene;
     EnvironmentDef white; // everything in the picture is white
     white.background = {1, 1, 1};
@@ -146,7 +152,7 @@ TEST_CASE("endoscope optics: black outside the mask, whatever its shape, the fir
             for (int x = 0; x < 320; ++x) {
                 const double r = std::hypot(x + 0.5 - 160, y + 0.5 - 120) / 120.0;
                 if (r > optics.maskRadius + 0.01) wrong += brightnessAt(image, x, y) > 1;
-                // Were anything fetched from outside the picture, it would be darker here.
+                // A value from outside the picture would be darker here.
                 if (r < optics.maskRadius - optics.maskSoftness - 0.02) wrong += brightnessAt(image, x, y) < inside - 1;
             }
         CHECK(wrong == 0);
@@ -155,7 +161,7 @@ TEST_CASE("endoscope optics: black outside the mask, whatever its shape, the fir
 
 TEST_CASE("an unlit material shows the colour asked for, in spite of the tone mapping")
 {
-    if (!hasBackend(Backend::Headless)) return;
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     VisualServer server({.width = 16, .height = 16});
     Camera& camera = server.add(CameraDef{});
     camera.setPose({{0, 0, 0.05}, {}});
@@ -202,7 +208,7 @@ TEST_CASE("wrong off-screen views are errors")
     }
 }
 
-TEST_CASE("what shows a view that is removed, resized or renamed lives on")
+TEST_CASE("a body that shows a removed, resized or renamed view lives on")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
@@ -223,7 +229,7 @@ TEST_CASE("what shows a view that is removed, resized or renamed lives on")
         def.target = OffScreen{16, 16};
         view->set(def);
         const Image coarse = scene.server.capture();
-        def.name = std::string("b"); // GCC 12 warns wrongly of the plain letter
+        def.name = std::string("b"); // GCC 12 gives a false warning for the plain letter
         view->set(def);
         const Image renamed = scene.server.capture();
         if (backend == Backend::Headless) {
@@ -236,7 +242,7 @@ TEST_CASE("what shows a view that is removed, resized or renamed lives on")
     }
 }
 
-TEST_CASE("a view that sees itself on a screen is drawn")
+TEST_CASE("a view that shows itself on a screen is drawn")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
@@ -250,7 +256,7 @@ TEST_CASE("a view that sees itself on a screen is drawn")
 
 TEST_CASE("a hidden view is not drawn, a hidden light does not shine")
 {
-    if (!hasBackend(Backend::Headless)) return;
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     LittleScene scene;
     const Image before = scene.server.capture();
     scene.look.view->setVisible(false);
@@ -263,7 +269,7 @@ TEST_CASE("a hidden view is not drawn, a hidden light does not shine")
     CHECK(scene.server.capture() == before);
 }
 
-TEST_CASE("what hangs on a hidden transform is hidden, and comes back with it")
+TEST_CASE("children of a hidden transform are hidden, and come back with it")
 {
     LittleScene scene(Backend::Null);
     Transform& rig = scene.server.addTransform("rig");
@@ -281,7 +287,7 @@ TEST_CASE("what hangs on a hidden transform is hidden, and comes back with it")
     CHECK(kept.visible);
 }
 
-TEST_CASE("a scale enlarges a body and what hangs on it, in size and in distance")
+TEST_CASE("a scale enlarges a body and its children, in size and in distance")
 {
     LittleScene scene(Backend::Null);
     Transform& rig = scene.server.addTransform("rig");
@@ -305,9 +311,9 @@ TEST_CASE("a scale enlarges a body and what hangs on it, in size and in distance
 
 TEST_CASE("a body of half the size at twice the scale looks the same")
 {
-    if (!hasBackend(Backend::Headless)) return;
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
     LittleScene scene;
-    scene.body.setMaterial(MetalMaterial{}); // tissue's pattern keeps to the mesh at rest
+    scene.body.setMaterial(MetalMaterial{}); // tissue's pattern follows the mesh at rest
     const Image before = scene.server.capture();
     scene.server.remove(scene.body);
     VisualBodyDef def = sphereDef(0.025);
@@ -316,7 +322,7 @@ TEST_CASE("a body of half the size at twice the scale looks the same")
     CHECK(difference(scene.server.capture(), before) <= 1);
 }
 
-TEST_CASE("fifty servers one after another, with effects and textures, and one of a thousand bodies")
+TEST_CASE("fifty servers one after another, with effects and textures, and one with a thousand bodies work")
 {
     for (Backend backend : backends()) {
         for (int i = 0; i < 50; ++i) {
@@ -353,13 +359,13 @@ TEST_CASE("one body too many is an error, and the server draws on")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);
-        for (std::size_t i = 1; i < kMostBodies; ++i) scene.server.add(sphereDef(0.01, 0));
+        for (std::size_t i = 1; i < kMaxBodies; ++i) scene.server.add(sphereDef(0.01, 0));
         CHECK_THROWS_WITH(scene.server.add(sphereDef()), Contains("ball") && Contains("1400"));
         CHECK(scene.server.render());
     }
 }
 
-TEST_CASE("a body cut, clad or looked at anew very often does not use up the library")
+TEST_CASE("a body whose mesh, material or view changes very often does not exhaust the library's handles")
 {
     for (Backend backend : backends()) {
         LittleScene scene(backend);

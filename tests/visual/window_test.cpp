@@ -15,7 +15,7 @@ using Catch::Contains;
 
 namespace {
 
-/// An X server in memory, for the length of a test; DISPLAY names it.
+/// An X server in memory during a test; DISPLAY names it.
 class TestDisplay {
 public:
     TestDisplay()
@@ -50,7 +50,7 @@ private:
     pid_t process_ = -1;
 };
 
-/// A window without decoration, and the id as the server takes it.
+/// A window without decoration, and its id in the form that the server takes.
 class TestWindow {
 public:
     TestWindow(unsigned width, unsigned height) : display_(XOpenDisplay(nullptr))
@@ -94,7 +94,7 @@ TEST_CASE("a window shows the same picture as no window")
     CHECK(difference(expected, server.capture()) <= 2);
 }
 
-TEST_CASE("without a display or a window, the window backend is an error and not the end")
+TEST_CASE("without a display or a window, the window backend is an Error and does not end the process")
 {
     unsetenv("DISPLAY");
     void* const nowhere = reinterpret_cast<void*>(std::uintptr_t{12345});

@@ -1,4 +1,4 @@
-// What a user may do wrong, on every backend of this build: an Error each time, and the server lives on.
+// Wrong use, on every backend of this build: an Error each time, and the server goes on.
 #include "little_scene.h"
 
 #include "filasofia/core/error.h"
@@ -27,7 +27,7 @@ template <class Def, class Change> Def with(Def def, Change&& change)
 
 } // namespace
 
-TEST_CASE("a server of no size is an error")
+TEST_CASE("a server without a size is an error")
 {
     for (Backend backend : backends()) {
         CHECK_THROWS_WITH(VisualServer({.backend = backend, .width = 0}), Contains("width"));
@@ -130,7 +130,7 @@ TEST_CASE("a third spot light with shadows and a second directional light are er
     CHECK_THROWS_WITH(scene.server.add(LightDef{.kind = DirectionalLight{}}), Contains("directional"));
 }
 
-TEST_CASE("what is in use or of another server cannot be removed or shown")
+TEST_CASE("entities in use or of another server cannot be removed or shown")
 {
     for (Backend backend : backends()) {
         LittleScene mine(backend), other(backend);
@@ -145,7 +145,7 @@ TEST_CASE("what is in use or of another server cannot be removed or shown")
     }
 }
 
-TEST_CASE("a backend that this build or this machine has not is an error")
+TEST_CASE("a backend that this build or this machine does not have is an error")
 {
     CHECK(hasBackend(Backend::Null));
     CHECK_THROWS_AS(VisualServer({.backend = Backend::Window, .nativeWindow = nullptr}), Error);

@@ -7,7 +7,7 @@
 using namespace filasofia;
 using namespace filasofia::window;
 
-TEST_CASE("a null window hands on what is injected, in order, and acts on window events")
+TEST_CASE("a null window delivers what is injected, in order, and acts on window events")
 {
     NullWindow window({.title = "nobody", .width = 320, .height = 200});
     CHECK(window.nativeWindow() == nullptr);
@@ -55,7 +55,7 @@ TEST_CASE("a sink that throws gets the rest with the next poll")
     CHECK(rest == 2);
 }
 
-TEST_CASE("a window's size is held against its range")
+TEST_CASE("a window's size is checked against its range")
 {
     CHECK_THROWS_WITH(NullWindow({.title = "tiny", .width = 0}), "window 'tiny': width must be in [1, 8192] px, got 0");
     CHECK_THROWS_WITH(openWindow({.title = "huge", .height = 10000}),

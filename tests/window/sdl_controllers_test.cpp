@@ -6,7 +6,7 @@ using filasofia::event::ControllerEvent;
 
 namespace {
 
-/// A controller that SDL itself pretends there is.
+/// A virtual controller of SDL.
 struct Virtual {
     Virtual(SDL_JoystickType type, int axes, int buttons) : index(SDL_JoystickAttachVirtual(type, axes, buttons, 0))
     {
@@ -22,7 +22,7 @@ struct Virtual {
     SDL_Joystick* pad = nullptr;
 };
 
-/// The last that what waits leads to.
+/// The last event that the queued SDL events lead to.
 std::unique_ptr<ControllerEvent> poll(SdlControllers& controllers)
 {
     std::unique_ptr<ControllerEvent> last;
@@ -34,7 +34,7 @@ std::unique_ptr<ControllerEvent> poll(SdlControllers& controllers)
 
 } // namespace
 
-TEST_CASE("a game controller's sticks become pushes and twists, a little about the middle nothing")
+TEST_CASE("a game controller's sticks become pushes and twists, and small deflections are ignored")
 {
     SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
     SdlControllers controllers;
@@ -53,16 +53,16 @@ TEST_CASE("a game controller's sticks become pushes and twists, a little about t
         CHECK(event->kind == ControllerEvent::Kind::Gamepad);
         CHECK(event->push[0] == Approx(1.0));
         CHECK(event->push[1] == 0.0);
-        CHECK(event->push[2] == Approx(-1.0)); // up on the stick is away
+        CHECK(event->push[2] == Approx(-1.0)); // up on the stick means away from the user
         CHECK(event->buttons == 2);
     }
     event = poll(controllers);
-    REQUIRE(event); // it is gone: what it did last it does no more
+    REQUIRE(event); // it was removed: it is reported at rest
     CHECK(event->push == std::array<double, 3>{});
     CHECK(event->buttons == 0);
 }
 
-TEST_CASE("six-axis caps are known by their maker or their name")
+TEST_CASE("six-axis caps are recognised by their vendor or their name")
 {
     CHECK(isSpaceMouse(0x256f, "anything"));
     CHECK(isSpaceMouse(0x046d, "3Dconnexion SpaceNavigator"));

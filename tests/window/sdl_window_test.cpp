@@ -14,12 +14,12 @@ using namespace filasofia::window;
 
 namespace {
 
-/// The events of a window, gathered until what a test waits for is there (a real X server takes its time).
+/// Collects the events of a window until the one that a test waits for arrives (a real X server takes its time).
 class Gathered {
 public:
     explicit Gathered(window::Window& window) : window_(window) {}
 
-    /// The first event of class E that fits, and forgets it and all before it; fails after a long wait.
+    /// Returns the first event of class E that fits, and drops it and all before it; fails after a long wait.
     template <class E> E next(const std::function<bool(const E&)>& fits)
     {
         for (int tries = 0; tries < 2000; ++tries) {
@@ -45,7 +45,7 @@ private:
     std::vector<std::unique_ptr<Event>> events_;
 };
 
-/// The server hears of a new title when it gets to it: asked again for 10 s at most.
+/// The X server updates a title in its own time: ask for at most 10 s.
 bool titleBecomes(const std::string& title, Window& window, const Person& person)
 {
     for (int i = 0; i < 1000 && person.title() != title; ++i) {
@@ -139,7 +139,7 @@ TEST_CASE("typed letters and digits arrive as text while text is wanted, other k
     window->setTextInput(true);
     person.key("b", true);
     person.key("b", false);
-    CHECK(nextText() == "b");   // the letter before was a key only
+    CHECK(nextText() == "b");   // the letter before was only a key
     person.key("Escape", true); // makes no text
     person.key("Escape", false);
     person.key("7", true);
@@ -198,7 +198,7 @@ TEST_CASE("two windows get each its own events, and SDL lives as long as one of 
     Person(left->nativeWindow()).requestClose();
     ofLeft.next(WindowEvent::Kind::CloseRequested);
     left.reset();
-    CHECK(openWindow({})->size() == WindowSize{960, 720}); // once more from the start
+    CHECK(openWindow({})->size() == WindowSize{960, 720}); // again from the start
 }
 
 TEST_CASE("without a display a window is an error of one line")
@@ -206,7 +206,7 @@ TEST_CASE("without a display a window is an error of one line")
     const ScopedVariable none("DISPLAY", nullptr);
     std::string why;
     CHECK(!displayAvailable(&why));
-    CHECK(why == "DISPLAY is not set: run on a desktop, under xvfb-run, or headless");
+    CHECK(why == "DISPLAY is not set; run on a desktop, under xvfb-run, or headless");
     CHECK_THROWS_WITH(openWindow({.title = "lost"}), "window 'lost': " + why);
 }
 
@@ -229,7 +229,7 @@ TEST_CASE("a video driver without X11 is an error, not a window that cannot be d
     const VirtualDisplay display;
     const ScopedVariable driver("SDL_VIDEODRIVER", "dummy");
     CHECK_THROWS_WITH(openWindow({.title = "x"}),
-                      "window 'x': the renderer draws through X11, but SDL_VIDEODRIVER asks for 'dummy'");
+                      "window 'x': SDL_VIDEODRIVER must be x11, because the renderer draws through X11; got 'dummy'");
 }
 
 TEST_CASE("an open window leaves Ctrl-C to the program")

@@ -39,10 +39,10 @@ VirtualDisplay::VirtualDisplay()
     const std::string descriptor = std::to_string(channel[1]);
     process_ = fork();
     if (process_ == 0) {
-        prctl(PR_SET_PDEATHSIG, SIGKILL); // a test that crashes leaves no server behind
+        prctl(PR_SET_PDEATHSIG, SIGKILL); // a test that crashes must leave no server behind
         close(channel[0]);
-        // With -noreset it does not start over, deaf for a moment, each time the last window closes.
-        // With -displayfd the server takes the first free display and writes its number when it is ready.
+        // With -noreset the server does not restart, unresponsive for a moment, whenever the last window closes. With
+        // -displayfd it takes the first free display and writes its number when it is ready.
         execlp("Xvfb", "Xvfb", "-displayfd", descriptor.c_str(), "-screen", "0", "1024x768x24", "-dpi", "96",
                "-noreset", "-nolisten", "tcp", static_cast<char*>(nullptr));
         _exit(127);

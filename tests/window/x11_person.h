@@ -3,10 +3,10 @@
 #include <memory>
 #include <string>
 
-/// An X server of our own and somebody who sits in front of it. Xlib's macros stay behind this header.
+/// An X server for tests and a simulated user in front of it. Xlib's macros stay behind this header.
 namespace filasofia::window {
 
-/// A value of an environment variable while this lives (nullptr: unset).
+/// Sets an environment variable while this object exists (nullptr: unset).
 class ScopedVariable {
 public:
     ScopedVariable(const char* name, const char* value);
@@ -19,7 +19,8 @@ private:
     std::unique_ptr<std::string> before_;
 };
 
-/// Xvfb on a free display, which DISPLAY names while this lives. Throws where Xvfb is not installed or does not start.
+/// Xvfb on a free display, named by DISPLAY while this object exists. Throws if Xvfb is not installed or does not
+/// start.
 class VirtualDisplay {
 public:
     VirtualDisplay();
@@ -30,15 +31,15 @@ private:
     std::unique_ptr<ScopedVariable> variable_;
 };
 
-/// What a person and a window manager do to a window. Every call has reached the X server when it returns.
+/// What a user and a window manager do to a window. Every call has reached the X server when it returns.
 class Person {
 public:
     explicit Person(void* nativeWindow);
     ~Person();
 
-    void moveMouse(int x, int y); ///< to a place in the window
+    void moveMouse(int x, int y); ///< to a position in the window
     void button(int number, bool pressed);
-    void key(const char* name, bool pressed); ///< "a", "Shift_L", as X names it
+    void key(const char* name, bool pressed); ///< X's name of the key: "a", "Shift_L"
     void resize(int width, int height);
     void requestClose();
     void minimize(bool hidden);

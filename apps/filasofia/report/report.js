@@ -1,12 +1,12 @@
 "use strict";
-// Draws the plots of the page and joins them: one moment, shown in all. The tables need nothing of this.
+// Draws the plots of the page and links them: a selected moment is shown in all. The tables work without this script.
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const ink = "#1b2430", soft = "#55606e", line = "#e3e7ec", blue = "#1f5fa8", orange = "#b8560b", grey = "#7a8694", red = "#b3261e";
   const font = "12px system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif";
   const element = id => document.getElementById(id);
-  const plots = []; // {plot, height}: those that follow the page's width
-  const onTime = []; // those whose axis is time
+  const plots = []; // {plot, height}: plots that follow the page's width
+  const onTime = []; // plots over time
 
   const axis = (label, more) =>
     ({ label, labelFont: font, font, stroke: soft, labelSize: 22, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, ...more });
@@ -16,7 +16,7 @@
     place.className = "absent";
   }
 
-  /// Of events that happen often only some are named, and what harms before all others; all have their line.
+  /// Draws a line for every event. If there are many, only some get a label, the harmful ones first.
   function drawEvents(u) {
     const ctx = u.ctx, { left, top, width, height } = u.bbox, ratio = width / u.over.clientWidth;
     ctx.save();
@@ -24,7 +24,7 @@
     ctx.textAlign = "left";
     ctx.textBaseline = "bottom";
     const wrong = new Set(["perforation", "mistake"]);
-    const taken = [[], [], []]; // from where to where there are words, in each of three lines
+    const taken = [[], [], []]; // occupied intervals in each of three rows of labels
     const weight = event => wrong.has(event.kind) ? 0 : event.kind === "step" ? 1 : 2;
     for (const event of [...data.events].sort((a, b) => weight(a) - weight(b) || a.t - b.t)) {
       const x = u.valToPos(event.t, "x", true);
@@ -35,7 +35,7 @@
       ctx.moveTo(x, top);
       ctx.lineTo(x, top + height);
       ctx.stroke();
-      if (u !== onTime[0]) continue; // words stand over the first plot only
+      if (u !== onTime[0]) continue; // labels are drawn above the first plot only
       const full = event.what && event.kind === "step" ? event.what : event.kind;
       const words = full.length > 24 ? full.slice(0, 23) + "…" : full;
       const wide = ctx.measureText(words).width, start = Math.min(x + 3 * ratio, left + width - wide);
@@ -75,7 +75,7 @@
   const clock = t => t < 60 ? `${t.toFixed(2)} s` : `${Math.floor(t / 60)}:${(t % 60).toFixed(2).padStart(5, "0")}`;
   const ticks = (u, values) => values.map(t => u.data[0][u.data[0].length - 1] < 60 ? String(t) : `${Math.floor(t / 60)}:${String(+(t % 60).toFixed(2)).padStart(2, "0")}`);
 
-  // The moment that the pointer, or a button of a table, is at.
+  // Shows the moment under the pointer, or of a table's button.
   const dots = [...document.querySelectorAll("circle.now")].map(dot =>
     ({ dot, points: dot.parentNode.querySelector("polyline").getAttribute("points").trim().split(" ").map(p => p.split(",")) }));
   function nearest(times, t) {
@@ -104,9 +104,9 @@
     }
   }
 
-  /// `others`: series like `values`, with moments of their own, drawn thinner behind them.
+  /// `others`: further series with their own times, drawn thinner behind `values`.
   function overTime(id, values, label, color, hooks, others = []) {
-    if (!values || !values[0].length) return absent(element(id), `No ${id} was observed.`);
+    if (!values || !values[0].length) return absent(element(id), `No ${id} was recorded.`);
     const first = onTime.length === 0, last = values[0][values[0].length - 1];
     const table = others.length ? uPlot.join([values, ...others]) : values;
     onTime.push(add(id, {
@@ -122,7 +122,7 @@
       hooks: {
         draw: [u => { drawEvents(u); hooks.forEach(hook => hook(u)); }],
         setCursor: [u => { if (u.cursor.idx != null && u.cursor.left >= 0) show(u.posToVal(u.cursor.left, "x")); }],
-        setScale: [(u, key) => { // zoomed together
+        setScale: [(u, key) => { // all plots over time zoom together
           if (key !== "x") return;
           const { min, max } = u.scales.x;
           for (const other of onTime)
@@ -145,7 +145,7 @@
       const { min, max } = plot.scales.x, data = plot.data[0];
       if (t < min || t > max) plot.setScale("x", { min: data[0], max: data[data.length - 1] });
     }
-    setTimeout(() => { // once they have their new scale
+    setTimeout(() => { // after the plots have their new scale
       for (const plot of onTime) plot.setCursor({ left: plot.valToPos(t, "x"), top: plot.over.clientHeight / 2 }, false);
       show(t);
     });
@@ -173,7 +173,7 @@
           u.ctx.restore();
         }] },
       }, data.histogram.data, 200);
-    else absent(element("histogram"), "The tool touched nothing, or forces were not observed.");
+    else absent(element("histogram"), "The tool touched nothing, or no forces were recorded.");
   }
 
   const which = element("which");
@@ -231,5 +231,5 @@
   addEventListener("resize", () => fit());
   addEventListener("beforeprint", () => fit(680));
   addEventListener("afterprint", () => fit());
-  document.documentElement.dataset.plots = String(plots.length); // for whoever checks that they were drawn
+  document.documentElement.dataset.plots = String(plots.length); // for tests that check that they were drawn
 })();

@@ -1,10 +1,11 @@
 #pragma once
 
 namespace filasofia {
-/// Prints the broken promise and aborts. Called by FILASOFIA_ASSERT only.
+/// Prints the condition that does not hold and aborts. Called by FILASOFIA_ASSERT only.
 [[noreturn]] void assertionFailed(const char* condition, const char* file, int line) noexcept;
 } // namespace filasofia
 
-/// A caller's bug, never a user's input: the program stops here. Active in every build; keep it out of inner loops.
+/// For a caller's bug, never for a user's input: the program stops here. Active in every build; keep it out of inner
+/// loops.
 #define FILASOFIA_ASSERT(condition)                                                                                    \
     ((condition) ? void(0) : ::filasofia::assertionFailed(#condition, __FILE__, __LINE__))

@@ -5,8 +5,8 @@
 
 namespace filasofia {
 
-/// Names a body of one simulation from outside its engine; another simulation gives the same numbers. Numbers are given
-/// once and never used again; 0 names no body.
+/// Names a body of one simulation outside its engine; another simulation uses the same numbers. A number is never
+/// reused; 0 names no body.
 struct BodyId {
     std::uint32_t value = 0;
 

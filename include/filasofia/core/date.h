@@ -4,7 +4,7 @@
 
 namespace filasofia {
 
-/// The time on the wall, as "2026-11-20 18:05:31": sorts by time.
+/// The local date and time, as "2026-11-20 18:05:31", which sorts by time.
 std::string dateNow();
 
 } // namespace filasofia

@@ -7,7 +7,7 @@
 
 namespace filasofia {
 
-/// What a user's input did wrong, in one line that names object, field, bound and value (or file and line).
+/// What is wrong with a user's input, in one line that names object, field, bound and value (or file and line).
 class Error : public std::runtime_error {
 public:
     explicit Error(std::string line) : std::runtime_error(oneLine(std::move(line))) {}

@@ -5,7 +5,8 @@
 #include <string_view>
 #include <tuple>
 
-/// The one list of a Def's fields. Validation, scene files, Python, the hash and the docs all read it.
+/// The one list of a Def's fields. Validation, recordings, the inspector and the bounds of command-line options read
+/// it.
 ///
 ///     struct Spring { double stiffness = 100; };
 ///     constexpr auto fields(const Spring*)
@@ -25,7 +26,7 @@ struct Range {
     {
         return (lowOpen ? value > low : value >= low) && (highOpen ? value < high : value <= high);
     }
-    /// The bound as an error says it: "must be > 0 Pa", "must be in [0, 0.5)", "must be finite".
+    /// The bound as an error prints it: "must be > 0 Pa", "must be in [0, 0.5)", "must be finite".
     [[nodiscard]] std::string text(std::string_view unit) const;
 };
 
@@ -38,7 +39,8 @@ constexpr Range open(double low, double high) { return {low, high, true, true}; 
 constexpr Range closedOpen(double low, double high) { return {low, high, false, true}; } ///< [low, high)
 constexpr Range openClosed(double low, double high) { return {low, high, true, false}; } ///< (low, high]
 
-/// One member of a Def: its name in files and errors, where it lies, its unit, its legal values, its meaning.
+/// One member of a Def: its name in files and errors, its pointer to member, its unit, its legal values and its
+/// meaning.
 template <class Owner, class Value> struct Field {
     std::string_view name;
     Value Owner::*member;

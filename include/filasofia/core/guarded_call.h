@@ -7,8 +7,8 @@
 
 namespace filasofia {
 
-/// Calls a user's function: whatever it throws, of whatever type, goes no further. Returns what that was, in words for
-/// an error line; nothing if the function returned.
+/// Calls a user's function and catches whatever it throws, of any type. Returns a description of that for an error
+/// line, or nothing if the function returned.
 template <class Call> [[nodiscard]] std::optional<std::string> guardedCall(Call&& call)
 {
     try {
@@ -16,7 +16,7 @@ template <class Call> [[nodiscard]] std::optional<std::string> guardedCall(Call&
     } catch (const std::exception& problem) {
         return problem.what();
     } catch (...) {
-        return "it threw something that is no std::exception";
+        return "it threw something that is not a std::exception";
     }
     return std::nullopt;
 }

@@ -11,8 +11,8 @@ enum class LogLevel { Info, Warning, Error };
 /// Writes one line to the log (standard error unless a sink was set). Any thread.
 void writeLog(LogLevel level, std::string_view line);
 
-/// Sends every line to `sink` in place of standard error; an empty function restores it. Any thread.
-/// Lines come one at a time; a sink must not log itself, and what it throws is dropped.
+/// Sends every line to `sink` instead of standard error; an empty function restores standard error. Any thread.
+/// The sink gets one line at a time. It must not log itself; if it throws, the exception is dropped.
 void setLogSink(std::function<void(LogLevel, std::string_view)> sink);
 
 template <class... Parts> void logInfo(const Parts&... parts) { writeLog(LogLevel::Info, text(parts...)); }

@@ -6,10 +6,10 @@
 
 namespace filasofia {
 
-/// An unbounded queue: any thread pushes, one thread pops, neither ever waits for the other. A push that has returned
-/// is there for the next pop(), whatever pushes of other threads are under way. The pushed elements form a stack
-/// (Treiber 1986), which pop() takes as a whole and turns round; nothing is taken from the middle, so that an address
-/// that is used again (ABA) does no harm.
+/// An unbounded queue: any thread pushes, one thread pops, and neither ever waits for the other. After push() has
+/// returned, the next pop() finds the element, even while other threads push. The pushed elements form a stack
+/// (Treiber 1986), which pop() takes as a whole and reverses; nothing is taken from the middle, so a reused address
+/// (ABA) does no harm.
 template <class T> class MpscQueue {
 public:
     MpscQueue() = default;
@@ -53,7 +53,7 @@ private:
     }
 
     std::atomic<Node*> newest_ = nullptr;
-    Node* oldest_ = nullptr; ///< the reader's: taken, oldest first
+    Node* oldest_ = nullptr; ///< taken by the reader, oldest first
 };
 
 } // namespace filasofia

@@ -6,15 +6,15 @@
 
 namespace filasofia {
 
-/// The newest of a value, of any type, from one writer at a time to any number of readers. Nobody waits for anybody; as
-/// frame::FramePool, of which this is the general case, with copies in place of holds.
+/// Passes the newest value of any type from one writer at a time to any number of readers. No thread waits for another.
+/// It works like frame::FramePool, but readers copy the value instead of holding it.
 template <class T> class Published {
 public:
     explicit Published(T first = {}) { slots_[0].value = std::move(first); }
 
     void write(const T& value)
     {
-        // A reader is in a slot for one copy: of eight there is one free, unless seven threads copy at this moment.
+        // A reader uses a slot only while it copies: one of eight is free, unless seven threads copy at this moment.
         for (int i = 0;; i = (i + 1) % kSlots) {
             int free = 0;
             if (i == newest_.load(std::memory_order_relaxed) ||
@@ -36,9 +36,9 @@ public:
             while (readers != kWriting &&
                    !slot.readers.compare_exchange_weak(readers, readers + 1, std::memory_order_acquire)) {
             }
-            if (readers == kWriting) continue; // a newer one has been published since: look again
-            // Held up in between, a reader may have got a slot that is newer than newest_ yet says: the next read would
-            // go back in time.
+            if (readers == kWriting) continue; // a newer value has been published since: try again
+            // A reader that was delayed here may have got a slot that is newer than newest_ says yet: its next read
+            // would go back in time.
             const bool isNewest = newest_.load(std::memory_order_acquire) == newest;
             T value = isNewest ? slot.value : T{};
             slot.readers.fetch_sub(1, std::memory_order_release);

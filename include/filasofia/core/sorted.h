@@ -5,7 +5,7 @@
 
 namespace filasofia {
 
-/// Ascending, each value once.
+/// Sorts the list in ascending order and removes duplicates.
 template <class Value> void sortUnique(std::vector<Value>& list)
 {
     std::ranges::sort(list);

@@ -9,13 +9,12 @@
 namespace filasofia {
 
 /// A ring of fixed size between one writer and one reader; neither waits and nothing is allocated after construction.
-/// Elements stay in place and keep what they hold (vectors their capacity): the writer fills the slot it is given.
+/// Elements stay in place and keep their content (vectors their capacity): the writer fills the slot that it gets.
 template <class T> class SpscRing {
 public:
     explicit SpscRing(std::size_t capacity) : slots_(capacity) { FILASOFIA_ASSERT(capacity > 0); }
 
-    /// The slot to fill next, or nullptr when the reader is a whole ring behind. Writer only; publish() makes it
-    /// visible.
+    /// The slot to fill next, or nullptr if the reader is a whole ring behind. Writer only; publish() makes it visible.
     [[nodiscard]] T* beginWrite()
     {
         const std::size_t written = written_.load(std::memory_order_relaxed);
@@ -24,7 +23,7 @@ public:
     }
     void publish() { written_.fetch_add(1, std::memory_order_release); }
 
-    /// The oldest unread element, or nullptr. Reader only; release() gives its slot back.
+    /// The oldest unread element, or nullptr. Reader only; release() frees its slot.
     [[nodiscard]] T* beginRead()
     {
         const std::size_t read = read_.load(std::memory_order_relaxed);

@@ -10,7 +10,7 @@ namespace filasofia {
 namespace detail {
 
 inline void append(std::string& out, std::string_view text) { out += text; }
-// Constrained: a string literal would rather become a bool than a string_view.
+// Constrained, because a string literal converts to bool more readily than to string_view.
 template <std::same_as<bool> Flag> void append(std::string& out, Flag value) { out += value ? "true" : "false"; }
 template <std::same_as<char> Letter> void append(std::string& out, Letter letter) { out += letter; }
 template <class Number>
@@ -19,7 +19,7 @@ requires((std::integral<Number> || std::floating_point<Number>)&&!std::same_as<N
 {
     char buffer[40]; // the shortest text that reads back to the same number needs at most 24
     if constexpr (std::floating_point<Number>) {
-        // 100000, not 1e+05: people write whole numbers whole.
+        // 100000, not 1e+05: whole numbers are written without an exponent.
         if (value > Number(-1e9) && value < Number(1e9) && value == static_cast<Number>(static_cast<long>(value))) {
             out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, static_cast<long>(value)).ptr);
             return;
@@ -30,7 +30,7 @@ requires((std::integral<Number> || std::floating_point<Number>)&&!std::same_as<N
 
 } // namespace detail
 
-/// The parts written one after another; numbers in the shortest form that reads back to the same value.
+/// The parts, written one after another; numbers in the shortest form that reads back to the same value.
 template <class... Parts> std::string text(const Parts&... parts)
 {
     std::string out;
@@ -38,7 +38,8 @@ template <class... Parts> std::string text(const Parts&... parts)
     return out;
 }
 
-/// The text without line breaks and other control characters: what a user named cannot forge a second line.
+/// The text without line breaks and other control characters, so that a name chosen by a user cannot forge a second
+/// line.
 inline std::string oneLine(std::string line)
 {
     for (char& letter : line)

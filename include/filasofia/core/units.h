@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-/// Other units than SI exist only as literals: 6_kPa and 6.0_kPa are the double 6000.
+/// Units other than SI exist only as literals: 6_kPa and 6.0_kPa are the double 6000.
 namespace filasofia::inline literals {
 
 // clang-format off

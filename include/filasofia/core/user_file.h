@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-/// Files that a user names. Whatever lies behind the name, reading it ends, and takes no more memory than its limits.
+/// Reads files that a user names. Whatever is behind the name, reading ends and takes no more memory than the limits.
 namespace filasofia {
 
 constexpr std::uintmax_t kMaxFile = 4'000'000'000; ///< [bytes]; a mesh of 300,000 tetrahedra is 13 MB of text
@@ -17,14 +17,14 @@ constexpr std::uintmax_t kMaxFile = 4'000'000'000; ///< [bytes]; a mesh of 300,0
 std::uintmax_t checkRegularFile(const std::filesystem::path& file, std::string_view object,
                                 std::uintmax_t maxBytes = kMaxFile);
 
-/// The whole of a regular file. Throws an Error "<object>: ..." also if it cannot be read to its end.
+/// Returns the whole of a regular file. Throws an Error "<object>: ..." also if it cannot be read to its end.
 std::string readFile(const std::filesystem::path& file, std::string_view object, std::uintmax_t maxBytes = kMaxFile);
 
-/// The lines of a regular file or a pipe, one at a time, without their ends ("\n" or "\r\n").
+/// Reads the lines of a regular file or a pipe, one at a time, without their ends ("\n" or "\r\n").
 class LineReader {
 public:
     struct Limits {
-        std::uintmax_t bytes = 1'000'000'000; ///< in the whole file
+        std::uintmax_t bytes = 1'000'000'000; ///< of the whole file
         std::size_t line = 4096;              ///< [bytes] of one line
         double wait = 10.0;                   ///< [s], for a pipe that sends nothing
     };
@@ -36,23 +36,23 @@ public:
     LineReader(const LineReader&) = delete;
     LineReader& operator=(const LineReader&) = delete;
 
-    /// Valid until the next call; empty at the end of the file. Throws an Error naming the line that is too long, or
-    /// the object if the file is too large or cannot be read to its end.
+    /// The line is valid until the next call; nothing is returned at the end of the file. Throws an Error naming the
+    /// line that is too long, or the object if the file is too large or cannot be read to its end.
     std::optional<std::string_view> next();
     /// "<object>: line <number>", for the line that next() returned last.
     [[nodiscard]] std::string place() const;
 
 private:
-    bool fill(); ///< false: the file has ended
+    bool fill(); ///< returns false if the file has ended
 
     std::string object_;
     Limits limits_;
     int file_ = -1;
     bool pipe_ = false;
     std::uintmax_t taken_ = 0; ///< [bytes] read from the file
-    std::uint64_t line_ = 0;   ///< number of the last one, from 1
-    std::string buffer_;       ///< one line and what was read behind it
-    std::size_t at_ = 0;       ///< of the next line in the buffer
+    std::uint64_t line_ = 0;   ///< number of the last line, from 1
+    std::string buffer_;       ///< one line and the bytes read after it
+    std::size_t at_ = 0;       ///< start of the next line in the buffer
 };
 
 } // namespace filasofia

@@ -15,7 +15,7 @@ namespace detail {
 [[noreturn]] void failRange(std::string_view object, std::string_view path, const Range& range, std::string_view unit,
                             double value);
 
-/// How validate() walks through a value; one specialisation per shape, so that shapes nest freely.
+/// How validate() visits a value; one specialisation per shape, so that shapes can be nested.
 template <class T> struct Check {
     static void apply(const T& value, std::string_view object, const std::string& path, const Range& range,
                       std::string_view unit)
@@ -30,7 +30,7 @@ template <class T> struct Check {
                 Check<Value>::apply(value.*(each.member), object, inner, each.range, each.unit);
             });
         }
-        // Texts, flags, enumerations and shared immutable data have no bound.
+        // Texts, flags, enumerations and shared immutable data have no bounds.
     }
 };
 
@@ -72,8 +72,8 @@ template <class T, std::size_t n> struct Check<std::array<T, n>> : CheckEach<std
 
 } // namespace detail
 
-/// Holds every number of a Def against the range in its fields() list, nested Defs, lists and variants included.
-/// Throws an Error "<object>: <path of the field> must be <bound>, got <value>" for the first that lies outside.
+/// Checks every number of a Def against the range in its fields() list, including nested Defs, lists and variants.
+/// Throws an Error "<object>: <path of the field> must be <bound>, got <value>" for the first one that is out of range.
 template <HasFields T> void validate(const T& def, std::string_view object)
 {
     detail::Check<T>::apply(def, object, "", finite(), "");

@@ -14,84 +14,85 @@
 
 namespace filasofia::device {
 
-/// Where the servo gets its time from; a test gives it another.
+/// The servo's time source; a test provides its own.
 struct ServoClock {
     std::function<Nanoseconds()> now;
     std::function<void(Nanoseconds)> sleepUntil; ///< returns at that time or later
 };
 
-/// What happened to a device.
+/// A notice about a device.
 struct DeviceNotice {
     enum class Kind {
-        Connected, ///< it was opened, or is right again
+        Connected, ///< it was opened, or works again
         Lost,      ///< it is gone
-        Error,     ///< it is there, and something is wrong with it
-        Button     ///< one went down or up
+        Error,     ///< it is connected, but something is wrong with it
+        Button     ///< a button was pressed or released
     };
     Kind kind = Kind::Connected;
-    std::string problem = {}; ///< in one line; empty for the other kinds
+    std::string problem = {}; ///< one line; empty for the other kinds
     int button = 0;           ///< [-], in [0, 32)
     bool pressed = false;
 };
 
-/// What a servo has done, for whoever watches it.
+/// The latest state of a servo, for monitoring.
 struct ServoSnapshot {
-    Nanoseconds time = 0;      ///< of the sample
+    Nanoseconds time = 0;      ///< time of the sample
     DeviceSample sample = {};  ///< along the device's axes
-    ServoTick tick = {};       ///< what it led to
-    std::uint64_t placing = 0; ///< by which place() the hand was seen in the scene; 0: by the Def
+    ServoTick tick = {};       ///< the result of the tick
+    std::uint64_t placing = 0; ///< number of the place() call that positioned the device in the scene; 0: the Def
 };
 
-/// Wake-ups by how late they were.
+/// A histogram of how late the wake-ups were.
 struct JitterHistogram {
     static constexpr int kBins = 256;
-    static constexpr double kWidth = 10e-6; ///< [s] of a bin; the last has all that are later
+    static constexpr double kWidth = 10e-6; ///< [s] width of a bin; the last bin counts all that were later
     std::array<std::uint64_t, kBins> counts = {};
 
     [[nodiscard]] std::uint64_t total() const;
-    /// [s], a bin's upper end: so late at most were this share of the wake-ups. 0 where there were none; infinite where
-    /// it is in the last bin.
+    /// [s], upper end of a bin: this share of the wake-ups was at most so late. 0 if there were no wake-ups; infinite
+    /// if the value lies in the last bin.
     [[nodiscard]] double percentile(double share) const;
 };
 
 struct ServoStatistics {
     std::uint64_t ticks = 0;
     double rate = 0.0;        ///< [Hz], mean since the start
-    double latest = 0.0;      ///< [s], of all wake-ups, the lateness of the latest
-    double longestCall = 0.0; ///< [s], that the device took to be read or written
-    double energy = 0.0;      ///< [J] net, that the hand was given
+    double latest = 0.0;      ///< [s], the largest lateness of a wake-up
+    double longestCall = 0.0; ///< [s], the longest time that a read or a write of the device took
+    double energy = 0.0;      ///< [J] net energy given to the hand
     JitterHistogram jitter = {};
 };
 
-/// A device and its servo loop: on a thread of its own that ticks at its rate, whatever physics does, or tick by tick
-/// in a caller's hand. Physics hands in the body's states and takes samples, and waits for nothing.
+/// A device and its servo loop, either on a thread of its own that ticks at its own rate independently of physics, or
+/// called tick by tick. Physics sets the body's states and takes samples, and waits for nothing.
 class HapticServo {
 public:
-    /// `device` outlives the servo. `notice` is called on the thread that ticks. Throws an Error where the Def is
-    /// wrong.
+    /// `device` must outlive the servo. `notice` is called on the ticking thread. Throws an Error if the Def is
+    /// invalid.
     HapticServo(HapticDevice& device, const ServoDef& def, ServoClock clock,
                 std::function<void(const DeviceNotice&)> notice);
     ~HapticServo(); ///< stops, and closes the device
     HapticServo(const HapticServo&) = delete;
     HapticServo& operator=(const HapticServo&) = delete;
 
-    /// Begins to tick on an own thread; `realTime`: it asks to be scheduled before physics. The device is opened there:
-    /// that may take long, or fail; then it is tried again every second.
+    /// Starts ticking on a thread of its own; if `realTime`, with a higher real-time priority than physics. That thread
+    /// opens the device, which may take long or fail; then it tries again every second.
     void start(bool realTime);
-    void stop(); ///< and leaves no force on the hand
+    void stop(); ///< stops the thread and leaves no force on the hand
 
     // Tick by tick, without a thread.
-    void open();            ///< as start() does it: what fails is a notice
-    void tick(double time); ///< where the hand is, and what it feels; `time` [s] is the device's
+    void open();            ///< as start() does: a failure is reported as a notice
+    void tick(double time); ///< reads the hand and writes its force; `time` [s] is the device's
     void close();
 
-    /// Every sample of a device that is ready goes there too, to be read by one thread. Before it starts.
+    /// Records every sample of a device that is ready, for one reading thread. To be called before the start.
     void record(SpscRing<MotionSample>* tape) { tape_ = tape; }
 
     void setBody(const BodySample& body) { body_.write(body); }                         ///< one thread
     [[nodiscard]] bool latest(ServoSnapshot& out) const { return snapshot_.read(out); } ///< any thread
     [[nodiscard]] ServoStatistics statistics() const;                                   ///< any thread
-    /// Another place of the device in the scene, from the next tick on. Any thread. Returns the number of the placing.
+    /// Changes the device's placement in the scene, from the next tick on. Any thread. Returns the number of the
+    /// placement.
     std::uint64_t place(double scale, const Pose& origin, Quat grip = {});
 
 private:
@@ -106,8 +107,8 @@ private:
     void read(double time);
     void render();
     void takePlacing();
-    void tell(ServoState state);
-    void tellButtons(std::uint32_t buttons);
+    void report(ServoState state);
+    void reportButtons(std::uint32_t buttons);
     void watchCall(Nanoseconds before, const char* call);
     void reopenAfterAWhile();
     void countWake(Nanoseconds late);
@@ -117,11 +118,11 @@ private:
     ServoClock clock_;
     std::function<void(const DeviceNotice&)> notice_;
     bool open_ = false;
-    std::optional<ServoState> told_ = {}; ///< what is wrong, and was told
-    bool slow_ = false;                   ///< a call took too long; told
-    bool refused_ = false;                ///< the last write was
+    std::optional<ServoState> reported_ = {}; ///< what is wrong and was reported
+    bool slow_ = false;                       ///< a call took too long, and this was reported
+    bool refused_ = false;                    ///< the last write was refused
     std::uint32_t buttons_ = 0;
-    Nanoseconds tryAgain_ = 0; ///< to open it
+    Nanoseconds tryAgain_ = 0; ///< when to try to open it again
     DeviceSample sample_ = {};
     Nanoseconds sampled_ = 0;
     BodySample newestBody_ = {};
@@ -144,7 +145,7 @@ private:
     std::thread thread_;
 };
 
-/// The machine's steady clock; sleeps to absolute times.
+/// The machine's steady clock; sleeps until absolute times.
 ServoClock steadyServoClock();
 
 } // namespace filasofia::device

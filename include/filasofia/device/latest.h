@@ -9,23 +9,24 @@
 
 namespace filasofia::device {
 
-/// The newest of a value that one thread writes and any number read. Nobody waits for anybody: a reader who is in the
-/// writer's way a few times over goes on with what it had, as a real-time thread must where the writer lost its core.
+/// The newest value of a type that one thread writes and any number of threads read (a sequence lock). Nobody waits: if
+/// the writer interferes with a read eight times, the reader keeps its old value, as a real-time thread must if the
+/// writer lost its core.
 template <class T> class Latest {
     static_assert(std::is_trivially_copyable_v<T>);
 
 public:
-    void write(const T& value) // one thread
+    void write(const T& value) // one thread only
     {
         Words words{};
         std::memcpy(words.data(), &value, sizeof value);
         const std::uint64_t version = version_.load(std::memory_order_relaxed);
-        version_.store(version + 1, std::memory_order_relaxed); // odd: being written
+        version_.store(version + 1, std::memory_order_relaxed); // odd: a write is in progress
         for (std::size_t i = 0; i < words.size(); ++i) words_[i].store(words[i], std::memory_order_release);
         version_.store(version + 2, std::memory_order_release);
     }
 
-    /// False, and `out` is as it was: nothing was written yet, or the writer was in the way.
+    /// False, with `out` unchanged, if nothing was written yet or the writer interfered.
     [[nodiscard]] bool read(T& out) const
     {
         constexpr int attempts = 8;

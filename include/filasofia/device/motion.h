@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-/// What a hand did: made without hardware, or recorded from a device and played back.
+/// The motion of a hand: generated, or recorded from a device, and played back.
 namespace filasofia::device {
 
 struct MotionSample {
@@ -16,16 +16,17 @@ struct MotionSample {
     std::uint32_t buttons = 0;
 };
 
-/// A smooth path through samples. Places follow a monotone cubic through each coordinate (Fritsch and Butland 1984): it
-/// never swings beyond its samples, and what rests between two of them rests. Turns go the short way, at a constant
-/// rate between two samples; a button is as the last sample says.
+/// A smooth path through samples. Positions follow a monotone cubic in each coordinate (Fritsch and Butland 1984): the
+/// path never overshoots its samples, and a coordinate that is equal at two neighbouring samples stays constant between
+/// them. Rotations take the short way at a constant rate between two samples; buttons are those of the last sample.
 class Motion {
 public:
-    /// Throws an Error naming `object` and the sample: at least one, times that rise, numbers that are finite, places
-    /// within 10 m, orientations that have a length.
+    /// Throws an Error naming `object` and the sample unless there is at least one sample, times increase, numbers are
+    /// finite, positions lie within 10 m, and orientations have a length.
     Motion(std::vector<MotionSample> samples, const std::string& object);
 
-    /// Before the first sample it is there, after the last it rests there; `loop`: it begins anew.
+    /// The sample at `time`: the first sample before the start and the last one after the end; if `loop`, the motion
+    /// repeats.
     [[nodiscard]] DeviceSample at(double time, bool loop = false) const;
     [[nodiscard]] double duration() const { return samples_.back().time - samples_.front().time; } ///< [s]
     [[nodiscard]] const std::vector<MotionSample>& samples() const { return samples_; }
@@ -39,12 +40,12 @@ private:
 /// seconds and metres along the device's axes. Lines that begin with '#' are comments. Errors name file and line.
 Motion readMotion(const std::string& file);
 
-/// Writes one.
+/// Writes a motion file.
 class MotionWriter {
 public:
-    explicit MotionWriter(const std::string& file); ///< Error where it cannot be written
-    void write(const MotionSample& sample);         ///< those that do not come later than the last are left out
-    void close();                                   ///< Error where the disk refused something
+    explicit MotionWriter(const std::string& file); ///< throws an Error if the file cannot be opened
+    void write(const MotionSample& sample);         ///< samples that are not later than the last one are skipped
+    void close();                                   ///< throws an Error if writing failed
 
 private:
     std::string file_;

@@ -6,8 +6,8 @@
 
 namespace filasofia::event {
 
-/// What a person does with a game controller, or with a cap that is pushed and turned in six directions. Merges per
-/// kind: the newest wins. Not bound to a window: it comes to the one that has the focus.
+/// The state of a game controller, or of a six-axis controller (a cap that is pushed and turned). Merges per kind: the
+/// newest wins. It is not bound to a window: the window with the focus gets it.
 class ControllerEvent final : public Event {
 public:
     static constexpr EventType kType = EventType::Controller;
@@ -19,9 +19,9 @@ public:
     }
 
     Kind kind = Kind::Gamepad;
-    std::array<double, 3> push = {};  ///< [-], each in [-1, 1]: to the right, up, towards the person
+    std::array<double, 3> push = {};  ///< [-], each in [-1, 1]: to the right, up, towards the user
     std::array<double, 3> twist = {}; ///< [-], each in [-1, 1]: about these axes
-    std::uint32_t buttons = 0;        ///< a bit for each that is pressed
+    std::uint32_t buttons = 0;        ///< one bit per pressed button
 };
 
 } // namespace filasofia::event

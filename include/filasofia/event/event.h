@@ -11,7 +11,7 @@
 
 namespace filasofia::event {
 
-/// What an observer attaches to. Custom1 to Custom4 are the user's: any class derived from Event, any payload.
+/// The type that an observer attaches to. Custom1 to Custom4 are the user's: any class derived from Event, any payload.
 enum class EventType : std::uint8_t {
     PhysicsUpdate,
     VisualUpdate,
@@ -34,10 +34,11 @@ enum class EventType : std::uint8_t {
 };
 inline constexpr std::size_t kEventTypes = 18;
 
-/// "PhysicsUpdate", as the enumerator is spelled.
+/// The enumerator's name, such as "PhysicsUpdate".
 std::string_view name(EventType type);
 
-/// Waiting events of one key are one event: the newest. `value` tells apart what must not merge (a pair of bodies).
+/// Queued events with equal keys become one event: the newest. `value` distinguishes events that must not merge (such
+/// as the pair of bodies of a contact).
 struct MergeKey {
     EventType type = EventType::Custom1;
     std::uint64_t value = 0;
@@ -45,34 +46,35 @@ struct MergeKey {
     friend constexpr auto operator<=>(const MergeKey&, const MergeKey&) = default;
 };
 
-/// Something that happened. Derive, add plain data and a `static constexpr EventType kType`, and post it; a custom
-/// event's type may as well be given when it is made.
+/// Something that happened. Derive from it, add plain data and a `static constexpr EventType kType`, and post it; a
+/// custom event may instead get its type at construction.
 class Event {
 public:
     virtual ~Event();
 
-    /// Empty: the event is delivered, whatever comes after it. Else a waiting event of the same key gives way to this
-    /// one. Called by the poster, once.
+    /// If empty, the event is delivered, whatever is posted after it. Otherwise it replaces a queued event with the
+    /// same key. Called once, by the posting thread.
     [[nodiscard]] virtual std::optional<MergeKey> mergeKey() const;
 
-    /// Keeps what must not get lost of an older event of the same key that is never delivered (a mouse sums up its
-    /// ways). Called at most once per older event, by a poster or by the deliverer; it calls no dispatcher.
+    /// Takes over what must not get lost of an older event with the same key, which is never delivered (a mouse move
+    /// adds up the displacements). Called at most once per older event, by a posting thread or by the delivering one;
+    /// it must not call a dispatcher.
     virtual void absorb(const Event& older) noexcept;
 
     EventType type;
-    double time = 0.0;      ///< [s], >= 0, of the simulation
-    std::uint64_t step = 0; ///< [-], of the simulation: steps done when it happened
+    double time = 0.0;      ///< [s], >= 0, simulated time
+    std::uint64_t step = 0; ///< [-], steps completed when it happened
 
 protected:
     explicit Event(EventType itsType) : type(itsType) {}
-    Event(const Event&) = default; // protected: a copy of the base alone would cut off the payload
+    Event(const Event&) = default; // protected, because copying the base class alone would cut off the payload
     Event& operator=(const Event&) = default;
 };
 
-/// Takes events from whoever makes them; the simulation's sink stamps time and step and posts them.
+/// Takes events from their sources; the simulation's sink stamps time and step and posts them.
 using EventSink = std::function<void(std::unique_ptr<Event>)>;
 
-/// A physics step is done. Merges: an observer that is slower than physics sees the newest step only.
+/// A physics step is done. Merges: an observer that is slower than physics sees only the newest step.
 class PhysicsUpdateEvent final : public Event {
 public:
     static constexpr EventType kType = EventType::PhysicsUpdate;
@@ -80,7 +82,7 @@ public:
     [[nodiscard]] std::optional<MergeKey> mergeKey() const override { return MergeKey{type}; }
 };
 
-/// A picture is drawn. Merges like PhysicsUpdateEvent.
+/// A picture was drawn. Merges like PhysicsUpdateEvent.
 class VisualUpdateEvent final : public Event {
 public:
     static constexpr EventType kType = EventType::VisualUpdate;

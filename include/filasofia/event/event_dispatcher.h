@@ -8,7 +8,7 @@
 
 namespace filasofia::event {
 
-/// Names an attached observer. Numbers are given once per dispatcher and never used again; 0 names nobody.
+/// Names an attached observer. A dispatcher never reuses a number; 0 names no observer.
 struct ObserverId {
     std::uint64_t value = 0;
 
@@ -17,19 +17,20 @@ struct ObserverId {
 };
 
 struct EventDispatcherDef {
-    int capacity = 4096;    ///< [events], in [2, 1048576], waiting ones; mergeable events have their own places
-    int mergePlaces = 256;  ///< [-], in [1, 65536], merge keys that wait at the same time without using the capacity
-    int maximumRounds = 64; ///< [-], in [1, 1000000], of deliverAll() and stop(): answers to answers to answers
+    int capacity = 4096; ///< [events], in [2, 1048576], queued events; mergeable events have their own places
+    int mergePlaces =
+        256; ///< [-], in [1, 65536], merge keys that may be queued at the same time without using the capacity
+    int maximumRounds = 64; ///< [-], in [1, 1000000], rounds of answers to answers in deliverAll() and stop()
 };
 constexpr auto fields(const EventDispatcherDef*)
 {
     return describe("EventDispatcherDef",
                     field("capacity", &EventDispatcherDef::capacity, "events", closed(2, 1048576),
-                          "how many events may wait; beyond it post() throws and tryPost() refuses"),
+                          "number of events that may be queued; beyond it post() throws and tryPost() returns false"),
                     field("mergePlaces", &EventDispatcherDef::mergePlaces, "-", closed(1, 65536),
-                          "merge keys that wait at the same time without using the capacity"),
+                          "number of merge keys that may be queued at the same time without using the capacity"),
                     field("maximumRounds", &EventDispatcherDef::maximumRounds, "-", closed(1, 1000000),
-                          "rounds of events that observers post in answer to events before this is an error"));
+                          "number of rounds in which observers may answer events with events; more is an error"));
 }
 
 template <class E>
@@ -38,27 +39,28 @@ concept EventClass = std::derived_from<E, Event>;
 template <class E>
 concept TypedEvent = EventClass<E> && std::same_as<decltype(E::kType), const EventType>;
 
-/// Brings events from any thread to the observers of their type, one event at a time.
+/// Delivers events from any thread to the observers of their type, one event at a time.
 ///
-/// Posting never waits: no lock is taken, whatever observers do. Events that one thread posts reach an observer in the
-/// order in which they were posted; an event that merged into a newer one is as if it had never been posted, the newer
-/// keeps its own place in the order. Observers are called in the order in which they were attached.
+/// Posting never waits: it takes no lock, whatever observers do. Events that one thread posts reach an observer in the
+/// order in which they were posted. An event that merged into a newer one counts as never posted; the newer one keeps
+/// its own place in the order. Observers are called in the order in which they were attached.
 ///
-/// Either the dispatcher's own thread delivers (start() to stop()), or whoever calls deliverAll(); never two at once.
+/// Events are delivered either by the dispatcher's own thread (start() to stop()) or by the thread that calls
+/// deliverAll(); never by two at once.
 class EventDispatcher {
 public:
     using Callback = std::function<void(const Event&)>;
 
-    /// Throws an Error where a field is outside its range.
+    /// Throws an Error if a field is outside its range.
     explicit EventDispatcher(const EventDispatcherDef& def = {});
-    /// Waits for a running callback, then frees what is queued without delivering it: call stop() first where it
-    /// matters. Not from inside a callback.
+    /// Waits for a running callback, then frees what is queued without delivering it; to have it delivered, call stop()
+    /// first. Must not be called from inside a callback.
     ~EventDispatcher();
     EventDispatcher(const EventDispatcher&) = delete;
     EventDispatcher& operator=(const EventDispatcher&) = delete;
 
-    /// Calls `callback` for every event of `type` whose delivery begins after this. A callback that throws is logged
-    /// and detached. Any thread, callbacks too.
+    /// Calls `callback` for every event of `type` whose delivery begins after this. If a callback throws, that is
+    /// logged and the observer is detached. May be called on any thread, and in callbacks.
     ObserverId attach(EventType type, Callback callback);
 
     /// The same for one event class. An event of another class under the same type is skipped, counted and, once per
@@ -78,38 +80,40 @@ public:
         });
     }
 
-    /// Ends an observer: it is not called again, and what its callback holds is freed. Any thread, callbacks too.
-    /// True: the callback is not running (an unknown id is none). It waits for that, except where waiting would never
-    /// end; then it returns false at once and the call that is running is the last: from inside that callback, or
-    /// when the thread that runs it waits, directly or through others, for a callback that this thread is running
-    /// (observers of two dispatchers that detach each other: the first to ask waits, the second gets false).
+    /// Ends an observer: it is not called again, and what its callback owns is freed. May be called on any thread, and
+    /// in callbacks. True means that the callback is not running (also for an unknown id); detach() waits for that,
+    /// unless it would wait for ever. Then it returns false at once, and the call in progress is the last. This happens
+    /// inside that callback, or if the thread that runs the callback waits, directly or through others, for a callback
+    /// that this thread is running (two dispatchers whose observers detach each other: the first caller waits, the
+    /// second gets false).
     bool detach(ObserverId id);
 
-    /// Queues an event. Any thread, callbacks too. Throws an Error where the queue is full.
+    /// Queues an event. May be called on any thread, and in callbacks. Throws an Error if the queue is full.
     void post(std::unique_ptr<Event> event);
     template <EventClass E> void post(E event) { post(std::make_unique<E>(std::move(event))); }
 
-    /// post() for physics: where the queue is full it returns false and leaves the event with the caller. Mergeable
-    /// events are refused only when the queue is full and more than `mergePlaces` keys wait (or, by bad luck in their
-    /// hashes, somewhat fewer). Allocates nothing; an older event that gives way is freed here.
+    /// post() for physics: if the queue is full, it returns false and leaves the event with the caller. Mergeable
+    /// events are refused only if the queue is full and more than `mergePlaces` keys are queued (or somewhat fewer, if
+    /// their hashes collide). Allocates nothing; frees the older event that a merge replaces.
     [[nodiscard]] bool tryPost(std::unique_ptr<Event>&& event);
 
-    /// Delivers what is queued now, and what observers post from their callbacks meanwhile, and so on. Returns how
-    /// many events. Throws an Error after `maximumRounds` such rounds (what is then queued stays queued), and where
-    /// somebody delivers already: the own thread, another caller, or the callback that calls this.
+    /// Delivers what is queued now, what observers post from their callbacks meanwhile, and so on. Returns the number
+    /// of events. Throws an Error after `maximumRounds` such rounds (what is queued then stays queued), and if events
+    /// are being delivered already: by the dispatcher's thread, another caller, or the callback that makes this call.
     std::size_t deliverAll();
 
-    /// Begins to deliver on an own thread. Throws an Error where somebody delivers already.
+    /// Starts delivery on the dispatcher's own thread. Throws an Error if events are being delivered already.
     void start();
-    /// Delivers what is queued as deliverAll() does, on the own thread, and ends that thread; nothing where there is
-    /// none. Throws an Error from inside a callback of this dispatcher, and, once the thread has ended, where
+    /// Delivers what is queued on the dispatcher's own thread, as deliverAll() does, and ends that thread; does nothing
+    /// if there is none. Throws an Error from inside a callback of this dispatcher and, once the thread has ended, if
     /// `maximumRounds` were not enough.
     void stop();
 
-    [[nodiscard]] std::uint64_t merged() const;    ///< events that gave way to a newer one
-    [[nodiscard]] std::uint64_t refused() const;   ///< events that found the queue full
-    [[nodiscard]] std::uint64_t delivered() const; ///< events delivered, to however many observers
-    [[nodiscard]] std::uint64_t skipped() const;   ///< calls not made because the event was of another class
+    [[nodiscard]] std::uint64_t merged() const;  ///< events replaced by a newer one
+    [[nodiscard]] std::uint64_t refused() const; ///< events refused because the queue was full
+    [[nodiscard]] std::uint64_t
+    delivered() const;                           ///< events delivered, each counted once however many observers it has
+    [[nodiscard]] std::uint64_t skipped() const; ///< calls skipped because the event was of another class
 
 private:
     void skip(const Event& event, bool warn);

@@ -4,11 +4,11 @@
 
 #include <string>
 
-/// What a person does to a window, as plain data: no window library is named here. Pixels count from the upper left
-/// corner of the window's content, x to the right, y down.
+/// The user's input to a window, as plain data that depends on no window library. Pixels are counted from the upper
+/// left corner of the window's content, x to the right, y down.
 namespace filasofia::event {
 
-/// Held while the event happened.
+/// The modifier keys that are down when the event happens.
 struct Modifiers {
     bool shift = false;
     bool control = false;
@@ -20,7 +20,7 @@ struct Modifiers {
 
 enum class MouseButton { Left, Middle, Right, Back, Forward };
 
-/// Held while the mouse moved.
+/// The mouse buttons that are down while the mouse moves.
 struct MouseButtons {
     bool left = false;
     bool middle = false;
@@ -31,7 +31,7 @@ struct MouseButtons {
     friend constexpr bool operator==(const MouseButtons&, const MouseButtons&) = default;
 };
 
-/// A button went down or up.
+/// A button was pressed or released.
 class MouseButtonEvent final : public Event {
 public:
     static constexpr EventType kType = EventType::MouseButton;
@@ -44,7 +44,7 @@ public:
     Modifiers modifiers;
 };
 
-/// The mouse moved. Merges: the newest place wins, the ways add up.
+/// The mouse moved. Merges: the newest position wins, the displacements add up.
 class MouseMoveEvent final : public Event {
 public:
     static constexpr EventType kType = EventType::MouseMove;
@@ -60,20 +60,20 @@ public:
     Modifiers modifiers;
 };
 
-/// The wheel turned. Does not merge: every notch counts.
+/// The wheel turned. Does not merge, because every notch counts.
 class MouseWheelEvent final : public Event {
 public:
     static constexpr EventType kType = EventType::MouseWheel;
     MouseWheelEvent() : Event(kType) {}
 
     double dx = 0.0; ///< [notches], positive to the right
-    double dy = 0.0; ///< [notches], positive away from the person
-    double x = 0.0;  ///< [px], where the mouse was
+    double dy = 0.0; ///< [notches], positive away from the user
+    double x = 0.0;  ///< [px], position of the mouse
     double y = 0.0;  ///< [px]
     Modifiers modifiers;
 };
 
-/// A key by its meaning in the person's keyboard layout.
+/// A key by its meaning in the user's keyboard layout.
 // clang-format off
 enum class KeyCode {
     Unknown,
@@ -90,7 +90,7 @@ enum class KeyCode {
 };
 // clang-format on
 
-/// A key went down or up, or is held long enough to repeat.
+/// A key was pressed or released, or is held long enough to repeat.
 class KeyEvent final : public Event {
 public:
     static constexpr EventType kType = EventType::Key;
@@ -98,17 +98,17 @@ public:
 
     KeyCode key = KeyCode::Unknown;
     bool pressed = false;
-    bool repeat = false; ///< pressed again by the keyboard, not by the person
-    Modifiers modifiers; ///< a modifier's own event counts the modifier as held when it is pressed
+    bool repeat = false; ///< pressed again by the keyboard, not by the user
+    Modifiers modifiers; ///< a modifier's own event includes the modifier when it is pressed
 };
 
-/// A person typed text: what the keyboard layout and its dead keys made of the keys, beside their own events.
+/// The user typed text: the result of keyboard layout and dead keys, sent in addition to the key events.
 class TextInputEvent final : public Event {
 public:
     static constexpr EventType kType = EventType::TextInput;
     TextInputEvent() : Event(kType) {}
 
-    std::string text; ///< UTF-8; one character, as a rule
+    std::string text; ///< UTF-8; usually one character
 };
 
 /// Something happened to the window itself.
@@ -119,7 +119,7 @@ public:
     WindowEvent() : Event(kType) {}
 
     Kind kind = Kind::Resized;
-    int width = 0;  ///< [px], of the window's content now, whatever the kind
+    int width = 0;  ///< [px], current width of the window's content, for every kind
     int height = 0; ///< [px]
 };
 

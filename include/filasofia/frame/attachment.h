@@ -8,17 +8,18 @@
 
 namespace filasofia::frame {
 
-/// What an attachment did during a step. One that broke at its end is there for the last time.
+/// The state of an attachment after a step. An attachment that broke at the end of the step is listed for the last
+/// time.
 struct Attachment {
     AttachmentId id = {};
     BodyId body = {};
-    BodyId to = {};      ///< none: space
-    Vec3 force = {};     ///< [N] on `body`, the sum over its points; on `to` the opposite
-    int points = 0;      ///< that it holds
-    bool broken = false; ///< the force was more than it stands
+    BodyId to = {};      ///< the other body; no body means space
+    Vec3 force = {};     ///< [N] on `body`, summed over the attached points; `to` gets the opposite
+    int points = 0;      ///< number of attached points
+    bool broken = false; ///< the force exceeded the attachment's strength
 };
 
-/// [N] By which all that holds `body`, or that it holds, pulls at it; what ties it to space does not count.
+/// [N] The total force on `body` of all attachments to other bodies; attachments to space do not count.
 Vec3 forceOn(BodyId body, const std::vector<Attachment>& attachments);
 
 } // namespace filasofia::frame

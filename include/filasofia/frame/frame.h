@@ -15,32 +15,34 @@ namespace filasofia::frame {
 /// The state of one soft body.
 struct SoftBodyFrame {
     BodyId id = {};
-    std::vector<Vec3> positions = {};              ///< [m], one per node
-    std::vector<Vec3> velocities = {};             ///< [m/s], one per node
-    std::shared_ptr<const Boundary> boundary = {}; ///< of a body with dynamicTopology; none: it is as it was made
+    std::vector<Vec3> positions = {};  ///< [m], one per node
+    std::vector<Vec3> velocities = {}; ///< [m/s], one per node
+    std::shared_ptr<const Boundary> boundary =
+        {}; ///< the boundary of a body with dynamicTopology; empty if its mesh was never edited
 };
 
 /// The state of one rigid body, per element.
 struct RigidBodyFrame {
     BodyId id = {};
-    std::vector<Pose> poses = {};      ///< from the element's coordinates to the world
-    std::vector<Vec3> velocities = {}; ///< [m/s], of the centre of mass; of the origin of a link, and of one that
-                                       ///< goes where it is told (0 in a step in which it jumped)
+    std::vector<Pose> poses = {}; ///< from the element's coordinates to the world
+    /// [m/s], velocity of the centre of mass of a dynamic element; velocity of the origin for a link and for a
+    /// kinematic element (0 in a step in which it jumped)
+    std::vector<Vec3> velocities = {};
     std::vector<Vec3> angularVelocities = {}; ///< [rad/s], in world axes
-    std::vector<Joint> joints = {};           ///< of an articulated body, in the order of its Def
+    std::vector<Joint> joints = {};           ///< the joints of an articulated body, in the order of its Def
 };
 
 /// The whole state after one step, as everyone outside the engine sees it. Immutable once published.
 struct Frame {
-    std::uint64_t step = 0;                       ///< number of steps made
+    std::uint64_t step = 0;                       ///< number of steps completed
     double time = 0.0;                            ///< [s], simulated
     std::vector<SoftBodyFrame> softBodies = {};   ///< in the order of their ids
     std::vector<RigidBodyFrame> rigidBodies = {}; ///< in the order of their ids
-    std::vector<Contact> contacts = {};           ///< what the bodies did to each other in the step
+    std::vector<Contact> contacts = {};           ///< the contacts of the step with their forces
     std::vector<Attachment> attachments = {};     ///< in the order of their ids
 
-    [[nodiscard]] const SoftBodyFrame* softBody(BodyId id) const;   ///< nullptr where there is none
-    [[nodiscard]] const RigidBodyFrame* rigidBody(BodyId id) const; ///< nullptr where there is none
+    [[nodiscard]] const SoftBodyFrame* softBody(BodyId id) const;   ///< nullptr if there is none
+    [[nodiscard]] const RigidBodyFrame* rigidBody(BodyId id) const; ///< nullptr if there is none
 };
 
 } // namespace filasofia::frame

@@ -10,7 +10,7 @@ namespace filasofia::frame {
 
 class FramePool;
 
-/// A reader's hold on a published Frame; while it lives, the Frame does not change.
+/// A reader's reference to a published Frame; while it lives, the Frame does not change.
 class FrameRef {
 public:
     FrameRef() = default;
@@ -38,18 +38,18 @@ private:
     std::atomic<int>* readers_ = nullptr;
 };
 
-/// Hands the newest Frame from one writer to any number of readers. Lossy: readers see the newest, not every one.
-/// Nobody waits, and once the frames have grown to the bodies' sizes nothing is allocated.
+/// Passes the newest Frame from one writer to any number of readers. Lossy: a reader sees the newest frame, not every
+/// one. Nobody waits, and once the frames have grown to the bodies' sizes nothing is allocated.
 class FramePool {
 public:
-    /// Readers may hold this many frames at once, less two; with more held, the writer skips.
+    /// Readers may hold two frames fewer than this at once; if they hold more, the writer skips a frame.
     static constexpr int kFrames = 8;
 
-    /// Writer: a Frame to fill, or nullptr when readers hold all. publish() must follow.
+    /// Writer: a Frame to fill, or nullptr if readers hold all of them. publish() must follow.
     [[nodiscard]] Frame* beginWrite();
     void publish();
 
-    /// Any thread: the newest Frame; empty before the first.
+    /// Any thread: the newest Frame; empty before the first one.
     [[nodiscard]] FrameRef latest();
 
 private:

@@ -7,7 +7,7 @@
 
 namespace filasofia::geometry {
 
-/// An axis-aligned box; a new one is empty and holds no point.
+/// An axis-aligned box; a default-constructed one is empty and contains no point.
 struct Box {
     Vec3 low{kFar, kFar, kFar};     ///< [m]
     Vec3 high{-kFar, -kFar, -kFar}; ///< [m]
@@ -16,14 +16,14 @@ struct Box {
     friend constexpr bool operator==(const Box&, const Box&) = default;
 };
 
-/// True also where a number is NaN.
+/// Also true if a coordinate is NaN.
 constexpr bool isEmpty(const Box& a) { return !(a.low.x <= a.high.x && a.low.y <= a.high.y && a.low.z <= a.high.z); }
 
 /// The smallest box around both.
 constexpr Box merged(const Box& a, const Box& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
 constexpr Box merged(const Box& a, Vec3 p) { return {min(a.low, p), max(a.high, p)}; }
 
-/// The smallest box around all points; empty where there are none.
+/// The smallest box around all points; empty if there are none.
 constexpr Box boxAround(std::span<const Vec3> points)
 {
     Box box;
@@ -38,14 +38,14 @@ constexpr Box grown(const Box& a, double margin)
     return {a.low - m, a.high + m};
 }
 
-/// True also where the boxes only touch.
+/// Also true if the boxes only touch.
 constexpr bool overlap(const Box& a, const Box& b)
 {
     return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
            a.low.z <= b.high.z && b.low.z <= a.high.z;
 }
 
-/// [m^2], 0 inside; infinite for an empty box.
+/// [m^2], 0 inside the box; infinite for an empty box.
 constexpr double squaredDistance(const Box& a, Vec3 p)
 {
     return lengthSquared(max(max(a.low - p, p - a.high), Vec3{}));

@@ -7,19 +7,19 @@
 
 namespace filasofia::geometry {
 
-/// Reads the tetrahedra of a Gmsh .msh (2.2 or 4.1, ASCII or binary) or TetGen .node/.ele pair (either name), checked;
-/// other elements (points, lines, triangles, quadrangles) are passed over, and nodes that no tetrahedron uses are
-/// dropped; the rest keep their order. Second-order tetrahedra, hexahedra, prisms and pyramids are refused.
-/// `scale` [m], > 0, is how long one unit of the file is: 1e-3 for millimetres.
-/// Throws an Error naming the file, the line (ASCII) or byte (binary) and element, and the bound.
+/// Reads the tetrahedra of a Gmsh .msh (2.2 or 4.1, ASCII or binary) or a TetGen .node/.ele pair (either name) and
+/// checks them. Other elements (points, lines, triangles, quadrangles) are skipped, and nodes that no tetrahedron uses
+/// are dropped; the rest keep their order. Second-order tetrahedra, hexahedra, prisms and pyramids are refused.
+/// `scale` [m], > 0, is the length of one unit of the file: 1e-3 for millimetres.
+/// Throws an Error naming the file, the line (ASCII) or byte (binary), the element, and the bound.
 TetMesh loadTetMesh(const std::filesystem::path& file, double scale = 1.0);
 
-/// Reads a triangle mesh from OBJ, STL, PLY or glTF (.gltf, .glb): all meshes of the file in one, where the file's
-/// nodes place them, vertices at exactly the same place joined and numbered in the order in which triangles use them,
-/// polygons triangulated. Coordinates pass through single precision. Where joining gives a vertex several texture
-/// coordinates the first one counts, and a part without any gets (0, 0). Triangles that name a vertex twice after
-/// joining are dropped; a warning in the log counts what was dropped.
-/// `scale` [m], > 0, is how long one unit of the file is.
+/// Reads a triangle mesh from OBJ, STL, PLY or glTF (.gltf, .glb). All meshes of the file become one, placed by the
+/// file's nodes. Vertices at exactly the same position are merged and numbered in the order in which triangles use
+/// them; polygons are triangulated. Coordinates pass through single precision. If a merged vertex has several texture
+/// coordinates, the first one counts, and a part without any gets (0, 0). Triangles that name a vertex twice after
+/// merging are dropped; a warning in the log counts what was dropped.
+/// `scale` [m], > 0, is the length of one unit of the file.
 /// Throws an Error naming the file and what is wrong with it.
 TriangleMesh loadTriangleMesh(const std::filesystem::path& file, double scale = 1.0);
 

@@ -5,26 +5,28 @@
 
 #include <memory>
 
-/// Simple bodies without files. All lie around the origin; surfaces are closed and face outwards, round ones with their
-/// vertices on the round. Each throws an Error naming the shape, the argument, its bound and its value.
+/// Simple bodies without files. All are centred on the origin; surfaces are closed and face outwards, and the vertices
+/// of round shapes lie on the exact surface. Each function throws an Error naming the shape, the argument, its bound
+/// and its value.
 namespace filasofia::geometry::shapes {
 
-/// A box of edges `size` [m], each > 0; every face in so many cells along its axes, each in [1, 500], of two triangles.
+/// A box of edges `size` [m], each > 0; every face has the given number of cells, in [1, 500], along its axes, two
+/// triangles per cell.
 std::shared_ptr<const TriangleMesh> box(Vec3 size, std::array<int, 3> cells = {1, 1, 1});
 
 /// A sphere of `radius` [m], > 0, with `quarter` edges, in [1, 500], along a quarter of a great circle: 8 quarter^2
 /// triangles.
 std::shared_ptr<const TriangleMesh> sphere(double radius, int quarter = 8);
 
-/// Half spheres of `radius` [m], > 0, around both ends of a line of `length` [m], > 0, along y, and what lies between
-/// them; `quarter` as for the sphere.
+/// Half spheres of `radius` [m], > 0, around both ends of a line of `length` [m], > 0, along y, joined by a cylinder;
+/// `quarter` as for the sphere.
 std::shared_ptr<const TriangleMesh> capsule(double radius, double length, int quarter = 8);
 
 /// A cylinder of `radius` [m], > 0, and `length` [m], > 0, along y; `quarter` as for the sphere.
 std::shared_ptr<const TriangleMesh> cylinder(double radius, double length, int quarter = 8);
 
-/// A solid box of edges `size` [m], each > 0, in so many cells along its axes, each in [1, 200], of six tetrahedra;
-/// neighbours mirror each other, so that an even number of cells has no preferred direction.
+/// A solid box of edges `size` [m], each > 0, with the given number of cells, in [1, 200], along each axis and six
+/// tetrahedra per cell. Neighbouring cells mirror each other, so an even number of cells has no preferred direction.
 std::shared_ptr<const TetMesh> block(Vec3 size, std::array<int, 3> cells = {4, 4, 4});
 
 } // namespace filasofia::geometry::shapes

@@ -7,8 +7,8 @@
 
 namespace filasofia::geometry {
 
-/// The indices of points [m] along a Z-order curve through their bounding box (Morton 1966), so that neighbours in the
-/// list are mostly neighbours in space: what is worked on together then lies together in memory. Equal places keep
+/// The indices of points [m] along a Z-order curve through their bounding box (Morton 1966). Neighbours in the list are
+/// mostly neighbours in space, so data that is used together lies together in memory. Points at the same position keep
 /// their order.
 std::vector<int> orderAlongCurve(std::span<const Vec3> points);
 

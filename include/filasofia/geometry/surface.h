@@ -7,12 +7,12 @@ namespace filasofia::geometry {
 
 /// The boundary of a tetrahedral mesh.
 struct Surface {
-    TriangleMesh mesh;      ///< vertices are numbered anew, in the order of the nodes they are
-    std::vector<int> nodes; ///< the node that each vertex is, ascending
+    TriangleMesh mesh;      ///< vertices are renumbered, in the order of their nodes
+    std::vector<int> nodes; ///< the node of each vertex, in ascending order
 };
 
-/// The faces that belong to one tetrahedron only, oriented outwards, in the order of the tetrahedra. The mesh is one
-/// that check() accepts; its surface is then closed: every edge is walked as often in one direction as in the other.
+/// The faces that belong to one tetrahedron only, oriented outwards, in the order of the tetrahedra. The mesh must pass
+/// check(); its surface is then closed: every edge is traversed as often in one direction as in the other.
 Surface extractSurface(const TetMesh& mesh);
 
 } // namespace filasofia::geometry

@@ -11,11 +11,11 @@ namespace filasofia::geometry {
 /// Three vertex indices, counter-clockwise seen from outside.
 using Triangle = std::array<int, 3>;
 
-/// A surface as triangles.
+/// A surface mesh of triangles.
 struct TriangleMesh {
     std::vector<Vec3> vertices;            ///< [m]
     std::vector<Triangle> triangles;       ///< indices into vertices
-    std::vector<std::array<double, 2>> uv; ///< [-], one per vertex, or empty; (0, 0) is the picture's lower left corner
+    std::vector<std::array<double, 2>> uv; ///< [-], one per vertex, or empty; (0, 0) is the image's lower left corner
 };
 
 /// Throws an Error naming `name`, the triangle or vertex, and the bound, unless there is a triangle, every number is

@@ -10,10 +10,10 @@ namespace filasofia::linalg {
 class BlockSparseMatrix final : public LinearOperator {
 public:
     BlockSparseMatrix() = default;
-    /// `columns[r]` names the blocks of row r, sorted, without repeats, the diagonal among them.
+    /// `columns[r]` lists the columns of the blocks of row r, sorted, without repeats, including the diagonal.
     explicit BlockSparseMatrix(const std::vector<std::vector<int>>& columns);
 
-    /// Where block (row, column) is stored, or -1 where there is none.
+    /// Where block (row, column) is stored, or -1 if there is none.
     [[nodiscard]] int find(int row, int column) const;
     [[nodiscard]] Mat3& block(int position) { return blocks_[position]; }
     [[nodiscard]] const Mat3& block(int position) const { return blocks_[position]; }

@@ -8,12 +8,12 @@ namespace filasofia::linalg {
 
 class BlockSparseMatrix;
 
-/// A symmetric positive definite matrix over nodes with three unknowns each, as far as a solver may see it.
-/// An assembled matrix is one; a matrix-free operator is another, and assembles its entries only when asked.
+/// A symmetric positive definite matrix over nodes with three unknowns each, as solvers see it. It may be assembled
+/// (BlockSparseMatrix) or matrix-free; a matrix-free operator assembles its entries only if entries() is called.
 class LinearOperator {
 public:
     virtual ~LinearOperator() = default;
-    [[nodiscard]] virtual int rows() const = 0; ///< number of nodes
+    [[nodiscard]] virtual int rows() const = 0; ///< nodes
     virtual void multiply(std::span<const Vec3> x,
                           std::span<Vec3> y) const = 0;                 ///< y = A x; y is written, not added to
     virtual void diagonal(std::span<Mat3> blocks) const = 0;            ///< the 3 x 3 blocks on the diagonal

@@ -7,22 +7,22 @@
 
 namespace filasofia::mapping {
 
-/// How values at the vertices of a surface come to the vertices of the one that takes its place after a cut.
+/// How values at the vertices of a surface are transferred to the surface that replaces it after a cut.
 struct SurfaceTransfer {
     static constexpr int kNone = -1;
-    std::vector<std::array<int, 3>> vertices;   ///< per new vertex, three old ones; kNone: it lies on none
-    std::vector<std::array<double, 3>> weights; ///< their shares
+    std::vector<std::array<int, 3>> vertices;   ///< per new vertex, three old ones; kNone if it lies on none
+    std::vector<std::array<double, 3>> weights; ///< their weights
 
     friend bool operator==(const SurfaceTransfer&, const SurfaceTransfer&) = default;
 };
 
-/// Per vertex of `fresh`, the place of the old surface where it lies, both at rest: a vertex that was there keeps its
-/// values exactly, one on an edge or a triangle gets the mean, one that lay inside the tissue (farther from the surface
-/// than a millionth of its size) begins anew.
+/// For each vertex of `fresh`, its position on the old surface, both at rest. A vertex that existed keeps its values
+/// exactly, one on an edge or a triangle gets the weighted mean, and one that was inside the tissue (farther from the
+/// surface than a millionth of its size) gets a default value.
 SurfaceTransfer transferBetween(const geometry::TriangleMesh& old, const geometry::TriangleMesh& fresh);
 
-/// The values of the new surface; `values` has one for each vertex of the old one. A value is added to others and
-/// multiplied by a number from the left.
+/// The values of the new surface; `values` has one for each vertex of the old one. Values must support addition and
+/// multiplication by a number from the left.
 template <class Value> std::vector<Value> carry(const SurfaceTransfer& transfer, const std::vector<Value>& values)
 {
     std::vector<Value> moved(transfer.vertices.size());

@@ -4,7 +4,7 @@
 
 namespace filasofia {
 
-/// A 3 x 3 matrix by rows: m[r][c].
+/// A 3 x 3 matrix stored by rows: m[r][c].
 struct Mat3 {
     Vec3 row[3];
 
@@ -47,7 +47,7 @@ inline double frobeniusNorm(const Mat3& a) { return std::sqrt(contract(a, a)); }
 constexpr Mat3 outer(Vec3 a, Vec3 b) { return {{a.x * b, a.y * b, a.z * b}}; }
 /// The matrix of v -> a x v.
 constexpr Mat3 crossMatrix(Vec3 a) { return {{{0, -a.z, a.y}, {a.z, 0, -a.x}, {-a.y, a.x, 0}}}; }
-/// The inverse; the caller knows that the determinant is not zero.
+/// The inverse; the caller makes sure that the determinant is not zero.
 constexpr Mat3 inverse(const Mat3& a)
 {
     const Vec3 c0 = cross(a[1], a[2]), c1 = cross(a[2], a[0]), c2 = cross(a[0], a[1]);

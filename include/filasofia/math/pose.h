@@ -4,7 +4,8 @@
 
 namespace filasofia {
 
-/// Where a rigid thing is: it maps its own coordinates to the world by rotating, then moving.
+/// The position and orientation of a rigid thing: it maps the thing's coordinates to the world by rotating, then
+/// translating.
 struct Pose {
     Vec3 position = {};    ///< [m]
     Quat orientation = {}; ///< unit quaternion
@@ -13,7 +14,7 @@ struct Pose {
 };
 
 constexpr Vec3 transform(const Pose& pose, Vec3 point) { return pose.position + rotate(pose.orientation, point); }
-/// First b, then a: transform(a * b, p) = transform(a, transform(b, p)).
+/// Applies b first, then a: transform(a * b, p) = transform(a, transform(b, p)).
 constexpr Pose operator*(const Pose& a, const Pose& b)
 {
     return {transform(a, b.position), a.orientation * b.orientation};
@@ -27,7 +28,7 @@ inline bool isFinite(const Pose& pose) { return isFinite(pose.position) && isFin
 
 constexpr auto fields(const Pose*)
 {
-    return describe("Pose", field("position", &Pose::position, "m", finite(), "where the origin lies"),
+    return describe("Pose", field("position", &Pose::position, "m", finite(), "position of the origin"),
                     field("orientation", &Pose::orientation, "unit quaternion"));
 }
 

@@ -4,7 +4,7 @@
 
 namespace filasofia {
 
-/// A unit quaternion: a rotation. w is the real part.
+/// A unit quaternion, which represents a rotation. w is the real part.
 struct Quat {
     double w = 1.0;
     double x = 0.0;
@@ -14,7 +14,7 @@ struct Quat {
     friend constexpr bool operator==(const Quat&, const Quat&) = default;
 };
 
-/// First b, then a.
+/// Applies b first, then a.
 constexpr Quat operator*(Quat a, Quat b)
 {
     return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
@@ -23,7 +23,7 @@ constexpr Quat operator*(Quat a, Quat b)
 constexpr Quat conjugate(Quat q) { return {q.w, -q.x, -q.y, -q.z}; }
 constexpr double dot(Quat a, Quat b) { return a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// q scaled to unit length; the identity where q has none.
+/// q scaled to unit length; the identity if q has no length.
 inline Quat normalized(Quat q)
 {
     const double l = std::sqrt(dot(q, q));

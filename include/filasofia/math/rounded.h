@@ -4,18 +4,18 @@
 
 #include <cmath>
 
-/// Numbers with fewer decimal digits, for what moves at every step: a recording writes digits, and those of a pose are
-/// a third then. Nobody's hand feels 0.1 um.
+/// Numbers rounded to fewer decimal digits, for values that change at every step: a recording writes digits, and those
+/// of a rounded pose are a third as many. Nobody feels 0.1 um.
 namespace filasofia {
 
-/// To a whole number of 1 / perUnit.
+/// Rounds to a multiple of 1 / perUnit.
 inline double rounded(double value, double perUnit) { return std::round(value * perUnit) / perUnit; }
 inline Vec3 rounded(Vec3 v, double perUnit)
 {
     return {rounded(v.x, perUnit), rounded(v.y, perUnit), rounded(v.z, perUnit)};
 }
-/// The place to 0.1 um, the orientation to 1e-6. That is no longer of unit length but for 1e-6: who takes it must make
-/// it so, as setPose() does.
+/// Rounds the position to 0.1 um and the components of the orientation to 1e-6. The quaternion's length is then 1 only
+/// to within 1e-6, so the receiver must normalise it, as setPose() does.
 inline Pose rounded(const Pose& pose)
 {
     constexpr double kPlace = 1e7, kTurn = 1e6;

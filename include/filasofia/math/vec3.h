@@ -33,7 +33,7 @@ constexpr double lengthSquared(Vec3 a) { return dot(a, a); }
 inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
 inline double distance(Vec3 a, Vec3 b) { return length(a - b); }
 
-/// The direction of a; `fallback` where a is too short to have one.
+/// The direction of a; `fallback` if a is too short to have one.
 inline Vec3 normalized(Vec3 a, Vec3 fallback = {})
 {
     const double l = length(a);

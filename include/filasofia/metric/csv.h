@@ -7,11 +7,11 @@
 /// Tables for spreadsheets.
 namespace filasofia::metric {
 
-/// A text as a cell: in quotes, its quotes doubled, its line breaks spaces; what a spreadsheet would take for a formula
-/// (it begins with = + - @ or a tab) gets an apostrophe before it.
+/// A text as a cell: in quotes, with its quotes doubled and its line breaks replaced by spaces. If a spreadsheet would
+/// take it for a formula (it begins with = + - @ or a tab), an apostrophe is put before it.
 std::string csvCell(std::string_view text);
 
-// A session: a line per moment, with what all tracks did, or with an event.
+// A session: a line per moment with the samples of all tracks, or a line with an event.
 std::string csvHead(const Session& session);
 void appendCsvLine(std::string& out, const Session& session, std::span<const Sample> samples);
 std::string csvLine(const Session& session, const Event& event);

@@ -4,24 +4,24 @@
 
 namespace filasofia::metric {
 
-/// How a track moved for a time without gaps, evenly sampled.
+/// An evenly sampled stretch of a track without gaps.
 struct Motion {
     double start = 0.0;               ///< [s]
     double interval = 0.0;            ///< [s], > 0
     std::vector<Vec3> positions = {}; ///< [m], low-passed
-    std::vector<double> speeds = {};  ///< [m/s], one per position; empty where there are fewer than kFewest
+    std::vector<double> speeds = {};  ///< [m/s], one per position; empty if there are fewer than kMinSamples
 
     [[nodiscard]] double timeAt(std::size_t i) const { return start + interval * static_cast<double>(i); }
     [[nodiscard]] double duration() const { return timeAt(positions.empty() ? 0 : positions.size() - 1) - start; }
 };
 
-/// Derivatives are of polynomials through so many samples.
-inline constexpr int kFewest = 7;
+/// Derivatives are those of polynomials through this many samples.
+inline constexpr int kMinSamples = 7;
 
-/// The samples with finite time and position, by rising time, cut where they are further apart than maximumGap, or jump
-/// (fastest). Unevenly sampled ones are brought to the median interval by cubics through four neighbours; positions are
-/// then low-passed (Butterworth of second order, forwards and backwards: no delay), and speeds are the slopes of
-/// polynomials through seven neighbours.
+/// The samples with finite time and position, in increasing order of time, split where they are further apart than
+/// maximumGap, or jump (fastest). Unevenly sampled stretches are resampled at the median interval by cubics through
+/// four neighbours. Positions are then low-pass filtered (Butterworth of second order, forwards and backwards: no
+/// delay), and speeds are the slopes of polynomials through seven neighbours.
 std::vector<Motion> motionsOf(const Track& track, const MeasureDef& def = {});
 
 } // namespace filasofia::metric

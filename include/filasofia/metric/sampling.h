@@ -5,23 +5,24 @@
 
 namespace filasofia::metric {
 
-/// Which point of a body is followed.
+/// The observed point of a body.
 struct Observed {
     BodyId body = {};
-    int element = 0;   ///< [-], >= 0, of a rigid body
-    Vec3 tip = {};     ///< [m], in the element's coordinates; a soft body's point is the mean of its nodes
-    bool force = true; ///< contacts and attachments to other bodies too
+    int element = 0;   ///< [-], >= 0, element of a rigid body
+    Vec3 tip = {};     ///< [m], in the element's coordinates; for a soft body the point is the mean of its nodes
+    bool force = true; ///< whether to sample contacts and attachments to other bodies
 };
 
-/// The sample that a frame holds of it; all NaN where the body is not there.
+/// The sample of the point in a frame; all NaN if the body is not there.
 Sample sampleOf(const frame::Frame& frame, const Observed& observed);
 
-/// Samples a body less often than physics steps, and misses no blow in between: a sample's force is the mean over the
-/// steps since the sample before, so that impulses are exact; its contacts are the most, its point the strongest's.
+/// Samples a body less often than physics steps without missing a short force peak: a sample's force is the mean over
+/// the steps since the previous sample, so that impulses are exact. Its number of contacts is the largest of these
+/// steps, and its point is that of the strongest force.
 class StepSampler {
 public:
     explicit StepSampler(const Observed& observed) : observed_(observed) {}
-    /// After every step of `dt` [s]; 0: not known.
+    /// To be called after every step of `dt` [s]; 0 if unknown.
     void add(const frame::Frame& frame, double dt);
     /// The sample at the newest step.
     Sample take();

@@ -6,26 +6,26 @@
 #include <iosfwd>
 #include <span>
 
-/// A session as JSON Lines: a head, then a line per moment with what all tracks did, a line per event in between, and
-/// an end. docs/report.md describes it. What was written stays readable whatever happens to the writer.
+/// A session as JSON Lines: a header, then a line per moment with the samples of all tracks and a line per event, and
+/// an end. docs/guide/report.md describes the format. What was written stays readable whatever happens to the writer.
 namespace filasofia::metric {
 
 inline constexpr int kSessionVersion = 1;
 
-// The lines, each with its line break; for whoever writes a session as it goes. Numbers read back to the same bits.
+// The lines, each with its line break, for a program that writes a session while it runs. Numbers read back to the same
+// bits.
 std::string headLine(const Session& session);
-/// `samples`: one per track, of the same time.
+/// `samples`: one per track, all at the same time.
 void appendSampleLine(std::string& out, const Session& session, std::span<const Sample> samples);
 std::string eventLine(const Event& event);
 std::string endLine(std::uint64_t lost);
 
-/// The whole session; lines of samples need tracks that are sampled together. Throws Error where they are not, or where
-/// the file cannot be written.
+/// Writes a whole session. Throws an Error if its tracks were not sampled together, or if the file cannot be written.
 void writeSession(const std::filesystem::path& file, const Session& session);
-/// Throws Error naming file and line where it is no session, of another version, or damaged. A session that broke off
-/// is read up to there (Session::complete). It must be a regular file.
+/// Throws an Error naming file and line if it is not a session, of another version, or damaged. A session that was
+/// interrupted is read up to its last line (Session::complete). The file must be a regular one.
 Session readSession(const std::filesystem::path& file);
-/// The same of a stream; errors call it by `name`.
+/// Reads a session from a stream; errors call it by `name`.
 Session readSession(std::istream& stream, const std::string& name);
 
 } // namespace filasofia::metric

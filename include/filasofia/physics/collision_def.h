@@ -9,44 +9,49 @@
 
 namespace filasofia::physics {
 
-/// A triangle mesh: the name of a file, or the mesh itself; an empty name: none given.
+/// A triangle mesh: the name of a file, or the mesh itself. An empty name means that no mesh is given.
 using TriangleMeshSource = std::variant<std::string, std::shared_ptr<const geometry::TriangleMesh>>;
 
-/// Which features of a collision mesh touch others. Points meet triangles, lines meet lines; where a mesh has no
-/// triangles its lines meet points as well, and where it has neither its points do.
+/// The features of a collision mesh that collide with others. Points collide with triangles, and lines with lines. If a
+/// mesh has no triangles, its lines also collide with points; if it has neither, its points collide with points.
 struct Primitives {
     bool points = true;
     bool lines = true;
     bool triangles = true;
 };
 
-/// One way in which a body is touched.
+/// One collision model of a body.
 struct CollisionDef {
-    TriangleMeshSource mesh = {}; ///< none given: the body's own surface. A soft body's is in the coordinates of its
-                                  ///< tetrahedra and rides on them; a rigid one's in those of its element
-    int element = 0;              ///< [-], >= 0, of a rigid body's elements; 0 for a soft body
+    /// if none is given, the body's own surface. A soft body's collision mesh is in the coordinates of its tetrahedra
+    /// and is embedded in them; a rigid body's is in those of its element
+    TriangleMeshSource mesh = {};
+    int element = 0; ///< [-], >= 0, element of a rigid body; 0 for a soft body
     Primitives primitives = {};
-    double proximity = 0.5e-3; ///< [m], >= 0; contacts are found where surfaces are nearer than the sum of both bodies'
-    int group = 0;             ///< only models of the same group touch each other
-    bool self = false;         ///< does it touch itself where the body folds
-    /// On a rigid body: a blade. Its lines (the mesh's edges, or those of its segments) cut soft bodies with
-    /// dynamicTopology of its group and pass through them; all else of the group it pushes. On a soft body: the groups
-    /// whose blades may cut it, where that is not all that its other models are in; nothing touches such a model.
+    double proximity =
+        0.5e-3;    ///< [m], >= 0; contacts are found where surfaces are nearer than the sum of both bodies' proximities
+    int group = 0; ///< only models of the same group collide
+    bool self = false; ///< whether the body collides with itself where it folds
+    /// On a rigid body, a blade: its lines (the mesh's edges, or those of its segments) cut soft bodies of its group
+    /// that have dynamicTopology and pass through them; it pushes everything else of the group. On a soft body: the
+    /// groups whose blades may cut it, if these are not all groups of its other models; nothing collides with such a
+    /// model.
     bool cutting = false;
 };
 
-/// Nothing goes through anything, friction after Coulomb, forces as they follow from that: contact forces are found
-/// together with the motion (augmented Lagrangian; Alart and Curnier 1991).
+/// Contact without penetration and with Coulomb friction: contact forces are found together with the motion (augmented
+/// Lagrangian; Alart and Curnier 1991).
 struct ExactContact {
-    int rounds = 8; ///< [-], in [1, 100], of forty iterations in which a step finds out what touches and what slides
-    double tolerance = 5e-3; ///< [-], in (0, 1), of forces, relative to all of them
+    int rounds = 8; ///< [-], in [1, 100], rounds of forty iterations in which a step determines which contacts are
+                    ///< closed and which slide
+    double tolerance = 5e-3; ///< [-], in (0, 1), error of the forces, relative to all of them
 };
-/// Surfaces are pushed apart in proportion to how far they are inside each other: soft, and cheap. A force F on n
-/// contacts sinks in by F / (n stiffness), and what is deeper than both proximities and insets (1.2 mm by default) is
-/// lost and falls through: with the default stiffness some 0.4 kg on four corners are the most.
+/// Contact by a penalty force: surfaces are pushed apart in proportion to their penetration. Compliant, and cheap. A
+/// force F on n contacts penetrates by F / (n stiffness). If the penetration exceeds both proximities and insets (1.2
+/// mm by default), the contact is lost and the body falls through: with the default stiffness, some 0.4 kg on four
+/// corners are the maximum.
 struct PenaltyContact {
     double stiffness = 1000.0; ///< [N/m], > 0, of each contact
-    double damping = 0.0;      ///< [N s/m], >= 0, of each contact inside, against the motion along the normal
+    double damping = 0.0;      ///< [N s/m], >= 0, of each penetrating contact, against the motion along the normal
 };
 using ContactMethod = std::variant<ExactContact, PenaltyContact>;
 
@@ -59,24 +64,27 @@ constexpr auto fields(const Primitives*)
 constexpr auto fields(const CollisionDef*)
 {
     using T = CollisionDef;
-    return describe("CollisionDef", field("mesh", &T::mesh, "a surface's file, or the surface"),
-                    field("element", &T::element, "-", nonNegative(), "of a rigid body's elements"),
-                    field("primitives", &T::primitives, "which features touch"),
-                    field("proximity", &T::proximity, "m", nonNegative(), "both bodies' add up"),
-                    field("group", &T::group, "only models of one group touch"),
-                    field("self", &T::self, "does it touch itself"), field("cutting", &T::cutting, "registers cuts"));
+    return describe("CollisionDef", field("mesh", &T::mesh, "its surface, or the file of its surface"),
+                    field("element", &T::element, "-", nonNegative(), "element of a rigid body"),
+                    field("primitives", &T::primitives, "features that collide"),
+                    field("proximity", &T::proximity, "m", nonNegative(),
+                          "distance within which contacts are found; both bodies' proximities add up"),
+                    field("group", &T::group, "only models of the same group collide"),
+                    field("self", &T::self, "whether the body collides with itself"),
+                    field("cutting", &T::cutting, "whether it is a blade, or may be cut by one"));
 }
 constexpr auto fields(const ExactContact*)
 {
     using T = ExactContact;
-    return describe("ExactContact", field("rounds", &T::rounds, "-", closed(1, 100), "per step, at most"),
-                    field("tolerance", &T::tolerance, "-", open(0, 1), "of forces, relative to all of them"));
+    return describe("ExactContact",
+                    field("rounds", &T::rounds, "-", closed(1, 100), "largest number of rounds per step"),
+                    field("tolerance", &T::tolerance, "-", open(0, 1), "error of the forces, relative to all of them"));
 }
 constexpr auto fields(const PenaltyContact*)
 {
     using T = PenaltyContact;
-    return describe("PenaltyContact", field("stiffness", &T::stiffness, "N/m", positive(), "of each contact"),
-                    field("damping", &T::damping, "N s/m", nonNegative(), "of each contact, along the normal"));
+    return describe("PenaltyContact", field("stiffness", &T::stiffness, "N/m", positive(), "stiffness of each contact"),
+                    field("damping", &T::damping, "N s/m", nonNegative(), "damping of each contact along the normal"));
 }
 
 } // namespace filasofia::physics

@@ -8,12 +8,14 @@
 
 #include <functional>
 
-/// The only way into a running simulation: applied at the start of the next step, in the order of posting.
+/// Commands are the only way into a running simulation: they are applied at the start of the next step, in the order of
+/// posting.
 namespace filasofia::physics {
 
 class PhysicsEngine;
 
-/// A finished body, as its engine keeps it: built and checked on the caller's thread, moved in at a step's start.
+/// A finished body in the engine's own form: built and checked on the caller's thread, moved into the engine at the
+/// start of a step.
 class BuiltBody {
 public:
     virtual ~BuiltBody() = default;
@@ -24,34 +26,36 @@ struct AddBody {
     BodyId id = {};
     std::shared_ptr<const BodyDef> def = {};
     std::unique_ptr<BuiltBody> body = {};
-    AttachmentId attachments = {}; ///< the first of those of its Def, the others follow; none: it has none
+    AttachmentId attachments =
+        {}; ///< id of the first of its Def's attachments, the others follow; none if its Def has none
 };
-/// And every attachment to it.
+/// Removes a body and every attachment to it.
 struct RemoveBody {
     BodyId id = {};
 };
-/// Where a rigid element is told to be: at the end of the step, or, where the body is dynamic, at once and at rest.
+/// Sets the pose of a rigid element: its target at the end of the step for a kinematic body, or, if the body is
+/// dynamic, its pose at once and at rest.
 struct SetPose {
     BodyId id = {};
     int element = 0;
-    Pose pose = {}; ///< its orientation of any length > 1e-6: the engine makes it unit
+    Pose pose = {}; ///< the orientation may have any length > 1e-6: the engine normalises it
 };
-/// What pushes an element of a dynamic body at its centre of mass, in place of what did.
+/// Sets the wrench on an element of a dynamic body at its centre of mass; replaces the former one.
 struct SetWrench {
     BodyId id = {};
     int element = 0;
     Vec3 force = {};  ///< [N], in world axes
     Vec3 torque = {}; ///< [N m], in world axes
 };
-/// What a joint of an articulated body does from now on: goes to a position, or is pushed.
+/// Sets the command of a joint of an articulated body: a position, or a force.
 struct SetJoint {
     BodyId id = {};
-    int joint = 0; ///< [-], in the order of its Def
+    int joint = 0; ///< [-], index in its Def
     JointCommand command = {};
 };
-/// Where the hand is that holds an element. A dynamic body is pulled there by the coupling until told anew, and without
-/// any stiffness and damping it is let go; one with joints cannot be held. Any other goes there in the step and stays,
-/// as with SetPose, whatever the coupling.
+/// Sets the motion of the hand that holds an element. A dynamic body is pulled towards it by the virtual coupling until
+/// the next such command; if stiffness and damping are all zero, it is released. A dynamic body with joints cannot be
+/// held. A kinematic body moves there in the step and stays, as with SetPose, whatever the coupling.
 struct SetHaptic {
     BodyId id = {};
     int element = 0;
@@ -63,11 +67,11 @@ struct SetGravity {
 struct SetMaterial {
     BodyId id = {};
     SoftMaterial material = {};
-    /// The body built anew with it, of which the engine takes what depends on the material, and leaves behind what it
-    /// had. None (in a replay): the step makes that.
+    /// The body built with the new material. The engine takes from it what depends on the material, and leaves the
+    /// former data in it. If it is missing (in a replay), the step builds it.
     std::unique_ptr<BuiltBody> body = {};
 };
-/// Replaces all given forces of a soft body.
+/// Replaces all nodal forces of a soft body.
 struct SetForces {
     BodyId id = {};
     std::vector<NodalForce> forces = {};
@@ -76,7 +80,7 @@ struct SetPressure {
     BodyId id = {};
     double pressure = 0.0; ///< [Pa]
 };
-/// Holds nodes of a soft body where they are at the start of the step.
+/// Attaches nodes of a soft body at their positions at the start of the step.
 struct Attach {
     AttachmentId id = {};
     BodyId body = {};
@@ -88,113 +92,124 @@ struct AttachRigid {
     BodyId body = {};
     RigidAttachmentDef def = {};
 };
-/// Nothing happens where it has broken, or its body is gone.
+/// Releases an attachment. Does nothing if it has broken, or its body is gone.
 struct Release {
     AttachmentId id = {};
 };
-/// Takes a piece that cuts or tears have set loose out of the scene. Nothing happens where there is none of this
-/// number, or where it is all that is left of the body; the step then counts it in TopologyReport::noPiece.
+/// Removes a piece that cuts or tears have detached. Does nothing if there is no piece of this number, or if it is all
+/// that is left of the body; the step then counts it in TopologyReport::noPiece.
 struct RemovePiece {
     BodyId id = {};
-    int piece = 0; ///< as LoosePiece names it; 0: what kept the body's place
+    int piece = 0; ///< number as in LoosePiece; 0: the part that kept the body's number
 };
-/// Ties to a rigid body what it touches of the target in the step; while paused, in the first that goes on.
+/// Attaches to a rigid body what it touches of the target in the step; while paused, in the first step after the pause.
 struct Grasp {
     AttachmentId id = {};
     BodyId rigid = {};
     BodyId target = {};
     GraspDef def = {};
 };
-/// Every body back to where it was added, with the velocities it was added with; time and step count go on. Attachments
-/// stay as they are now.
+/// Returns every body to the pose and the velocities with which it was added; time and step count continue. The current
+/// attachments stay.
 struct Reset {};
 /// While paused, steps apply commands and nothing moves.
 struct Pause {
     bool paused = true;
 };
-/// Runs once between two steps with the engine itself in hand; see filasofia/engine/native.h.
+/// Runs once between two steps with access to the engine itself; see filasofia/engine/native/native.h.
 struct Tune {
     std::function<void(PhysicsEngine&)> change;
 };
 
-// For recordings: what a command says. A built body is no part of it: it is built again from the Def.
+// For recordings: the content of each command. A built body is not part of it: it is built again from the Def.
 constexpr auto fields(const AddBody*)
 {
-    return describe("AddBody", field("id", &AddBody::id, "the body to be"),
-                    field("def", &AddBody::def, "what it is made from"),
-                    field("attachments", &AddBody::attachments, "the first of its Def's"));
+    return describe("AddBody", field("id", &AddBody::id, "id of the new body"),
+                    field("def", &AddBody::def, "Def of the new body"),
+                    field("attachments", &AddBody::attachments, "id of the first of its Def's attachments"));
 }
-constexpr auto fields(const RemoveBody*) { return describe("RemoveBody", field("id", &RemoveBody::id, "the body")); }
+constexpr auto fields(const RemoveBody*)
+{
+    return describe("RemoveBody", field("id", &RemoveBody::id, "the body to remove"));
+}
 constexpr auto fields(const SetPose*)
 {
     return describe("SetPose", field("id", &SetPose::id, "the rigid body"),
-                    field("element", &SetPose::element, "-", nonNegative(), "of its elements"),
-                    field("pose", &SetPose::pose, "where it is from now on"));
+                    field("element", &SetPose::element, "-", nonNegative(), "index of the element"),
+                    field("pose", &SetPose::pose, "pose from now on"));
 }
 constexpr auto fields(const SetWrench*)
 {
     return describe("SetWrench", field("id", &SetWrench::id, "the dynamic body"),
-                    field("element", &SetWrench::element, "-", nonNegative(), "of its elements"),
-                    field("force", &SetWrench::force, "N", finite(), "at its centre of mass"),
-                    field("torque", &SetWrench::torque, "N m", finite(), "in world axes"));
+                    field("element", &SetWrench::element, "-", nonNegative(), "index of the element"),
+                    field("force", &SetWrench::force, "N", finite(), "force at its centre of mass"),
+                    field("torque", &SetWrench::torque, "N m", finite(), "torque in world axes"));
 }
 constexpr auto fields(const SetJoint*)
 {
     return describe("SetJoint", field("id", &SetJoint::id, "the articulated body"),
-                    field("joint", &SetJoint::joint, "-", nonNegative(), "of its joints"),
-                    field("command", &SetJoint::command, "where it goes, or what pushes it"));
+                    field("joint", &SetJoint::joint, "-", nonNegative(), "index of the joint"),
+                    field("command", &SetJoint::command, "position or force of the joint"));
 }
 constexpr auto fields(const SetHaptic*)
 {
     return describe("SetHaptic", field("id", &SetHaptic::id, "the rigid body"),
-                    field("element", &SetHaptic::element, "-", nonNegative(), "of its elements"),
-                    field("target", &SetHaptic::target, "the hand that holds it"));
+                    field("element", &SetHaptic::element, "-", nonNegative(), "index of the element"),
+                    field("target", &SetHaptic::target, "motion of the hand that holds it"));
 }
 constexpr auto fields(const SetGravity*)
 {
-    return describe("SetGravity", field("gravity", &SetGravity::gravity, "m/s^2", finite(), "acts on every body"));
+    return describe("SetGravity", field("gravity", &SetGravity::gravity, "m/s^2", finite(), "gravity on every body"));
 }
 constexpr auto fields(const SetMaterial*)
 {
     return describe("SetMaterial", field("id", &SetMaterial::id, "the soft body"),
-                    field("material", &SetMaterial::material, "of the kind it was made with"));
+                    field("material", &SetMaterial::material, "new material, of the kind it was made with"));
 }
 constexpr auto fields(const SetForces*)
 {
     return describe("SetForces", field("id", &SetForces::id, "the soft body"),
-                    field("forces", &SetForces::forces, "in place of those it had"));
+                    field("forces", &SetForces::forces, "nodal forces that replace the former ones"));
 }
 constexpr auto fields(const SetPressure*)
 {
-    return describe("SetPressure", field("id", &SetPressure::id, "the soft body"),
-                    field("pressure", &SetPressure::pressure, "Pa", finite(), "positive pushes inwards"));
+    return describe(
+        "SetPressure", field("id", &SetPressure::id, "the soft body"),
+        field("pressure", &SetPressure::pressure, "Pa", finite(), "pressure on the whole surface, positive inwards"));
 }
 constexpr auto fields(const Attach*)
 {
-    return describe("Attach", field("id", &Attach::id, "the attachment to be"),
-                    field("body", &Attach::body, "the soft body"), field("def", &Attach::def, "what is held, and how"));
+    return describe("Attach", field("id", &Attach::id, "id of the new attachment"),
+                    field("body", &Attach::body, "the soft body"), field("def", &Attach::def, "Def of the attachment"));
 }
 constexpr auto fields(const AttachRigid*)
 {
     using T = AttachRigid;
-    return describe("AttachRigid", field("id", &T::id, "the attachment to be"),
-                    field("body", &T::body, "the rigid body"), field("def", &T::def, "what is held, and how"));
+    return describe("AttachRigid", field("id", &T::id, "id of the new attachment"),
+                    field("body", &T::body, "the rigid body"), field("def", &T::def, "Def of the attachment"));
 }
-constexpr auto fields(const Release*) { return describe("Release", field("id", &Release::id, "the attachment")); }
+constexpr auto fields(const Release*)
+{
+    return describe("Release", field("id", &Release::id, "the attachment to release"));
+}
 constexpr auto fields(const RemovePiece*)
 {
-    return describe("RemovePiece", field("id", &RemovePiece::id, "a soft body"),
-                    field("piece", &RemovePiece::piece, "-", nonNegative(), "which of its pieces"));
+    return describe("RemovePiece", field("id", &RemovePiece::id, "the soft body"),
+                    field("piece", &RemovePiece::piece, "-", nonNegative(), "number of the piece"));
 }
 constexpr auto fields(const Grasp*)
 {
-    return describe(
-        "Grasp", field("id", &Grasp::id, "the attachment to be"), field("rigid", &Grasp::rigid, "the body that grasps"),
-        field("target", &Grasp::target, "the body that is grasped"), field("def", &Grasp::def, "how firmly"));
+    return describe("Grasp", field("id", &Grasp::id, "id of the new attachment"),
+                    field("rigid", &Grasp::rigid, "the body that grasps"),
+                    field("target", &Grasp::target, "the body that is grasped"),
+                    field("def", &Grasp::def, "Def of the grasp"));
 }
 constexpr auto fields(const Reset*) { return describe("Reset"); }
-constexpr auto fields(const Pause*) { return describe("Pause", field("paused", &Pause::paused, "or going on")); }
-constexpr auto fields(const Tune*) { return describe("Tune"); } // a function cannot be written down
+constexpr auto fields(const Pause*)
+{
+    return describe("Pause", field("paused", &Pause::paused, "true to pause, false to continue"));
+}
+constexpr auto fields(const Tune*) { return describe("Tune"); } // a function cannot be stored
 
 using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench,
                              Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune, SetJoint, SetHaptic>;

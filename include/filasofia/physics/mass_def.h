@@ -11,16 +11,16 @@ struct Density {
     double value = 1000.0; ///< [kg/m^3], > 0
 };
 struct TotalMass {
-    double value = 1.0; ///< [kg], > 0, spread by volume
+    double value = 1.0; ///< [kg], > 0, distributed by volume
 };
 using Mass = std::variant<Density, TotalMass>;
 
-/// A rigid element's mass as a datasheet gives it.
+/// A rigid element's inertia as a datasheet gives it.
 struct GivenInertia {
     double mass = 1.0;                 ///< [kg], > 0
-    Vec3 centre = {};                  ///< [m] of mass, in the element's coordinates
-    Vec3 moments = {1e-4, 1e-4, 1e-4}; ///< [kg m^2], > 0, principal; none more than the sum of the other two
-    Quat axes = {};                    ///< from the principal axes to the element's
+    Vec3 centre = {};                  ///< [m], centre of mass in the element's coordinates
+    Vec3 moments = {1e-4, 1e-4, 1e-4}; ///< [kg m^2], > 0, principal; none larger than the sum of the other two
+    Quat axes = {};                    ///< rotation from the principal axes to the element's
 };
 using RigidMass = std::variant<Density, TotalMass, GivenInertia>;
 
@@ -36,9 +36,9 @@ constexpr auto fields(const GivenInertia*)
 {
     using T = GivenInertia;
     return describe("GivenInertia", field("mass", &T::mass, "kg", positive(), "mass of the element"),
-                    field("centre", &T::centre, "m", finite(), "of mass, in the element's coordinates"),
+                    field("centre", &T::centre, "m", finite(), "centre of mass in the element's coordinates"),
                     field("moments", &T::moments, "kg m^2", positive(), "principal moments of inertia"),
-                    field("axes", &T::axes, "from the principal axes to the element's"));
+                    field("axes", &T::axes, "rotation from the principal axes to the element's"));
 }
 
 } // namespace filasofia::physics

@@ -10,17 +10,18 @@ namespace filasofia::physics {
 
 struct PhysicsServerDef {
     Vec3 gravity = {0.0, -9.81, 0.0}; ///< [m/s^2]
-    int logLength = 4096;             ///< [-], in [1, 1000000], steps that the log holds unread
+    int logLength = 4096;             ///< [-], in [1, 1000000], unread steps that the log can hold
 };
 constexpr auto fields(const PhysicsServerDef*)
 {
     using T = PhysicsServerDef;
-    return describe("PhysicsServerDef", field("gravity", &T::gravity, "m/s^2", finite(), "acts on every body"),
-                    field("logLength", &T::logLength, "-", closed(1, 1000000), "steps that the log holds unread"));
+    return describe("PhysicsServerDef", field("gravity", &T::gravity, "m/s^2", finite(), "gravity on every body"),
+                    field("logLength", &T::logLength, "-", closed(1, 1000000), "unread steps that the log can hold"));
 }
 
-/// Owns an engine and everything that goes in and out of it. The functions that change something may be called from
-/// any thread: they check at once (Error) and take effect at the start of the next step. It has no thread or clock.
+/// Owns an engine and all of its input and output. The functions that change something may be called from any thread:
+/// they check their arguments at once (Error) and take effect at the start of the next step. The server has no thread
+/// and no clock.
 class PhysicsServer {
 public:
     PhysicsServer(std::unique_ptr<PhysicsEngine> engine, const PhysicsServerDef& def = {});
@@ -29,56 +30,59 @@ public:
     BodyId add(SoftBodyDef def);
     BodyId add(RigidBodyDef def);
     void remove(BodyId id);
-    /// Of a body that is not dynamic: where it is to be at the end of the next step. It goes there with constant
-    /// velocity, but for a jump that would be faster than 20 m/s. Of a dynamic body: where it is from now on, at rest.
-    /// Of an articulated body: of its base, element 0.
+    /// For a kinematic body: its pose at the end of the next step. It moves there with constant velocity, except that
+    /// it jumps if that would be faster than 20 m/s. For a dynamic body: its pose from now on, at rest. For an
+    /// articulated body: the pose of its base, element 0.
     void setPose(BodyId rigid, const Pose& pose, int element = 0);
-    /// Pushes a dynamic body at the centre of mass of one element, until changed: [N], [N m], in world axes.
+    /// Applies a force and torque to a dynamic body at the centre of mass of one element, until changed: [N], [N m], in
+    /// world axes.
     void setWrench(BodyId rigid, Vec3 force, Vec3 torque, int element = 0);
-    /// A joint goes to a position (JointPosition, within its limits), or is pushed (JointForce), until changed.
+    /// Sets a joint's target position (JointPosition, within its limits) or its force (JointForce), until changed.
     void setJoint(BodyId articulated, int joint, const JointCommand& command);
-    /// Gives a rigid element into a hand: see HapticTarget and SetHaptic. Runtime does it for every haptic interface.
+    /// Couples a rigid element to a hand: see HapticTarget and SetHaptic. The runtime does it for every haptic
+    /// interface.
     void setHaptic(BodyId rigid, const HapticTarget& target, int element = 0);
     void setGravity(Vec3 gravity); ///< [m/s^2]
-    /// Holds nodes of a soft body, or an element of a rigid one, where they are when it takes effect. Where no node is
-    /// in the regions then, nothing is held, and the step has StepFlag::NothingAttached.
+    /// Attaches nodes of a soft body, or an element of a rigid one, at the positions they have when it takes effect. If
+    /// no node is in the regions then, nothing is attached, and the step has StepFlag::NothingAttached.
     AttachmentId attach(BodyId soft, AttachmentDef def);
     AttachmentId attach(BodyId rigid, RigidAttachmentDef def);
-    /// Ties to a rigid body what it touches of the target when it takes effect; where it touches nothing the step has
-    /// StepFlag::NothingAttached. Reports name the target as the body that is held.
+    /// Attaches to a rigid body what it touches of the target when it takes effect; if it touches nothing, the step has
+    /// StepFlag::NothingAttached. Reports name the target as the attached body.
     AttachmentId grasp(BodyId rigid, BodyId target, const GraspDef& def = {});
-    /// Lets go. Nothing happens where it has broken, was released, or its body is gone. Letting go nodes that a Def
-    /// holds in space, hard or by springs, makes the body's solver anew within the step (9 ms at 3000 tetrahedra).
+    /// Releases an attachment. Does nothing if it has broken, was released, or its body is gone. Releasing nodes that a
+    /// Def attaches to space, rigidly or by springs, rebuilds the body's solver within the step (9 ms at 3000
+    /// tetrahedra).
     void release(AttachmentId id);
-    /// Takes a piece that cuts or tears have set loose (LoosePiece::piece) out of the scene: it has no surface any
-    /// more, no blade finds it and it does not move; what held it lets go. Its nodes keep their numbers and places, and
-    /// mean nothing. Collision meshes and drawn surfaces given beside the body keep what rides on it.
+    /// Removes a piece that cuts or tears have detached (LoosePiece::piece): it no longer has a surface, no blade finds
+    /// it and it does not move; attachments release it. Its nodes keep their numbers and positions, which have no
+    /// meaning any more. Collision meshes and drawn surfaces given in addition to the body keep what is embedded in it.
     void removePiece(BodyId soft, int piece);
-    /// Those that a body's Def made, in its order.
+    /// The attachments of a body's Def, in its order.
     [[nodiscard]] std::vector<AttachmentId> attachments(BodyId id) const;
-    /// Of the kind that the body was made with. Like add() it builds, and the step only moves in what was built: 9 ms
-    /// at 3000 tetrahedra, 0.1 s at 30000. After a tune() the step builds.
+    /// Sets a material of the kind that the body was made with. Like add() it builds on the calling thread, and the
+    /// step only moves in the result: 9 ms at 3000 tetrahedra, 0.1 s at 30000. After a tune() the step builds it.
     void setMaterial(BodyId soft, const SoftMaterial& material);
     void setForces(BodyId soft, std::vector<NodalForce> forces);
     void setPressure(BodyId soft, double pressure); ///< [Pa]
     void pause(bool paused);
     void reset();
-    /// Runs `change` once between two steps with the engine in hand; marks the recording as not replayable.
+    /// Runs `change` once between two steps with access to the engine; marks the recording as not replayable.
     void tune(std::function<void(PhysicsEngine&)> change);
 
-    /// What a body was made from; Error where the id names none.
+    /// The Def that a body was made from; throws an Error if there is no such body.
     [[nodiscard]] std::shared_ptr<const BodyDef> def(BodyId id) const;
 
-    /// Those that were added and not removed, ascending. Any thread.
+    /// The bodies that were added and not removed, in ascending order. Any thread.
     [[nodiscard]] std::vector<BodyId> bodies() const;
-    /// Was it added and not removed. Any thread.
+    /// Whether the body was added and not removed. Any thread.
     [[nodiscard]] bool has(BodyId id) const;
-    /// For asking which engine it is, and for its build(). Any thread.
+    /// For its type, and for its build(). Any thread.
     [[nodiscard]] const PhysicsEngine& engine() const;
 
-    /// While it lives, its thread is the one that steps: from it, every function of this class but add() returns
-    /// without waiting for any other thread (add() may wait for others that add). One at a time; runtime makes one for
-    /// each run. Without one, a thread that steps is as any other.
+    /// While it exists, its thread is the stepping thread: there, every function of this class except add() returns
+    /// without waiting for any other thread (add() may wait for other threads that add). At most one exists at a time;
+    /// runtime makes one for each run. Without it, a thread that steps is treated like any other.
     class Stepping {
     public:
         explicit Stepping(PhysicsServer& server);
@@ -87,32 +91,32 @@ public:
         Stepping& operator=(const Stepping&) = delete;
 
     private:
-        const void* before_; ///< what the thread stepped until now
+        const void* before_; ///< the server that the thread stepped before
     };
 
-    /// Is the calling thread the one that steps.
+    /// Whether the calling thread is the stepping thread.
     [[nodiscard]] bool stepsHere() const;
 
-    // The stepping thread only: a step, while another thread makes one, throws an Error.
-    /// One step of dt [s], > 0. `flags`: StepFlag bits that the caller knows already, for report and log.
+    // Only for the stepping thread; they throw an Error while another step is being computed.
+    /// Computes one step of dt [s], > 0. `flags`: StepFlag bits that the caller sets, for report and log.
     StepReport step(double dt, std::uint32_t flags = 0, const StepBudget& budget = {});
-    /// The commands of the next step as a recording has them, with their ids and built bodies, checked as if they were
-    /// asked for now (Error). From now on the server knows their bodies.
+    /// Sets the commands of the next step as a recording has them, with their ids and built bodies, checked as if they
+    /// were posted now (Error). From now on the server knows their bodies.
     void expect(std::vector<Command> commands);
-    /// In place of step(): with the commands that were expected and no others. dt >= 0 [s]: with 0 nothing moves.
-    StepReport stepAgain(double dt, const StepBudget& budget = {});
+    /// Replaces step() in a replay: uses exactly the commands set by expect(). dt >= 0 [s]; with 0 nothing moves.
+    StepReport replayStep(double dt, const StepBudget& budget = {});
     [[nodiscard]] std::uint64_t hash() const;
     /// Computes the state's hash after every step, for the log.
     void hashEveryStep(bool on);
     [[nodiscard]] bool paused() const;
 
-    /// The newest state. Any thread. Let go of it soon: while readers hold all of the pool's eight frames, no newer one
-    /// is made.
+    /// The newest state. Any thread. Release it soon: while readers hold all of the pool's eight frames, no newer one
+    /// is captured.
     [[nodiscard]] frame::FrameRef latest();
-    /// The oldest step that was not read yet, or nullptr; popRecord() gives its place back. One reader.
+    /// The oldest unread step, or nullptr; popRecord() frees its slot. One reader.
     [[nodiscard]] StepRecord* nextRecord();
     void popRecord();
-    /// Steps are logged from now on; without a reader nobody pays for it.
+    /// Turns logging of steps on or off; off, it costs nothing.
     void keepLog(bool on);
 
 private:

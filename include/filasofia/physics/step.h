@@ -10,102 +10,107 @@
 
 namespace filasofia::physics {
 
-/// What a step could not do as asked. Never an exception: the simulation goes on and stays finite.
+/// Problems of a step. Never an exception: the simulation continues and stays finite.
 enum class StepFlag : std::uint32_t {
-    Late = 1u << 0,         ///< woke up more than a period late (runtime)
+    Late = 1u << 0,         ///< it began more than a period late (runtime)
     Clamped = 1u << 1,      ///< dt was cut to period + slack: simulated time fell behind (runtime)
-    NotConverged = 1u << 2, ///< a solver stopped at its cap: the body gave up as much of its speed as the error was
-    Undone = 1u << 3,       ///< a body's new state was not finite: it went back to where it was, and lost its velocity
+    NotConverged = 1u << 2, ///< a solver stopped at its iteration limit; the body lost speed in proportion to the error
+    Undone =
+        1u
+        << 3, ///< a body's new state was not finite: it was restored to the state before the step, with zero velocity
     EventLost = 1u << 4,    ///< the event queue was full (runtime)
     RecordLost = 1u << 5,   ///< the step log was full; in a record: steps before it are missing
-    Tuned = 1u << 6,        ///< tune() ran: a recording cannot be replayed from here on
-    TuneRejected = 1u << 7, ///< tune() threw or left an invalid model: everything was put back
-    Damped = 1u << 8,       ///< an undone body made its step again from rest, heavily damped, and it came out finite
-    OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance: the body gave up some speed
+    Tuned = 1u << 6,        ///< tune() ran: a recording cannot be replayed beyond this step
+    TuneRejected = 1u << 7, ///< tune() threw or left an invalid model: everything was rolled back
+    Damped = 1u << 8,       ///< a restored body repeated its step from rest, heavily damped, and the result was finite
+    OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance: the body lost some speed
     NothingAttached = 1u << 10, ///< an attachment found no node, or a grasp no contact: the log says which
 };
 
-/// How one body's step was solved. Bodies that touch or hold each other are solved as one: they have the same numbers,
-/// end at the same tolerance (the smallest of theirs) and at the same deadline. Of the step's time every solve may take
-/// its share, by its size, rigid bodies among themselves too: whoever comes first leaves time for who comes last.
+/// How one body's step was solved. Bodies that are in contact or attached to each other are solved together: they have
+/// the same numbers, and end at the same tolerance (their smallest) and at the same deadline. Every solve, also that of
+/// rigid bodies among themselves, may take a share of the step's time in proportion to its size, so that the first
+/// solve leaves time for the last.
 struct BodySolve {
-    BodyId body;           ///< of rigid bodies that were solved among themselves: the first of them
-    int iterations = 0;    ///< [-], 0 for explicit bodies that touch nothing
-    double residual = 0.0; ///< [-], the error that the solver's tolerance is about
+    BodyId body;           ///< for rigid bodies that were solved among themselves: the first of them
+    int iterations = 0;    ///< [-], 0 for explicitly integrated bodies without contacts
+    double residual = 0.0; ///< [-], the error that the solver's tolerance bounds
 };
 
-/// What the stages of a step took [s]. Zeros where the step was given no clock.
+/// The durations of a step's stages [s]. Zeros if the step had no clock.
 struct StageTimes {
-    double commands = 0.0; ///< applying them
-    double contacts = 0.0; ///< finding who touches whom
+    double commands = 0.0; ///< applying commands
+    double contacts = 0.0; ///< finding contacts
     double assemble = 0.0; ///< rotations, forces, stiffness
     double advance = 0.0;  ///< the solve, and moving the nodes
-    double topology = 0.0; ///< cuts and tears, and all that follows them
+    double topology = 0.0; ///< cuts and tears, and the updates that follow
 };
 
-/// How the contacts of a step went.
+/// Statistics of the contacts of a step.
 struct ContactReport {
-    int found = 0;            ///< places where surfaces were near each other
-    int active = 0;           ///< of these, that pushed
-    int rounds = 0;           ///< 1, more where forces were raised, at most [of the groups of bodies that touch]
-    double mismatch = 0.0;    ///< [-] forces short of the law, relative to the largest; 0 where it was followed
-    double penetration = 0.0; ///< [m], >= 0, the deepest at the start of the step
+    int found = 0;  ///< number of contacts found
+    int active = 0; ///< number of contacts with a force
+    int rounds = 0; ///< 1; more after multiplier updates; the maximum over the groups of bodies in contact
+    double mismatch =
+        0.0; ///< [-] largest violation of the contact law by the forces, relative to the largest force; 0 if it holds
+    double penetration = 0.0; ///< [m], >= 0, the deepest penetration at the start of the step
 };
 
-/// A part of a body that came loose.
+/// A part of a body that was detached.
 struct LoosePiece {
-    int piece = 0; ///< its number from now on: 1, 2, ... within the body; what it came from keeps its own
-    std::vector<int> elements = {}; ///< tetrahedra, ascending
+    int piece = 0; ///< its number from now on: 1, 2, ... within the body; the part that it came from keeps its number
+    std::vector<int> elements = {}; ///< tetrahedra, in ascending order
     double mass = 0.0;              ///< [kg]
-    Vec3 place = {};                ///< [m] its centre of mass, as it is now
-    bool held = false;              ///< nodes of it are fixed to the world or to a body that goes where it is told
+    Vec3 place = {};                ///< [m] its current centre of mass
+    bool held = false;              ///< some of its nodes are attached to the world or to a kinematic body
 };
 
-/// What blades or stress opened of a body during a step.
+/// What blades or stress opened in a body during a step.
 struct Rupture {
     enum class Kind { Cut, Tear };
     Kind kind = Kind::Cut;
     BodyId body = {};
-    Vec3 place = {};                       ///< [m] the middle of what was opened, as it is now
-    double area = 0.0;                     ///< [m^2] opened, at rest, of one of the two sides
-    int nodes = 0;                         ///< [-] that came
-    int elements = 0;                      ///< [-] that came
-    std::vector<LoosePiece> detached = {}; ///< what came loose by it
+    Vec3 place = {};                       ///< [m] current centre of the opened surface
+    double area = 0.0;                     ///< [m^2] opened area at rest, of one of the two sides
+    int nodes = 0;                         ///< [-] number of nodes added
+    int elements = 0;                      ///< [-] number of elements added
+    std::vector<LoosePiece> detached = {}; ///< pieces that were detached
 };
 
-/// How edits of meshes went in a step: all bodies, cuts and tears. Nothing is ever half done: what is refused leaves
-/// its body as it was.
+/// Statistics of the mesh edits of a step: all bodies, cuts and tears. Edits are atomic: a refused edit leaves its body
+/// unchanged.
 struct TopologyReport {
-    std::vector<Rupture> ruptures = {}; ///< cuts before tears, each by rising body
-    int bladeNotFinite = 0;             ///< refused: a blade's place is no number
-    int bladeNoLength = 0;              ///< refused: a blade without any length
-    int bladeJump = 0;                  ///< refused: in one step further than the body is long
-    int bladeTooFast = 0;               ///< refused: a jump across a body, faster than 20 m/s or by more than 1 rad
-    int edgeGone = 0;                   ///< refused: what was to be cut had been cut meanwhile
-    int tearClosed = 0;                 ///< refused: a tear that would have opened nothing, or left no proper surface
-    int noPiece = 0;                    ///< refused: a piece to be removed that there is not, or that is all there is
-    int lost = 0;                       ///< pieces that went farther than 10 m and were taken out of the scene
-    int putOff = 0;                     ///< faces that could not be opened yet and are tried again
-    int pending = 0;                    ///< crossings and tears that wait for the next step
+    std::vector<Rupture> ruptures = {}; ///< cuts before tears, each in ascending order of bodies
+    int bladeNotFinite = 0;             ///< refused: a blade's position is not finite
+    int bladeNoLength = 0;              ///< refused: a blade has no length
+    int bladeJump = 0;                  ///< refused: a blade moved further in one step than the body is long
+    int bladeTooFast = 0; ///< refused: a blade jumped across a body, faster than 20 m/s or by more than 1 rad
+    int edgeGone = 0;     ///< refused: an edge to be cut had been cut meanwhile
+    int tearClosed = 0;   ///< refused: a tear would have opened nothing, or left an invalid surface
+    int noPiece = 0;      ///< refused: a piece to be removed does not exist, or is all that is left of the body
+    int lost = 0;         ///< pieces that went farther than 10 m and were removed
+    int putOff = 0;       ///< faces that could not be opened yet and are tried again
+    int pending = 0;      ///< crossings and tears that wait for the next step
     [[nodiscard]] int refused() const
     {
         return bladeNotFinite + bladeNoLength + bladeJump + bladeTooFast + edgeGone + tearClosed + noPiece;
     }
 };
 
-/// How long a step may take. Of all that a step computes it changes only where its solvers stop.
+/// The time budget of a step. It affects only where the solvers stop.
 struct StepBudget {
-    std::function<std::int64_t()> now = {}; ///< [ns], a steady clock for any thread; empty: neither deadline nor times
+    std::function<std::int64_t()> now =
+        {}; ///< [ns], a steady clock that any thread may read; empty: neither deadline nor durations
     std::int64_t deadline = std::numeric_limits<std::int64_t>::max(); ///< [ns], on that clock
-    /// In place of a deadline, when a step is made again: the iterations that each solver made then, in the order of
-    /// StepReport::solves; empty: solvers end by themselves. As a deadline it is for the default solver, and for bodies
-    /// that touch or hold each other.
+    /// Replaces the deadline in a replay: the iterations that each solver made in the recorded step, in the order of
+    /// StepReport::solves; empty: solvers end by themselves. Like a deadline, it applies to the default solver, and to
+    /// bodies in contact or attached to each other.
     std::vector<int> iterations = {};
 };
 
-/// How a step went.
+/// The report of a step.
 struct StepReport {
-    std::uint64_t step = 0;  ///< number of steps made, this one included
+    std::uint64_t step = 0;  ///< number of steps completed, including this one
     double time = 0.0;       ///< [s], simulated, at the end of the step
     double dt = 0.0;         ///< [s]; 0 while paused
     std::uint32_t flags = 0; ///< StepFlag bits

@@ -14,53 +14,56 @@
 
 namespace filasofia::prefab {
 
-/// What an instrument has of its own where its Def says nothing else: our meshes, jaws, and how far they open.
+/// Which meshes, jaws and opening angles an instrument has if its Def does not give them.
 enum class InstrumentKind {
     Forceps,  ///< short cups
     Grasper,  ///< long jaws with teeth
-    Scissors, ///< two blades: they cut, and hold nothing
+    Scissors, ///< two blades: they cut and hold nothing
 };
-/// Its values' names in files, in their order.
+/// The values' names in files, in order.
 constexpr std::array<std::string_view, 3> names(const InstrumentKind*) { return {"forceps", "grasper", "scissors"}; }
 
 /// One side of the instrument's mouth, closed, in the coordinates of the pivot.
 struct JawDef {
-    runtime::SurfaceSource surface = {};              ///< what is drawn of it; empty: nothing
-    physics::TriangleMeshSource collision = {};       ///< by what it touches; empty: by nothing
-    Vec3 axis = {1.0, 0.0, 0.0};                      ///< [-], any length > 0: it opens by turning about this
-    double opensBy = 45.0 * std::numbers::pi / 180.0; ///< [rad], in [0, 3]; 0: it is fixed to the shaft
-    std::optional<std::array<Vec3, 2>> edge = {};     ///< [m], a blade: cuts what may be cut, from one to the other
+    runtime::SurfaceSource surface = {};        ///< what is drawn; empty: nothing
+    physics::TriangleMeshSource collision = {}; ///< its collision mesh; empty: it touches nothing
+    Vec3 axis = {1.0, 0.0, 0.0};                ///< [-], any length > 0, the axis about which it opens
+    /// [rad], in [0, 3], largest opening angle; 0: it is fixed to the shaft.
+    double opensBy = 45.0 * std::numbers::pi / 180.0;
+    /// [m], the two ends of a blade's cutting edge; not given: it does not cut.
+    std::optional<std::array<Vec3, 2>> edge = {};
 };
 constexpr auto fields(const JawDef*)
 {
     using T = JawDef;
     return describe("JawDef", field("surface", &T::surface, "what is drawn"),
-                    field("collision", &T::collision, "by what it touches"),
-                    field("axis", &T::axis, "-", finite(), "it opens by turning about this"),
-                    field("opensBy", &T::opensBy, "rad", closed(0, 3), "at most; 0: it is fixed"),
+                    field("collision", &T::collision, "collision mesh"),
+                    field("axis", &T::axis, "-", finite(), "axis of its opening"),
+                    field("opensBy", &T::opensBy, "rad", closed(0, 3), "largest opening angle; 0: it is fixed"),
                     field("edge", &T::edge, "its cutting edge"));
 }
 
-/// A shaft with a mouth of one or two moving jaws. It points along -Z; its pivot is the origin, the shaft lies at +Z.
+/// A shaft with a mouth of one or two moving jaws. It points along -Z; its pivot is the origin, and the shaft lies at
+/// +Z.
 struct ArticulatedInstrumentDef {
     std::string name = "instrument";
     InstrumentKind kind = InstrumentKind::Forceps;
-    Pose pose = {};                                  ///< of the pivot at the start, in the world
-    runtime::SurfaceSource shaft = {};               ///< what is drawn of it; empty: the kind's
-    physics::TriangleMeshSource shaftCollision = {}; ///< by what it touches; empty: the kind's
-    std::vector<JawDef> jaws = {};                   ///< at most two, at least one that moves; none: the kind's
-    std::vector<int> groups = {0};                   ///< of its collision models; none: it touches nothing
-    double opening = 0.0;                            ///< [-], in [0, 1], at the start
-    double closingTorque = 0.5e-3;                   ///< [N m], > 0, of each jaw, by which close() presses
-    double speed = 1.5;                              ///< [rad/s], > 0, of a jaw at most
-    double proximity = 0.1e-3;                       ///< [m], >= 0
-    double friction = 0.8;                           ///< [-], >= 0
-    bool grasps = true;                              ///< may its closed jaws hold tissue; those of scissors never do
-    double gripForce = 0.02;               ///< [N], > 0, on each side of the mouth, at which tissue counts as grasped
-    double gripStiffness = physics::kHard; ///< [N/m], in (0, inf], of each point that it holds
-    double breakForce = physics::kNever;   ///< [N], in (0, inf], beyond which it slips out
+    Pose pose = {};                                  ///< pose of the pivot at the start, in the world
+    runtime::SurfaceSource shaft = {};               ///< what is drawn of the shaft; empty: the kind's
+    physics::TriangleMeshSource shaftCollision = {}; ///< the shaft's collision mesh; empty: the kind's
+    std::vector<JawDef> jaws = {};                   ///< at most two, at least one that moves; empty: the kind's
+    std::vector<int> groups = {0};                   ///< collision groups of its models; empty: it touches nothing
+    double opening = 0.0;                            ///< [-], in [0, 1], opening at the start
+    double closingTorque = 0.5e-3;                   ///< [N m], > 0, with which close() presses each jaw
+    double speed = 1.5;                              ///< [rad/s], > 0, largest speed of a jaw
+    double proximity = 0.1e-3;                       ///< [m], >= 0, distance at which contacts are found
+    double friction = 0.8;                           ///< [-], >= 0, coefficient of friction
+    bool grasps = true;      ///< whether its closed jaws can hold tissue; those of scissors never do
+    double gripForce = 0.02; ///< [N], > 0, force on each side of the mouth at which tissue counts as grasped
+    double gripStiffness = physics::kHard; ///< [N/m], in (0, inf], stiffness of each held point
+    double breakForce = physics::kNever;   ///< [N], in (0, inf], force beyond which the tissue slips out
     visual::Material material = visual::MetalMaterial{};
-    /// Told on the stepping thread when it begins (true) and ceases to hold a body; not a field of files.
+    /// Called on the stepping thread when it begins (true) or ceases (false) to hold a body. Not a field of files.
     std::function<void(BodyId, bool)> onGrasp = {};
 };
 constexpr auto fields(const ArticulatedInstrumentDef*)
@@ -68,34 +71,35 @@ constexpr auto fields(const ArticulatedInstrumentDef*)
     using T = ArticulatedInstrumentDef;
     return describe(
         "ArticulatedInstrumentDef", field("name", &T::name, "what errors and reports call it"),
-        field("kind", &T::kind, "whose meshes it has where none are given"),
-        field("pose", &T::pose, "of the pivot at the start"), field("shaft", &T::shaft, "what is drawn of the shaft"),
-        field("shaftCollision", &T::shaftCollision, "by what the shaft touches"), field("jaws", &T::jaws, "one or two"),
-        field("groups", &T::groups, "of its collision models"),
-        field("opening", &T::opening, "-", closed(0, 1), "at the start"),
-        field("closingTorque", &T::closingTorque, "N m", positive(), "of each jaw, closing"),
-        field("speed", &T::speed, "rad/s", positive(), "of a jaw at most"),
-        field("proximity", &T::proximity, "m", nonNegative(), "from where on contacts are found"),
+        field("kind", &T::kind, "which meshes and jaws it has by default"),
+        field("pose", &T::pose, "pose of the pivot at the start"),
+        field("shaft", &T::shaft, "what is drawn of the shaft"),
+        field("shaftCollision", &T::shaftCollision, "collision mesh of the shaft"),
+        field("jaws", &T::jaws, "one or two"), field("groups", &T::groups, "collision groups of its models"),
+        field("opening", &T::opening, "-", closed(0, 1), "opening at the start"),
+        field("closingTorque", &T::closingTorque, "N m", positive(), "torque that closes each jaw"),
+        field("speed", &T::speed, "rad/s", positive(), "largest speed of a jaw"),
+        field("proximity", &T::proximity, "m", nonNegative(), "distance at which contacts are found"),
         field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
-        field("grasps", &T::grasps, "may its jaws hold tissue"),
-        field("gripForce", &T::gripForce, "N", positive(), "on each side, at which tissue is grasped"),
-        field("gripStiffness", &T::gripStiffness, "N/m", positiveOrInfinite(), "at each point that it holds"),
-        field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "beyond which it slips out"),
+        field("grasps", &T::grasps, "whether its jaws can hold tissue"),
+        field("gripForce", &T::gripForce, "N", positive(), "force on each side at which tissue is grasped"),
+        field("gripStiffness", &T::gripStiffness, "N/m", positiveOrInfinite(), "stiffness of each held point"),
+        field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "force beyond which tissue slips out"),
         field("material", &T::material, "what it looks like"));
 }
 
-/// An instrument that is moved as a whole and opened and closed, by key, device button or script: all the same calls.
+/// An instrument that is moved as a whole, opened and closed. Key, device button and script all use the same calls.
 ///
-/// Closing presses with a torque, so tissue between the jaws stops them. When a soft body pushes both sides of the
-/// mouth with `gripForce` or more, it is held: tied to the jaws as they are, which then stay (a ratchet), until open()
-/// or until `breakForce` is exceeded. A reset of the simulation leaves it held: open() before. Every function may be
-/// called from any thread and takes effect at the next step.
+/// Closing presses with a torque, so tissue between the jaws stops them. If a soft body pushes both sides of the mouth
+/// with `gripForce` or more, it is grasped: it is attached to the jaws, which then keep their angle (a ratchet), until
+/// open() or until `breakForce` is exceeded. A reset of the simulation does not release it: call open() before. Every
+/// function may be called from any thread and takes effect at the next step.
 class ArticulatedInstrument {
 public:
     static constexpr int kShaft = 0; ///< element of the body; moving jaws follow from 1 on
 
-    /// Adds and shows the body. Throws Error where the Def is wrong. Before a run; to be destroyed before the
-    /// simulation.
+    /// Adds and shows the body. Throws an Error if the Def is wrong. Construct it before a run and destroy it before
+    /// the simulation.
     ArticulatedInstrument(runtime::Simulation& simulation, const ArticulatedInstrumentDef& def = {});
     ~ArticulatedInstrument();
     ArticulatedInstrument(const ArticulatedInstrument&) = delete;
@@ -103,20 +107,21 @@ public:
 
     [[nodiscard]] BodyId body() const;
 
-    void move(const Pose& pivot); ///< in the world
-    /// Jaws go to a share of how far they open, in [0, 1] (Error otherwise), and let go of what they hold.
+    void move(const Pose& pivot); ///< pose of the pivot in the world
+    /// Moves the jaws to this fraction of their opening angle, in [0, 1] (Error otherwise), and releases what they
+    /// hold.
     void open(double opening = 1.0);
-    /// Jaws press together, each by `torque` [N m], > 0; not given: that of the Def.
+    /// Presses the jaws together, each with `torque` [N m], > 0; not given: that of the Def.
     void close(std::optional<double> torque = {});
 
-    [[nodiscard]] Pose pose() const;      ///< of the pivot, as it was told last
-    [[nodiscard]] BodyId holding() const; ///< the body that it holds; none: none
-    [[nodiscard]] double pull() const;    ///< [N] by which what it holds pulls at it, in the last step
-    [[nodiscard]] double opening() const; ///< [-] of the widest jaw, in the last step
+    [[nodiscard]] Pose pose() const;      ///< the last pose given to move()
+    [[nodiscard]] BodyId holding() const; ///< the body that it holds; 0 if none
+    [[nodiscard]] double pull() const;    ///< [N], force of the held tissue on the instrument in the last step
+    [[nodiscard]] double opening() const; ///< [-], opening of the widest jaw in the last step
 
 private:
     struct Impl;
-    std::shared_ptr<Impl> impl_; // the simulation's callback has it too
+    std::shared_ptr<Impl> impl_; // shared with the simulation's callback
 };
 
 } // namespace filasofia::prefab

@@ -5,12 +5,13 @@
 /// What a trainee sees over the picture.
 namespace filasofia::prefab {
 
-/// Tells the next step of a task in words, and points at its target with an arrow.
+/// Shows the instruction of a task's next step, and points at its target with an arrow.
 class Guidance {
 public:
-    /// Before a run. Ends before the task's simulation.
+    /// Construct it before a run. It ends before the task's simulation.
     Guidance(runtime::Simulation& simulation, const Task& task);
-    /// Arrows are drawn on this server: from inside Simulation::dress; without it there are only words.
+    /// Draws arrows on this server; call it from inside the function given to Simulation::dress(). Without it there are
+    /// only instructions.
     void dress(visual::VisualServer& server);
     void setOn(bool on); ///< any thread; on from the start
 
@@ -21,34 +22,33 @@ private:
 
 struct ForceBarDef {
     std::string name = "Force";
-    std::vector<BodyId> bodies =
-        {};                  ///< at least one; what others do to them is added up, what they do to each other not
-    double warning = 1.0;    ///< [N], > 0: the bar is red beyond
-    double full = 2.0;       ///< [N], > warning, of a full bar
-    double smoothing = 0.02; ///< [s], in (0, 10]: forces jump from step to step, their means do not
+    std::vector<BodyId> bodies = {}; ///< at least one; forces of others on them are summed, forces between them are not
+    double warning = 1.0;            ///< [N], > 0, the bar is red above it
+    double full = 2.0;               ///< [N], > warning, force of a full bar
+    double smoothing = 0.02;         ///< [s], in (0, 10], time constant of the mean; forces jump from step to step
 };
 constexpr auto fields(const ForceBarDef*)
 {
     using T = ForceBarDef;
-    return describe("ForceBarDef", field("name", &T::name, "beside the bar"),
+    return describe("ForceBarDef", field("name", &T::name, "label of the bar"),
                     field("bodies", &T::bodies, "whose contacts and grasps count"),
-                    field("warning", &T::warning, "N", positive(), "red beyond"),
-                    field("full", &T::full, "N", positive(), "of a full bar"),
-                    field("smoothing", &T::smoothing, "s", openClosed(0, 10), "of the mean"));
+                    field("warning", &T::warning, "N", positive(), "the bar is red above it"),
+                    field("full", &T::full, "N", positive(), "force of a full bar"),
+                    field("smoothing", &T::smoothing, "s", openClosed(0, 10), "time constant of the mean"));
 }
 
-/// Shows how hard bodies press and pull at others, smoothed, and counts how often that was more than the warning: the
-/// sum of the normal forces of their contacts, and of the forces of what they hold.
+/// Shows how hard bodies press and pull on others, smoothed: the sum of the normal forces of their contacts and of the
+/// forces of what they hold. Counts how often that exceeds the warning.
 class ForceBar {
 public:
-    /// Before a run. Throws Error where the Def is wrong.
+    /// Construct it before a run. Throws an Error if the Def is wrong.
     ForceBar(runtime::Simulation& simulation, const ForceBarDef& def);
 
     // Any thread.
     [[nodiscard]] double force() const;   ///< [N], smoothed
-    [[nodiscard]] double highest() const; ///< [N], smoothed, since the start
-    [[nodiscard]] int
-    warnings() const; ///< [-], times that it rose above the warning, after it had been below 80 % of it
+    [[nodiscard]] double highest() const; ///< [N], largest smoothed force since the start
+    /// [-], how often the force rose above the warning, after it had been below 80 % of it.
+    [[nodiscard]] int warnings() const;
 
 private:
     struct Impl;

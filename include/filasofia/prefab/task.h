@@ -14,68 +14,68 @@
 
 namespace filasofia::prefab {
 
-/// What a trainee is to do next. Names and instructions are text that somebody typed: of any length, shown as one line.
+/// What a trainee has to do next. Names and instructions are typed text of any length, shown as one line.
 struct TaskStep {
-    std::string name = {};                                      ///< in the session
+    std::string name = {};                                      ///< as the session records it
     std::string instruction = {};                               ///< what the trainee reads
-    double timeLimit = std::numeric_limits<double>::infinity(); ///< [s], > 0: it is then a mistake, and goes on
-    /// Is it done: asked of every step's state while it is the next, on the stepping thread.
+    double timeLimit = std::numeric_limits<double>::infinity(); ///< [s], > 0; a step that takes longer is recorded as a
+                                                                ///< mistake, and goes on
+    /// Whether the step is done. Called for every state while this step is the next, on the stepping thread.
     std::function<bool(const frame::Frame&)> done = {};
-    /// [m] where to go, in the world; empty, or none: nowhere in particular.
+    /// [m], where to go, in the world; empty, or no result: no particular place.
     std::function<std::optional<Vec3>(const frame::Frame&)> target = {};
 };
 constexpr auto fields(const TaskStep*)
 {
     using T = TaskStep;
-    return describe("TaskStep", field("name", &T::name, "in the session"),
+    return describe("TaskStep", field("name", &T::name, "as the session records it"),
                     field("instruction", &T::instruction, "what the trainee reads"),
-                    field("timeLimit", &T::timeLimit, "s", positiveOrInfinite(), "beyond it is a mistake"));
+                    field("timeLimit", &T::timeLimit, "s", positiveOrInfinite(), "exceeding it is a mistake"));
 }
 
 struct TaskDef {
     std::string name = "task";
-    std::vector<TaskStep> steps = {};                           ///< at least one, done in this order
-    double timeLimit = std::numeric_limits<double>::infinity(); ///< [s], > 0, for all of it: then it has failed
-    MetricTracker* tracker = nullptr;    ///< gets a Step for each that is done, a Mistake for each that took too long
-    std::function<void(bool)> over = {}; ///< told once, on the stepping thread: was it done
+    std::vector<TaskStep> steps = {}; ///< at least one, done in this order
+    /// [s], > 0, for the whole task; after it the task has failed.
+    double timeLimit = std::numeric_limits<double>::infinity();
+    MetricTracker* tracker = nullptr; ///< gets a Step for each completed step and a Mistake for each that took too long
+    std::function<void(bool)> over = {}; ///< called once on the stepping thread: whether the task was done
 };
 constexpr auto fields(const TaskDef*)
 {
     using T = TaskDef;
-    return describe("TaskDef", field("name", &T::name, "what errors call it"),
-                    field("steps", &T::steps, "in their order"),
-                    field("timeLimit", &T::timeLimit, "s", positiveOrInfinite(), "for all of it"));
+    return describe("TaskDef", field("name", &T::name, "what errors call it"), field("steps", &T::steps, "in order"),
+                    field("timeLimit", &T::timeLimit, "s", positiveOrInfinite(), "limit for the whole task"));
 }
 
-/// Where a task stands.
+/// The progress of a task.
 struct TaskProgress {
     enum class State { Running, Done, Failed };
     State state = State::Running;
-    int step = 0;                    ///< [-], the next, or how many there are
+    int step = 0;                    ///< [-], index of the next step; the number of steps if all are done
     double time = 0.0;               ///< [s], simulated, since it began
-    std::optional<Vec3> target = {}; ///< [m], of the next step, in the world
-    std::vector<double> doneAt = {}; ///< [s], since it began, of each step that is done
+    std::optional<Vec3> target = {}; ///< [m], target of the next step, in the world
+    std::vector<double> doneAt = {}; ///< [s] since the beginning, for each completed step
 };
 
-/// Ordered steps, each with its own end. It begins with the first step that is not paused, and uses simulated time
-/// only.
+/// Ordered steps, each with its own condition. The task begins with the first step of the simulation that is not
+/// paused, and uses simulated time only.
 class Task {
 public:
-    /// Before a run; throws Error where the Def is wrong.
+    /// Construct it before a run; throws an Error if the Def is wrong.
     Task(runtime::Simulation& simulation, TaskDef def);
 
     [[nodiscard]] TaskProgress progress() const; ///< any thread
     [[nodiscard]] const TaskDef& def() const;
-    [[nodiscard]] std::string instruction() const; ///< of the next step; empty when there is none
-    void restart();                                ///< at the next step
+    [[nodiscard]] std::string instruction() const; ///< the next step's; empty if there is none
+    void restart();                                ///< at the simulation's next step
 
 private:
     struct Impl;
-    std::shared_ptr<Impl> impl_; // the simulation's callback has it too
+    std::shared_ptr<Impl> impl_; // shared with the simulation's callback
 };
 
-/// A text that somebody typed as it can be shown: one line, `most` bytes at most, cut between letters, with an
-/// ellipsis.
-std::string shown(std::string_view text, std::size_t most = 80);
+/// Typed text as it can be shown: one line of at most `maxBytes` bytes, cut between characters, with an ellipsis.
+std::string shown(std::string_view text, std::size_t maxBytes = 80);
 
 } // namespace filasofia::prefab

@@ -11,44 +11,46 @@
 
 namespace filasofia::record {
 
-/// What a recording says of itself before its first step.
+/// The header of a recording.
 struct RecordingHeader {
-    std::string filasofia = {};          ///< version that wrote it; the writer puts its own
-    std::string revision = {};           ///< of its source (sourceRevision()); the writer puts its own; empty: not told
-    std::string simd = {};               ///< vector instructions that the engine used; empty: not told
-    double period = 1e-3;                ///< [s], what the engine's solvers were prepared for
-    physics::ContactMethod contact = {}; ///< how bodies that touched pushed each other
-    std::uint64_t seed = 0;              ///< of what was drawn by chance, as the program that recorded means it
-    std::string session = {};            ///< what it was called: any text
-    std::string trainee = {};            ///< who was at it: any text
-    std::string date = {};               ///< as dateNow() told when it began: any text
+    std::string filasofia = {}; ///< version that wrote it; set by the writer
+    std::string revision = {};  ///< revision of its source (sourceRevision()); set by the writer; empty if unknown
+    std::string simd = {};      ///< vector instructions that the engine used; empty if unknown
+    double period = 1e-3;       ///< [s], the period that the engine's solvers were prepared for
+    physics::ContactMethod contact = {}; ///< the contact method
+    std::uint64_t seed = 0;              ///< random seed, as defined by the program that recorded
+    std::string session = {};            ///< name of the session: any text
+    std::string trainee = {};            ///< name of the trainee: any text
+    std::string date = {};               ///< start of the session, from dateNow(): any text
 };
 
-/// What was drawn and how, in the words of the room that draws: a recording keeps it, and does not read it.
+/// What was drawn and how, in the format of the room that draws: a recording stores it without reading it.
 struct SceneRecord {
     std::string words = "{}";                                                 ///< a JSON object
-    std::vector<std::shared_ptr<const geometry::TriangleMesh>> surfaces = {}; ///< the words name them by their place
+    std::vector<std::shared_ptr<const geometry::TriangleMesh>> surfaces = {}; ///< `words` refers to them by index
 };
 
-/// The git revision of this program's source; where it was configured without git, its version.
+/// The git revision of this program's source; its version if it was configured without git.
 std::string_view sourceRevision();
 
-/// Writes a run into a file as it goes: steps, what is drawn, and every mesh once, so that a replay needs nothing else.
-/// docs/record.md describes the bytes. What was flushed stays readable whatever happens to the program afterwards.
+/// Writes a run into a file during the run: steps, what is drawn, and every mesh once, so that a replay needs nothing
+/// else. docs/design/replay.md describes the bytes. What was flushed stays readable whatever happens to the program
+/// afterwards.
 class RecordingWriter {
 public:
-    /// Throws an Error naming the file when it cannot be written, or is being written already by this program or
-    /// another, under whatever name; so do the others, when the disk is full.
+    /// Throws an Error naming the file if it cannot be written, or if this or another program is already writing it
+    /// under any name. The other functions do so too, if the disk is full.
     RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header);
     ~RecordingWriter();
-    /// Steps in their order. Warns once, in the log, of a step that no replay can make again.
+    /// Steps must be written in their order. Logs one warning about the first step that cannot be replayed.
     void write(const physics::StepRecord& step);
-    /// What changes in the scene after the last step that was written.
+    /// Changes of the scene after the last step that was written.
     void write(const SceneRecord& scene);
-    /// Hands all of it to the system. Costs up to 300 bytes: ten times a second is often enough, once a step too often.
+    /// Passes all data to the system. Costs up to 300 bytes: ten times a second is usually enough, once per step is too
+    /// often.
     void flush();
-    /// The end, which the file tells; nothing may be written after it. The destructor does it too, and can only log
-    /// what goes wrong.
+    /// Writes the end of the session; nothing may be written after it. The destructor calls it too, but can only log
+    /// errors.
     void close();
 
 private:
@@ -56,20 +58,21 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Reads a recording step by step. Throws an Error naming the file, and the byte or record, where it is no recording,
-/// of another version, damaged or cut off; all steps before that place are read first. It may come from anybody: what
-/// it makes us allocate is bounded by its own length. It must be a regular file: a pipe or a device might never end.
+/// Reads a recording step by step. Throws an Error naming the file, and the byte or record, if it is not a recording,
+/// of another version, damaged or cut off; all steps before that place are read first. The file is not trusted: the
+/// memory that it makes the reader allocate is bounded by its own length. It must be a regular file, because a pipe or
+/// a device might never end.
 class RecordingReader {
 public:
     explicit RecordingReader(const std::filesystem::path& file);
     ~RecordingReader();
     [[nodiscard]] const RecordingHeader& header() const;
-    /// The next step, or nothing at the end. It has what a replay needs: the report's step, dt, flags and the
-    /// iterations of its solves, the hash, the commands (of a tune() only that there was one). Where it has thrown, it
-    /// throws again.
+    /// The next step, or nullopt at the end. It contains what a replay needs: the report's step, dt, flags and the
+    /// iterations of its solves, the hash, and the commands (for a tune() only that there was one). After it has
+    /// thrown, it throws again.
     std::optional<physics::StepRecord> next();
-    /// What changed in the scene before the step that next() gave last (after the end: after the last step), and was
-    /// not taken yet.
+    /// The changes of the scene before the step that next() returned last (after the end: after the last step) that
+    /// were not taken yet.
     std::vector<SceneRecord> takeScene();
 
 private:
@@ -81,12 +84,13 @@ private:
 struct Recording {
     RecordingHeader header = {};
     std::vector<physics::StepRecord> steps = {};
-    std::string damage = {}; ///< what ended it before its end, as the Error says it; empty: it is whole
+    std::string damage =
+        {}; ///< the Error that ended reading before the session's end; empty if the recording is complete
 };
-/// Throws where anything is damaged or missing.
+/// Throws an Error if anything is damaged or missing.
 Recording readRecording(const std::filesystem::path& file);
-/// Reads all that can be: of a session whose program was killed, or a file that was damaged later. Throws where not
-/// even the header can be read.
+/// Reads as much as possible, such as from a session whose program was killed, or from a file that was damaged later.
+/// Throws an Error if not even the header can be read.
 Recording readUpToDamage(const std::filesystem::path& file);
 
 } // namespace filasofia::record

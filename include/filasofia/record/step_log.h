@@ -9,19 +9,20 @@ namespace filasofia::physics {
 class PhysicsServer;
 }
 
-/// What happened, step by step, and making it happen again.
+/// Records what happened, step by step, and replays it.
 namespace filasofia::record {
 
 /// The steps of one run, in memory.
 class StepLog {
 public:
-    /// Takes over all steps that the server has logged since the last time. The server's log has one reader: this.
+    /// Moves all steps that the server has logged since the last call into this log, which must be the only reader of
+    /// the server's log.
     void drain(physics::PhysicsServer& server);
 
     [[nodiscard]] const std::vector<physics::StepRecord>& steps() const { return steps_; }
-    /// Hands the steps over and starts anew.
+    /// Moves the steps out and starts with an empty log.
     [[nodiscard]] std::vector<physics::StepRecord> take() { return std::exchange(steps_, {}); }
-    /// False when a step was lost or tune() ran: what follows cannot be made again.
+    /// False if a step was lost or tune() ran: later steps cannot be replayed.
     [[nodiscard]] bool replayable() const;
 
 private:

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/runtime/step_grid.h"
+#include "filasofia/runtime/fixed_step_scheduler.h"
 
 #include <functional>
 

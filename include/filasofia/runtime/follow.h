@@ -13,7 +13,8 @@ struct FollowElement {
 };
 constexpr auto fields(const FollowElement*)
 {
-    return describe("FollowElement", field("element", &FollowElement::element, "-", nonNegative(), "of a rigid body"));
+    return describe("FollowElement",
+                    field("element", &FollowElement::element, "-", nonNegative(), "index in a rigid body"));
 }
 
 /// The point of a soft body's surface that is nearest to a place at rest.
@@ -37,8 +38,8 @@ struct FollowTriangle {
 constexpr auto fields(const FollowTriangle*)
 {
     using T = FollowTriangle;
-    return describe("FollowTriangle", field("triangle", &T::triangle, "-", nonNegative(), "of the surface"),
-                    field("weights", &T::weights, "-", closed(0, 1), "of the corners"),
+    return describe("FollowTriangle", field("triangle", &T::triangle, "-", nonNegative(), "index in the surface"),
+                    field("weights", &T::weights, "-", closed(0, 1), "barycentric weights"),
                     field("surface", &T::surface, "a surface file, or the surface"));
 }
 
@@ -53,7 +54,7 @@ struct FollowDef {
 constexpr auto fields(const FollowDef*)
 {
     return describe("FollowDef", field("at", &FollowDef::at, "what it follows"),
-                    field("offset", &FollowDef::offset, "where it is from there"));
+                    field("offset", &FollowDef::offset, "offset from there"));
 }
 
 } // namespace filasofia::runtime

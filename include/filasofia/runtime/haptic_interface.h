@@ -20,7 +20,7 @@ struct HapticInterfaceDef {
     std::optional<Pose> origin = {};
     BodyId body = {};           ///< a rigid body
     int element = 0;            ///< [-], >= 0, index in the body
-    HandCoupling coupling = {}; ///< in the scene
+    VirtualCoupling coupling = {}; ///< in the scene
     double forceScale = 1.0;    ///< [-], in [0, 1e3], newtons on the hand per newton in the scene
     /// [N], > 0, on the hand; divided by the force scale, on the body; the device's own limit holds too
     double forceLimit = 3.0;
@@ -35,16 +35,16 @@ constexpr auto fields(const HapticInterfaceDef*)
     return describe(
         "HapticInterfaceDef", field("name", &T::name, "what errors and the log call it"),
         field("device", &T::device, "what the hand holds"),
-        field("scale", &T::scale, "-", closed(1e-3, 1e3), "metres of the scene for one of the device"),
-        field("origin", &T::origin, "of the device's axes in the scene"), field("body", &T::body, "a rigid body"),
-        field("element", &T::element, "-", nonNegative(), "of the body"),
+        field("scale", &T::scale, "-", closed(1e-3, 1e3), "metres in the scene per metre of the device"),
+        field("origin", &T::origin, "pose of the device's axes in the scene"), field("body", &T::body, "a rigid body"),
+        field("element", &T::element, "-", nonNegative(), "index in the body"),
         field("coupling", &T::coupling, "spring and damper, in the scene"),
-        field("forceScale", &T::forceScale, "-", closed(0, 1e3), "newtons on the hand for one in the scene"),
-        field("forceLimit", &T::forceLimit, "N", positive(), "on the hand"),
-        field("torqueLimit", &T::torqueLimit, "N m", positive(), "on the hand"),
-        field("rampIn", &T::rampIn, "s", nonNegative(), "from nothing to the whole force"),
-        field("energyLimit", &T::energyLimit, "J", nonNegative(), "of what the hand gave, kept for it"),
-        field("rate", &T::rate, "Hz", closed(100, 10000), "of the servo loop in a live run"));
+        field("forceScale", &T::forceScale, "-", closed(0, 1e3), "newtons on the hand per newton in the scene"),
+        field("forceLimit", &T::forceLimit, "N", positive(), "limit on the hand"),
+        field("torqueLimit", &T::torqueLimit, "N m", positive(), "limit on the hand"),
+        field("rampIn", &T::rampIn, "s", nonNegative(), "time from no force to the full force"),
+        field("energyLimit", &T::energyLimit, "J", nonNegative(), "energy that may be returned to the hand"),
+        field("rate", &T::rate, "Hz", closed(100, 10000), "rate of the servo loop in a live run"));
 }
 
 /// Names a haptic interface. Numbers are given once; 0 names nothing.
@@ -58,7 +58,7 @@ struct HapticId {
 /// The state of a haptic interface, all in the scene's axes.
 struct HapticState {
     device::ServoState state = device::ServoState::Waiting;
-    Moving hand = {};          ///< the last valid one
+    MotionState hand = {};          ///< the last valid one
     std::uint32_t buttons = 0; ///< one bit for each pressed button
     CouplingForce onHand = {}; ///< [N], [N m], last sent to the device
     CouplingForce onBody = {}; ///< [N] at its centre of mass, [N m]: the coupling's force at the end of the last step

@@ -29,7 +29,7 @@ constexpr auto fields(const PaintDef*)
                     field("atRest", &T::atRest, "the place is at rest, in the body's coordinates"),
                     field("radius", &T::radius, "m", positive(), "reach, at rest"),
                     field("state", &T::state, "what is painted"),
-                    field("mode", &T::mode, "how it meets what is there"));
+                    field("mode", &T::mode, "how it combines with old paint"));
 }
 
 } // namespace filasofia::runtime

@@ -19,11 +19,12 @@ struct ReplayDef {
 constexpr auto fields(const ReplayDef*)
 {
     using T = ReplayDef;
-    return describe(
-        "ReplayDef", field("file", &T::file, "the recording"), field("check", &T::check, "compare every step"),
-        field("threads", &T::threads, "-", closed(1, 256), "at work within one step"),
-        field("picture", &T::picture, "a PNG file for the last state"), field("video", &T::video, "an MP4 file"),
-        field("fps", &T::fps, "1/s", closed(1, 240), "pictures of the video"));
+    return describe("ReplayDef", field("file", &T::file, "the recording"),
+                    field("check", &T::check, "compare the hash of every step"),
+                    field("threads", &T::threads, "-", closed(1, 256), "threads at work within one step"),
+                    field("picture", &T::picture, "a PNG file for the last state"),
+                    field("video", &T::video, "an MP4 file"),
+                    field("fps", &T::fps, "1/s", closed(1, 240), "pictures per second of the video"));
 }
 
 /// How a replay went.

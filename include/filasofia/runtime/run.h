@@ -35,23 +35,23 @@ struct RunDef {
 constexpr auto fields(const RunDef*)
 {
     using T = RunDef;
-    return describe("RunDef", field("headless", &T::headless, "a plain loop with fixed steps"),
-                    field("backend", &T::backend, "where a live run draws"),
-                    field("steps", &T::steps, "-", nonNegative(), "ends after as many"),
-                    field("seconds", &T::seconds, "s", closed(0, 1e8), "ends after this wall time"),
-                    field("picture", &T::picture, "a PNG file for the last state"),
-                    field("pictureEvery", &T::pictureEvery, "s", nonNegative(), "between numbered pictures"),
-                    field("log", &T::log, "a CSV file with a line per step"),
-                    field("record", &T::record, "a file from which the run can be made again"),
-                    field("freeRunning", &T::freeRunning, "does not wait between steps"),
-                    field("video", &T::video, "an MP4 file"),
-                    field("device", &T::device, "the first haptic interface's"),
-                    field("motion", &T::motion, "a motion file played in place of a device"),
-                    field("recordMotion", &T::recordMotion, "a motion file for what is done"),
-                    field("fps", &T::fps, "1/s", closed(1, 240), "pictures of the video"),
-                    field("seed", &T::seed, "-", nonNegative(), "for the recording: of what is drawn by chance"),
-                    field("session", &T::session, "for the recording: what the run is called"),
-                    field("trainee", &T::trainee, "for the recording: who is at it"));
+    return describe(
+        "RunDef", field("headless", &T::headless, "a plain loop with fixed steps"),
+        field("backend", &T::backend, "where a live run draws"),
+        field("steps", &T::steps, "-", nonNegative(), "the run ends after as many steps"),
+        field("seconds", &T::seconds, "s", closed(0, 1e8), "the run ends after this wall time"),
+        field("picture", &T::picture, "a PNG file for the last state"),
+        field("pictureEvery", &T::pictureEvery, "s", nonNegative(), "interval of numbered pictures"),
+        field("log", &T::log, "a CSV file with a line per step"),
+        field("record", &T::record, "a file from which the run can be replayed"),
+        field("freeRunning", &T::freeRunning, "do not wait between steps"), field("video", &T::video, "an MP4 file"),
+        field("device", &T::device, "device of the first haptic interface"),
+        field("motion", &T::motion, "a motion file played in place of a device"),
+        field("recordMotion", &T::recordMotion, "a motion file that records the hand"),
+        field("fps", &T::fps, "1/s", closed(1, 240), "pictures per second of the video"),
+        field("seed", &T::seed, "-", nonNegative(), "seed of the program's random numbers, stored in the recording"),
+        field("session", &T::session, "name of the session, stored in the recording"),
+        field("trainee", &T::trainee, "name of the trainee, stored in the recording"));
 }
 
 /// How two bodies touched in a run.
@@ -80,8 +80,8 @@ struct RunReport {
     bool realTime = false;          ///< physics was scheduled before ordinary threads
     std::string finished;           ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
-    std::vector<std::string> bluntBlades; ///< one line per blade and soft body without dynamicTopology that met so far
-    std::vector<std::string> pictures;    ///< files written, including the video
+    std::vector<std::string> bluntBlades;    ///< one line per blade that touched a soft body without dynamicTopology
+    std::vector<std::string> pictures;       ///< files written, including the video
     /// why log or recording end before the run, or a screenshot is missing; empty: all are complete
     std::vector<std::string> fileProblems;
 };

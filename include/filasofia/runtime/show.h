@@ -43,11 +43,11 @@ constexpr auto fields(const ShowDef*)
     using T = ShowDef;
     return describe("ShowDef", field("surface", &T::surface, "a surface file, or the surface"),
                     field("element", &T::element, "-", nonNegative(), "element of a rigid body"),
-                    field("subdivision", &T::subdivision, "-", closed(0, 3), "each level four times the triangles"),
+                    field("subdivision", &T::subdivision, "-", closed(0, 3), "each level has four times the triangles"),
                     field("material", &T::material, "what it looks like"),
                     field("interior", &T::interior, "what it looks like where it is cut"),
-                    field("castShadows", &T::castShadows, "does it throw shadows"),
-                    field("visible", &T::visible, "is it seen from the start"));
+                    field("castShadows", &T::castShadows, "whether it casts shadows"),
+                    field("visible", &T::visible, "whether it is visible from the start"));
 }
 
 } // namespace filasofia::runtime

@@ -49,9 +49,9 @@ constexpr auto fields(const PhysicsDef*)
         field("slack", &T::slack, "s", closed(0, 10), "a step is never longer than 1/rate + slack"),
         field("gravity", &T::gravity, "m/s^2", finite(), "acts on every body"),
         field("realTime", &T::realTime, "schedule physics before ordinary threads"),
-        field("threads", &T::threads, "-", closed(1, 256), "at work within one step"),
+        field("threads", &T::threads, "-", closed(1, 256), "threads at work within one step"),
         field("contact", &T::contact, "how bodies that touch push each other"),
-        field("deadline", &T::deadline, "s", positiveOrInfinite(), "solvers stop so long after a step's start"));
+        field("deadline", &T::deadline, "s", positiveOrInfinite(), "time after a step's start at which solvers stop"));
 }
 
 /// The picture that a simulation has unless it makes its own: an endoscope's.
@@ -68,7 +68,7 @@ constexpr auto fields(const LookDef*)
     using T = LookDef;
     return describe("LookDef", field("around", &T::around, "what to see"),
                     field("direction", &T::direction, "-", finite(), "from there towards the camera"),
-                    field("quality", &T::quality, "effects"),
+                    field("quality", &T::quality, "quality of the effects"),
                     field("rate", &T::rate, "Hz", closed(1, 1000), "pictures per second at most"),
                     field("mouse", &T::mouse, "a person turns the look's camera"),
                     field("keys", &T::keys, "the keys of a live run work"));
@@ -93,8 +93,8 @@ constexpr auto fields(const SimulationDef*)
 class Simulation {
 public:
     Simulation() : Simulation(SimulationDef{}, nullptr) {}
-    /// A template, so that `Simulation sim({})` means the default Def: as a plain function it is ambiguous with the
-    /// deleted copy, whose argument {} could make too.
+    /// It is a template so that `Simulation sim({})` means the default Def: as a plain function it is ambiguous with
+    /// the deleted copy constructor, whose argument could also be made from {}.
     template <std::same_as<SimulationDef> Def = SimulationDef> explicit Simulation(const Def& def)
         : Simulation(def, nullptr)
     {
@@ -131,7 +131,7 @@ public:
     /// server: from inside the function given to dress().
     void follow(visual::Transform& transform, BodyId id, const FollowDef& def = {});
     void unfollow(visual::Transform& transform);
-    /// Lets the person at the window move a camera, or the rig that it hangs on, in place of the one before. It must
+    /// Lets the person at the window move a camera, or the rig that carries it, in place of the one before. It must
     /// not have a parent. Call it from inside the function given to dress(), as follow().
     void steer(visual::Transform& camera, const visual::OrbitDef& def);
 
@@ -174,7 +174,7 @@ public:
     template <event::EventClass E> void post(E event) { post(std::make_unique<E>(std::move(event))); }
     [[nodiscard]] event::EventDispatcher& events();
     [[nodiscard]] physics::PhysicsServer& physics();
-    /// Fine-tuning: see filasofia/engine/native.h.
+    /// Fine-tuning: see filasofia/engine/native/native.h.
     void tune(std::function<void(engine::Native&)> change);
 
     /// Ends the run, from any thread; the report says why. Between two runs it ends the next one at once.

@@ -14,9 +14,10 @@ struct CameraDef {
     double verticalFieldOfView = 60.0 * std::numbers::pi / 180.0; ///< [rad], in [0.01, 3]
     double near = 0.005;                                          ///< [m], > 0
     double far = 2.0;                                             ///< [m], > near
-    double exposure = 11.0;                                       ///< [EV at ISO 100], in [-10, 25]: more is darker
-    double focusDistance = 0.1;                                   ///< [m], > 0: what is sharp (DepthOfField)
-    double aperture = 8.0; ///< [-], in [0.5, 64]: f-number of a lens before a picture 24 mm high; less blurs more
+    double exposure = 11.0;     ///< [EV at ISO 100], in [-10, 25]; larger values make the picture darker
+    double focusDistance = 0.1; ///< [m], > 0, distance that is sharp (DepthOfField)
+    /// [-], in [0.5, 64], f-number of a lens with a picture 24 mm high; a smaller one blurs more.
+    double aperture = 8.0;
 };
 
 constexpr auto fields(const CameraDef*)
@@ -26,12 +27,12 @@ constexpr auto fields(const CameraDef*)
                     field("verticalFieldOfView", &D::verticalFieldOfView, "rad", closed(0.01, 3), "full angle"),
                     field("near", &D::near, "m", positive(), "nothing nearer is drawn"),
                     field("far", &D::far, "m", positive(), "nothing farther is drawn"),
-                    field("exposure", &D::exposure, "EV at ISO 100", closed(-10, 25), "more is darker"),
-                    field("focusDistance", &D::focusDistance, "m", positive(), "what is sharp"),
-                    field("aperture", &D::aperture, "-", closed(0.5, 64), "f-number: less blurs more"));
+                    field("exposure", &D::exposure, "EV at ISO 100", closed(-10, 25), "larger is darker"),
+                    field("focusDistance", &D::focusDistance, "m", positive(), "distance that is sharp"),
+                    field("aperture", &D::aperture, "-", closed(0.5, 64), "f-number; a smaller one blurs more"));
 }
 
-/// An eye; made by VisualServer::add, drawn where a View shows it. Main thread only.
+/// A camera; made by VisualServer::add, drawn where a View shows it. Main thread only.
 class Camera final : public Transform {
 public:
     struct Impl;

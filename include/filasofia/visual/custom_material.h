@@ -10,7 +10,7 @@
 namespace filasofia::visual {
 
 /// double sets a `float`, int an `int`, bool a `bool`, Color and Vec3 a `float3`, four numbers a `float4`, Texture a
-/// `sampler2d` (white where it is none).
+/// `sampler2d` (white if it is NoTexture).
 using ParameterValue = std::variant<double, int, bool, Color, Vec3, std::array<double, 4>, Texture>;
 
 struct MaterialParameter {
@@ -26,11 +26,11 @@ constexpr auto fields(const MaterialParameter*)
                     field("value", &MaterialParameter::value, "its value, of the material's type"));
 }
 
-/// A material of the user's own, compiled by Filament's matc 1.9 for desktop OpenGL. It may require the attributes
-/// position, tangents, color (blood, burn, wetness), uv0 and custom0 (position at rest). What is not set is 0, or
+/// A user's own material, compiled by Filament's matc 1.9 for desktop OpenGL. It may require the attributes position,
+/// tangents, color (blood, burn, wetness), uv0 and custom0 (position at rest). Parameters that are not set are 0, or
 /// white.
 struct CustomMaterial {
-    std::string file = {}; ///< a .filamat; read once for a server, when it is first named
+    std::string file = {}; ///< a .filamat; read once per server, when it is first named
     std::vector<MaterialParameter> parameters = {};
 
     friend bool operator==(const CustomMaterial&, const CustomMaterial&) = default;

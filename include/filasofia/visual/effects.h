@@ -7,9 +7,9 @@
 
 namespace filasofia::visual {
 
-/// Corners and folds are darker: light from all sides hardly gets there.
+/// Corners and folds are darker, because little light from all sides reaches them.
 struct AmbientOcclusion {
-    double radius = 0.012; ///< [m], in (0, 10]: how far corners darken their surroundings
+    double radius = 0.012; ///< [m], in (0, 10], reach of the darkening around corners
     double strength = 1.0; ///< [-], in [0, 4]
 
     friend constexpr bool operator==(const AmbientOcclusion&, const AmbientOcclusion&) = default;
@@ -22,35 +22,38 @@ constexpr auto fields(const AmbientOcclusion*)
                     field("strength", &E::strength, "-", closed(0, 4), "how dark they are"));
 }
 
-/// Highlights spill over their edge, as in every lens.
+/// Highlights spill over their edges, as in every lens.
 struct Bloom {
-    double strength = 0.06;     ///< [-], in [0, 1]
-    bool onlyHighlights = true; ///< only what is brighter than white spills; else all light, as through a misted lens
+    double strength = 0.06; ///< [-], in [0, 1]
+    /// Only light brighter than white spills; otherwise all light, as through a misted lens.
+    bool onlyHighlights = true;
 
     friend constexpr bool operator==(const Bloom&, const Bloom&) = default;
 };
 
 constexpr auto fields(const Bloom*)
 {
-    return describe("Bloom", field("strength", &Bloom::strength, "-", closed(0, 1), "share of the light that spills"),
+    return describe("Bloom",
+                    field("strength", &Bloom::strength, "-", closed(0, 1), "fraction of the light that spills"),
                     field("onlyHighlights", &Bloom::onlyHighlights, "only what is brighter than white spills"));
 }
 
-/// What is nearer or farther than the camera's focusDistance is blurred, as its aperture says.
+/// Blurs what is nearer or farther than the camera's focusDistance, according to its aperture.
 struct DepthOfField {
-    double strength = 1.0; ///< [-], in [0, 10], times the blur that the aperture gives
+    double strength = 1.0; ///< [-], in [0, 10], factor on the blur that the aperture gives
 
     friend constexpr bool operator==(const DepthOfField&, const DepthOfField&) = default;
 };
 
 constexpr auto fields(const DepthOfField*)
 {
-    return describe("DepthOfField", field("strength", &DepthOfField::strength, "-", closed(0, 10), "times the blur"));
+    return describe("DepthOfField",
+                    field("strength", &DepthOfField::strength, "-", closed(0, 10), "factor on the blur"));
 }
 
-/// The picture darkens towards its corners.
+/// Darkens the picture towards its corners.
 struct Vignette {
-    double midPoint = 0.55; ///< [-], in [0, 1]: larger is nearer to the corners
+    double midPoint = 0.55; ///< [-], in [0, 1], larger is nearer to the corners
     double feather = 0.45;  ///< [-], in [0, 1], softness
 
     friend constexpr bool operator==(const Vignette&, const Vignette&) = default;
@@ -62,11 +65,11 @@ constexpr auto fields(const Vignette*)
                     field("feather", &Vignette::feather, "-", closed(0, 1), "softness"));
 }
 
-/// Smoke or cloudy water: what is farther away fades into its colour.
+/// Smoke or cloudy water: distant surfaces fade into its colour.
 struct Fog {
-    double density = 2.0;    ///< [1/m], in (0, 1e4]: after 1/density metres, 63 % are fog
-    double start = 0.0;      ///< [m], in [0, 1e6], from the camera: no fog before
-    double opacity = 1.0;    ///< [-], in [0, 1], at most
+    double density = 2.0;    ///< [1/m], in (0, 1e4]; after 1/density metres the fog makes up 63 % of the light
+    double start = 0.0;      ///< [m], in [0, 1e6], distance from the camera at which it begins
+    double opacity = 1.0;    ///< [-], in [0, 1], maximum
     double brightness = 1.0; ///< [-], in [0, 100], relative to the surroundings' intensity
     Color color = {0.75, 0.77, 0.80};
 
@@ -75,21 +78,22 @@ struct Fog {
 
 constexpr auto fields(const Fog*)
 {
-    return describe("Fog", field("density", &Fog::density, "1/m", openClosed(0, 1e4), "inverse of how far one sees"),
-                    field("start", &Fog::start, "m", closed(0, 1e6), "no fog before"),
-                    field("opacity", &Fog::opacity, "-", closed(0, 1), "at most"),
+    return describe("Fog",
+                    field("density", &Fog::density, "1/m", openClosed(0, 1e4), "inverse of the visible distance"),
+                    field("start", &Fog::start, "m", closed(0, 1e6), "distance at which it begins"),
+                    field("opacity", &Fog::opacity, "-", closed(0, 1), "maximum"),
                     field("brightness", &Fog::brightness, "-", closed(0, 100), "relative to the surroundings"),
                     field("color", &Fog::color, "colour of the fog"));
 }
 
-/// What an endoscope's optics do to the picture: a round field that darkens and blurs towards its rim, and straight
-/// lines that bend outwards. Lengths are shares of half the picture's smaller side. What lies in the round field is
-/// never from outside the picture.
+/// The effect of an endoscope's optics: a round field that darkens and blurs towards its rim, and barrel distortion.
+/// Lengths are relative to half the picture's smaller side. The round field never shows anything from outside the
+/// picture.
 struct EndoscopeOptics {
-    double maskRadius = 0.97;   ///< [-], in (0, 2], of the round field; all else is black
-    double maskSoftness = 0.02; ///< [-], in [0, 0.5], width of its edge, inwards
-    double distortion = 0.25;   ///< [-], in [0, 1], barrel: how much the middle is larger than the rim
-    double vignette = 0.45;     ///< [-], in [0, 1]: how dark the rim is
+    double maskRadius = 0.97;   ///< [-], in (0, 2], radius of the round field; the rest is black
+    double maskSoftness = 0.02; ///< [-], in [0, 0.5], width of its soft edge, inwards
+    double distortion = 0.25;   ///< [-], in [0, 1], barrel distortion: how much larger the middle is than the rim
+    double vignette = 0.45;     ///< [-], in [0, 1], darkness of the rim
     double rimBlur = 0.008;     ///< [-], in [0, 0.05], radius of the blur at the rim
 
     friend constexpr bool operator==(const EndoscopeOptics&, const EndoscopeOptics&) = default;
@@ -98,25 +102,26 @@ struct EndoscopeOptics {
 constexpr auto fields(const EndoscopeOptics*)
 {
     using E = EndoscopeOptics;
-    return describe("EndoscopeOptics", field("maskRadius", &E::maskRadius, "-", openClosed(0, 2), "of the round field"),
+    return describe("EndoscopeOptics",
+                    field("maskRadius", &E::maskRadius, "-", openClosed(0, 2), "radius of the round field"),
                     field("maskSoftness", &E::maskSoftness, "-", closed(0, 0.5), "width of its edge"),
-                    field("distortion", &E::distortion, "-", closed(0, 1), "how much the middle is larger"),
+                    field("distortion", &E::distortion, "-", closed(0, 1), "how much larger the middle is"),
                     field("vignette", &E::vignette, "-", closed(0, 1), "how dark the rim is"),
                     field("rimBlur", &E::rimBlur, "-", closed(0, 0.05), "radius of the blur at the rim"));
 }
 
 enum class Antialiasing {
     None,
-    Fxaa, ///< smooths edges in the finished picture: cheap
-    Taa,  ///< gathers samples over frames: best at rest; the picture depends on the frames before
+    Fxaa, ///< smooths edges in the finished picture; cheap
+    Taa,  ///< accumulates samples over frames; best for a scene at rest; the picture depends on earlier frames
     Msaa, ///< four samples at every edge
 };
 
 constexpr std::array<std::string_view, 4> names(const Antialiasing*) { return {"none", "fxaa", "taa", "msaa"}; }
 
-/// What is done to a view's picture; none means off.
+/// The effects on a view's picture; an empty option means off.
 struct Effects {
-    bool shadows = true; ///< of the lights that cast some
+    bool shadows = true; ///< shadows of the lights that cast them
     Antialiasing antialiasing = Antialiasing::Fxaa;
     std::optional<AmbientOcclusion> ambientOcclusion = {};
     std::optional<Bloom> bloom = {};
@@ -140,16 +145,16 @@ constexpr auto fields(const Effects*)
                     field("endoscope", &E::endoscope, "endoscope optics"));
 }
 
-/// What a view spends on its picture.
+/// The effort for a view's picture.
 enum class Quality {
-    Low,    ///< no effects, no shadows: fast tests
-    Medium, ///< shadows, tone mapping, vignette, smoothed edges
-    High,   ///< and ambient occlusion, bloom
+    Low,    ///< no effects, no shadows; for fast tests
+    Medium, ///< shadows, tone mapping, vignette, antialiasing
+    High,   ///< as Medium, with ambient occlusion and bloom
 };
 
 constexpr std::array<std::string_view, 3> names(const Quality*) { return {"low", "medium", "high"}; }
 
-/// The effects of a preset, as a start for one's own. `occlusionRadius` in [m].
+/// The effects of a preset, as a starting point for others. `occlusionRadius` in [m].
 Effects effectsOf(Quality quality, double occlusionRadius = AmbientOcclusion{}.radius);
 
 } // namespace filasofia::visual

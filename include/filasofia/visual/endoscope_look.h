@@ -5,10 +5,10 @@
 
 namespace filasofia::visual {
 
-/// The box around a mesh's vertices. Throws an Error when there are none.
+/// The box around a mesh's vertices. Throws an Error if there are none.
 geometry::Box boundsOf(const geometry::TriangleMesh& mesh);
 
-/// What addEndoscopeLook made. Camera and light hang on the rig: move the rig.
+/// The entities that addEndoscopeLook made. The rig is the parent of camera and light: move the rig.
 struct EndoscopeLook {
     Transform* rig = nullptr;
     Camera* camera = nullptr;
@@ -18,8 +18,8 @@ struct EndoscopeLook {
 
 /// The picture of an endoscope that looks at `around` from `direction` (from the box towards the camera, any length but
 /// 0): a camera that frames the box, a cold light beside its lens, dim surroundings, and a view of the whole window.
-/// Intensities grow with the square of the distance, so that any size of box is exposed alike.
-/// Throws an Error when the box is empty or not finite.
+/// Intensities grow with the square of the distance, so that a box of any size is exposed alike.
+/// Throws an Error if the box is empty or not finite.
 EndoscopeLook addEndoscopeLook(VisualServer& server, const geometry::Box& around, Quality quality = Quality::High,
                                Vec3 direction = {0.25, 0.3, 1.0});
 

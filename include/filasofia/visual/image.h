@@ -7,7 +7,7 @@
 
 namespace filasofia::visual {
 
-/// A picture: rows from top to bottom, four bytes a pixel (red, green, blue, alpha), sRGB encoded.
+/// A picture: rows from top to bottom, four bytes per pixel (red, green, blue, alpha), sRGB encoded.
 struct Image {
     int width = 0;
     int height = 0;
@@ -22,12 +22,12 @@ struct Image {
     friend bool operator==(const Image&, const Image&) = default;
 };
 
-/// Writes the picture as an opaque PNG. Throws an Error naming the file when it cannot be written, or when the picture
-/// has no pixels or not four bytes for each.
+/// Writes the picture as an opaque PNG. Throws an Error naming the file if it cannot be written, or if the picture has
+/// no pixels or not four bytes for each.
 void savePng(const Image& image, const std::filesystem::path& file);
 
-/// Reads a PNG or JPEG. Throws an Error naming the file when it is not there, damaged, or has more than 8192 pixels a
-/// side (which is known from its first bytes, before anything is decoded).
+/// Reads a PNG or JPEG. Throws an Error naming the file if it is missing, damaged, or has more than 8192 pixels per
+/// side (which its first bytes tell, before anything is decoded).
 Image loadImage(const std::filesystem::path& file);
 
 } // namespace filasofia::visual

@@ -9,15 +9,15 @@
 namespace filasofia::visual {
 
 /// Living tissue: light enters, reddens and leaves elsewhere; a film of liquid glistens on top. The pattern (mottling,
-/// vessels, fine relief) is bound to the rest position, so that it moves with the tissue.
+/// vessels, fine relief) is fixed to the rest position, so that it moves with the tissue.
 struct TissueMaterial {
     Color baseColor = {0.58, 0.135, 0.115};       ///< colour of the lit surface
     Color subsurfaceColor = {0.70, 0.080, 0.055}; ///< colour of the light that has travelled inside
     Color vesselColor = {0.26, 0.008, 0.014};     ///< colour of the small vessels
     double roughness = 0.45;                      ///< [-], in [0.05, 1], of the tissue below the film
-    double wetness = 0.8;                         ///< [-], in [0, 1], how much of the surface the film covers
-    double thickness = 0.6;                       ///< [-], in [0, 1]: thin tissue lets more light through
-    double noiseScale = 165.0;                    ///< [1/m], > 0: mottles per metre; relief and vessels follow it
+    double wetness = 0.8;                         ///< [-], in [0, 1], fraction of the surface that the film covers
+    double thickness = 0.6;                       ///< [-], in [0, 1]; thin tissue lets more light through
+    double noiseScale = 165.0;                    ///< [1/m], > 0, blotches per metre; relief and vessels scale with it
     double mottling = 0.6;                        ///< [-], in [0, 1]
     double vessels = 0.6;                         ///< [-], in [0, 1]
     double bump = 0.5;                            ///< [-], in [0, 2], height of the fine relief
@@ -33,9 +33,9 @@ constexpr auto fields(const TissueMaterial*)
                     field("subsurfaceColor", &M::subsurfaceColor, "colour of light that has travelled inside"),
                     field("vesselColor", &M::vesselColor, "colour of the small vessels"),
                     field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness below the film"),
-                    field("wetness", &M::wetness, "-", closed(0, 1), "how much of the surface the film covers"),
+                    field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that the film covers"),
                     field("thickness", &M::thickness, "-", closed(0, 1), "thin tissue lets more light through"),
-                    field("noiseScale", &M::noiseScale, "1/m", positive(), "mottles per metre"),
+                    field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
                     field("mottling", &M::mottling, "-", closed(0, 1), "strength of the blotches"),
                     field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
                     field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
@@ -49,9 +49,9 @@ struct MucosaMaterial {
     Color subsurfaceColor = {0.64, 0.11, 0.085}; ///< colour of the light that has travelled inside
     Color vesselColor = {0.30, 0.012, 0.016};    ///< colour of the small vessels
     double roughness = 0.40;                     ///< [-], in [0.05, 1], of the lining below the film
-    double wetness = 0.95;                       ///< [-], in [0, 1], how much of the surface the film covers
-    double thickness = 0.45;                     ///< [-], in [0, 1]: a thin lining lets more light through
-    double noiseScale = 165.0;                   ///< [1/m], > 0: mottles per metre; pits and vessels follow it
+    double wetness = 0.95;                       ///< [-], in [0, 1], fraction of the surface that the film covers
+    double thickness = 0.45;                     ///< [-], in [0, 1]; a thin lining lets more light through
+    double noiseScale = 165.0;                   ///< [1/m], > 0, blotches per metre; pits and vessels scale with it
     double pits = 0.6;                           ///< [-], in [0, 1], strength of the pattern of pits
     double vessels = 0.6;                        ///< [-], in [0, 1]
     double bump = 0.5;                           ///< [-], in [0, 2], height of the fine relief
@@ -67,22 +67,22 @@ constexpr auto fields(const MucosaMaterial*)
                     field("subsurfaceColor", &M::subsurfaceColor, "colour of light that has travelled inside"),
                     field("vesselColor", &M::vesselColor, "colour of the small vessels"),
                     field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness below the film"),
-                    field("wetness", &M::wetness, "-", closed(0, 1), "how much of the surface the film covers"),
+                    field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that the film covers"),
                     field("thickness", &M::thickness, "-", closed(0, 1), "a thin lining lets more light through"),
-                    field("noiseScale", &M::noiseScale, "1/m", positive(), "mottles per metre"),
+                    field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
                     field("pits", &M::pits, "-", closed(0, 1), "strength of the pattern of pits"),
                     field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
                     field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
                     field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
 }
 
-/// Living bone, ivory and a little moist: fine grain along one direction, pores, and stains where vessels enter.
+/// Living bone, ivory and slightly moist: fine grain along one direction, pores, and stains where vessels enter.
 struct BoneMaterial {
     Color baseColor = {0.76, 0.63, 0.44};  ///< colour of the lit surface
     Color stainColor = {0.48, 0.20, 0.11}; ///< colour in pores and stains
     double roughness = 0.5;                ///< [-], in [0.05, 1]
-    double wetness = 0.55;                 ///< [-], in [0, 1], how much of the surface is moist
-    double noiseScale = 165.0;             ///< [1/m], > 0: mottles per metre; grain and pores follow it
+    double wetness = 0.55;                 ///< [-], in [0, 1], fraction of the surface that is moist
+    double noiseScale = 165.0;             ///< [1/m], > 0, blotches per metre; grain and pores scale with it
     double pores = 0.65;                   ///< [-], in [0, 1]
     double bump = 0.5;                     ///< [-], in [0, 2], height of the fine relief
     Texture baseColorTexture = {};         ///< in place of baseColor
@@ -96,8 +96,8 @@ constexpr auto fields(const BoneMaterial*)
     return describe("BoneMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
                     field("stainColor", &M::stainColor, "colour in pores and stains"),
                     field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness where it is dry"),
-                    field("wetness", &M::wetness, "-", closed(0, 1), "how much of the surface is moist"),
-                    field("noiseScale", &M::noiseScale, "1/m", positive(), "mottles per metre"),
+                    field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that is moist"),
+                    field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
                     field("pores", &M::pores, "-", closed(0, 1), "strength of pores and stains"),
                     field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
                     field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
@@ -120,12 +120,12 @@ constexpr auto fields(const MetalMaterial*)
                     field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"));
 }
 
-/// Clear glass or plastic. It bends the light of what lies behind, except of other glass, and mirrors at its edges.
+/// Clear glass or plastic. It refracts what lies behind, except other glass, and reflects at its edges.
 struct GlassMaterial {
-    Color tint = {0.93, 0.97, 0.96}; ///< share of light that comes through `thickness` of it; each > 0
-    double roughness = 0.05;         ///< [-], in [0, 1]: blur of what lies behind
+    Color tint = {0.93, 0.97, 0.96}; ///< fraction of light transmitted through `thickness`; each component > 0
+    double roughness = 0.05;         ///< [-], in [0, 1], blur of what lies behind
     double refractiveIndex = 1.5;    ///< [-], in [1, 2.5]
-    double thickness = 0.004;        ///< [m], in [0, 1]: how far light travels inside
+    double thickness = 0.004;        ///< [m], in [0, 1], distance that light travels inside
 
     friend constexpr bool operator==(const GlassMaterial&, const GlassMaterial&) = default;
 };
@@ -133,15 +133,15 @@ struct GlassMaterial {
 constexpr auto fields(const GlassMaterial*)
 {
     using M = GlassMaterial;
-    return describe("GlassMaterial", field("tint", &M::tint, "share of light that comes through"),
+    return describe("GlassMaterial", field("tint", &M::tint, "fraction of transmitted light"),
                     field("roughness", &M::roughness, "-", closed(0, 1), "blur of what lies behind"),
                     field("refractiveIndex", &M::refractiveIndex, "-", closed(1, 2.5), "how much it bends light"),
                     field("thickness", &M::thickness, "m", closed(0, 1), "how far light travels inside"));
 }
 
-/// Its own colour, whatever the light: markers, screens, labels. The picture shows just this colour.
+/// A surface with its own colour, whatever the light: markers, screens, labels. The picture shows exactly this colour.
 struct UnlitMaterial {
-    Color color = {1.0, 1.0, 1.0}; ///< colour, or what the texture is multiplied with
+    Color color = {1.0, 1.0, 1.0}; ///< the colour, or the factor on the texture
     Texture texture = {};
 
     friend bool operator==(const UnlitMaterial&, const UnlitMaterial&) = default;
@@ -150,10 +150,10 @@ struct UnlitMaterial {
 constexpr auto fields(const UnlitMaterial*)
 {
     return describe("UnlitMaterial", field("color", &UnlitMaterial::color, "colour, or the texture's factor"),
-                    field("texture", &UnlitMaterial::texture, "what is seen"));
+                    field("texture", &UnlitMaterial::texture, "texture"));
 }
 
-/// The material of this name in the server's pool (VisualServer::addMaterial), and what it becomes there.
+/// Refers to the material of this name in the server's pool (VisualServer::addMaterial), and follows its changes.
 struct NamedMaterial {
     std::string name = {};
 
@@ -162,7 +162,7 @@ struct NamedMaterial {
 
 constexpr auto fields(const NamedMaterial*)
 {
-    return describe("NamedMaterial", field("name", &NamedMaterial::name, "of a material in the server's pool"));
+    return describe("NamedMaterial", field("name", &NamedMaterial::name, "name of a material in the server's pool"));
 }
 
 using Material = std::variant<TissueMaterial, MetalMaterial, MucosaMaterial, BoneMaterial, GlassMaterial, UnlitMaterial,

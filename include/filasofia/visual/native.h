@@ -9,8 +9,8 @@ class Scene;
 class View;
 } // namespace filament
 
-/// The one door to the graphics library (Filament 1.9) behind a server, for what this room does not offer. Whoever goes
-/// through it ties himself to that library and its rules. All are null with the null backend.
+/// Access to the graphics library (Filament 1.9) behind a server, for what this room does not offer. It is the only
+/// such access, and its users depend on that library and its rules. All pointers are null with the null backend.
 namespace filasofia::visual::native {
 
 filament::Engine* engine(VisualServer& server);

@@ -7,12 +7,12 @@
 
 namespace filasofia::visual {
 
-/// New triangles of a body made ready to be drawn, apart from any server: what takes long when topology changes, for
-/// any thread. VisualBody::adopt() does the rest.
+/// New triangles of a body, prepared for drawing without a server: the expensive part of a change of topology, on any
+/// thread. VisualBody::adopt() does the rest.
 class PreparedMesh {
 public:
-    /// `rest` [m] is the surface at rest, what the pattern sticks to; `subdivision` in [0, 3]. Throws an Error naming
-    /// `name` when the surface is wrong or cannot be subdivided.
+    /// `rest` [m] is the surface at rest, to which the pattern is fixed; `subdivision` in [0, 3]. Throws an Error
+    /// naming `name` if the surface is wrong or cannot be subdivided.
     PreparedMesh(geometry::TriangleMesh rest, int subdivision, std::string_view name);
     ~PreparedMesh();
     PreparedMesh(PreparedMesh&&) noexcept;

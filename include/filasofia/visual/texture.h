@@ -7,14 +7,14 @@
 
 namespace filasofia::visual {
 
-/// No picture: the material's own colour.
+/// No texture: the material's own colour.
 struct NoTexture {
     friend constexpr bool operator==(const NoTexture&, const NoTexture&) = default;
 };
 
 constexpr auto fields(const NoTexture*) { return describe("NoTexture"); }
 
-/// A PNG or JPEG of at most 8192 pixels a side, sRGB encoded. Read once for a server, when it is first named.
+/// A PNG or JPEG of at most 8192 pixels per side, sRGB encoded. Read once per server, when it is first named.
 struct TextureFile {
     std::string file = {};
 
@@ -26,7 +26,7 @@ constexpr auto fields(const TextureFile*)
     return describe("TextureFile", field("file", &TextureFile::file, "a PNG or JPEG file"));
 }
 
-/// What an off-screen view shows, as it was last drawn; black from when that view is removed.
+/// The picture of an off-screen view, as it was last drawn; black after that view is removed.
 struct ViewPicture {
     std::string view = {}; ///< name of an off-screen view of the same server
 
@@ -38,7 +38,7 @@ constexpr auto fields(const ViewPicture*)
     return describe("ViewPicture", field("view", &ViewPicture::view, "name of an off-screen view"));
 }
 
-/// A picture laid on a surface by the uv of its mesh, which must have some.
+/// A texture mapped by the uv of the surface's mesh, which must have them.
 using Texture = std::variant<NoTexture, TextureFile, ViewPicture>;
 
 } // namespace filasofia::visual

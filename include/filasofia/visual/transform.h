@@ -20,35 +20,35 @@ public:
 
     [[nodiscard]] const std::string& name() const { return name_; }
 
-    /// Relative to the parent, or to the world where there is none.
+    /// Relative to the parent, or to the world if there is none.
     [[nodiscard]] const Pose& pose() const { return pose_; }
-    /// Throws an Error naming the entity unless the pose is finite and its quaternion of unit length (to 1e-6).
+    /// Throws an Error naming the entity unless the pose is finite and its quaternion has unit length (to 1e-6).
     void setPose(const Pose& pose);
 
     [[nodiscard]] Pose worldPose() const;
 
-    /// A body is drawn this many times as large, and so is all that hangs on this: its sizes and its distances.
+    /// Factor on the size of a drawn body, and on sizes and distances of its children.
     [[nodiscard]] double scale() const { return scale_; }
-    /// Throws an Error naming the entity unless it is in (0, 1e6].
+    /// Throws an Error naming the entity unless the scale is in (0, 1e6].
     void setScale(double scale);
-    /// With the scales of all it hangs on.
+    /// The product with the scales of all ancestors.
     [[nodiscard]] double worldScale() const;
 
     [[nodiscard]] bool visible() const { return visible_; }
-    /// What is hidden hides all that hangs on it. A hidden light does not shine; a hidden camera still sees.
+    /// A hidden transform hides its children. A hidden light does not shine; a hidden camera still sees.
     void setVisible(bool visible) { visible_ = visible; }
-    /// It and all it hangs on are visible.
+    /// Whether it and all its ancestors are visible.
     [[nodiscard]] bool worldVisible() const;
 
     [[nodiscard]] Transform* parent() const { return parent_; }
     [[nodiscard]] const std::vector<Transform*>& children() const { return children_; }
-    /// From now on pose() is relative to `parent`: the number stays, the place in the world changes. A former parent is
-    /// left. Throws an Error when this is an ancestor of `parent`, or `parent` itself.
+    /// From now on pose() is relative to `parent`: its value stays, the place in the world changes. Detaches from a
+    /// former parent. Throws an Error if this is `parent` or an ancestor of it.
     void attachTo(Transform& parent);
-    /// Leaves the parent, if any, and stays where and as large as it is in the world.
+    /// Leaves the parent, if any, and keeps its place and size in the world.
     void detach();
 
-    /// Ends with the transform: for who keeps a pointer to it.
+    /// Expires when the transform is destroyed; for code that keeps a pointer to it.
     [[nodiscard]] std::weak_ptr<const void> life() const { return life_; }
 
 private:
@@ -63,8 +63,9 @@ private:
     std::shared_ptr<const void> life_ = std::make_shared<char>();
 };
 
-/// The pose at `eye` whose -Z axis points at `target` and whose +Y axis is as near to `up` as can be: where cameras and
-/// lights look. Where `up` is parallel to the view, another is chosen. Throws an Error when eye and target coincide.
+/// The pose at `eye` whose -Z axis points at `target` and whose +Y axis is as near to `up` as possible: cameras and
+/// lights look along -Z. If `up` is parallel to the view, another direction is chosen. Throws an Error if eye and
+/// target coincide.
 Pose lookAt(Vec3 eye, Vec3 target, Vec3 up = {0.0, 1.0, 0.0});
 
 } // namespace filasofia::visual

@@ -8,7 +8,7 @@
 
 namespace filasofia::visual {
 
-/// A rectangle of the window in fractions of it, from its upper left corner.
+/// A rectangle of the window, as fractions of it from its upper left corner.
 struct Viewport {
     double left = 0.0;   ///< [-], in [0, 1)
     double top = 0.0;    ///< [-], in [0, 1)
@@ -20,20 +20,20 @@ struct Viewport {
 
 constexpr auto fields(const Viewport*)
 {
-    return describe("Viewport", field("left", &Viewport::left, "-", closedOpen(0, 1), "of the window's width"),
-                    field("top", &Viewport::top, "-", closedOpen(0, 1), "of the window's height"),
-                    field("width", &Viewport::width, "-", openClosed(0, 1), "of the window's width"),
-                    field("height", &Viewport::height, "-", openClosed(0, 1), "of the window's height"));
+    return describe("Viewport", field("left", &Viewport::left, "-", closedOpen(0, 1), "fraction of the window's width"),
+                    field("top", &Viewport::top, "-", closedOpen(0, 1), "fraction of the window's height"),
+                    field("width", &Viewport::width, "-", openClosed(0, 1), "fraction of the window's width"),
+                    field("height", &Viewport::height, "-", openClosed(0, 1), "fraction of the window's height"));
 }
 
-/// The view is seen in the window.
+/// The view is shown in the window.
 struct InWindow {
     friend constexpr bool operator==(const InWindow&, const InWindow&) = default;
 };
 
 constexpr auto fields(const InWindow*) { return describe("InWindow"); }
 
-/// The view has a picture of its own: to be read (View::capture), or to be seen on a body (ViewPicture).
+/// The view has a picture of its own, which can be read (View::capture) or shown on a body (ViewPicture).
 struct OffScreen {
     int width = 640;  ///< [px], in [1, 8192]
     int height = 480; ///< [px], in [1, 8192]
@@ -43,16 +43,16 @@ struct OffScreen {
 
 constexpr auto fields(const OffScreen*)
 {
-    return describe("OffScreen", field("width", &OffScreen::width, "px", closed(1, 8192), "of the picture"),
-                    field("height", &OffScreen::height, "px", closed(1, 8192), "of the picture"));
+    return describe("OffScreen", field("width", &OffScreen::width, "px", closed(1, 8192), "size of the picture"),
+                    field("height", &OffScreen::height, "px", closed(1, 8192), "size of the picture"));
 }
 
 struct ViewDef {
-    std::string name = "view"; ///< no two off-screen views of a server may share one
-    Viewport viewport = {};    ///< of a view in the window
+    std::string name = "view"; ///< off-screen views of a server must have different names
+    Viewport viewport = {};    ///< for a view in the window
     Quality quality = Quality::High;
-    double occlusionRadius = 0.012;                ///< [m], > 0: how far corners darken (Quality::High)
-    std::optional<Effects> effects = {};           ///< none: those of `quality`
+    double occlusionRadius = 0.012;                ///< [m], > 0, reach of the darkening around corners (Quality::High)
+    std::optional<Effects> effects = {};           ///< not given: those of `quality`
     std::variant<InWindow, OffScreen> target = {}; ///< where its picture goes
 };
 
@@ -60,15 +60,15 @@ constexpr auto fields(const ViewDef*)
 {
     return describe("ViewDef", field("name", &ViewDef::name, "name in errors"),
                     field("viewport", &ViewDef::viewport, "where in the window"),
-                    field("quality", &ViewDef::quality, "what it spends on the picture"),
+                    field("quality", &ViewDef::quality, "effort for the picture"),
                     field("occlusionRadius", &ViewDef::occlusionRadius, "m", positive(), "reach of dark corners"),
                     field("effects", &ViewDef::effects, "in place of those of quality"),
                     field("target", &ViewDef::target, "where its picture goes"));
 }
 
 /// Shows what a camera sees, in a rectangle of the window or in a picture of its own; made by VisualServer::add. Every
-/// frame draws the off-screen views first, then the window's; each in the order they were made, so that later ones of
-/// the window lie on top. Main thread only.
+/// frame draws first the off-screen views, then the window's, each in the order in which they were made, so that later
+/// ones in the window lie on top. Main thread only.
 class View {
 public:
     struct Impl;
@@ -81,16 +81,16 @@ public:
     /// Throws an Error naming the view and the field that is out of range.
     void set(const ViewDef& def);
     [[nodiscard]] Camera& camera() const;
-    /// Throws an Error when the camera belongs to another server.
+    /// Throws an Error if the camera belongs to another server.
     void setCamera(Camera& camera);
 
     [[nodiscard]] bool visible() const;
-    /// A hidden view is not drawn; the picture of an off-screen one stays what it was.
+    /// A hidden view is not drawn; the picture of an off-screen view stays as it was.
     void setVisible(bool visible);
 
-    /// Draws this view as the scene is now and reads its picture back; off-screen views made before it are drawn too,
-    /// since it may show them. Throws an Error when it is a view of the window (VisualServer::capture reads that), or
-    /// when the graphics library gives no picture.
+    /// Draws this view with the present scene and returns its picture; earlier off-screen views are drawn too, because
+    /// it may show them. Throws an Error if it is a view of the window (use VisualServer::capture), or if the graphics
+    /// library gives no picture.
     Image capture();
 
     [[nodiscard]] Impl& impl() { return *impl_; }

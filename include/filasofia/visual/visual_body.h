@@ -14,7 +14,7 @@ namespace filasofia::visual {
 struct VisualBodyDef {
     std::string name = "body";
     geometry::TriangleMesh mesh = {};     ///< [m], at rest
-    int subdivision = 0;                  ///< [-], in [0, 3]: Loop subdivision steps, each times 4 triangles
+    int subdivision = 0;                  ///< [-], in [0, 3], Loop subdivision steps, each with 4 times the triangles
     Material material = TissueMaterial{}; ///< what it looks like
     bool castShadows = true;
 };
@@ -26,14 +26,14 @@ constexpr auto fields(const VisualBodyDef*)
                     field("mesh", &D::mesh, "surface at rest"),
                     field("subdivision", &D::subdivision, "-", closed(0, 3), "Loop subdivision steps"),
                     field("material", &D::material, "what it looks like"),
-                    field("castShadows", &D::castShadows, "whether it throws shadows"));
+                    field("castShadows", &D::castShadows, "whether it casts shadows"));
 }
 
-/// What has happened to the surface at one vertex.
+/// The state of the surface at one vertex.
 struct SurfaceState {
     double blood = 0.0;   ///< [-], in [0, 1]
     double burn = 0.0;    ///< [-], in [0, 1], charred by cautery
-    double wetness = 0.0; ///< [-], in [0, 1], liquid on top of the material's own
+    double wetness = 0.0; ///< [-], in [0, 1], liquid in addition to the material's own
 
     friend constexpr bool operator==(const SurfaceState&, const SurfaceState&) = default;
 };
@@ -41,44 +41,43 @@ struct SurfaceState {
 constexpr auto fields(const SurfaceState*)
 {
     using S = SurfaceState;
-    return describe("SurfaceState", field("blood", &S::blood, "-", closed(0, 1), "share of full"),
+    return describe("SurfaceState", field("blood", &S::blood, "-", closed(0, 1), "covered by blood"),
                     field("burn", &S::burn, "-", closed(0, 1), "charred by cautery"),
                     field("wetness", &S::wetness, "-", closed(0, 1), "liquid on top of the material's own"));
 }
 
-/// A surface that a VisualServer draws; made by VisualServer::add. Main thread only.
+/// A surface drawn by a VisualServer; made by VisualServer::add. Main thread only.
 class VisualBody final : public Transform {
 public:
     struct Impl;
     VisualBody(std::string name, std::unique_ptr<Impl> impl);
     ~VisualBody() override;
 
-    /// Vertices of the mesh before subdivision.
+    /// Number of vertices of the mesh before subdivision.
     [[nodiscard]] int vertexCount() const;
-    /// The last positions given [m], in the body's own coordinates.
+    /// The last given positions [m], in the body's own coordinates.
     [[nodiscard]] std::span<const Vec3> vertices() const;
     /// The triangles of the mesh before subdivision.
     [[nodiscard]] std::span<const geometry::Triangle> triangles() const;
 
-    /// New positions [m] of the mesh's vertices, in the body's own coordinates; normals and bounds follow. Throws an
-    /// Error naming the body unless there is one finite position (below 1e6 m) for each vertex; the old shape then
-    /// stays.
+    /// Sets new positions [m] of the mesh's vertices, in the body's own coordinates; normals and bounds follow. Throws
+    /// an Error naming the body unless there is one finite position (below 1e6 m) per vertex; the old shape then stays.
     void setVertices(std::span<const Vec3> positions);
 
-    /// New triangles, as after a cut: `mesh.vertices` are the positions now, `rest` the positions at rest that the
-    /// pattern sticks to, one for each vertex. The surface state starts anew. Throws an Error naming the body when mesh
+    /// Sets new triangles, as after a cut: `mesh.vertices` are the present positions, `rest` the positions at rest to
+    /// which the pattern is fixed, one per vertex. The surface state is reset. Throws an Error naming the body if mesh
     /// or rest are wrong; the old shape then stays.
     void setMesh(const geometry::TriangleMesh& mesh, std::span<const Vec3> rest);
-    /// The short part of setMesh(): new triangles that another thread has prepared, at the positions `now`. Throws an
-    /// Error naming the body when the positions are wrong; the old shape then stays.
+    /// The fast part of setMesh(): adopts new triangles that another thread has prepared, at the positions `now`.
+    /// Throws an Error naming the body if the positions are wrong; the old shape then stays.
     void adopt(PreparedMesh prepared, std::span<const Vec3> now);
 
-    /// One for each vertex. Throws an Error naming the body when the count or a number is wrong.
+    /// One state per vertex. Throws an Error naming the body if the count or a number is wrong.
     void setSurfaceState(std::span<const SurfaceState> states);
 
     [[nodiscard]] const Material& material() const;
-    /// Throws an Error naming the body, and the field that is out of range, the file that cannot be read, or what the
-    /// server has not.
+    /// Throws an Error naming the body and the field that is out of range, the file that cannot be read, or the
+    /// material or view that the server does not have.
     void setMaterial(const Material& material);
 
     [[nodiscard]] Impl& impl() { return *impl_; }

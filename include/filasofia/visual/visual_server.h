@@ -17,7 +17,7 @@ namespace filasofia::visual {
 enum class Backend {
     Window,   ///< into an X11 window
     Headless, ///< into memory; needs neither a screen nor an X server
-    Null,     ///< nowhere: nothing is drawn, all else works; for tests without a GPU
+    Null,     ///< nothing is drawn, all else works; for tests without a GPU
 };
 
 struct VisualServerDef {
@@ -31,25 +31,26 @@ constexpr auto fields(const VisualServerDef*)
 {
     using D = VisualServerDef;
     return describe("VisualServerDef", field("backend", &D::backend, "where the pictures go"),
-                    field("width", &D::width, "px", closed(1, 8192), "of the window"),
-                    field("height", &D::height, "px", closed(1, 8192), "of the window"));
+                    field("width", &D::width, "px", closed(1, 8192), "size of the window"),
+                    field("height", &D::height, "px", closed(1, 8192), "size of the window"));
 }
 
-/// What the main thread's work on the picture took so far, by the clock given to timeStages(); zeros without one.
+/// Time that the main thread's work on the picture has taken, by the clock given to timeStages(); zeros without a
+/// clock.
 struct VisualStages {
-    double subdivision = 0.0; ///< [s], checking positions, turning them to floats, and the refined ones
+    double subdivision = 0.0; ///< [s], checking positions, converting them to float, and subdividing
     double normals = 0.0;     ///< [s], normals and tangent frames
-    double upload = 0.0;      ///< [s], handing vertices to the graphics library
-    double submit = 0.0;      ///< [s], poses, and drawing; with the software renderer headless, the drawing itself
+    double upload = 0.0;      ///< [s], passing vertices to the graphics library
+    double submit = 0.0;      ///< [s], poses and drawing; with the software renderer headless, the drawing itself
 };
 
-/// How it went so far.
+/// Statistics since the server was made.
 struct VisualStatistics {
     long framesDrawn = 0;
-    long framesSkipped = 0;        ///< frames that the graphics library asked to leave out
-    long vertexUpdates = 0;        ///< shapes sent to the graphics library, the first of each body included
-    double lastFrameSeconds = 0.0; ///< [s], wall time of the last frame drawn
-    double lastGuiSeconds = 0.0;   ///< [s], of these: renderCallbacks and debug drawings
+    long framesSkipped = 0;        ///< frames that the graphics library asked to skip
+    long vertexUpdates = 0;        ///< shapes sent to the graphics library, including the first of each body
+    double lastFrameSeconds = 0.0; ///< [s], wall time of the last drawn frame
+    double lastGuiSeconds = 0.0;   ///< [s], part of it for renderCallbacks and debug drawings
     int bodies = 0;
     int lights = 0;
     int cameras = 0;
@@ -60,19 +61,19 @@ struct VisualStatistics {
 /// Whether this build can draw with the backend (Null: always).
 [[nodiscard]] bool hasBackend(Backend backend);
 
-/// Owns the scene and draws it. Everything about it belongs to the thread that made it (asserted).
+/// Owns the scene and draws it. All of it belongs to the thread that made it (asserted).
 ///
-/// What add() returns stays valid until it is removed or the server ends.
+/// The objects returned by add() stay valid until they are removed or the server ends.
 class VisualServer {
 public:
-    /// Throws an Error when a field is out of range, the backend is not in this build, or it cannot start (no display,
-    /// no OpenGL 4.1).
+    /// Throws an Error if a field is out of range, the backend is not in this build, or it cannot start (no display, no
+    /// OpenGL 4.1).
     explicit VisualServer(const VisualServerDef& def = {});
     ~VisualServer();
     VisualServer(const VisualServer&) = delete;
     VisualServer& operator=(const VisualServer&) = delete;
 
-    /// Throw an Error naming the object, the field and the bound when something is wrong with the Def.
+    /// Throw an Error naming the object, the field and the bound if the Def is wrong.
     VisualBody& add(const VisualBodyDef& def);
     Light& add(const LightDef& def);
     Camera& add(const CameraDef& def);
@@ -80,24 +81,24 @@ public:
     Gui& add(const GuiDef& def, View& view);
     Gui& add(const GuiDef& def); ///< over the whole window
     Canvas& add(const CanvasDef& def);
-    /// A place without content, to hang others on: a rig.
+    /// A transform without content, as a parent for others: a rig.
     Transform& addTransform(std::string name);
 
-    /// Its children keep their world pose. Throws an Error when it is not of this server, or a camera that a view
-    /// shows.
+    /// Its children keep their world pose. Throws an Error if it does not belong to this server, or is a camera that a
+    /// view shows.
     void remove(Transform& entity);
-    void remove(View& view); ///< Error where a Gui lies on it
+    void remove(View& view); ///< Error if a Gui lies on it
     void remove(Gui& gui);
 
-    /// Shows what a person did to the Guis, the upper ones first. True: one of them takes it, and nothing else should
+    /// Passes input to the Guis, the upper ones first. Returns true if one of them took it, so that nothing else should
     /// act on it.
     bool handle(const event::Event& event);
-    /// Somebody writes into a field of a Gui: what window::Window::setTextInput() is told.
+    /// Whether somebody writes into a field of a Gui; pass it to window::Window::setTextInput().
     [[nodiscard]] bool wantsText() const;
-    /// Scales the texts and spaces of all Guis, as the screen's resolution asks (window::Window::scale). Throws an
-    /// Error where it is out of [0.5, 8].
+    /// Scales text and spacing of all Guis to the screen's resolution (window::Window::scale). Throws an Error if it is
+    /// outside [0.5, 8].
     void setGuiScale(double scale);
-    /// What there is, in the order in which it was added.
+    /// The entities, in the order in which they were added.
     [[nodiscard]] std::vector<VisualBody*> bodies() const;
     [[nodiscard]] std::vector<View*> views() const;
     [[nodiscard]] std::vector<Light*> lights() const;
@@ -109,37 +110,37 @@ public:
     /// Lines, points and texts in the scene.
     [[nodiscard]] DebugDraw& debug();
 
-    /// A material that bodies can share: NamedMaterial{name}. Throws an Error when there is one of this name already,
-    /// it is itself a NamedMaterial, or anything about it is wrong.
+    /// Adds a material that bodies can share as NamedMaterial{name}. Throws an Error if the name is already used, or
+    /// the material is itself a NamedMaterial or wrong in any way.
     void addMaterial(const std::string& name, const Material& material);
-    /// Changes it, and every body that uses it. Throws an Error as addMaterial() and VisualBody::setMaterial() do; then
-    /// nothing has changed.
+    /// Changes a material, and with it every body that uses it. Throws an Error like addMaterial() and
+    /// VisualBody::setMaterial(); then nothing has changed.
     void changeMaterial(const std::string& name, const Material& material);
-    /// Throws an Error when there is none of this name, or a body uses it.
+    /// Throws an Error if there is no such material, or a body uses it.
     void removeMaterial(const std::string& name);
-    /// Throws an Error when there is none of this name.
+    /// Throws an Error if there is no such material.
     [[nodiscard]] const Material& material(const std::string& name) const;
 
-    /// Replaces the surroundings (a default is there from the start). Throws an Error as add() does.
+    /// Replaces the surroundings (there is a default from the start). Throws an Error like add().
     void setEnvironment(const EnvironmentDef& def);
 
-    /// Draws one frame; false when the graphics library asks to skip it.
+    /// Draws one frame. Returns false if the graphics library asks to skip it.
     bool render();
 
-    /// Pixels from now on, in [1, 8192]; otherwise throws an Error.
+    /// Sets the size in pixels, in [1, 8192]; otherwise throws an Error.
     void resize(int width, int height);
     [[nodiscard]] int width() const;
     [[nodiscard]] int height() const;
 
-    /// Draws the scene as it is now and reads the picture back. The same scene gives the same picture, bit for bit.
-    /// With the null backend the picture is black. Throws an Error when the graphics library gives none.
+    /// Draws the present scene and returns the picture. The same scene gives the same picture, bit for bit. With the
+    /// null backend the picture is black. Throws an Error if the graphics library gives none.
     Image capture();
 
     [[nodiscard]] VisualStatistics statistics() const;
-    /// From now on VisualStatistics::stages tells what the stages take by this clock [s]; an empty one costs nothing.
+    /// From now on VisualStatistics::stages has the times of the stages by this clock [s]; an empty one costs nothing.
     void timeStages(std::function<double()> now);
 
-    /// Whether `entity` is one of this server's: bodies, lights, cameras and rigs. It may have ended.
+    /// Whether `entity` belongs to this server: a body, light, camera or rig. It may have been destroyed.
     [[nodiscard]] bool has(const Transform& entity) const;
 
     struct Impl;

@@ -6,14 +6,14 @@
 
 namespace filasofia::window {
 
-/// A window that nobody sees: for tests and runs without a display. What would come from a person is injected.
+/// An invisible window for tests and for runs without a display. Input events are injected by the program.
 class NullWindow final : public Window {
 public:
-    /// Throws an Error where a field is outside its range.
+    /// Throws an Error if a field is outside its range.
     explicit NullWindow(const WindowDef& def = {});
 
-    /// The next poll() hands it on, after all injected before. A WindowEvent acts as well: Resized changes size(),
-    /// CloseRequested makes shouldClose() true when it is handed on.
+    /// The next poll() delivers the event, after all events injected before. A WindowEvent also takes effect then:
+    /// Resized changes size(), and CloseRequested makes shouldClose() true.
     void inject(std::unique_ptr<event::Event> event);
 
     [[nodiscard]] void* nativeWindow() const override { return nullptr; }

@@ -10,19 +10,19 @@ namespace filasofia::window {
 
 struct WindowDef {
     std::string title = "Filasofia";
-    int width = 960;  ///< [px], in [1, 8192], of the content
-    int height = 720; ///< [px], in [1, 8192]
+    int width = 960;  ///< [px], in [1, 8192], width of the content
+    int height = 720; ///< [px], in [1, 8192], height of the content
     bool resizable = true;
 };
 constexpr auto fields(const WindowDef*)
 {
-    return describe("WindowDef", field("title", &WindowDef::title, "what the window's frame says"),
-                    field("width", &WindowDef::width, "px", closed(1, 8192), "of the content"),
-                    field("height", &WindowDef::height, "px", closed(1, 8192), "of the content"),
-                    field("resizable", &WindowDef::resizable, "whether a person may change the size"));
+    return describe("WindowDef", field("title", &WindowDef::title, "the text in the window's title bar"),
+                    field("width", &WindowDef::width, "px", closed(1, 8192), "width of the content"),
+                    field("height", &WindowDef::height, "px", closed(1, 8192), "height of the content"),
+                    field("resizable", &WindowDef::resizable, "whether the user may change the size"));
 }
 
-/// Of the content of a window.
+/// The size of a window's content.
 struct WindowSize {
     int width = 0;  ///< [px], > 0
     int height = 0; ///< [px], > 0
@@ -30,44 +30,46 @@ struct WindowSize {
     friend constexpr bool operator==(const WindowSize&, const WindowSize&) = default;
 };
 
-/// What the simulation needs of a window, whatever library opens it (SDL here; GLFW or Qt in somebody's application).
-/// A window belongs to the thread that opened it.
+/// What the simulation needs of a window, whatever library opens it (SDL here; GLFW or Qt in an application). A window
+/// belongs to the thread that opened it.
 class Window {
 public:
     virtual ~Window() = default;
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
-    /// What a renderer draws into: the X11 Window id, as a pointer; nullptr where there is nothing to draw into.
+    /// The render target: the X11 Window id, as a pointer; nullptr if the window cannot be drawn into.
     [[nodiscard]] virtual void* nativeWindow() const = 0;
     [[nodiscard]] virtual WindowSize size() const = 0;
-    /// How much larger than at 96 dots per inch texts should be: in [1, 4], in quarters.
+    /// The factor by which text should be larger than at 96 dots per inch: in [1, 4], in steps of 0.25.
     [[nodiscard]] virtual double scale() const = 0;
 
-    /// Hands what happened since the last call to `sink`, oldest first, as the events of event/input_events.h (their
-    /// time and step are 0: the sink knows). Does not wait. What the sink throws comes through, and what it has not
-    /// been given yet comes with the next call.
+    /// Passes the events since the last call to `sink`, oldest first, as the types of event/input_events.h (their time
+    /// and step are 0; the sink sets them). Does not wait. If the sink throws, the exception is passed on, and the
+    /// remaining events come with the next call.
     virtual void poll(const event::EventSink& sink) = 0;
 
-    /// A person asked to close it (poll() has seen the request). It stays open until it is destroyed.
+    /// True if the user asked to close the window (and poll() has seen the request). It stays open until it is
+    /// destroyed.
     [[nodiscard]] virtual bool shouldClose() const = 0;
     virtual void setTitle(const std::string& title) = 0;
 
-    /// Whether keys are to come as TextInputEvents as well, as they do while somebody writes. Not from the start: an
-    /// input method may swallow keys that are no text. A window without text ignores it.
+    /// Turns TextInputEvents in addition to key events on or off; they are on while the user types text. They are off
+    /// at first, because an input method may swallow keys that are not text. A window without text input ignores the
+    /// call.
     virtual void setTextInput(bool /*on*/) {}
 
 protected:
     Window() = default;
 };
 
-/// Opens a window on the X display that DISPLAY names (the renderer draws through X11, whatever the desktop). Throws
-/// an Error where a field is outside its range or there is no such display. All windows are opened by one thread, and
-/// signals stay the program's own.
+/// Opens a window on the X display that DISPLAY names (the renderer draws through X11 on every desktop). Throws an
+/// Error if a field is outside its range or there is no such display. One thread must open all windows. The program
+/// keeps its own signal handlers.
 std::unique_ptr<Window> openWindow(const WindowDef& def);
 
-/// Whether openWindow() would find a display; where not, `why` (unless null) is one line about it. Never throws an
-/// Error; same thread as openWindow().
+/// True if openWindow() would find a display; if not, `why` (unless null) gets the reason in one line. Never throws an
+/// Error; must be called on the same thread as openWindow().
 bool displayAvailable(std::string* why = nullptr);
 
 } // namespace filasofia::window

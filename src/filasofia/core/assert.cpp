@@ -7,7 +7,7 @@ namespace filasofia {
 
 void assertionFailed(const char* condition, const char* file, int line) noexcept
 {
-    std::fprintf(stderr, "%s:%d: promise broken by the caller: %s\n", file, line, condition);
+    std::fprintf(stderr, "%s:%d: broken precondition, a bug in the calling code: %s\n", file, line, condition);
     std::abort();
 }
 

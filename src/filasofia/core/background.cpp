@@ -49,7 +49,7 @@ struct BackgroundThread::Impl {
 
     void run()
     {
-        // It was made by a thread that may have real-time scheduling, which nobody is to wait behind.
+        // The thread that made this one may have real-time scheduling; nobody should have to wait behind these jobs.
         const sched_param ordinary{};
         pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
         pthread_setname_np(pthread_self(), "filasofia-later");
@@ -77,9 +77,9 @@ BackgroundThread::~BackgroundThread()
     if (impl_->thread.joinable()) impl_->thread.join();
 }
 
-void BackgroundThread::give(std::shared_ptr<BackgroundJob> job)
+void BackgroundThread::submit(std::shared_ptr<BackgroundJob> job)
 {
-    if (impl_->refused) return; // its owner will do it
+    if (impl_->refused) return; // finish() will do it
     {
         const std::lock_guard lock(impl_->mutex);
         impl_->jobs.push_back(std::move(job));

@@ -10,7 +10,8 @@ namespace filasofia {
 void Hasher::addBytes(const unsigned char* bytes, std::size_t count)
 {
     constexpr std::size_t kLanes = 8, kBlock = kLanes * sizeof(std::uint64_t);
-    constexpr std::uint64_t kOdd = 0xbf58476d1ce4e5b9u; // of splitmix64: invertible, as is the shift after it
+    constexpr std::uint64_t kOdd = 0xbf58476d1ce4e5b9u; // a multiplier of splitmix64: multiplication by it can be
+                                                        // inverted, as can the shift after it
     std::array<std::uint64_t, kLanes> lanes = {}, words = {};
     for (std::size_t k = 0; k < kLanes; ++k) lanes[k] = kOdd * (k + 1);
     const auto mix = [&] {
@@ -24,7 +25,8 @@ void Hasher::addBytes(const unsigned char* bytes, std::size_t count)
         std::memcpy(words.data(), bytes + at, kBlock);
         mix();
     }
-    if (at < count) { // what is missing of the last block is zeros: the count tells them from such that are there
+    if (at <
+        count) { // the rest of the last block is filled with zeros; the count distinguishes them from zeros in the data
         words = {};
         std::memcpy(words.data(), bytes + at, count - at);
         mix();

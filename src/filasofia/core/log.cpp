@@ -44,7 +44,7 @@ void writeLog(LogLevel level, std::string_view words)
     if (userSink) {
         try {
             userSink(level, line);
-        } catch (...) { // whoever logs has something to do, and a sink's trouble is not his
+        } catch (...) { // a sink that fails must not interrupt the thread that logs
         }
     } else {
         standardError().log(spdlogLevel(level), spdlog::string_view_t(line.data(), line.size()));

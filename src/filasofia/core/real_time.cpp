@@ -7,7 +7,7 @@ namespace filasofia {
 
 bool requestRealTime(int above)
 {
-    cpu_set_t usable; // not the cores there are, but those this process may use
+    cpu_set_t usable; // not all cores of the machine, but those that this process may use
     if (sched_getaffinity(0, sizeof usable, &usable) != 0 || CPU_COUNT(&usable) < 2) return false;
     const sched_param priority{.sched_priority = sched_get_priority_min(SCHED_FIFO) + above};
     return pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kRead = 1 << 16; ///< [bytes] at a time
 
-std::string said(int problem) { return std::generic_category().message(problem); }
+std::string messageOf(int problem) { return std::generic_category().message(problem); }
 
 [[noreturn]] void refuseSize(std::string_view object, std::uintmax_t maxBytes, std::string_view got)
 {
@@ -37,10 +37,10 @@ std::uintmax_t checkRegularFile(const std::filesystem::path& file, std::string_v
 {
     std::error_code problem;
     const std::filesystem::file_status status = std::filesystem::status(file, problem);
-    if (status.type() == std::filesystem::file_type::not_found) fail(object, ": there is no such file");
+    if (status.type() == std::filesystem::file_type::not_found) fail(object, ": no such file");
     if (!std::filesystem::exists(status)) fail(object, ": cannot be read: ", problem.message());
-    if (std::filesystem::is_directory(status)) fail(object, ": is a folder; a file is needed");
-    if (!std::filesystem::is_regular_file(status)) fail(object, ": is no regular file");
+    if (std::filesystem::is_directory(status)) fail(object, ": must be a file, got a directory");
+    if (!std::filesystem::is_regular_file(status)) fail(object, ": is not a regular file");
     const std::uintmax_t size = std::filesystem::file_size(file, problem);
     if (problem) fail(object, ": cannot be read: ", problem.message());
     if (size > maxBytes) refuseSize(object, maxBytes, text(size));
@@ -51,7 +51,7 @@ std::string readFile(const std::filesystem::path& file, std::string_view object,
 {
     const std::uintmax_t size = checkRegularFile(file, object, maxBytes);
     std::ifstream in(file, std::ios::binary);
-    if (!in) fail(object, ": cannot be read: ", said(errno));
+    if (!in) fail(object, ": cannot be read: ", messageOf(errno));
     std::string bytes(size, '\0');
     if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) fail(object, ": cannot be read to its end");
     return bytes;
@@ -60,16 +60,16 @@ std::string readFile(const std::filesystem::path& file, std::string_view object,
 LineReader::LineReader(const std::filesystem::path& file, std::string object, const Limits& limits)
     : object_(std::move(object)), limits_(limits)
 {
-    // Without O_NONBLOCK, opening a pipe would wait for its writer for ever.
+    // Without O_NONBLOCK, opening a pipe would wait for its writer forever.
     file_ = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (file_ < 0) fail(object_, errno == ENOENT ? ": there is no such file" : ": cannot be read: " + said(errno));
+    if (file_ < 0) fail(object_, errno == ENOENT ? ": no such file" : ": cannot be read: " + messageOf(errno));
     struct stat status = {};
     const bool known = ::fstat(file_, &status) == 0;
     pipe_ = known && S_ISFIFO(status.st_mode);
     if (known && (S_ISREG(status.st_mode) || pipe_)) return;
     ::close(file_);
-    if (known && S_ISDIR(status.st_mode)) fail(object_, ": is a folder; a file is needed");
-    fail(object_, ": is neither a regular file nor a pipe");
+    if (known && S_ISDIR(status.st_mode)) fail(object_, ": must be a file, got a directory");
+    fail(object_, ": must be a regular file or a pipe");
 }
 
 LineReader::~LineReader() { ::close(file_); }
@@ -85,7 +85,7 @@ bool LineReader::fill()
         if (pipe_) waitForPipe(file_, limits_.wait, object_);
         count = ::read(file_, buffer_.data() + before, kRead);
     } while (count < 0 && (errno == EINTR || (pipe_ && errno == EAGAIN)));
-    if (count < 0) fail(object_, ": cannot be read to its end: ", said(errno));
+    if (count < 0) fail(object_, ": cannot be read to its end: ", messageOf(errno));
     buffer_.resize(before + static_cast<std::size_t>(count));
     taken_ += static_cast<std::uintmax_t>(count);
     if (taken_ > limits_.bytes) refuseSize(object_, limits_.bytes, "more");
@@ -98,7 +98,7 @@ std::optional<std::string_view> LineReader::next()
     std::size_t end = std::string::npos;
     for (std::size_t searched = at_; (end = buffer_.find('\n', searched)) == std::string::npos;) {
         if (buffer_.size() - at_ > limits_.line) break;
-        searched = buffer_.size() - at_; // fill() moves what is left to the front
+        searched = buffer_.size() - at_; // fill() moves the remaining bytes to the front
         if (fill()) continue;
         if (buffer_.empty()) return std::nullopt;
         end = buffer_.size(); // the last line may lack its end

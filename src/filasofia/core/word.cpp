@@ -9,12 +9,13 @@
 namespace filasofia {
 namespace {
 
-constexpr std::size_t kLongestWord = 80, kLongestInLine = 160, kShown = 40; // bytes
+constexpr std::size_t kMaxWord = 80, kMaxWordInLine = 160, kShown = 40; // bytes
 
 std::string beginning(std::string_view word)
 {
     std::size_t end = kShown;
-    while (end > 0 && (static_cast<unsigned char>(word[end]) & 0xc0u) == 0x80u) --end; // no half of a letter
+    while (end > 0 && (static_cast<unsigned char>(word[end]) & 0xc0u) == 0x80u)
+        --end; // do not cut a letter (UTF-8) in half
     return text(word.substr(0, end), "…");
 }
 
@@ -30,10 +31,7 @@ template <class T> std::optional<T> parsed(std::string_view word)
 
 } // namespace
 
-std::string shortened(std::string_view word)
-{
-    return word.size() > kLongestWord ? beginning(word) : std::string(word);
-}
+std::string shortened(std::string_view word) { return word.size() > kMaxWord ? beginning(word) : std::string(word); }
 
 std::string shownWord(std::string_view word)
 {
@@ -46,7 +44,7 @@ std::string withShortWords(std::string_view line)
     std::string out;
     while (!line.empty()) {
         const std::string_view word = line.substr(0, line.find(' '));
-        out += word.size() > kLongestInLine ? beginning(word) : std::string(word);
+        out += word.size() > kMaxWordInLine ? beginning(word) : std::string(word);
         line.remove_prefix(word.size());
         const std::size_t spaces = std::min(line.find_first_not_of(' '), line.size());
         out += line.substr(0, spaces);
@@ -58,7 +56,7 @@ std::string withShortWords(std::string_view line)
 int wholeNumber(std::string_view name, std::string_view word, const Bound& bound)
 {
     using Limits = std::numeric_limits<int>;
-    Range range = bound.range; // what it is written to is a bound too
+    Range range = bound.range; // the bounds of an int count too
     if (range.low < Limits::min()) range.low = Limits::min(), range.lowOpen = false;
     if (range.high > Limits::max()) range.high = Limits::max(), range.highOpen = false;
     const std::optional<int> value = parsed<int>(word);

@@ -19,23 +19,24 @@
 namespace filasofia {
 namespace {
 
-// The clock decides who works and when, never what comes out.
+// The clock decides which thread works and when, never what the result is.
 using Clock = std::chrono::steady_clock;
 using Time = Clock::time_point;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-constexpr microseconds kIdleSpin{40};    // a worker's, before it sleeps: longer than the pause between two loops
-constexpr microseconds kPatience{20};    // the caller's with begun parts, before it asks why they are not done
-constexpr microseconds kWaitSpin{50};    // the caller's with begun parts, before it sleeps
-constexpr microseconds kLostAtLeast{50}; // less is not worth doing without a worker
-constexpr milliseconds kFirstRest{1};    // of a worker that lost its core
-constexpr milliseconds kLastRest{1000};  // of one that loses it again and again
-constexpr milliseconds kRare{50};        // losses further apart cost less than doing without the worker
-constexpr milliseconds kCrowdedRest{2};  // of a worker that found itself on the caller's core
-constexpr int kClockEvery = 32;          // pauses, some 0.5 µs
+constexpr microseconds kIdleSpin{
+    40}; // how long a worker spins before it sleeps: longer than the pause between two loops
+constexpr microseconds kPatience{20};  // how long the caller waits for begun parts before it asks why they are not done
+constexpr microseconds kWaitSpin{50};  // how long the caller spins for begun parts before it sleeps
+constexpr microseconds kMinLoss{50};   // a smaller loss does not pay for doing without the worker
+constexpr milliseconds kMinRest{1};    // the first rest of a worker that lost its core
+constexpr milliseconds kMaxRest{1000}; // the longest rest, for a worker that loses its core again and again
+constexpr milliseconds kRare{50};      // if losses are further apart, they cost less than doing without the worker
+constexpr milliseconds kCrowdedRest{2}; // the rest of a worker that runs on the caller's core
+constexpr int kClockEvery = 32;         // pauses between two readings of the clock, some 0.5 µs
 
-// Neighbouring lines are fetched in pairs: what two threads write lies two lines apart.
+// Neighbouring cache lines are fetched in pairs, so data that two threads write is kept two lines apart.
 constexpr std::size_t kApart = 128;
 
 thread_local bool insidePart = false;
@@ -58,9 +59,9 @@ inline void relax()
 }
 
 // The parts of one range that nobody has claimed: [next, end) in one word. Whoever exchanges that word owns the part,
-// and the loop cannot end before it is done: so call and context, read after the claim, belong to the part, even
-// where the word was read in one loop and exchanged in another. Its owner claims from the front and all others from
-// the back, so that an owner that is a little late loses the same parts each time.
+// and the loop cannot end before the part is done. So call and context, read after the claim, belong to the part, even
+// if the word was read in one loop and exchanged in another. The range's owner claims from the front and all others
+// from the back, so that an owner that is a little late loses the same parts each time.
 struct alignas(kApart) Range {
     std::atomic<std::uint64_t> unclaimed = 0;
 
@@ -68,7 +69,7 @@ struct alignas(kApart) Range {
     {
         unclaimed.store(std::uint64_t(end) << 32 | std::uint32_t(begin), std::memory_order_release);
     }
-    int claimFront() // -1: none left
+    int claimFront() // -1 if none is left
     {
         std::uint64_t now = unclaimed.load(std::memory_order_relaxed);
         while (std::uint32_t(now) < now >> 32)
@@ -91,15 +92,15 @@ private:
 };
 
 struct alignas(kApart) Worker {
-    std::atomic<bool> working = false; // perhaps has begun parts
-    std::atomic<Time> restUntil{};     // set by the caller: takes no part before; cleared by the worker
+    std::atomic<bool> working = false; // the worker may have begun parts
+    std::atomic<Time> restUntil{}; // set by the caller: the worker takes no part before this time, and then clears it
     std::thread thread;
 
     // The caller's notes.
     clockid_t cpuClock = {};
     bool awaited = false;
-    std::chrono::nanoseconds cpuTime{}; // when the caller began to watch it
-    milliseconds lastRest = kFirstRest;
+    std::chrono::nanoseconds cpuTime{}; // the worker's CPU time when the caller began to watch it
+    milliseconds lastRest = kMinRest;
     Time lastRestEnd{};
 
     [[nodiscard]] std::chrono::nanoseconds readCpuTime() const
@@ -113,7 +114,7 @@ struct alignas(kApart) Worker {
     void sendToRest(Time now)
     {
         const bool rare = now - lastRestEnd > kRare;
-        lastRest = rare ? std::max(lastRest / 2, kFirstRest) : std::min(2 * lastRest, kLastRest);
+        lastRest = rare ? std::max(lastRest / 2, kMinRest) : std::min(2 * lastRest, kMaxRest);
         lastRestEnd = now + lastRest;
         restUntil.store(lastRestEnd, std::memory_order_relaxed);
     }
@@ -125,7 +126,7 @@ int usableCores()
 {
     cpu_set_t usable;
     if (sched_getaffinity(0, sizeof usable, &usable) == 0) return std::max(1, CPU_COUNT(&usable));
-    return std::max(1, int(std::thread::hardware_concurrency())); // more cores than the set has room for
+    return std::max(1, int(std::thread::hardware_concurrency())); // the set has no room for so many cores
 }
 
 struct WorkerPool::Impl {
@@ -148,23 +149,23 @@ struct WorkerPool::Impl {
 
     const int threads;
     bool started = false;
-    std::vector<Worker> workers; // threads - 1, or those that could be had
-    std::vector<Range> ranges;   // the thread i prefers the range i; 0 is the caller's
+    std::vector<Worker> workers; // threads - 1, or fewer if the system granted fewer
+    std::vector<Range> ranges;   // thread i prefers range i; range 0 is the caller's
     std::atomic<bool> inUse = false;
 
-    // What workers read of a loop; the caller writes it.
-    alignas(kApart) std::atomic<std::uint32_t> loop = 0; // number of the newest one
+    // What workers read about a loop; the caller writes it.
+    alignas(kApart) std::atomic<std::uint32_t> loop = 0; // number of the newest loop
     std::atomic<int> usedRanges = 0;
     std::atomic<int> callerCore = -1;
     std::atomic<bool> stopping = false;
     Call call = nullptr;
     const void* context = nullptr;
 
-    // Parts not done, and the mark of a caller that sleeps until there are none.
+    // The parts that are not done, with the mark of a caller that sleeps until there are none.
     static constexpr std::uint32_t kCallerSleeps = std::uint32_t(1) << 31;
     alignas(kApart) std::atomic<std::uint32_t> remaining = 0;
 
-    alignas(kApart) std::atomic<bool> sleepers = false; // somebody sleeps, or is about to
+    alignas(kApart) std::atomic<bool> sleepers = false; // a worker sleeps, or is about to
 
     std::mutex restMutex; // only for the workers' rests, which end with the pool
     std::condition_variable restEnd;
@@ -192,10 +193,11 @@ void WorkerPool::Impl::start()
         try {
             worker.thread = std::thread([this, i] { workerLoop(int(i) + 1); });
         } catch (const std::system_error&) {
-            return; // whoever comes works: the claims do not count on anybody
+            return; // the threads that did start do all the work: the claims do not rely on any one of them
         }
         if (pthread_getcpuclockid(worker.thread.native_handle(), &worker.cpuClock) != 0)
-            worker.cpuClock = CLOCK_MONOTONIC; // then a late worker seems busy, and the caller goes on waiting for it
+            worker.cpuClock =
+                CLOCK_MONOTONIC; // then a late worker always seems busy, and the caller goes on waiting for it
     }
 }
 
@@ -212,7 +214,8 @@ void WorkerPool::Impl::run(int count, Call newCall, const void* newContext)
 
 void WorkerPool::Impl::publish(int count, Call newCall, const void* newContext)
 {
-    // A worker late for the last loop may claim a part of this one as soon as its range is out: the ranges come last.
+    // A worker late for the last loop may claim a part of this one as soon as its range is published, so the ranges
+    // come last.
     call = newCall;
     context = newContext;
     remaining.store(std::uint32_t(count), std::memory_order_relaxed);
@@ -224,14 +227,15 @@ void WorkerPool::Impl::publish(int count, Call newCall, const void* newContext)
         ranges[std::size_t(i)].publish(bound(i), bound(i + 1));
     }
 
-    // The mark is taken down before the loop's number changes: whoever sets it later finds the new number and does
-    // not sleep, or sleeps through this one loop, which does not need it. Each sleeper wakes the next.
+    // The flag is cleared before the loop's number changes. A worker that sets it later either finds the new number and
+    // does not sleep, or sleeps through this one loop, which does not need it. Each worker that wakes up wakes the
+    // next.
     const bool wake = sleepers.load(std::memory_order_relaxed) && sleepers.exchange(false);
     loop.fetch_add(1, std::memory_order_release);
     if (wake) loop.notify_one();
 }
 
-/// Claims and does parts until none is left to claim; how many.
+/// Claims and does parts until none is left to claim; returns how many it did.
 int WorkerPool::Impl::work(int self)
 {
     const int used = usedRanges.load(std::memory_order_relaxed);
@@ -252,8 +256,8 @@ void WorkerPool::Impl::await(Time begun)
     awaitLong(begun);
 }
 
-// A begun part comes late because it is long or because its worker lost the core. Only the second says that the caller
-// is better off without that worker, and the worker's own clock, which stands still meanwhile, tells them apart.
+// A begun part is late either because it is long or because its worker lost the core. Only in the second case is the
+// caller better off without that worker. The worker's own CPU clock, which stands still meanwhile, tells the two apart.
 void WorkerPool::Impl::awaitLong(Time begun)
 {
     const Time asked = Clock::now();
@@ -268,12 +272,12 @@ void WorkerPool::Impl::awaitLong(Time begun)
         watchLateWorkers();
     }
 
-    if (watched == Time{}) { // the caller lost its own core meanwhile
+    if (watched == Time{}) { // the caller itself lost its core meanwhile
         watched = Clock::now();
         watchLateWorkers();
     }
 
-    // Asleep, the caller leaves its core to a worker that may have none.
+    // While it sleeps, the caller leaves its core to a worker that may have none.
     std::uint32_t left = remaining.fetch_or(kCallerSleeps, std::memory_order_acquire) | kCallerSleeps;
     while (left != kCallerSleeps) {
         remaining.wait(left, std::memory_order_acquire);
@@ -296,8 +300,8 @@ void WorkerPool::Impl::judgeLateWorkers(Time begun, Time watched)
         if (!worker.awaited) continue;
         const Time now = Clock::now();
         const std::chrono::nanoseconds lost = now - watched - (worker.readCpuTime() - worker.cpuTime);
-        // With two threads: the loop took longer than it would have taken the caller alone.
-        if (lost > kLostAtLeast && lost > (now - begun) / 2) worker.sendToRest(now);
+        // With two threads, the loop took longer than the caller alone would have taken.
+        if (lost > kMinLoss && lost > (now - begun) / 2) worker.sendToRest(now);
     }
 }
 
@@ -314,14 +318,15 @@ void WorkerPool::Impl::workerLoop(int self)
         if (!rested(me)) continue;
         me.working.store(true, std::memory_order_relaxed);
         const auto done = std::uint32_t(work(self));
-        // All parts that this worker has done in one go: fewer writes to the line that the caller watches.
+        // All parts that this worker has done are subtracted at once: fewer writes to the cache line that the caller
+        // watches.
         if (done > 0 && remaining.fetch_sub(done, std::memory_order_acq_rel) - done == kCallerSleeps)
             remaining.notify_one();
         me.working.store(false, std::memory_order_relaxed);
     }
 }
 
-/// False: not ready for this loop, but for one that comes after the rest.
+/// False if the worker must rest: it is not ready for this loop, but for one that comes after the rest.
 bool WorkerPool::Impl::rested(Worker& me)
 {
     Time until = me.restUntil.load(std::memory_order_relaxed);
@@ -331,14 +336,14 @@ bool WorkerPool::Impl::rested(Worker& me)
     }
     if (until == Time{}) {
         if (!onCallersCore()) return true;
-        until = Clock::now() + kCrowdedRest; // each part done here would hold up the caller
+        until = Clock::now() + kCrowdedRest; // each part done here would delay the caller
     }
     std::unique_lock lock(restMutex);
     restEnd.wait_until(lock, until, [&] { return stopping.load(std::memory_order_relaxed); });
     return false;
 }
 
-/// Spins, then sleeps, until there is another loop than `seen`; its number.
+/// Spins, then sleeps, until there is a loop other than `seen`; returns its number.
 std::uint32_t WorkerPool::Impl::awaitLoop(std::uint32_t seen)
 {
     Time start{};
@@ -350,9 +355,9 @@ std::uint32_t WorkerPool::Impl::awaitLoop(std::uint32_t seen)
         }
         const Time now = Clock::now();
         if (start == Time{}) start = now;
-        if (now - start > kIdleSpin || onCallersCore()) break; // on its core the caller would wait for the spinning
+        if (now - start > kIdleSpin || onCallersCore()) break; // on its core the caller would wait for this spinning
     }
-    sleepers.store(true); // seen by a later publish(), before or after the kernel compares the number
+    sleepers.store(true); // a later publish() sees it, before or after the kernel compares the number
     loop.wait(seen, std::memory_order_acquire);
     loop.notify_one();
     return loop.load(std::memory_order_acquire);

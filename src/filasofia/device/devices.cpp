@@ -62,7 +62,8 @@ std::unique_ptr<HapticDevice> makeDevice(const DeviceDef& def, const std::string
     const bool vendors =
         std::holds_alternative<ForceDimensionDevice>(def) || std::holds_alternative<OpenHapticsDevice>(def);
     if (!library.empty() && !vendors)
-        fail("device ", nameOf(def), ": is read without a library, got ", shownWord(library));
+        fail("device ", nameOf(def), ": library must be empty, because this device needs none; got ",
+             shownWord(library));
     return std::visit(Make{library}, def);
 }
 

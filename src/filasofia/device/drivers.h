@@ -2,7 +2,7 @@
 
 #include "filasofia/device/devices.h"
 
-/// One function per driver; makeDevice() chooses.
+/// One factory function per driver; makeDevice() chooses.
 namespace filasofia::device {
 
 std::unique_ptr<HapticDevice> makeScripted(const ScriptedDevice& def);

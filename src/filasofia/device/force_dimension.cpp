@@ -8,7 +8,7 @@
 namespace filasofia::device {
 namespace {
 
-// Of libdhd's C interface (Force Dimension SDK 3.x) what is needed here. A result < 0 is an error.
+// The part of libdhd's C interface (Force Dimension SDK 3.x) that is used here. A result < 0 is an error.
 struct Dhd {
     explicit Dhd(const std::string& path)
     {
@@ -45,11 +45,11 @@ struct Dhd {
     const char* (*lastError)();
 };
 
-constexpr int kStatusPlaces = 64; // 12 to 17 in the versions there were
+constexpr int kStatusPlaces = 64; // 12 to 17 in the versions so far
 constexpr int kConnected = 1, kNeedsCalibration = 3, kError = 9;
-constexpr int kStatusEvery = 50; // readings
+constexpr int kStatusEvery = 50; // readings between two status queries
 
-// The device's x points to the person, y to the right, z up. Ours as everywhere: x to the right, y up.
+// The device's x axis points to the user, y to the right, z up. Ours, as everywhere: x to the right, y up.
 Vec3 ours(Vec3 v) { return {v.y, v.z, v.x}; }
 Vec3 theirs(Vec3 v) { return {v.z, v.x, v.y}; }
 
@@ -65,15 +65,15 @@ public:
         close();
         const int count = dhd_.deviceCount();
         if (index_ >= count)
-            fail("device forcedimension: index must be < ", count < 0 ? 0 : count, ", the devices connected, got ",
-                 index_);
+            fail("device forcedimension: index must be < ", count < 0 ? 0 : count,
+                 " (the number of connected devices), got ", index_);
         const int id = dhd_.openId(static_cast<char>(index_));
         if (id < 0) fail("device forcedimension: cannot be opened: ", said());
         id_ = static_cast<char>(id);
         open_ = true;
         readings_ = 0;
         status_ = DeviceStatus::Ready;
-        if (dhd_.enableForce(1, id_) < 0) fail("device forcedimension: its force cannot be switched on: ", said());
+        if (dhd_.enableForce(1, id_) < 0) fail("device forcedimension: its force output cannot be enabled: ", said());
     }
     void close() noexcept override
     {
@@ -100,9 +100,9 @@ public:
             sample.status = failed();
             return sample;
         }
-        if (dhd_.getAngularVelocity(&w.x, &w.y, &w.z, id_) < 0) w = {}; // of a device without a wrist
+        if (dhd_.getAngularVelocity(&w.x, &w.y, &w.z, id_) < 0) w = {}; // a device without a wrist
         const Mat3 turn{{{r[0][0], r[0][1], r[0][2]}, {r[1][0], r[1][1], r[1][2]}, {r[2][0], r[2][1], r[2][2]}}};
-        // Columns are what the axes became: each one, and their order, to our axes.
+        // The columns are the images of the axes: convert each of them, and their order, to our axes.
         const Mat3 oursTurn = Mat3::columns(ours(turn.column(1)), ours(turn.column(2)), ours(turn.column(0)));
         sample.hand = {{ours(p), toQuat(oursTurn)}, ours(v), ours(w)};
         sample.buttons = dhd_.getButtons(id_);
@@ -114,7 +114,7 @@ public:
         const Vec3 f = theirs(onHand.force), t = theirs(onHand.torque);
         const int result = onHand.torque == Vec3{} ? dhd_.setForce(f.x, f.y, f.z, id_)
                                                    : dhd_.setForceAndTorque(f.x, f.y, f.z, t.x, t.y, t.z, id_);
-        return result >= 0; // more than 0 is a remark, such as a motor at its limit
+        return result >= 0; // a result > 0 is a remark, such as a motor at its limit
     }
     [[nodiscard]] std::string problem() const override { return said(); }
 

@@ -15,13 +15,13 @@ namespace filasofia::device {
 namespace {
 
 constexpr Nanoseconds kSecond = 1'000'000'000;
-constexpr Nanoseconds kLongCall = 20'000'000; ///< a device that takes longer is in trouble
+constexpr Nanoseconds kLongCall = 20'000'000; ///< a call that takes longer means trouble
 
 double seconds(Nanoseconds time) { return 1e-9 * static_cast<double>(time); }
 
-template <class T> void raise(std::atomic<T>& most, T value) // one writer
+template <class T> void storeMax(std::atomic<T>& maximum, T value) // one writer only
 {
-    if (value > most.load(std::memory_order_relaxed)) most.store(value, std::memory_order_relaxed);
+    if (value > maximum.load(std::memory_order_relaxed)) maximum.store(value, std::memory_order_relaxed);
 }
 
 } // namespace
@@ -75,11 +75,12 @@ void HapticServo::open()
         slow_ = refused_ = false;
         loop_.setCapabilities(device_.capabilities());
         loop_.interrupt();
-        if (!told_) notice_({.kind = DeviceNotice::Kind::Connected}); // else when it has been right for a while
+        // Otherwise the notice comes when it has worked for a while.
+        if (!reported_) notice_({.kind = DeviceNotice::Kind::Connected});
     });
     if (!problem) return;
     device_.close();
-    if (!std::exchange(told_, ServoState::Lost)) notice_({.kind = DeviceNotice::Kind::Error, .problem = *problem});
+    if (!std::exchange(reported_, ServoState::Lost)) notice_({.kind = DeviceNotice::Kind::Error, .problem = *problem});
 }
 
 void HapticServo::close()
@@ -96,33 +97,33 @@ std::uint64_t HapticServo::place(double scale, const Pose& origin, Quat grip)
     return placings_;
 }
 
-// A library that hangs must not take anything with it but this thread; and what was done to the hand meanwhile nobody
-// knows, so the force begins anew.
+// A library that hangs must block nothing but this thread. What happened to the hand meanwhile is unknown, so the force
+// rises from zero again.
 void HapticServo::watchCall(Nanoseconds before, const char* call)
 {
     const Nanoseconds took = clock_.now() - before;
-    raise(longestCall_, took);
+    storeMax(longestCall_, took);
     if (took <= kLongCall) return;
     loop_.interrupt();
     if (!std::exchange(slow_, true))
         notice_({.kind = DeviceNotice::Kind::Error,
-                 .problem = text(call, " took ", took / 1'000'000, " ms; the force begins anew")});
+                 .problem = text(call, " took ", took / 1'000'000, " ms; the force rises from zero again")});
 }
 
-void HapticServo::tell(ServoState state)
+void HapticServo::report(ServoState state)
 {
     if (isGood(state)) {
-        if (std::exchange(told_, std::nullopt)) notice_({.kind = DeviceNotice::Kind::Connected});
+        if (std::exchange(reported_, std::nullopt)) notice_({.kind = DeviceNotice::Kind::Connected});
         return;
     }
-    if (told_ && (*told_ == ServoState::Lost || state != ServoState::Lost)) return; // one trouble, one notice
-    told_ = state;
+    if (reported_ && (*reported_ == ServoState::Lost || state != ServoState::Lost)) return; // one notice per fault
+    reported_ = state;
     const std::string why = device_.problem();
     notice_({.kind = state == ServoState::Lost ? DeviceNotice::Kind::Lost : DeviceNotice::Kind::Error,
              .problem = text(describe(state), why.empty() ? "" : ": ", why)});
 }
 
-void HapticServo::tellButtons(std::uint32_t buttons)
+void HapticServo::reportButtons(std::uint32_t buttons)
 {
     const std::uint32_t changed = buttons ^ std::exchange(buttons_, buttons);
     for (int b = 0; changed >> b != 0; ++b)
@@ -166,9 +167,9 @@ void HapticServo::read(double time)
     }
     sample_ = device_.read(time);
     if (sample_.status != DeviceStatus::Lost) tryAgain_ = sampled_ + kSecond;
-    watchCall(sampled_, "reading it");
+    watchCall(sampled_, "a read");
     if (sample_.status != DeviceStatus::Ready) return;
-    tellButtons(sample_.buttons);
+    reportButtons(sample_.buttons);
     if (MotionSample* place = tape_ ? tape_->beginWrite() : nullptr) {
         *place = {time, sample_.hand.pose, sample_.buttons};
         tape_->publish();
@@ -182,12 +183,13 @@ void HapticServo::render()
     if (open_) {
         const Nanoseconds before = clock_.now();
         const bool refused = !device_.write(tick.onHand);
-        watchCall(before, "writing to it");
+        watchCall(before, "a write");
         if (refused && !std::exchange(refused_, true) && isGood(tick.state))
-            notice_({.kind = DeviceNotice::Kind::Error, .problem = text("it refuses the force: ", device_.problem())});
+            notice_({.kind = DeviceNotice::Kind::Error,
+                     .problem = text("the device refuses the force: ", device_.problem())});
         if (!refused) refused_ = false;
     }
-    tell(tick.state);
+    report(tick.state);
     energy_.store(tick.energy, std::memory_order_relaxed);
     ticks_.fetch_add(1, std::memory_order_relaxed);
     snapshot_.write({sampled_, sample_, tick, placed_});
@@ -198,12 +200,12 @@ void HapticServo::countWake(Nanoseconds late)
     const Nanoseconds bin = std::max<Nanoseconds>(0, late) / static_cast<Nanoseconds>(JitterHistogram::kWidth * 1e9);
     jitter_[static_cast<std::size_t>(std::min<Nanoseconds>(bin, JitterHistogram::kBins - 1))].fetch_add(
         1, std::memory_order_relaxed);
-    raise(latest_, late);
+    storeMax(latest_, late);
 }
 
 void HapticServo::run(bool realTime)
 {
-    if (realTime) requestRealTime(1); // before physics: a tick takes microseconds
+    if (realTime) requestRealTime(1); // above physics, because a tick takes only microseconds
     const auto period = static_cast<Nanoseconds>(1e9 / loop_.def().rate);
     open();
     const Nanoseconds start = clock_.now();
@@ -213,7 +215,7 @@ void HapticServo::run(bool realTime)
         const Nanoseconds now = clock_.now();
         countWake(now - next);
         lastWake_.store(now, std::memory_order_relaxed);
-        if (now - next > period) next = now; // the grid begins anew: no burst of ticks
+        if (now - next > period) next = now; // restart the grid instead of catching up with a burst of ticks
         tick(seconds(now - start));
     }
     close();
@@ -243,7 +245,7 @@ ServoClock steadyServoClock()
     };
     clock.sleepUntil = [](Nanoseconds time) {
         const timespec t{.tv_sec = time / kSecond, .tv_nsec = time % kSecond};
-        while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) != 0) continue; // a signal came
+        while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) != 0) continue; // interrupted by a signal
     };
     return clock;
 }

@@ -12,10 +12,10 @@ namespace filasofia::device {
 namespace {
 
 constexpr std::string_view kHeader = "time,x,y,z,qw,qx,qy,qz,buttons";
-constexpr double kFarthestHand = 10.0; ///< [m]
+constexpr double kMaxHandDistance = 10.0; ///< [m]
 
-/// The slope at a sample between two intervals with their slopes: zero where the path turns round, else between the
-/// two, nearer to the smaller.
+/// The slope at a sample between two intervals with slopes `before` and `after`: zero if the path turns back, otherwise
+/// between the two, nearer to the smaller one.
 double slopeBetween(double before, double after, double hBefore, double hAfter)
 {
     if (before * after <= 0.0) return 0.0;
@@ -39,16 +39,18 @@ void checkSample(const MotionSample& sample, const std::string& place)
 {
     if (!std::isfinite(sample.time)) fail(place, ": time must be finite, got ", sample.time);
     const Vec3 p = sample.pose.position;
-    if (!isFinite(p) || !(length(p) <= kFarthestHand))
-        fail(place, ": x, y, z must lie within ", kFarthestHand, " m, got ", p.x, " ", p.y, " ", p.z);
+    if (!isFinite(p) || !(length(p) <= kMaxHandDistance))
+        fail(place, ": the position x, y, z must lie within ", kMaxHandDistance, " m of the origin, got ", p.x, " ",
+             p.y, " ", p.z);
     const double size = std::sqrt(dot(sample.pose.orientation, sample.pose.orientation));
-    if (!(std::isfinite(size) && size > 1e-6)) fail(place, ": qw, qx, qy, qz must have a length > 1e-06, got ", size);
+    if (!(std::isfinite(size) && size > 1e-6))
+        fail(place, ": the quaternion qw, qx, qy, qz must have a length > 1e-06, got ", size);
 }
 
 void checkOrder(const MotionSample& before, const MotionSample& sample, const std::string& place)
 {
     if (!(sample.time > before.time))
-        fail(place, ": time must be > ", before.time, " s, that of the sample before, got ", sample.time);
+        fail(place, ": time must be > ", before.time, " s (the time of the previous sample), got ", sample.time);
 }
 
 template <class Number> bool readNumber(std::string_view word, Number& out)
@@ -71,7 +73,7 @@ MotionSample sampleOf(std::string_view line, const std::string& place)
     MotionSample sample;
     bool good = readNumber(words[8], sample.buttons);
     for (std::size_t i = 0; i < n.size(); ++i) good = readNumber(words[i], n[i]) && good;
-    if (!good) fail(place, ": must be numbers, the last a whole one >= 0, got '", line.substr(0, 80), "'");
+    if (!good) fail(place, ": must be 9 numbers, the last one whole and >= 0, got '", line.substr(0, 80), "'");
     sample.time = n[0];
     sample.pose = {{n[1], n[2], n[3]}, {n[4], n[5], n[6], n[7]}};
     checkSample(sample, place);
@@ -105,7 +107,7 @@ DeviceSample Motion::at(double time, bool loop) const
     const Vec3 va = slopes_[place - 1], vb = slopes_[place];
     const double h = b.time - a.time, s = (time - a.time) / h;
     const Vec3 rise = b.pose.position - a.pose.position;
-    // Hermite's cubic from a to b, written so that it is exactly a at 0.
+    // Hermite's cubic from a to b, written so that it equals a exactly at 0.
     const Vec3 c2 = 3.0 * rise - h * (2.0 * va + vb), c3 = h * (va + vb) - 2.0 * rise;
     const Vec3 turn = rotationVector(b.pose.orientation * conjugate(a.pose.orientation));
     DeviceSample sample{.buttons = a.buttons};
@@ -152,7 +154,7 @@ void MotionWriter::write(const MotionSample& sample)
 void MotionWriter::close()
 {
     out_.close();
-    if (!out_) fail("motion file '", file_, "': cannot be written to its end: the disk may be full");
+    if (!out_) fail("motion file '", file_, "': cannot be written completely; the disk may be full");
 }
 
 } // namespace filasofia::device

@@ -19,7 +19,7 @@ struct HdError {
 };
 using Callback = unsigned int (*)(void*);
 
-// Of libHD's C interface (OpenHaptics 3.x) what is needed here, and its numbers.
+// The part of libHD's C interface (OpenHaptics 3.x) that is used here, with its constants.
 struct Hd {
     explicit Hd(const std::string& path)
     {
@@ -64,17 +64,17 @@ struct Hd {
 
 constexpr Handle kNoHandle = 0xFFFFFFFF;
 constexpr unsigned int kButtons = 0x2000, kVelocity = 0x2051, kTransform = 0x2052, kAngularVelocity = 0x2053;
-constexpr unsigned int kCalibrationStyle = 0x2555, kMostForce = 0x2603, kForce = 0x2700, kForceOutput = 0x4000;
+constexpr unsigned int kCalibrationStyle = 0x2555, kMaxForce = 0x2603, kForce = 0x2700, kForceOutput = 0x4000;
 constexpr unsigned int kDeviceFault = 0x0300, kCommunicationError = 0x0302;
 constexpr unsigned int kCalibrated = 0x5000, kNeedsUpdate = 0x5001;
 constexpr unsigned int kContinue = 1;
 constexpr unsigned short kHighestPriority = 0xFFFF;
-constexpr int kCalibrationEvery = 500; // of the library's frames
-constexpr int kSilence = 50;           // frames without a new force after which there is none
-constexpr double kStandstill = 0.05;   // [s] without a frame
+constexpr int kCalibrationEvery = 500; // frames of the library between two checks
+constexpr int kSilence = 50;           // frames without a new force after which the force is zero
+constexpr double kStandstill = 0.05;   // [s] without a frame after which the device counts as failed
 constexpr double kMillimetre = 1e-3;
 
-/// All devices share the library's one scheduler, which has to stand while one is opened.
+/// All devices share the library's single scheduler, which must be stopped while a device is opened.
 struct Scheduler {
     std::mutex mutex;
     int devices = 0;
@@ -85,14 +85,15 @@ Scheduler& scheduler()
     return one;
 }
 
-/// What a frame of the library's servo loop found.
+/// The result of one frame of the library's servo loop.
 struct FrameSample {
     DeviceSample device = {};
     std::uint64_t frame = 0;
     unsigned int error = 0;
 };
 
-/// The library's own loop reads and writes the device; this one hands over. It adds no more than one of its frames.
+/// The library's own loop reads and writes the device; this driver only passes the data on. It adds at most one of
+/// the library's frames of delay.
 class OpenHapticsDriver final : public HapticDevice {
 public:
     OpenHapticsDriver(std::string device, const std::string& library) : hd_(library), device_(std::move(device)) {}
@@ -116,11 +117,11 @@ public:
         }
         ++shared.devices;
         hd_.enable(kForceOutput);
-        double most = 0.0;
-        hd_.getDoubles(kMostForce, &most);
-        mostForce_ = most > 0.0 ? most : mostForce_;
+        double reported = 0.0;
+        hd_.getDoubles(kMaxForce, &reported);
+        maxForce_ = reported > 0.0 ? reported : maxForce_;
         sinceOpened_ = 0;
-        const std::uint64_t before = frame_; // its loop stands
+        const std::uint64_t before = frame_; // its loop is stopped
         seenAt_.reset();
         command_.write({{}, ++commands_});
         task_ = hd_.schedule([](void* self) { return static_cast<OpenHapticsDriver*>(self)->frame(); }, this,
@@ -135,14 +136,14 @@ public:
         const std::lock_guard lock(shared.mutex);
         hd_.stopScheduler();
         hd_.unschedule(task_);
-        hd_.disableDevice(handle_); // it leaves no force
+        hd_.disableDevice(handle_); // this leaves no force
         handle_ = kNoHandle;
         if (--shared.devices > 0) hd_.startScheduler();
     }
-    /// Torque belongs to a few models only, in a unit of its own: none is asked for.
+    /// Torque exists only on a few models, in a unit of its own, so it is not used.
     [[nodiscard]] Capabilities capabilities() const override
     {
-        return {.orientation = true, .force = true, .buttons = 4, .forceLimit = mostForce_};
+        return {.orientation = true, .force = true, .buttons = 4, .forceLimit = maxForce_};
     }
     DeviceSample read(double time) noexcept override
     {
@@ -163,7 +164,7 @@ public:
     [[nodiscard]] std::string problem() const override
     {
         if (now_.error != 0) return said(now_.error);
-        return now_.device.status == DeviceStatus::Ready ? "its servo loop stands still" : "";
+        return now_.device.status == DeviceStatus::Ready ? "its servo loop has stopped" : "";
     }
 
 private:
@@ -172,7 +173,7 @@ private:
         std::uint64_t number = 0;
     };
 
-    /// Until then there is nothing to read, or what was before.
+    /// Waits for the first frame: until then there is nothing to read but the old sample.
     void awaitFrame(std::uint64_t before)
     {
         constexpr int attempts = 1000; // about a second
@@ -180,7 +181,7 @@ private:
             if (sample_.read(now_) && now_.frame > before) return;
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
-        fail("device openhaptics: its servo loop does not begin");
+        fail("device openhaptics: its servo loop did not start within a second");
     }
 
     [[nodiscard]] std::string said(unsigned int code) const
@@ -189,7 +190,7 @@ private:
         return words ? oneLine(words) : text("error ", code);
     }
 
-    /// On the library's thread, once a millisecond.
+    /// Runs on the library's thread, once a millisecond.
     unsigned int frame() noexcept
     {
         hd_.makeCurrent(handle_);
@@ -197,7 +198,7 @@ private:
         FrameSample sample{.frame = ++frame_};
         double m[16] = {}, v[3] = {}, w[3] = {};
         int buttons = 0;
-        hd_.getDoubles(kTransform, m); // by columns, millimetres
+        hd_.getDoubles(kTransform, m); // column-major, millimetres
         hd_.getDoubles(kVelocity, v);
         hd_.getDoubles(kAngularVelocity, w);
         hd_.getIntegers(kButtons, &buttons);
@@ -241,15 +242,15 @@ private:
     std::string device_;
     Handle handle_ = kNoHandle;
     unsigned long task_ = 0;
-    double mostForce_ = 3.3; ///< [N], a Touch's, where the library does not say
+    double maxForce_ = 3.3; ///< [N], a Touch's value, used if the library does not report one
 
-    // The library's thread.
+    // Used by the library's thread.
     std::uint64_t frame_ = 0, sinceOpened_ = 0;
     int silent_ = 0;
     bool calibrated_ = false;
     Command lastCommand_;
 
-    // The servo's thread.
+    // Used by the servo's thread.
     FrameSample now_;
     std::uint64_t seen_ = 0, commands_ = 0;
     std::optional<double> seenAt_;

@@ -7,9 +7,9 @@
 namespace filasofia::device {
 namespace {
 
-constexpr double kFollow = 0.02;  ///< [s] within which the place follows what a person wants
-constexpr double kLongest = 0.1;  ///< [s] between two readings; what is longer was a pause
-constexpr double kFarthest = 0.5; ///< [m] from the origin that a place may be wanted at
+constexpr double kTimeConstant = 0.02;     ///< [s] time constant with which the position follows the target
+constexpr double kMaxInterval = 0.1;       ///< [s] longest time between two readings; a longer one was a pause
+constexpr double kMaxTargetDistance = 0.5; ///< [m] largest distance of the target from the origin, per axis
 
 } // namespace
 
@@ -34,8 +34,8 @@ void PersonDevice::feed(const PersonInput& input)
     if (input.buttons) input_.buttons = input.buttons;
 }
 
-// The place goes to the wanted one as a spring that just does not swing (critically damped), exactly for any dt. What a
-// person gives comes in jerks, a picture or a mouse's report apart; a coupling needs a velocity.
+// The position follows the target like a critically damped spring, integrated exactly for any dt. The user's input
+// comes in jerks, once per picture or mouse report, but a coupling needs a velocity.
 DeviceSample PersonDevice::read(double time) noexcept
 {
     PersonInput input;
@@ -44,12 +44,12 @@ DeviceSample PersonDevice::read(double time) noexcept
         input = input_;
         input_.moved = {};
     }
-    const double dt = last_ ? std::clamp(time - *last_, 0.0, kLongest) : 0.0;
+    const double dt = last_ ? std::clamp(time - *last_, 0.0, kMaxInterval) : 0.0;
     last_ = time;
     wanted_ += reach_ * input.moved + dt * speed_ * input.push.value_or(Vec3{});
-    for (int k = 0; k < 3; ++k) wanted_[k] = std::clamp(wanted_[k], -kFarthest, kFarthest);
+    for (int k = 0; k < 3; ++k) wanted_[k] = std::clamp(wanted_[k], -kMaxTargetDistance, kMaxTargetDistance);
 
-    const double rate = 1.0 / kFollow, fade = std::exp(-rate * dt);
+    const double rate = 1.0 / kTimeConstant, fade = std::exp(-rate * dt);
     const Vec3 off = hand_.pose.position - wanted_, c = hand_.velocity + rate * off;
     hand_.pose.position = wanted_ + fade * (off + dt * c);
     hand_.velocity = fade * (hand_.velocity - rate * dt * c);

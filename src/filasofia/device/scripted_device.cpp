@@ -5,7 +5,7 @@
 namespace filasofia::device {
 namespace {
 
-/// Says where the hand of a motion is; what it is pushed with it takes without yielding, and so can measure.
+/// Reports the hand of a motion. It does not yield to forces, so a test can measure them.
 class ScriptedDriver final : public HapticDevice {
 public:
     ScriptedDriver(std::shared_ptr<const Motion> motion, bool loop) : motion_(std::move(motion)), loop_(loop) {}
@@ -30,10 +30,10 @@ private:
 std::unique_ptr<HapticDevice> makeScripted(const ScriptedDevice& def)
 {
     const auto* made = std::get_if<std::shared_ptr<const Motion>>(&def.motion);
-    if (made && !*made) fail("device scripted: motion must be a file or a motion, got none");
+    if (made && !*made) fail("device scripted: motion must be the name of a file or a motion, got none");
     if (made) return std::make_unique<ScriptedDriver>(*made, def.loop);
     const std::string& file = std::get<std::string>(def.motion);
-    if (file.empty()) fail("device scripted: motion must be a file or a motion, got none");
+    if (file.empty()) fail("device scripted: motion must be the name of a file or a motion, got none");
     return std::make_unique<ScriptedDriver>(std::make_shared<const Motion>(readMotion(file)), def.loop);
 }
 

@@ -8,24 +8,24 @@
 namespace filasofia::device {
 namespace {
 
-constexpr double kFarthestHand = 10.0; ///< [m] from the device's origin: no arm is so long
-constexpr double kFastestHand = 50.0;  ///< [m/s], and none so fast
-constexpr double kFastestTurn = 500.0; ///< [rad/s]
-constexpr double kSettle = 0.1;        ///< [s] that a device must be right for after it was wrong
-constexpr double kMargin = 1.5;        ///< [-] times a tick that the next force may last
-constexpr double kAcceleration = 20.0; ///< [m/s^2] of a hand within a tick, beside its velocity
-constexpr double kBrake = 5.0;         ///< [N s/m] with which too much energy is taken back
-constexpr double kTurnBrake = 5e-3;    ///< [N m s/rad] the same of turning
+constexpr double kMaxHandDistance = 10.0;   ///< [m] from the device's origin: no arm is that long
+constexpr double kMaxHandSpeed = 50.0;      ///< [m/s]: no hand is that fast
+constexpr double kMaxAngularSpeed = 500.0;  ///< [rad/s]
+constexpr double kSettle = 0.1;             ///< [s] for which a device must work after a fault before it gets a force
+constexpr double kMargin = 1.5;             ///< [-] the next force may last for this many ticks
+constexpr double kAcceleration = 20.0;      ///< [m/s^2] largest assumed acceleration of a hand within a tick
+constexpr double kMaxDamping = 5.0;         ///< [N s/m] damping that takes excess energy back
+constexpr double kMaxAngularDamping = 5e-3; ///< [N m s/rad] the same for rotation
 
 double seconds(Nanoseconds time) { return 1e-9 * static_cast<double>(time); }
 
 bool isFinite(const CouplingForce& f) { return filasofia::isFinite(f.force) && filasofia::isFinite(f.torque); }
-bool isFinite(const Moving& m)
+bool isFinite(const MotionState& m)
 {
     return filasofia::isFinite(m.pose) && filasofia::isFinite(m.velocity) && filasofia::isFinite(m.angularVelocity);
 }
 
-Vec3 turnBetween(const Moving& from, const Moving& to)
+Vec3 turnBetween(const MotionState& from, const MotionState& to)
 {
     return rotationVector(to.pose.orientation * conjugate(from.pose.orientation));
 }
@@ -45,22 +45,22 @@ ServoState stateOf(DeviceStatus status)
     return ServoState::Failed;
 }
 
-/// Where the body is `time` [s] after it was seen.
-Moving later(const Moving& body, double time)
+/// The motion of the body extrapolated by `time` [s].
+MotionState later(const MotionState& body, double time)
 {
-    Moving out = body;
+    MotionState out = body;
     out.pose.position += time * body.velocity;
     out.pose.orientation =
         normalized(axisAngle(body.angularVelocity, time * length(body.angularVelocity)) * body.pose.orientation);
     return out;
 }
 
-/// Takes from `force` what would give more than `room` [J] to what moves by `way`, and pays back `debt` [J] where it
-/// can, braking with no more than `brake` [N s/m] beyond that. Force and way, or torque and turn.
-Vec3 withoutGift(Vec3 force, Vec3 way, double share, double debt, double brake)
+/// Scales the component of `force` along `way` by `share` if it pushes the hand on its way, and takes back `debt` [J],
+/// with at most `brake` [N] for it. Either force and displacement or torque and rotation.
+Vec3 limitedPower(Vec3 force, Vec3 way, double share, double debt, double brake)
 {
     const double size = length(way);
-    if (size < 1e-12) return force; // it rests: nothing is given
+    if (size < 1e-12) return force; // the hand rests, so no energy flows
     const Vec3 direction = way / size;
     const double along = dot(force, direction);
     const double allowed = along > 0.0 ? share * along : along;
@@ -82,16 +82,16 @@ std::string_view describe(ServoState state)
     return names[static_cast<std::size_t>(state)];
 }
 
-HandCoupling sceneCoupling(const ServoDef& def)
+VirtualCoupling sceneCoupling(const ServoDef& def)
 {
-    HandCoupling coupling = def.coupling;
-    const double share = def.forceScale > 0.0 ? def.forceScale : 1.0; // a hand that is not pushed pushes all the same
+    VirtualCoupling coupling = def.coupling;
+    const double share = def.forceScale > 0.0 ? def.forceScale : 1.0; // if the hand gets no force, the body still does
     coupling.forceLimit = std::min(coupling.forceLimit, def.forceLimit / share);
     coupling.torqueLimit = std::min(coupling.torqueLimit, def.torqueLimit * def.scale / share);
     return coupling;
 }
 
-Moving inScene(const ServoDef& def, const Moving& hand)
+MotionState inScene(const ServoDef& def, const MotionState& hand)
 {
     const Quat turn = def.origin.orientation;
     return {
@@ -121,14 +121,14 @@ void ServoLoop::interrupt()
 ServoState ServoLoop::judge(Nanoseconds now, const DeviceSample& device) const
 {
     if (device.status != DeviceStatus::Ready) return stateOf(device.status);
-    const Moving& hand = device.hand;
+    const MotionState& hand = device.hand;
     const Quat q = hand.pose.orientation;
-    if (!isFinite(hand) || !(std::abs(dot(q, q) - 1.0) < 1e-2) || !(length(hand.pose.position) < kFarthestHand) ||
-        !(length(hand.velocity) < kFastestHand) || !(length(hand.angularVelocity) < kFastestTurn))
+    if (!isFinite(hand) || !(std::abs(dot(q, q) - 1.0) < 1e-2) || !(length(hand.pose.position) < kMaxHandDistance) ||
+        !(length(hand.velocity) < kMaxHandSpeed) || !(length(hand.angularVelocity) < kMaxAngularSpeed))
         return ServoState::Implausible;
-    if (lastHand_ && last_) { // a jump; one in no time at all is measured by a tick
+    if (lastHand_ && last_) { // a jump; if no time has passed, it is compared with one tick
         const double dt = std::max(seconds(now - *last_), 1.0 / def_.rate);
-        if (!(distance(hand.pose.position, lastHand_->pose.position) < kFastestHand * dt))
+        if (!(distance(hand.pose.position, lastHand_->pose.position) < kMaxHandSpeed * dt))
             return ServoState::Implausible;
     }
     return ServoState::Running;
@@ -144,10 +144,10 @@ bool ServoLoop::fresh(Nanoseconds now, const BodySample* body)
     return seconds(now - newest_) <= watchdogOf(def_.stepPeriod);
 }
 
-// Between two ticks the device holds the force, so the work is exactly force times way (the passivity observer of
-// Hannaford and Ryu 2002). What the hand gave is kept for it, up to a limit: energy that was lost in tissue long ago is
-// no reason to push a hand now.
-void ServoLoop::countEnergy(const Moving& hand)
+// Between two ticks the device holds the force, so the work is exactly force times displacement (the passivity observer
+// of Hannaford and Ryu 2002). The energy that the hand has put in is stored for it, up to a limit: energy that was
+// dissipated in tissue long ago is no reason to push a hand now.
+void ServoLoop::countEnergy(const MotionState& hand)
 {
     if (!lastHand_) return;
     const double work = dot(given_.force, hand.pose.position - lastHand_->pose.position) +
@@ -156,41 +156,42 @@ void ServoLoop::countEnergy(const Moving& hand)
     stored_ = std::min(def_.energyLimit, stored_ - work);
 }
 
-CouplingForce ServoLoop::coupled(Nanoseconds now, const Moving& inScene, const BodySample& body) const
+CouplingForce ServoLoop::coupled(Nanoseconds now, const MotionState& inScene, const BodySample& body) const
 {
-    // A state is at most one period old when the next one comes, and another while that is computed.
+    // A state is at most one period old when the next one arrives, and may be used for another while that is
+    // computed.
     const double age = std::clamp(seconds(now - body.time), 0.0, 2.0 * def_.stepPeriod);
-    const Moving hand = atPoint(inScene, body.centre);
+    const MotionState hand = atPoint(inScene, body.centre);
     const CouplingForce onBody = couplingForce(sceneCoupling(def_), hand, later(atPoint(body.body, body.centre), age));
     const Vec3 arm = hand.pose.position - inScene.pose.position;
     const Quat toDevice = conjugate(def_.origin.orientation);
-    // The hand moves 1 / scale times as far: so that no energy is made, its torque is to the scene's as its work is.
+    // The hand moves 1 / scale times as far. To conserve energy, its torque is scaled from the scene's as its work is.
     return {-def_.forceScale * rotate(toDevice, onBody.force),
             -def_.forceScale / def_.scale * rotate(toDevice, onBody.torque + cross(arm, onBody.force))};
 }
 
 CouplingForce ServoLoop::limited(const CouplingForce& force) const
 {
-    const double most = std::min(def_.forceLimit, capabilities_.forceLimit);
-    const double mostTorque = std::min(def_.torqueLimit, capabilities_.torqueLimit);
-    return {weakened(length(force.force), most) * force.force,
-            weakened(length(force.torque), mostTorque) * force.torque};
+    const double maxForce = std::min(def_.forceLimit, capabilities_.forceLimit);
+    const double maxTorque = std::min(def_.torqueLimit, capabilities_.torqueLimit);
+    return {limitFactor(length(force.force), maxForce) * force.force,
+            limitFactor(length(force.torque), maxTorque) * force.torque};
 }
 
-// The passivity controller: of a force that would push the hand on its way only so much is left as the hand has given
-// before, less what an acceleration within the tick may take. Where the hand has got too much all the same it is
-// braked.
-CouplingForce ServoLoop::passive(const CouplingForce& force, const Moving& hand) const
+// The passivity controller: a force that would push the hand on its way is limited to the energy that the hand has put
+// in before, minus what an acceleration within the tick may extract. If the hand has got too much energy all the same,
+// it is braked.
+CouplingForce ServoLoop::passive(const CouplingForce& force, const MotionState& hand) const
 {
     const double tick = 1.0 / def_.rate;
     const Vec3 way = tick * hand.velocity, turn = tick * hand.angularVelocity;
-    const double gift = kMargin * (std::max(0.0, dot(force.force, way)) + std::max(0.0, dot(force.torque, turn)));
+    const double output = kMargin * (std::max(0.0, dot(force.force, way)) + std::max(0.0, dot(force.torque, turn)));
     const double reserve = length(force.force) * kAcceleration * tick * tick;
     const double room = std::max(0.0, stored_ - reserve), debt = std::max(0.0, -stored_);
-    const double share = gift > room ? room / gift : 1.0;
+    const double share = output > room ? room / output : 1.0;
     if (share == 1.0 && debt == 0.0) return force;
-    return {withoutGift(force.force, way, share, debt, kBrake * length(hand.velocity)),
-            withoutGift(force.torque, turn, share, debt, kTurnBrake * length(hand.angularVelocity))};
+    return {limitedPower(force.force, way, share, debt, kMaxDamping * length(hand.velocity)),
+            limitedPower(force.torque, turn, share, debt, kMaxAngularDamping * length(hand.angularVelocity))};
 }
 
 ServoTick ServoLoop::tick(Nanoseconds now, const DeviceSample& device, const BodySample* body)
@@ -213,7 +214,7 @@ ServoTick ServoLoop::tick(Nanoseconds now, const DeviceSample& device, const Bod
     if (badUntil_ && now >= *badUntil_) badUntil_.reset();
     if (badUntil_) return {.hand = lastInScene_, .state = bad_, .energy = energy_};
 
-    // A tick that comes so late, or a body of which nothing is heard: the hand is let go before it is pulled again.
+    // If a tick is so late, or nothing is heard of the body, the hand is released before it is pulled again.
     const bool late = dt > watchdogOf(def_.stepPeriod);
     if (!stateIsNew) {
         ramp_ = 0.0;
@@ -225,7 +226,7 @@ ServoTick ServoLoop::tick(Nanoseconds now, const DeviceSample& device, const Bod
     if (!capabilities_.torque) force.torque = {};
     if (!capabilities_.force) force.force = {};
     force = limited(passive(force, *lastHand_));
-    if (!isFinite(force)) { // two numbers of which each was fine
+    if (!isFinite(force)) { // two finite numbers may overflow together
         interrupt();
         return {.hand = lastInScene_, .state = ServoState::Waiting, .energy = energy_};
     }

@@ -11,11 +11,11 @@ namespace filasofia::device {
 VendorLibrary::VendorLibrary(std::string object, const std::string& path, const char* soname)
     : object_(std::move(object)), path_(path.empty() ? soname : path)
 {
-    // Never closed again: a vendor's library may have threads of its own that outlive the device.
+    // Never closed, because a vendor's library may have threads that outlive the device.
     void* handle = dlopen(path_.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!handle) {
         const char* why = dlerror();
-        fail(object_, ": library '", path_, "' cannot be opened: ", why ? why : "for no reason that it names");
+        fail(object_, ": library '", path_, "' cannot be opened: ", why ? why : "the system gave no reason");
     }
     handle_ = std::shared_ptr<void>(handle, [](void*) {});
 }

@@ -5,13 +5,13 @@
 
 namespace filasofia::device {
 
-/// A vendor's shared library, opened at run time so that nobody needs it to build.
+/// A vendor's shared library, opened at run time so that it is not needed to build.
 class VendorLibrary {
 public:
-    /// `path`: where it is; empty: the system's place for `soname`. Throws an Error naming `object`.
+    /// `path` is the library's file; if empty, the system searches for `soname`. Throws an Error naming `object`.
     VendorLibrary(std::string object, const std::string& path, const char* soname);
 
-    /// A function of it by name; Error where it has none.
+    /// Looks up a function by name; throws an Error if the library has none of that name.
     template <class Function> void get(const char* name, Function*& out) const
     {
         out = reinterpret_cast<Function*>(find(name));

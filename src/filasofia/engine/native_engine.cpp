@@ -1,12 +1,8 @@
 #include "filasofia/engine/native_engine.h"
 
 #include "filasofia/core/validate.h"
-#include "filasofia/engine/native.h"
 #include "filasofia/engine/world.h"
-#include "filasofia/physics/physics_engine.h"
-#include "filasofia/physics/physics_server.h"
-
-#include <utility>
+#include "filasofia/linalg/node_kernels.h"
 
 namespace filasofia::engine {
 
@@ -16,15 +12,6 @@ std::unique_ptr<physics::PhysicsEngine> makeNativeEngine(const NativeEngineDef& 
     return std::make_unique<World>(def);
 }
 
-void tune(physics::PhysicsServer& server, std::function<void(Native&)> change)
-{
-    if (!change) fail("tune: the function to run must be one, got nothing");
-    if (!dynamic_cast<const World*>(&server.engine())) fail("tune: the native engine is not in use");
-    server.tune([change = std::move(change)](physics::PhysicsEngine& engine) {
-        World& world = static_cast<World&>(engine);
-        Native native{world.model(), world.state()};
-        change(native);
-    });
-}
+std::vector<std::string> simdTargets() { return linalg::simdTargets(); }
 
 } // namespace filasofia::engine

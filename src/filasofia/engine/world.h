@@ -2,13 +2,13 @@
 
 #include "filasofia/core/background.h"
 #include "filasofia/core/worker_pool.h"
+#include "filasofia/engine/contact/coupling.h"
 #include "filasofia/engine/native_engine.h"
-#include "filasofia/engine/ruptures.h"
-#include "filasofia/engine/stages.h"
+#include "filasofia/engine/topology/ruptures.h"
 
 namespace filasofia::engine {
 
-/// The native engine: model, state, and the one function that makes a step of them.
+/// The native engine: a scene, and step(), which advances it.
 class World final : public physics::PhysicsEngine {
 public:
     explicit World(const NativeEngineDef& def = {});
@@ -18,19 +18,16 @@ public:
     void record(physics::StepRecord& out) const override;
     [[nodiscard]] std::uint64_t hash() const override;
 
-    [[nodiscard]] Model& model() { return model_; }
-    [[nodiscard]] State& state() { return state_; }
+    [[nodiscard]] Scene& scene() { return scene_; }
 
 private:
     double period_;
     physics::ContactMethod contact_;
     std::unique_ptr<WorkerPool> pool_;
-    std::unique_ptr<BackgroundThread> background_; ///< for what a step needs not, but a later one
-    Model model_;
-    State state_;
-    Systems systems_;
-    Ruptures ruptures_;
-    Coupling coupling_; ///< of the step being made, and memory that is kept
+    std::unique_ptr<BackgroundThread> background_; ///< for work that only a later step needs
+    Scene scene_;
+    std::vector<Blade> blades_; ///< cutting collision models, kept from step to step
+    Coupling coupling_;         ///< constraints of the current step, and scratch memory that is reused
 };
 
 } // namespace filasofia::engine

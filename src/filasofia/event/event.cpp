@@ -55,7 +55,8 @@ void Event::absorb(const Event&) noexcept {}
 
 void MouseMoveEvent::absorb(const Event& older) noexcept
 {
-    // Without this a mouse device that follows the ways would lag behind the hand whenever it is called late.
+    // Without this, a mouse-driven device that follows the displacements would lag behind the hand whenever it is
+    // called late.
     if (const auto* move = dynamic_cast<const MouseMoveEvent*>(&older)) {
         dx += move->dx;
         dy += move->dy;

@@ -32,16 +32,16 @@ struct EventDispatcher::Impl {
     EventQueue queue;
     ObserverList observers;
 
-    std::atomic<bool> delivering = false;   // somebody has the right to deliver
-    std::atomic<std::thread::id> deliverer; // and this thread does it now
-    bool answered = false;                  // a callback has posted; the deliverer's own
-    std::vector<QueuedEvent> batch;         // the deliverer's own
+    std::atomic<bool> delivering = false;   // whether a thread has the right to deliver
+    std::atomic<std::thread::id> deliverer; // the thread that delivers now
+    bool answered = false;                  // a callback has posted; only the delivering thread uses it
+    std::vector<QueuedEvent> batch;         // only the delivering thread uses it
 
     std::mutex lifecycle; // guards the thread: start(), stop()
     std::thread thread;
     bool finished = true;                 // the thread's last rounds were enough; read after join
-    std::atomic<Quit> quit = Quit::No;    // what the thread is asked
-    std::atomic<std::uint32_t> wakes = 0; // changes with every post; 32 bits are what a futex waits on
+    std::atomic<Quit> quit = Quit::No;    // what the thread is asked to do
+    std::atomic<std::uint32_t> wakes = 0; // changes with every post; 32 bits because a futex waits on 32
 
     std::atomic<std::uint64_t> refused = 0;
     std::atomic<std::uint64_t> delivered = 0;
@@ -50,8 +50,9 @@ struct EventDispatcher::Impl {
 
 void EventDispatcher::Impl::claimDelivery()
 {
-    if (insideCallback()) fail("event dispatcher: a callback may not deliver events itself; post them");
-    if (delivering.exchange(true)) fail("event dispatcher: events are being delivered already by another thread");
+    if (insideCallback())
+        fail("event dispatcher: deliverAll() and start() must not be called from a callback; post the events instead");
+    if (delivering.exchange(true)) fail("event dispatcher: another thread is already delivering events");
 }
 
 void EventDispatcher::Impl::releaseDelivery()
@@ -60,7 +61,7 @@ void EventDispatcher::Impl::releaseDelivery()
     delivering.store(false);
 }
 
-// An observer hears of an event at once or, where the thread is busy, with its next batch. Neither line waits.
+// An observer gets an event at once or, if the thread is busy, with its next batch. Neither line waits.
 void EventDispatcher::Impl::wakeThread()
 {
     wakes.fetch_add(1, std::memory_order_release);
@@ -82,7 +83,7 @@ std::size_t EventDispatcher::Impl::deliverBatch()
     return count;
 }
 
-// Only what callbacks post asks for another round: a thread that posts without end does not keep us here.
+// Only what callbacks post asks for another round, so a thread that posts without end does not keep this loop running.
 std::optional<std::size_t> EventDispatcher::Impl::deliverRounds()
 {
     std::size_t count = 0;
@@ -104,7 +105,8 @@ void EventDispatcher::Impl::threadLoop()
 {
     deliverer.store(std::this_thread::get_id());
     for (;;) {
-        const std::uint32_t seen = wakes.load(std::memory_order_acquire); // before looking: a later post is not missed
+        const std::uint32_t seen =
+            wakes.load(std::memory_order_acquire); // read before looking, so that a later post is not missed
         const Quit asked = quit.load(std::memory_order_acquire);
         if (asked == Quit::WhenDelivered) finished = deliverRounds().has_value();
         if (asked != Quit::No) return;
@@ -145,11 +147,11 @@ bool EventDispatcher::detach(ObserverId id) { return impl_->observers.detach(id)
 
 void EventDispatcher::post(std::unique_ptr<Event> event)
 {
-    if (!event) fail("event dispatcher: an event to post must be one, got null");
+    if (!event) fail("event dispatcher: post() needs an event, got null");
     const EventType type = event->type;
     if (!tryPost(std::move(event)))
-        fail("event dispatcher: queue is full: ", impl_->def.capacity, " events wait (capacity), a ", name(type),
-             " event does not fit");
+        fail("event dispatcher: the queue is full: ", impl_->def.capacity, " events are waiting (capacity); the ",
+             name(type), " event was refused");
 }
 
 bool EventDispatcher::tryPost(std::unique_ptr<Event>&& event)
@@ -185,13 +187,14 @@ void EventDispatcher::start()
         impl_->thread = std::thread([impl = impl_.get()] { impl->threadLoop(); });
     } catch (const std::system_error& error) {
         impl_->releaseDelivery();
-        fail("event dispatcher: no thread to be had: ", error.what());
+        fail("event dispatcher: cannot start its thread: ", error.what());
     }
 }
 
 void EventDispatcher::stop()
 {
-    if (impl_->insideCallback()) fail("event dispatcher: a callback cannot stop the thread that runs it");
+    if (impl_->insideCallback())
+        fail("event dispatcher: stop() must not be called from a callback, whose own thread it would end");
     const std::lock_guard lock(impl_->lifecycle);
     impl_->endThread(Impl::Quit::WhenDelivered);
     if (!std::exchange(impl_->finished, true)) impl_->failRounds();
@@ -206,8 +209,8 @@ void EventDispatcher::skip(const Event& event, bool warn)
 {
     impl_->skipped.fetch_add(1, std::memory_order_relaxed);
     if (warn)
-        logWarning("an observer of ", name(event.type), " events skips events of that type but of another class, ",
-                   "first at step ", event.step);
+        logWarning("event dispatcher: an observer of ", name(event.type),
+                   " events skips events of this type that are of another class, ", "first at step ", event.step);
 }
 
 } // namespace filasofia::event

@@ -8,19 +8,19 @@
 namespace filasofia::event {
 namespace {
 
-constexpr std::size_t kProbes = 8; // places that one key may use: enough that a table half full rarely refuses
+constexpr std::size_t kProbes = 8; // places that one key may use: enough that a half-full table rarely refuses
 
 std::size_t hash(const MergeKey& key)
 {
-    // The finalizer of splitmix64 (Steele, Lea, Flood 2014): keys made of small numbers spread over all places.
+    // The finalizer of splitmix64 (Steele, Lea, Flood 2014) spreads keys made of small numbers over all places.
     std::uint64_t h = key.value + 0x9e3779b97f4a7c15ull * (static_cast<std::uint64_t>(key.type) + 1);
     h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ull;
     h = (h ^ (h >> 27)) * 0x94d049bb133111ebull;
     return static_cast<std::size_t>(h ^ (h >> 31));
 }
 
-// The reader's wait for a writer that was interrupted in the middle of a push. It sleeps in the end: a yield alone
-// would not let a writer of lower real-time priority run.
+// The reader waits for a writer that was interrupted in the middle of a push. It eventually sleeps, because a yield
+// alone would not let a writer of lower real-time priority run.
 void pauseReader(int& tries)
 {
     if (++tries < 64) {
@@ -38,7 +38,7 @@ bool EventQueue::tryPush(std::unique_ptr<Event>& event)
 {
     QueuedEvent item;
     item.key = event->mergeKey();
-    // The stamp comes before the event is anywhere to be seen: collect() counts on it.
+    // The stamp is taken before the event becomes visible: collect() relies on it.
     item.stamp = stamp_.fetch_add(1, std::memory_order_acq_rel);
     item.event = std::move(event);
     if (item.key && tryMerge(item)) return true;
@@ -52,7 +52,7 @@ bool EventQueue::tryMerge(QueuedEvent& item)
     const std::size_t first = hash(*item.key);
     for (std::size_t probe = 0; probe < std::min(kProbes, places_.size()); ++probe) {
         Place& place = places_[(first + probe) % places_.size()];
-        // Somebody is in this place for a few instructions: go on rather than wait for them.
+        // If another thread is using this place for a few instructions, go on rather than wait for it.
         State state = place.state.load(std::memory_order_relaxed);
         if (state == State::Busy) continue;
         if (!place.state.compare_exchange_strong(state, State::Busy, std::memory_order_acquire,
@@ -64,22 +64,22 @@ bool EventQueue::tryMerge(QueuedEvent& item)
             return true;
         }
         if (place.held.key == item.key) {
-            // Two threads may arrive here in the other order than their stamps: the newer stays.
+            // Two threads may arrive here in another order than their stamps: the newer event stays.
             if (place.held.stamp < item.stamp) std::swap(place.held, item);
             place.held.event->absorb(*item.event);
             place.state.store(State::Full, std::memory_order_release);
             merged_.fetch_add(1, std::memory_order_relaxed);
-            return true; // the older one is freed with `item`, outside the place
+            return true; // the older event is freed with `item`, outside the place
         }
-        place.state.store(State::Full, std::memory_order_release); // another key's
+        place.state.store(State::Full, std::memory_order_release); // the place belongs to another key
     }
     return false;
 }
 
-// Why the order of each thread holds. Let it push A, then B, and let B be in this batch: stamp(B) < horizon. A was
-// complete before stamp(B) was taken, hence before the horizon was read, hence it is seen below: in the ring (whoever
-// stands before it there claimed earlier; one with stamp >= horizon claimed later) or in its place. So A is in this
-// batch or was in an earlier one, unless a newer event of its key took it over.
+// Why the order of each thread is kept: let a thread push A, then B, and let B be in this batch, so stamp(B) < horizon.
+// A was complete before stamp(B) was taken, hence before the horizon was read, hence it is visible below: in the ring
+// (an event before it there claimed its cell earlier; one with stamp >= horizon claimed later) or in its place. So A is
+// in this batch or was in an earlier one, unless a newer event of its key absorbed it.
 void EventQueue::collect(std::vector<QueuedEvent>& batch)
 {
     batch.clear();
@@ -125,7 +125,7 @@ void EventQueue::collectRing(std::uint64_t horizon, std::vector<QueuedEvent>& ba
     }
 }
 
-// A key may stand in two places, or in the ring: the newest takes over the others.
+// A key may be in two places, or in the ring: the newest event absorbs the others.
 void EventQueue::mergeWithin(std::vector<QueuedEvent>& batch)
 {
     std::map<MergeKey, std::size_t> newest;

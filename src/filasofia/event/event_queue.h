@@ -5,23 +5,23 @@
 
 namespace filasofia::event {
 
-/// An event and its place in the order of all events.
+/// An event and its position in the order of all events.
 struct QueuedEvent {
     std::uint64_t stamp = 0;
     std::optional<MergeKey> key;
     std::unique_ptr<Event> event;
 };
 
-/// Events on their way. Any thread pushes and never waits; one thread at a time collects.
+/// The queue of posted events. Any thread pushes and never waits; one thread at a time collects.
 ///
-/// Ordinary events go through a ring. A mergeable event goes to a place among those that its key hashes to, where it
-/// replaces a waiting event of its key; where these places are all taken, or another thread is in them just now, it
-/// goes through the ring as well and merges when it is collected.
+/// Ordinary events go through a ring. A mergeable event goes to one of the places that its key hashes to, where it
+/// replaces a queued event with the same key. If these places are all taken, or another thread is using them at that
+/// moment, the event goes through the ring too and merges when it is collected.
 class EventQueue {
 public:
     EventQueue(std::size_t capacity, std::size_t mergePlaces);
 
-    /// False where there is no room; then `event` stays with the caller.
+    /// False if there is no room; then `event` stays with the caller.
     [[nodiscard]] bool tryPush(std::unique_ptr<Event>& event);
 
     /// Replaces `batch` by all that was pushed before this call, in the order of the stamps, one event per merge key.
@@ -34,7 +34,7 @@ private:
     enum class State : std::uint8_t { Free, Busy, Full };
     struct alignas(64) Place {
         std::atomic<State> state = State::Free;
-        QueuedEvent held; // touched only by who made the state Busy
+        QueuedEvent held; // touched only by the thread that made the state Busy
     };
 
     bool tryMerge(QueuedEvent& item);
@@ -44,7 +44,7 @@ private:
 
     BoundedQueue<QueuedEvent> ring_;
     std::vector<Place> places_;
-    std::atomic<std::uint64_t> stamp_ = 0; // of the next event
+    std::atomic<std::uint64_t> stamp_ = 0; // stamp of the next event
     std::atomic<std::uint64_t> merged_ = 0;
 };
 

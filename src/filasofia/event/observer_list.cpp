@@ -3,7 +3,7 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/guarded_call.h"
 #include "filasofia/core/log.h"
-#include "filasofia/event/wait_circle.h"
+#include "filasofia/event/wait_cycle.h"
 
 #include <algorithm>
 
@@ -41,7 +41,7 @@ std::shared_ptr<ObserverList::Observer> ObserverList::remove(std::uint64_t id)
 
 bool ObserverList::detach(ObserverId id)
 {
-    EventDispatcher::Callback last; // freed after the lock: what it holds may call the dispatcher when it goes
+    EventDispatcher::Callback last; // freed after the lock, because destructors of what it owns may call the dispatcher
     std::unique_lock lock(mutex_);
     const std::shared_ptr<Observer> observer = remove(id.value);
     if (running_ != id.value || !id) {
@@ -49,9 +49,9 @@ bool ObserverList::detach(ObserverId id)
         return true;
     }
     if (runner_ == std::this_thread::get_id()) return false;
-    if (!wait_circle::enter(runner_)) return false;
+    if (!wait_cycle::enter(runner_)) return false;
     waiters_.push_back(std::this_thread::get_id());
-    ended_.wait(lock, [&] { return running_ != id.value; }); // it is off the list: it cannot begin again
+    ended_.wait(lock, [&] { return running_ != id.value; }); // it is off the list, so it cannot begin again
     return true;
 }
 
@@ -72,8 +72,8 @@ void ObserverList::call(Observer& observer, const Event& event)
     const std::optional<std::string> problem = guardedCall([&] { observer.callback(event); });
     end(observer, problem.has_value());
     if (problem)
-        logError("an observer of ", name(event.type), " events threw at step ", event.step,
-                 " and is detached: ", *problem);
+        logError("event dispatcher: an observer of ", name(event.type), " events threw at step ", event.step,
+                 " and was detached: ", *problem);
 }
 
 bool ObserverList::begin(const Observer& observer)
@@ -90,7 +90,7 @@ void ObserverList::end(Observer& observer, bool failed)
     std::unique_lock lock(mutex_);
     if (failed) remove(observer.id);
     if (observer.detached) {
-        // What the callback holds goes before detach() returns, and without the lock.
+        // What the callback owns is freed before detach() returns, and without the lock.
         EventDispatcher::Callback last;
         last.swap(observer.callback);
         lock.unlock();
@@ -99,9 +99,10 @@ void ObserverList::end(Observer& observer, bool failed)
     }
     running_ = 0;
     runner_ = {};
-    for (const std::thread::id waiter : waiters_) wait_circle::leave(waiter);
+    for (const std::thread::id waiter : waiters_) wait_cycle::leave(waiter);
     waiters_.clear();
-    // With the lock held: once it is free, a detach() that returns may be followed by the end of this object.
+    // Notify with the lock held: once it is released, a detach() that returns may be followed by the destruction of
+    // this object.
     ended_.notify_all();
 }
 

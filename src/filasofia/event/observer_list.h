@@ -11,8 +11,8 @@
 
 namespace filasofia::event {
 
-/// Who wants to hear of what. Any thread attaches and detaches; one thread at a time delivers. No lock is held while
-/// a callback runs, and posting never comes here.
+/// The observers of each event type. Any thread attaches and detaches; one thread at a time delivers. No lock is held
+/// while a callback runs, and posting does not use this class.
 class ObserverList {
 public:
     ObserverId attach(EventType type, EventDispatcher::Callback callback);
@@ -27,19 +27,19 @@ private:
     };
     using Observers = std::vector<std::shared_ptr<Observer>>;
 
-    std::shared_ptr<Observer> remove(std::uint64_t id); // with the lock held
+    std::shared_ptr<Observer> remove(std::uint64_t id); // the caller holds the lock
     void call(Observer& observer, const Event& event);
     bool begin(const Observer& observer);
     void end(Observer& observer, bool failed);
 
-    std::mutex mutex_; // guards all below
+    std::mutex mutex_; // guards everything below
     std::condition_variable ended_;
-    // Lists are replaced, never changed: the deliverer goes through the one it found at the start of an event.
+    // Lists are replaced, never changed: the delivering thread iterates over the one it found at the start of an event.
     std::array<std::shared_ptr<const Observers>, kEventTypes> lists_;
     std::uint64_t lastId_ = 0;
-    std::uint64_t running_ = 0; // the observer whose callback runs now; 0: none
+    std::uint64_t running_ = 0; // the observer whose callback is running; 0 if there is none
     std::thread::id runner_;
-    std::vector<std::thread::id> waiters_; // for `running_` to end
+    std::vector<std::thread::id> waiters_; // threads that wait for `running_` to end
 };
 
 } // namespace filasofia::event

@@ -38,8 +38,8 @@ FrameRef FramePool::latest()
                !slot.readers.compare_exchange_weak(readers, readers + 1, std::memory_order_acquire)) {
         }
         if (readers == kWriting) continue;
-        // Held up in between, a reader may get a slot that is just being published, newer than newest_ yet says; the
-        // next look would take it back in time. So only what is still the newest is kept.
+        // If it is delayed in between, a reader may get a slot that is just being published and is newer than newest_
+        // says; its next look would go back in time. So the slot is kept only if it is still the newest.
         if (newest_.load(std::memory_order_acquire) != newest) {
             slot.readers.fetch_sub(1, std::memory_order_release);
             continue;

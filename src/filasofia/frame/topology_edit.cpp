@@ -21,8 +21,8 @@ void followElement(const TopologyOp& op, std::vector<geometry::Tetrahedron>& tet
     }
 }
 
-/// The point stays where it is while a corner goes: newRest = sum c_i X_i of the corners as they were, so the old
-/// corner is newRest / c_z less the others' shares c_i / c_z. c_z > 0 is the change of the element's volume.
+/// Keeps the point in place while a corner moves: newRest = sum c_i X_i over the corners before the move, so the old
+/// corner is newRest / c_z minus the other corners times c_i / c_z. c_z > 0 is the ratio of the element's volumes.
 void stay(const NodeMove& move, const geometry::Tetrahedron& nodes, const std::vector<Vec3>& rest, EmbeddedPoint& point)
 {
     const auto at = std::ranges::find(nodes, move.node);
@@ -58,7 +58,7 @@ void followTetrahedra(const TopologyEdit& edit, std::vector<geometry::Tetrahedro
 void followPoints(const TopologyEdit& edit, std::vector<geometry::Tetrahedron>& tetrahedra, std::vector<Vec3>& rest,
                   std::span<EmbeddedPoint> points)
 {
-    // Few points ride on what an edit touches.
+    // Few points are embedded in elements that an edit touches.
     std::vector<EmbeddedPoint*> touched;
     for (EmbeddedPoint& point : points)
         if (std::ranges::binary_search(edit.changed, point.tetrahedron, {}, &TetNodes::tetrahedron))

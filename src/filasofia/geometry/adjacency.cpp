@@ -10,7 +10,7 @@
 namespace filasofia::geometry {
 namespace {
 
-// Counts, sums up, then fills: `each(visit)` calls visit(row, item) twice over, in the same order.
+// Counts, sums up, then fills: `each(visit)` calls visit(row, item) in the same order on both passes.
 template <class Each> CompressedRows compress(std::size_t rowCount, const Each& each)
 {
     CompressedRows rows;
@@ -23,7 +23,7 @@ template <class Each> CompressedRows compress(std::size_t rowCount, const Each& 
     return rows;
 }
 
-// The lowest node of the piece that holds this one; halves the path on its way.
+// The lowest node of the piece that contains this node; halves the path on the way.
 int rootOf(std::vector<int>& parent, int node)
 {
     while (parent[node] != node) node = parent[node] = parent[parent[node]];
@@ -45,8 +45,8 @@ std::vector<std::array<int, 2>> edges(const TetMesh& mesh)
 CompressedRows nodeNeighbours(const TetMesh& mesh)
 {
     const std::vector<std::array<int, 2>> all = edges(mesh);
-    // Edges ascend by their lower node, then by their upper one. So a node first meets its lower neighbours, ascending,
-    // as upper end of their edges, if these are told first; then its higher ones.
+    // Edges ascend by their lower node, then by their upper one. A node therefore gets its lower neighbours in
+    // ascending order if the edges are visited first with the node as their upper end; the higher neighbours follow.
     return compress(mesh.nodes.size(), [&](auto&& visit) {
         for (auto [low, high] : all) visit(high, low);
         for (auto [low, high] : all) visit(low, high);

@@ -9,8 +9,8 @@
 namespace filasofia::geometry {
 namespace {
 
-// A binary STL: 80 bytes of header, the number of triangles, 50 bytes each. A text begins with "solid" and ends with
-// "endsolid", but some binary ones begin with "solid" too: then the size tells.
+// A binary STL has a header of 80 bytes, the number of triangles, and 50 bytes per triangle. A text file begins with
+// "solid" and ends with "endsolid", but some binary files begin with "solid" too: then the size decides.
 void checkStl(std::string_view bytes, std::string_view name)
 {
     constexpr std::uint64_t kHeader = 84, kTriangle = 50;
@@ -26,12 +26,13 @@ void checkStl(std::string_view bytes, std::string_view name)
             fail(name, ": the file ends before endsolid");
         return;
     }
-    const std::uint64_t most = (bytes.size() - kHeader) / kTriangle;
-    if (count > most)
-        fail(name, ": byte 80: the number of triangles must be in [0, ", most, "] (what the file holds), got ", count);
+    const std::uint64_t max = (bytes.size() - kHeader) / kTriangle;
+    if (count > max)
+        fail(name, ": byte 80: the number of triangles must be in [0, ", max, "] (the file holds no more), got ",
+             count);
 }
 
-// The value of the JSON member that begins at `at` behind its quoted key, as far as it is a plain number.
+// The value of the JSON member whose quoted key ends at `at`, if it is a plain number.
 double numberBehind(std::string_view json, std::size_t at)
 {
     at = json.find_first_not_of(" \t\r\n:", at);
@@ -47,7 +48,8 @@ std::uintmax_t sizeOfBuffers(const std::filesystem::path& file, std::string_view
     for (std::size_t at = json.find(kKey); at != std::string_view::npos; at = json.find(kKey, at + 1)) {
         const std::size_t open = json.find('"', at + kKey.size());
         const std::size_t close = open == std::string_view::npos ? open : json.find('"', open + 1);
-        if (close == std::string_view::npos || close - open > 1000) continue; // embedded data counts as the file itself
+        if (close == std::string_view::npos || close - open > 1000)
+            continue; // embedded data is already counted with the file itself
         std::error_code missing;
         const auto size = std::filesystem::file_size(
             file.parent_path() / std::filesystem::path(json.substr(open + 1, close - open - 1)), missing);
@@ -56,15 +58,16 @@ std::uintmax_t sizeOfBuffers(const std::filesystem::path& file, std::string_view
     return sum;
 }
 
-// Not a parser: every count and length of the JSON text, wherever it stands, against all the bytes there are.
+// Not a parser: every count and length of the JSON text, wherever it stands, is compared with the total number of
+// bytes.
 void checkGltf(const std::filesystem::path& file, std::string_view bytes)
 {
-    const double most = static_cast<double>(bytes.size() + sizeOfBuffers(file, bytes));
+    const double max = static_cast<double>(bytes.size() + sizeOfBuffers(file, bytes));
     for (std::string_view key : {"\"count\"", "\"byteLength\"", "\"byteOffset\"", "\"byteStride\""})
         for (std::size_t at = bytes.find(key); at != std::string_view::npos; at = bytes.find(key, at + 1))
-            if (const double value = numberBehind(bytes, at + key.size()); !(value >= 0.0 && value <= most))
-                fail(file.string(), ": byte ", at, ": ", key, " must be in [0, ", most,
-                     "] (what file and buffers hold), got ", value);
+            if (const double value = numberBehind(bytes, at + key.size()); !(value >= 0.0 && value <= max))
+                fail(file.string(), ": byte ", at, ": ", key, " must be in [0, ", max,
+                     "] (the file and its buffers hold no more), got ", value);
 }
 
 } // namespace

@@ -5,8 +5,8 @@
 
 namespace filasofia::geometry {
 
-/// Throws an Error where a PLY, STL or glTF file is cut off or announces more than it can hold: assimp allocates what
-/// is announced before it looks for it. `extension` is lower case, with its dot.
+/// Throws an Error if a PLY, STL or glTF file is cut off or announces more than it can hold: assimp allocates the
+/// announced size before it looks for the data. `extension` is lower case, with its dot.
 void checkAnnouncedSizes(const std::filesystem::path& file, std::string_view extension, std::string_view bytes);
 
 } // namespace filasofia::geometry

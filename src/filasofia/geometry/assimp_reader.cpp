@@ -16,7 +16,7 @@
 namespace filasofia::geometry {
 namespace {
 
-// What the file gives, before joining: a vertex per corner as assimp has it.
+// The content of the file before vertices are merged: one vertex per corner, as assimp reads it.
 struct Soup {
     TriangleMesh mesh; ///< uv is always filled
     bool anyUv = false, anyWithout = false;
@@ -25,13 +25,13 @@ struct Soup {
 
 Vec3 placed(const aiMatrix4x4& m, const aiVector3D& p)
 {
-    // In double: the file's numbers lose nothing further.
+    // In double, so that the file's numbers lose nothing further.
     const double x = p.x, y = p.y, z = p.z;
     return {m.a1 * x + m.a2 * y + m.a3 * z + m.a4, m.b1 * x + m.b2 * y + m.b3 * z + m.b4,
             m.c1 * x + m.c2 * y + m.c3 * z + m.c4};
 }
 
-// assimp's triangulation believes what its parsers give it, and ends the process at a face without corners.
+// assimp's triangulation trusts its parsers, and ends the process if a face has no corners.
 void checkMesh(const aiMesh& mesh, std::string_view name)
 {
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
@@ -54,19 +54,20 @@ void checkMesh(const aiMesh& mesh, std::string_view name)
 
 void appendMesh(const aiMesh& mesh, const aiMatrix4x4& place, std::string_view name, Soup& soup)
 {
-    constexpr std::size_t kMost = 500'000'000;
+    constexpr std::size_t kMaxCount = 500'000'000;
     const std::size_t first = soup.mesh.vertices.size();
-    if (first + mesh.mNumVertices > kMost) fail(name, ": has more than ", kMost, " vertices");
+    if (first + mesh.mNumVertices > kMaxCount) fail(name, ": has more than ", kMaxCount, " vertices");
     const bool hasUv = mesh.HasTextureCoords(0);
     (hasUv ? soup.anyUv : soup.anyWithout) = true;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
         const Vec3 p = placed(place, mesh.mVertices[i]);
-        if (!isFinite(p)) fail(name, ": vertex ", i, " must be finite where its node places it");
+        if (!isFinite(p)) fail(name, ": vertex ", i, " must be finite after the transformation of its node");
         soup.mesh.vertices.push_back(p);
         const aiVector3D uv = hasUv ? mesh.mTextureCoords[0][i] : aiVector3D();
         soup.mesh.uv.push_back({uv.x, uv.y});
     }
-    const bool mirrored = place.Determinant() < 0; // a mirror turns inside out: the corners go the other way round
+    const bool mirrored =
+        place.Determinant() < 0; // a mirrored mesh would be inside out: reverse the order of the corners
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
         const aiFace& face = mesh.mFaces[i];
         if (face.mNumIndices != 3) {
@@ -98,7 +99,7 @@ void appendNodes(const aiScene& scene, std::string_view name, Soup& soup)
     }
 }
 
-// For each vertex the first one at the same place, by sorting: no hash decides an order.
+// For each vertex the first one at the same position, found by sorting: no hash decides an order.
 std::vector<int> firstAtSamePlace(const std::vector<Vec3>& vertices)
 {
     std::vector<int> order(vertices.size());
@@ -120,7 +121,7 @@ struct Dropped {
     std::size_t triangles = 0, texture = 0;
 };
 
-// Vertices are numbered as triangles first use them, so that what no triangle uses falls away.
+// Vertices are numbered as triangles first use them, so vertices that no triangle uses are dropped.
 TriangleMesh joined(const Soup& soup, Dropped& dropped)
 {
     const std::vector<int> firsts = firstAtSamePlace(soup.mesh.vertices);
@@ -149,10 +150,11 @@ TriangleMesh joined(const Soup& soup, Dropped& dropped)
     return mesh;
 }
 
-// A mesh file names others (materials, buffers), and whatever assimp opens must end: a pipe would wait for its writer.
+// A mesh file names other files (materials, buffers). What assimp opens must be regular: a pipe would wait for its
+// writer.
 class RegularFiles : public Assimp::DefaultIOSystem {
 public:
-    [[nodiscard]] bool Exists(const char* file) const override // assimp's own opens it
+    [[nodiscard]] bool Exists(const char* file) const override // assimp's own version opens the file
     {
         std::error_code problem;
         return std::filesystem::is_regular_file(file, problem);
@@ -182,7 +184,7 @@ Soup readSoup(const std::filesystem::path& file)
         appendNodes(*scene, name, soup);
     } catch (const Error&) {
         throw;
-    } catch (const std::exception& problem) { // also what runs out of memory
+    } catch (const std::exception& problem) { // also out of memory
         fail(name, ": cannot be read: ", std::string_view(problem.what()));
     }
     return soup;
@@ -194,14 +196,14 @@ TriangleMesh readWithAssimp(const std::filesystem::path& file)
 {
     const std::string name = file.string();
     const Soup soup = readSoup(file);
-    if (soup.mesh.triangles.empty()) fail(name, ": has no triangles; it must have at least 1");
+    if (soup.mesh.triangles.empty()) fail(name, ": must have at least 1 triangle, got 0");
     Dropped dropped;
     TriangleMesh mesh = joined(soup, dropped);
     if (dropped.triangles + dropped.texture + soup.notTriangles > 0 || (soup.anyUv && soup.anyWithout))
         logWarning(name, ": dropped ", dropped.triangles, " triangles with two corners at the same place, ",
                    soup.notTriangles, " points and lines, and ", dropped.texture,
-                   " second texture coordinates of a vertex",
-                   soup.anyUv && soup.anyWithout ? "; a part has no texture coordinates" : "");
+                   " texture coordinates of vertices that have others already",
+                   soup.anyUv && soup.anyWithout ? "; a part without texture coordinates gets (0, 0)" : "");
     check(mesh, name);
     return mesh;
 }

@@ -6,7 +6,8 @@
 
 namespace filasofia::geometry {
 
-/// What loadTriangleMesh() promises, through assimp; the file is known to be a regular one with a known extension.
+/// Does what loadTriangleMesh() promises, with assimp; the caller has checked that the file is a regular one with a
+/// known extension.
 TriangleMesh readWithAssimp(const std::filesystem::path& file);
 
 } // namespace filasofia::geometry

@@ -18,8 +18,8 @@ Bvh::Bvh(std::span<const Box> boxes) : order_(boxes.size()), boxes_(boxes.begin(
     build(boxes, 0, size());
 }
 
-// Halves the primitives at the median of their middles along the axis where these are spread the most. A surface area
-// heuristic makes trees that are a little faster to ask and several times slower to build.
+// Halves the primitives at the median of their centres along the axis on which these are spread the most. A surface
+// area heuristic makes trees that are a little faster to query and several times slower to build.
 int Bvh::build(std::span<const Box> boxes, int first, int count)
 {
     const int self = static_cast<int>(nodes_.size());
@@ -35,7 +35,7 @@ int Bvh::build(std::span<const Box> boxes, int first, int count)
 
     const Vec3 spread = middles.high - middles.low;
     const int axis = spread.x >= spread.y && spread.x >= spread.z ? 0 : spread.y >= spread.z ? 1 : 2;
-    // Equal middles are told apart by index: the halves are the same whatever nth_element does inside.
+    // Equal centres are ordered by index, so the halves are the same whatever nth_element does inside.
     const auto before = [&](int a, int b) {
         const double ma = 0.5 * boxes[a].low[axis] + 0.5 * boxes[a].high[axis];
         const double mb = 0.5 * boxes[b].low[axis] + 0.5 * boxes[b].high[axis];
@@ -53,11 +53,11 @@ int Bvh::build(std::span<const Box> boxes, int first, int count)
 void Bvh::refit(std::span<const Box> boxes)
 {
     FILASOFIA_ASSERT(static_cast<int>(boxes.size()) == size());
-    // Nothing meets a box of NaN, not even the box around all space.
+    // Nothing overlaps a box of NaN, not even a box around all space.
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     for (int i = 0; i < size(); ++i)
         boxes_[i] = isEmpty(boxes[i]) ? Box{{kNan, kNan, kNan}, {kNan, kNan, kNan}} : boxes[i];
-    // Children lie behind their parent: backwards, every child is ready before it is asked for.
+    // Children lie behind their parent: going backwards, every child is ready before it is needed.
     for (int i = static_cast<int>(nodes_.size()) - 1; i >= 0; --i) {
         Node& node = nodes_[i];
         if (node.count == 0) {
@@ -88,7 +88,7 @@ void Bvh::overlapping(const Box& query, std::vector<int>& found) const
     std::ranges::sort(found);
 }
 
-// Opens the node that is not a leaf, or the wider one: both trees shrink at the same pace.
+// Opens the node that is not a leaf, or the larger one, so that both trees shrink at the same pace.
 void Bvh::collectPairs(const Bvh& other, int mine, int theirs, std::vector<std::array<int, 2>>& found) const
 {
     const Node &a = nodes_[mine], &b = other.nodes_[theirs];
@@ -122,17 +122,17 @@ void overlappingPairs(const Bvh& a, const Bvh& b, std::vector<std::array<int, 2>
 
 double Bvh::rayEntry(const Box& box, Vec3 origin, Vec3 inverseDirection)
 {
-    // Slabs (Kay and Kajiya 1986).
+    // The slab method (Kay and Kajiya 1986).
     double enter = 0.0, leave = Box::kFar;
     for (int axis = 0; axis < 3; ++axis) {
         const double t0 = (box.low[axis] - origin[axis]) * inverseDirection[axis];
         const double t1 = (box.high[axis] - origin[axis]) * inverseDirection[axis];
-        // Where the ray runs along a slab's border, 0 times infinity is a NaN, and this slab cuts nothing off.
+        // If the ray runs along a slab's border, 0 times infinity is a NaN, and this slab clips nothing.
         if (std::isnan(t0) || std::isnan(t1)) continue;
         enter = std::max(enter, std::min(t0, t1));
         leave = std::min(leave, std::max(t0, t1));
     }
-    // A flat box is entered and left at once: rounding must not tell otherwise.
+    // A flat box is entered and left at once; rounding must not make it a miss.
     return enter <= leave * (1.0 + 1e-12) ? enter : Box::kFar;
 }
 

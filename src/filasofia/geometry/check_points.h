@@ -10,8 +10,8 @@
 
 namespace filasofia::geometry {
 
-/// [m] Up to here volumes (lengths to the third power), moments of inertia (fifth) and their determinants (fifteenth)
-/// fit in a double, so that a check of them compares numbers and never infinities.
+/// [m] Up to this size, volumes (lengths to the third power), moments of inertia (fifth) and their determinants
+/// (fifteenth) fit in a double, so that checks compare numbers and never infinities.
 inline constexpr double kMaxCoordinate = 1e20;
 
 /// Throws an Error "<name>: <what> <i> must ..." unless every point is finite and every coordinate within the bound.

@@ -10,13 +10,14 @@
 namespace filasofia::geometry {
 namespace {
 
-constexpr double kWeakest = 0.05;        // of the median coarse node's support: below it a coarse node is dropped
-constexpr double kLeastKept = 0.2;       // of a node's weight: what dropping must leave it
-constexpr double kSmallestWeight = 1e-6; // below it a corner counts as not used
-constexpr double kFarthest = 1e100;      // [m]
+constexpr double kMinSupport = 0.05;   // a coarse node with a smaller fraction of the median node's support is dropped
+constexpr double kMinKeptWeight = 0.2; // dropping must leave a node at least this fraction of its weight
+constexpr double kMinWeight = 1e-6;    // below it a corner counts as not used
+constexpr double kMaxCoordinate = 1e100; // [m]
 
-// A lattice point's three coordinates, or a cell (its lowest corner's coordinates and the order of its steps), in one
-// number. A piece spans less than 2^18 cells, so no coordinate overflows into the next. Pieces may have equal keys.
+// A lattice point's three coordinates, or a cell (the coordinates of its lowest corner and the order of its steps), in
+// one number. A piece spans less than 2^18 cells, so no coordinate overflows into the next. Different pieces may have
+// equal keys.
 using Key = std::uint64_t;
 constexpr std::array<Key, 3> kUnit{Key(1), Key(1) << 20, Key(1) << 40};
 constexpr Key kOwnCell = Key(1) << 63;
@@ -25,7 +26,7 @@ constexpr int kOrders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0
 
 struct Place {
     Key cell = 0;
-    std::array<double, 4> weights{}; // of the cell's corners
+    std::array<double, 4> weights{}; // weights of the cell's corners
 };
 
 std::array<Key, 4> cornersOf(Key cell)
@@ -36,7 +37,7 @@ std::array<Key, 4> cornersOf(Key cell)
     return corner;
 }
 
-// The tetrahedra of the body-centred cubic lattice, which are all alike. In the basis (-1,1,1), (1,-1,1), (1,1,-1),
+// The tetrahedra of the body-centred cubic lattice, which are all congruent. In the basis (-1,1,1), (1,-1,1), (1,1,-1),
 // each half a cube's edge, the lattice is that of the whole numbers and its tetrahedra are Kuhn's: one per order of the
 // fractional parts (Adams, Baek, Davis 2010, "Fast high-dimensional filtering using the permutohedral lattice").
 Place placeInLattice(Vec3 p, Vec3 origin, double cube)
@@ -56,7 +57,7 @@ Place placeInLattice(Vec3 p, Vec3 origin, double cube)
     return {(point << 3) + static_cast<Key>(order), {1.0 - part[a], part[a] - part[b], part[b] - part[c], part[c]}};
 }
 
-// In one tetrahedron around a whole piece.
+// Places a point in a single tetrahedron around a whole piece.
 Place placeInBox(Vec3 p, const Box& box)
 {
     Place place{kOwnCell, {1.0, 0.0, 0.0, 0.0}};
@@ -77,21 +78,21 @@ double longestSide(const Box& box)
 
 constexpr int kNone = -1;
 
-struct Laid {
+struct LatticeLayout {
     std::vector<Place> places;               // per node
-    std::vector<std::array<int, 4>> corners; // per node: its coarse nodes, kNone where the weight is 0
+    std::vector<std::array<int, 4>> corners; // per node, its coarse nodes; kNone if the weight is 0
     int count = 0;
 };
 
-// Cells of this size: cubes with an edge of `cube` [m], their lattice moved by `shift` cubes. A piece whose longest
-// side times `fit` is less lies in a tetrahedron of its own.
+// The size and offset of the cells: cubes with an edge of `cube` [m], their lattice moved by `shift` cubes. If a
+// piece's longest side times `fit` is at most `cube`, the piece gets a tetrahedron of its own.
 struct Cells {
     double cube = 0.0;
     Vec3 shift;
     double fit = 1.0;
 };
 
-void placeNodes(const Graph& graph, const Cells& cells, Laid& out)
+void placeNodes(const Graph& graph, const Cells& cells, LatticeLayout& out)
 {
     out.places.reserve(graph.nodes.size());
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
@@ -103,10 +104,10 @@ void placeNodes(const Graph& graph, const Cells& cells, Laid& out)
     }
 }
 
-// Cuts the body along the cells, then glues it together again along its own edges.
-void connect(const Graph& graph, Laid& out)
+// Cuts the body along the cells, then joins the parts again along the body's edges.
+void connect(const Graph& graph, LatticeLayout& out)
 {
-    // Nodes of one cell that are connected inside it lie in one copy of it.
+    // Nodes of one cell that are connected inside it share one copy of the cell.
     const int n = static_cast<int>(graph.nodes.size());
     DisjointSets together(graph.nodes.size());
     for (auto [a, b] : graph.edges)
@@ -119,14 +120,14 @@ void connect(const Graph& graph, Laid& out)
         if (first == i) cornerKeys.push_back(cornersOf(out.places[i].cell));
     }
 
-    // An edge from copy to copy makes the corners that both have one.
+    // An edge between two copies merges the corners that both have.
     DisjointSets points(4 * cornerKeys.size());
-    std::vector<int> joined(cornerKeys.size(), kNone); // per copy: the one that it was joined to last, of lower number
+    std::vector<int> joined(cornerKeys.size(), kNone); // per copy: the lower-numbered copy that it was joined to last
     for (auto [a, b] : graph.edges) {
         const auto [low, high] = std::minmax(copy[a], copy[b]);
         if (low == high || joined[high] == low) continue; // most edges between two copies follow each other
         joined[high] = low;
-        // The keys of a cell's corners ascend.
+        // The keys of a cell's corners are in ascending order.
         for (int i = 0, j = 0; i < 4 && j < 4;) {
             const Key one = cornerKeys[low][i], other = cornerKeys[high][j];
             if (one == other) points.join(4 * low + i, 4 * high + j);
@@ -139,15 +140,15 @@ void connect(const Graph& graph, Laid& out)
     out.corners.assign(graph.nodes.size(), {kNone, kNone, kNone, kNone});
     for (int i = 0; i < n; ++i)
         for (int k = 0; k < 4; ++k) {
-            if (out.places[i].weights[k] < kSmallestWeight) continue;
+            if (out.places[i].weights[k] < kMinWeight) continue;
             int& point = number[points.find(4 * copy[i] + k)];
             if (point == kNone) point = out.count++;
             out.corners[i][k] = point;
         }
 }
 
-// Which coarse nodes hold enough of the body, compared with the median one of their piece.
-std::vector<bool> strongEnough(const Graph& graph, const Laid& laid)
+// Which coarse nodes support enough of the body, compared with the median node of their piece.
+std::vector<bool> strongEnough(const Graph& graph, const LatticeLayout& laid)
 {
     std::vector<double> support(laid.count, 0.0);
     std::vector<int> piece(laid.count, 0);
@@ -159,31 +160,31 @@ std::vector<bool> strongEnough(const Graph& graph, const Laid& laid)
             }
     std::vector<std::vector<double>> ofPiece(graph.box.size());
     for (int c = 0; c < laid.count; ++c) ofPiece[piece[c]].push_back(support[c]);
-    std::vector<double> least;
+    std::vector<double> minimum;
     for (std::vector<double>& supports : ofPiece) {
         const auto middle = supports.begin() + static_cast<std::ptrdiff_t>(supports.size() / 2);
         std::nth_element(supports.begin(), middle, supports.end());
-        least.push_back(kWeakest * *middle);
+        minimum.push_back(kMinSupport * *middle);
     }
     std::vector<bool> strong(laid.count);
-    for (int c = 0; c < laid.count; ++c) strong[c] = support[c] >= least[piece[c]];
+    for (int c = 0; c < laid.count; ++c) strong[c] = support[c] >= minimum[piece[c]];
     return strong;
 }
 
-// Drops the weak coarse nodes: they cost as much as the others, and one that only a node or two know makes the Galerkin
-// matrix singular. Spent on smaller cells they saved up to a quarter of the iterations (bunnies, a beam, a membrane;
-// block Jacobi plus this lattice) and cost 4 % at worst. A limit of 0.1 slowed a static membrane.
-void dropWeak(const Graph& graph, Laid& laid)
+// Drops the weak coarse nodes: they cost as much as the others, and a coarse node that only one or two nodes use makes
+// the Galerkin matrix singular. Using finer cells instead saved up to a quarter of the iterations (bunnies, a beam, a
+// membrane; block Jacobi plus this lattice) and cost 4 % at worst. A limit of 0.1 slowed a static membrane.
+void dropWeak(const Graph& graph, LatticeLayout& laid)
 {
     std::vector<bool> strong = strongEnough(graph, laid);
-    // Where a node would be left with too little to stand on, its largest corner stays.
+    // If a node would be left with too little weight, its largest corner is kept.
     for (std::size_t i = 0; i < laid.corners.size(); ++i) {
         const std::array<double, 4>& weights = laid.places[i].weights;
         double kept = 0.0;
         for (int k = 0; k < 4; ++k)
             if (laid.corners[i][k] != kNone && strong[laid.corners[i][k]]) kept += weights[k];
         const auto largest = std::ranges::max_element(weights) - weights.begin();
-        if (kept < kLeastKept) strong[laid.corners[i][largest]] = true;
+        if (kept < kMinKeptWeight) strong[laid.corners[i][largest]] = true;
     }
     std::vector<int> number(laid.count, kNone);
     laid.count = 0;
@@ -194,31 +195,34 @@ void dropWeak(const Graph& graph, Laid& laid)
             if (corner != kNone) corner = number[corner];
 }
 
-Laid lay(const Graph& graph, const Cells& cells)
+LatticeLayout lay(const Graph& graph, const Cells& cells)
 {
-    Laid laid;
+    LatticeLayout laid;
     placeNodes(graph, cells, laid);
     connect(graph, laid);
     dropWeak(graph, laid);
     return laid;
 }
 
-// The lattice whose count is nearest to `target`, at most 5 % above it.
+// Searches for the lattice whose count is nearest to `target`, at most 5 % above it.
 class Search {
 public:
     Search(const Graph& graph, int target) : graph_(graph), target_(target)
     {
         for (const Box& box : graph.box) extent_ = std::max(extent_, longestSide(box));
-        // Between one tetrahedron per piece and cells of a piece's size lies a gap, too wide for a body of few pieces.
+        // Between one tetrahedron per piece and cells of a piece's size there is a gap in the counts, too wide for a
+        // body of few pieces.
         if (16 * static_cast<int>(graph.box.size()) <= target) cells_.fit = 2.0;
         best_ = lay(graph_, {2.0 * extent_, cells_.shift, cells_.fit});
     }
 
-    Laid run()
+    LatticeLayout run()
     {
-        // The count jumps where the body's sides meet the lattice's planes: then other places of the lattice are tried.
+        // The count jumps when the body's sides coincide with lattice planes: then other offsets of the lattice are
+        // tried.
         for (int attempt = 0; attempt < 4 && !isNear(0.1); ++attempt) {
-            const double golden = 0.61803398875 * attempt; // never a whole number: no side lies in a lattice plane
+            const double golden =
+                0.61803398875 * attempt; // never a whole number, so that no side lies in a lattice plane
             cells_.shift = {1.37 + golden - std::floor(golden), 1.47, 1.77};
             bisect();
         }
@@ -228,11 +232,11 @@ public:
 private:
     bool isNear(double share) const { return std::abs(best_.count - target_) <= share * target_; }
 
-    // Whether that many or fewer came out.
+    // Lays a lattice with this cube; true if it has at most `target` coarse nodes.
     bool fits(double cube)
     {
         cells_.cube = cube;
-        Laid laid = lay(graph_, cells_);
+        LatticeLayout laid = lay(graph_, cells_);
         const int count = laid.count;
         const bool nearer = std::abs(count - target_) < std::abs(best_.count - target_);
         if (nearer && 20 * count <= 21 * target_) best_ = std::move(laid);
@@ -242,7 +246,7 @@ private:
     void bisect()
     {
         double large = 2.0 * extent_, small = extent_;
-        const double smallest = std::max(large * std::exp2(-kHalvings), 1.0 / kFarthest);
+        const double smallest = std::max(large * std::exp2(-kHalvings), 1.0 / kMaxCoordinate);
         while (small > smallest && fits(small)) {
             large = small;
             small *= 0.5;
@@ -257,11 +261,11 @@ private:
     int target_;
     double extent_ = 0.0;
     Cells cells_;
-    Laid best_;
+    LatticeLayout best_;
 };
 
-// Weights in single precision that sum to 1, whatever was dropped; unused corners name a used one.
-void write(const std::vector<int>& original, const Laid& laid, CoarseLattice& out)
+// Weights in single precision that sum to 1 whatever was dropped; unused corners name a used one.
+void write(const std::vector<int>& original, const LatticeLayout& laid, CoarseLattice& out)
 {
     for (std::size_t i = 0; i < original.size(); ++i) {
         const std::array<int, 4>& corners = laid.corners[i];
@@ -287,7 +291,7 @@ CoarseLattice coarseLattice(std::span<const Vec3> nodes, std::span<const std::ar
                           std::vector<std::array<float, 4>>(nodes.size())};
     Graph graph = subgraph(nodes, edges, [&](int i) { return active[i]; });
     const auto isUsable = [](Vec3 p) {
-        return isFinite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kFarthest;
+        return isFinite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kMaxCoordinate;
     };
     if (graph.nodes.empty() || target < 4 || !std::ranges::all_of(graph.nodes, isUsable)) return lattice;
     findPieces(graph);
@@ -298,7 +302,7 @@ CoarseLattice coarseLattice(std::span<const Vec3> nodes, std::span<const std::ar
         Graph large = subgraph(graph.nodes, graph.edges, [&](int i) { return graph.piece[i] < budget.laid; });
         findPieces(large);
         for (int& node : large.original) node = graph.original[node];
-        const Laid laid = Search(large, budget.target - budget.single).run();
+        const LatticeLayout laid = Search(large, budget.target - budget.single).run();
         write(large.original, laid, lattice);
         lattice.nodeCount = laid.count;
     }

@@ -7,7 +7,7 @@
 namespace filasofia::geometry {
 namespace {
 
-// The answer of a simplex's side, told in the simplex's own corners.
+// The result for a side of the simplex, expressed in the simplex's own corners.
 template <int n, int m> Nearest<n> lifted(const Nearest<m>& side, const std::array<int, m>& corners)
 {
     Nearest<n> all{side.point, {}, side.squaredDistance};
@@ -21,7 +21,7 @@ Nearest<2> nearestOnSegment(Vec3 p, Vec3 a, Vec3 b)
 {
     const Vec3 ab = b - a;
     const double whole = lengthSquared(ab), along = dot(p - a, ab);
-    double t = 0.0; // also where a and b coincide, and where the numbers are not numbers
+    double t = 0.0; // also if a and b coincide, or if a coordinate is NaN
     if (along > 0.0 && whole > 0.0) t = along < whole ? along / whole : 1.0;
     const Vec3 q = t < 1.0 ? a + t * ab : b;
     return {q, {1.0 - t, t}, lengthSquared(p - q)};
@@ -29,8 +29,8 @@ Nearest<2> nearestOnSegment(Vec3 p, Vec3 a, Vec3 b)
 
 Nearest<3> nearestOnTriangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c)
 {
-    // Twice the areas of the triangles that p's shadow makes with the sides, times twice that of the whole:
-    // all positive means that the shadow falls inside (Ericson 2005, Real-Time Collision Detection, 5.1.5).
+    // Twice the areas of the triangles that p's projection makes with the sides, times twice that of the whole: if all
+    // are positive, the projection falls inside (Ericson 2005, Real-Time Collision Detection, 5.1.5).
     const Vec3 normal = cross(b - a, c - a);
     const double u = dot(normal, cross(b - p, c - p));
     const double v = dot(normal, cross(c - p, a - p));
@@ -41,7 +41,7 @@ Nearest<3> nearestOnTriangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c)
         const Vec3 q = a + wb * (b - a) + wc * (c - a);
         return {q, {u / sum, wb, wc}, lengthSquared(p - q)};
     }
-    // Else the nearest point lies on a side, and a triangle without an area is its sides.
+    // Otherwise the nearest point lies on a side; a triangle without area consists of its sides only.
     const Vec3 corner[3] = {a, b, c};
     Nearest<3> best{{}, {}, std::numeric_limits<double>::infinity()};
     for (const std::array<int, 2> side : {std::array{0, 1}, {1, 2}, {2, 0}}) {
@@ -53,7 +53,7 @@ Nearest<3> nearestOnTriangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c)
 
 std::array<double, 4> barycentric(Vec3 p, Vec3 a, Vec3 b, Vec3 c, Vec3 d)
 {
-    // Cramer's rule in coordinates from a, so that a mesh far from the origin loses nothing.
+    // Cramer's rule in coordinates relative to a, so that a mesh far from the origin loses no precision.
     const Vec3 ab = b - a, ac = c - a, ad = d - a, ap = p - a;
     const double whole = dot(ab, cross(ac, ad));
     const double wb = dot(ap, cross(ac, ad)) / whole;

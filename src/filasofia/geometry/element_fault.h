@@ -7,12 +7,12 @@
 
 namespace filasofia::geometry {
 
-/// What is wrong with one tetrahedron (its indices, its numbers, its volume), as the end of a sentence that began with
-/// its name; empty where it is sound. check() and the file readers share this bound.
+/// What is wrong with one tetrahedron (its indices, its numbers, its volume), worded to follow its name in a sentence;
+/// empty if it is sound. check() and the file readers share this bound.
 std::string elementFault(const TetMesh& mesh, const Tetrahedron& tetrahedron);
 
-/// Two tetrahedra, the lower index first, that have a face on the same side: one listed twice, or two that lie in each
-/// other. The mesh's elements have no fault.
+/// Two tetrahedra, the lower index first, that have a face on the same side: one listed twice, or two that overlap.
+/// Every element of the mesh must pass elementFault().
 std::optional<std::array<int, 2>> sameSidePair(const TetMesh& mesh);
 
 } // namespace filasofia::geometry

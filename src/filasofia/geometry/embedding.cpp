@@ -18,7 +18,7 @@ std::vector<Box> boxesOf(const TetMesh& mesh)
     for (const Tetrahedron& t : mesh.tetrahedra) {
         Box box;
         for (int node : t) box = merged(box, mesh.nodes[node]);
-        // What the weights call inside may lie outside the box by rounding; the margin is far above that.
+        // A point that its weights put inside may lie outside the box by rounding; the margin is far above that.
         boxes.push_back(grown(box, 1e-9 * length(box.high - box.low)));
     }
     return boxes;
@@ -44,7 +44,7 @@ Embedding embed(const TetMesh& mesh, std::span<const Vec3> points)
     embedding.weights.reserve(points.size());
     for (Vec3 p : points) {
         FILASOFIA_ASSERT(isFinite(p));
-        // Beyond 1e154 m a squared distance is infinite, and the tree finds nothing: then the first one serves.
+        // Beyond 1e154 m a squared distance is infinite and the tree finds nothing: then the first tetrahedron is used.
         const int holder = std::max(0, tree.nearest(p, [&](int t) { return squaredDistance(t, p); }).primitive);
         embedding.nodes.push_back(mesh.tetrahedra[holder]);
         embedding.weights.push_back(weightsIn(holder, p));

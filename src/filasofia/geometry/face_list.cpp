@@ -21,8 +21,8 @@ Face namedFace(const Tetrahedron& t, int tetrahedron, int side)
 
 std::vector<Face> sortedFaces(const TetMesh& mesh)
 {
-    // Counted into rows by their lowest node first: a row has some dozen faces, and one sort of all took three times as
-    // long.
+    // Faces are first counted into rows by their lowest node: a row has some dozen faces, and one sort of all faces
+    // took three times as long.
     std::vector<std::size_t> rows(mesh.nodes.size() + 1, 0);
     for (const Tetrahedron& t : mesh.tetrahedra)
         for (const auto& [i, j, k] : kTetrahedronFaces) ++rows[std::min({t[i], t[j], t[k]}) + 1];

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kTetrahedronType = 4;
 
-// Gmsh's element types by number; dimension 3 is what we must not pass over.
+// Gmsh's element types by number; an element of dimension 3 must not be skipped.
 struct ElementType {
     std::string_view name;
     int dimension = 0;
@@ -58,7 +58,7 @@ std::optional<ElementType> elementType(std::int64_t type)
     return kTypes[type];
 }
 
-// The reader walks from section to section; the two versions differ only inside $Nodes and $Elements.
+// The reader goes from section to section; the two versions differ only inside $Nodes and $Elements.
 class GmshReader {
 public:
     GmshReader(std::string_view bytes, std::string_view name) : in_(bytes, name), name_(name) {}
@@ -75,8 +75,8 @@ public:
             else
                 skip(section);
         }
-        if (!haveNodes) fail(name_, ": has no $Nodes section; a mesh needs one");
-        if (!haveElements) fail(name_, ": has no $Elements section; a mesh needs one");
+        if (!haveNodes) fail(name_, ": must have a $Nodes section, found none");
+        if (!haveElements) fail(name_, ": must have an $Elements section, found none");
         return resolve(mesh_, in_, in_, name_);
     }
 
@@ -107,8 +107,8 @@ void GmshReader::readFormat()
     if (in_.word() != "$MeshFormat") in_.failHere("a Gmsh file must begin with $MeshFormat");
     const std::string_view version = in_.word();
     if (version != "2.2" && version != "4.1")
-        in_.failHere("the Gmsh format must be 2.2 or 4.1; another one (", version.substr(0, 10),
-                     ") can be written anew by Gmsh (Mesh.MshFileVersion)");
+        in_.failHere("the Gmsh format must be 2.2 or 4.1, got ", version.substr(0, 10),
+                     "; Gmsh can convert the file (Mesh.MshFileVersion)");
     version4_ = version == "4.1";
     const std::int64_t binary = in_.integer("the file type");
     if (binary != 0 && binary != 1) in_.failHere("the file type must be 0 (ASCII) or 1 (binary), got ", binary);
@@ -118,7 +118,7 @@ void GmshReader::readFormat()
     endSection("$MeshFormat");
 }
 
-// A binary file says 1 in its own byte order.
+// A binary file holds the number 1 in its own byte order.
 void GmshReader::readByteOrder()
 {
     char end = in_.byte();
@@ -133,31 +133,31 @@ void GmshReader::readByteOrder()
 
 void GmshReader::beginOnly(std::string_view section, bool& seen)
 {
-    if (seen) in_.failHere("the file has a second ", section, " section; it may have 1");
+    if (seen) in_.failHere("the file has a second ", section, " section; at most one is allowed");
     seen = true;
 }
 
-// Raw data begins behind the end of a line, and may itself look like white space.
+// Raw data begins after the end of a line, and may itself look like white space.
 void GmshReader::beginRaw()
 {
     if (!in_.isBinary()) return;
     char end = in_.byte();
     if (end == '\r') end = in_.byte();
-    if (end != '\n') in_.failHere("raw data must begin on a line of its own");
+    if (end != '\n') in_.failHere("binary data must begin on a new line");
 }
 
 void GmshReader::endSection(std::string_view section)
 {
     const std::string_view word = in_.word();
     if (word.substr(0, 4) != "$End" || word.substr(4) != section.substr(1))
-        in_.failHere(section, " must end with $End", section.substr(1), " after what it announces");
+        in_.failHere(section, " must end with $End", section.substr(1), " after the announced number of entries");
 }
 
 void GmshReader::skip(std::string_view section)
 {
     if (section[0] != '$') in_.failHere("a section must begin here, with its name after a $");
     if (section.starts_with("$End") || section.size() < 2 || section.size() > 100)
-        in_.failHere("a section must begin here");
+        in_.failHere("a section name of 1 to 98 letters must begin here, got $End or a longer name");
     if (!in_.skipPast("\n$End" + std::string(section.substr(1))))
         in_.failHere("the file ends before $End", section.substr(1).substr(0, 40));
 }
@@ -169,7 +169,7 @@ Vec3 GmshReader::readPosition()
     return {x, y, in_.real("a node's z")};
 }
 
-// Version 2 writes the number of things as text also in a binary file.
+// Version 2 writes counts as text even in a binary file.
 std::size_t GmshReader::readTextCount(std::string_view what, std::size_t numbers, std::size_t rawBytes)
 {
     const std::int64_t count = in_.integerIn(in_.word(), what);
@@ -204,7 +204,7 @@ void GmshReader::readNodes4()
         const std::int64_t parametric = in_.integer("a node block's parametric flag");
         if (parametric != 0 && parametric != 1) in_.failHere("the parametric flag must be 0 or 1, got ", parametric);
         const std::size_t here = in_.count("the number of nodes in a block", 4, 32, 8);
-        // First all numbers, then all positions, with the parameters on curve or surface behind each.
+        // All numbers come first, then all positions, each followed by its parameters on the curve or surface.
         const std::size_t first = mesh_.nodes.size();
         for (std::size_t i = 0; i < here; ++i) {
             const std::int64_t number = in_.integer("a node's number", 8);
@@ -219,14 +219,14 @@ void GmshReader::readNodes4()
         in_.failHere("$Nodes announces ", count, " nodes, its blocks hold ", mesh_.nodes.size());
 }
 
-// Dropping a solid that is no tetrahedron would leave a hole; points, lines and surfaces carry no volume.
+// Dropping a solid element that is not a tetrahedron would leave a hole; points, lines and surfaces have no volume.
 ElementType GmshReader::checkedType(std::int64_t type) const
 {
     const std::optional<ElementType> known = elementType(type);
     if (!known) in_.failHere("the element type must be one of Gmsh's 1 to 31, got ", type);
     if (known->dimension == 3 && type != kTetrahedronType)
-        in_.failHere("the only solid element taken is the tetrahedron of 4 nodes (type 4), got a ", known->name,
-                     " (type ", type, ")");
+        in_.failHere("a solid element must be a tetrahedron of 4 nodes (type 4), got a ", known->name, " (type ", type,
+                     ")");
     return *known;
 }
 
@@ -245,7 +245,8 @@ void GmshReader::readElements2()
 {
     const std::size_t count = readTextCount("the number of elements", 4, 12);
     for (std::size_t i = 0; i < count;) {
-        // As text every element names its type; raw ones come in runs that share type and number of tags.
+        // In text, every element states its type; binary elements come in runs that share the type and the number of
+        // tags.
         std::int64_t number = in_.isBinary() ? 0 : in_.integer("an element's number");
         std::size_t place = in_.place();
         const ElementType type = checkedType(in_.integer("an element's type"));

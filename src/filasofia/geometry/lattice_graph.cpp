@@ -28,12 +28,13 @@ Budget budgetOf(const Graph& graph, int target)
 {
     Budget budget{std::min(target, static_cast<int>(graph.nodes.size()) / 4)};
     const int pieces = static_cast<int>(graph.pieceSize.size());
-    const auto large = std::ranges::partition_point(graph.pieceSize, [](int size) { return size >= kFewest; });
+    const auto large = std::ranges::partition_point(graph.pieceSize, [](int size) { return size >= kMinLatticeNodes; });
     budget.large = static_cast<int>(large - graph.pieceSize.begin());
     budget.laid = budget.large;
-    // A lattice takes four coarse nodes at least; with the single ones a quarter is left for finer cells.
+    // A lattice takes at least four coarse nodes; together with the pieces of a single coarse node this leaves a
+    // quarter of the target for finer cells.
     if (4 * budget.laid > budget.target) budget.laid = std::max(1, budget.target / 8);
-    budget.small = std::min(pieces - budget.large, kMostPieces);
+    budget.small = std::min(pieces - budget.large, kMaxListedPieces);
     const int forSingle = budget.laid == 0 ? budget.target : budget.target / 4;
     budget.single = std::min(pieces - budget.laid - budget.small, forSingle);
     return budget;

@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-/// What coarseLattice() sees of a body: a graph, and the pieces it falls into.
+/// A body as coarseLattice() sees it: a graph, and its connected pieces.
 namespace filasofia::geometry {
 
-inline constexpr int kFewest = 16;     ///< nodes that are worth four coarse ones
-inline constexpr int kMostPieces = 64; ///< with fewer nodes, that are told one by one
+inline constexpr int kMinLatticeNodes = 16; ///< pieces with fewer nodes get no lattice of four coarse nodes
+inline constexpr int kMaxListedPieces = 64; ///< small pieces that are listed one by one
 
-/// Numbers joined into sets. The lowest number of a set stands for it, in whatever order they were joined.
+/// Disjoint sets of numbers (union-find). The lowest number of a set represents it, in whatever order sets were joined.
 class DisjointSets {
 public:
     explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -33,7 +33,7 @@ private:
     std::vector<int> parent_;
 };
 
-/// Nodes and edges, and the pieces they fall into, the one with the most nodes first.
+/// Nodes and edges, and their connected pieces, the one with the most nodes first.
 struct Graph {
     std::vector<Vec3> nodes;
     std::vector<std::array<int, 2>> edges;
@@ -46,7 +46,7 @@ struct Graph {
 /// Fills in the pieces of a graph that has none yet.
 void findPieces(Graph& graph);
 
-/// The nodes for which `taken` holds and the edges between them, their pieces not yet found.
+/// The subgraph of the nodes for which taken(i) is true, and of the edges between them; its pieces are not yet found.
 template <class Taken>
 Graph subgraph(std::span<const Vec3> nodes, std::span<const std::array<int, 2>> edges, const Taken& taken)
 {
@@ -63,13 +63,13 @@ Graph subgraph(std::span<const Vec3> nodes, std::span<const std::array<int, 2>> 
     return graph;
 }
 
-/// How many coarse nodes there may be and how the pieces share them: the first `laid` get a lattice, of those with
-/// fewer than kFewest nodes the first `small` are told one by one, and of the others the first `single` get one coarse
-/// node each.
+/// The number of coarse nodes allowed, and how the pieces share them: the first `laid` pieces get a lattice, the first
+/// `small` of the pieces with fewer than kMinLatticeNodes nodes are listed one by one, and the first `single` of the
+/// others get one coarse node each.
 struct Budget {
     int target = 0;
     int laid = 0;
-    int large = 0; ///< pieces with kFewest nodes or more
+    int large = 0; ///< pieces with kMinLatticeNodes nodes or more
     int small = 0;
     int single = 0;
 
@@ -84,7 +84,7 @@ struct Budget {
 
 Budget budgetOf(const Graph& graph, int target);
 
-/// Whether the pieces that get coarse nodes or are told hold half of the nodes.
+/// True if the pieces that get coarse nodes or are listed contain at least half of the nodes.
 bool coversHalf(const Graph& graph, const Budget& budget);
 
 } // namespace filasofia::geometry

@@ -9,11 +9,12 @@
 namespace filasofia::geometry {
 namespace {
 
-/// Of the cube of the surface's size: what rounding makes of the volume of a flat one is less.
+/// [-] A surface is flat if its volume is less than this fraction of the cube of its size; rounding errors are smaller.
 constexpr double kFlat = 1e-12;
 
-/// Integrals of 1, p and p p^T over the inside, p from `origin`. The divergence theorem makes them integrals over the
-/// triangles (Mirtich 1996), which for polynomials are those over the signed tetrahedra between origin and triangle.
+/// Integrals of 1, p and p p^T over the inside, with p relative to `origin`. The divergence theorem turns them into
+/// integrals over the triangles (Mirtich 1996), which for polynomials are those over the signed tetrahedra between
+/// origin and triangle.
 struct Integrals {
     double volume = 0.0;
     Vec3 first;
@@ -62,10 +63,11 @@ void checkClosed(const TriangleMesh& mesh, std::string_view name)
             ++(edges[end].rising ? there : back);
         const auto [low, high, rising] = edges[begin];
         if (there + back == 1)
-            fail(name, ": must be closed; the edge between vertices ", low, " and ", high, " has one triangle only");
+            fail(name, ": must be a closed surface; the edge between vertices ", low, " and ", high,
+                 " has one triangle only");
         if (there != back)
-            fail(name, ": must be closed; the triangles at the edge between vertices ", low, " and ", high,
-                 " do not agree on what is outside");
+            fail(name, ": must be a closed surface; the triangles at the edge between vertices ", low, " and ", high,
+                 " are not oriented alike");
     }
 }
 
@@ -85,20 +87,21 @@ MassProperties massProperties(const TriangleMesh& mesh, std::string_view name)
         for (int vertex : t) box = merged(box, mesh.vertices[vertex]);
     const double size = length(box.high - box.low);
 
-    // From a point of the surface: far from the world's origin everything would cancel.
+    // Integrate relative to a point of the surface: far from the world's origin everything would cancel.
     const Vec3 origin = mesh.vertices[mesh.triangles.front().front()];
     const Integrals about = integrate(mesh, origin);
     if (about.volume < -kFlat * size * size * size)
-        fail(name, ": is turned inside out: its volume is ", about.volume,
+        fail(name, ": must not be inside out; its volume is ", about.volume,
              " m^3; triangles must be counter-clockwise seen from outside");
     if (!(about.volume > kFlat * size * size * size))
-        fail(name, ": is flat: its volume must be > 0 m^3, got ", about.volume);
+        fail(name, ": must not be flat; its volume must be > 0 m^3, got ", about.volume);
     const Vec3 centre = origin + about.first / about.volume;
 
-    // Once more from there, in place of the parallel axis theorem's difference of large numbers.
+    // Integrate again relative to the centre instead of using the parallel axis theorem, which takes the difference of
+    // large numbers.
     const Mat3 second = integrate(mesh, centre).second;
     if (!positiveDefinite(second))
-        fail(name, ": cannot be the surface of one body: a part of it is turned inside out and lies outside the rest");
+        fail(name, ": must be the surface of one body; a part of it is inside out and lies outside the rest");
     return {about.volume, centre, trace(second) * Mat3::identity() - second};
 }
 

@@ -29,7 +29,7 @@ std::string bytesOf(const std::filesystem::path& file)
 
 TetMesh loadTetGen(std::filesystem::path file)
 {
-    // An upper-case name has an upper-case partner.
+    // A name in upper case has a partner in upper case.
     const bool upper = file.extension() == ".NODE" || file.extension() == ".ELE";
     const std::filesystem::path nodes = file.replace_extension(upper ? ".NODE" : ".node");
     const std::filesystem::path elements = file.replace_extension(upper ? ".ELE" : ".ele");

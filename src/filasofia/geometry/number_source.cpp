@@ -9,16 +9,16 @@
 namespace filasofia::geometry {
 namespace {
 
-// Not the library's: that one asks the locale.
+// Not std::isspace, which depends on the locale.
 bool isSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-// A word as it may stand in a message: short, and printable whatever the file holds.
+// A word as it may appear in a message: short, and printable whatever the file holds.
 std::string quoted(std::string_view word)
 {
-    constexpr std::size_t kLongest = 40;
+    constexpr std::size_t kMaxLength = 40;
     std::string out = "'";
-    for (char c : word.substr(0, kLongest)) out += c >= ' ' && c <= '~' ? c : '?';
-    return out + (word.size() > kLongest ? "...'" : "'");
+    for (char c : word.substr(0, kMaxLength)) out += c >= ' ' && c <= '~' ? c : '?';
+    return out + (word.size() > kMaxLength ? "...'" : "'");
 }
 
 } // namespace
@@ -111,7 +111,7 @@ std::int64_t NumberSource::integerIn(std::string_view word, std::string_view wha
 double NumberSource::realIn(std::string_view word, std::string_view what) const
 {
     if (word.empty()) failHere("the file ends before ", what);
-    // C's printf never writes a leading plus in front of a number here, but hand-written files have it.
+    // C's printf writes no leading plus by default, but hand-written files have it.
     const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
     double value = 0.0;
     const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
@@ -139,12 +139,13 @@ double NumberSource::real(std::string_view what)
 void NumberSource::boundCount(std::int64_t count, std::string_view what, std::size_t numbers,
                               std::size_t rawBytes) const
 {
-    // As text, a number takes a digit and a space; the last space may be missing. All the faces' numbers fit an int.
-    constexpr std::int64_t kMost = 500'000'000;
+    // As text, a number takes a digit and a space; the last space may be missing. The limit keeps the number of face
+    // indices within an int.
+    constexpr std::int64_t kMaxCount = 500'000'000;
     const std::size_t smallest = binary_ ? rawBytes : 2 * numbers;
-    const std::size_t most = std::min<std::size_t>((remaining() + 1) / smallest, kMost);
-    if (count < 0 || static_cast<std::uint64_t>(count) > most)
-        failHere(what, " must be in [0, ", most, "] (what is left of the file holds no more), got ", count);
+    const std::size_t max = std::min<std::size_t>((remaining() + 1) / smallest, kMaxCount);
+    if (count < 0 || static_cast<std::uint64_t>(count) > max)
+        failHere(what, " must be in [0, ", max, "] (the rest of the file holds no more), got ", count);
 }
 
 std::size_t NumberSource::count(std::string_view what, std::size_t numbers, std::size_t rawBytes, int rawSize)

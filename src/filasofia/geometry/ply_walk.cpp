@@ -12,8 +12,8 @@ namespace filasofia::geometry {
 namespace {
 
 struct Property {
-    std::size_t size = 0;      // of one number, in bytes
-    std::size_t countSize = 0; // of the count before a list; 0: no list
+    std::size_t size = 0;      // bytes of one number
+    std::size_t countSize = 0; // bytes of the count before a list; 0 if it is not a list
 };
 
 struct Element {
@@ -39,7 +39,8 @@ std::size_t sizeOfType(const NumberSource& in, std::string_view type, bool count
     for (const Type& known : kTypes)
         if ((type == known.name || type == known.alias) && !(counts && known.name.find_first_of("fd") == 0))
             return known.size;
-    in.failHere(counts ? "a list's count must be of an integer type" : "the type of a property must be one of PLY's");
+    in.failHere(counts ? "a list's count must be of an integer type"
+                       : "a property's type must be a PLY type such as float or int32");
 }
 
 Property readProperty(NumberSource& in)
@@ -77,14 +78,14 @@ Header readHeader(NumberSource& in)
         } else if (word == "element") {
             Element& element = header.elements.emplace_back();
             element.name = in.wordOnThisLine().substr(0, 40);
-            // As text or raw, an element takes a byte at least.
+            // An element takes at least one byte, as text or binary.
             element.count = in.count("the number of elements '" + element.name + "'", 1, 1, 4);
         } else if (word == "property") {
             if (header.elements.empty()) in.failHere("a property must come after its element");
             header.elements.back().properties.push_back(readProperty(in));
         }
         if (!in.skipPast("\n"))
-            in.failHere("the file ends before end_header"); // comments, and what is left of the line
+            in.failHere("the file ends before end_header"); // skips comments and the rest of the line
     }
     return header;
 }
@@ -110,7 +111,7 @@ void walkRaw(NumberSource& in, const Header& header)
             }
 }
 
-// An element is a line: assimp counts lines, whatever stands on them.
+// An element is a line: assimp counts lines, whatever their content.
 void walkLine(NumberSource& in, const Element& element)
 {
     bool first = true;

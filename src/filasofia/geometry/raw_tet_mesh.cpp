@@ -9,7 +9,7 @@
 namespace filasofia::geometry {
 namespace {
 
-// Numbers in a file may have gaps of any width: the order of the numbers, to search in.
+// Node numbers in a file may have gaps of any width: this order allows a binary search by number.
 std::vector<int> orderByNumber(const RawTetMesh& raw, const NumberSource& nodeFile)
 {
     std::vector<int> order(raw.nodes.size());
@@ -18,7 +18,7 @@ std::vector<int> orderByNumber(const RawTetMesh& raw, const NumberSource& nodeFi
     if (!std::ranges::is_sorted(order, {}, number)) std::ranges::stable_sort(order, {}, number);
     for (std::size_t i = 1; i < order.size(); ++i)
         if (number(order[i - 1]) == number(order[i]))
-            nodeFile.failAt(raw.nodes[order[i]].place, "node ", number(order[i]), " is given twice");
+            nodeFile.failAt(raw.nodes[order[i]].place, "node ", number(order[i]), " is defined twice");
     return order;
 }
 
@@ -34,7 +34,7 @@ TetMesh dropUnusedNodes(TetMesh mesh, std::string_view name)
         renumbered[i] = kept++;
     }
     const std::size_t dropped = mesh.nodes.size() - static_cast<std::size_t>(kept);
-    if (dropped > 0) logInfo(name, ": ", dropped, " nodes that no tetrahedron uses are dropped");
+    if (dropped > 0) logInfo(name, ": ", dropped, " nodes that no tetrahedron uses were dropped");
     mesh.nodes.resize(kept);
     for (Tetrahedron& t : mesh.tetrahedra)
         for (int& node : t) node = renumbered[node];
@@ -46,7 +46,7 @@ TetMesh dropUnusedNodes(TetMesh mesh, std::string_view name)
 TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const NumberSource& elementFile,
                 std::string_view name)
 {
-    if (raw.elements.empty()) fail(name, ": has no tetrahedra; it must have at least 1");
+    if (raw.elements.empty()) fail(name, ": must have at least 1 tetrahedron, got 0");
     const std::vector<int> order = orderByNumber(raw, nodeFile);
     const auto numberOf = [&](int i) { return raw.nodes[i].number; };
     TetMesh mesh;
@@ -59,7 +59,7 @@ TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const Numbe
             const auto found = std::ranges::lower_bound(order, element.nodes[i], {}, numberOf);
             if (found == order.end() || numberOf(*found) != element.nodes[i])
                 elementFile.failAt(element.place, "tetrahedron ", element.number, " names node ", element.nodes[i],
-                                   ", which the file does not give; ", raw.nodes.size(), " nodes are given, from ",
+                                   ", which the file does not define; ", raw.nodes.size(), " nodes are defined, from ",
                                    order.empty() ? 0 : numberOf(order.front()), " to ",
                                    order.empty() ? 0 : numberOf(order.back()));
             t[i] = *found;
@@ -73,7 +73,7 @@ TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const Numbe
     if (const auto pair = sameSidePair(mesh)) {
         const RawTetMesh::Element &a = raw.elements[(*pair)[0]], &b = raw.elements[(*pair)[1]];
         elementFile.failAt(b.place, "tetrahedra ", a.number, " and ", b.number,
-                           " lie on the same side of their common face; at most one may");
+                           " lie on the same side of their common face; they must lie on opposite sides");
     }
     return dropUnusedNodes(std::move(mesh), name);
 }

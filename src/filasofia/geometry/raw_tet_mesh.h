@@ -5,7 +5,8 @@
 
 namespace filasofia::geometry {
 
-/// A tetrahedral mesh as a file tells it: nodes by the file's own numbers, elements with the place they were read at.
+/// A tetrahedral mesh as read from a file: nodes with the file's own numbers, elements with the position at which they
+/// were read.
 struct RawTetMesh {
     struct Node {
         std::int64_t number = 0;
@@ -21,9 +22,8 @@ struct RawTetMesh {
     std::vector<Element> elements;
 };
 
-/// Finds each element's nodes by their numbers, holds every element against the bounds of check(), drops the nodes that
-/// none uses, and checks the whole. Errors name the line or byte in `elementFile` (`nodeFile` for a number given
-/// twice).
+/// Finds each element's nodes by their numbers, checks every element against the bounds of check(), drops unused nodes,
+/// and checks the whole mesh. Errors name the line or byte in `elementFile` (in `nodeFile` for a node defined twice).
 TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const NumberSource& elementFile,
                 std::string_view name);
 

@@ -9,19 +9,19 @@ namespace {
 
 using Edges = std::vector<std::array<int, 2>>;
 
-// Four corners and, in the order of kTetrahedronEdges, the middles of the edges.
+// The four corners and, in the order of kTetrahedronEdges, the midpoints of the edges.
 using Corners = std::array<int, 10>;
 constexpr int k01 = 4, k02 = 5, k03 = 6, k12 = 7, k13 = 8, k23 = 9;
 
 constexpr std::array<Tetrahedron, 4> kCornerTetrahedra{
     {{0, k01, k02, k03}, {k01, 1, k12, k13}, {k02, k12, 2, k23}, {k03, k13, k23, 3}}};
 
-/// A diagonal of the inner octahedron, and its other four corners, turning right-handed around it.
+/// A diagonal of the inner octahedron, and its other four corners, which turn right-handed around it.
 struct Diagonal {
     std::array<int, 2> ends;
     std::array<int, 4> ring;
 };
-// Each line is the one before with the corners 1, 2, 3 renamed 2, 3, 1: that keeps volumes positive.
+// Each line is the previous one with the corners 1, 2, 3 renamed 2, 3, 1, which keeps volumes positive.
 constexpr std::array<Diagonal, 3> kDiagonals{
     {{{k01, k23}, {k02, k03, k13, k12}}, {{k02, k13}, {k03, k01, k12, k23}}, {{k03, k12}, {k01, k02, k23, k13}}}};
 

@@ -10,26 +10,26 @@
 namespace filasofia::geometry::shapes {
 namespace {
 
-constexpr int kFinestSurface = 500; ///< [-], edges along a side: 6 million triangles at most
-constexpr int kFinestBlock = 200;   ///< [-], cells along a side: 48 million tetrahedra at most
+constexpr int kMaxSurfaceCells = 500; ///< [-], edges along a side: 6 million triangles at most
+constexpr int kMaxBlockCells = 200;   ///< [-], cells along a side: 48 million tetrahedra at most
 
 void checkLength(const char* shape, const char* argument, double value)
 {
     if (!(value > 0.0 && std::isfinite(value))) fail(shape, ": ", argument, " must be > 0 m, got ", value);
 }
 
-void checkCount(const char* shape, const char* argument, int value, int most)
+void checkCount(const char* shape, const char* argument, int value, int max)
 {
-    if (value < 1 || value > most) fail(shape, ": ", argument, " must be in [1, ", most, "], got ", value);
+    if (value < 1 || value > max) fail(shape, ": ", argument, " must be in [1, ", max, "], got ", value);
 }
 
-void checkGrid(const char* shape, Vec3 size, const std::array<int, 3>& cells, int most)
+void checkGrid(const char* shape, Vec3 size, const std::array<int, 3>& cells, int max)
 {
     checkLength(shape, "size.x", size.x);
     checkLength(shape, "size.y", size.y);
     checkLength(shape, "size.z", size.z);
     constexpr const char* names[] = {"cells[0]", "cells[1]", "cells[2]"};
-    for (std::size_t axis = 0; axis < 3; ++axis) checkCount(shape, names[axis], cells[axis], most);
+    for (std::size_t axis = 0; axis < 3; ++axis) checkCount(shape, names[axis], cells[axis], max);
 }
 
 /// A point of a grid that fills a box around the origin.
@@ -40,15 +40,15 @@ Vec3 placeOf(const GridPoint& p, Vec3 size, const std::array<int, 3>& cells)
     return {along(p[0], cells[0], size.x), along(p[1], cells[1], size.y), along(p[2], cells[2], size.z)};
 }
 
-/// Points on a circle about the y axis; one point where it has no radius.
+/// Points on a circle about the y axis; a single point if the radius is 0.
 struct Ring {
     double y = 0.0;      ///< [m]
     double radius = 0.0; ///< [m]
-    int count = 1;       ///< of points
+    int count = 1;       ///< number of points
 };
 
-/// The surface that rings span, from the lowest to the highest; the first and the last are points. From one ring to
-/// the next the count stays, changes by one in every quarter, or goes from or to one point.
+/// The surface spanned by rings from the lowest to the highest; the first and the last are points. From one ring to the
+/// next the count stays the same, changes by one per quarter, or goes from or to one point.
 class Turned {
 public:
     TriangleMesh mesh;
@@ -71,12 +71,12 @@ private:
         [[nodiscard]] int at(int i) const { return start + i % count; }
     };
 
-    /// Goes around both rings at once; the one that is behind makes the next edge.
+    /// Goes around both rings at once; the ring that lags behind gets the next edge.
     void span(Row low, Row high)
     {
         const long lows = low.count > 1 ? low.count : 0, highs = high.count > 1 ? high.count : 0;
         for (long i = 0, j = 0; i < lows || j < highs;) {
-            // Cross-multiplied, so that equal angles are found equal: (2 i + 1) / lows against (2 j + 1) / highs.
+            // Cross-multiplied, so that equal angles compare equal: (2 i + 1) / lows with (2 j + 1) / highs.
             const bool stepLow = j == highs || (i < lows && (2 * i + 1) * highs <= (2 * j + 1) * lows);
             const int a = low.at(static_cast<int>(i)), b = high.at(static_cast<int>(j));
             mesh.triangles.push_back({a, b, stepLow ? low.at(static_cast<int>(++i)) : high.at(static_cast<int>(++j))});
@@ -86,7 +86,7 @@ private:
     int start_ = 0, last_ = 0;
 };
 
-/// The rings of a sphere's lower half, pole first, equator last.
+/// The rings of a sphere's lower half, from the pole to the equator.
 std::vector<Ring> halfSphere(double radius, int quarter)
 {
     std::vector<Ring> rings;
@@ -97,12 +97,12 @@ std::vector<Ring> halfSphere(double radius, int quarter)
     return rings;
 }
 
-/// The surface of the rings and their mirror images; with `apart` > 0 [m] a band of that length lies between them.
+/// The surface of the rings and their mirror images; if `apart` > 0 [m], a band of that length lies between them.
 std::shared_ptr<const TriangleMesh> mirrored(std::vector<Ring> lower, double apart)
 {
     Turned turned;
     for (Ring ring : lower) turned.add({ring.y - 0.5 * apart, ring.radius, ring.count});
-    if (apart == 0.0) lower.pop_back(); // both halves have one equator
+    if (apart == 0.0) lower.pop_back(); // both halves share one equator
     for (std::size_t i = lower.size(); i-- > 0;)
         turned.add({-lower[i].y + 0.5 * apart, lower[i].radius, lower[i].count});
     return std::make_shared<const TriangleMesh>(std::move(turned.mesh));
@@ -112,7 +112,7 @@ std::shared_ptr<const TriangleMesh> mirrored(std::vector<Ring> lower, double apa
 
 std::shared_ptr<const TriangleMesh> box(Vec3 size, std::array<int, 3> cells)
 {
-    checkGrid("box", size, cells, kFinestSurface);
+    checkGrid("box", size, cells, kMaxSurfaceCells);
     TriangleMesh mesh;
     std::map<GridPoint, int> numbers;
     const auto vertex = [&](const GridPoint& p) {
@@ -143,7 +143,7 @@ std::shared_ptr<const TriangleMesh> box(Vec3 size, std::array<int, 3> cells)
 std::shared_ptr<const TriangleMesh> sphere(double radius, int quarter)
 {
     checkLength("sphere", "radius", radius);
-    checkCount("sphere", "quarter", quarter, kFinestSurface);
+    checkCount("sphere", "quarter", quarter, kMaxSurfaceCells);
     return mirrored(halfSphere(radius, quarter), 0.0);
 }
 
@@ -151,7 +151,7 @@ std::shared_ptr<const TriangleMesh> capsule(double radius, double length, int qu
 {
     checkLength("capsule", "radius", radius);
     checkLength("capsule", "length", length);
-    checkCount("capsule", "quarter", quarter, kFinestSurface);
+    checkCount("capsule", "quarter", quarter, kMaxSurfaceCells);
     return mirrored(halfSphere(radius, quarter), length);
 }
 
@@ -159,20 +159,20 @@ std::shared_ptr<const TriangleMesh> cylinder(double radius, double length, int q
 {
     checkLength("cylinder", "radius", radius);
     checkLength("cylinder", "length", length);
-    checkCount("cylinder", "quarter", quarter, kFinestSurface);
+    checkCount("cylinder", "quarter", quarter, kMaxSurfaceCells);
     return mirrored({{0.0, 0.0, 1}, {0.0, radius, 4 * quarter}}, length);
 }
 
 std::shared_ptr<const TetMesh> block(Vec3 size, std::array<int, 3> cells)
 {
-    checkGrid("block", size, cells, kFinestBlock);
+    checkGrid("block", size, cells, kMaxBlockCells);
     TetMesh mesh;
     const auto node = [&](const GridPoint& p) { return (p[0] * (cells[1] + 1) + p[1]) * (cells[2] + 1) + p[2]; };
     for (int i = 0; i <= cells[0]; ++i)
         for (int j = 0; j <= cells[1]; ++j)
             for (int k = 0; k <= cells[2]; ++k) mesh.nodes.push_back(placeOf({i, j, k}, size, cells));
-    // Kuhn's six: each walks from one corner of the cell to the opposite one, along the axes in another order. In a
-    // cell of odd place along an axis the walk goes backwards along it, so that neighbours are mirror images.
+    // Kuhn's six: each goes from one corner of the cell to the opposite one, along the axes in a different order. In a
+    // cell of odd index along an axis the path runs backwards along it, so neighbouring cells are mirror images.
     const auto cell = [&](const GridPoint& low) {
         std::array<std::size_t, 3> axes{0, 1, 2};
         do {

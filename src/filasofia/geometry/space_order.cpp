@@ -9,7 +9,7 @@
 namespace filasofia::geometry {
 namespace {
 
-/// Bit i of `value` to bit 3 i.
+/// Moves bit i of `value` to bit 3 i.
 std::uint64_t spread(std::uint64_t value)
 {
     std::uint64_t out = 0;
@@ -25,7 +25,7 @@ std::vector<int> orderAlongCurve(std::span<const Vec3> points)
     for (const Vec3& p : points) box = merged(box, p);
     const Vec3 size = box.high - box.low;
     const double largest = std::max({size.x, size.y, size.z});
-    const auto step = [&](double along) { // of 2^20; the same for all axes, so that cells are cubes
+    const auto step = [&](double along) { // in [0, 2^20); one scale for all axes, so that cells are cubes
         return largest > 0.0 ? static_cast<std::uint64_t>(along / largest * 1048575.0) : 0u;
     };
     std::vector<std::uint64_t> codes;

@@ -7,7 +7,7 @@
 namespace filasofia::geometry {
 namespace {
 
-// The faces no other tetrahedron shares, back in the order of the tetrahedra and their sides.
+// The faces that no other tetrahedron shares, in the order of the tetrahedra and their sides.
 std::vector<Face> boundaryFaces(const TetMesh& mesh)
 {
     const std::vector<Face> faces = sortedFaces(mesh);

@@ -11,7 +11,7 @@
 namespace filasofia::geometry {
 namespace {
 
-constexpr double kFlattest = 1e-12; // volume over the cube of the longest edge
+constexpr double kMinRelativeVolume = 1e-12; // volume over the cube of the longest edge
 
 void checkEveryNodeIsUsed(const TetMesh& mesh, std::string_view name)
 {
@@ -20,7 +20,7 @@ void checkEveryNodeIsUsed(const TetMesh& mesh, std::string_view name)
         for (int node : t) used[static_cast<std::size_t>(node)] = true;
     const auto unused = std::ranges::find(used, false);
     if (unused != used.end())
-        fail(name, ": node ", unused - used.begin(), " is in no tetrahedron; every node must be in one");
+        fail(name, ": node ", unused - used.begin(), " must be in at least one tetrahedron, got none");
 }
 
 } // namespace
@@ -51,13 +51,13 @@ std::string elementFault(const TetMesh& mesh, const Tetrahedron& t)
     double longest = 0.0;
     for (auto [i, j] : kTetrahedronEdges) longest = std::max(longest, distance(mesh.nodes[t[i]], mesh.nodes[t[j]]));
     const double volume = signedVolume(mesh.nodes[t[0]], mesh.nodes[t[1]], mesh.nodes[t[2]], mesh.nodes[t[3]]);
-    const double bound = kFlattest * longest * longest * longest;
+    const double bound = kMinRelativeVolume * longest * longest * longest;
     if (volume > bound && std::isfinite(volume)) return {};
     return text(volume < 0.0 ? " is inverted" : " is flat", ": its volume must be > ", bound,
-                " m^3 (1e-12 of its longest edge cubed), got ", volume);
+                " m^3 (1e-12 times its longest edge cubed), got ", volume);
 }
 
-// Two neighbours walk their common face in opposite directions; the same direction means that both lie on one side.
+// Two neighbours orient their common face in opposite directions; the same direction means that both lie on one side.
 std::optional<std::array<int, 2>> sameSidePair(const TetMesh& mesh)
 {
     const std::vector<Face> faces = sortedFaces(mesh);
@@ -69,7 +69,7 @@ std::optional<std::array<int, 2>> sameSidePair(const TetMesh& mesh)
 
 void check(const TetMesh& mesh, std::string_view name)
 {
-    if (mesh.tetrahedra.empty()) fail(name, ": has no tetrahedra; it must have at least 1");
+    if (mesh.tetrahedra.empty()) fail(name, ": must have at least 1 tetrahedron, got 0");
     checkPoints(mesh.nodes, name, "node");
     for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
         if (const std::string fault = elementFault(mesh, mesh.tetrahedra[i]); !fault.empty())
@@ -77,7 +77,7 @@ void check(const TetMesh& mesh, std::string_view name)
     checkEveryNodeIsUsed(mesh, name);
     if (const auto pair = sameSidePair(mesh))
         fail(name, ": tetrahedra ", (*pair)[0], " and ", (*pair)[1],
-             " lie on the same side of their common face; at most one may");
+             " lie on the same side of their common face; they must lie on opposite sides");
 }
 
 } // namespace filasofia::geometry

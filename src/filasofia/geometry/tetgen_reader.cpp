@@ -2,7 +2,7 @@
 
 #include "filasofia/geometry/raw_tet_mesh.h"
 
-// The format: Si 2020, TetGen user's manual 1.6, sections 5.2.1 (.node) and 5.2.3 (.ele). A line is a record.
+// The format: Si 2020, TetGen user's manual 1.6, sections 5.2.1 (.node) and 5.2.3 (.ele). Each line is a record.
 namespace filasofia::geometry {
 namespace {
 
@@ -15,10 +15,11 @@ std::int64_t integerOnLine(NumberSource& in, std::string_view what)
 
 void endLine(NumberSource& in, std::string_view record)
 {
-    if (!in.wordOnThisLine().empty()) in.failHere(record, " has more numbers than its file's first line announces");
+    if (!in.wordOnThisLine().empty())
+        in.failHere(record, " has more numbers than the first line of the file announces");
 }
 
-// Attributes and markers: numbers we have no use for.
+// Skips attributes and markers, which are not used.
 void passOver(NumberSource& in, std::int64_t numbers)
 {
     for (std::int64_t i = 0; i < numbers; ++i) {
@@ -28,15 +29,15 @@ void passOver(NumberSource& in, std::int64_t numbers)
     }
 }
 
-// How many numbers of one kind a record carries; the bound keeps sums of them far from overflow.
-std::int64_t announced(NumberSource& in, std::string_view what, std::int64_t most)
+// The number of values of one kind per record; the bound keeps their sum far from overflow.
+std::int64_t announced(NumberSource& in, std::string_view what, std::int64_t max)
 {
     const std::int64_t number = integerOnLine(in, what);
-    if (number < 0 || number > most) in.failHere(what, " must be in [0, ", most, "], got ", number);
+    if (number < 0 || number > max) in.failHere(what, " must be in [0, ", max, "], got ", number);
     return number;
 }
 
-constexpr std::int64_t kMostAttributes = 1000;
+constexpr std::int64_t kMaxAttributes = 1000;
 
 void readNodes(NumberSource& in, RawTetMesh& mesh)
 {
@@ -44,7 +45,7 @@ void readNodes(NumberSource& in, RawTetMesh& mesh)
     const std::int64_t dimension = integerOnLine(in, "the dimension");
     if (dimension != 3) in.failHere("the dimension must be 3, got ", dimension);
     const std::int64_t extra =
-        announced(in, "the number of attributes", kMostAttributes) + announced(in, "the number of boundary markers", 1);
+        announced(in, "the number of attributes", kMaxAttributes) + announced(in, "the number of boundary markers", 1);
     endLine(in, "the first line");
     mesh.nodes.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -58,7 +59,7 @@ void readNodes(NumberSource& in, RawTetMesh& mesh)
         }
         passOver(in, extra);
         endLine(in, "a point");
-        // Points are numbered through from 0 or 1; anything else is a line lost or doubled.
+        // Points are numbered consecutively from 0 or 1; anything else means that a line is missing or doubled.
         const std::int64_t first = mesh.nodes.front().number;
         if (first != 0 && first != 1) in.failHere("the first point's number must be 0 or 1, got ", first);
         if (node.number != first + static_cast<std::int64_t>(i))
@@ -70,9 +71,9 @@ void readElements(NumberSource& in, RawTetMesh& mesh)
 {
     const std::size_t count = in.count("the number of tetrahedra", 5, 1, 4);
     const std::int64_t corners = integerOnLine(in, "the number of nodes per tetrahedron");
-    if (corners == 10) in.failHere("second-order tetrahedra (10 nodes) are not taken; 4 nodes per tetrahedron are");
+    if (corners == 10) in.failHere("the number of nodes per tetrahedron must be 4, got 10 (second order)");
     if (corners != 4) in.failHere("the number of nodes per tetrahedron must be 4, got ", corners);
-    const std::int64_t extra = announced(in, "the number of attributes", kMostAttributes);
+    const std::int64_t extra = announced(in, "the number of attributes", kMaxAttributes);
     endLine(in, "the first line");
     mesh.elements.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {

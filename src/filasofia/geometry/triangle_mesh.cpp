@@ -8,7 +8,7 @@ namespace filasofia::geometry {
 void check(const TriangleMesh& mesh, std::string_view name)
 {
     const int count = static_cast<int>(mesh.vertices.size());
-    if (mesh.triangles.empty()) fail(name, ": has no triangles; it must have at least 1");
+    if (mesh.triangles.empty()) fail(name, ": must have at least 1 triangle, got 0");
     checkPoints(mesh.vertices, name, "vertex");
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const Triangle& t = mesh.triangles[i];

@@ -22,7 +22,7 @@ public:
         Eigen::VectorXd solution;
         if (factor_.info() == Eigen::Success)
             solution = factor_.solve(Eigen::Map<const Eigen::VectorXd>(&b[0].x, size));
-        if (solution.size() == 0 || !solution.allFinite()) { // no answer: nothing is safer than the guess
+        if (solution.size() == 0 || !solution.allFinite()) { // no answer: zero is safer than the guess
             std::fill(x.begin(), x.end(), Vec3{});
             return {.iterations = 1, .residual = 1.0, .converged = false};
         }
@@ -40,8 +40,8 @@ public:
     }
 
 private:
-    /// The pattern of the lower triangle, column by column: A is symmetric, so row r of A read from its diagonal on
-    /// is column r of the lower triangle.
+    /// Sets the pattern of the lower triangle, column by column. A is symmetric, so row r of A from its diagonal on is
+    /// column r of the lower triangle.
     void analyse(const BlockSparseMatrix& a)
     {
         columns_ = a.columns();
@@ -61,7 +61,7 @@ private:
 
     void copyValues(const BlockSparseMatrix& a)
     {
-        // Compressed columns: scalar column 3 r + i holds, in rising rows, the entries of the blocks right of r.
+        // Compressed columns: scalar column 3 r + i holds, in order of rows, the entries of the blocks from r on.
         double* value = lower_.valuePtr();
         for (int r = 0; r < a.rows(); ++r)
             for (int i = 0; i < 3; ++i)
@@ -82,7 +82,7 @@ private:
         return size > 0.0 ? std::sqrt(error / size) : 0.0;
     }
 
-    std::vector<int> columns_, rowStarts_; ///< the structure that was analysed
+    std::vector<int> columns_, rowStarts_; ///< the block structure that was analysed
     Lower lower_;
     Eigen::SimplicialLLT<Lower, Eigen::Lower, Eigen::AMDOrdering<int>> factor_;
     std::vector<Vec3> product_;

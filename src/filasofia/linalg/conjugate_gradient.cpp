@@ -8,7 +8,7 @@ namespace {
 
 double dotProduct(std::span<const Vec3> a, std::span<const Vec3> b)
 {
-    double sum = 0.0; // in index order: the same bits whatever the machine
+    double sum = 0.0; // in index order: the same bits on every machine
     for (std::size_t i = 0; i < a.size(); ++i) sum += dot(a[i], b[i]);
     return sum;
 }
@@ -21,7 +21,7 @@ public:
     {
         prepare(a);
         const double size = dotProduct(b, b);
-        if (size == 0.0 || !std::isfinite(size)) { // relative to nothing no guess is good enough: say the answer
+        if (size == 0.0 || !std::isfinite(size)) { // a tolerance relative to zero accepts no guess
             std::fill(x.begin(), x.end(), Vec3{});
             return {.residual = size == 0.0 ? 0.0 : 1.0, .converged = size == 0.0};
         }
@@ -39,7 +39,7 @@ public:
             for (std::size_t i = 0; i < p_.size(); ++i) p_[i] = z_[i] + beta * p_[i];
             a.multiply(p_, q_);
             const double curvature = dotProduct(p_, q_);
-            if (!(curvature > 0.0)) break; // not positive definite, or not finite: what we have is the best there is
+            if (!(curvature > 0.0)) break; // not positive definite, or not finite: this is the best answer
             const double alpha = rz / curvature;
             for (std::size_t i = 0; i < x.size(); ++i) {
                 x[i] += alpha * p_[i];

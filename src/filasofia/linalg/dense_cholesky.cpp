@@ -16,7 +16,7 @@ bool DenseCholesky::factorise(std::span<const double> matrix, int n)
     fixBlocking();
     lower_.assign(matrix.begin(), matrix.end());
     Eigen::Map<RowMajor> in(lower_.data(), n, n);
-    const Eigen::LLT<Eigen::Ref<RowMajor>> factor(in); // in its place
+    const Eigen::LLT<Eigen::Ref<RowMajor>> factor(in); // in place
     return factor.info() == Eigen::Success && in.allFinite();
 }
 

@@ -4,8 +4,8 @@
 
 namespace filasofia::linalg {
 
-/// Eigen sums in blocks as long as the caches that it finds are large: on another machine, other bits. From the first
-/// call on they are as long everywhere. To be called before anything dense is factorised or multiplied.
+/// Gives Eigen the same block sizes on every machine. By default they depend on the sizes of the caches that it finds,
+/// and so do the bits of its sums. Call this before any dense product or factorisation.
 inline void fixBlocking()
 {
     static const bool once = [] {

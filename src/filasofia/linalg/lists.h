@@ -6,14 +6,14 @@
 
 namespace filasofia::linalg {
 
-/// Where one list lies among the values of all.
+/// Where one list lies among the values of all lists.
 struct ListRange {
     int begin = 0;
     int end = 0;
 };
 
-/// Many short lists in one array, as the inner loops read them. A list that outgrows its place moves to the end and
-/// leaves a hole: lists change at edits of a mesh only, a few at a time.
+/// Many short lists in one array, which is the layout that inner loops read. A list that outgrows its place moves to
+/// the end and leaves a hole: lists change only when a mesh is edited, a few at a time.
 template <class Value> struct Lists {
     std::vector<ListRange> ranges;
     std::vector<Value> values;
@@ -28,7 +28,7 @@ template <class Value> struct Lists {
         }
     }
 
-    /// Lists in all from now on; new ones are empty.
+    /// Changes the number of lists; new ones are empty.
     void resize(std::size_t count) { ranges.resize(count); }
 
     [[nodiscard]] bool contains(std::size_t list, const Value& value) const
@@ -42,19 +42,19 @@ template <class Value> struct Lists {
     [[nodiscard]] const Value* begin(std::size_t list) const { return values.data() + ranges[list].begin; }
     [[nodiscard]] const Value* end(std::size_t list) const { return values.data() + ranges[list].end; }
 
-    /// Behind the list's others.
+    /// Appends a value to a list.
     void add(std::size_t list, const Value& value)
     {
-        reserveRooms();
+        recordLimits();
         ListRange& range = ranges[list];
-        if (range.end == rooms_[list]) move(list);
+        if (range.end == limits_[list]) moveToEnd(list);
         values[static_cast<std::size_t>(range.end++)] = value;
     }
 
-    /// The others keep their order. The value must be there.
+    /// Removes a value, which must be in the list; the others keep their order.
     void remove(std::size_t list, const Value& value)
     {
-        reserveRooms();
+        recordLimits();
         const auto first = values.begin() + ranges[list].begin, last = values.begin() + ranges[list].end;
         const auto found = std::find(first, last, value);
         std::move(found + 1, last, found);
@@ -62,24 +62,24 @@ template <class Value> struct Lists {
     }
 
 private:
-    /// Nobody needs to know how far a list may grow before the first one does.
-    void reserveRooms()
+    /// Records where the lists' places end, if no change of a list has needed it before.
+    void recordLimits()
     {
-        for (std::size_t i = rooms_.size(); i < ranges.size(); ++i) rooms_.push_back(ranges[i].end);
+        for (std::size_t i = limits_.size(); i < ranges.size(); ++i) limits_.push_back(ranges[i].end);
     }
 
-    void move(std::size_t list)
+    void moveToEnd(std::size_t list)
     {
-        constexpr int kRoom = 8; // a node that an edit reaches is soon reached again
+        constexpr int kSpare = 8; // a node that an edit has reached is soon reached again
         const ListRange old = ranges[list];
         const auto begin = static_cast<int>(values.size());
-        values.resize(values.size() + static_cast<std::size_t>(old.end) - static_cast<std::size_t>(old.begin) + kRoom);
+        values.resize(values.size() + static_cast<std::size_t>(old.end) - static_cast<std::size_t>(old.begin) + kSpare);
         std::copy(values.begin() + old.begin, values.begin() + old.end, values.begin() + begin);
         ranges[list] = {begin, begin + old.end - old.begin};
-        rooms_[list] = static_cast<int>(values.size());
+        limits_[list] = static_cast<int>(values.size());
     }
 
-    std::vector<int> rooms_; ///< per list: where its place ends
+    std::vector<int> limits_; ///< per list: where its place among the values ends
 };
 
 } // namespace filasofia::linalg

@@ -6,43 +6,43 @@
 
 namespace filasofia::linalg {
 
-MatrixFreeCg::MatrixFreeCg(int unknownBlocks, int heldBlocks)
-    : z_(unknownBlocks), p_(unknownBlocks, heldBlocks), q_(unknownBlocks),
+MatrixFreeCg::MatrixFreeCg(int unknownBlocks, int pinnedBlocks)
+    : z_(unknownBlocks), p_(unknownBlocks, pinnedBlocks), q_(unknownBlocks),
       sums_(static_cast<std::size_t>(nodeParts(unknownBlocks).count()))
 {
 }
 
-NodeSolveReport MatrixFreeCg::solve(NodeOperator& a, TwoLevelPreconditioner& m, NodeArray& r, double size, NodeArray& x,
-                                    const SolveLimits& limits, WorkerPool& pool)
+NodeSolveReport MatrixFreeCg::solve(const NodeSystem& system, NodeArray& x, const SolveLimits& limits, WorkerPool& pool)
 {
-    const Parts parts = nodeParts(x.blocks());
-    const auto descendAll = [&](double alpha) {
-        const auto step = static_cast<float>(alpha);
-        return sumOfParts(pool, parts, sums_, [&](Blocks blocks) { return descend(step, p_, q_, x, r, blocks); });
-    };
+    NodeArray& r = system.r;
     NodeSolveReport report;
-    if (size == 0.0 || !std::isfinite(size)) { // nothing to solve, or nothing that could be
+    if (system.squaredNorm == 0.0 || !std::isfinite(system.squaredNorm)) { // nothing to solve, or nothing that could be
         x.setZero();
-        report.residual = size == 0.0 ? 0.0 : 1.0;
-        report.converged = size == 0.0;
+        report.residual = system.squaredNorm == 0.0 ? 0.0 : 1.0;
+        report.converged = system.squaredNorm == 0.0;
         return report;
     }
+    const Parts parts = nodeParts(x.blocks());
+    const auto step = [&](double alpha) {
+        const auto length = static_cast<float>(alpha);
+        return sumOfParts(pool, parts, sums_, [&](Blocks blocks) { return stepAlong(length, p_, q_, x, r, blocks); });
+    };
 
-    // The first guess is the last step's answer, times the one factor that makes its error least.
-    std::swap(x, p_); // both reach over the held nodes
+    // The first guess is the last step's answer, times the one factor that makes its error smallest.
+    std::swap(x, p_); // both extend over the pinned nodes
     x.setZero();
-    const double curvature = a.multiply(p_, q_, pool);
-    const double along = sumOfParts(pool, parts, sums_, [&](Blocks blocks) { return dot(p_, r, blocks); });
-    double energy = 0.0; // of the answer so far, x . A x
-    if (curvature > 0.0 && std::isfinite(curvature) && std::isfinite(along / curvature)) {
-        descendAll(along / curvature);
-        energy = along * along / curvature;
+    const double guessCurvature = system.a.multiply(p_, q_, pool);
+    const double derivative = sumOfParts(pool, parts, sums_, [&](Blocks blocks) { return dot(p_, r, blocks); });
+    double energy = 0.0; // x . A x
+    if (guessCurvature > 0.0 && std::isfinite(guessCurvature) && std::isfinite(derivative / guessCurvature)) {
+        step(derivative / guessCurvature);
+        energy = derivative * derivative / guessCurvature;
     } else {
-        p_.setZero(); // not finite, it would live on in the directions
+        p_.setZero(); // numbers that are not finite would stay in all later directions
     }
 
     for (double rz = 0.0;; ++report.iterations) {
-        const double rzNew = m.apply(r, z_, pool); // the energy of the error, as the preconditioner sees it
+        const double rzNew = system.m.apply(r, z_, pool); // the energy of the error, as the preconditioner sees it
         const bool number = rzNew >= 0.0 && std::isfinite(rzNew);
         report.residual = rzNew == 0.0 ? 0.0 : number ? std::sqrt(rzNew / (rzNew + energy)) : 1.0;
         report.converged = report.residual <= limits.tolerance;
@@ -54,11 +54,11 @@ NodeSolveReport MatrixFreeCg::solve(NodeOperator& a, TwoLevelPreconditioner& m, 
 
         const float beta = report.iterations == 0 ? 0.0f : static_cast<float>(rzNew / rz);
         rz = rzNew;
-        pool.run(parts.count(), [&](int part) { turn(z_, beta, p_, parts[part]); });
-        const double bend = a.multiply(p_, q_, pool);
-        if (!(bend > 0.0)) break; // what we have is the best there is
-        descendAll(rz / bend);
-        energy += rz * rz / bend;
+        pool.run(parts.count(), [&](int part) { updateDirection(z_, beta, p_, parts[part]); });
+        const double curvature = system.a.multiply(p_, q_, pool);
+        if (!(curvature > 0.0)) break; // not positive definite, or not finite: the present answer is the best there is
+        step(rz / curvature);
+        energy += rz * rz / curvature;
     }
     return report;
 }

@@ -1,48 +1,51 @@
 #pragma once
 
 #include "filasofia/linalg/linear_solver.h"
+#include "filasofia/linalg/node_operator.h"
 #include "filasofia/linalg/two_level_preconditioner.h"
 
 #include <functional>
 
 namespace filasofia::linalg {
 
-/// A symmetric positive definite matrix of which only the product is known, in floats.
-class NodeOperator {
-public:
-    virtual ~NodeOperator() = default;
-    /// q = A p; returns p . q
-    virtual double multiply(const NodeArray& p, NodeArray& q, WorkerPool& pool) = 0;
-};
-
 /// When a solve ends.
 struct SolveLimits {
-    double tolerance = 1e-2; ///< [-], of the error relative to the answer, in the norm of the energy x . A x
-    int maxIterations = 300;
-    int minIterations = 0;                ///< made before outOfTime is asked
-    std::function<bool()> outOfTime = {}; ///< asked between iterations; empty: never
-    int stopAt = -1;                      ///< out of time after as many iterations; -1: never
+    double tolerance = 1e-2;              ///< [-], error relative to the answer, in the norm of the energy x . A x
+    int maxIterations = 300;              ///< the solve ends there, converged or not
+    int minIterations = 0;                ///< iterations before outOfTime is asked
+    std::function<bool()> outOfTime = {}; ///< asked between iterations; empty: never out of time
+    int stopAt = -1;                      ///< iterations after which the solve is out of time; -1: never
 };
 
-/// `residual` is the error that the tolerance is about.
+/// How a solve went; `residual` is the error that the tolerance is about.
 struct NodeSolveReport : SolveReport {
-    bool outOfTime = false; ///< it ended for want of time
+    bool outOfTime = false; ///< it stopped because outOfTime or stopAt said so
+};
+
+/// A system A x = b of one solve.
+struct NodeSystem {
+    NodeOperator& a;
+    TwoLevelPreconditioner& m;
+    NodeArray& r;             ///< b on entry; on return the residual as the recurrence knows it
+    double squaredNorm = 0.0; ///< b . b; only zero and values that are not finite matter
 };
 
 /// Preconditioned conjugate gradients (Shewchuk 1994, section B3) in single precision.
 ///
-/// They end by the error's energy relative to the answer's, r . M^-1 r / (x . A x + r . M^-1 r), which costs nothing to
-/// know. A residual relative to the right-hand side would not do: where stiff forces nearly cancel, a small part of
+///     x  solution          z = M^-1 r  preconditioned residual     alpha  step length, r.z / p.q
+///     r  residual b - A x  q = A p     product                     beta   r.z / (r.z of the iteration before)
+///     p  direction         p.q         curvature                   x.A x  energy of the answer
+///
+/// They end by the energy of the error relative to that of the answer, r.z / (x.A x + r.z), which costs nothing to
+/// compute. A residual relative to the right-hand side would not do: if stiff forces nearly cancel, a small part of
 /// them is still enough to throw the body about.
 class MatrixFreeCg {
 public:
     MatrixFreeCg() = default;
-    MatrixFreeCg(int unknownBlocks, int heldBlocks);
+    MatrixFreeCg(int unknownBlocks, int pinnedBlocks);
 
-    /// Solves A x = b from the first guess in x. On entry `r` holds b, and `size` its square; on return r is the
-    /// residual as the recurrence knows it. The report's residual is the error that the tolerance is about.
-    NodeSolveReport solve(NodeOperator& a, TwoLevelPreconditioner& m, NodeArray& r, double size, NodeArray& x,
-                          const SolveLimits& limits, WorkerPool& pool);
+    /// Solves the system from the first guess in x.
+    NodeSolveReport solve(const NodeSystem& system, NodeArray& x, const SolveLimits& limits, WorkerPool& pool);
 
 private:
     NodeArray z_, p_, q_;

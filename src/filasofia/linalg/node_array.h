@@ -3,27 +3,27 @@
 #include <cstddef>
 #include <vector>
 
-/// How vectors over nodes lie in memory where speed matters: x y z 0 of each node in floats, sixteen nodes to a block.
+/// The memory layout of vectors over nodes in fast loops: x y z 0 of each node in floats, sixteen nodes to a block.
 namespace filasofia::linalg {
 
-constexpr int kBlock = 16; ///< nodes, or elements, side by side; whatever lanes the machine has
+constexpr int kBlock = 16; ///< nodes or elements side by side, however many lanes the machine has
 
 struct alignas(64) NodeBlock {
     float values[kBlock][4] = {};
 };
 
-/// Zero where nobody has written.
+/// A vector over nodes, zero at first.
 class NodeArray {
 public:
     NodeArray() = default;
-    /// `unknown` blocks of nodes that are solved for; behind them `held` ones that elements read as well.
-    explicit NodeArray(int unknown, int held = 0)
-        : unknown_(unknown), blocks_(static_cast<std::size_t>(unknown) + static_cast<std::size_t>(held))
+    /// `unknown` blocks of nodes that are solved for; behind them `pinned` ones, which elements read as well.
+    explicit NodeArray(int unknown, int pinned = 0)
+        : unknown_(unknown), blocks_(static_cast<std::size_t>(unknown) + static_cast<std::size_t>(pinned))
     {
     }
 
-    [[nodiscard]] int blocks() const { return unknown_; } ///< of unknowns
-    [[nodiscard]] int heldBlocks() const { return static_cast<int>(blocks_.size()) - unknown_; }
+    [[nodiscard]] int blocks() const { return unknown_; } ///< without the pinned ones
+    [[nodiscard]] int pinnedBlocks() const { return static_cast<int>(blocks_.size()) - unknown_; }
     [[nodiscard]] float* data() { return blocks_.empty() ? nullptr : blocks_.data()->values[0]; }
     [[nodiscard]] const float* data() const { return blocks_.empty() ? nullptr : blocks_.data()->values[0]; }
     [[nodiscard]] float* operator[](int node) { return data() + 4 * static_cast<std::ptrdiff_t>(node); }
@@ -38,17 +38,19 @@ private:
 
 constexpr int blocksFor(int count) { return (count + kBlock - 1) / kBlock; }
 
-/// Where lane l of a group of sixteen vectors of four floats lies: as a transposition in registers leaves them.
+/// Where lane l of a group of sixteen vectors of four floats lies: in the order in which a transposition in registers
+/// leaves them.
 constexpr int laneOffset(int lane) { return (lane % 4) * kBlock + (lane / 4) * 4; }
 
-/// A part of a loop over blocks. The parts are the same for every number of threads.
+/// The range of blocks [begin, end).
 struct Blocks {
     int begin = 0;
     int end = 0;
 };
+/// How a loop over blocks is divided. The parts are the same for every number of threads.
 struct Parts {
     int total = 0; ///< blocks
-    int size = 1;  ///< blocks in a part
+    int size = 1;  ///< blocks per part
     [[nodiscard]] int count() const { return (total + size - 1) / size; }
     [[nodiscard]] Blocks operator[](int part) const
     {

@@ -24,7 +24,7 @@ HWY_ATTR double dotBlocks(const float* HWY_RESTRICT a, const float* HWY_RESTRICT
     return sums.total();
 }
 
-HWY_ATTR void turnBlocks(const float* HWY_RESTRICT z, float beta, float* HWY_RESTRICT p, Blocks blocks)
+HWY_ATTR void updateDirectionBlocks(const float* HWY_RESTRICT z, float beta, float* HWY_RESTRICT p, Blocks blocks)
 {
     const Lanes d;
     const V b = hn::Set(d, beta);
@@ -32,8 +32,8 @@ HWY_ATTR void turnBlocks(const float* HWY_RESTRICT z, float beta, float* HWY_RES
         hn::Store(hn::MulAdd(b, hn::Load(d, p + i), hn::Load(d, z + i)), d, p + i);
 }
 
-HWY_ATTR double descendBlocks(float alpha, const float* HWY_RESTRICT p, const float* HWY_RESTRICT q,
-                              float* HWY_RESTRICT x, float* HWY_RESTRICT r, Blocks blocks)
+HWY_ATTR double stepAlongBlocks(float alpha, const float* HWY_RESTRICT p, const float* HWY_RESTRICT q,
+                                float* HWY_RESTRICT x, float* HWY_RESTRICT r, Blocks blocks)
 {
     const Lanes d;
     const V a = hn::Set(d, alpha);
@@ -77,7 +77,7 @@ HWY_ATTR void multiplyPanelRange(const PanelRow* HWY_RESTRICT panels, const floa
         const PanelRow* HWY_RESTRICT row = panels + static_cast<std::ptrdiff_t>(k) * rows;
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             V s0 = hn::Zero(d), s1 = s0, s2 = s0, s3 = s0;
-            for (int i = 0; i < rows; i += 4) { // rows come in fours
+            for (int i = 0; i < rows; i += 4) { // rows is a multiple of four
                 s0 = hn::MulAdd(hn::Set(d, x[i]), hn::Load(d, row[i].values + part), s0);
                 s1 = hn::MulAdd(hn::Set(d, x[i + 1]), hn::Load(d, row[i + 1].values + part), s1);
                 s2 = hn::MulAdd(hn::Set(d, x[i + 2]), hn::Load(d, row[i + 2].values + part), s2);
@@ -88,31 +88,31 @@ HWY_ATTR void multiplyPanelRange(const PanelRow* HWY_RESTRICT panels, const floa
     }
 }
 
-/// For kTogether vectors at once.
-HWY_ATTR void multiplyPanelsTogether(const PanelRow* HWY_RESTRICT panels, const float* HWY_RESTRICT x,
-                                     float* HWY_RESTRICT y, const VectorRows& vectors, int panelCount)
+/// kVectorsPerPass vectors in one pass over the matrix.
+HWY_ATTR void multiplyPanelBatch(const PanelRow* HWY_RESTRICT panels, const float* HWY_RESTRICT x,
+                                 float* HWY_RESTRICT y, const VectorBatch& vectors, int panelCount)
 {
     const Lanes d;
     for (int k = 0; k < panelCount; ++k) {
         const PanelRow* HWY_RESTRICT row = panels + static_cast<std::ptrdiff_t>(k) * vectors.rows;
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
-            V sums[kTogether];
+            V sums[kVectorsPerPass];
             for (V& sum : sums) sum = hn::Zero(d);
             for (int i = 0; i < vectors.rows; ++i) {
                 const V a = hn::Load(d, row[i].values + part);
-                for (int v = 0; v < kTogether; ++v)
+                for (int v = 0; v < kVectorsPerPass; ++v)
                     sums[v] =
                         hn::MulAdd(hn::Set(d, x[static_cast<std::ptrdiff_t>(v) * vectors.stride + i]), a, sums[v]);
             }
-            for (int v = 0; v < kTogether; ++v)
+            for (int v = 0; v < kVectorsPerPass; ++v)
                 hn::StoreU(sums[v], d,
-                           y + static_cast<std::ptrdiff_t>(v) * vectors.answerStride + 16l * k +
+                           y + static_cast<std::ptrdiff_t>(v) * vectors.resultStride + 16l * k +
                                static_cast<long>(part));
         }
     }
 }
 
-/// The sum of the vectors of one node's corners.
+/// The sum of the vectors of the corners around one node.
 HWY_INLINE V4 gathered(const int* HWY_RESTRICT place, const int* HWY_RESTRICT end, const float* HWY_RESTRICT corners)
 {
     const Four d;
@@ -125,16 +125,17 @@ HWY_INLINE V4 gathered(const int* HWY_RESTRICT place, const int* HWY_RESTRICT en
     return hn::Add(even, odd);
 }
 
-template <bool forces> HWY_INLINE double gatherBlocks(const ListRange* HWY_RESTRICT ranges,
-                                                      const int* HWY_RESTRICT places, const float* HWY_RESTRICT corners,
-                                                      float scale, const float* HWY_RESTRICT masses,
-                                                      const float* HWY_RESTRICT extra, const float* HWY_RESTRICT p,
+template <bool forces> HWY_INLINE double gatherBlocks(const NodeTerms& terms, const float* HWY_RESTRICT p,
                                                       float* HWY_RESTRICT y, Blocks blocks)
 {
+    const ListRange* HWY_RESTRICT ranges = terms.gather.ranges.data();
+    const int* HWY_RESTRICT places = terms.gather.values.data();
+    const float *HWY_RESTRICT corners = terms.corners.data(), *HWY_RESTRICT masses = terms.masses.data(),
+                              *HWY_RESTRICT extra = terms.extra.data();
     const Four d;
     LaneSums sums;
     V4 sum[4] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    const V4 s = hn::Set(d, scale);
+    const V4 s = hn::Set(d, terms.massWeight);
     for (std::size_t node = 16ul * blocks.begin; node < 16ul * blocks.end; node += 4)
         for (std::size_t k = 0; k < 4; ++k) {
             const std::size_t i = node + k;
@@ -155,20 +156,18 @@ template <bool forces> HWY_INLINE double gatherBlocks(const ListRange* HWY_RESTR
     return sums.total();
 }
 
-HWY_ATTR double gatherProduct(const ListRange* ranges, const int* places, const float* corners, float scale,
-                              const float* masses, const float* extra, const float* p, float* y, Blocks blocks)
+HWY_ATTR double gatherProductBlocks(const NodeTerms& terms, const float* p, float* y, Blocks blocks)
 {
-    return gatherBlocks<false>(ranges, places, corners, scale, masses, extra, p, y, blocks);
+    return gatherBlocks<false>(terms, p, y, blocks);
 }
-HWY_ATTR double gatherForce(const ListRange* ranges, const int* places, const float* corners, float scale,
-                            const float* masses, const float* extra, const float* p, float* y, Blocks blocks)
+HWY_ATTR double gatherForceBlocks(const NodeTerms& terms, const float* p, float* y, Blocks blocks)
 {
-    return gatherBlocks<true>(ranges, places, corners, scale, masses, extra, p, y, blocks);
+    return gatherBlocks<true>(terms, p, y, blocks);
 }
 
 HWY_ATTR StepWork stepWorkBlocks(const float* HWY_RESTRICT masses, const float* HWY_RESTRICT v,
                                  const float* HWY_RESTRICT dv, const float* HWY_RESTRICT r,
-                                 const float* HWY_RESTRICT push, Blocks blocks)
+                                 const float* HWY_RESTRICT carry, Blocks blocks)
 {
     const Four d;
     LaneSums work, change, motion;
@@ -180,7 +179,7 @@ HWY_ATTR StepWork stepWorkBlocks(const float* HWY_RESTRICT masses, const float* 
             const std::size_t i = 4 * (node + k);
             const V4 mass = hn::Set(d, masses[node + k]), difference = hn::Load(d, dv + i);
             const V4 w = hn::Add(hn::Load(d, v + i), difference);
-            sums[0][k] = hn::MulAdd(hn::Sub(hn::Load(d, r + i), hn::Load(d, push + i)), w, sums[0][k]);
+            sums[0][k] = hn::MulAdd(hn::Sub(hn::Load(d, r + i), hn::Load(d, carry + i)), w, sums[0][k]);
             sums[1][k] = hn::MulAdd(hn::Mul(mass, difference), difference, sums[1][k]);
             sums[2][k] = hn::MulAdd(hn::Mul(mass, w), w, sums[2][k]);
         }
@@ -201,13 +200,13 @@ HWY_AFTER_NAMESPACE();
 namespace filasofia::linalg {
 
 HWY_EXPORT(dotBlocks);
-HWY_EXPORT(turnBlocks);
-HWY_EXPORT(descendBlocks);
+HWY_EXPORT(updateDirectionBlocks);
+HWY_EXPORT(stepAlongBlocks);
 HWY_EXPORT(restrictNodes);
 HWY_EXPORT(multiplyPanelRange);
-HWY_EXPORT(multiplyPanelsTogether);
-HWY_EXPORT(gatherProduct);
-HWY_EXPORT(gatherForce);
+HWY_EXPORT(multiplyPanelBatch);
+HWY_EXPORT(gatherProductBlocks);
+HWY_EXPORT(gatherForceBlocks);
 HWY_EXPORT(stepWorkBlocks);
 
 double dot(const NodeArray& a, const NodeArray& b, Blocks blocks)
@@ -215,14 +214,14 @@ double dot(const NodeArray& a, const NodeArray& b, Blocks blocks)
     return HWY_DYNAMIC_DISPATCH(dotBlocks)(a.data(), b.data(), blocks);
 }
 
-void turn(const NodeArray& z, float beta, NodeArray& p, Blocks blocks)
+void updateDirection(const NodeArray& z, float beta, NodeArray& p, Blocks blocks)
 {
-    HWY_DYNAMIC_DISPATCH(turnBlocks)(z.data(), beta, p.data(), blocks);
+    HWY_DYNAMIC_DISPATCH(updateDirectionBlocks)(z.data(), beta, p.data(), blocks);
 }
 
-double descend(float alpha, const NodeArray& p, const NodeArray& q, NodeArray& x, NodeArray& r, Blocks blocks)
+double stepAlong(float alpha, const NodeArray& p, const NodeArray& q, NodeArray& x, NodeArray& r, Blocks blocks)
 {
-    return HWY_DYNAMIC_DISPATCH(descendBlocks)(alpha, p.data(), q.data(), x.data(), r.data(), blocks);
+    return HWY_DYNAMIC_DISPATCH(stepAlongBlocks)(alpha, p.data(), q.data(), x.data(), r.data(), blocks);
 }
 
 void restrictTo(const Restriction& restriction, const NodeArray& s, std::span<float> coarse, int begin, int end)
@@ -238,40 +237,36 @@ void multiplyPanels(std::span<const PanelRow> panels, std::span<const float> x, 
 }
 
 void multiplyPanels(std::span<const PanelRow> panels, std::span<const float> x, std::span<float> y,
-                    const VectorRows& vectors, int panelCount)
+                    const VectorBatch& vectors, int panelCount)
 {
     const auto from = [&](int vector) {
         return static_cast<std::size_t>(vector) * static_cast<std::size_t>(vectors.stride);
     };
     const auto to = [&](int vector) {
-        return static_cast<std::size_t>(vector) * static_cast<std::size_t>(vectors.answerStride);
+        return static_cast<std::size_t>(vector) * static_cast<std::size_t>(vectors.resultStride);
     };
     int first = 0;
-    for (; first + kTogether <= vectors.count; first += kTogether) HWY_DYNAMIC_DISPATCH(multiplyPanelsTogether)
+    for (; first + kVectorsPerPass <= vectors.count; first += kVectorsPerPass) HWY_DYNAMIC_DISPATCH(multiplyPanelBatch)
     (panels.data(), x.data() + from(first), y.data() + to(first), vectors, panelCount);
     for (; first < vectors.count; ++first)
         multiplyPanels(panels, x.subspan(from(first), static_cast<std::size_t>(vectors.rows)), y.subspan(to(first)), 0,
                        panelCount);
 }
 
-double gatherAndAdd(const Gather& gather, std::span<const float> corners, float scale, std::span<const float> masses,
-                    std::span<const float> extra, const NodeArray& p, NodeArray& y, Blocks blocks)
+double gatherAndAdd(const NodeTerms& terms, const NodeArray& p, NodeArray& y, Blocks blocks)
 {
-    return HWY_DYNAMIC_DISPATCH(gatherProduct)(gather.ranges.data(), gather.values.data(), corners.data(), scale,
-                                               masses.data(), extra.data(), p.data(), y.data(), blocks);
+    return HWY_DYNAMIC_DISPATCH(gatherProductBlocks)(terms, p.data(), y.data(), blocks);
 }
 
-double gatherForces(const Gather& gather, std::span<const float> corners, float scale, std::span<const float> masses,
-                    std::span<const float> extra, const NodeArray& p, NodeArray& y, Blocks blocks)
+double gatherForces(const NodeTerms& terms, const NodeArray& p, NodeArray& y, Blocks blocks)
 {
-    return HWY_DYNAMIC_DISPATCH(gatherForce)(gather.ranges.data(), gather.values.data(), corners.data(), scale,
-                                             masses.data(), extra.data(), p.data(), y.data(), blocks);
+    return HWY_DYNAMIC_DISPATCH(gatherForceBlocks)(terms, p.data(), y.data(), blocks);
 }
 
 StepWork stepWork(std::span<const float> masses, const NodeArray& v, const NodeArray& dv, const NodeArray& r,
-                  const NodeArray& push, Blocks blocks)
+                  const NodeArray& carry, Blocks blocks)
 {
-    return HWY_DYNAMIC_DISPATCH(stepWorkBlocks)(masses.data(), v.data(), dv.data(), r.data(), push.data(), blocks);
+    return HWY_DYNAMIC_DISPATCH(stepWorkBlocks)(masses.data(), v.data(), dv.data(), r.data(), carry.data(), blocks);
 }
 
 std::vector<std::string> simdTargets()

@@ -7,77 +7,90 @@
 #include <string>
 #include <vector>
 
-/// The inner loops over nodes. Vectorised (Highway), chosen when the program runs; the same bits on every instruction
-/// set with fused multiply-add. Sums are made per part, lane by lane and then over the sixteen lanes in double.
+/// The inner loops over nodes. They are vectorised (Highway), for the best instruction set of the machine, which is
+/// chosen at run time; every instruction set with fused multiply-add gives the same bits. Sums are computed per part of
+/// a loop, lane by lane, and then over the sixteen lanes in double.
 namespace filasofia::linalg {
 
 /// a . b
 double dot(const NodeArray& a, const NodeArray& b, Blocks blocks);
 
 /// p = z + beta p
-void turn(const NodeArray& z, float beta, NodeArray& p, Blocks blocks);
+void updateDirection(const NodeArray& z, float beta, NodeArray& p, Blocks blocks);
 
 /// x += alpha p, r -= alpha q; returns r . r
-double descend(float alpha, const NodeArray& p, const NodeArray& q, NodeArray& x, NodeArray& r, Blocks blocks);
+double stepAlong(float alpha, const NodeArray& p, const NodeArray& q, NodeArray& x, NodeArray& r, Blocks blocks);
 
-/// What a node gives to a coarse one.
+/// A node and its weight in the sum of a coarse node.
 struct RestrictionEntry {
     int node = 0;
     float weight = 0.0f;
     friend bool operator==(const RestrictionEntry&, const RestrictionEntry&) = default;
 };
-/// The transpose of an interpolation, by coarse nodes.
+/// The transpose of an interpolation: a list of nodes per coarse node.
 using Restriction = Lists<RestrictionEntry>;
 
-/// Sums s into coarse nodes [begin, end), packed.
+/// coarse = P^T s for the coarse nodes [begin, end), packed x y z.
 void restrictTo(const Restriction& restriction, const NodeArray& s, std::span<float> coarse, int begin, int end);
 
-/// A dense symmetric matrix in panels of sixteen columns: panel k holds columns 16 k ... 16 k + 15 of every row.
+/// One row of a panel. A dense symmetric matrix is stored in panels of sixteen columns: panel k holds columns 16 k to
+/// 16 k + 15 of every row.
 struct alignas(64) PanelRow {
     float values[kBlock];
 };
-/// y = A x for the panels [begin, end).
+/// y = A x for the panels [begin, end). The size of x is the number of rows, a multiple of four.
 void multiplyPanels(std::span<const PanelRow> panels, std::span<const float> x, std::span<float> y, int begin, int end);
 
-constexpr int kTogether = 6; ///< vectors for which a dense matrix passes by once
-/// How vectors follow each other, and how much of each a matrix takes and gives.
-struct VectorRows {
-    int count = 0;        ///< of vectors
-    int rows = 0;         ///< numbers of each in X that the matrix has rows for
-    int stride = 0;       ///< from one vector to the next, in X
-    int answerStride = 0; ///< in Y
+constexpr int kVectorsPerPass = 6; ///< vectors that are multiplied in one pass over a dense matrix
+/// How several vectors lie in memory, the inputs X and the results Y.
+struct VectorBatch {
+    int count = 0;        ///< vectors
+    int rows = 0;         ///< rows of the matrix: it reads so many numbers of each input
+    int stride = 0;       ///< from one input to the next
+    int resultStride = 0; ///< from one result to the next
 };
 /// Y = A X for several vectors.
 void multiplyPanels(std::span<const PanelRow> panels, std::span<const float> x, std::span<float> y,
-                    const VectorRows& vectors, int panelCount);
+                    const VectorBatch& vectors, int panelCount);
 
-/// What a node gathers: the places of its corners' vectors, in floats.
+/// Per node: where the vectors of the element corners around it lie, in floats.
 using Gather = Lists<int>;
 
-/// y = sum of the node's corners + (scale * masses + extra) p; returns p . y. `masses` and `extra` per node.
-double gatherAndAdd(const Gather& gather, std::span<const float> corners, float scale, std::span<const float> masses,
-                    std::span<const float> extra, const NodeArray& p, NodeArray& y, Blocks blocks);
+/// What is added up at each node: the vectors of the corners around it, and a diagonal matrix.
+///
+///     c = sum of the node's corners,   d = massWeight * masses + extra
+struct NodeTerms {
+    const Gather& gather;
+    std::span<const float> corners;
+    float massWeight = 0.0f;
+    std::span<const float> masses; ///< per node
+    std::span<const float> extra;  ///< per node
+};
 
-/// y = y + sum of the node's corners - (scale * masses + extra) p; returns y . y
-double gatherForces(const Gather& gather, std::span<const float> corners, float scale, std::span<const float> masses,
-                    std::span<const float> extra, const NodeArray& p, NodeArray& y, Blocks blocks);
+/// y = c + d p; returns p . y
+double gatherAndAdd(const NodeTerms& terms, const NodeArray& p, NodeArray& y, Blocks blocks);
 
-/// What the end of a step is judged by: new velocities v + dv, and a residual r of a system that was given an extra
-/// push.
+/// y = y + c - d p; returns y . y
+double gatherForces(const NodeTerms& terms, const NodeArray& p, NodeArray& y, Blocks blocks);
+
+/// Sums over the nodes by which the end of a step is judged.
+///
+///     w = v + dv  new velocities     r      residual of the system
+///     M           lumped masses      carry  the impulse that was carried into its right-hand side
 struct StepWork {
-    double work = 0.0;   ///< (r - push) . w, w = v + dv
+    double work = 0.0;   ///< (r - carry) . w
     double change = 0.0; ///< dv . M dv
     double motion = 0.0; ///< w . M w
 };
 StepWork stepWork(std::span<const float> masses, const NodeArray& v, const NodeArray& dv, const NodeArray& r,
-                  const NodeArray& push, Blocks blocks);
+                  const NodeArray& carry, Blocks blocks);
 
-/// The names of the instruction sets that this machine can run, the best first (only the one chosen by useSimdTarget,
-/// while it is), and the one in use.
+/// The names of the instruction sets that this machine can run, the best first. While useSimdTarget() has chosen one,
+/// only that one.
 std::vector<std::string> simdTargets();
-std::string simdTarget();
-/// Uses another one of them; an empty name: the best again; an Error for an unknown one. For tests and measurements;
-/// not while a step is made.
+std::string simdTarget(); ///< the one in use
+/// Uses one of them by its name; an empty name restores the best. An unknown name is an Error. For tests and
+/// measurements; must not be called during a step.
 void useSimdTarget(const std::string& name);
 
 } // namespace filasofia::linalg

@@ -5,10 +5,10 @@
 
 namespace filasofia::linalg {
 
-/// How loops over nodes are cut: 256 nodes a part. Sums depend on it: change it and every bit of the results changes.
+/// The parts of loops over nodes: 256 nodes each. Sums depend on it: another size changes the bits of every result.
 constexpr Parts nodeParts(int blocks) { return {blocks, 16}; }
 
-/// The sum over the parts of a loop, in their order, whoever works them off.
+/// The sum over the parts of a loop, in their order, whichever thread computes them.
 template <class Part> double sumOfParts(WorkerPool& pool, Parts parts, std::vector<double>& sums, const Part& part)
 {
     pool.run(parts.count(), [&](int i) { sums[static_cast<std::size_t>(i)] = part(parts[i]); });

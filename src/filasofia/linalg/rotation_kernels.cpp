@@ -32,23 +32,25 @@ HWY_ATTR void warpAndSmoothBlocks(const RotationBlock* HWY_RESTRICT rotations,
         }
 }
 
-HWY_ATTR double prolongAndUnwarpBlocks(const RotationBlock* HWY_RESTRICT rotations,
-                                       const InterpolationBlock* HWY_RESTRICT from, const float* HWY_RESTRICT coarse,
+HWY_ATTR double prolongAndUnwarpBlocks(const RotationBlock* HWY_RESTRICT rotations, const CoarseCorrection& correction,
                                        const float* HWY_RESTRICT w, const float* HWY_RESTRICT r, float* HWY_RESTRICT z,
                                        Blocks blocks)
 {
+    const bool coarse = !correction.interpolation.empty();
+    const InterpolationBlock* HWY_RESTRICT from = correction.interpolation.data();
+    const float* HWY_RESTRICT values = correction.values.data();
     const Lanes d;
     const Four four;
     LaneSums sums{};
     alignas(64) float rest[64];
     for (int b = blocks.begin; b < blocks.end; ++b) {
         const float* source = w + 64ul * b;
-        if (from) {
+        if (coarse) {
             for (int node = 0; node < kBlock; ++node) {
                 V4 sum = hn::Load(four, source + 4 * node);
-                for (int k = 0; k < 4; ++k) // the fourth float is a neighbour's: nobody looks at it
+                for (int k = 0; k < 4; ++k) // the fourth float belongs to a neighbour and is never used
                     sum = hn::MulAdd(hn::Set(four, from[b].weights[node][k]),
-                                     hn::LoadU(four, coarse + from[b].at[node][k]), sum);
+                                     hn::LoadU(four, values + from[b].at[node][k]), sum);
                 hn::Store(sum, four, rest + 4 * node);
             }
             source = rest;
@@ -56,22 +58,24 @@ HWY_ATTR double prolongAndUnwarpBlocks(const RotationBlock* HWY_RESTRICT rotatio
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             const auto m = [&](int k) HWY_ATTR { return hn::Load(d, rotations[b].m[k] + part); };
             const V3 t = loadNodes(source, part), u = loadNodes(r + 64ul * b, part);
-            const V3 turned{sumOfProducts(m(0), t.x, m(1), t.y, m(2), t.z),
-                            sumOfProducts(m(3), t.x, m(4), t.y, m(5), t.z),
-                            sumOfProducts(m(6), t.x, m(7), t.y, m(8), t.z)};
-            storeNodes(turned, z + 64ul * b, part);
-            const V product = sumOfProducts(turned.x, u.x, turned.y, u.y, turned.z, u.z);
+            const V3 rotated{sumOfProducts(m(0), t.x, m(1), t.y, m(2), t.z),
+                             sumOfProducts(m(3), t.x, m(4), t.y, m(5), t.z),
+                             sumOfProducts(m(6), t.x, m(7), t.y, m(8), t.z)};
+            storeNodes(rotated, z + 64ul * b, part);
+            const V product = sumOfProducts(rotated.x, u.x, rotated.y, u.y, rotated.z, u.z);
             hn::Store(hn::Add(hn::Load(d, sums.lanes + part), product), d, sums.lanes + part);
         }
     }
     return sums.total();
 }
 
-/// Where the quaternion of the element lies whose corner lies at `corner`: one group for the four corners of a block.
+/// Where the quaternion of an element lies, given where one of its corners lies: a block of sixteen elements has one
+/// group of quaternions and four groups of corners.
 HWY_INLINE int quaternionAt(int corner) { return (corner >> 8 << 6) | (corner & 63); }
 
-/// Quaternions q and -q are the same rotation: where the plain sum cancels, all are turned to the side of the first.
-HWY_INLINE void sumOfOneSide(const int* place, const int* end, const float* quaternions, float* sum)
+/// The sum with every quaternion on the side of the first one: q and -q are the same rotation, and in the plain sum
+/// they cancel.
+HWY_INLINE void sumOnOneSide(const int* place, const int* end, const float* quaternions, float* sum)
 {
     float first[4] = {};
     for (int i = 0; i < 4; ++i) sum[i] = 0.0f;
@@ -105,7 +109,7 @@ HWY_ATTR void averageRotationBlocks(const ListRange* HWY_RESTRICT ranges, const 
             hn::Store(hn::Add(even, odd), four, sum);
             const float size = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2] + sum[3] * sum[3];
             const auto count = static_cast<float>(end - place);
-            if (size < 0.25f * count * count) sumOfOneSide(place, end, quaternions, sum);
+            if (size < 0.25f * count * count) sumOnOneSide(place, end, quaternions, sum);
             if (place == end) sum[3] = 1.0f;
         }
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
@@ -114,7 +118,7 @@ HWY_ATTR void averageRotationBlocks(const ListRange* HWY_RESTRICT ranges, const 
             for (std::size_t l = 0; l < kLanes; ++l) real[l] = sums[4 * (part + l) + 3];
             const V w = hn::Load(d, real), one = hn::Set(d, 1.0f);
             const V size = hn::MulAdd(w, w, sumOfProducts(v.x, v.x, v.y, v.y, v.z, v.z));
-            const V twice = hn::Div(hn::Set(d, 2.0f), size); // of the unit quaternion's products
+            const V twice = hn::Div(hn::Set(d, 2.0f), size); // for products of the unit quaternion
             const V x = hn::Mul(v.x, twice), y = hn::Mul(v.y, twice), z = hn::Mul(v.z, twice);
             const V xx = hn::Mul(x, v.x), yy = hn::Mul(y, v.y), zz = hn::Mul(z, v.z);
             const V xy = hn::Mul(x, v.y), xz = hn::Mul(x, v.z), yz = hn::Mul(y, v.z);
@@ -145,12 +149,10 @@ void warpAndSmooth(const std::vector<RotationBlock>& rotations, const std::vecto
     (rotations.data(), inverseDiagonal.data(), r.data(), s.data(), w.data(), blocks);
 }
 
-double prolongAndUnwarp(const std::vector<RotationBlock>& rotations, const std::vector<InterpolationBlock>& from,
-                        std::span<const float> coarse, const NodeArray& w, const NodeArray& r, NodeArray& z,
-                        Blocks blocks)
+double prolongAndUnwarp(const std::vector<RotationBlock>& rotations, const CoarseCorrection& coarse, const NodeArray& w,
+                        const NodeArray& r, NodeArray& z, Blocks blocks)
 {
-    return HWY_DYNAMIC_DISPATCH(prolongAndUnwarpBlocks)(rotations.data(), from.empty() ? nullptr : from.data(),
-                                                        coarse.data(), w.data(), r.data(), z.data(), blocks);
+    return HWY_DYNAMIC_DISPATCH(prolongAndUnwarpBlocks)(rotations.data(), coarse, w.data(), r.data(), z.data(), blocks);
 }
 
 void averageRotations(const Gather& gather, std::span<const float> quaternions, std::vector<RotationBlock>& rotations,

@@ -1,4 +1,5 @@
-// Sixteen lanes, on any instruction set. Compiled once per target (Highway's foreach_target): hence the odd guard.
+// Sixteen lanes on any instruction set. Highway's foreach_target compiles this file once per target, which is why its
+// include guard is unusual.
 #if defined(FILASOFIA_LINALG_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FILASOFIA_LINALG_SIMD_INL_H
 #undef FILASOFIA_LINALG_SIMD_INL_H
@@ -17,9 +18,9 @@ HWY_BEFORE_NAMESPACE();
 namespace filasofia::linalg::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Nodes and elements are worked on in blocks of sixteen. A machine with fewer lanes takes a block in two or four parts:
-// every lane computes the same, whatever the machine, as long as no lane looks at another. (Targets differ in fused
-// multiply-add alone: those that have it give the same bits.)
+// Nodes and elements are processed in blocks of sixteen. A machine with fewer lanes takes a block in two or four parts:
+// every lane computes the same on every machine if no lane depends on another. Targets differ only in fused
+// multiply-add: those that have it give the same bits.
 using Lanes = hn::CappedTag<float, 16>;
 using Four = hn::CappedTag<float, 4>;
 using V = hn::Vec<Lanes>;
@@ -30,7 +31,7 @@ struct V3 {
     V x, y, z;
 };
 
-/// Vectors of four floats from base + at[0], base + at[4], base + at[8] ..., one behind the other.
+/// Vectors of four floats from base + at[0], base + at[4], base + at[8] ..., one after another.
 template <class D> HWY_INLINE hn::Vec<D> everyFourth(D d, const float* HWY_RESTRICT base, const int* HWY_RESTRICT at)
 {
     if constexpr (hn::MaxLanes(D()) == 4) {
@@ -53,7 +54,7 @@ HWY_INLINE V upperHalves(V a, V b)
     return hn::BitCast(Lanes(), hn::InterleaveUpper(wide, hn::BitCast(wide, a), hn::BitCast(wide, b)));
 }
 
-/// The vectors x y z _ at base + at[lane], turned into one vector per component.
+/// The vectors x y z _ at base + at[lane], transposed into one vector per component.
 HWY_INLINE V3 gatherNodes(const float* HWY_RESTRICT base, const int* HWY_RESTRICT at)
 {
     const Lanes d;
@@ -64,9 +65,9 @@ HWY_INLINE V3 gatherNodes(const float* HWY_RESTRICT base, const int* HWY_RESTRIC
     return {lowerHalves(xy01, xy23), upperHalves(xy01, xy23), lowerHalves(z01, z23)};
 }
 
-/// One vector of four floats per lane.
+/// One vector of four floats per lane: those of lanes 0, 4, 8 ..., those of lanes 1, 5, 9 ..., and so on.
 struct Transposed {
-    V of0, of1, of2, of3; ///< of lanes 0, 4, 8 ...; of lanes 1, 5, 9 ...; and so on
+    V of0, of1, of2, of3;
 };
 HWY_INLINE Transposed transposed(V x, V y, V z, V w)
 {
@@ -76,7 +77,7 @@ HWY_INLINE Transposed transposed(V x, V y, V z, V w)
     return {lowerHalves(xy01, zw01), upperHalves(xy01, zw01), lowerHalves(xy23, zw23), upperHalves(xy23, zw23)};
 }
 
-/// Stores one vector per lane into a group of sixteen. Lane l of the group is found at laneOffset(l) (node_array.h).
+/// Stores one vector per lane into a group of sixteen; that of lane l lies at laneOffset(l) (node_array.h).
 HWY_INLINE void storeGroup(V3 v, V w, float* HWY_RESTRICT group, std::size_t part)
 {
     const Lanes d;
@@ -87,7 +88,7 @@ HWY_INLINE void storeGroup(V3 v, V w, float* HWY_RESTRICT group, std::size_t par
     hn::Store(t.of3, d, group + 48 + part);
 }
 
-/// Sixteen nodes that lie one behind the other.
+/// Consecutive nodes of a block, from node `part` on.
 HWY_INLINE V3 loadNodes(const float* HWY_RESTRICT nodes, std::size_t part)
 {
     static constexpr int kAt[16] = {0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, 56, 60};
@@ -118,7 +119,7 @@ HWY_INLINE void storeNodes(V3 v, float* HWY_RESTRICT nodes, std::size_t part)
 /// a * b + c * d + e * f, in this order.
 HWY_INLINE V sumOfProducts(V a, V b, V c, V d, V e, V f) { return hn::MulAdd(e, f, hn::MulAdd(c, d, hn::Mul(a, b))); }
 
-// Sixteen sums side by side, four nodes to a row, for sixteen lanes on every target.
+/// Sixteen sums side by side, four nodes to a row: sixteen lanes on every target.
 struct LaneSums {
     alignas(64) float lanes[kBlock];
 

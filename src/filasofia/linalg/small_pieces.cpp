@@ -1,5 +1,4 @@
-// What the coarse level of a TwoLevelPreconditioner has of small pieces.
-#include "filasofia/linalg/two_level_preconditioner.h"
+#include "filasofia/linalg/small_pieces.h"
 
 #include <algorithm>
 
@@ -17,18 +16,18 @@ void writeBlock(PanelRow* panels, int row, int column, const Mat3& block)
 
 } // namespace
 
-int TwoLevelPreconditioner::nodeOfPiece(std::size_t piece, int place) const
+SmallPieces::SmallPieces(std::vector<PanelRow> inverses, std::span<const char> freePieces, int latticeNodes)
+    : inverses_(std::move(inverses)), freePieces_(freePieces.begin(), freePieces.end()),
+      firstNode_(firstPieceNode(latticeNodes))
 {
-    const auto coarse = static_cast<std::size_t>(firstPieceNode(latticeNodes_) + place) + piece * kPieceNodes;
-    return restriction_.size(coarse) == 0 ? -1 : restriction_.begin(coarse)->node;
 }
 
-void TwoLevelPreconditioner::followPieces(const NodeArray& x, std::span<const float> masses, double massWeight)
+void SmallPieces::followRigidMotions(const CoarseInterpolation& interpolation, const PieceMotion& motion)
 {
     struct Point {
-        int at;    ///< its place in the piece
-        Vec3 arm;  ///< [m] from the centre
-        Mat3 turn; ///< R^T
+        int at;      ///< its place in the piece
+        Vec3 arm;    ///< [m] from the centre of mass
+        Mat3 toRest; ///< R^T
         double mass;
     };
     std::vector<Point> points;
@@ -38,11 +37,13 @@ void TwoLevelPreconditioner::followPieces(const NodeArray& x, std::span<const fl
         double mass = 0.0;
         Vec3 centre;
         for (int i = 0; i < kPieceNodes; ++i) {
-            const int node = nodeOfPiece(p, i);
+            const int node = interpolation.firstNode(static_cast<std::size_t>(firstNode_ + i) + p * kPieceNodes);
             if (node < 0) continue;
-            const float* at = x[node];
-            points.push_back(
-                {i, {at[0], at[1], at[2]}, transpose(rotation(node)), masses[static_cast<std::size_t>(node)]});
+            const float* at = motion.x[node];
+            points.push_back({i,
+                              {at[0], at[1], at[2]},
+                              transpose(rotationAt(motion.rotations, node)),
+                              motion.masses[static_cast<std::size_t>(node)]});
             mass += points.back().mass;
             centre += points.back().mass * points.back().arm;
         }
@@ -54,32 +55,30 @@ void TwoLevelPreconditioner::followPieces(const NodeArray& x, std::span<const fl
             inertia += each.mass * (lengthSquared(each.arm) * Mat3::identity() - outer(each.arm, each.arm));
         }
         const double size = trace(inertia) / 3.0;
-        const bool solid = determinant(inertia) > 1e-6 * size * size * size; // else in a point or on a line
-        const Mat3 spin = solid ? inverse(inertia) : Mat3{};
-        // An impulse at one point moves another by I/m + [d_i]^T J^-1 [d_j], both as the pieces were at rest.
-        PanelRow* panels = pieceInverses_.data() + p * kPieceRows;
+        const bool solid = determinant(inertia) > 1e-6 * size * size * size; // else all in a point or on a line
+        const Mat3 inverseInertia = solid ? inverse(inertia) : Mat3{};
+        PanelRow* panels = inverses_.data() + p * kPieceRows;
         for (const Point& a : points)
             for (const Point& b : points) {
-                const Mat3 moved =
-                    1.0 / massWeight *
-                    (1.0 / mass * Mat3::identity() + transpose(crossMatrix(a.arm)) * spin * crossMatrix(b.arm));
-                writeBlock(panels, a.at, b.at, a.turn * moved * transpose(b.turn));
+                const Mat3 moved = 1.0 / motion.massWeight *
+                                   (1.0 / mass * Mat3::identity() +
+                                    transpose(crossMatrix(a.arm)) * inverseInertia * crossMatrix(b.arm));
+                writeBlock(panels, a.at, b.at, a.toRest * moved * transpose(b.toRest));
             }
     }
 }
 
-/// Those that feel something.
-void TwoLevelPreconditioner::answerPieces(std::span<const float> felt, std::span<float> answered) const
+void SmallPieces::solve(std::span<const float> x, std::span<float> y) const
 {
-    const std::size_t first = 3 * static_cast<std::size_t>(firstPieceNode(latticeNodes_));
-    for (std::size_t at = 0; at < pieceInverses_.size(); at += kPieceRows) {
+    const std::size_t first = 3 * static_cast<std::size_t>(firstNode_);
+    for (std::size_t at = 0; at < inverses_.size(); at += kPieceRows) {
         const std::size_t from = first + at / kPieceRows * kPieceUnknowns;
-        const auto x = felt.subspan(from, kPieceUnknowns);
-        const auto y = answered.subspan(from, kPieceUnknowns);
-        if (std::ranges::all_of(x, [](float each) { return each == 0.0f; }))
-            std::ranges::fill(y, 0.0f);
+        const auto in = x.subspan(from, kPieceUnknowns);
+        const auto out = y.subspan(from, kPieceUnknowns);
+        if (std::ranges::all_of(in, [](float each) { return each == 0.0f; }))
+            std::ranges::fill(out, 0.0f);
         else
-            multiplyPanels(std::span(pieceInverses_).subspan(at, kPieceRows), x, y, 0, kPiecePanels);
+            multiplyPanels(std::span(inverses_).subspan(at, kPieceRows), in, out, 0, kPiecePanels);
     }
 }
 

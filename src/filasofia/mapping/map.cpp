@@ -14,7 +14,7 @@ namespace {
 
 bool before(Vec3 a, Vec3 b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
-/// The node at exactly the place of each vertex; nothing where a vertex has none.
+/// The node at exactly the position of each vertex; nullopt if some vertex has none.
 std::optional<IdentityMap> matchNodes(const geometry::TetMesh& rest, const geometry::TriangleMesh& surface)
 {
     std::vector<int> order(rest.nodes.size());
@@ -58,7 +58,7 @@ std::vector<std::vector<int>> trianglesAround(const geometry::TriangleMesh& surf
     return around;
 }
 
-/// Do two triangles that share `vertex` share an edge there.
+/// Whether two triangles that share `vertex` also share an edge there.
 bool neighbours(const geometry::Triangle& a, const geometry::Triangle& b, int vertex)
 {
     for (int i : a)
@@ -81,7 +81,7 @@ geometry::TriangleMesh withCreases(const geometry::TriangleMesh& surface, double
     for (int v = 0; v < static_cast<int>(around.size()); ++v) {
         std::vector<int> left = around[v];
         for (bool first = true; !left.empty(); first = false) {
-            std::vector<int> side{left.front()}; // grows by those that go on smoothly from it
+            std::vector<int> side{left.front()}; // grows by the triangles that continue it smoothly
             left.erase(left.begin());
             for (std::size_t i = 0; i < side.size(); ++i)
                 std::erase_if(left, [&](int t) {

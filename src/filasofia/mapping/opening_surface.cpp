@@ -15,11 +15,14 @@ namespace {
 
 using geometry::Triangle;
 
-constexpr double kNearCorner = 0.02; ///< of an edge: a division nearer to its end would leave a triangle without area
-constexpr double kSamePlace = 1e-6;  ///< of a mean edge
-constexpr double kLostBy = 0.05;     ///< of a mean edge: whose anchor is so much farther now has lost it
-constexpr double kCurved = 0.5;      ///< of a mean edge: how far the boundary may be from an edge of the surface
-constexpr double kStrip = 0.01;      ///< of a mean edge: a surface nearer to the rim than this needs no strip
+constexpr double kNearCorner =
+    0.02; ///< [-] fraction of an edge: a division nearer to its end would leave a triangle without area
+constexpr double kSamePlace = 1e-6; ///< [-] fraction of a mean edge: distance of points that coincide
+constexpr double kLostBy =
+    0.05; ///< [-] fraction of a mean edge: if the boundary is now farther by this much, the vertex has lost its anchor
+constexpr double kCurved =
+    0.5; ///< [-] fraction of a mean edge: how far the boundary may be from an edge of the surface
+constexpr double kStrip = 0.01; ///< [-] fraction of a mean edge: a surface nearer to the rim than this needs no strip
 
 geometry::Embedding embeddingOf(const SoftMap& map)
 {
@@ -32,7 +35,7 @@ geometry::Embedding embeddingOf(const SoftMap& map)
     return embedding;
 }
 
-/// The boxes of what cuts have opened.
+/// A tree of the boxes of the triangles that cuts have opened.
 geometry::Bvh openedTree(const frame::Boundary& boundary)
 {
     std::vector<geometry::Box> boxes;
@@ -44,23 +47,23 @@ geometry::Bvh openedTree(const frame::Boundary& boundary)
     return geometry::Bvh(boxes);
 }
 
-/// How far along the edge from a to b it is nearest to another one; in [0, 1].
+/// The parameter in [0, 1] along the edge from a to b where it is nearest to another edge.
 double nearestShare(Vec3 a, Vec3 b, const std::array<Vec3, 2>& other)
 {
     const Vec3 u = b - a, v = other[1] - other[0], w = a - other[0];
     const double uu = lengthSquared(u), vv = lengthSquared(v), uv = dot(u, v), wide = uu * vv - uv * uv;
-    const double alongOther = // 0: the other one has no length, or both are parallel
+    const double alongOther = // 0 if the other edge has no length, or both are parallel
         wide > 1e-9 * uu * vv ? std::clamp((uu * dot(v, w) - uv * dot(u, w)) / wide, 0.0, 1.0) : 0.0;
     return uu > 0.0 ? std::clamp(dot(other[0] + alongOther * v - a, u) / uu, 0.0, 1.0) : 0.5;
 }
 
-/// Where an edge of the surface was divided: a vertex on each side, and below it one on the rim. -1: that side is gone.
+/// The division of an edge of the surface: a vertex on each side, and below it one on the rim. -1 if that side is gone.
 struct Division {
-    std::array<int, 2> vertex{-1, -1}; ///< on the side of the edge's lower vertex, of its higher one
+    std::array<int, 2> vertex{-1, -1}; ///< first on the side of the edge's lower vertex, second of its higher one
     std::array<int, 2> rim{-1, -1};
 };
 
-/// One surface on one boundary, while it is divided.
+/// One surface on one boundary, while it is being divided.
 class Opening {
 public:
     Opening(const MappedSurface& whole, const geometry::Embedding& embedding, const frame::Boundary& boundary)
@@ -71,7 +74,7 @@ public:
 
     [[nodiscard]] const Outside& outside() const { return outside_; }
 
-    /// Has the boundary changed where the vertex is, or may it have?
+    /// Whether the boundary has changed at the vertex, or may have.
     [[nodiscard]] bool touched(int vertex, const Triangle& anchor)
     {
         if (!outside_.has(anchor)) return true;
@@ -89,7 +92,7 @@ public:
         return !found_.empty();
     }
 
-    /// The vertex rides on the element behind the nearest triangle of the boundary from now on.
+    /// From now on the vertex is embedded in the element behind the nearest triangle of the boundary.
     void anchor(int vertex, double usualDistance)
     {
         const double lost = usualDistance + kLostBy * outside_.meanEdge();
@@ -104,7 +107,7 @@ public:
             surface_.triangles.push_back(triangle);
             return;
         }
-        std::array<const Division*, 3> across{}; // the edge opposite each corner
+        std::array<const Division*, 3> across{}; // the division of the edge opposite each corner
         int crossed = 0;
         for (int k = 0; k < 3; ++k) {
             across[k] = division(triangle[(k + 1) % 3], triangle[(k + 2) % 3]);
@@ -116,7 +119,7 @@ public:
         divideInThree(triangle, across);
     }
 
-    /// Without the vertices that no triangle has any more.
+    /// The result, without the vertices that no triangle uses any more.
     MappedSurface finish()
     {
         std::vector<int> fresh(surface_.vertices.size(), -1);
@@ -153,7 +156,7 @@ private:
         const auto found = touched_.find(vertex);
         return found != touched_.end() && found->second.triangle < 0;
     }
-    /// Where the vertex of the given surface is on the boundary.
+    /// The position on the boundary of a vertex of the given surface.
     std::optional<OutsidePlace> placeOf(int vertex)
     {
         if (const auto found = touched_.find(vertex); found != touched_.end()) return found->second;
@@ -174,7 +177,7 @@ private:
         return vertex;
     }
 
-    /// Of the edge between two vertices; none where both hang together.
+    /// The division of the edge between two vertices; null if both are still connected.
     const Division* division(int from, int to)
     {
         const std::pair edge = std::minmax(from, to);
@@ -220,8 +223,8 @@ private:
         opened_.overlapping(grown(geometry::boxAround(ends), kCurved * outside_.meanEdge()), found_);
         return !found_.empty();
     }
-    /// Where the way from a vertex to another one begins: where a vertex lies on a crease of the boundary, on that side
-    /// of the crease to which it leads.
+    /// The starting point of the path from one vertex to another: if a vertex lies on a crease of the boundary, the
+    /// point is on that side of the crease to which the path leads.
     std::optional<OutsidePlace> endOf(int vertex, int other)
     {
         const auto place = placeOf(vertex);
@@ -243,7 +246,8 @@ private:
         add({a, b, c});
         add({a, c, d});
     }
-    /// Skin from the edge of the surface, walked from one division to the next with its part to the left, to the rim.
+    /// Adds skin from the edge of the surface down to the rim; the edge goes from one division to the next with its
+    /// part on the left.
     void addStrip(int from, int rimFrom, int to, int rimTo)
     {
         if (from < 0 || to < 0) return;
@@ -252,7 +256,7 @@ private:
         if (high > kStrip * outside_.meanEdge()) addQuad(to, from, rimFrom, rimTo);
     }
 
-    /// One edge is divided: the opening ends in the corner opposite.
+    /// One edge is divided: the opening ends in the opposite corner.
     void divideInTwo(const Triangle& triangle, const std::array<const Division*, 3>& across)
     {
         const int k = static_cast<int>(std::ranges::find_if(across, [](auto* each) { return each; }) - across.begin());
@@ -260,7 +264,7 @@ private:
         add({tip, b, across[k]->vertex[sideOf(b, c)]});
         add({across[k]->vertex[sideOf(c, b)], c, tip});
     }
-    /// Two edges are divided: the corner between them comes off.
+    /// Two edges are divided: the corner between them is cut off.
     void cutOffCorner(const Triangle& triangle, const std::array<const Division*, 3>& across)
     {
         const int k = static_cast<int>(std::ranges::find(across, nullptr) - across.begin());
@@ -272,7 +276,7 @@ private:
         addQuad(ab.vertex[farAb], b, c, ac.vertex[farAc]);
         addStrip(ac.vertex[farAc], ac.rim[farAc], ab.vertex[farAb], ab.rim[farAb]);
     }
-    /// All three are divided: each corner has its part, and the three meet in the middle.
+    /// All three edges are divided: each corner has its part, and the three parts join in the middle.
     void divideInThree(const Triangle& triangle, const std::array<const Division*, 3>& across)
     {
         const auto& places = surface_.vertices;
@@ -294,7 +298,8 @@ private:
     const geometry::TriangleMesh& whole_;
     geometry::TriangleMesh surface_;
     geometry::Embedding embedding_;
-    std::unordered_map<int, OutsidePlace> touched_; ///< by vertex of the whole; triangle -1: what it was on is gone
+    std::unordered_map<int, OutsidePlace>
+        touched_; ///< by vertex of the whole surface; triangle -1 if its piece is gone
     std::map<std::pair<int, int>, std::optional<Division>> divisions_; ///< by edge, the lower vertex first
     std::vector<int> found_;
 };

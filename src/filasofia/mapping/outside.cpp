@@ -7,7 +7,7 @@
 namespace filasofia::mapping {
 namespace {
 
-constexpr int kLongestWalk = 256; ///< triangles: a walk that is longer goes round in circles
+constexpr int kMaxWalk = 256; ///< triangles: a longer walk is taken to be going in circles
 
 /// The weights of the point of the triangle's plane that is nearest to p; they sum to 1.
 std::array<double, 3> inPlane(Vec3 p, const std::array<Vec3, 3>& corners)
@@ -25,7 +25,7 @@ Vec3 mean(const std::array<Vec3, 3>& corners, const std::array<double, 3>& weigh
     return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
 }
 
-/// The smallest node first, in the same order around.
+/// The same cyclic order, with the smallest node first.
 geometry::Triangle turned(geometry::Triangle nodes)
 {
     std::rotate(nodes.begin(), std::ranges::min_element(nodes), nodes.end());
@@ -43,7 +43,7 @@ Outside::Outside(const frame::Boundary& boundary) : boundary_(boundary)
         int from, to, triangle, corner;
         auto operator<=>(const Edge&) const = default;
     };
-    std::vector<Edge> edges; // as their triangle walks them
+    std::vector<Edge> edges; // directed as in their triangle
     std::vector<geometry::Box> boxes;
     double sum = 0.0;
     for (int t = 0; t < triangles(); ++t) {
@@ -89,7 +89,7 @@ std::optional<OutsidePlace> Outside::nearest(Vec3 point, double atMost) const
     return OutsidePlace{found.primitive, here(found.primitive).point};
 }
 
-/// A little away from edges and corners, where it is not certain which triangle a point is in.
+/// A point slightly away from edges and corners, where it would be ambiguous which triangle a point is in.
 Vec3 Outside::inwards(const OutsidePlace& place) const
 {
     return 0.99 * place.point + 0.01 * mean(corners(place.triangle), {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0});
@@ -100,11 +100,11 @@ std::optional<RimEdge> Outside::rimBetween(const OutsidePlace& from, const Outsi
     OutsidePlace here{from.triangle, inwards(from)};
     const Vec3 goal = to.triangle < 0 ? to.point : inwards(to);
     int cameFrom = -1;
-    for (int walked = 0; here.triangle != to.triangle && walked < kLongestWalk; ++walked) {
+    for (int walked = 0; here.triangle != to.triangle && walked < kMaxWalk; ++walked) {
         const Corners places = corners(here.triangle);
         const auto start = inPlane(here.point, places), end = inPlane(goal, places);
-        // Out through the edge that the straight way meets first. Where it ends inside, as over a crease: through the
-        // edge that its end is nearest to.
+        // Leave through the edge that the straight path crosses first. If the path ends inside, as over a crease, leave
+        // through the edge that its end is nearest to.
         int out = -1;
         double way = 1.0;
         for (int k = 0; k < 3; ++k) {

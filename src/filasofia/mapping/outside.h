@@ -10,39 +10,40 @@
 
 namespace filasofia::mapping {
 
-/// A place on the outside of a body, at rest.
+/// A position on the outside of a body, at rest.
 struct OutsidePlace {
-    int triangle = -1; ///< of Outside
+    int triangle = -1; ///< index of a triangle of Outside
     Vec3 point = {};   ///< [m]
 };
 
-/// An edge of the rim of what was opened, at rest.
+/// An edge of the rim of an opening, at rest.
 struct RimEdge {
-    int triangle = -1; ///< of Outside: the one that it belongs to
+    int triangle = -1; ///< index of the triangle of Outside that it belongs to
     std::array<Vec3, 2> ends = {};
 };
 
-/// The boundary of a body without what cuts have opened, at rest: where something on the skin is, and which of its
-/// parts still hang together.
+/// The boundary of a body without what cuts have opened, at rest. It finds positions on the skin, and which of its
+/// parts are still connected.
 class Outside {
 public:
-    /// The boundary outlives it.
+    /// The boundary must outlive it.
     explicit Outside(const frame::Boundary& boundary);
 
     [[nodiscard]] int triangles() const { return static_cast<int>(places_.size()); }
-    /// [m] Of all edges; 0 without any.
+    /// [m] mean length of all edges; 0 if there are none.
     [[nodiscard]] double meanEdge() const { return meanEdge_; }
-    /// The nearest place; none where nothing is as near as `atMost` [m].
+    /// The nearest position; nullopt if nothing is as near as `atMost` [m].
     [[nodiscard]] std::optional<OutsidePlace> nearest(Vec3 point, double atMost) const;
-    /// A triangle of these three nodes, the smallest first and in its order.
+    /// Whether there is a triangle of these three nodes, in this cyclic order with the smallest first.
     [[nodiscard]] bool has(const geometry::Triangle& nodes) const;
     [[nodiscard]] geometry::Triangle nodes(int triangle) const;
 
-    /// Walks straight from one place to another, or towards one that is no longer there (triangle -1). None where it
-    /// gets there: the two hang together, as far as their straight connection tells. Else where it came to the rim.
+    /// Walks straight from one position to another, or towards one that no longer exists (triangle -1). Returns nullopt
+    /// if it arrives: the two are connected, as far as the straight line between them tells. Otherwise returns the edge
+    /// where it reached the rim.
     [[nodiscard]] std::optional<RimEdge> rimBetween(const OutsidePlace& from, const OutsidePlace& to) const;
 
-    /// The point rides on the tetrahedron behind the triangle.
+    /// Embeds the point in the tetrahedron behind the triangle.
     void embed(Vec3 point, int triangle, geometry::Embedding& embedding) const;
 
 private:
@@ -52,9 +53,10 @@ private:
     [[nodiscard]] Vec3 inwards(const OutsidePlace& place) const;
 
     const frame::Boundary& boundary_;
-    std::vector<std::size_t> places_;            ///< in the boundary
-    std::vector<std::array<int, 3>> neighbours_; ///< per triangle, across the edge opposite each corner; -1: the rim
-    std::vector<geometry::Triangle> sorted_;     ///< nodes of all triangles, for has()
+    std::vector<std::size_t> places_; ///< indices in the boundary
+    std::vector<std::array<int, 3>>
+        neighbours_; ///< per triangle, the neighbour across the edge opposite each corner; -1 at the rim
+    std::vector<geometry::Triangle> sorted_; ///< nodes of all triangles, for has()
     geometry::Bvh tree_;
     double meanEdge_ = 0.0;
 };

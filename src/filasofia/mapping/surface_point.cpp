@@ -12,7 +12,8 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-constexpr double kFlat = 1e-12; ///< an area so much smaller than the square of the triangle's longest edge is none
+constexpr double kFlat =
+    1e-12; ///< [-] an area smaller than this fraction of the square of the triangle's longest edge counts as none
 
 Corners cornersOf(const MappedSurface& mapped, int triangle)
 {
@@ -21,23 +22,23 @@ Corners cornersOf(const MappedSurface& mapped, int triangle)
     return {vertices[a], vertices[b], vertices[c]};
 }
 
-/// Twice the area along the normal; zero where there is no area to speak of.
+/// The normal with twice the area as its length; zero if the area is negligible.
 Vec3 areaNormal(const Corners& corners)
 {
     const Vec3 first = corners[1] - corners[0], second = corners[2] - corners[0];
     const Vec3 normal = cross(first, second);
     const double longest = std::max({lengthSquared(first), lengthSquared(second), lengthSquared(second - first)});
-    return length(normal) > kFlat * longest ? normal : Vec3{}; // NaN compares false
+    return length(normal) > kFlat * longest ? normal : Vec3{}; // a comparison with NaN is false
 }
 
-/// Two edges and the normal: what the deformation of the triangle is told by. The normal is as long as the triangle is
-/// large, so that the matrix is well scaled at any size.
+/// Two edges and the normal, which determine the triangle's deformation. The normal's length is that of the triangle,
+/// so that the matrix is well scaled at any size.
 Mat3 edgesAndNormal(const Corners& corners, Vec3 normal, double scale)
 {
     return Mat3::columns(corners[1] - corners[0], corners[2] - corners[0], scale * normalized(normal));
 }
 
-/// +Z along the normal, +Y as near to the world's +Y as can be.
+/// +Z along the normal, +Y as close as possible to the world's +Y.
 Quat restOrientation(Vec3 normal)
 {
     const Vec3 z = normalized(normal);
@@ -94,10 +95,11 @@ SurfacePoint pointOnTriangle(const MappedSurface& mapped, int triangle, const st
     const int count = static_cast<int>(mapped.surface.triangles.size());
     if (triangle < 0 || triangle >= count) fail(object, ": triangle must be in [0, ", count, "), got ", triangle);
     for (const double weight : weights)
-        if (!(weight >= 0.0 && weight <= 1.0)) fail(object, ": weights must be in [0, 1], got ", weight);
+        if (!(weight >= 0.0 && weight <= 1.0)) fail(object, ": each weight must be in [0, 1], got ", weight);
     const double sum = weights[0] + weights[1] + weights[2];
     if (!(std::abs(sum - 1.0) < 1e-9)) fail(object, ": the sum of the weights must be 1, got ", sum);
-    if (areaNormal(cornersOf(mapped, triangle)) == Vec3{}) fail(object, ": triangle ", triangle, " has no area");
+    if (areaNormal(cornersOf(mapped, triangle)) == Vec3{})
+        fail(object, ": triangle ", triangle, " must have an area, got none");
     return make(mapped, triangle, weights);
 }
 
@@ -113,7 +115,7 @@ SurfacePoint nearestPoint(const MappedSurface& mapped, Vec3 place, const std::st
         best = t;
         nearest = here;
     }
-    if (best < 0) fail(object, ": the surface has no triangle with an area");
+    if (best < 0) fail(object, ": the surface must have a triangle with an area, got none");
     return make(mapped, best, nearest.weights);
 }
 
@@ -129,8 +131,8 @@ Pose apply(const SurfacePoint& point, const frame::SoftBodyFrame& body, Quat las
     const Vec3 normal = areaNormal(corners);
     const Vec3 place = mean(corners, point.weights);
     if (normal == Vec3{} || !isFinite(normal)) return {place, last};
-    // The triangle's deformation takes edges to edges and the unit normal to the unit normal: the rotation nearest to
-    // it does too, and is the body's own where the body moves rigidly.
+    // The triangle's deformation maps edges to edges and the unit normal to the unit normal. So does the rotation
+    // nearest to it, which is the body's own rotation if the body moves rigidly.
     const Mat3 deformation = edgesAndNormal(corners, normal, point.scale) * point.restInverse;
     const Quat guess = last * conjugate(point.rest.orientation);
     return {place, normalized(polarRotation(deformation, guess) * point.rest.orientation)};

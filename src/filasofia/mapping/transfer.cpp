@@ -23,7 +23,7 @@ SurfaceTransfer transferBetween(const geometry::TriangleMesh& old, const geometr
     transfer.weights.resize(fresh.vertices.size());
     for (std::size_t i = 0; i < fresh.vertices.size(); ++i) {
         const Vec3 p = fresh.vertices[i];
-        // Most vertices of a cut surface are the old ones in their old places.
+        // Most vertices of a cut surface are old ones at their old positions.
         const auto nearest = [&](int t) {
             return geometry::nearestOnTriangle(p, corner(t, 0), corner(t, 1), corner(t, 2));
         };
@@ -32,7 +32,7 @@ SurfaceTransfer transferBetween(const geometry::TriangleMesh& old, const geometr
         if (found.primitive < 0) continue;
         transfer.vertices[i] = old.triangles[found.primitive];
         transfer.weights[i] = nearest(found.primitive).weights;
-        for (std::size_t k = 0; k < 3; ++k) // a vertex that was there keeps its value to the bit
+        for (std::size_t k = 0; k < 3; ++k) // an existing vertex keeps its value bit for bit
             if (p == corner(found.primitive, static_cast<int>(k)))
                 transfer.weights[i] = {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
     }

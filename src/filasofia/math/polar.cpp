@@ -11,8 +11,8 @@ constexpr int kMaxIterations = 12;
 
 Quat polarRotation(const Mat3& f, Quat q)
 {
-    // With B = R^T F, a further rotation by the small vector w changes trace(R^T F) by w . g - w^T H w / 2, where
-    // g is the axial vector of B - B^T and H = tr(B) I - sym(B). At the maximum g = 0 and H is positive definite.
+    // With B = R^T F, a further rotation by the small vector w changes trace(R^T F) by w . g - w^T H w / 2, where g is
+    // the axial vector of B - B^T and H = tr(B) I - sym(B). At the maximum, g = 0 and H is positive definite.
     const double tolerance = 1e-14 * frobeniusNorm(f);
     for (int k = 0; k < kMaxIterations; ++k) {
         const Mat3 b = transposeTimes(toMat3(q), f);

@@ -6,7 +6,7 @@ namespace filasofia {
 
 Quat toQuat(const Mat3& m)
 {
-    // Four times the squares of w, x, y, z: the largest is the one that can be divided by safely.
+    // Four times the squares of w, x, y, z; dividing by the largest is safe.
     const double t = trace(m);
     const double square[4] = {1 + t, 1 + 2 * m[0].x - t, 1 + 2 * m[1].y - t, 1 + 2 * m[2].z - t};
     const auto largest = std::max_element(square, square + 4) - square;

@@ -19,7 +19,7 @@ Vec3 anyNormal(Vec3 a)
     return normalized(cross(a, axis));
 }
 
-/// Rotates columns p and q of both matrices so that those of `a` become orthogonal; false where they were already.
+/// Rotates columns p and q of both matrices so that those of `a` become orthogonal; false if they already were.
 bool rotatePair(Columns& a, Columns& v, int p, int q)
 {
     const double alpha = lengthSquared(a.c[p]), beta = lengthSquared(a.c[q]), gamma = dot(a.c[p], a.c[q]);
@@ -39,7 +39,7 @@ bool rotatePair(Columns& a, Columns& v, int p, int q)
 
 Svd svd(const Mat3& matrix)
 {
-    // Scaled so that squares neither overflow nor vanish.
+    // Scale the matrix so that squares neither overflow nor vanish.
     double scale = 0.0;
     for (const Vec3& row : matrix.row)
         for (int i = 0; i < 3; ++i) scale = std::max(scale, std::abs(row[i]));
@@ -66,13 +66,13 @@ Svd svd(const Mat3& matrix)
     exchange(1, 2);
     exchange(0, 1);
 
-    // The columns are u times sigma. Vanishing ones have no direction of their own: any that completes the rotation.
+    // The columns are u times sigma. A vanishing column has no direction: take any that completes the rotation.
     const Vec3 u0 = normalized(a.c[0]);
     const double s0 = length(a.c[0]);
     const bool line = length(a.c[1]) <= 1e-15 * s0;
     const Vec3 u1 = line ? anyNormal(u0) : normalized(a.c[1] - dot(a.c[1], u0) * u0);
     const Vec3 u2 = cross(u0, u1);
-    const double s1 = line ? 0.0 : std::min(dot(a.c[1], u1), s0); // equal but for rounding: keep the order
+    const double s1 = line ? 0.0 : std::min(dot(a.c[1], u1), s0); // equal except for rounding: keep the order
     const double s2 = std::clamp(dot(a.c[2], u2), -s1, s1);
     return {Mat3::columns(u0, u1, u2), scale * Vec3{s0, s1, s2}, Mat3::columns(v.c[0], v.c[1], v.c[2])};
 }

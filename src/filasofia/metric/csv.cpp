@@ -19,7 +19,7 @@ int columnsOf(const Session& session)
 void appendCell(std::string& out, double value)
 {
     out += ',';
-    if (std::isfinite(value)) out += text(value); // else the cell is empty
+    if (std::isfinite(value)) out += text(value); // otherwise the cell is empty
 }
 
 } // namespace

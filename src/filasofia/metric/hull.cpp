@@ -13,11 +13,11 @@
 namespace filasofia::metric {
 namespace {
 
-using Face = std::array<std::size_t, 3>; // counterclockwise seen from outside
+using Face = std::array<std::size_t, 3>; // counter-clockwise seen from outside
 
 double signedVolume(Vec3 a, Vec3 b, Vec3 c, Vec3 d) { return dot(cross(b - a, c - a), d - a) / 6.0; }
 
-/// Those that lie furthest in directions spread evenly over the sphere (a Fibonacci spiral).
+/// The points that lie furthest in directions spread evenly over the sphere (a Fibonacci spiral).
 std::vector<Vec3> furthest(const std::vector<Vec3>& points)
 {
     if (points.size() <= kDirections) return points;
@@ -27,9 +27,9 @@ std::vector<Vec3> furthest(const std::vector<Vec3>& points)
                      turn = static_cast<double>(k) * std::numbers::pi * (3.0 - std::sqrt(5.0));
         const Vec3 direction = {r * std::cos(turn), r * std::sin(turn), z};
         std::size_t best = 0;
-        double most = dot(direction, points[0]);
+        double largest = dot(direction, points[0]);
         for (std::size_t i = 1; i < points.size(); ++i)
-            if (const double far = dot(direction, points[i]); far > most) most = far, best = i;
+            if (const double far = dot(direction, points[i]); far > largest) largest = far, best = i;
         chosen.push_back(best);
     }
     sortUnique(chosen);
@@ -38,7 +38,7 @@ std::vector<Vec3> furthest(const std::vector<Vec3>& points)
     return kept;
 }
 
-/// Brings four points that span a volume to the front; false where there are none.
+/// Moves four points that span a volume to the front; false if there are none.
 bool beginWithTetrahedron(std::vector<Vec3>& p, double tiny)
 {
     const auto bring = [&p](std::size_t place, auto measure) {
@@ -55,8 +55,8 @@ bool beginWithTetrahedron(std::vector<Vec3>& p, double tiny)
     return true;
 }
 
-/// Moves every point by about 1e-9 of the size, the same every time: no four lie in a plane then, and which faces see a
-/// point is never a matter of rounding. A face misjudged by a hair would fold the surface.
+/// Moves every point by about 1e-9 of the size, the same in every call, so that no four points lie in a plane and
+/// rounding never decides which faces see a point. A single misjudged face would fold the surface.
 void jitter(std::vector<Vec3>& points, double size)
 {
     std::uint32_t state = 1;
@@ -79,10 +79,10 @@ double hullVolume(const std::vector<Vec3>& all)
     jitter(points, size);
     if (signedVolume(points[0], points[1], points[2], points[3]) > 0.0) std::swap(points[1], points[2]);
 
-    // One point after another: the faces that see it give way to a cone from it to their rim.
+    // Add one point after another: the faces that see it are replaced by a cone from it to their rim.
     std::vector<Face> faces = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
     for (std::size_t i = 4; i < points.size(); ++i) {
-        std::map<std::pair<std::size_t, std::size_t>, int> edges; // of faces that see the point
+        std::map<std::pair<std::size_t, std::size_t>, int> edges; // edges of the faces that see the point
         std::vector<Face> kept;
         for (const Face& face : faces) {
             if (signedVolume(points[face[0]], points[face[1]], points[face[2]], points[i]) <= 0.0) {

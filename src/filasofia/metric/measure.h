@@ -6,17 +6,17 @@
 /// The functions behind the catalog, and what they share.
 namespace filasofia::metric {
 
-/// What is made once of a session, for all metrics.
+/// What is computed once per session for all metrics.
 struct Material {
     const Session& session;
     const MeasureDef& def;
-    const Track* tool = nullptr;    ///< nullptr: none is observed
-    const Track* partner = nullptr; ///< the other hand's
+    const Track* tool = nullptr;    ///< nullptr if none is observed
+    const Track* partner = nullptr; ///< the tool in the other hand
     const Track* scope = nullptr;
-    std::vector<Motion> motions = {}; ///< of the tool
+    std::vector<Motion> motions = {}; ///< motions of the tool
     double moved = 0.0;               ///< [s], the sum of their durations
-    double first = 0.0, last = 0.0;   ///< [s], of the tool's samples that have a time
-    int timed = 0;                    ///< [-], samples that have a time
+    double first = 0.0, last = 0.0;   ///< [s], first and last time of the tool's samples that have a finite time
+    int timed = 0;                    ///< [-], number of samples that have a finite time
 };
 Material materialOf(const Session& session, const MeasureDef& def);
 

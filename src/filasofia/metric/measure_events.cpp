@@ -28,7 +28,7 @@ std::optional<double> firstOf(const std::vector<const Event*>& events)
     return events.empty() ? std::nullopt : std::optional(events.front()->time);
 }
 
-Value notWatched(EventKind kind) { return none(text("the session was not watched for events '", name(kind), "'")); }
+Value notWatched(EventKind kind) { return none(text("the session did not record events of kind '", name(kind), "'")); }
 
 Value count(const Material& m, EventKind kind, const std::function<bool(const Event&)>& wanted)
 {
@@ -39,12 +39,12 @@ Value count(const Material& m, EventKind kind, const std::function<bool(const Ev
 
 bool anyOf(const Event&) { return true; }
 
-/// A blade that is drawn through, or a tear that runs, opens a body edit by edit: that is one act.
+/// A blade that is drawn through a body, or a tear that propagates, opens it edit by edit: that counts as one act.
 Value countActs(const Material& m, EventKind kind, const std::function<bool(const Event&)>& wanted)
 {
     if (!watched(m, kind)) return notWatched(kind);
     const auto events = eventsOf(m, [&](const Event& event) { return event.kind == kind && wanted(event); });
-    std::map<std::string_view, double> last; // [s], by body
+    std::map<std::string_view, double> last; // [s], per body
     int acts = 0;
     for (const Event* event : events) {
         const auto [before, first] = last.try_emplace(event->what, event->time);
@@ -61,21 +61,21 @@ std::function<bool(const Event&)> unintended(const Material& m)
     };
 }
 
-/// The newest amount of a kind that is told as it grows.
+/// The newest amount of a kind that is reported repeatedly as it changes.
 Value newestAmount(const Material& m, EventKind kind)
 {
     const auto events = eventsOf(m, [&](const Event& event) { return event.kind == kind && event.amount; });
-    if (events.empty()) return none(text("no event '", name(kind), "' told of it"));
+    if (events.empty()) return none(text("there was no event of kind '", name(kind), "'"));
     return found(*events.back()->amount, events.back()->time);
 }
 
 std::string noScope(const Material& m)
 {
     if (!m.scope) return "no scope was observed";
-    return m.scope->samples.size() < 2 ? "needs two samples of the scope" : "";
+    return m.scope->samples.size() < 2 ? "needs at least two samples of the scope" : "";
 }
 
-/// Calls take(i, dt) for every sample of the scope that ends a time without a gap.
+/// Calls take(i, dt) for every sample of the scope that ends an interval without a gap.
 template <class Take> void forEachStep(const Material& m, const std::vector<Sample>& samples, Take&& take)
 {
     for (std::size_t i = 1; i < samples.size(); ++i) {
@@ -123,7 +123,7 @@ Value horizonError(const Material& m)
         const Vec3 forward = normalized(rotate(pose.orientation, m.scope->axis));
         const Vec3 vertical = m.session.up - dot(m.session.up, forward) * forward;
         const Vec3 up = rotate(pose.orientation, m.scope->up);
-        if (length(vertical) < 0.1 * length(m.session.up)) return; // it looks straight up or down: no horizon
+        if (length(vertical) < 0.1 * length(m.session.up)) return; // it looks straight up or down: there is no horizon
         sum += dt * std::abs(std::atan2(dot(forward, cross(vertical, up)), dot(vertical, up)));
         time += dt;
     });
@@ -138,7 +138,7 @@ Value lensContactTime(const Material& m)
     std::optional<double> first;
     forEachStep(m, m.scope->samples, [&](std::size_t i, double dt) {
         const Sample& sample = m.scope->samples[i];
-        // NaN lies in no reach.
+        // A comparison with NaN is false.
         if (sample.contacts <= 0 || !(distance(sample.point, sample.pose.position) <= m.def.lensReach)) return;
         if (!first) first = sample.time - dt;
         time += dt;
@@ -150,7 +150,7 @@ Value outOfViewTime(const Material& m)
 {
     if (std::string reason = noScope(m); !reason.empty()) return none(reason);
     if (!m.tool) return none("no tool was observed");
-    if (!m.session.fieldOfView) return none("the case names no field of view");
+    if (!m.session.fieldOfView) return none("the case specifies no field of view");
     if (m.tool->samples.size() != m.scope->samples.size()) return none("tool and scope were not observed together");
     double time = 0.0;
     std::optional<double> first;
@@ -170,7 +170,7 @@ Value shareSeen(const Material& m) { return newestAmount(m, EventKind::Seen); }
 
 Value stepsDone(const Material& m)
 {
-    if (m.session.steps.empty()) return none("the case names no steps");
+    if (m.session.steps.empty()) return none("the case specifies no steps");
     double done = 0.0;
     std::optional<double> last;
     for (const std::string& step : m.session.steps) {

@@ -12,14 +12,14 @@ struct Force {
     double time;
     double size; ///< [N]
     int contacts;
-    double steady; ///< [N], the size of the mean over forceWindow
+    double steady; ///< [N], magnitude of the mean over forceWindow
 };
 
-/// The force of the step of a hit is m dv / dt: it grows as steps get shorter, and says nothing. Its mean over some
-/// steps does not. A sample tells of the time since the one before.
+/// In an impact, the force of a step is m dv / dt: it grows as steps get shorter, and means nothing. Its mean over some
+/// steps does not. A sample stands for the time since the previous one.
 void steady(std::vector<Force>& forces, const std::vector<Vec3>& vectors, double window)
 {
-    std::size_t first = 0; // of those within the window
+    std::size_t first = 0; // first sample within the window
     for (std::size_t i = 0; i < forces.size(); ++i) {
         while (first < i && forces[first].time <= forces[i].time - window + 1e-9) ++first;
         Vec3 impulse = {};
@@ -33,7 +33,7 @@ void steady(std::vector<Force>& forces, const std::vector<Vec3>& vectors, double
     }
 }
 
-/// The samples that have a force, by rising time. Forces are not filtered but for those means.
+/// The samples that have a force, in increasing order of time. Forces are filtered only by those means.
 std::vector<Force> forcesOf(const Material& m, const Track* track)
 {
     std::vector<Force> forces;
@@ -52,7 +52,7 @@ std::vector<Force> forcesOf(const Material& m, const Track* track)
 
 std::vector<Force> forcesOf(const Material& m) { return forcesOf(m, m.tool); }
 
-/// Of every instrument, a scope too: what harms counts, whichever did it.
+/// The forces of every instrument, including a scope: harm counts whichever instrument did it.
 std::vector<std::vector<Force>> forcesOfAll(const Material& m)
 {
     std::vector<std::vector<Force>> all;
@@ -66,10 +66,10 @@ std::string noForces(const Material& m, const std::vector<Force>& forces)
 {
     if (!m.tool) return "no tool was observed";
     if (!m.tool->force) return "forces were not observed";
-    return forces.size() < 2 ? "needs two samples with a force" : "";
+    return forces.size() < 2 ? "needs at least two samples with a force" : "";
 }
 
-/// Calls take(before, after) for every two samples between which there is no gap.
+/// Calls take(before, after) for every two consecutive samples without a gap between them.
 template <class Take> void forEachPair(const Material& m, const std::vector<Force>& forces, Take&& take)
 {
     for (std::size_t i = 1; i < forces.size(); ++i)
@@ -84,7 +84,7 @@ Sum sumOf(const Material& m, const std::vector<Force>& forces, int power)
 {
     Sum sum;
     forEachPair(m, forces, [&](const Force& a, const Force& b) {
-        if (b.contacts <= 0) return; // a sample tells of the step that ends with it
+        if (b.contacts <= 0) return; // a sample stands for the interval that ends with it
         const double dt = b.time - a.time;
         sum.value += 0.5 * dt * (std::pow(a.size, power) + std::pow(b.size, power));
         sum.time += dt;
@@ -101,7 +101,7 @@ Value average(const Material& m, int power)
     return found(std::pow(sum.value / sum.time, 1.0 / power));
 }
 
-/// The times in which any instrument is above the limit; the force between samples lies on the line between them.
+/// The times in which any instrument is above the limit; the force is interpolated linearly between samples.
 struct Excess {
     double time = 0.0;
     int times = 0;
@@ -109,7 +109,7 @@ struct Excess {
 };
 Excess excessOf(const Material& m, const std::vector<std::vector<Force>>& instruments, double limit)
 {
-    std::vector<std::pair<double, double>> above; // from, to
+    std::vector<std::pair<double, double>> above; // start and end
     for (const std::vector<Force>& forces : instruments)
         forEachPair(m, forces, [&](const Force& a, const Force& b) {
             if (a.steady <= limit && b.steady <= limit) return;
@@ -118,7 +118,7 @@ Excess excessOf(const Material& m, const std::vector<std::vector<Force>>& instru
         });
     std::ranges::sort(above);
     Excess excess;
-    double end = -1e300; // of the last time above
+    double end = -1e300; // end of the last time above the limit
     for (const auto& [from, to] : above) {
         if (from > end) ++excess.times;
         if (!excess.first) excess.first = from;
@@ -130,7 +130,7 @@ Excess excessOf(const Material& m, const std::vector<std::vector<Force>>& instru
 
 Value overLimit(const Material& m, double (*of)(const Excess&))
 {
-    if (!m.session.forceLimit) return none("the case names no force that the tissue stands");
+    if (!m.session.forceLimit) return none("the case specifies no force limit of the tissue");
     const auto instruments = forcesOfAll(m);
     if (instruments.empty()) return none(noForces(m, forcesOf(m)));
     const Excess excess = excessOf(m, instruments, *m.session.forceLimit);
@@ -141,7 +141,7 @@ struct Contact {
     double start = 0.0, end = 0.0, peak = 0.0;
 };
 
-/// A contact begins at the sample before the first that has one.
+/// A contact begins at the sample before the first one with a contact.
 std::vector<Contact> contactsOf(const Material& m, const std::vector<Force>& forces)
 {
     std::vector<Contact> contacts;

@@ -12,23 +12,25 @@ namespace {
 
 const char* const kNoTool = "no tool was observed";
 
-/// Why there are no speeds; empty where there are.
+/// Why there are no speeds; empty if there are.
 std::string noSpeeds(const Material& m)
 {
     if (!m.tool) return kNoTool;
     for (const Motion& motion : m.motions)
         if (!motion.speeds.empty()) return {};
-    return text("needs ", kFewest, " samples in a row with a place, none further apart than ", m.def.maximumGap, " s");
+    return text("needs ", kMinSamples, " consecutive samples with a position, at most ", m.def.maximumGap, " s apart");
 }
 
-/// For what needs one motion from start to end: nullptr, and why, where gaps leave less than nine tenths of it whole.
+/// For measures that need one motion from start to end: returns nullptr, and the reason, if gaps leave less than nine
+/// tenths of it whole.
 const Motion* wholeMotion(const Material& m, std::string& reason)
 {
     reason = noSpeeds(m);
     if (!reason.empty()) return nullptr;
     const auto longest = std::ranges::max_element(m.motions, {}, [](const Motion& each) { return each.duration(); });
     if (longest->duration() >= 0.9 * (m.last - m.first)) return &*longest;
-    reason = text("gaps: the longest stretch without one is ", longest->duration(), " s of ", m.last - m.first, " s");
+    reason = text("too many gaps: the longest stretch without a gap is ", longest->duration(), " s of ",
+                  m.last - m.first, " s");
     return nullptr;
 }
 
@@ -64,7 +66,7 @@ Material materialOf(const Session& session, const MeasureDef& def)
 Value duration(const Material& m)
 {
     if (!m.tool) return none(kNoTool);
-    if (m.timed < 2) return none("needs two samples with a time");
+    if (m.timed < 2) return none("needs at least two samples with a time");
     return found(m.last - m.first);
 }
 
@@ -94,12 +96,12 @@ Value depthPath(const Material& m)
         }
         before = &sample;
     }
-    return steps > 0 ? found(sum) : none("needs two samples in a row with place and direction");
+    return steps > 0 ? found(sum) : none("needs two consecutive samples with position and direction");
 }
 
 Value economy(const Material& m)
 {
-    if (!m.session.idealPath) return none("the case names no ideal path");
+    if (!m.session.idealPath) return none("the case specifies no ideal path");
     const Value path = pathLength(m);
     if (!path.value) return path;
     if (*path.value <= 0.0) return none("the tool did not move");
@@ -124,7 +126,7 @@ Value peakSpeed(const Material& m)
 
 namespace {
 
-/// Calls take(start, end) for each time at rest; speeds between samples lie on the line between them.
+/// Calls take(start, end) for each interval at rest; the speed is interpolated linearly between samples.
 template <class Take> void forEachRest(const Material& m, Take&& take)
 {
     const double limit = m.def.idleSpeed;
@@ -181,7 +183,7 @@ Value bimanualCorrelation(const Material& m)
     const Motion* mine = wholeMotion(m, reason);
     if (!mine) return none(reason);
     const std::vector<Motion> others = motionsOf(*m.partner, m.def);
-    // Pairs of the same moment: the partner's speed between its samples lies on the line between them.
+    // Pairs at the same moment: the partner's speed is interpolated linearly between its samples.
     double n = 0, sx = 0, sy = 0;
     std::vector<std::pair<double, double>> pairs;
     for (std::size_t i = 0; i < mine->speeds.size(); ++i)
@@ -196,7 +198,7 @@ Value bimanualCorrelation(const Material& m)
             n += 1, sx += pairs.back().first, sy += pairs.back().second;
             break;
         }
-    if (pairs.size() < kFewest) return none("the two tools were not observed at the same time");
+    if (pairs.size() < kMinSamples) return none("the two tools were not observed at the same time");
     double xx = 0, yy = 0, xy = 0;
     for (const auto& [x, y] : pairs) {
         xx += (x - sx / n) * (x - sx / n);
@@ -213,7 +215,7 @@ Value sparc(const Material& m)
     std::string reason;
     const Motion* motion = wholeMotion(m, reason);
     if (!motion) return none(reason);
-    if (motion->interval > 1.0 / 20.0) return none("needs 20 samples a second");
+    if (motion->interval > 1.0 / 20.0) return none("needs at least 20 samples per second");
     if (*std::ranges::max_element(motion->speeds) <= 0.0) return none("the tool did not move");
     return found(spectralArcLength(motion->speeds, motion->interval));
 }
@@ -228,7 +230,7 @@ Value logDimensionlessJerk(const Material& m)
     std::vector<double> squares;
     for (const Vec3& jerk : derivative(motion->positions, motion->interval, 3)) squares.push_back(lengthSquared(jerk));
     const double dimensionless = std::pow(motion->duration(), 3) / (peak * peak) * integral(squares, motion->interval);
-    if (!(dimensionless > 0.0) || !std::isfinite(dimensionless)) return none("the tool moved without any jerk");
+    if (!(dimensionless > 0.0) || !std::isfinite(dimensionless)) return none("the tool moved without jerk");
     return found(-std::log(dimensionless));
 }
 

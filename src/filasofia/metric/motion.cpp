@@ -24,7 +24,7 @@ std::vector<Point> pointsOf(const Track& track)
     return points;
 }
 
-/// Neither a gap nor a jump lies between two points.
+/// True if there is neither a gap nor a jump between two points.
 bool goesOn(const Point& before, const Point& after, const MeasureDef& def)
 {
     const double dt = after.time - before.time;
@@ -82,7 +82,7 @@ Motion motionOf(std::span<const Point> points, const MeasureDef& def)
         }
     }
     lowPass(motion.positions, motion.interval, def.lowPass);
-    if (motion.positions.size() >= kFewest)
+    if (motion.positions.size() >= kMinSamples)
         for (const Vec3& velocity : derivative(motion.positions, motion.interval, 1))
             motion.speeds.push_back(length(velocity));
     return motion;

@@ -23,7 +23,7 @@ public:
     bool number(double& value)
     {
         if (take("null")) return value = kNan, true;
-        // from_chars knows "inf" and "nan", JSON does not.
+        // from_chars accepts "inf" and "nan", JSON does not.
         const std::size_t digit = text_.starts_with('-') ? 1 : 0;
         if (text_.size() <= digit || text_[digit] < '0' || text_[digit] > '9') return false;
         const auto [end, problem] = std::from_chars(text_.data(), text_.data() + text_.size(), value);

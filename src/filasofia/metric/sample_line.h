@@ -8,15 +8,15 @@
 
 namespace filasofia::metric {
 
-/// How many numbers a sample may have: its pose, with force and contacts, with the strongest contact's point.
+/// The possible sizes of a sample: its pose; with force and contacts; with the point of the strongest contact too.
 inline constexpr std::size_t kNumbersOfPose = 7, kNumbersWithForce = 11, kNumbers = 14;
 
-/// The sample of so many numbers; those that are missing are NaN. Nothing where there are too few or too many, or the
-/// number of contacts is none.
+/// The sample of these numbers; missing ones are NaN. Returns nullopt if there are too few or too many numbers, or the
+/// number of contacts is invalid.
 std::optional<Sample> sampleOf(double time, std::span<const double> numbers);
 
-/// Reads a line of samples as appendSampleLine() writes it, ten times as fast as a JSON reader. False where it is
-/// anything else, or written in another way: then a JSON reader has to look.
+/// Reads a line of samples as appendSampleLine() writes it, ten times as fast as a JSON reader. False if it is anything
+/// else, or formatted differently: then a JSON reader has to parse it.
 bool scanSampleLine(std::string_view line, std::span<Sample> samples);
 
 } // namespace filasofia::metric

@@ -33,7 +33,8 @@ Sample sampleOf(const frame::Frame& frame, const Observed& observed)
     double strongest = 0.0;
     for (const frame::Contact& contact : frame.contacts) {
         const bool first = contact.first == observed.body, second = contact.second == observed.body;
-        if (first == second || contact.normalForce == 0.0) continue; // of others, of itself, or it does not push
+        if (first == second || contact.normalForce == 0.0)
+            continue; // between other bodies, with itself, or without a force
         const Vec3 force = forceOn(observed.body, contact);
         sample.force += force;
         ++sample.contacts;
@@ -50,7 +51,7 @@ Sample sampleOf(const frame::Frame& frame, const Observed& observed)
 void StepSampler::add(const frame::Frame& frame, double dt)
 {
     newest_ = sampleOf(frame, observed_);
-    impulse_ += dt * newest_.force; // NaN stays NaN: what was not seen in between is not made up
+    impulse_ += dt * newest_.force; // NaN stays NaN: what was not observed in between is not invented
     time_ += dt;
     if (contacts_ == 0) point_ = newest_.point;
     contacts_ = std::max(contacts_, newest_.contacts);

@@ -18,18 +18,18 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr const char* kFormat = "filasofia session";
-// A file may come from anybody: nothing in it makes the reader take more memory than this.
-constexpr std::size_t kLongestLine = 1 << 20;
-constexpr std::size_t kMostTracks = 64;
-constexpr std::size_t kMostSamples = 50'000'000;
-constexpr std::size_t kMostEvents = 1'000'000;
+// The file is not trusted: nothing in it makes the reader use more memory than this.
+constexpr std::size_t kMaxLine = 1 << 20;
+constexpr std::size_t kMaxTracks = 64;
+constexpr std::size_t kMaxSamples = 50'000'000;
+constexpr std::size_t kMaxEvents = 1'000'000;
 
 void appendNumber(std::string& out, double value)
 {
     if (std::isfinite(value)) {
         detail::append(out, value);
     } else {
-        out += "null"; // JSON knows no NaN
+        out += "null"; // JSON has no NaN
     }
 }
 
@@ -49,7 +49,7 @@ void appendSample(std::string& out, const Sample& sample, bool force)
         }
         detail::append(out, sample.contacts);
         out += ',';
-        if (sample.contacts > 0) // else there is no point
+        if (sample.contacts > 0) // otherwise there is no point
             for (const double value : {c.x, c.y, c.z}) {
                 appendNumber(out, value);
                 out += ',';
@@ -58,29 +58,29 @@ void appendSample(std::string& out, const Sample& sample, bool force)
     out.back() = ']';
 }
 
-/// Names are whatever somebody typed: bytes that are no UTF-8 become the replacement character.
+/// Names are typed by users: bytes that are not UTF-8 become the replacement character.
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 Json vector(Vec3 v) { return {v.x, v.y, v.z}; }
 
-/// What a line says is wrong goes to the user with file and line.
+/// Reads a session; an Error names file and line.
 class Reader {
 public:
     Reader(std::istream& stream, const std::string& name) : name_(name), stream_(stream) {}
 
     Session read()
     {
-        if (!nextLine()) fail(name_, ": is empty");
+        if (!nextLine()) fail(name_, ": must be a session, got an empty file");
         readHead(parsed());
         row_.resize(session_.tracks.size());
         session_.complete = false;
         while (nextLine()) {
-            // A line that broke off is the end of a session that broke off.
+            // If a line is incomplete, the session was interrupted there.
             if (broken_) break;
-            if (session_.complete) wrong("comes after the end");
+            if (session_.complete) wrong("there must be no line after the end");
             if (!scanSamples()) readLine(parsed());
         }
-        if (!stream_.eof()) fail(name_, ": cannot be read to its end");
+        if (!stream_.eof()) fail(name_, ": cannot be read completely");
         return std::move(session_);
     }
 
@@ -92,8 +92,9 @@ private:
         ++line_;
         stream_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
         const auto size = static_cast<std::size_t>(stream_.gcount());
-        if (stream_.fail() && size + 1 >= buffer_.size()) wrong("is longer than any line of a session");
-        broken_ = stream_.eof(); // else the line break is counted
+        if (stream_.fail() && size + 1 >= buffer_.size())
+            wrong("must be shorter than 1 MiB, as every line of a session");
+        broken_ = stream_.eof(); // otherwise the size includes the line break
         text_ = {buffer_.data(), broken_ || size == 0 ? size : size - 1};
         return !broken_ || size > 0;
     }
@@ -101,7 +102,7 @@ private:
     Json parsed() const
     {
         Json json = Json::parse(text_, nullptr, false);
-        if (json.is_discarded() || !json.is_object()) wrong("is no line of a session");
+        if (json.is_discarded() || !json.is_object()) wrong("must be a JSON object");
         return json;
     }
 
@@ -151,11 +152,11 @@ private:
     void readHead(const Json& json)
     {
         const Json* format = find(json, "format");
-        if (!format || *format != kFormat) wrong("this is no session of Filasofia");
+        if (!format || *format != kFormat) wrong("this is not a Filasofia session");
         const Json* version = find(json, "version");
         if (!version || *version != kSessionVersion)
-            wrong(text("is a session of version ", version ? shortened(version->dump()) : "unknown",
-                       ", and this program reads ", kSessionVersion));
+            wrong(text("the session has version ", version ? shortened(version->dump()) : "unknown",
+                       ", but this program reads version ", kSessionVersion));
         take(json, "trainee", session_.trainee);
         take(json, "case", session_.task);
         take(json, "date", session_.date);
@@ -172,26 +173,26 @@ private:
         forEach(json, "steps", [&](const Json& each) { session_.steps.push_back(word(each, "steps")); });
         forEach(json, "watched", [&](const Json& each) { session_.watched.push_back(kindOf(word(each, "watched"))); });
         forEach(json, "tracks", [&](const Json& each) { readTrack(each); });
-        if (session_.tracks.size() > kMostTracks) wrong(text("has more than ", kMostTracks, " tracks"));
+        if (session_.tracks.size() > kMaxTracks) wrong(text("the number of tracks must be <= ", kMaxTracks));
     }
 
     EventKind kindOf(const std::string& word) const
     {
         const auto kind = eventKind(word);
-        if (!kind) wrong(text("there is no kind of event '", shortened(word), "'"));
+        if (!kind) wrong(text("the kind of an event must be one of Filasofia's, got '", shortened(word), "'"));
         return *kind;
     }
 
     void readTrack(const Json& json)
     {
-        if (!json.is_object()) wrong("a track must have a name");
+        if (!json.is_object()) wrong("a track must be an object");
         Track track;
         take(json, "name", track.name);
         std::string role = std::string(name(track.role));
         take(json, "role", role);
         for (const Role each : {Role::Tool, Role::Scope, Role::Other})
             if (role == name(each)) track.role = each;
-        if (role != name(track.role)) wrong(text("there is no role '", shortened(role), "'"));
+        if (role != name(track.role)) wrong(text("'role' must be tool, scope or other, got '", shortened(role), "'"));
         if (const Json* force = find(json, "force")) {
             if (!force->is_boolean()) wrong("'force' must be true or false");
             track.force = force->get<bool>();
@@ -204,7 +205,7 @@ private:
     void readLine(const Json& json)
     {
         if (const Json* lost = find(json, "end")) {
-            if (!lost->is_number_unsigned()) wrong("'end' must be how many samples were lost");
+            if (!lost->is_number_unsigned()) wrong("'end' must be the number of lost samples");
             session_.lost = lost->get<std::uint64_t>();
             session_.complete = true;
         } else if (const Json* kind = find(json, "event")) {
@@ -217,17 +218,17 @@ private:
     double time(const Json& json) const
     {
         const Json* found = find(json, "t");
-        if (!found) wrong("has no time 't'");
+        if (!found) wrong("field 't', the time, is missing");
         return number(*found, "t");
     }
 
     void readEvent(const Json& json, const std::string& kind)
     {
-        if (session_.events.size() >= kMostEvents) wrong(text("has more than ", kMostEvents, " events"));
+        if (session_.events.size() >= kMaxEvents) wrong(text("the number of events must be <= ", kMaxEvents));
         Event event{.time = time(json), .kind = kindOf(kind)};
         take(json, "what", event.what);
         if (const Json* amount = find(json, "amount")) event.amount = number(*amount, "amount");
-        // Events are told by another thread than samples, and may come a little late.
+        // Events come from another thread than samples, and may arrive a little late.
         const auto later = std::upper_bound(session_.events.begin(), session_.events.end(), event.time,
                                             [](double when, const Event& each) { return when < each.time; });
         session_.events.insert(later, std::move(event));
@@ -238,13 +239,13 @@ private:
         const double when = time(json);
         const Json* list = find(json, "s");
         if (!list || !list->is_array() || list->size() != session_.tracks.size())
-            wrong(text("must have samples 's' of ", session_.tracks.size(), " tracks"));
+            wrong(text("'s' must be a list of samples of ", session_.tracks.size(), " tracks"));
         count(list->size());
         for (std::size_t i = 0; i < list->size(); ++i)
             session_.tracks[i].samples.push_back(sampleFrom(when, (*list)[i]));
     }
 
-    /// Nearly every line is one of samples.
+    /// Nearly every line contains samples.
     bool scanSamples()
     {
         if (!scanSampleLine(text_, row_)) return false;
@@ -255,27 +256,27 @@ private:
 
     void count(std::size_t samples)
     {
-        if ((samples_ += samples) > kMostSamples) wrong(text("has more than ", kMostSamples, " samples"));
+        if ((samples_ += samples) > kMaxSamples) wrong(text("the number of samples must be <= ", kMaxSamples));
     }
 
     Sample sampleFrom(double when, const Json& json) const
     {
         double numbers[kNumbers];
-        if (!json.is_array() || json.size() > kNumbers) wrong("a sample must be 7, 11 or 14 numbers");
+        if (!json.is_array() || json.size() > kNumbers) wrong("a sample must have 7, 11 or 14 numbers");
         for (std::size_t i = 0; i < json.size(); ++i)
             numbers[i] = json[i].is_null() ? std::numeric_limits<double>::quiet_NaN() : number(json[i], "s");
         const auto sample = sampleOf(when, std::span(numbers, json.size()));
-        if (!sample) wrong("a sample must be 7, 11 or 14 numbers, the eleventh the number of contacts");
+        if (!sample) wrong("a sample must have 7, 11 or 14 numbers, of which the eleventh is the number of contacts");
         return *sample;
     }
 
     const std::string& name_;
     std::istream& stream_;
-    std::vector<char> buffer_ = std::vector<char>(kLongestLine);
-    std::string_view text_; ///< the line, in the buffer
+    std::vector<char> buffer_ = std::vector<char>(kMaxLine);
+    std::string_view text_; ///< the current line, in the buffer
     std::size_t line_ = 0, samples_ = 0;
     std::vector<Sample> row_; ///< one per track
-    bool broken_ = false;     ///< the line has no end
+    bool broken_ = false;     ///< the line has no line break
     Session session_;
 };
 
@@ -325,7 +326,7 @@ void writeSession(const std::filesystem::path& file, const Session& session)
 {
     const std::size_t count = session.tracks.empty() ? 0 : session.tracks.front().samples.size();
     for (const Track& track : session.tracks)
-        if (track.samples.size() != count) fail(file.string(), ": the tracks have different numbers of samples");
+        if (track.samples.size() != count) fail(file.string(), ": all tracks must have the same number of samples");
     std::ofstream out(file, std::ios::binary | std::ios::trunc);
     out << headLine(session);
     std::size_t next = 0; // event

@@ -14,7 +14,7 @@ namespace filasofia::metric {
 std::vector<double> derivativeWeights(double at, std::span<const double> nodes, int order)
 {
     const std::size_t n = nodes.size(), m = static_cast<std::size_t>(order) + 1;
-    std::vector<double> weights(n * m, 0.0); // of order k and node i: weights[i * m + k]
+    std::vector<double> weights(n * m, 0.0); // weights[i * m + k] is the weight of order k and node i
     double before = 1.0, from = nodes[0] - at;
     weights[0] = 1.0;
     for (std::size_t i = 1; i < n; ++i) {
@@ -43,17 +43,17 @@ std::vector<double> derivativeWeights(double at, std::span<const double> nodes, 
 
 std::vector<Vec3> derivative(const std::vector<Vec3>& values, double interval, int order)
 {
-    constexpr std::size_t width = kFewest, middle = width / 2;
+    constexpr std::size_t width = kMinSamples, middle = width / 2;
     FILASOFIA_ASSERT(values.size() >= width);
     std::array<double, width> nodes = {};
     for (std::size_t i = 0; i < width; ++i) nodes[i] = static_cast<double>(i);
-    std::array<std::vector<double>, width> weights; // for each place within the seven
+    std::array<std::vector<double>, width> weights; // for each position within the seven
     for (std::size_t i = 0; i < width; ++i) weights[i] = derivativeWeights(static_cast<double>(i), nodes, order);
     const double scale = std::pow(interval, -order);
     std::vector<Vec3> out(values.size());
     for (std::size_t i = 0; i < values.size(); ++i) {
         const std::size_t first = std::min(i < middle ? 0 : i - middle, values.size() - width);
-        // Of differences to the value itself: digits that all seven share would be lost in the sum.
+        // Use differences to the value itself: digits that all seven share would be lost in the sum.
         for (std::size_t k = 0; k < width; ++k) out[i] += weights[i - first][k] * (values[first + k] - values[i]);
         out[i] *= scale;
     }
@@ -77,7 +77,7 @@ double integral(const std::vector<double>& values, double interval)
 
 namespace {
 
-/// One pass of the filter, with the state that a constant signal of the first value would have left.
+/// One pass of the filter, started in the state that a constant signal of the first value would have left.
 void pass(std::vector<Vec3>& values, double gain, double a1, double a2)
 {
     Vec3 x1 = values.front(), x2 = x1, y1 = x1, y2 = x1;
@@ -98,7 +98,8 @@ void lowPass(std::vector<Vec3>& values, double interval, double cutoff)
     const double scale = 1.0 / (1.0 + std::numbers::sqrt2 * c + c * c);
     const double gain = c * c * scale, a1 = 2.0 * (c * c - 1.0) * scale,
                  a2 = (1.0 - std::numbers::sqrt2 * c + c * c) * scale;
-    // Turned about its ends the signal keeps value and slope there: the filter starts without a kick.
+    // Extended by reflection about its end points, the signal keeps value and slope there: the filter starts without a
+    // transient.
     const auto wanted = static_cast<std::size_t>(3.0 / (cutoff * interval));
     const std::size_t pad = std::min(values.size() - 1, wanted);
     std::vector<Vec3> longer;
@@ -119,7 +120,7 @@ void fourier(std::vector<std::complex<double>>& values)
 {
     const std::size_t n = values.size();
     FILASOFIA_ASSERT(std::has_single_bit(n));
-    for (std::size_t i = 1, j = 0; i < n; ++i) { // into the order of reversed bits
+    for (std::size_t i = 1, j = 0; i < n; ++i) { // bit-reversal permutation
         std::size_t bit = n >> 1;
         for (; j & bit; bit >>= 1) j ^= bit;
         j ^= bit;
@@ -139,9 +140,9 @@ void fourier(std::vector<std::complex<double>>& values)
 
 double spectralArcLength(const std::vector<double>& speeds, double interval)
 {
-    constexpr double highest = 10.0, threshold = 0.05; // [Hz], [-]; of the 2015 paper
-    constexpr std::size_t most = std::size_t{1} << 22; // 64 MB; only a session of an hour has less padding
-    const std::size_t size = std::max(powerOfTwo(speeds.size()), std::min(most, 16 * powerOfTwo(speeds.size())));
+    constexpr double highest = 10.0, threshold = 0.05;        // [Hz], [-]; from the 2015 paper
+    constexpr std::size_t largestSize = std::size_t{1} << 22; // 64 MB; only a session of an hour gets less padding
+    const std::size_t size = std::max(powerOfTwo(speeds.size()), std::min(largestSize, 16 * powerOfTwo(speeds.size())));
     std::vector<std::complex<double>> spectrum(size);
     std::copy(speeds.begin(), speeds.end(), spectrum.begin());
     fourier(spectrum);
@@ -149,7 +150,7 @@ double spectralArcLength(const std::vector<double>& speeds, double interval)
     std::vector<double> amplitudes;
     for (std::size_t k = 0; k <= size / 2 && step * static_cast<double>(k) <= highest; ++k)
         amplitudes.push_back(std::abs(spectrum[k]));
-    // A speed is never negative: its spectrum is largest at 0.
+    // A speed is never negative, so its spectrum is largest at 0.
     const double largest = amplitudes.front();
     while (amplitudes.size() > 1 && amplitudes.back() < threshold * largest) amplitudes.pop_back();
     const double width = 1.0 / static_cast<double>(std::max<std::size_t>(1, amplitudes.size() - 1));
@@ -167,7 +168,7 @@ double powerFrequency(const std::vector<Vec3>& velocities, double interval)
         std::vector<std::complex<double>> spectrum(size);
         for (std::size_t i = 0; i < velocities.size(); ++i) spectrum[i] = velocities[i][axis];
         fourier(spectrum);
-        for (std::size_t k = 0; k < power.size(); ++k) // a frequency and its mirror image, but for 0 and the last
+        for (std::size_t k = 0; k < power.size(); ++k) // a frequency and its mirror image, except 0 and the last
             power[k] += std::norm(spectrum[k]) * (k == 0 || k == size / 2 ? 1.0 : 2.0);
     }
     double total = 0.0, sum = 0.0;

@@ -17,7 +17,7 @@ Pose motionOf(const JointDef& joint, double q)
     return joint.kind == JointKind::Revolute ? Pose{{}, axisAngle(axis, q)} : Pose{q * axis, {}};
 }
 
-/// Each joint's place in an order in which parents come first; short where there is a loop.
+/// The joints in an order in which parents come first; shorter than the list if there is a loop.
 std::vector<std::size_t> parentsFirst(const std::vector<JointDef>& joints)
 {
     std::vector<bool> reached(joints.size() + 1);
@@ -47,10 +47,10 @@ void checkJoint(const JointDef& joint, std::size_t links, const std::string& fie
     if (!(length(joint.axis) > 1e-6)) fail(field, ".axis must have a length > 1e-06, got ", length(joint.axis));
     checkElement(joint.parent, links, field + ".parent");
     checkElement(joint.child, links, field + ".child");
-    if (joint.child == 0) fail(field, ".child must not be 0: element 0 is the base");
+    if (joint.child == 0) fail(field, ".child must not be 0, the base");
     static_cast<void>(unitPose(joint.parentOffset, field + ".parentOffset"));
     static_cast<void>(unitPose(joint.childOffset, field + ".childOffset"));
-    if (!(joint.upper >= joint.lower)) fail(field, ".upper must be >= lower, ", joint.lower, ", got ", joint.upper);
+    if (!(joint.upper >= joint.lower)) fail(field, ".upper must be >= lower (", joint.lower, "), got ", joint.upper);
     checkPosition(joint, joint.start, field + ".start");
     if (!joint.command) return;
     if (const auto* position = std::get_if<JointPosition>(&*joint.command))
@@ -63,26 +63,27 @@ void checkTree(const std::vector<JointDef>& joints, const std::string& object)
     for (std::size_t j = 0; j < joints.size(); ++j) {
         int& mover = moves[static_cast<std::size_t>(joints[j].child)];
         if (mover >= 0)
-            fail(object, ".joints[", j, "].child: element ", joints[j].child, " is the child of joints[", mover,
-                 "] already");
+            fail(object, ".joints[", j, "].child must be the child of one joint only; element ", joints[j].child,
+                 " is already the child of joints[", mover, "]");
         mover = static_cast<int>(j);
     }
     const std::vector<std::size_t> order = parentsFirst(joints);
     for (std::size_t j = 0; j < joints.size(); ++j)
         if (std::ranges::count(order, j) == 0)
-            fail(object, ".joints[", j, "] is part of a loop: no way leads from element 0 to element ",
-                 joints[j].child);
+            fail(object, ".joints[", j,
+                 "] must not be part of a loop; no path of joints leads from element 0 to element ", joints[j].child);
 }
 
-/// Links that are listed must be where their joints put them.
+/// Links that are listed must be in the poses that follow from their joints.
 void checkLinks(const RigidBodyDef& def, const std::string& object)
 {
     const std::vector<Pose> poses = elementPoses(def);
-    constexpr double farthest = 1e-6; // [m], and of the quaternion
+    constexpr double farthest = 1e-6; // [m], and [-] for the quaternion
     for (std::size_t e = 1; e < def.elements.size(); ++e) {
         const Pose off = inverse(poses[e]) * unitPose(def.elements[e], text(object, ": elements[", e, "]"));
         if (!(length(off.position) <= farthest && std::abs(off.orientation.w) >= 1.0 - farthest * farthest))
-            fail(object, ": elements[", e, "] must be where its joint puts it; list the base alone");
+            fail(object, ": elements[", e,
+                 "] must have the pose that follows from its joint; it is enough to list the base");
     }
 }
 
@@ -112,17 +113,17 @@ void checkArticulation(const RigidBodyDef& def, const std::string& object)
 {
     const std::vector<JointDef>& joints = def.articulation.joints;
     const std::string field = object + ": articulation";
-    if (joints.empty()) fail(field, ".joints must have at least one entry where `to` names a body");
+    if (joints.empty()) fail(field, ".joints must have at least one entry if `to` names a body");
     if (def.dynamic && def.articulation.to)
-        fail(field, ".to must name no body: a dynamic body's base is moved by forces; got body ",
+        fail(field, ".to must not name a body, because forces move a dynamic body's base; got body ",
              def.articulation.to.value);
     if (def.elements.size() != 1 && def.elements.size() != joints.size() + 1)
-        fail(object, ": elements must have 1 entry, the base, or ", joints.size() + 1, ", one more than joints; got ",
+        fail(object, ": elements must have 1 entry (the base) or ", joints.size() + 1, " (one more than joints), got ",
              def.elements.size());
     static_cast<void>(unitPose(def.elements[0], object + ": elements[0]"));
     static_cast<void>(unitPose(def.articulation.offset, field + ".offset"));
     if (!def.articulation.to && def.articulation.toElement != 0)
-        fail(field, ".toElement must be 0: no body takes it along; got ", def.articulation.toElement);
+        fail(field, ".toElement must be 0 if the base follows no body, got ", def.articulation.toElement);
     for (std::size_t j = 0; j < joints.size(); ++j) {
         const std::string joint = text(field, ".joints[", j, "]");
         checkJoint(joints[j], joints.size() + 1, joint);
@@ -135,7 +136,7 @@ void checkArticulation(const RigidBodyDef& def, const std::string& object)
         if (joints[j].command && std::holds_alternative<JointForce>(*joints[j].command) &&
             !takesForce(joints[j], inertias[static_cast<std::size_t>(joints[j].child)]))
             fail(field, ".joints[", j,
-                 "].command: a force needs something that resists: give the joint a mass or an "
+                 "].command must not be a force without an inertia to move; give the joint a mass or an "
                  "inertia, or the body a mass");
 }
 
@@ -149,7 +150,7 @@ std::vector<RigidInertia> linkInertias(const RigidBodyDef& def)
     } else if (isGiven(def.mesh)) {
         try {
             every = inertiaOf(RigidBodyDef{.name = def.name, .mesh = def.mesh, .dynamic = true, .mass = def.mass});
-        } catch (const Error&) { // an open surface, as of a blade: nothing says what it weighs
+        } catch (const Error&) { // an open surface, such as that of a blade, has no inertia
         }
     }
     std::vector<RigidInertia> inertias(elementCount(def), every);
@@ -178,20 +179,19 @@ void checkBase(const Registry& registry, const RigidBodyDef& def)
         fail(field, ".to: body ", articulation.to.value, ": no such body (it was removed, or never added)");
     const Registry::Body& other = registry.find(articulation.to);
     const auto* rigid = std::get_if<RigidBodyDef>(other.def.get());
-    if (!rigid || rigid->dynamic)
-        fail(field, ".to: ", describeBody(*other.def), " must be a rigid body that goes where it is told");
+    if (!rigid || rigid->dynamic) fail(field, ".to must be a kinematic rigid body, got ", describeBody(*other.def));
     checkElement(articulation.toElement, isArticulated(*rigid) ? 1 : static_cast<std::size_t>(other.nodeCount),
                  field + ".toElement");
 }
 
-void checkNotALink(const Registry& registry, const RigidBodyDef& def, int element)
+void checkSettable(const Registry& registry, const RigidBodyDef& def, int element)
 {
     if (def.articulation.joints.empty()) return;
     if (element != 0)
-        fail("rigid body '", def.name, "': element ", element, " goes where its joint takes it; only the base, ",
+        fail("rigid body '", def.name, "': element ", element, " is moved by its joint; only the base, ",
              "element 0, can be set");
     if (def.articulation.to && registry.has(def.articulation.to))
-        fail("rigid body '", def.name, "': its base goes with body ", def.articulation.to.value, " and cannot be set");
+        fail("rigid body '", def.name, "': its base follows body ", def.articulation.to.value, " and cannot be set");
 }
 
 void checkCommand(const RigidBodyDef& def, const std::vector<bool>& takesForce, const SetJoint& set)

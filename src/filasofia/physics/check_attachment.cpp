@@ -6,25 +6,25 @@
 namespace filasofia::physics {
 namespace {
 
-/// The body that holds, which must be another one.
-const Registry::Body& holderOf(const Registry& registry, const Attaching& body, BodyId to, const std::string& object)
+/// The body that it is attached to, which must be another one.
+const Registry::Body& targetOf(const Registry& registry, const Attaching& body, BodyId to, const std::string& object)
 {
-    if (to == body.id) fail(object, ".to must be another body, got body ", to.value, " itself");
+    if (to == body.id) fail(object, ".to must name another body, got body ", to.value, " itself");
     if (!registry.has(to)) fail(object, ".to: body ", to.value, ": no such body (it was removed, or never added)");
     return registry.find(to);
 }
 
 bool hasRegion(const AttachmentDef& def) { return def.box || def.ball || def.within || !def.nodes.empty(); }
 
-/// An element of the holder: of a soft one it must be 0.
-void checkHolderElement(const Registry::Body& holder, int element, const std::string& field)
+/// Checks an element of the body that it is attached to: it must be 0 for a soft body.
+void checkTargetElement(const Registry::Body& target, int element, const std::string& field)
 {
-    if (std::holds_alternative<RigidBodyDef>(*holder.def))
-        return checkElement(element, static_cast<std::size_t>(holder.nodeCount), field);
-    if (element != 0) fail(field, " must be 0: the body that holds is soft; got ", element);
+    if (std::holds_alternative<RigidBodyDef>(*target.def))
+        return checkElement(element, static_cast<std::size_t>(target.nodeCount), field);
+    if (element != 0) fail(field, " must be 0 if `to` is a soft body, got ", element);
 }
 
-bool goesWhereItIsTold(const BodyDef& def)
+bool isKinematic(const BodyDef& def)
 {
     const auto* rigid = std::get_if<RigidBodyDef>(&def);
     return rigid && !rigid->dynamic;
@@ -38,19 +38,20 @@ void checkAttachment(const Registry& registry, const Attaching& body, const Atta
     validate(def, object);
     for (int node : def.nodes)
         if (node >= body.nodeCount) fail(object, ".nodes must be in [0, ", body.nodeCount, "), got ", node);
-    if (def.box && geometry::isEmpty(*def.box)) fail(object, ".box: high must be >= low in every axis");
+    if (def.box && geometry::isEmpty(*def.box)) fail(object, ".box.high must be >= low on every axis");
     if (!def.to) {
-        if (def.within) fail(object, ".within is a distance to another body: `to` must name one");
-        if (!hasRegion(def)) fail(object, ": must name nodes, a box, a ball or another body, got none");
-        if (def.element != 0) fail(object, ".element must be 0: no body holds it; got ", def.element);
+        if (def.within)
+            fail(object, ".within needs another body, to which it is a distance; `to` must name one, got none");
+        if (!hasRegion(def)) fail(object, " must name nodes, a box, a ball or another body, got none");
+        if (def.element != 0) fail(object, ".element must be 0 if `to` names no body, got ", def.element);
         return;
     }
-    const Registry::Body& holder = holderOf(registry, body, def.to, object);
-    checkHolderElement(holder, def.element, object + ".element");
-    const auto* rigid = std::get_if<RigidBodyDef>(holder.def.get());
+    const Registry::Body& target = targetOf(registry, body, def.to, object);
+    checkTargetElement(target, def.element, object + ".element");
+    const auto* rigid = std::get_if<RigidBodyDef>(target.def.get());
     if (rigid && !isGiven(rigid->mesh) && (def.within || !hasRegion(def)))
-        fail(object, def.within ? ".within" : "", ": nodes near rigid body '", rigid->name,
-             "' can be found only where that has a mesh");
+        fail(object, def.within ? ".within" : "", " needs a mesh of rigid body '", rigid->name,
+             "' to find the nodes near it; that body has none");
 }
 
 void checkAttachment(const Registry& registry, const Attaching& body, const RigidAttachmentDef& def,
@@ -61,13 +62,13 @@ void checkAttachment(const Registry& registry, const Attaching& body, const Rigi
     for (std::size_t i = 0; i < def.points.size(); ++i)
         if (!(length(def.points[i]) < kFarthest))
             fail(object, ".points[", i, "] must lie within ", kFarthest, " m of the element's origin");
-    const Registry::Body* holder = def.to ? &holderOf(registry, body, def.to, object) : nullptr;
-    if (holder)
-        checkHolderElement(*holder, def.toElement, object + ".toElement");
+    const Registry::Body* target = def.to ? &targetOf(registry, body, def.to, object) : nullptr;
+    if (target)
+        checkTargetElement(*target, def.toElement, object + ".toElement");
     else if (def.toElement != 0)
-        fail(object, ".toElement must be 0: no body holds it; got ", def.toElement);
-    if (goesWhereItIsTold(body.def) && (!holder || goesWhereItIsTold(*holder->def)))
-        fail(object, ": what goes where it is told cannot be held: one of the two must be dynamic, or soft");
+        fail(object, ".toElement must be 0 if `to` names no body, got ", def.toElement);
+    if (isKinematic(body.def) && (!target || isKinematic(*target->def)))
+        fail(object, " must have a dynamic or soft body on one side; both are kinematic");
 }
 
 void checkAttachments(const Registry& registry, const Attaching& body)

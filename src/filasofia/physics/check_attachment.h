@@ -4,20 +4,20 @@
 
 namespace filasofia::physics {
 
-/// A body that is, or is to be, attached to another.
+/// A body whose attachment is checked.
 struct Attaching {
-    BodyId id = {}; ///< none: it is being added
+    BodyId id = {}; ///< none if it is being added
     const BodyDef& def;
-    int nodeCount = 0; ///< of a rigid one: elements
+    int nodeCount = 0; ///< number of elements if the body is rigid
 };
 
-/// Throws an Error beginning with `object` unless the attachment can be made, as far as is known outside a step.
+/// Throws an Error beginning with `object` unless the attachment can be made, as far as this is known outside a step.
 void checkAttachment(const Registry& registry, const Attaching& body, const AttachmentDef& def,
                      const std::string& object);
 void checkAttachment(const Registry& registry, const Attaching& body, const RigidAttachmentDef& def,
                      const std::string& object);
 
-/// All of a Def's.
+/// Checks all attachments of a Def.
 void checkAttachments(const Registry& registry, const Attaching& body);
 
 } // namespace filasofia::physics

@@ -5,14 +5,14 @@
 
 namespace filasofia::physics {
 
-/// Throws an Error unless an element is one of a body's `count`; `field` is how its place is called.
+/// Throws an Error unless `element` is one of a body's `count` elements; `field` names it in the message.
 inline void checkElement(int element, std::size_t count, const std::string& field)
 {
     if (element < 0 || static_cast<std::size_t>(element) >= count)
         fail(field, " must be in [0, ", count, "), got ", element);
 }
 
-/// Is there a mesh, or at least the name of a file.
+/// Whether there is a mesh, or at least the name of a file.
 inline bool isGiven(const TriangleMeshSource& source)
 {
     const auto* file = std::get_if<std::string>(&source);

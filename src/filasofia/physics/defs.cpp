@@ -31,9 +31,9 @@ void check(const GivenInertia& given, const std::string& object)
     const Vec3 m = given.moments;
     if (!(std::min({m.x, m.y, m.z}) > 0.0)) fail(object, ".moments must be > 0 kg m^2, got ", m.x, " ", m.y, " ", m.z);
     const double largest = std::max({m.x, m.y, m.z});
-    constexpr double rounding = 1e-9; // of a rod's or a plate's moments, where it is an equality
+    constexpr double rounding = 1e-9; // for the moments of a rod or a plate, which satisfy an equality
     if (largest > (1.0 + rounding) * (m.x + m.y + m.z - largest))
-        fail(object, ".moments: none may be more than the sum of the other two, got ", m.x, " ", m.y, " ", m.z);
+        fail(object, ".moments must each be at most the sum of the other two, got ", m.x, " ", m.y, " ", m.z);
     static_cast<void>(unitPose({{}, given.axes}, object + ".axes"));
 }
 
@@ -44,29 +44,31 @@ void check(const SoftBodyDef& def)
     const std::string object = text("soft body '", def.name, "'");
     for (std::size_t i = 0; i < def.collision.size(); ++i)
         if (def.collision[i].element != 0)
-            fail(object, ": collision[", i, "].element must be 0, got ", def.collision[i].element);
+            fail(object, ": collision[", i, "].element must be 0 for a soft body, got ", def.collision[i].element);
     const double threshold = std::visit([](const auto& each) { return each.tearingThreshold; }, def.material);
     if (threshold < std::numeric_limits<double>::infinity() && !def.dynamicTopology)
-        fail(object, ": material.tearingThreshold needs dynamicTopology, got ", threshold, " Pa without it");
+        fail(object, ": material.tearingThreshold must be infinite without dynamicTopology, got ", threshold, " Pa");
 }
 
 void check(const RigidBodyDef& def)
 {
     const std::string object = text("rigid body '", def.name, "'");
     validate(def, object);
-    if (def.elements.empty()) fail(object, ": elements must have at least one entry");
+    if (def.elements.empty()) fail(object, ": elements must have at least one entry, got none");
     if (isArticulated(def)) checkArticulation(def, object);
     if (const auto* given = std::get_if<GivenInertia>(&def.mass))
         check(*given, object + ": mass");
     else if (def.dynamic && !isGiven(def.mesh))
-        fail(object, ": mass of a dynamic body must come from a mesh: give it one, or give it GivenInertia");
+        fail(object,
+             ": mass of a dynamic body without a mesh must be GivenInertia; density and total mass need a mesh");
     for (const auto& [field, v] : {std::pair{"velocity", def.velocity}, {"angularVelocity", def.angularVelocity}})
-        if (!(length(v) < kFarthest)) fail(object, ": ", field, " must be < ", kFarthest, " in all, got ", length(v));
+        if (!(length(v) < kFarthest))
+            fail(object, ": ", field, " must have a length < ", kFarthest, ", got ", length(v));
     for (std::size_t i = 0; i < def.collision.size(); ++i) {
         const std::string field = text(object, ": collision[", i, "]");
         checkElement(def.collision[i].element, elementCount(def), field + ".element");
         if (!isGiven(def.collision[i].mesh) && !isGiven(def.mesh))
-            fail(field, ".mesh must name a file or be a mesh: the body has none either");
+            fail(field, ".mesh must name a file or be a mesh, because the body has no mesh of its own; got nothing");
     }
     for (std::size_t i = 0; i < def.attachments.size(); ++i)
         checkElement(def.attachments[i].element, elementCount(def), text(object, ": attachments[", i, "].element"));
@@ -89,7 +91,7 @@ Pose unitPose(const Pose& pose, std::string_view object)
     if (!(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest))
         fail(object, ": position must lie within ", kFarthest, " m of the origin, got ", p.x, " ", p.y, " ", p.z);
     constexpr double kUnit =
-        1e-15; // as near to one as rounding lets a product of unit quaternions be: it stays as it is
+        1e-15; // a product of unit quaternions may be this far from unit length by rounding: it is left as it is
     return {p, std::abs(size - 1.0) < kUnit ? q : normalized(q)};
 }
 

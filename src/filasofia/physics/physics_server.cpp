@@ -18,8 +18,8 @@
 namespace filasofia::physics {
 namespace {
 
-constexpr std::size_t kMaximumCommands = 4096; // per step
-constexpr std::size_t kMaximumSpent = 64;
+constexpr std::size_t kMaxCommands = 4096; // per step
+constexpr std::size_t kMaxSpent = 64;
 
 thread_local const void* steppedHere = nullptr; ///< the server that this thread steps; see PhysicsServer::Stepping
 
@@ -37,14 +37,14 @@ AttachmentIds attachmentIdsOf(Command& command)
     return {};
 }
 
-/// A step that is being made. A second one at the same time, of another thread or from within, is refused before it
-/// touches anything.
+/// Marks a step in progress. A second one at the same time, from another thread or from within a step, is refused
+/// before it changes anything.
 class SoleStep {
 public:
     explicit SoleStep(std::atomic_flag& under) : underWay_(under)
     {
         if (underWay_.test_and_set(std::memory_order_acquire))
-            fail("physics: a step is being made already: only one thread at a time may step a server");
+            fail("physics: a step is already in progress: only one thread at a time may step a server");
     }
     ~SoleStep() { underWay_.clear(std::memory_order_release); }
     SoleStep(const SoleStep&) = delete;
@@ -58,41 +58,41 @@ private:
 
 struct PhysicsServer::Impl {
     std::unique_ptr<PhysicsEngine> engine;
-    std::vector<Command> commands; ///< of the step being made
+    std::vector<Command> commands; ///< commands of the current step
     frame::FramePool frames;
     SpscRing<StepRecord> log;
-    /// What materials have replaced, on its way back: a step may not be long enough to take it apart. Read under the
-    /// lock.
-    SpscRing<std::unique_ptr<BuiltBody>> spent{kMaximumSpent};
+    /// Replaced material data on its way back, because freeing it may take longer than a step has. Read under the lock.
+    SpscRing<std::unique_ptr<BuiltBody>> spent{kMaxSpent};
     bool hashing = false;
-    bool recordLost = false; ///< since the last record that was written
+    bool recordLost = false; ///< since the last record written
     bool paused = false;
     std::atomic<bool> logging = false;
     std::atomic_flag stepping = {}; ///< see SoleStep
 
-    /// What a body's registries keep is found out before any lock is taken.
+    /// A command, and for AddBody the data that the registries keep of the body, made before any lock is taken.
     struct Posted {
         Command command;
         std::shared_ptr<const Registry::Body> added = {};
     };
 
-    // Commands come in two ways. Every thread but the one that steps takes a lock, checks against `registry` and pushes
-    // to the inbox. The stepping thread (class Stepping) takes no lock: it checks against `known`, which is told of
-    // each command as it arrives from the inbox, and appends to what has arrived. A command that has arrived has its
-    // place among all others; so all orders of one thread are kept, and there is one order for all.
+    // Commands arrive in two ways. Every thread except the stepping thread takes a lock, checks against `registry` and
+    // pushes to the inbox. The stepping thread (class Stepping) takes no lock: it checks against `known`, which is
+    // updated with each command that arrives from the inbox, and appends to `arrived`. A command that has arrived has
+    // its place among all others, so the order of each thread's commands is kept, and there is one order for all.
 
-    /// Held from the look at a body to the push of its command, so that no command for a body comes behind the one that
-    /// removes it. The stepping thread takes it only to add a body.
+    /// Held from the lookup of a body to the push of its command, so that no command for a body comes after the one
+    /// that removes it. The stepping thread takes it only to add a body.
     mutable std::mutex registryMutex;
     Registry registry;
     MpscQueue<Posted> inbox;
-    MpscQueue<BodyId> gone; ///< what the stepping thread has removed, on its way to `registry`; read under the lock
+    /// Bodies that the stepping thread removed, on their way to `registry`. Read under the lock.
+    MpscQueue<BodyId> gone;
     std::atomic<std::uint32_t> lastAttachment = 0;
 
-    // The stepping thread's own.
+    // The members below are used only by the stepping thread.
     Registry known;
-    std::deque<Posted> arrived; ///< waits for its step
-    bool removes = false;       ///< it has removed bodies: what others ask of them meanwhile comes too late
+    std::deque<Posted> arrived; ///< commands that wait for their step
+    bool removes = false;       ///< whether it has removed bodies: other threads' commands for these come too late
 
     Impl(std::unique_ptr<PhysicsEngine> made, int logLength)
         : engine(std::move(made)), log(static_cast<std::size_t>(logLength))
@@ -105,7 +105,7 @@ struct PhysicsServer::Impl {
         AddBody add{.def = std::make_shared<const BodyDef>(std::move(def))};
         add.body = engine->build(*add.def);
         const auto kept = Registry::bodyOf(add);
-        const std::lock_guard lock(registryMutex); // bodies arrive in the order of their ids
+        const std::lock_guard lock(registryMutex); // so that bodies arrive in the order of their ids
         add.id = {registry.lastAdded().value + 1};
         const BodyId id = add.id;
         push(std::move(add), kept);
@@ -114,7 +114,7 @@ struct PhysicsServer::Impl {
 
     [[nodiscard]] bool isStepping() const { return steppedHere == this; }
 
-    /// Answers from the registry that the calling thread may look at.
+    /// Answers from the registry that the calling thread may read.
     template <class Ask> auto ask(Ask&& answer)
     {
         if (isStepping()) {
@@ -126,21 +126,21 @@ struct PhysicsServer::Impl {
         return answer(registry);
     }
 
-    /// What takes long about a new material is done here, as in add(): the step only moves it in.
+    /// The slow part of a new material is done here, as in add(): the step only moves it in.
     void setMaterial(BodyId id, const SoftMaterial& material)
     {
-        std::vector<std::unique_ptr<BuiltBody>> ends; // here, and not under the lock
+        std::vector<std::unique_ptr<BuiltBody>> ends; // freed here, and not under the lock
         BodyDef def = ask([&](const Registry& bodies) {
             bodies.check(SetMaterial{id, material});
-            if (!isStepping()) // it fills the ring
+            if (!isStepping()) // the stepping thread fills the ring
                 for (; auto* body = spent.beginRead(); spent.release()) ends.push_back(std::move(*body));
             return *bodies.find(id).def;
         });
         std::get<SoftBodyDef>(def).material = material;
-        post(SetMaterial{id, material, engine->build(def)}); // checked again: the body may have gone meanwhile
+        post(SetMaterial{id, material, engine->build(def)}); // checked again: the body may have been removed meanwhile
     }
 
-    /// Returns the attachment that the command makes, if it makes one. Throws an Error if it is wrong.
+    /// Returns the attachment that the command makes, if it makes one. Throws an Error if it is invalid.
     AttachmentId post(Command command)
     {
         if (!isStepping()) {
@@ -158,7 +158,7 @@ struct PhysicsServer::Impl {
         return made;
     }
 
-    /// Under the lock.
+    /// Called under the lock.
     AttachmentId push(Command command, std::shared_ptr<Registry::Body> added = {})
     {
         takeGone();
@@ -169,7 +169,7 @@ struct PhysicsServer::Impl {
         return made;
     }
 
-    /// Ids are given once the command is right: one that is wrong takes none.
+    /// Ids are assigned after the check: an invalid command takes none.
     AttachmentId checkAndNumber(Registry& bodies, Command& command)
     {
         bodies.knowAttachments({lastAttachment.load()});
@@ -180,14 +180,14 @@ struct PhysicsServer::Impl {
         return *ids.first = {lastAttachment.fetch_add(ids.count) + 1};
     }
 
-    /// Under the lock.
+    /// Called under the lock.
     void takeGone()
     {
         while (const auto id = gone.pop())
             if (registry.has(*id)) registry.note(RemoveBody{*id});
     }
 
-    /// Stepping thread.
+    /// Called by the stepping thread.
     void takeArrived()
     {
         while (auto posted = inbox.pop()) {
@@ -197,7 +197,7 @@ struct PhysicsServer::Impl {
         }
     }
 
-    /// A body that it names was removed by the stepping thread after it was checked.
+    /// Whether the stepping thread has removed a body that the command names since the command was checked.
     bool comesTooLate(const Command& command)
     {
         try {
@@ -207,16 +207,16 @@ struct PhysicsServer::Impl {
         } catch (const Error& problem) {
             logWarning("physics: a command came too late: ", problem.what());
         }
-        if (const auto* add = std::get_if<AddBody>(&command)) gone.push(add->id); // it was tied to one that is gone
+        if (const auto* add = std::get_if<AddBody>(&command)) gone.push(add->id); // it was attached to a removed body
         return true;
     }
 
-    /// The commands of the next step.
+    /// Collects the commands of the next step.
     void gather()
     {
         commands.clear();
         takeArrived();
-        while (commands.size() < kMaximumCommands && !arrived.empty()) { // what comes faster waits: a step must end
+        while (commands.size() < kMaxCommands && !arrived.empty()) { // further commands wait: a step must end
             Command& command = arrived.front().command;
             if (const auto* pause = std::get_if<Pause>(&command)) paused = pause->paused;
             commands.push_back(std::move(command));
@@ -228,7 +228,7 @@ struct PhysicsServer::Impl {
     {
         for (Command& command : commands)
             if (auto* set = std::get_if<SetMaterial>(&command); set && set->body) {
-                std::unique_ptr<BuiltBody> body = std::move(set->body); // dies here where the ring is full
+                std::unique_ptr<BuiltBody> body = std::move(set->body); // freed here if the ring is full
                 if (auto* place = spent.beginWrite()) {
                     *place = std::move(body);
                     spent.publish();
@@ -239,7 +239,7 @@ struct PhysicsServer::Impl {
     void writeLog(StepReport& report)
     {
         if (!logging.load(std::memory_order_relaxed)) {
-            recordLost = true; // a log that begins later does not begin at the beginning
+            recordLost = true; // a log that is turned on later has missed these steps
             return;
         }
         StepRecord* record = log.beginWrite();
@@ -259,7 +259,7 @@ struct PhysicsServer::Impl {
     void publishFrame()
     {
         frame::Frame* frame = frames.beginWrite();
-        if (!frame) return; // readers hold them all: they will see the next one
+        if (!frame) return; // readers hold all frames: they will get the next one
         engine->capture(*frame);
         frames.publish();
     }
@@ -284,7 +284,7 @@ PhysicsServer::Stepping::~Stepping() { steppedHere = before_; }
 
 BodyId PhysicsServer::add(SoftBodyDef def)
 {
-    def = loaded(std::move(def)); // read once: the engine and whoever shows the body use the same
+    def = loaded(std::move(def)); // read once, so that the engine and the visual side use the same mesh
     def.pose = unitPose(def.pose, text("soft body '", def.name, "': pose"));
     return impl_->add(std::move(def));
 }
@@ -293,7 +293,7 @@ BodyId PhysicsServer::add(RigidBodyDef def)
     def = loaded(std::move(def));
     for (std::size_t e = 0; e < def.elements.size(); ++e)
         def.elements[e] = unitPose(def.elements[e], text("rigid body '", def.name, "': elements[", e, "]"));
-    if (!def.articulation.joints.empty()) { // whoever shows the body finds its links where they are
+    if (!def.articulation.joints.empty()) { // the visual side reads the poses of the links from the Def
         check(BodyDef{def});
         def.elements = elementPoses(def);
     }
@@ -380,9 +380,9 @@ void PhysicsServer::expect(std::vector<Command> commands)
     impl_->commands = std::move(commands);
 }
 
-StepReport PhysicsServer::stepAgain(double dt, const StepBudget& budget)
+StepReport PhysicsServer::replayStep(double dt, const StepBudget& budget)
 {
-    if (!(std::isfinite(dt) && dt >= 0.0)) fail("physics: stepAgain: dt must be >= 0 s and finite, got ", dt);
+    if (!(std::isfinite(dt) && dt >= 0.0)) fail("physics: replayStep: dt must be >= 0 s and finite, got ", dt);
     const SoleStep sole(impl_->stepping);
     const StepReport report = impl_->engine->step({.dt = dt, .commands = impl_->commands, .budget = &budget});
     impl_->giveBackSpent();

@@ -20,7 +20,8 @@ struct Registry::Check {
     {
         FILASOFIA_ASSERT(add.def != nullptr && add.body != nullptr);
         if (add.id <= registry.last_)
-            fail("body ", add.id.value, ": ids rise, and one up to ", registry.last_.value, " was given already");
+            fail("body ", add.id.value, ": id must be > ", registry.last_.value, ", the last one used, got ",
+                 add.id.value);
         checkAttachments(registry, {{}, *add.def, add.body->nodeCount()});
         if (const auto* rigid = std::get_if<RigidBodyDef>(add.def.get())) checkBase(registry, *rigid);
         if (const std::uint32_t count = attachmentCount(*add.def); count > 0) checkFresh(add.attachments, count);
@@ -28,42 +29,44 @@ struct Registry::Check {
     void operator()(const RemoveBody& remove) const { static_cast<void>(registry.find(remove.id)); }
     void operator()(const SetPose& set) const
     {
-        const Body& body = find<RigidBodyDef>(set.id, "a pose can be set on a rigid body only");
+        const Body& body = find<RigidBodyDef>(set.id, "must be a rigid body to have its pose set");
         const std::string object = describeBody(*body.def);
         checkElement(set.element, static_cast<std::size_t>(body.nodeCount), object + ": element");
-        checkNotALink(registry, std::get<RigidBodyDef>(*body.def), set.element);
+        checkSettable(registry, std::get<RigidBodyDef>(*body.def), set.element);
         validate(set.pose, object);
         static_cast<void>(unitPose(set.pose, object));
     }
     void operator()(const SetJoint& set) const
     {
-        const Body& body = find<RigidBodyDef>(set.id, "only a rigid body has joints");
+        const Body& body = find<RigidBodyDef>(set.id, "must be a rigid body to have a joint set");
         checkCommand(std::get<RigidBodyDef>(*body.def), body.takesForce, set);
     }
     void operator()(const SetWrench& set) const
     {
-        const Body& body = find<RigidBodyDef>(set.id, "a wrench can be set on a rigid body only");
+        const Body& body = find<RigidBodyDef>(set.id, "must be a dynamic rigid body to have a wrench set");
         const std::string object = describeBody(*body.def);
         if (!std::get<RigidBodyDef>(*body.def).dynamic)
-            fail(object, ": a wrench can be set on a dynamic body only; this one goes where it is told");
+            fail(object, ": must be a dynamic body to have a wrench set; it is kinematic");
         checkElement(set.element, static_cast<std::size_t>(body.nodeCount), object + ": element");
         validate(set, object);
     }
     void operator()(const SetHaptic& set) const
     {
-        const Body& body = find<RigidBodyDef>(set.id, "a hand can hold a rigid body only");
+        const Body& body = find<RigidBodyDef>(set.id, "must be a rigid body to be held by a hand");
         const std::string object = describeBody(*body.def);
         checkElement(set.element, static_cast<std::size_t>(body.nodeCount), object + ": element");
         validate(set, object);
         const auto& def = std::get<RigidBodyDef>(*body.def);
         if (def.dynamic && !def.articulation.joints.empty())
-            fail(object, ": a hand cannot hold a body with joints that forces move: attach its base to a body that it "
+            fail(object, ": must not be a dynamic body with joints to be held by a hand; attach its base to a body "
+                         "that the hand "
                          "holds");
-        checkNotALink(registry, def, set.element);
+        checkSettable(registry, def, set.element);
         static_cast<void>(unitPose(set.target.pose, object + ": target.pose"));
         for (const Vec3 v : {set.target.velocity, set.target.angularVelocity})
             if (!(length(v) < kFarthest))
-                fail(object, ": target: velocities must be < ", kFarthest, " m/s and rad/s, got ", length(v));
+                fail(object, ": target: velocity and angularVelocity must have a length < ", kFarthest,
+                     " m/s and rad/s, got ", length(v));
     }
     void operator()(const SetGravity& set) const
     {
@@ -72,18 +75,18 @@ struct Registry::Check {
     }
     void operator()(const SetMaterial& set) const
     {
-        const Body& body = find<SoftBodyDef>(set.id, "a material can be set on a soft body only");
+        const Body& body = find<SoftBodyDef>(set.id, "must be a soft body to have its material set");
         const std::string object = describeBody(*body.def);
         std::visit([&](const auto& each) { validate(each, object); }, set.material);
         if (set.material.index() != std::get<SoftBodyDef>(*body.def).material.index())
-            fail(object, ": material must stay of the kind the body was made with");
+            fail(object, ": material must be of the kind that the body was made with");
         SoftBodyDef def = std::get<SoftBodyDef>(*body.def);
         def.material = set.material;
         physics::check(BodyDef{std::move(def)});
     }
     void operator()(const SetForces& set) const
     {
-        const Body& body = find<SoftBodyDef>(set.id, "nodal forces can be set on a soft body only");
+        const Body& body = find<SoftBodyDef>(set.id, "must be a soft body to have nodal forces set");
         const std::string object = describeBody(*body.def);
         for (std::size_t i = 0; i < set.forces.size(); ++i) {
             validate(set.forces[i], text(object, ": forces[", i, "]"));
@@ -93,20 +96,22 @@ struct Registry::Check {
     }
     void operator()(const SetPressure& set) const
     {
-        const Body& body = find<SoftBodyDef>(set.id, "pressure can be set on a soft body only");
+        const Body& body = find<SoftBodyDef>(set.id, "must be a soft body to have its pressure set");
         if (!std::isfinite(set.pressure))
             fail(describeBody(*body.def), ": pressure must be finite, got ", set.pressure);
     }
     void operator()(const Attach& attach) const
     {
-        const Body& body = find<SoftBodyDef>(attach.body, "a rigid body takes a RigidAttachmentDef");
+        const Body& body = find<SoftBodyDef>(
+            attach.body, "attachment must be a RigidAttachmentDef for a rigid body, got an AttachmentDef");
         checkAttachment(registry, {attach.body, *body.def, body.nodeCount}, attach.def,
                         describeBody(*body.def) + ": attachment");
         checkFresh(attach.id);
     }
     void operator()(const AttachRigid& attach) const
     {
-        const Body& body = find<RigidBodyDef>(attach.body, "a soft body takes an AttachmentDef");
+        const Body& body = find<RigidBodyDef>(
+            attach.body, "attachment must be an AttachmentDef for a soft body, got a RigidAttachmentDef");
         checkAttachment(registry, {attach.body, *body.def, body.nodeCount}, attach.def,
                         describeBody(*body.def) + ": attachment");
         checkFresh(attach.id);
@@ -118,44 +123,45 @@ struct Registry::Check {
     }
     void operator()(const RemovePiece& remove) const
     {
-        const Body& body = find<SoftBodyDef>(remove.id, "a rigid body has no pieces");
+        const Body& body = find<SoftBodyDef>(remove.id, "must be a soft body to have a piece removed");
         const std::string object = describeBody(*body.def);
         validate(remove, object);
         if (!std::get<SoftBodyDef>(*body.def).dynamicTopology)
-            fail(object, ": piece ", remove.piece, " cannot be removed: without dynamicTopology it never has any");
+            fail(object, ": piece ", remove.piece, " cannot be removed; without dynamicTopology a body has no pieces");
     }
     void operator()(const Grasp& grasp) const
     {
-        const Body& body = find<RigidBodyDef>(grasp.rigid, "only a rigid body can grasp");
+        const Body& body = find<RigidBodyDef>(grasp.rigid, "must be a rigid body to grasp");
         const std::string object = describeBody(*body.def) + ": grasp";
-        if (grasp.target == grasp.rigid) fail(object, ": target must be another body");
+        if (grasp.target == grasp.rigid) fail(object, ": target must be another body, got the grasping body itself");
         const Body& target = registry.find(grasp.target);
         validate(grasp.def, object);
         const auto* other = std::get_if<RigidBodyDef>(target.def.get());
         if (other && !other->dynamic && !std::get<RigidBodyDef>(*body.def).dynamic)
-            fail(object, ": what goes where it is told cannot be held: one of the two must be dynamic, or soft");
+            fail(object, " must have a dynamic or soft body on one side; both are kinematic");
         checkFresh(grasp.id);
     }
     void operator()(const Reset&) const {}
     void operator()(const Pause&) const {}
     void operator()(const Tune& tune) const
     {
-        if (!tune.change) fail("tune: the function to run must be one, got nothing");
+        if (!tune.change) fail("tune: change must be a function, got nothing");
     }
 
 private:
-    /// The first of `count` > 0 new ones. A damaged recording may name any number.
+    /// Checks the first of `count` > 0 new ids. A damaged recording may name any number.
     void checkFresh(AttachmentId first, std::uint32_t count = 1) const
     {
         if (!registry.areFree(first, count))
-            fail("attachment ", first.value, ": ids rise, and one up to ", registry.lastAttachment_.value,
-                 " was given already");
-        constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
-        if (first.value > most - (count - 1))
-            fail("attachment ", first.value, ": must be <= ", most - (count - 1), ": ", count, " ids follow from it");
+            fail("attachment ", first.value, ": id must be > ", registry.lastAttachment_.value,
+                 ", the last one used, got ", first.value);
+        constexpr std::uint32_t maxId = std::numeric_limits<std::uint32_t>::max();
+        if (first.value > maxId - (count - 1))
+            fail("attachment ", first.value, ": id must be <= ", maxId - (count - 1), " to leave room for ", count,
+                 " ids, got ", first.value);
     }
 
-    /// The body behind an id, which must be of kind Def.
+    /// The body of an id, which must be of kind Def.
     template <class Def> const Body& find(BodyId id, const char* what) const
     {
         const Body& body = registry.find(id);

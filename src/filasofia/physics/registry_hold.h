@@ -6,7 +6,7 @@ namespace filasofia::physics {
 
 class PhysicsServer;
 
-/// For tests: holds the lock that every caller of a server takes but the stepping thread.
+/// For tests: holds the lock that every caller of a server takes, except the stepping thread.
 class RegistryHold {
 public:
     explicit RegistryHold(PhysicsServer& server);

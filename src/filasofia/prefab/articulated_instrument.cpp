@@ -33,7 +33,7 @@ std::vector<JawDef> jawsOf(InstrumentKind kind)
         const std::string_view side = upper ? "upper" : "lower";
         JawDef jaw{.axis = {upper ? 1.0 : -1.0, 0.0, 0.0}};
         if (kind == InstrumentKind::Scissors) {
-            // The blade's collision mesh would push away what its edge is to cut: the edge alone meets tissue.
+            // A collision mesh of the blade would push away what its edge has to cut, so only the edge touches tissue.
             const double y = upper ? -0.06e-3 : 0.06e-3;
             jaw.edge = {{{0.0, y, -1.0e-3}, {0.0, y, -6.4e-3}}};
             jaw.opensBy = 35.0 * degree;
@@ -55,7 +55,7 @@ ArticulatedInstrumentDef completed(ArticulatedInstrumentDef def)
     validate(def, object);
     def.pose = physics::unitPose(def.pose, text(object, ": pose"));
     if (def.jaws.empty()) def.jaws = jawsOf(def.kind);
-    if (def.jaws.size() > 2) fail(object, ": jaws must be one or two, got ", def.jaws.size());
+    if (def.jaws.size() > 2) fail(object, ": jaws must have one or two entries, got ", def.jaws.size());
     if (std::ranges::none_of(def.jaws, [](const JawDef& jaw) { return jaw.opensBy > 0.0; }))
         fail(object, ": jaws: at least one must have opensBy > 0 rad, got none");
     for (std::size_t i = 0; i < def.jaws.size(); ++i) {
@@ -69,7 +69,8 @@ ArticulatedInstrumentDef completed(ArticulatedInstrumentDef def)
     return def;
 }
 
-/// An edge as a surface, which is what collision models are made of: a strip of a tenth of its length, whose rim cuts.
+/// A cutting edge as a surface, because collision models are surfaces: a strip a tenth as wide as it is long, whose rim
+/// cuts.
 std::shared_ptr<const geometry::TriangleMesh> blade(const JawDef& jaw)
 {
     const auto [from, to] = *jaw.edge;
@@ -78,7 +79,7 @@ std::shared_ptr<const geometry::TriangleMesh> blade(const JawDef& jaw)
         geometry::TriangleMesh{.vertices = {from, to, from - back}, .triangles = {{0, 1, 2}}, .uv = {}});
 }
 
-/// A joint that goes where it is told, and, pressed by the closing torque, moves at `speed`, which it reaches in 20 ms.
+/// A position-controlled joint that under the closing torque moves at `speed`, which it reaches in 20 ms.
 JointDef jointOf(const ArticulatedInstrumentDef& def, const JawDef& jaw, int link)
 {
     const double damping = def.closingTorque / def.speed;
@@ -88,13 +89,13 @@ JointDef jointOf(const ArticulatedInstrumentDef& def, const JawDef& jaw, int lin
     joint.speed = def.speed;
     joint.damping = damping;
     joint.inertia = 0.02 * damping;
-    // A jaw weighs little against its drive: a tenth of a gram, 3 mm long.
+    // A jaw weighs little compared with its drive: a tenth of a gram, 3 mm long.
     joint.mass = physics::GivenInertia{.mass = 1e-4, .centre = {0.0, 0.0, -3e-3}, .moments = {1e-9, 1e-9, 1e-9}};
     return joint;
 }
 
-/// How hard tissue pushes one side of the mouth and the other [N]: forces across the shaft, along the direction in
-/// which a jaw opens and against it.
+/// The forces of tissue on the two sides of the mouth [N]: across the shaft, along the direction in which a jaw opens
+/// and against it.
 std::array<double, 2> squeezed(const frame::Frame& frame, BodyId tool, BodyId target, Vec3 opens)
 {
     std::array<double, 2> sides = {};
@@ -111,15 +112,15 @@ std::array<double, 2> squeezed(const frame::Frame& frame, BodyId tool, BodyId ta
 
 struct ArticulatedInstrument::Impl {
     enum class State {
-        Open,    ///< goes where it was told; holds nothing
-        Closing, ///< presses
-        Asked,   ///< has asked for a grasp, and waits for the step that makes it
-        Holding, ///< tied to what it holds
-        Slipped  ///< presses, and will hold nothing before it was opened again
+        Open,      ///< goes to the commanded angle; holds nothing
+        Closing,   ///< presses
+        Requested, ///< has asked for a grasp, and waits for the step that makes it
+        Holding,   ///< attached to the tissue it holds
+        Slipped    ///< presses, and holds nothing until it has been opened
     };
 
     Impl(runtime::Simulation& sim, const ArticulatedInstrumentDef& asked)
-        : simulation(sim), def(completed(asked)), told(def.pose), seen({.told = told}), body(addBody())
+        : simulation(sim), def(completed(asked)), lastPose(def.pose), newest({.pose = lastPose}), body(addBody())
     {
         simulation.show(body, {.surface = def.shaft, .element = kShaft, .material = def.material});
         for (std::size_t i = 0; i < def.jaws.size(); ++i)
@@ -154,8 +155,8 @@ struct ArticulatedInstrument::Impl {
         return simulation.add(rigid);
     }
 
-    /// Every moving jaw by its own command, given its joint and its Def.
-    template <class CommandOf> void tell(CommandOf commandOf)
+    /// Gives every moving jaw the command for its joint and Def.
+    template <class CommandOf> void commandJaws(CommandOf commandOf)
     {
         int joint = 0;
         for (const JawDef& jaw : def.jaws)
@@ -166,14 +167,14 @@ struct ArticulatedInstrument::Impl {
     }
     void press()
     {
-        tell([this](std::size_t, const JawDef&) { return physics::JointCommand(JointForce{-torque}); });
+        commandJaws([this](std::size_t, const JawDef&) { return physics::JointCommand(JointForce{-torque}); });
     }
 
-    void letGo()
+    void release()
     {
         if (grip) simulation.physics().release(grip);
         if (state == State::Holding && def.onGrasp) {
-            publish(); // it may ask
+            publish(); // because onGrasp may ask for it
             def.onGrasp(held, false);
         }
         grip = {};
@@ -181,25 +182,25 @@ struct ArticulatedInstrument::Impl {
         force = 0.0;
     }
 
-    // The stepping thread, before each step.
+    // Stepping thread, before each step.
     void watch()
     {
         const frame::FrameRef frame = simulation.physics().latest();
         if (!frame) return;
         const frame::RigidBodyFrame* now = frame->rigidBody(body);
         if (now == nullptr) return;
-        // While another thread opens or closes it, it waits for the next step.
+        // If another thread is opening or closing the instrument, this waits for the next step.
         turns.now([&] {
             widest = widestOf(*now);
             if (state == State::Closing && def.grasps)
                 seek(*frame, *now);
-            else if (state == State::Asked || state == State::Holding)
+            else if (state == State::Requested || state == State::Holding)
                 follow(*frame);
             publish();
         });
     }
 
-    /// Any thread, also the stepping one, which waits for none.
+    /// Any thread. The stepping thread does not wait for others.
     template <class Act> void act(Act what)
     {
         turns.take(!simulation.physics().stepsHere(), [this, what] {
@@ -210,20 +211,21 @@ struct ArticulatedInstrument::Impl {
 
     void publish()
     {
-        seen.write(
-            {.told = told, .holding = state == State::Holding ? held : BodyId{}, .force = force, .widest = widest});
+        newest.write(
+            {.pose = lastPose, .holding = state == State::Holding ? held : BodyId{}, .force = force, .widest = widest});
     }
 
     [[nodiscard]] double widestOf(const frame::RigidBodyFrame& now) const
     {
-        double most = 0.0;
+        double widestFraction = 0.0;
         std::size_t joint = 0;
         for (const JawDef& jaw : def.jaws)
-            if (jaw.opensBy > 0.0) most = std::max(most, now.joints[joint++].position / jaw.opensBy);
-        return most;
+            if (jaw.opensBy > 0.0)
+                widestFraction = std::max(widestFraction, now.joints[joint++].position / jaw.opensBy);
+        return widestFraction;
     }
 
-    /// Is there tissue between the jaws? The ids of soft bodies ascend: the first that is squeezed is held.
+    /// Looks for tissue between the jaws. The ids of soft bodies ascend: the first squeezed body is held.
     void seek(const frame::Frame& frame, const frame::RigidBodyFrame& now)
     {
         const JawDef& jaw = def.jaws.front();
@@ -233,18 +235,18 @@ struct ArticulatedInstrument::Impl {
             if (sides[0] < def.gripForce || sides[1] < def.gripForce) continue;
             grip = simulation.physics().grasp(body, soft.id,
                                               {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
-            tell([&](std::size_t joint, const JawDef& each) {
+            commandJaws([&](std::size_t joint, const JawDef& each) {
                 const double position = std::clamp(now.joints[joint].position, 0.0, each.opensBy);
                 return physics::JointCommand(JointPosition{position});
             });
             held = soft.id;
-            askedAt = frame.step;
-            state = State::Asked;
+            requestedAt = frame.step;
+            state = State::Requested;
             return;
         }
     }
 
-    /// Did the grasp come about, and does it still hold?
+    /// Checks whether the grasp has been made and still holds.
     void follow(const frame::Frame& frame)
     {
         const auto found =
@@ -252,14 +254,14 @@ struct ArticulatedInstrument::Impl {
         const bool there = found != frame.attachments.end() && !found->broken && found->points > 0;
         if (there) {
             force = length(found->force);
-            if (state == State::Asked && def.onGrasp) {
-                publish(); // it may ask
+            if (state == State::Requested && def.onGrasp) {
+                publish(); // because onGrasp may ask for it
                 def.onGrasp(held, true);
             }
             state = State::Holding;
-        } else if (frame.step > askedAt) {
+        } else if (frame.step > requestedAt) {
             const bool slipped = state == State::Holding;
-            letGo();
+            release();
             state = slipped ? State::Slipped : State::Closing;
             press();
         }
@@ -267,23 +269,23 @@ struct ArticulatedInstrument::Impl {
 
     runtime::Simulation& simulation;
     const ArticulatedInstrumentDef def;
-    Turns turns; // of what follows, and of the order of commands; onGrasp may call back
-    Pose told;
+    Turns turns; // guards the members below and the order of commands; onGrasp may call back
+    Pose lastPose;
     State state = State::Open;
     double torque = 0.0;
     AttachmentId grip = {};
     BodyId held = {};
-    std::uint64_t askedAt = 0;
+    std::uint64_t requestedAt = 0;
     double force = 0.0;
     double widest = 0.0;
-    struct Seen {
-        Pose told = {};
+    struct Snapshot {
+        Pose pose = {};
         BodyId holding = {};
         double force = 0.0;
         double widest = 0.0;
     };
-    Published<Seen> seen; // the newest, for all
-    const BodyId body;    // made of the Def
+    Published<Snapshot> newest; // for all threads
+    const BodyId body;          // built from the Def
 };
 
 ArticulatedInstrument::ArticulatedInstrument(runtime::Simulation& simulation, const ArticulatedInstrumentDef& def)
@@ -301,7 +303,7 @@ void ArticulatedInstrument::move(const Pose& pivot)
 {
     const Pose unit = physics::unitPose(pivot, text("instrument '", impl_->def.name, "'"));
     impl_->act([unit](Impl& impl) {
-        impl.told = unit;
+        impl.lastPose = unit;
         impl.simulation.physics().setPose(impl.body, rounded(unit), kShaft);
     });
 }
@@ -311,9 +313,9 @@ void ArticulatedInstrument::open(double opening)
     if (!(opening >= 0.0 && opening <= 1.0))
         fail("instrument '", impl_->def.name, "': open must be in [0, 1], got ", opening);
     impl_->act([opening](Impl& impl) {
-        impl.letGo();
+        impl.release();
         impl.state = Impl::State::Open;
-        impl.tell([&](std::size_t, const JawDef& jaw) {
+        impl.commandJaws([&](std::size_t, const JawDef& jaw) {
             return physics::JointCommand(JointPosition{opening * jaw.opensBy});
         });
     });
@@ -325,15 +327,15 @@ void ArticulatedInstrument::close(std::optional<double> torque)
         fail("instrument '", impl_->def.name, "': close: torque must be > 0 N m, got ", *torque);
     impl_->act([torque](Impl& impl) {
         impl.torque = torque.value_or(impl.def.closingTorque);
-        if (impl.state == Impl::State::Asked || impl.state == Impl::State::Holding) return; // it has closed
+        if (impl.state == Impl::State::Requested || impl.state == Impl::State::Holding) return; // it is closed already
         if (impl.state == Impl::State::Open) impl.state = Impl::State::Closing;
         impl.press();
     });
 }
 
-Pose ArticulatedInstrument::pose() const { return impl_->seen.read().told; }
-BodyId ArticulatedInstrument::holding() const { return impl_->seen.read().holding; }
-double ArticulatedInstrument::pull() const { return impl_->seen.read().force; }
-double ArticulatedInstrument::opening() const { return impl_->seen.read().widest; }
+Pose ArticulatedInstrument::pose() const { return impl_->newest.read().pose; }
+BodyId ArticulatedInstrument::holding() const { return impl_->newest.read().holding; }
+double ArticulatedInstrument::pull() const { return impl_->newest.read().force; }
+double ArticulatedInstrument::opening() const { return impl_->newest.read().widest; }
 
 } // namespace filasofia::prefab

@@ -29,8 +29,8 @@ EndoscopeDef completed(EndoscopeDef def)
     return def;
 }
 
-/// The camera in the tip's coordinates: -Z of the identity is the shaft's direction, a turn by -inclination about +X
-/// takes it towards -Y, and the camera's own roll is about what is then its view.
+/// The camera in the tip's coordinates. The identity looks along -Z, the shaft's direction; a rotation by -inclination
+/// about +X takes the view towards -Y, and the camera's own roll is about the resulting view.
 Pose mounted(const EndoscopeDef& def, double cameraRoll)
 {
     return {def.lens, axisAngle(kSideways, -def.inclination) * axisAngle(kBackwards, cameraRoll)};
@@ -40,9 +40,9 @@ Pose mounted(const EndoscopeDef& def, double cameraRoll)
 
 struct Endoscope::Impl {
     Impl(runtime::Simulation& sim, const EndoscopeDef& asked)
-        : simulation(sim), def(completed(asked)), aim{def.pose}, seen(aim), body(addBody())
+        : simulation(sim), def(completed(asked)), aim{def.pose}, newest(aim), body(addBody())
     {
-        // What is drawn of it throws no shadow: its own light sits within.
+        // The scope's surfaces cast no shadow, because its own light is inside them.
         for (const runtime::SurfaceSource& surface : def.surfaces)
             simulation.show(body, {.surface = surface,
                                    .element = kShaft,
@@ -59,21 +59,21 @@ struct Endoscope::Impl {
         return simulation.add(rigid);
     }
 
-    /// Where it was told to be.
+    /// The last commanded pose and rolls.
     struct Aim {
-        Pose told = {};
+        Pose lastPose = {};
         double rolled = 0.0;
         double cameraRolled = 0.0;
     };
-    [[nodiscard]] static Pose tip(const Aim& at) { return at.told * Pose{{}, axisAngle(kBackwards, at.rolled)}; }
+    [[nodiscard]] static Pose tip(const Aim& at) { return at.lastPose * Pose{{}, axisAngle(kBackwards, at.rolled)}; }
     [[nodiscard]] Pose camera(const Aim& at) const { return tip(at) * mounted(def, at.cameraRolled); }
 
-    /// Any thread, also the stepping one, which waits for none.
+    /// Any thread. The stepping thread does not wait for others.
     template <class Change> void change(Change by)
     {
         turns.take(!simulation.physics().stepsHere(), [this, by] {
             by(aim);
-            seen.write(aim);
+            newest.write(aim);
             simulation.physics().setPose(body, rounded(tip(aim)), kShaft);
             simulation.physics().setPose(body, rounded(camera(aim)), kCamera);
         });
@@ -86,10 +86,10 @@ struct Endoscope::Impl {
 
     runtime::Simulation& simulation;
     const EndoscopeDef def;
-    Turns turns; // of what follows, and of the order of commands
+    Turns turns; // guards the members below and the order of commands
     Aim aim;
-    Published<Aim> seen; // the newest, for all
-    const BodyId body;   // made of all above
+    Published<Aim> newest; // for all threads
+    const BodyId body;     // built from the members above
 };
 
 Endoscope::Endoscope(runtime::Simulation& simulation, const EndoscopeDef& def)
@@ -103,7 +103,7 @@ BodyId Endoscope::body() const { return impl_->body; }
 void Endoscope::move(const Pose& tip)
 {
     const Pose unit = physics::unitPose(tip, text("endoscope '", impl_->def.name, "'"));
-    impl_->change([unit](Impl::Aim& aim) { aim.told = unit; });
+    impl_->change([unit](Impl::Aim& aim) { aim.lastPose = unit; });
 }
 
 void Endoscope::roll(double angle)
@@ -118,8 +118,8 @@ void Endoscope::cameraRoll(double angle)
     impl_->change([angle](Impl::Aim& aim) { aim.cameraRolled = angle; });
 }
 
-Pose Endoscope::tip() const { return Impl::tip(impl_->seen.read()); }
-Pose Endoscope::camera() const { return impl_->camera(impl_->seen.read()); }
+Pose Endoscope::tip() const { return Impl::tip(impl_->newest.read()); }
+Pose Endoscope::camera() const { return impl_->camera(impl_->newest.read()); }
 
 Pose Endoscope::channel() const { return tip() * impl_->def.channel; }
 
@@ -134,7 +134,7 @@ EndoscopeView Endoscope::dress(visual::VisualServer& server)
                                                .focusDistance = 0.02});
     impl_->simulation.follow(*out.camera, impl_->body, {.at = runtime::FollowElement{kCamera}});
 
-    // A ring of fibres around the lens shines wider than the picture; beside the lens it models what it lights.
+    // A ring of fibres around the lens shines wider than the picture. Beside the lens it gives the lit tissue shading.
     const visual::SpotLight spot{.intensity = def.intensity,
                                  .innerAngle = 0.15,
                                  .outerAngle = std::min(1.4, 0.75 * def.fieldOfView),
@@ -144,7 +144,8 @@ EndoscopeView Endoscope::dress(visual::VisualServer& server)
     lamp.position.x += 0.8e-3;
     impl_->simulation.follow(*out.light, impl_->body, {.at = runtime::FollowElement{kShaft}, .offset = lamp});
 
-    // Walls send light back, red from tissue: without it instruments are black and shadows have no end.
+    // The walls reflect light, which tissue makes red. Without this light instruments are black and shadows have no
+    // end.
     server.setEnvironment({.intensity = 300.0,
                            .above = {0.55, 0.36, 0.32},
                            .below = {0.45, 0.25, 0.21},

@@ -29,11 +29,11 @@ using metric::Sample;
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostBodies = 64;
-constexpr int kMostEvents = 100'000;    ///< [-] that wait
-constexpr std::size_t kChunk = 1 << 16; ///< [bytes] that are written at once
+constexpr std::size_t kMaxBodies = 64;
+constexpr int kMaxEvents = 100'000;     ///< [-], events that can wait
+constexpr std::size_t kChunk = 1 << 16; ///< [bytes] written at once
 constexpr std::chrono::milliseconds kRest = std::chrono::milliseconds(20);
-constexpr std::chrono::microseconds kLook = std::chrono::microseconds(100); ///< between two looks for room
+constexpr std::chrono::microseconds kRoomPoll = std::chrono::microseconds(100); ///< between two checks for room
 
 std::string nameOf(runtime::Simulation& simulation, BodyId body)
 {
@@ -43,8 +43,8 @@ std::string nameOf(runtime::Simulation& simulation, BodyId body)
 void check(const MetricTrackerDef& def)
 {
     validate(def, "metric tracker");
-    if (def.bodies.empty() || def.bodies.size() > kMostBodies)
-        fail("metric tracker: bodies must be in [1, ", kMostBodies, "], got ", def.bodies.size());
+    if (def.bodies.empty() || def.bodies.size() > kMaxBodies)
+        fail("metric tracker: bodies must be in [1, ", kMaxBodies, "], got ", def.bodies.size());
     for (std::size_t i = 0; i < def.bodies.size(); ++i) {
         const TrackedBody& body = def.bodies[i];
         for (const auto& [vector, field] : {std::pair{body.axis, "axis"}, {body.up, "up"}})
@@ -59,7 +59,8 @@ void check(const MetricTrackerDef& def)
     positive(def.session.fieldOfView, "fieldOfView");
 }
 
-/// What the session's measures would miss without a word: a place that no body has, a target that is none.
+/// Checks what would silently be missing from the session's measures: an element that no body has, a target that does
+/// not exist.
 void checkBodies(runtime::Simulation& simulation, const MetricTrackerDef& def)
 {
     for (std::size_t i = 0; i < def.bodies.size(); ++i) {
@@ -73,7 +74,7 @@ void checkBodies(runtime::Simulation& simulation, const MetricTrackerDef& def)
     const std::vector<BodyId> bodies = simulation.physics().bodies();
     for (const std::string& target : def.session.targets)
         if (std::ranges::none_of(bodies, [&](BodyId body) { return nameOf(simulation, body) == target; }))
-            logWarning("metric tracker: session.targets: no body is called ", shownWord(target), " now");
+            logWarning("metric tracker: session.targets: no body has the name ", shownWord(target), " now");
 }
 
 /// The session before its first sample.
@@ -106,7 +107,7 @@ std::size_t rowsOf(const MetricTrackerDef& def)
 } // namespace
 
 struct MetricTracker::Impl {
-    using Row = std::vector<Sample>; ///< of one moment, one per body
+    using Row = std::vector<Sample>; ///< the samples of one moment, one per body
 
     Impl(runtime::Simulation& sim, MetricTrackerDef asked)
         : simulation(sim), def(std::move(asked)), session(begun(sim, def)), rows(rowsOf(def)),
@@ -120,9 +121,10 @@ struct MetricTracker::Impl {
     }
     ~Impl() { end(); }
 
-    // The stepping thread.
+    // Stepping thread.
 
-    /// Before a step that will end at `time`: the newest frame is that of the step before, unless readers hold all.
+    /// Before a step that will end at `time`. The newest frame is that of the step before, unless readers hold all
+    /// frames.
     void observe(double time)
     {
         const std::unique_lock lock(sampling, std::try_to_lock);
@@ -131,7 +133,7 @@ struct MetricTracker::Impl {
         stepEnd = time;
     }
 
-    /// Samples the newest state where a sample is due. Called with the lock.
+    /// Samples the newest state if a sample is due. Called with the lock.
     void take()
     {
         const frame::FrameRef frame = simulation.physics().latest();
@@ -154,8 +156,8 @@ struct MetricTracker::Impl {
         taken.fetch_add(1, std::memory_order_relaxed);
     }
 
-    /// A run that is faster than real time may outrun any disk. It waits, but never so long that it falls behind: in a
-    /// live run, not at all.
+    /// Waits for room, because a run faster than real time may outrun any disk. It never waits so long that the run
+    /// falls behind real time: in a live run, not at all.
     Row* waitForRoom(double time)
     {
         const std::chrono::duration<double> wall = Clock::now() - begin->wall;
@@ -164,13 +166,13 @@ struct MetricTracker::Impl {
         const auto until = Clock::now() + ahead;
         hurry.store(true, std::memory_order_relaxed);
         while ((row = rows.beginWrite()) == nullptr && Clock::now() < until) {
-            wake.notify_all(); // without the lock, which only others take; what it misses the next round wakes
-            std::this_thread::sleep_for(kLook);
+            wake.notify_all(); // without the lock, so it may be missed: the next one wakes
+            std::this_thread::sleep_for(kRoomPoll);
         }
         return row;
     }
 
-    /// Is a sample due at this time [s]; the next one is so in the next period of the rate.
+    /// Whether a sample is due at this time [s]. The next one is due in the next period of the rate.
     bool due(double time)
     {
         const double period = std::floor(time * def.rate + 1e-6);
@@ -183,7 +185,7 @@ struct MetricTracker::Impl {
 
     void add(Event event)
     {
-        if (waiting.fetch_add(1, std::memory_order_relaxed) >= kMostEvents) {
+        if (waiting.fetch_add(1, std::memory_order_relaxed) >= kMaxEvents) {
             waiting.fetch_sub(1, std::memory_order_relaxed);
             lost.fetch_add(1, std::memory_order_relaxed);
             return;
@@ -207,7 +209,7 @@ struct MetricTracker::Impl {
         if (thread.joinable()) thread.join();
     }
 
-    // The writing thread. Nobody wakes it for a sample: that would be a system call of the stepping thread's.
+    // Writing thread. It is not woken for each sample, because that would be a system call on the stepping thread.
 
     void run()
     {
@@ -234,10 +236,10 @@ struct MetricTracker::Impl {
             attempt([&] { writer.event(session, *event); });
             if (def.keep) keep(std::move(*event));
         }
-        // No more than there are now: whoever waits for room is not to wait for as long as there comes more.
-        const std::size_t most = rowsOf(def);
+        // At most one buffer's worth: whoever waits for room must not wait as long as new samples keep coming.
+        const std::size_t limit = rowsOf(def);
         Row* row = nullptr;
-        for (std::size_t count = 0; count < most && (row = rows.beginRead()); ++count, rows.release()) {
+        for (std::size_t count = 0; count < limit && (row = rows.beginRead()); ++count, rows.release()) {
             attempt([&] {
                 writer.samples(session, *row);
                 if (writer.gathered() > kChunk) writer.flush();
@@ -255,7 +257,7 @@ struct MetricTracker::Impl {
         session.events.insert(later, std::move(event));
     }
 
-    /// What cannot be written is not tried again.
+    /// After a failure nothing more is written.
     void attempt(const std::function<void()>& write)
     {
         if (failed.load()) return;
@@ -263,11 +265,11 @@ struct MetricTracker::Impl {
         if (!problem) return;
         failed.store(true);
         runtime::FileFailedEvent failure;
-        failure.problem = text("metric tracker: ", *problem, "; the session goes on unrecorded");
+        failure.problem = text("metric tracker: ", *problem, "; the session goes on without recording");
         logError(failure.problem);
         try {
             simulation.post(std::move(failure));
-        } catch (const Error&) { // the queue is full: the log has told
+        } catch (const Error&) { // the queue is full: the log has it
         }
     }
 
@@ -277,29 +279,29 @@ struct MetricTracker::Impl {
     metric::Session session;
     SpscRing<Row> rows;
     MpscQueue<Event> events;
-    std::atomic<int> waiting = 0; ///< [-] events
+    std::atomic<int> waiting = 0; ///< [-], events
     std::atomic<std::uint64_t> taken = 0, lost = 0;
     std::atomic<bool> failed = false;
     SessionWriter writer;
     std::vector<event::ObserverId> observers;
 
-    std::mutex sampling; ///< held by whoever samples: the stepping thread, which never waits for it, or the end
+    std::mutex sampling; ///< held while sampling: by the stepping thread, which never waits for it, or by end()
     bool closed = false;
-    std::optional<double> stepEnd; ///< [s], of the last step that began
-    std::optional<double> seen;    ///< [s], of the newest frame that was seen
+    std::optional<double> stepEnd; ///< [s], end of the last step that began
+    std::optional<double> seen;    ///< [s], time of the newest frame that was seen
     double lastPeriod = -1.0;
 
     struct Begin {
         Clock::time_point wall;
         double simulated; ///< [s]
     };
-    std::optional<Begin> begin; ///< of the first sample
+    std::optional<Begin> begin; ///< time of the first sample
 
     std::mutex resting;
     std::condition_variable wake;
     bool stopping = false;
-    std::atomic<bool> hurry = false; ///< the stepping thread wants room
-    std::thread thread;              // last: it uses all of the above
+    std::atomic<bool> hurry = false; ///< whether the stepping thread waits for room
+    std::thread thread;              // last, because it uses all members above
 };
 
 MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef def)
@@ -317,7 +319,7 @@ MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef d
         std::string what;
         try {
             what = nameOf(simulation, event.rupture.body);
-        } catch (const Error&) { // gone meanwhile
+        } catch (const Error&) { // removed meanwhile
         }
         impl->add({event.time, kind, std::move(what), event.rupture.area});
     };
@@ -341,8 +343,8 @@ void MetricTracker::close() { impl_->end(); }
 
 const metric::Session& MetricTracker::session() const
 {
-    if (!impl_->def.keep) fail("metric tracker: session() needs `keep`");
-    if (impl_->thread.joinable()) fail("metric tracker: session() is to be asked for after close()");
+    if (!impl_->def.keep) fail("metric tracker: session() needs keep");
+    if (impl_->thread.joinable()) fail("metric tracker: session() must be called after close()");
     return impl_->session;
 }
 

@@ -13,7 +13,7 @@
 namespace filasofia::prefab {
 namespace {
 
-constexpr double kCalm = 0.8; ///< [-], of the warning, below which it is over
+constexpr double kCalm = 0.8; ///< [-], fraction of the warning below which the warning is over
 
 void line(const std::string& text) { ImGui::TextUnformatted(text.c_str(), text.c_str() + text.size()); }
 
@@ -37,7 +37,7 @@ struct Guidance::Impl {
         if (server != nullptr && now.target) point(*now.target);
     }
 
-    /// From the middle of what is seen to the target, drawn through everything.
+    /// Draws an arrow from the middle of the view to the target, through everything.
     void point(Vec3 target)
     {
         const visual::DebugStyle style{.color = {0.2, 0.9, 0.4}, .width = 2.5, .onTop = true};
@@ -67,14 +67,14 @@ struct ForceBar::Impl {
     Impl(runtime::Simulation& sim, const ForceBarDef& asked) : simulation(sim), def(asked), smoothed(def.smoothing)
     {
         validate(def, "force bar");
-        if (def.bodies.empty()) fail("force bar: bodies must be at least one, got none");
+        if (def.bodies.empty()) fail("force bar: bodies must have at least one entry, got none");
         if (!(def.full > def.warning))
             fail("force bar: full must be > warning (", def.warning, " N), got ", def.full, " N");
     }
 
     [[nodiscard]] bool counts(BodyId id) const { return std::ranges::find(def.bodies, id) != def.bodies.end(); }
 
-    /// Before every step: the forces of the last one, as a mean that forgets with `smoothing`.
+    /// Before every step: updates the smoothed force from the last step.
     void watch()
     {
         const frame::FrameRef frame = simulation.physics().latest();
@@ -85,8 +85,8 @@ struct ForceBar::Impl {
         for (const frame::Attachment& held : frame->attachments)
             if (held.to && counts(held.body) != counts(held.to)) sum += length(held.force);
         mean = smoothed.follow(frame->time, sum);
-        most = std::max(most.load(), mean.load());
-        // A force that trembles about the threshold is one warning, not a hundred.
+        largest = std::max(largest.load(), mean.load());
+        // A force that oscillates about the threshold is one warning, not a hundred.
         if (mean > def.warning && !warned) ++warnings;
         warned = mean > (warned ? kCalm : 1.0) * def.warning;
     }
@@ -100,7 +100,7 @@ struct ForceBar::Impl {
         if (ImGui::Begin("force", nullptr, kPlain)) {
             char value[32];
             std::snprintf(value, sizeof value, "%.2f N", static_cast<double>(now));
-            line(text(shown(def.name, 30), high ? ": too much" : ""));
+            line(text(shown(def.name, 30), high ? ": too high" : ""));
             ImGui::PushStyleColor(ImGuiCol_PlotHistogram,
                                   high ? ImVec4(0.85F, 0.15F, 0.1F, 1.0F) : ImVec4(0.2F, 0.65F, 0.35F, 1.0F));
             ImGui::ProgressBar(std::clamp(now / full, 0.0F, 1.0F), {160.0F, 0.0F}, value);
@@ -111,10 +111,10 @@ struct ForceBar::Impl {
 
     runtime::Simulation& simulation;
     const ForceBarDef def;
-    Smoothed smoothed;   // of the stepping thread
-    bool warned = false; // of the same
+    Smoothed smoothed;   // stepping thread only
+    bool warned = false; // stepping thread only
     std::atomic<double> mean = 0.0;
-    std::atomic<double> most = 0.0;
+    std::atomic<double> largest = 0.0;
     std::atomic<int> warnings = 0;
 };
 
@@ -126,7 +126,7 @@ ForceBar::ForceBar(runtime::Simulation& simulation, const ForceBarDef& def)
 }
 
 double ForceBar::force() const { return impl_->mean; }
-double ForceBar::highest() const { return impl_->most; }
+double ForceBar::highest() const { return impl_->largest; }
 int ForceBar::warnings() const { return impl_->warnings; }
 
 } // namespace filasofia::prefab

@@ -17,14 +17,14 @@
 namespace filasofia::prefab {
 namespace {
 
-constexpr double kOver = 0.5;  ///< [s] without: it is over
-constexpr double kLook = 5e-3; ///< [s] between two looks at the tips: each asks all elements
-constexpr double kShown = 3.0; ///< [s] that the picture says so at least
+constexpr double kOver = 0.5;  ///< [s] without perforation until it is over
+constexpr double kLook = 5e-3; ///< [s] between two tests of the tips, each of which visits all elements
+constexpr double kShown = 3.0; ///< [s], minimum time for which the picture shows it
 
 PerforationDef checked(runtime::Simulation& simulation, PerforationDef def)
 {
     validate(def, "perforation");
-    if (def.tools.empty()) fail("perforation: tools must be at least one, got none");
+    if (def.tools.empty()) fail("perforation: tools must have at least one entry, got none");
     if (!std::holds_alternative<physics::SoftBodyDef>(*simulation.physics().def(def.wall)))
         fail("perforation: wall must be a soft body, got a rigid one");
     for (std::size_t i = 0; i < def.tools.size(); ++i) {
@@ -60,7 +60,7 @@ struct PerforationWatch::Impl {
         return std::ranges::find(def.tools, id, &PiercingTool::body) != def.tools.end();
     }
 
-    /// Before every step: what the last one did.
+    /// Before every step: evaluates the last one.
     void watch()
     {
         const frame::FrameRef frame = simulation.physics().latest();
@@ -96,10 +96,11 @@ struct PerforationWatch::Impl {
     }
     [[nodiscard]] std::optional<Vec3> hardest(const frame::Frame& frame) const
     {
-        const frame::Contact* most = nullptr;
+        const frame::Contact* largest = nullptr;
         for (const frame::Contact& contact : frame.contacts)
-            if (counts(contact) && (most == nullptr || contact.normalForce > most->normalForce)) most = &contact;
-        return most != nullptr ? std::optional(most->point) : std::nullopt;
+            if (counts(contact) && (largest == nullptr || contact.normalForce > largest->normalForce))
+                largest = &contact;
+        return largest != nullptr ? std::optional(largest->point) : std::nullopt;
     }
     [[nodiscard]] std::optional<Vec3> tipInside(const frame::Frame& frame) const
     {
@@ -126,10 +127,10 @@ struct PerforationWatch::Impl {
 
     runtime::Simulation& simulation;
     const PerforationDef def;
-    Smoothed force;                                      ///< of the stepping thread, as what is not atomic
-    const std::vector<geometry::Tetrahedron> tetrahedra; ///< of the wall as it was added
+    Smoothed force;                                      ///< stepping thread only, as everything that is not atomic
+    const std::vector<geometry::Tetrahedron> tetrahedra; ///< the wall's, as it was added
     double nextLook = 0.0;
-    std::atomic<double> last = -1e9; ///< [s], when it was so last
+    std::atomic<double> last = -1e9; ///< [s], time of the last perforation
     std::atomic<double> now = 0.0;
     std::atomic<int> times = 0;
 };

@@ -4,7 +4,7 @@
 
 namespace filasofia::prefab {
 
-/// Of a window that only shows something over the picture.
+/// Flags of a window that only shows something over the picture.
 inline constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar |
                                            ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoFocusOnAppearing;
 

@@ -9,12 +9,12 @@
 namespace filasofia::prefab {
 namespace {
 
-constexpr double kMass = 0.15;       ///< [kg], of a scope with its camera, as far as a hand feels it
-constexpr double kRadius = 0.02;     ///< [m], of the ball whose inertia it has
-constexpr double kForceLimit = 20.0; ///< [N], what it feels at most: a tool that is driven by hands never gives way
-constexpr double kLever = 0.2;       ///< [m], from the fulcrum to the handle where the tip is at the fulcrum
+constexpr double kMass = 0.15;       ///< [kg], a scope with its camera, as far as a hand feels it
+constexpr double kRadius = 0.02;     ///< [m], radius of the ball with the same inertia
+constexpr double kForceLimit = 20.0; ///< [N], largest force on the handle: a tool that hands drive never yields
+constexpr double kLever = 0.2;       ///< [m], from the fulcrum to the handle if the tip is at the fulcrum
 
-/// [rad] by which `turned` is turned about `base`'s -Z.
+/// [rad], rotation of `turned` relative to `base` about its -Z.
 double rollOf(Quat base, Quat turned)
 {
     const Quat relative = conjugate(base) * turned;
@@ -43,7 +43,7 @@ ScopeHand ScopeHandle::hand(const frame::Frame& now)
     if (handle == nullptr) return hand_;
     const Vec3 inwards = def_.fulcrum - handle->poses[0].position;
     const double far = length(inwards);
-    if (far < 0.25 * kLever) return hand_; // pushed through the fulcrum: no direction to look into
+    if (far < 0.25 * kLever) return hand_; // pushed through the fulcrum: it has no direction
     hand_.aim = (1.0 / far) * inwards;
     const double depth = kLever - far, moved = depth - depth_;
     depth_ = depth;
@@ -66,7 +66,7 @@ void ScopeHandle::feel(const frame::Frame& now, BodyId scope, BodyId instrument)
     const double lever = length(inwards);
     if (lever == 0.0) return;
     const Vec3 aim = (1.0 / lever) * inwards;
-    // Virtual work: pushed across the aim by d, the handle moves what lies s beyond the fulcrum by -d s / lever.
+    // Virtual work: if the handle moves across the aim by d, a point s beyond the fulcrum moves by -d s / lever.
     Vec3 force = {}, torque = {};
     const auto add = [&](Vec3 onTool, Vec3 point) {
         const Vec3 arm = point - def_.fulcrum;
@@ -77,11 +77,11 @@ void ScopeHandle::feel(const frame::Frame& now, BodyId scope, BodyId instrument)
     for (const frame::Contact& contact : now.contacts)
         if (isTool(contact.first) != isTool(contact.second))
             add(forceOn(isTool(contact.first) ? contact.first : contact.second, contact), contact.point);
-    // What is held is between the jaws, which are some millimetres long.
+    // Held tissue is between the jaws, which are some millimetres long.
     if (const frame::RigidBodyFrame* jaws = now.rigidBody(instrument))
         add(frame::forceOn(instrument, now.attachments), jaws->poses.back().position);
-    constexpr double kForces = 1e5, kTorques = 1e7; // in [N], [N m]: for the recording's size
-    simulation_.physics().setWrench(body_, rounded(weakened(length(force), kForceLimit) * force, kForces),
+    constexpr double kForces = 1e5, kTorques = 1e7; // rounds to 1e-5 N and 1e-7 N m, to keep recordings small
+    simulation_.physics().setWrench(body_, rounded(limitFactor(length(force), kForceLimit) * force, kForces),
                                     rounded(torque, kTorques));
 }
 

@@ -6,18 +6,19 @@
 
 namespace filasofia::prefab {
 
-/// The outer end of the shaft, as a body that a haptic device holds: it weighs something, and feels by the laws of the
-/// lever about the fulcrum what tissue does to scope and instrument.
+/// The outer end of the shaft, as a body that a haptic device holds. It has a mass, and by the law of the lever about
+/// the fulcrum it feels the tissue's forces on scope and instrument.
 class ScopeHandle {
 public:
-    ScopeHandle(runtime::Simulation& simulation, const ScopeHandsDef& def); ///< a def that was checked
+    ScopeHandle(runtime::Simulation& simulation, const ScopeHandsDef& def); ///< the def must have been checked
 
     [[nodiscard]] BodyId body() const { return body_; }
-    /// The hands that hold it like that. Its second button held, it moves the instrument in place of the scope.
+    /// The hands that correspond to the handle's pose. While its second button is pressed, it moves the instrument
+    /// instead of the scope.
     [[nodiscard]] ScopeHand hand(const frame::Frame& now);
-    /// Told on another thread than hand(): from the next step on.
+    /// Called on another thread than hand(); takes effect at the next step.
     void clutch(bool pressed) { clutched_ = pressed; }
-    /// Pushes it, until the next step, as the tools are pushed.
+    /// Applies the forces on the tools to the handle, until the next step.
     void feel(const frame::Frame& now, BodyId scope, BodyId instrument) const;
 
 private:
@@ -25,7 +26,7 @@ private:
     ScopeHandsDef def_;
     BodyId body_;
     std::atomic<bool> clutched_ = false;
-    double depth_ = 0.0; ///< [m], of the handle, in the step before
+    double depth_ = 0.0; ///< [m], depth of the handle in the previous step
     ScopeHand hand_;
 };
 

@@ -15,8 +15,8 @@
 namespace filasofia::prefab {
 namespace {
 
-constexpr double kFollow = 0.06;  ///< [s] in which a hand makes most of the way to where its person wants it
-constexpr double kFastest = 0.25; ///< [m/s] by which one that was held up catches up
+constexpr double kFollow = 0.06;   ///< [s], time constant with which a hand follows its person
+constexpr double kMaxSpeed = 0.25; ///< [m/s], largest speed of a hand that was held up
 
 ScopeHandsDef checked(ScopeHandsDef def)
 {
@@ -70,7 +70,8 @@ struct ScopeHands::Impl {
         instrument.move(pivotOf(now));
     }
 
-    /// From now to where the hand is to be, as far as its strength allows: no hand pushes or pulls on against more.
+    /// Moves towards the wanted pose as far as the hands' strength allows: they do not push or pull against a larger
+    /// force.
     void go(const ScopeHand& to, double dt)
     {
         if (def.strength == std::numeric_limits<double>::infinity()) {
@@ -80,28 +81,28 @@ struct ScopeHands::Impl {
         const Vec3 tip = tipOf(def, to).position - tipOf(def, now).position;
         const Vec3 pivot = pivotOf(to).position - pivotOf(now).position;
         if (const frame::FrameRef frame = simulation.physics().latest()) {
-            const auto forceOn = [&](BodyId tool) { // by what it touches, and what it holds
+            const auto forceOn = [&](BodyId tool) { // forces of contacts and of held tissue
                 return frame::forceOn(tool, frame->contacts) + frame::forceOn(tool, frame->attachments);
             };
             const Vec3 onScope = forceOn(scope.body()), onInstrument = forceOn(instrument.body());
             const bool against = dot(onScope, tip) + dot(onInstrument, pivot) < 0.0;
             if (against && length(onScope) + length(onInstrument) > def.strength) return;
         }
-        const double way = std::max(length(tip), length(pivot)), most = kFastest * dt;
-        now = way > most ? between(now, to, most / way) : to;
+        const double way = std::max(length(tip), length(pivot)), maxWay = kMaxSpeed * dt;
+        now = way > maxWay ? between(now, to, maxWay / way) : to;
     }
 
     /// Before a step that ends at `time`.
     void step(double time)
     {
-        // While another thread is telling the hands something they rest; the next step makes up for it.
+        // While another thread changes the hands, they rest; the next step makes up for it.
         turns.now([&] { stepNow(time); });
     }
     void stepNow(double time)
     {
         const double dt = time - std::exchange(last, time);
         if (moves.empty() && handle)
-            go(feelOurWay(), dt);
+            go(poseFromHandle(), dt);
         else if (moves.empty())
             go(between(now, wanted, 1.0 - std::exp(-dt / kFollow)), dt);
         else
@@ -109,19 +110,19 @@ struct ScopeHands::Impl {
         apply();
     }
 
-    /// A device holds the handle.
-    ScopeHand feelOurWay()
+    /// The pose given by a haptic device at the handle.
+    ScopeHand poseFromHandle()
     {
         const frame::FrameRef frame = simulation.physics().latest();
         if (!frame) return now;
         ScopeHand hand = handle->hand(*frame);
-        // The keys' way comes on top.
+        // The reach set by keys is added.
         hand.reach = std::clamp(hand.reach + wanted.reach - def.start.reach, def.leastReach, def.mostReach);
         handle->feel(*frame, scope.body(), instrument.body());
         return hand;
     }
 
-    /// The script: moves that end within this step are ended, and the next ones begun.
+    /// The script: completes moves that end within this step, and begins the next ones.
     ScopeHand follow(double before, double dt)
     {
         if (move < 0) next(before);
@@ -149,7 +150,7 @@ struct ScopeHands::Impl {
         if (current()->begin) current()->begin();
     }
 
-    // A person: events tell where the hands are to be, and every step goes some of the way.
+    // A person: events set the wanted pose, and every step moves part of the way.
     void turn(const event::MouseMoveEvent& moved)
     {
         if (!moved.buttons.right || handle) return;
@@ -201,20 +202,20 @@ struct ScopeHands::Impl {
     const ScopeHandsDef def;
     std::optional<ScopeHandle> handle;
     Pose channel = {}; ///< in the tip's coordinates
-    Vec3 right = {};   ///< of the start
+    Vec3 right = {};   ///< at the start
     Vec3 upwards = {};
-    bool closed = true; ///< of the thread that delivers events
-    Turns turns;        // of what follows
+    bool closed = true; ///< used by the thread that delivers events
+    Turns turns;        // guards the members below
     ScopeHand now;
     ScopeHand wanted;
     double sideways = 0.0; ///< [rad]
     double upward = 0.0;   ///< [rad]
-    double last = 0.0;     ///< [s], when the last step ended
+    double last = 0.0;     ///< [s], end of the last step
     std::vector<HandMove> moves;
-    std::ptrdiff_t move = -1; ///< under way; -1: before the first
+    std::ptrdiff_t move = -1; ///< index of the present move; -1: before the first
     double moveStart = 0.0;
     ScopeHand from; ///< where the move began
-    ScopeHand goal; ///< where the script has the hands now, if nothing holds them up
+    ScopeHand goal; ///< where the script wants the hands now, if nothing holds them up
 };
 
 ScopeHands::ScopeHands(runtime::Simulation& simulation, Endoscope& scope, ArticulatedInstrument& instrument,
@@ -241,7 +242,7 @@ ScopeHand ScopeHands::at(Vec3 target, double shortOf, double roll, double reach)
 {
     const Vec3 mouth = impl_->channel.position;
     ScopeHand hand{.aim = impl_->def.start.aim, .roll = roll, .reach = reach};
-    // The channel lies beside the axis, and turns with the direction that is looked for: five rounds are plenty.
+    // The channel lies beside the axis and rotates with the direction that is sought: five iterations are plenty.
     for (int i = 0; i < 5; ++i) {
         const Vec3 beside = rotate(tipOf(impl_->def, hand).orientation, {mouth.x, mouth.y, 0.0});
         const Vec3 way = target - beside - impl_->def.fulcrum;

@@ -4,7 +4,7 @@
 
 namespace filasofia::prefab {
 
-/// Where the scope's tip is, with its roll.
+/// The pose of the scope's tip, with its roll.
 Pose tipOf(const ScopeHandsDef& def, const ScopeHand& hand);
 
 } // namespace filasofia::prefab

@@ -17,7 +17,7 @@ constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWin
 
 void line(const std::string& text) { ImGui::TextUnformatted(text.c_str(), text.c_str() + text.size()); }
 
-/// In the middle of the picture. What somebody typed is no title: ImGui reads ids in those.
+/// In the middle of the picture. Typed text is never a title, because ImGui reads ids from titles.
 bool beginPanel(const char* id)
 {
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
@@ -31,7 +31,7 @@ void choose(const char* label, const std::vector<std::string>& from, int& chosen
     chosen = std::clamp(chosen, 0, static_cast<int>(from.size()) - 1);
     if (!ImGui::BeginCombo(label, shown(from[static_cast<std::size_t>(chosen)], 40).c_str())) return;
     for (int i = 0; i < static_cast<int>(from.size()); ++i) {
-        ImGui::PushID(i); // two may read the same
+        ImGui::PushID(i); // two entries may have the same text
         if (ImGui::Selectable(shown(from[static_cast<std::size_t>(i)], 40).c_str(), i == chosen)) chosen = i;
         ImGui::PopID();
     }
@@ -43,7 +43,7 @@ void choose(const char* label, const std::vector<std::string>& from, int& chosen
 struct StartScreen::Impl {
     Impl(runtime::Simulation& sim, StartScreenDef asked) : simulation(sim), def(std::move(asked)), choice(def.choice)
     {
-        // A name that is longer than the field stays whole unless it is edited.
+        // A name longer than the field is kept whole unless it is edited.
         const std::size_t size = std::min(choice.trainee.size(), typed.size() - 1);
         std::copy_n(choice.trainee.begin(), size, typed.begin());
     }
@@ -70,7 +70,7 @@ struct StartScreen::Impl {
 
     runtime::Simulation& simulation;
     const StartScreenDef def;
-    StartChoice choice; // of the main thread, as all here
+    StartChoice choice; // main thread only, as everything here
     std::array<char, 256> typed = {};
     bool started = false;
 };
@@ -133,7 +133,7 @@ struct EndScreen::Impl {
         if (*pressed) (*pressed)();
     }
 
-    Turns turns; // of what follows: show() is called within steps
+    Turns turns; // guards the members below; show() is called within steps
     bool visible = false;
     std::string title;
     std::vector<ResultLine> results;

@@ -22,7 +22,7 @@ SessionWriter::SessionWriter(const std::string& file, std::function<void(std::st
 
 SessionWriter::~SessionWriter()
 {
-    if (file_) std::fclose(file_); // somebody closed before, or heard already that it failed
+    if (file_) std::fclose(file_); // closed without flush(): the caller has called close() or knows of the failure
 }
 
 void SessionWriter::head(const metric::Session& session)

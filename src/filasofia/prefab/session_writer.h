@@ -9,7 +9,7 @@
 
 namespace filasofia::prefab {
 
-/// Where the lines of a session go: a file, a function, both or neither. Throws Error where one does not take them.
+/// Writes the lines of a session to a file, a function, both or neither. Throws an Error if one of them fails.
 class SessionWriter {
 public:
     /// `file` ends in .jsonl or .csv, or is empty.
@@ -18,7 +18,7 @@ public:
     SessionWriter(const SessionWriter&) = delete;
     SessionWriter& operator=(const SessionWriter&) = delete;
 
-    // Lines are gathered; flush() sends them off.
+    // Lines are buffered; flush() writes them.
     void head(const metric::Session& session);
     void samples(const metric::Session& session, std::span<const metric::Sample> samples);
     void event(const metric::Session& session, const metric::Event& event);

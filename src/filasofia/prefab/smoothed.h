@@ -5,11 +5,11 @@
 
 namespace filasofia::prefab {
 
-/// A mean that forgets: contact forces jump from step to step, this does not.
+/// Exponential moving average: contact forces jump from step to step, their average does not.
 class Smoothed {
 public:
     explicit Smoothed(double seconds) : seconds_(seconds) {}
-    /// The mean after `value` has lasted until `time` [s].
+    /// Returns the average after `value` has lasted until `time` [s].
     double follow(double time, double value)
     {
         const double passed = std::max(0.0, time - time_);

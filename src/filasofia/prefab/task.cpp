@@ -12,9 +12,9 @@ TaskDef checked(TaskDef def)
 {
     const std::string object = text("task '", shown(def.name), "'");
     validate(def, object);
-    if (def.steps.empty()) fail(object, ": steps must be at least one, got none");
+    if (def.steps.empty()) fail(object, ": steps must have at least one entry, got none");
     for (std::size_t i = 0; i < def.steps.size(); ++i)
-        if (!def.steps[i].done) fail(object, ": steps[", i, "].done must be a function, got nothing");
+        if (!def.steps[i].done) fail(object, ": steps[", i, "].done must be a function, got an empty one");
     return def;
 }
 
@@ -29,7 +29,7 @@ struct Task::Impl {
                                                                   : nullptr;
     }
 
-    /// Before every step: the newest state, and what it means.
+    /// Before every step: evaluates the newest state.
     void watch()
     {
         const frame::FrameRef frame = simulation.physics().latest();
@@ -38,9 +38,9 @@ struct Task::Impl {
             if (!began) began = stepBegan = frame->time;
             if (progress.state != TaskProgress::State::Running) return;
             progress.time = frame->time - *began;
-            seen.write(progress); // the step may ask
+            newest.write(progress); // because the step may ask for it
             advance(*frame);
-            seen.write(progress);
+            newest.write(progress);
         });
     }
 
@@ -68,18 +68,18 @@ struct Task::Impl {
     {
         progress.state = done ? TaskProgress::State::Done : TaskProgress::State::Failed;
         progress.target = {};
-        seen.write(progress);
+        newest.write(progress);
         if (def.over) def.over(done);
     }
 
     runtime::Simulation& simulation;
     const TaskDef def;
-    Turns turns; // of what follows
+    Turns turns; // guards the members below
     TaskProgress progress;
     std::optional<double> began;
     double stepBegan = 0.0;
     bool late = false;
-    Published<TaskProgress> seen; // the newest, for all
+    Published<TaskProgress> newest; // for all threads
 };
 
 Task::Task(runtime::Simulation& simulation, TaskDef def) : impl_(std::make_shared<Impl>(simulation, std::move(def)))
@@ -89,7 +89,7 @@ Task::Task(runtime::Simulation& simulation, TaskDef def) : impl_(std::make_share
     });
 }
 
-TaskProgress Task::progress() const { return impl_->seen.read(); }
+TaskProgress Task::progress() const { return impl_->newest.read(); }
 
 const TaskDef& Task::def() const { return impl_->def; }
 
@@ -105,15 +105,15 @@ void Task::restart()
         impl->progress = {};
         impl->began.reset();
         impl->late = false;
-        impl->seen.write(impl->progress);
+        impl->newest.write(impl->progress);
     });
 }
 
-std::string shown(std::string_view text, std::size_t most)
+std::string shown(std::string_view text, std::size_t maxBytes)
 {
-    if (text.size() <= most) return oneLine(std::string(text));
-    std::size_t end = most;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end; // inside a UTF-8 letter
+    if (text.size() <= maxBytes) return oneLine(std::string(text));
+    std::size_t end = maxBytes;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end; // inside a UTF-8 character
     return oneLine(std::string(text.substr(0, end))) + "\u2026";
 }
 

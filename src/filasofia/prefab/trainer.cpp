@@ -21,9 +21,9 @@ namespace filasofia::prefab {
 namespace {
 
 const std::string kKeys =
-    "T switches guidance, Space pauses, R takes the next patient, H shows what keys do, Escape ends.";
-constexpr int kMostSeeds = 1'000'000'000;
-/// What a start screen offers to hold, and the drivers' names; the first is no device.
+    "T switches guidance, Space pauses, R calls the next patient, H shows these keys, Escape ends the session.";
+constexpr int kMaxSeeds = 1'000'000'000;
+/// The devices offered by a start screen, with the drivers' names; the first means no device.
 const std::vector<std::string> kDevices = {"mouse and keys", "forcedimension", "openhaptics"};
 
 int placeOf(const std::vector<std::string>& words, const std::string& word)
@@ -35,7 +35,7 @@ const std::string& at(const std::vector<std::string>& words, int place)
     return words[static_cast<std::size_t>(place)];
 }
 
-/// Was anything seen of it.
+/// Whether the session recorded nothing.
 bool isEmptySession(const std::string& file)
 {
     try {
@@ -43,11 +43,11 @@ bool isEmptySession(const std::string& file)
         return session.events.empty() &&
                std::ranges::all_of(session.tracks, [](const metric::Track& track) { return track.samples.empty(); });
     } catch (const Error&) {
-        return false; // whatever it is, it stays
+        return false; // not a readable session, so it is kept
     }
 }
 
-/// A session that was refused before it began leaves no file behind that nobody asked for.
+/// If a session is refused before it begins, removes the file that was made for it, unless the user named it.
 int trainOnce(const std::function<int(const Training&)>& train, const Training& training, bool ownName)
 {
     constexpr int kRefused = 2;
@@ -68,7 +68,7 @@ struct TrainerProgram {
     TrainerDef def;
     std::string caseName, difficulty, motion = "hand", trainee, session, pictures, seed = "1", checkSeeds;
     std::vector<std::string> rest; ///< for Simulation::run
-    int device = 0;                ///< of kDevices, as chosen on the screen
+    int device = 0;                ///< index in kDevices, as chosen on the screen
     bool another = false;          ///< the trainee asked for the next patient
 
     /// "hand, expert, clumsy".
@@ -80,15 +80,15 @@ struct TrainerProgram {
     }
     [[nodiscard]] std::vector<runtime::OwnOption> options()
     {
-        return {{"--case", &caseName, "which case", def.cases},
-                {"--difficulty", &difficulty, "how difficult", def.difficulties},
-                {"--seed", &seed, "chooses the patient"},
-                {"--motion", &motion, "who moves: " + motions() + ", or a device's motion file"},
-                {"--trainee", &trainee, "a name, for the session"},
+        return {{"--case", &caseName, "the case", def.cases},
+                {"--difficulty", &difficulty, "the difficulty", def.difficulties},
+                {"--seed", &seed, "the number that chooses the patient"},
+                {"--motion", &motion, "what moves the tools: " + motions() + ", or a device's motion file"},
+                {"--trainee", &trainee, "the trainee's name, for the session"},
                 {"--session", &session,
-                 "a .jsonl file for 'filasofia report'; else " + def.name + "_CASE_SEED_NUMBER.jsonl"},
+                 "a .jsonl file for 'filasofia report'; default: " + def.name + "_CASE_SEED_NUMBER.jsonl"},
                 {"--pictures", &pictures, "a folder for pictures of a planned motion"},
-                {"--check-seeds", &checkSeeds, "tell whether the patients of seeds 1 to N can be treated, and end"}};
+                {"--check-seeds", &checkSeeds, "check whether the patients of seeds 1 to N can be treated, and end"}};
     }
     [[nodiscard]] bool has(const char* word) const
     {
@@ -99,30 +99,30 @@ struct TrainerProgram {
     [[nodiscard]] bool planned() const { return std::ranges::find(def.motions, motion) != def.motions.end(); }
     [[nodiscard]] int seedNumber() const
     {
-        return wholeNumber(def.name + ": --seed", seed, {closed(0, kMostSeeds - 1), "-"});
+        return wholeNumber(def.name + ": --seed", seed, {closed(0, kMaxSeeds - 1), "-"});
     }
 
     void parse(int argc, const char* const* argv)
     {
         rest = runtime::takeOptions(def.name, argc, argv, options());
         if (wantsHelp()) return;
-        static_cast<void>(seedNumber()); // what is wrong is told before any window opens
+        static_cast<void>(seedNumber()); // reports errors before any window opens
         if (motion != "hand" && !planned()) {
-            std::error_code problem; // a name too long is no file either
+            std::error_code problem; // a name that is too long is not a file either
             if (!std::filesystem::is_regular_file(motion, problem))
-                fail(def.name, ": --motion must be ", motions(), " or a motion file, and there is no file ",
+                fail(def.name, ": --motion must be ", motions(), " or a motion file, but there is no file ",
                      shownWord(motion));
             rest.insert(rest.end(), {"--motion", motion});
         }
         if (!pictures.empty() && !std::filesystem::is_directory(pictures))
             fail(def.name, ": --pictures must be a folder, got ", shownWord(pictures));
         if (!pictures.empty() && ::access(pictures.c_str(), W_OK) != 0)
-            fail(def.name, ": --pictures ", shownWord(pictures), ": nothing can be written there");
+            fail(def.name, ": --pictures: the folder ", shownWord(pictures), " cannot be written to");
     }
 
     [[nodiscard]] int help()
     {
-        std::printf("%s\n\n%s\n%s%s\n\nAll other options are every simulation's:\n\n", def.about.c_str(),
+        std::printf("%s\n\n%s\n%s%s\n\nThe other options are common to all simulations:\n\n", def.about.c_str(),
                     runtime::optionHelp(options()).c_str(), def.hands.c_str(), kKeys.c_str());
         std::fflush(stdout);
         runtime::Simulation simulation;
@@ -142,7 +142,7 @@ struct TrainerProgram {
         return good == count ? 0 : 1;
     }
 
-    /// Who, which case, which seed. False: the window was closed.
+    /// Asks for trainee, case and seed. Returns false if the window was closed.
     bool ask()
     {
         const bool choosesDevice = !has("--device") && !has("--motion");
@@ -161,7 +161,7 @@ struct TrainerProgram {
         caseName = at(def.cases, chosen->caseIndex);
         difficulty = at(def.difficulties, chosen->difficulty);
         device = chosen->device;
-        seed = text(chosen->seed % kMostSeeds);
+        seed = text(chosen->seed % kMaxSeeds);
         return true;
     }
 };
@@ -205,7 +205,7 @@ struct TrainingSession::Impl {
     TrainerProgram& program;
     EndScreen end;
     Guidance* guidance = nullptr;
-    bool guided = false; // of the thread that delivers events
+    bool guided = false; // used by the thread that delivers events
     std::atomic<bool> unwritten = false, keysShown = false;
 };
 
@@ -240,7 +240,7 @@ void TrainingSession::over(const std::string& how, const std::function<std::vect
     std::vector<ResultLine> lines = {{"Trainee", impl_->training.trainee}};
     for (ResultLine& line : results()) lines.push_back(std::move(line));
     if (impl_->unwritten)
-        lines.push_back({"Session", "not recorded whole: a file could not be written"});
+        lines.push_back({"Session", "incomplete: a file could not be written"});
     else
         lines.push_back({"Report", text("filasofia report ", impl_->training.file)});
     impl_->end.show(how, std::move(lines), impl_->training.file);
@@ -258,7 +258,7 @@ int TrainingSession::run(int steps)
 {
     const TrainerProgram& program = impl_->program;
     std::vector<std::string> words = {program.rest.front()};
-    // What a recording tells of the session. Ours come first: a user's last word may lack its value.
+    // What the recording stores about the session. Our words come first: the user's last word may lack its value.
     words.insert(words.end(),
                  {text("--seed=", program.seed), text("--session=", program.def.name, " ", program.caseName)});
     if (!program.trainee.empty()) words.push_back("--trainee=" + program.trainee);
@@ -276,7 +276,7 @@ try {
     const auto program = std::make_shared<TrainerProgram>();
     validate(def, "trainer");
     if (def.cases.empty() || def.difficulties.empty())
-        fail("trainer: cases and difficulties must be at least one each");
+        fail("trainer: cases and difficulties must have at least one entry each");
     for (const auto& [words, field] :
          {std::pair{&def.cases, "cases"}, {&def.difficulties, "difficulties"}, {&def.motions, "motions"}})
         for (const std::string& word : *words)
@@ -306,7 +306,7 @@ try {
     if (program->planned() || program->has("--headless") || program->has("--no-picture")) return session();
     while (program->another || program->ask()) {
         if (const int problem = session(); problem != 0 || !program->session.empty()) return problem;
-        if (program->another) program->seed = text((program->seedNumber() + 1) % kMostSeeds);
+        if (program->another) program->seed = text((program->seedNumber() + 1) % kMaxSeeds);
     }
     return 0;
 } catch (const Error& error) {

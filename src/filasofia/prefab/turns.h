@@ -11,13 +11,13 @@
 
 namespace filasofia::prefab {
 
-/// Lets one thread at a time work on the state of a prefab, and the stepping thread wait for nobody: its work, if it
-/// finds the state taken, is left to the thread that has it. So a step goes on whoever else holds the state, for
-/// however long. Work may call back, on its own thread.
+/// Lets one thread at a time work on the state of a prefab, without letting the stepping thread wait: if another thread
+/// holds the state, that thread does the work. So a step goes on, whoever holds the state and for however long. Work
+/// may call back on its own thread.
 class Turns {
 public:
-    /// Does the work now or, if another thread is at it, lets that one do it. What the work throws comes through in the
-    /// first case and is logged in the second.
+    /// Does the work now or, if another thread holds the state, lets that thread do it. An exception of the work is
+    /// passed on in the first case and logged in the second.
     template <class Work> void soon(Work work)
     {
         if (!tryWork(work)) {
@@ -26,14 +26,14 @@ public:
         }
         workOffLeft();
     }
-    /// Does the work now and returns true, or not at all.
+    /// Does the work now and returns true, or returns false if another thread holds the state.
     template <class Work> bool now(Work&& work)
     {
         const bool done = tryWork(work);
         workOffLeft();
         return done;
     }
-    /// Waits for its turn: for threads that may.
+    /// Waits until the state is free, then does the work. Only for threads that may wait.
     template <class Work> void wait(Work&& work)
     {
         {
@@ -58,7 +58,7 @@ private:
     {
         const std::unique_lock lock(mutex_, std::try_to_lock);
         if (!lock) return false;
-        doLeft(); // what was asked for earlier comes first
+        doLeft(); // earlier work comes first
         work();
         return true;
     }
@@ -69,20 +69,20 @@ private:
             if (const auto problem = guardedCall(*work)) logError(*problem);
         }
     }
-    /// Work that was left while its holder was ending. The exchange with oneself orders this look behind the unlocking:
-    /// whoever leaves work after the look finds the state free.
+    /// Does work that was left while the holder was ending. The read-modify-write orders this check after the
+    /// unlocking: a thread that leaves work after the check finds the state free.
     void workOffLeft()
     {
         while (count_.fetch_add(0, std::memory_order_acq_rel) > 0) {
             const std::unique_lock lock(mutex_, std::try_to_lock);
-            if (!lock) return; // its holder looks when it ends
+            if (!lock) return; // its holder checks when it ends
             doLeft();
         }
     }
 
     std::recursive_mutex mutex_;
-    MpscQueue<std::function<void()>> left_; ///< read by who holds the mutex
-    std::atomic<int> count_ = 0;            ///< [-] left; for a moment less than there are
+    MpscQueue<std::function<void()>> left_; ///< work left by other threads; read by the thread that holds the mutex
+    std::atomic<int> count_ = 0;            ///< [-] work left; briefly less than the queue holds
 };
 
 } // namespace filasofia::prefab

@@ -12,11 +12,11 @@
 namespace filasofia::record {
 namespace {
 
-constexpr std::size_t kLongestLine = 4096; ///< of a file of another kind, looked at to say what it is
-/// What deflate makes of kMaximumChunk bytes that cannot be made smaller, with room to spare.
+constexpr std::size_t kMaxOpeningLine = 4096; ///< bytes read from a file of another kind to say what it is
+/// The deflated size of kMaximumChunk incompressible bytes, with a margin.
 constexpr std::size_t kMaximumStored = kMaximumChunk + kMaximumChunk / 100 + 64;
 
-/// Four bytes, the lowest first, whatever the machine.
+/// Four bytes, lowest first, on every machine.
 void put(std::string& out, std::uint32_t number)
 {
     for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>(number >> shift & 0xff);
@@ -40,12 +40,12 @@ std::uint32_t crcOf(std::string_view fields, std::string_view stored)
 std::string deflated(std::string_view content)
 {
     z_stream stream = {};
-    // Most of a session are digits that never repeat: Z_FILTERED leaves short accidental repetitions alone, which makes
-    // a moving tool's poses a tenth smaller.
+    // Most of a session consists of digits that never repeat: Z_FILTERED ignores short accidental repetitions, which
+    // makes a moving tool's poses a tenth smaller.
     int answer = deflateInit2(&stream, 6, Z_DEFLATED, MAX_WBITS, 8, Z_FILTERED);
     if (answer != Z_OK) fail("recording: zlib cannot compress: ", zError(answer));
     std::string stored(deflateBound(&stream, static_cast<uLong>(content.size())), '\0');
-    std::string input(content); // zlib's own promise not to change it is no const
+    std::string input(content); // zlib does not change it, but takes no const
     stream.next_in = reinterpret_cast<Bytef*>(input.data());
     stream.avail_in = static_cast<uInt>(input.size());
     stream.next_out = reinterpret_cast<Bytef*>(stored.data());
@@ -57,7 +57,7 @@ std::string deflated(std::string_view content)
     return stored;
 }
 
-/// Files before version 4 were lines of JSON, and told their version in the first.
+/// Files before version 4 consisted of lines of JSON, with the version in the first line.
 std::string olderVersion(const std::string& line)
 {
     const Json json = Json::parse(line, nullptr, false);
@@ -68,9 +68,8 @@ std::string olderVersion(const std::string& line)
     };
     const Json version = json.value("version", Json());
     if (!version.is_number_integer()) return {};
-    return text("the recording is of version ", version.dump(), ", this Filasofia reads version ", kVersion,
-                "; Filasofia ", said("filasofia"), ", revision ", said("revision"),
-                ", wrote it, and can make it again");
+    return text("the recording has version ", version.dump(), ", but this Filasofia reads version ", kVersion,
+                "; Filasofia ", said("filasofia"), ", revision ", said("revision"), ", wrote it and can replay it");
 }
 
 } // namespace
@@ -95,21 +94,21 @@ ChunkReader::ChunkReader(const std::string& name) : name_(name), in_(name, std::
 {
     if (!in_) fail(name_, ": cannot be read");
     std::string line;
-    for (char c = 0; line.size() < kLongestLine && in_.get(c) && c != '\n';) line += c;
+    for (char c = 0; line.size() < kMaxOpeningLine && in_.get(c) && c != '\n';) line += c;
     if (in_.bad()) fail(name_, ": cannot be read");
-    if (line.empty() && in_.eof()) fail(name_, ": is empty, no recording");
+    if (line.empty() && in_.eof()) fail(name_, ": must be a recording, got an empty file");
     if (line + '\n' == openingLine() && !in_.eof()) {
         byte_ = line.size() + 1;
         return;
     }
     if (const std::string older = olderVersion(line); !older.empty()) fail(name_, ": ", older);
     if (line.size() < openingLine().size() && openingLine().starts_with(line) && in_.eof())
-        fail(name_, ": cut off at byte ", line.size(), ": a recording begins, and holds nothing");
+        fail(name_, ": cut off at byte ", line.size(), ", before the header of the recording");
     const std::string digits = line.starts_with(kOpening) ? line.substr(kOpening.size()) : "";
     const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
     if (!digits.empty() && digits.size() < 8 && std::ranges::all_of(digits, isDigit))
-        fail(name_, ": the recording is of version ", digits, ", this Filasofia reads version ", kVersion);
-    fail(name_, ": this is no Filasofia recording");
+        fail(name_, ": the recording has version ", digits, ", but this Filasofia reads version ", kVersion);
+    fail(name_, ": this is not a Filasofia recording");
 }
 
 void ChunkReader::damaged(std::string_view why) const
@@ -118,7 +117,7 @@ void ChunkReader::damaged(std::string_view why) const
 }
 void ChunkReader::cutOff() const
 {
-    throw FileDamage(text(name_, ": cut off at byte ", byte_, ": a part of a chunk is missing"));
+    throw FileDamage(text(name_, ": cut off at byte ", byte_, ", in the middle of a chunk"));
 }
 
 bool ChunkReader::read(std::string& bytes, std::size_t count)
@@ -137,26 +136,27 @@ bool ChunkReader::next(std::string& content)
         if (header.empty()) return false;
         cutOff();
     }
-    if (!std::string_view(header).starts_with(kChunkMark)) damaged("no chunk begins here");
+    if (!std::string_view(header).starts_with(kChunkMark)) damaged("a chunk must begin here");
     const std::uint32_t number = get(header, 4), size = get(header, 8), storedSize = get(header, 12);
     if (size > kMaximumChunk) damaged(text("a chunk's content must be <= ", kMaximumChunk, " bytes, got ", size));
     if (storedSize > kMaximumStored) damaged(text("a chunk must be <= ", kMaximumStored, " bytes, got ", storedSize));
     std::string stored;
     if (!read(stored, storedSize)) cutOff();
-    if (crcOf(std::string_view(header).substr(4, 12), stored) != get(header, 16)) damaged("the checksum differs");
-    if (number != number_) damaged(text("chunk ", number_, " is missing, chunk ", number, " comes in its place"));
+    if (crcOf(std::string_view(header).substr(4, 12), stored) != get(header, 16))
+        damaged("the checksum of the chunk does not match");
+    if (number != number_) damaged(text("chunk ", number_, " is missing; chunk ", number, " is in its place"));
 
-    // The length is known and small, and zlib writes no further: a chunk that would grow beyond it is refused.
+    // The size is known and small, and zlib writes no further: a chunk that would grow beyond it is refused.
     const std::size_t before = content.size();
     content.resize(before + size);
     uLongf made = size;
     uLong used = storedSize;
-    Bytef nothing = 0; // zlib wants a place even for no byte
+    Bytef nothing = 0; // zlib needs a pointer even for no byte
     const int answer = uncompress2(size > 0 ? reinterpret_cast<Bytef*>(content.data() + before) : &nothing, &made,
                                    reinterpret_cast<const Bytef*>(stored.data()), &used);
     if (answer != Z_OK || made != size || used != storedSize) {
         content.resize(before);
-        damaged("the chunk cannot be inflated to its length");
+        damaged("the chunk does not inflate to its announced size");
     }
     ++number_;
     byte_ += kChunkHeader + storedSize;

@@ -8,16 +8,17 @@
 #include <string>
 #include <string_view>
 
-/// How a recording lies in its file: an opening line, then chunks, each with its length and checksum, so that what was
-/// written stays readable whatever happens after it. docs/record.md has the bytes.
+/// The layout of a recording's file: an opening line, then chunks, each with its length and checksum, so that what was
+/// written stays readable whatever happens after it. docs/design/replay.md describes the bytes.
 namespace filasofia::record {
 
 inline constexpr std::string_view kOpening = "filasofia recording, version ";
-inline constexpr std::string_view kChunkMark = "FRec"; ///< that a chunk begins with
+inline constexpr std::string_view kChunkMark = "FRec"; ///< the first bytes of a chunk
 inline constexpr std::size_t kChunkHeader = 20;        ///< [bytes]
-inline constexpr std::size_t kMaximumChunk = 1 << 16;  ///< [bytes] of content: what a chunk can make us allocate
+inline constexpr std::size_t kMaximumChunk =
+    1 << 16; ///< [bytes], content: bounds what a chunk can make the reader allocate
 
-/// What is wrong with the file itself, whole as it stands: it names the file and the byte.
+/// Damage of the file itself; the message names the file and the byte.
 struct FileDamage : Error {
     using Error::Error;
 };
@@ -25,18 +26,18 @@ struct FileDamage : Error {
 /// The first line of a file.
 std::string openingLine();
 
-/// The bytes of the file's chunk of this number (0, 1, ...), at most kMaximumChunk of content.
+/// The bytes of a chunk of the file: `number` is 0, 1, ..., and `content` has at most kMaximumChunk bytes.
 std::string chunkOf(std::uint32_t number, std::string_view content);
 
-/// Reads a file chunk by chunk. Hostile: nothing is allocated by a number of the file but up to kMaximumChunk.
+/// Reads a file chunk by chunk. The file is not trusted: no number in it leads to an allocation above kMaximumChunk.
 class ChunkReader {
 public:
-    /// Throws an Error naming the file: unreadable, empty, no recording, or one of another version.
+    /// Throws an Error naming the file if it is unreadable, empty, not a recording, or of another version.
     explicit ChunkReader(const std::string& name);
     /// Appends the next chunk's content; false at the end of the file. Throws FileDamage.
     bool next(std::string& content);
     [[nodiscard]] const std::string& name() const { return name_; }
-    [[nodiscard]] std::uint64_t byte() const { return byte_; } ///< of the file, where the next chunk begins
+    [[nodiscard]] std::uint64_t byte() const { return byte_; } ///< position in the file where the next chunk begins
 
 private:
     [[noreturn]] void damaged(std::string_view why) const;
@@ -46,7 +47,7 @@ private:
     std::string name_;
     std::ifstream in_;
     std::uint64_t byte_ = 0;
-    std::uint32_t number_ = 0; ///< of the next chunk
+    std::uint32_t number_ = 0; ///< number of the next chunk
 };
 
 } // namespace filasofia::record

@@ -16,10 +16,10 @@ void checkLimits(std::string_view line)
         } else if (c == '"') {
             inText = true;
         } else if (c == '[' || c == '{') {
-            if (++depth > kMaximumDepth) fail("lists and objects must be at most ", kMaximumDepth, " in each other");
+            if (++depth > kMaximumDepth) fail("lists and objects must be nested at most ", kMaximumDepth, " deep");
             members[static_cast<std::size_t>(depth)] = 0;
         } else if (c == ']' || c == '}') {
-            if (--depth < 0) fail("this is no record: '", c, "' closes nothing");
+            if (--depth < 0) fail("this is not a record: there is nothing that '", c, "' could close");
         } else if (c == ':' && ++members[static_cast<std::size_t>(depth)] > kMaximumMembers) {
             fail("an object must have at most ", kMaximumMembers, " members");
         }
@@ -35,7 +35,7 @@ Json parsed(std::string_view line)
     try {
         return Json::parse(line.begin(), line.end());
     } catch (const Json::exception& problem) {
-        fail("this is no record: ", problem.what());
+        fail("this is not a record: ", problem.what());
     }
 }
 

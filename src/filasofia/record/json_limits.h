@@ -6,12 +6,12 @@
 
 namespace filasofia::record {
 
-inline constexpr std::size_t kMaximumLine = 16 << 20; ///< [bytes], of one record without its mesh
-inline constexpr int kMaximumDepth = 32;              ///< of lists and objects in each other
-inline constexpr int kMaximumMembers = 64;            ///< of an object; looking for one takes as long as there are
+inline constexpr std::size_t kMaximumLine = 16 << 20; ///< [bytes], one record without its mesh
+inline constexpr int kMaximumDepth = 32;              ///< nesting of lists and objects
+inline constexpr int kMaximumMembers = 64;            ///< members of an object; the lookup of one takes linear time
 
-/// The value of a line that anybody may have written. Throws an Error for one that is no JSON, or beyond the limits:
-/// they are looked at before anything is made of it.
+/// Parses a line from an untrusted file. Throws an Error if it is not JSON, or beyond the limits, which are checked
+/// before anything is built.
 Json parsed(std::string_view line);
 
 } // namespace filasofia::record

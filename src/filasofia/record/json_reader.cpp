@@ -3,7 +3,7 @@
 namespace filasofia::record {
 namespace {
 
-constexpr std::size_t kLongestShown = 40; // characters of a wrong value
+constexpr std::size_t kMaxShown = 40; // characters of a wrong value that an error shows
 
 } // namespace
 
@@ -16,7 +16,7 @@ std::string Place::path() const
 void Place::refuse(std::string_view must, const Json& got) const
 {
     std::string shown = got.dump(-1, ' ', true, Json::error_handler_t::replace);
-    if (shown.size() > kLongestShown) shown.replace(kLongestShown, std::string::npos, "...");
+    if (shown.size() > kMaxShown) shown.replace(kMaxShown, std::string::npos, "...");
     fail(path(), " ", must, ", got ", shown);
 }
 
@@ -29,7 +29,7 @@ const Json& JsonReader::find(const Json& object, std::string_view name, const Pl
 
 void JsonReader::unknown(const std::string& name, const Place* outer)
 {
-    fail("unknown field '", name.substr(0, kLongestShown), "'", outer ? text(" in ", outer->path()) : "");
+    fail("unknown field '", name.substr(0, kMaxShown), "'", outer ? text(" in ", outer->path()) : "");
 }
 
 double JsonReader::number(const Json& json, const Place& place)

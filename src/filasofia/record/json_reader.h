@@ -7,18 +7,19 @@
 
 namespace filasofia::record {
 
-/// The way to a value inside a line, for errors: a list on the stack, put into words only where something is wrong.
+/// The path to a value inside a line, for errors: a linked list on the stack, turned into text only if something is
+/// wrong.
 struct Place {
     const Place* outer = nullptr;
     std::string_view name = {};
-    std::size_t index = 0; ///< of a list, where the name is empty
+    std::size_t index = 0; ///< index in a list, if the name is empty
 
     [[nodiscard]] std::string path() const;
     /// Throws the Error "<path> <must be ...>, got <value>".
     [[noreturn]] void refuse(std::string_view must, const Json& got) const;
 };
 
-/// Turns JSON into values. Strict: a field that is missing, unknown or of the wrong kind is an Error naming its place.
+/// Turns JSON into values. Strict: a field that is missing, unknown or of the wrong kind is an Error naming its path.
 class JsonReader {
 public:
     std::vector<Mesh> meshes; ///< by number
@@ -53,15 +54,16 @@ public:
             readObject(json, out, place);
     }
 
-    /// The member of an object, which must be there.
+    /// Reads the member of an object, which must exist.
     template <class T>
     void member(const Json& object, std::string_view name, T& out, const Place* outer = nullptr) const
     {
         read(find(object, name, outer), out, Place{outer, name});
     }
-    /// Throws an Error for members besides the `count` that were read; `known` tells which those are.
+    /// Throws an Error if the object has members other than the `count` that were read; `known` says which names those
+    /// have.
     template <class Known>
-    static void noOthers(const Json& object, std::size_t count, Known&& known, const Place* outer = nullptr)
+    static void refuseUnknown(const Json& object, std::size_t count, Known&& known, const Place* outer = nullptr)
     {
         if (object.size() == count) return;
         for (const auto& item : object.items())
@@ -79,7 +81,7 @@ private:
     {
         const auto all = names(&out);
         const auto found = std::find(all.begin(), all.end(), word(json, place));
-        if (found == all.end()) place.refuse("must be one of its names", json);
+        if (found == all.end()) place.refuse("must be the name of one of its values", json);
         out = static_cast<T>(found - all.begin());
     }
     template <class File, class Held>
@@ -91,7 +93,7 @@ private:
         }
         const auto number = integer<std::size_t>(json, place);
         const auto* held = number < meshes.size() ? std::get_if<Held>(&meshes[number]) : nullptr;
-        if (!held) place.refuse("must be the number of a mesh of its kind on a line before", json);
+        if (!held) place.refuse("must be the number of a mesh of its kind on an earlier line", json);
         out = *held;
     }
     template <class T> static T integer(const Json& json, const Place& place)
@@ -110,7 +112,7 @@ private:
     }
     template <class... Each> void readNamed(const Json& json, std::variant<Each...>& out, const Place& place) const
     {
-        if (!json.is_object() || json.size() != 1) place.refuse("must be an object with one name", json);
+        if (!json.is_object() || json.size() != 1) place.refuse("must be an object with one member", json);
         const std::string& name = json.begin().key();
         if (!(readAs<Each>(name, json.begin().value(), out, place) || ...)) unknown(name, &place);
     }
@@ -127,13 +129,13 @@ private:
         if constexpr (kIsVector<List>)
             out.resize(json.size());
         else if (json.size() != out.size())
-            place.refuse(text("must be a list of ", out.size()), json);
+            place.refuse(text("must be a list of length ", out.size()), json);
         for (std::size_t i = 0; i < out.size(); ++i) read(json[i], out[i], Place{&place, {}, i});
     }
     template <class T> void readPlaces(const Json& json, T& out, const Place& place) const
     {
         if (!json.is_array() || json.size() != fieldCount<T>())
-            place.refuse(text("must be a list of ", fieldCount<T>()), json);
+            place.refuse(text("must be a list of length ", fieldCount<T>()), json);
         std::size_t i = 0;
         forEachField<T>([&](const auto& each) { read(json[i++], out.*(each.member), Place{&place, each.name}); });
     }
@@ -146,7 +148,7 @@ private:
             forEachField<T>([&](const auto& each) { found = found || each.name == name; });
             return found;
         };
-        noOthers(json, fieldCount<T>(), known, &place);
+        refuseUnknown(json, fieldCount<T>(), known, &place);
     }
 };
 

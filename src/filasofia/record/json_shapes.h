@@ -12,16 +12,16 @@
 #include <variant>
 #include <vector>
 
-/// How values look in a recording, for the writer and the reader alike. A Def is an object with the fields of its list,
-/// a variant an object with the one name of what it holds, an enumeration its value's name, a vector in space or a pose
-/// an array, an infinity a word.
+/// The JSON form of values in a recording, for the writer and the reader alike. A Def is an object with the fields of
+/// its list, a variant an object with one member named after its alternative, an enumeration its value's name, a vector
+/// in space or a pose an array, an infinity a word.
 namespace filasofia::record {
 
-using Json = nlohmann::ordered_json; ///< keeps the order in which members were written
+using Json = nlohmann::ordered_json; ///< keeps members in the order in which they were written
 
 using TetMesh = std::shared_ptr<const geometry::TetMesh>;
 using TriangleMesh = std::shared_ptr<const geometry::TriangleMesh>;
-using Mesh = std::variant<TetMesh, TriangleMesh>; ///< on a line of its own, told by number
+using Mesh = std::variant<TetMesh, TriangleMesh>; ///< on a line of its own, referred to by number
 template <class T>
 concept IsMeshSource = std::is_same_v<T, physics::TetMeshSource> || std::is_same_v<T, physics::TriangleMeshSource>;
 
@@ -29,7 +29,7 @@ inline constexpr int kVersion = 5;
 inline constexpr const char* kInfinite = "infinite";
 inline constexpr const char* kMinusInfinite = "-infinite";
 
-/// Small things that everybody knows by their place: an array of their fields.
+/// Small types that are written as an array of their fields.
 template <class T>
 concept IsPlaces =
     std::is_same_v<T, Vec3> || std::is_same_v<T, Quat> || std::is_same_v<T, Pose> || std::is_same_v<T, geometry::Box>;
@@ -45,7 +45,7 @@ template <class T> inline constexpr bool kIsVector<std::vector<T>> = true;
 template <class T> inline constexpr bool kIsArray = false;
 template <class T, std::size_t n> inline constexpr bool kIsArray<std::array<T, n>> = true;
 
-/// By which an alternative of a variant goes.
+/// The name of an alternative of a variant.
 template <class T> constexpr std::string_view typeName()
 {
     if constexpr (std::is_same_v<T, double>)

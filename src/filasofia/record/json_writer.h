@@ -8,7 +8,7 @@
 
 namespace filasofia::record {
 
-/// Turns values into JSON. Numbers come out in full: read back they have the same bits.
+/// Turns values into JSON. Numbers are written in full: read back, they have the same bits.
 class JsonWriter {
 public:
     template <class T> Json write(const T& value)
@@ -37,7 +37,7 @@ public:
             return object(value);
     }
 
-    /// The meshes that were met and not handed out yet; their numbers go on from one call to the next.
+    /// The meshes that were found since the last call; their numbers continue from one call to the next.
     std::vector<Mesh> takeNewMeshes()
     {
         std::vector<Mesh> fresh(meshes_.begin() + static_cast<std::ptrdiff_t>(handedOut_), meshes_.end());
@@ -49,7 +49,7 @@ private:
     static Json number(double value)
     {
         if (std::isinf(value)) return value > 0 ? kInfinite : kMinusInfinite;
-        if (std::isnan(value)) fail("a recording holds no number that is none (NaN)");
+        if (std::isnan(value)) fail("a recording cannot hold NaN");
         return value;
     }
     template <class T> Json named(const T& held)
@@ -93,7 +93,7 @@ private:
     }
     template <class T> std::size_t numberOf(const T& mesh)
     {
-        if (!mesh) fail("a recording holds no body without a mesh");
+        if (!mesh) fail("a recording cannot hold a body without a mesh");
         for (std::size_t i = 0; i < meshes_.size(); ++i)
             if (const auto* other = std::get_if<T>(&meshes_[i]); other && (*other == mesh || sameBits(**other, *mesh)))
                 return i;

@@ -7,8 +7,7 @@
 #include <bit>
 #include <cstring>
 
-/// Meshes in a recording: their numbers as they lie in memory, the lowest byte first, behind the line that announces
-/// them.
+/// Meshes in a recording: their numbers as they are in memory, lowest byte first, after the line that announces them.
 namespace filasofia::record {
 
 static_assert(std::endian::native == std::endian::little && sizeof(int) == 4,
@@ -33,7 +32,7 @@ template <class Visit> void forEachList(auto& mesh, Visit&& visit)
     }
 }
 
-/// By which a mesh is known again in another session: a hash of all its bytes.
+/// A hash of all bytes of a mesh, which identifies it in other sessions.
 template <class T> std::uint64_t digestOf(const T& mesh)
 {
     Hasher hasher;

@@ -16,18 +16,19 @@ namespace {
 
 constexpr const char* kNotWritten = ": cannot be written (disk full?)";
 
-/// Opens a file that nobody else writes through this class. Two names may be one file, so the file itself is locked.
+/// Opens a file that nobody else writes through this class. A file may have several names, so the file itself is
+/// locked.
 std::FILE* openAlone(const std::string& name)
 {
     const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (file < 0) fail(name, ": cannot be written");
     struct stat status = {};
-    if (::fstat(file, &status) == 0 && S_ISREG(status.st_mode)) { // of a device there may be many writers
-        // Where the file system knows no locks there is no answer to be had, and nothing to refuse.
+    if (::fstat(file, &status) == 0 && S_ISREG(status.st_mode)) { // a device may have many writers
+        // If the file system does not support locks, the file cannot be checked and is not refused.
         const bool taken = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-        if (taken || ::ftruncate(file, 0) != 0) { // emptied only once it is ours
+        if (taken || ::ftruncate(file, 0) != 0) { // emptied only after it is locked
             ::close(file);
-            fail(name, taken ? ": is being written already, by this name or another" : ": cannot be written");
+            fail(name, taken ? ": is already being written, under this or another name" : ": cannot be written");
         }
     }
     std::FILE* stream = ::fdopen(file, "w");

@@ -16,9 +16,9 @@ namespace {
 
 using physics::StepRecord;
 
-constexpr std::size_t kMostOfAList = 1 << 28; ///< nodes or elements of a mesh
+constexpr std::size_t kMaxListLength = 1 << 28; ///< nodes or elements of a mesh
 
-/// A set of names, for finding those that do not belong.
+/// A predicate for a set of names, to find unknown ones.
 template <class... Names> auto oneOf(Names... names)
 {
     return [=](std::string_view name) { return ((name == names) || ...); };
@@ -48,12 +48,12 @@ RecordingHeader headerOf(const Json& json, const JsonReader& reader)
     reader.member(json, "session", header.session);
     reader.member(json, "trainee", header.trainee);
     reader.member(json, "date", header.date);
-    reader.noOthers(json, 9,
-                    oneOf("filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee", "date"));
+    reader.refuseUnknown(
+        json, 9, oneOf("filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee", "date"));
     return header;
 }
 
-/// The file, looked at before it is opened: opening a pipe would wait for its writer.
+/// The file's name, checked before it is opened: opening a pipe would wait for its writer.
 std::string checkedRegular(const std::filesystem::path& file)
 {
     // A session of hours may be long; it is read chunk by chunk.
@@ -61,12 +61,12 @@ std::string checkedRegular(const std::filesystem::path& file)
     return file.string();
 }
 
-/// The content of a file's chunks as one stream of lines, and of bytes behind lines that announce them.
+/// The content of a file's chunks as one stream of lines, and of bytes after lines that announce them.
 class Stream {
 public:
     explicit Stream(const std::string& name) : chunks_(name) {}
 
-    /// The next line without its break; nothing where the file ends instead. Good until the next call.
+    /// The next line without its line break; nullopt at the end of the file. Valid until the next call.
     std::optional<std::string_view> line()
     {
         drop();
@@ -79,11 +79,12 @@ public:
             }
             searched = content_.size() - at_;
             if (searched > kMaximumLine)
-                throw FileDamage(text(name(), ": damaged at byte ", chunks_.byte(), ": a record has no end"));
+                throw FileDamage(text(name(), ": damaged at byte ", chunks_.byte(), ": a record does not end"));
             if (!chunks_.next(content_)) return std::nullopt;
         }
     }
-    /// Appends bytes; false where the file ends before. A length that lies fetches no more than there is.
+    /// Appends `count` values; false if the file ends before. If the announced length is wrong, no more than the file's
+    /// content is read.
     template <class T> bool read(std::vector<T>& out, std::size_t count)
     {
         for (std::size_t left = count; left > 0;) {
@@ -103,10 +104,10 @@ public:
     [[nodiscard]] std::uint64_t byte() const { return chunks_.byte(); }
 
 private:
-    /// Forgets what was read.
+    /// Discards what was read.
     void drop()
     {
-        if (at_ < kMaximumChunk && at_ < content_.size()) return; // seldom, as it moves all that follows
+        if (at_ < kMaximumChunk && at_ < content_.size()) return; // rarely, because it moves all that follows
         content_.erase(0, at_);
         at_ = 0;
     }
@@ -123,17 +124,17 @@ struct RecordingReader::Impl {
     RecordingHeader header = {};
     JsonReader reader = {};
     std::vector<SceneRecord> scene = {};
-    std::uint64_t record = 0;      ///< read last
-    std::uint64_t steps = 0;       ///< read
-    physics::StepReport last = {}; ///< that was read; of the next one what is not told is as in it
+    std::uint64_t record = 0;      ///< number of the last record
+    std::uint64_t steps = 0;       ///< number of steps read
+    physics::StepReport last = {}; ///< the last one read; a step's missing fields are taken from it
     bool ended = false;
-    std::string problem = {}; ///< where reading has ended before the end
+    std::string problem = {}; ///< why reading ended before the end
 
     explicit Impl(const std::string& name) : stream(name) {}
 
     [[noreturn]] void cutOff() const
     {
-        throw FileDamage(text(stream.name(), ": cut off at byte ", stream.byte(), ": the session's end is missing"));
+        throw FileDamage(text(stream.name(), ": cut off at byte ", stream.byte(), ", before the end of the session"));
     }
     template <class Take> void nextRecord(Take&& take)
     {
@@ -160,18 +161,19 @@ struct RecordingReader::Impl {
         std::size_t number = 0;
         reader.member(json, "mesh", number);
         if (number != reader.meshes.size())
-            Place{nullptr, "mesh"}.refuse(text("must be ", reader.meshes.size(), ", the next number"), json["mesh"]);
+            Place{nullptr, "mesh"}.refuse(text("must be ", reader.meshes.size(), ", the number of the next mesh"),
+                                          json["mesh"]);
         T mesh;
         std::size_t members = 2;
         std::vector<std::size_t> counts;
         forEachList(mesh, [&](const char* name, const auto&) {
             reader.member(json, name, counts.emplace_back());
-            if (counts.back() > kMostOfAList)
-                Place{nullptr, name}.refuse(text("must be <= ", kMostOfAList), json[name]);
+            if (counts.back() > kMaxListLength)
+                Place{nullptr, name}.refuse(text("must be <= ", kMaxListLength), json[name]);
             ++members;
         });
         const std::uint64_t digest = hashOf(json, "digest", reader);
-        reader.noOthers(json, members, [&](std::string_view name) {
+        reader.refuseUnknown(json, members, [&](std::string_view name) {
             bool known = oneOf("mesh", "digest")(name);
             forEachList(mesh, [&](std::string_view each, const auto&) { known = known || each == name; });
             return known;
@@ -199,7 +201,7 @@ struct RecordingReader::Impl {
             if (!held) Place{nullptr, "surfaces"}.refuse("must be numbers of meshes", number);
             out.surfaces.push_back(*held);
         }
-        reader.noOthers(json, 2, oneOf("scene", "surfaces"));
+        reader.refuseUnknown(json, 2, oneOf("scene", "surfaces"));
     }
 
     StepRecord stepOf(const Json& json)
@@ -230,7 +232,7 @@ struct RecordingReader::Impl {
             step.hash = hashOf(json, "hash", reader);
         }
         given("commands", step.commands);
-        reader.noOthers(json, members, oneOf("step", "dt", "flags", "iterations", "hash", "commands"));
+        reader.refuseUnknown(json, members, oneOf("step", "dt", "flags", "iterations", "hash", "commands"));
         last.step = report.step;
         last.dt = report.dt;
         last.solves = report.solves;
@@ -242,10 +244,10 @@ struct RecordingReader::Impl {
     {
         std::uint64_t count = 0;
         reader.member(json, "end", count);
-        reader.noOthers(json, 1, oneOf("end"));
-        if (count != steps) fail("the session's end tells of ", count, " steps, and there are ", steps);
+        reader.refuseUnknown(json, 1, oneOf("end"));
+        if (count != steps) fail("the end of the session announces ", count, " steps, but the file holds ", steps);
         ended = true;
-        if (stream.line()) fail("something follows the session's end");
+        if (stream.line()) fail("the file must end after the end of the session");
     }
 
     std::optional<StepRecord> next()
@@ -284,8 +286,8 @@ std::optional<StepRecord> RecordingReader::next()
         return impl_->next();
     } catch (const Error& damage) {
         const std::uint64_t steps = impl_->steps;
-        impl_->problem = text(damage.what(), steps > 0 ? text("; it is whole up to step ", impl_->last.step)
-                                                       : std::string("; it has no whole step"));
+        impl_->problem = text(damage.what(), steps > 0 ? text("; it is complete up to step ", impl_->last.step)
+                                                       : std::string("; it has no complete step"));
         throw Error(impl_->problem);
     }
 }

@@ -7,7 +7,7 @@
 #include "filasofia/record/json_writer.h"
 #include "filasofia/record/mesh_bytes.h"
 #include "filasofia/record/output_file.h"
-#include "filasofia/record/repeatable.h"
+#include "filasofia/record/replayable.h"
 
 #include <algorithm>
 #include <utility>
@@ -15,11 +15,11 @@
 namespace filasofia::record {
 namespace {
 
-/// A name may hold any bytes; in the file those that are no UTF-8 become U+FFFD.
+/// A name may hold any bytes; in the file, bytes that are not UTF-8 become U+FFFD.
 std::string lineOf(const Json& json)
 {
     std::string line = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-    if (line.size() > kMaximumLine) // no reader would take it
+    if (line.size() > kMaximumLine) // no reader would accept it
         fail("a record must be <= ", kMaximumLine, " bytes, got ", line.size());
     return line + '\n';
 }
@@ -29,13 +29,13 @@ std::string lineOf(const Json& json)
 struct RecordingWriter::Impl {
     OutputFile file;
     JsonWriter json = {};
-    std::string content = {}; ///< of the chunk to come
-    std::uint32_t chunks = 0; ///< written
-    std::size_t meshes = 0;   ///< written
-    std::uint64_t steps = 0;  ///< written
+    std::string content = {}; ///< content of the next chunk
+    std::uint32_t chunks = 0; ///< number of chunks written
+    std::size_t meshes = 0;   ///< number of meshes written
+    std::uint64_t steps = 0;  ///< number of steps written
     bool open = true;         ///< the end has not been written
     bool warned = false;
-    physics::StepReport last = {}; ///< written; a step says what is other than in it
+    physics::StepReport last = {}; ///< the last step written; the next one contains only what differs
 
     void append(std::string_view bytes)
     {
@@ -66,7 +66,8 @@ struct RecordingWriter::Impl {
         for (const Mesh& mesh : json.takeNewMeshes()) std::visit([this](const auto& held) { appendMesh(*held); }, mesh);
     }
 
-    /// What is as in the step before is left out: of 600,000 steps most are alike but for their hash.
+    /// Fields equal to those of the previous step are left out, because most of 600,000 steps differ only in their
+    /// hash.
     Json lineFor(const physics::StepRecord& step)
     {
         const physics::StepReport& report = step.report;
@@ -87,9 +88,9 @@ struct RecordingWriter::Impl {
 
     void warnOnce(const physics::StepRecord& step)
     {
-        const auto why = whyNotRepeatable(step);
+        const auto why = whyNotReplayable(step);
         if (why.empty() || std::exchange(warned, true)) return;
-        logWarning(file.name(), ": no replay can go beyond step ", step.report.step, ": ", why);
+        logWarning(file.name(), ": a replay will stop at step ", step.report.step, ": ", why);
     }
 };
 

@@ -4,7 +4,7 @@
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/physics_server.h"
 #include "filasofia/physics/registry.h"
-#include "filasofia/record/repeatable.h"
+#include "filasofia/record/replayable.h"
 
 #include <cmath>
 
@@ -14,8 +14,8 @@ namespace {
 using physics::Command;
 using physics::StepRecord;
 
-/// A recorded command, ready to be applied again: bodies are built anew from their Defs.
-struct Again {
+/// A recorded command, ready to be applied again: bodies are rebuilt from their Defs.
+struct ReplayedCommand {
     const physics::PhysicsEngine& engine;
 
     Command operator()(const physics::AddBody& add) const
@@ -29,21 +29,21 @@ struct Again {
 } // namespace
 
 struct Replayer::Impl {
-    const physics::PhysicsEngine& builder; ///< of bodies
-    physics::PhysicsEngine* engine;        ///< that steps; none: the server does
+    const physics::PhysicsEngine& builder; ///< builds bodies
+    physics::PhysicsEngine* engine;        ///< computes the steps; null if the server does
     physics::PhysicsServer* server;
-    /// A recording may come from anywhere: its commands are held to what the server holds its callers to.
+    /// A recording is not trusted: its commands get the same checks as those of a server's callers.
     physics::Registry bodies = {};
-    std::uint64_t made = 0; ///< the last step's number
+    std::uint64_t made = 0; ///< number of the last step
 
     void checkOrder(const StepRecord& recorded) const
     {
         const std::uint64_t step = recorded.report.step;
-        if (const auto why = whyNotRepeatable(recorded); !why.empty())
-            fail("step ", step, " cannot be made again: ", why);
-        const bool paused = recorded.report.dt == 0.0; // made, and not counted
+        if (const auto why = whyNotReplayable(recorded); !why.empty())
+            fail("step ", step, " cannot be replayed: ", why);
+        const bool paused = recorded.report.dt == 0.0; // computed, but not counted
         if (step != made + 1 && !(paused && step == made))
-            fail("step ", step, " cannot be made again: step ", made + 1, " is missing");
+            fail("step ", step, " cannot be replayed: step ", made + 1, " is missing");
         if (!(std::isfinite(recorded.report.dt) && recorded.report.dt >= 0.0))
             fail("step ", step, ": dt must be >= 0 s, got ", recorded.report.dt);
     }
@@ -53,7 +53,7 @@ struct Replayer::Impl {
         std::vector<Command> commands;
         try {
             for (const Command& command : recorded.commands) {
-                commands.push_back(std::visit(Again{builder}, command));
+                commands.push_back(std::visit(ReplayedCommand{builder}, command));
                 bodies.check(commands.back());
                 bodies.note(commands.back());
             }
@@ -63,15 +63,16 @@ struct Replayer::Impl {
         return commands;
     }
 
-    /// Of a step that was not cut short the iterations are not needed; a list of another length is damage all the same.
+    /// If a step was not cut short, the iterations are not needed; a list of the wrong length is still an error.
     physics::StepBudget budgetOf(const StepRecord& recorded) const
     {
-        const bool paused = recorded.report.dt == 0.0; // none is solved
-        const std::size_t least = paused ? 0 : bodies.softBodyCount();
-        const std::size_t most = paused ? 0 : least + bodies.dynamicElementCount(); // rigid ones as they touch
-        if (const std::size_t count = recorded.report.solves.size(); count < least || count > most)
-            fail("step ", recorded.report.step, ": iterations must have as many entries as bodies were solved, in [",
-                 least, ", ", most, "], got ", count);
+        const bool paused = recorded.report.dt == 0.0; // nothing is solved
+        const std::size_t minimum = paused ? 0 : bodies.softBodyCount();
+        const std::size_t maximum =
+            paused ? 0 : minimum + bodies.dynamicElementCount(); // rigid bodies form groups by contacts
+        if (const std::size_t count = recorded.report.solves.size(); count < minimum || count > maximum)
+            fail("step ", recorded.report.step, ": iterations must have a number of entries in [", minimum, ", ",
+                 maximum, "], one per solve, got ", count);
         physics::StepBudget budget;
         if (!recorded.report.has(physics::StepFlag::OutOfTime)) return budget;
         for (const physics::BodySolve& solve : recorded.report.solves) budget.iterations.push_back(solve.iterations);
@@ -96,7 +97,7 @@ physics::StepReport Replayer::step(const StepRecord& recorded, const std::functi
     }
     impl_->server->expect(std::move(commands));
     if (between) between();
-    return impl_->server->stepAgain(dt, budget);
+    return impl_->server->replayStep(dt, budget);
 }
 
 std::optional<Difference> replay(const std::vector<StepRecord>& steps, physics::PhysicsEngine& fresh)

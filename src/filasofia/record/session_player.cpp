@@ -28,7 +28,7 @@ struct SessionPlayer::Impl {
         if (!damage.empty()) return false;
         try {
             auto step = reader.next();
-            reader.takeScene(); // nobody draws it
+            reader.takeScene(); // not drawn here
             if (step) recorded = std::move(*step);
             return step.has_value();
         } catch (const Error& problem) {

@@ -1,7 +1,7 @@
 #include "filasofia/record/step_log.h"
 
 #include "filasofia/physics/physics_server.h"
-#include "filasofia/record/repeatable.h"
+#include "filasofia/record/replayable.h"
 
 #include <algorithm>
 
@@ -17,7 +17,7 @@ void StepLog::drain(physics::PhysicsServer& server)
 
 bool StepLog::replayable() const
 {
-    return std::all_of(steps_.begin(), steps_.end(), [](const auto& step) { return whyNotRepeatable(step).empty(); });
+    return std::all_of(steps_.begin(), steps_.end(), [](const auto& step) { return whyNotReplayable(step).empty(); });
 }
 
 } // namespace filasofia::record

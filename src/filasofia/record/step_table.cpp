@@ -24,7 +24,7 @@ void StepTable::write(const physics::StepRecord& step)
     const physics::StepReport& report = step.report;
     int iterations = 0;
     for (const physics::BodySolve& solve : report.solves) iterations += solve.iterations;
-    double force = 0.0; // of all contacts along their normals
+    double force = 0.0; // sum over all contacts of the normal forces
     for (const frame::Contact& contact : step.contacts) force += contact.normalForce;
     double opened = 0.0; // by cuts and tears
     for (const physics::Rupture& rupture : report.topology.ruptures) opened += rupture.area;

@@ -51,9 +51,10 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
         if (surface && soft->dynamicTopology) {
             opening = mapping::OpeningSurface::make(mapped, rest);
             if (!opening)
-                logWarning(object,
-                           ": this surface bends with the body but does not open where it is cut, as it is not near "
-                           "its skin everywhere; without a surface the body's own boundary is drawn, which does");
+                logWarning(
+                    object,
+                    ": this surface deforms with the body but does not open where it is cut, because parts of it are "
+                    "not near the body's skin; without a surface the body's own boundary is drawn, which opens");
         }
         const int nodes = mapping::nodesNeeded(mapped->map);
         made.push_back({.id = id,
@@ -95,16 +96,16 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
     return shown;
 }
 
-Bindings::Wish& Bindings::wish(ShownId id, const char* what)
+Bindings::PendingChange& Bindings::change(ShownId id, const char* what)
 {
     if (!id || id.value > lastShown_) fail(what, ": nothing shown has the id ", id.value);
-    return wishes_[id];
+    return changes_[id];
 }
 
 void Bindings::setVisible(ShownId id, bool visible)
 {
     const std::lock_guard lock(mutex_);
-    wish(id, "setVisible").visible = visible;
+    change(id, "setVisible").visible = visible;
 }
 
 void Bindings::setMaterial(ShownId id, const visual::Material& material)
@@ -113,13 +114,13 @@ void Bindings::setMaterial(ShownId id, const visual::Material& material)
     def.material = material;
     validate(def, "setMaterial");
     const std::lock_guard lock(mutex_);
-    wish(id, "setMaterial").material = material;
+    change(id, "setMaterial").material = material;
 }
 
 void Bindings::remove(ShownId id)
 {
     const std::lock_guard lock(mutex_);
-    wish(id, "unshow").gone = true;
+    change(id, "unshow").gone = true;
 }
 
 int Bindings::paint(BodyId id, const PaintDef& def, physics::PhysicsServer& physics)
@@ -161,16 +162,16 @@ void Bindings::followTopology(const frame::Frame& frame)
     }
 }
 
-void Bindings::apply(const Wish& wish, Binding& binding)
+void Bindings::apply(const PendingChange& change, Binding& binding)
 {
-    if (wish.visible) binding.def.visible = *wish.visible;
-    if (wish.material)
+    if (change.visible) binding.def.visible = *change.visible;
+    if (change.material)
         binding.def.material =
-            binding.interior ? binding.def.interior.value_or(interiorOf(*wish.material)) : *wish.material;
+            binding.interior ? binding.def.interior.value_or(interiorOf(*change.material)) : *change.material;
     if (!binding.drawn) return;
-    if (wish.visible) binding.drawn->setVisible(*wish.visible);
+    if (change.visible) binding.drawn->setVisible(*change.visible);
     try {
-        if (wish.material) binding.drawn->setMaterial(binding.def.material);
+        if (change.material) binding.drawn->setMaterial(binding.def.material);
     } catch (const Error& problem) { // a problem that shows only now, such as a missing file; the picture goes on
         logError(problem.what());
     }
@@ -182,13 +183,13 @@ void Bindings::forget(const Binding& binding)
     worker_.forget(binding.key);
 }
 
-void Bindings::applyWishes(visual::VisualServer& visual)
+void Bindings::applyChanges(visual::VisualServer& visual)
 {
-    const std::map<ShownId, Wish> wishes = std::exchange(wishes_, {});
+    const std::map<ShownId, PendingChange> changes = std::exchange(changes_, {});
     for (std::vector<Binding>* list : {&pending_, &shown_})
         std::erase_if(*list, [&](Binding& binding) {
-            const auto found = wishes.find(binding.shown);
-            if (found == wishes.end()) return false;
+            const auto found = changes.find(binding.shown);
+            if (found == changes.end()) return false;
             apply(found->second, binding);
             if (!found->second.gone) return false;
             if (binding.drawn) visual.remove(*binding.drawn);
@@ -262,7 +263,7 @@ void Bindings::addPending(visual::VisualServer& visual)
 {
     visual_ = &visual;
     const std::lock_guard lock(mutex_);
-    applyWishes(visual);
+    applyChanges(visual);
     applyTopology();
     std::size_t added = 0;
     const auto forgetAdded = [&] { pending_.erase(pending_.begin(), pending_.begin() + static_cast<long>(added)); };
@@ -277,7 +278,7 @@ void Bindings::addPending(visual::VisualServer& visual)
                                                                          .material = binding.def.material,
                                                                          .castShadows = binding.def.castShadows});
             if (!binding.def.visible) drawn.setVisible(false);
-            painted_.giveAgain(binding.key);
+            painted_.resend(binding.key);
             shown_.push_back(std::move(pending_[added]));
             shown_.back().drawn = &drawn;
         }
@@ -296,7 +297,7 @@ void Bindings::update(const frame::Frame& frame, const physics::PhysicsServer& p
         binding.seen = binding.seen || found;
         // A body that has not come yet is waited for, unless it was removed before it came.
         const bool removed = !found && (binding.seen || !physics.has(binding.id));
-        const bool gone = removed || healed(binding);
+        const bool gone = removed || closedAgain(binding);
         if (gone) {
             visual.remove(*binding.drawn);
             forget(binding);
@@ -341,7 +342,7 @@ bool Bindings::place(Binding& binding, const frame::Frame& frame)
     return true;
 }
 
-bool Bindings::healed(const Binding& binding)
+bool Bindings::closedAgain(const Binding& binding)
 {
     if (!binding.interior) return false;
     const std::lock_guard lock(mutex_);
@@ -362,8 +363,8 @@ void Bindings::finishMeshes(const frame::Frame* newest)
 void Bindings::follow(visual::Transform& transform, BodyId id, const FollowDef& def,
                       const physics::PhysicsServer& physics)
 {
-    if (!visual_) fail("follow: there is no visual server yet: follow from where dress() is called");
-    if (!visual_->has(transform)) fail("follow: the transform is not one of the visual server's");
+    if (!visual_) fail("follow: there is no visual server yet; call it from the function given to dress()");
+    if (!visual_->has(transform)) fail("follow: the transform does not belong to the visual server");
     followers_.follow(transform, id, def, physics);
 }
 

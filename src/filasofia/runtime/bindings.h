@@ -42,8 +42,8 @@ public:
     void retopologise(BodyId id, SharedSurface surface, SharedSurface interior = nullptr,
                       std::shared_ptr<const frame::Boundary> boundary = nullptr);
 
-    /// Forgets what was prepared for bodies that have been removed since: it would be drawn once, and each counts as
-    /// one of the bodies that a visual server holds at most. Main thread.
+    /// Forgets pending visuals of bodies that have been removed since: they would be drawn once, and they count towards
+    /// the most bodies that a visual server holds. Main thread.
     void forgetRemoved(const physics::PhysicsServer& physics);
     /// Makes visual bodies of what was prepared. Main thread, like everything below. If the visual server refuses one,
     /// its Error is passed on, and that one and those after it stay pending.
@@ -87,27 +87,27 @@ private:
         visual::VisualBody* drawn = nullptr;                         ///< nullptr while pending
     };
     /// Changes that were asked for and not yet made. The newest of each kind is enough.
-    struct Wish {
+    struct PendingChange {
         std::optional<bool> visible = {};
         std::optional<visual::Material> material = {};
         bool gone = false;
     };
 
-    Wish& wish(ShownId id, const char* what);
-    void applyWishes(visual::VisualServer& visual);
+    PendingChange& change(ShownId id, const char* what);
+    void applyChanges(visual::VisualServer& visual);
     [[nodiscard]] bool isCut(BodyId id) const;
     void followTopology(const frame::Frame& frame);
     void applyTopology();
     void openInteriors();
-    void askMesh(const Binding& binding); ///< asks for the newest triangles of its body, if it has new ones
-    bool healed(const Binding& binding);  ///< the opened inside is closed again
+    void askMesh(const Binding& binding);     ///< asks for the newest triangles of its body, if it has new ones
+    bool closedAgain(const Binding& binding); ///< the opened inside is closed again
     bool place(Binding& binding, const frame::Frame& frame);
     void forget(const Binding& binding);
-    static void apply(const Wish& wish, Binding& binding);
+    static void apply(const PendingChange& change, Binding& binding);
 
     mutable std::mutex mutex_; ///< guards the members up to boundaries_
     std::vector<Binding> pending_;
-    std::map<ShownId, Wish> wishes_;
+    std::map<ShownId, PendingChange> changes_;
     struct Topology {
         SharedSurface skin, interior; ///< null: nothing is open
         std::shared_ptr<const frame::Boundary> boundary = {};

@@ -10,7 +10,7 @@
 namespace filasofia::runtime {
 namespace {
 
-/// Does the rigid body have a blade in a group in which the soft one is touched and cannot be cut?
+/// Whether the rigid body has a blade in a collision group of a soft body that cannot be cut.
 bool meetsInVain(const physics::BodyDef& tool, const physics::BodyDef& tissue)
 {
     const auto* rigid = std::get_if<physics::RigidBodyDef>(&tool);

@@ -17,11 +17,11 @@ namespace filasofia::runtime {
 
 class ContactEvent;
 
-/// Notices blades that touch soft tissue which cannot be cut. They push it like any other shape, and that is usually a
-/// `dynamicTopology` that was forgotten: a warning once per pair of bodies, and a line in the summary of the run.
+/// Finds blades that touch soft tissue that cannot be cut. They push it like any other shape, which usually means that
+/// `dynamicTopology` was forgotten. Logs a warning once per pair of bodies, and adds a line to the summary of the run.
 class BladeWatch {
 public:
-    /// Both outlive it. It looks on the thread that delivers events, so that no step pays for it.
+    /// Both outlive it. It works on the thread that delivers events, so that no step pays for it.
     BladeWatch(event::EventDispatcher& events, const physics::PhysicsServer& physics);
     ~BladeWatch();
     BladeWatch(const BladeWatch&) = delete;
@@ -35,7 +35,7 @@ private:
 
     event::EventDispatcher& events_;
     const physics::PhysicsServer& physics_;
-    mutable std::mutex mutex_; ///< guards what follows
+    mutable std::mutex mutex_; ///< guards the members below
     std::set<std::pair<BodyId, BodyId>> met_;
     std::vector<std::string> lines_;
     event::ObserverId observer_;

@@ -9,8 +9,9 @@ namespace filasofia::runtime {
 void CameraSteering::begin(visual::Transform& camera, const visual::OrbitDef& def, const Bindings& bindings)
 {
     if (!bindings.visual() || !bindings.visual()->has(camera))
-        fail("steer: the camera is not one of the visual server's, or there is none yet");
-    if (camera.parent()) fail("steer: '", camera.name(), "' hangs on '", camera.parent()->name(), "': steer that");
+        fail("steer: the camera does not belong to the visual server, or there is no visual server yet");
+    if (camera.parent())
+        fail("steer: '", camera.name(), "' has the parent '", camera.parent()->name(), "': steer the parent");
     steered_ = Steered{visual::OrbitCamera(def), &camera, camera.life()};
     camera.setPose(steered_->orbit.pose());
 }

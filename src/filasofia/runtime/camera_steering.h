@@ -17,7 +17,7 @@ class Bindings;
 /// The camera that the person at the window moves, if there is one. Main thread.
 class CameraSteering {
 public:
-    /// Steers this camera, or the rig that it hangs on, from now on. Error if it is not one of the visual server's or
+    /// Steers this camera, or the rig that carries it, from now on. Error if it is not one of the visual server's or
     /// has a parent.
     void begin(visual::Transform& camera, const visual::OrbitDef& def, const Bindings& bindings);
     /// Moves the camera if the event is meant for it.

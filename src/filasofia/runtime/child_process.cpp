@@ -21,7 +21,7 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr int kPatience = 30; ///< [s] for which the program may take no data
+constexpr int kSendTimeout = 30; ///< [s] for which the program may take no data
 
 /// The settings of posix_spawn, freed at the end.
 struct SpawnPlan {
@@ -65,14 +65,14 @@ ChildProcess::ChildProcess(const std::string& path, const std::vector<std::strin
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
         fail(path, ": cannot be started: ", std::strerror(errno));
     input_ = ends[0];
-    const timeval patience{.tv_sec = kPatience, .tv_usec = 0};
+    const timeval patience{.tv_sec = kSendTimeout, .tv_usec = 0};
     setsockopt(input_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
-    complaints_ = memfd_create("complaints", MFD_CLOEXEC);
+    errorOutput_ = memfd_create("stderr", MFD_CLOEXEC);
 
     SpawnPlan plan;
     posix_spawn_file_actions_adddup2(&plan.files, ends[1], STDIN_FILENO);
     posix_spawn_file_actions_addopen(&plan.files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    if (complaints_ >= 0) posix_spawn_file_actions_adddup2(&plan.files, complaints_, STDERR_FILENO);
+    if (errorOutput_ >= 0) posix_spawn_file_actions_adddup2(&plan.files, errorOutput_, STDERR_FILENO);
     std::vector<char*> words{const_cast<char*>(path.c_str())}; // execve(2) takes them as non-const and changes none
     for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
     words.push_back(nullptr);
@@ -81,7 +81,7 @@ ChildProcess::ChildProcess(const std::string& path, const std::vector<std::strin
     if (problem == 0) return;
     process_ = -1;
     closeOnce(input_);
-    closeOnce(complaints_);
+    closeOnce(errorOutput_);
     fail(path, ": cannot be started: ", std::strerror(problem));
 }
 
@@ -92,7 +92,7 @@ ChildProcess::~ChildProcess()
         kill(process_, SIGKILL);
         waitpid(process_, nullptr, 0);
     }
-    closeOnce(complaints_);
+    closeOnce(errorOutput_);
 }
 
 bool ChildProcess::feed(std::span<const unsigned char> data)
@@ -118,12 +118,12 @@ bool ChildProcess::ended(double seconds) const
     return ready > 0;
 }
 
-std::string ChildProcess::lastWords() const
+std::string ChildProcess::lastErrorLine() const
 {
-    if (complaints_ < 0) return {};
-    const off_t size = lseek(complaints_, 0, SEEK_END);
+    if (errorOutput_ < 0) return {};
+    const off_t size = lseek(errorOutput_, 0, SEEK_END);
     std::string words(static_cast<std::size_t>(std::clamp<off_t>(size, 0, 2000)), ' ');
-    const ssize_t got = pread(complaints_, words.data(), words.size(), std::max<off_t>(size - 2000, 0));
+    const ssize_t got = pread(errorOutput_, words.data(), words.size(), std::max<off_t>(size - 2000, 0));
     words.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
     while (!words.empty() && std::isspace(static_cast<unsigned char>(words.back()))) words.pop_back();
     return words.substr(words.find_last_of('\n') + 1); // npos + 1 is the start
@@ -140,7 +140,7 @@ std::string ChildProcess::finish(double seconds)
     process_ = -1;
     if (!inTime) return text("it did not end within ", seconds, " s");
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
-    const std::string words = lastWords();
+    const std::string words = lastErrorLine();
     const std::string how =
         WIFSIGNALED(status) ? text("killed by signal ", WTERMSIG(status)) : text("exit code ", WEXITSTATUS(status));
     return words.empty() ? how : text(words, " (", how, ")");

@@ -27,11 +27,11 @@ public:
 
 private:
     [[nodiscard]] bool ended(double seconds) const;
-    [[nodiscard]] std::string lastWords() const;
+    [[nodiscard]] std::string lastErrorLine() const;
 
     pid_t process_ = -1;
     int input_ = -1;
-    int complaints_ = -1; ///< standard error, as a file in memory, which cannot fill up like a pipe that nobody reads
+    int errorOutput_ = -1; ///< standard error, as a file in memory, which cannot fill up like a pipe that nobody reads
 };
 
 /// The file of a program on PATH; empty if there is none that may be run.

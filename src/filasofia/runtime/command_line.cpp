@@ -11,8 +11,8 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr int kNotWhole = 1; ///< exit code: the run reached its end, but one of its files is incomplete
-constexpr int kRefused = 2;  ///< exit code: the user's words or files were wrong
+constexpr int kIncomplete = 1; ///< exit code: the run reached its end, but one of its files is incomplete
+constexpr int kRefused = 2;    ///< exit code: the user's words or files were wrong
 constexpr int kHeadlessSteps = 1000;
 
 /// Adds an option that sets a field of the RunDef. CLI11 passes on the words unchanged, so that errors are in our own
@@ -55,27 +55,27 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
     if (own.empty())
         app.footer("Mouse and keys in the window:\n" +
                    keyHelp()); // a program with options of its own prints its own help
-    app.add_flag("--headless", def.headless, "a plain loop without window or clock, the same every time");
+    app.add_flag("--headless", def.headless, "a plain loop without window or clock; every run gives the same result");
     bool blind = false;
     app.add_flag("--no-picture", blind,
-                 "a live run that draws nothing and opens no window: physics on its own thread, by the clock");
+                 "a live run without window or pictures: physics on its own thread, paced by the clock");
     addOption(app, "--steps", &RunDef::steps, def,
-              text("end after as many steps; 0: no end (headless: ", kHeadlessSteps, ")"));
-    addOption(app, "--seconds", &RunDef::seconds, def, "end after as many seconds of wall time; 0: no end");
+              text("end after this many steps; 0: no limit (headless: ", kHeadlessSteps, ")"));
+    addOption(app, "--seconds", &RunDef::seconds, def, "end after this many seconds of wall time; 0: no limit");
     addOption(app, "--picture", &RunDef::picture, def, "write the last state to this PNG file");
     addOption(app, "--picture-every", &RunDef::pictureEvery, def,
-              "with --headless: numbered pictures, seconds apart; 0: only the last");
-    addOption(app, "--video", &RunDef::video, def, "write what is seen to this MP4 file (needs the program ffmpeg)");
+              "with --headless: write numbered pictures, this many seconds apart; 0: only the last");
+    addOption(app, "--video", &RunDef::video, def, "write the pictures to this MP4 file (needs the program ffmpeg)");
     addOption(app, "--fps", &RunDef::fps, def, "pictures per second of the video");
     addOption(app, "--log", &RunDef::log, def, "write a line per step to this CSV file");
     addOption(app, "--record", &RunDef::record, def, "write the run to this .rec file, for 'filasofia replay'");
-    addOption(app, "--seed", &RunDef::seed, def, "told by the recording: of what is drawn by chance");
-    addOption(app, "--session", &RunDef::session, def, "told by the recording: what the run is called");
-    addOption(app, "--trainee", &RunDef::trainee, def, "told by the recording: who is at it");
+    addOption(app, "--seed", &RunDef::seed, def, "seed of the program's random numbers, stored in the recording");
+    addOption(app, "--session", &RunDef::session, def, "name of the session, stored in the recording");
+    addOption(app, "--trainee", &RunDef::trainee, def, "name of the trainee, stored in the recording");
     addOption(app, "--device", &RunDef::device, def,
-              "hold the first haptic interface by NAME or NAME:LIBRARY, a driver and its vendor's library");
+              "device of the first haptic interface: NAME or NAME:LIBRARY, a driver and its vendor's library");
     addOption(app, "--motion", &RunDef::motion, def, "play this motion file in place of a device");
-    addOption(app, "--record-motion", &RunDef::recordMotion, def, "write what the hand does to this motion file");
+    addOption(app, "--record-motion", &RunDef::recordMotion, def, "record the hand's motion in this motion file");
     for (const OwnOption& option : own)
         if (CLI::Option* same = app.get_option_no_throw(option.name)) same->group(""); // not in the help
     try {
@@ -83,16 +83,16 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
         if (app.count("--fps") > 0 && def.video.empty()) fail("run: --fps needs --video FILE.mp4");
         if (blind) def.backend = visual::Backend::Null;
         if (blind && !(def.picture.empty() && def.video.empty()))
-            fail("run: --no-picture draws nothing for --picture or --video");
+            fail("run: --no-picture cannot be combined with --picture or --video");
         const bool endless = def.headless && def.steps == 0; // a headless run has no window that a user could close
         if (endless) def.steps = kHeadlessSteps;
         RunReport report = simulation.run(def);
         if (blind) report.visual.framesDrawn = 0; // the Null backend counts pictures although it draws nothing
         std::cout << summary(report);
         if (endless && report.steps == kHeadlessSteps)
-            std::cout << "a headless run without --steps ends after " << kHeadlessSteps << " of them\n";
+            std::cout << "a headless run without --steps ends after " << kHeadlessSteps << " steps\n";
         if (!std::cout.flush()) fail("cannot write to standard output");
-        return report.fileProblems.empty() ? 0 : kNotWhole;
+        return report.fileProblems.empty() ? 0 : kIncomplete;
     } catch (const CLI::CallForHelp&) {
         std::cout << app.help();
         return 0;
@@ -100,15 +100,16 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
         const std::string said = problem.what();
         return report(Error(text(said.substr(0, said.find(':')), " must be given once, with one value")));
     } catch (const CLI::ExtrasError&) {
-        return report(Error(text("unknown word '", shortened(app.remaining().front()), "'; --help lists those known")));
+        return report(
+            Error(text("unknown word '", shortened(app.remaining().front()), "'; --help lists the known ones")));
     } catch (const CLI::ParseError& problem) {
         return report(Error(problem.what()));
     } catch (const Error& problem) {
         return report(problem);
     } catch (const std::exception& problem) { // thrown by the user's dress() or window
-        return report(Error(text("the run ended by an exception: ", problem.what())));
+        return report(Error(text("an exception ended the run: ", problem.what())));
     } catch (...) {
-        return report(Error("the run ended by an exception: it is no std::exception"));
+        return report(Error("an exception ended the run: it is not a std::exception"));
     }
 }
 

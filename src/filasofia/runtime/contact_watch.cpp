@@ -31,8 +31,8 @@ void ContactWatch::Watched::count()
     ++steps;
     normal += now.normalForce;
     friction += now.frictionForce;
-    mostNormal = std::max(mostNormal, now.normalForce);
-    mostFriction = std::max(mostFriction, now.frictionForce);
+    maxNormal = std::max(maxNormal, now.normalForce);
+    maxFriction = std::max(maxFriction, now.frictionForce);
 }
 
 void ContactWatch::beginRun()
@@ -89,9 +89,9 @@ std::vector<ContactPairReport> ContactWatch::report(const physics::PhysicsServer
                        .second = nameOf(bodies.second, physics),
                        .steps = pair.steps,
                        .meanNormalForce = pair.normal / steps,
-                       .maxNormalForce = pair.mostNormal,
+                       .maxNormalForce = pair.maxNormal,
                        .meanFrictionForce = pair.friction / steps,
-                       .maxFrictionForce = pair.mostFriction,
+                       .maxFrictionForce = pair.maxFriction,
                        .deepest = pair.deepest});
     }
     return all;

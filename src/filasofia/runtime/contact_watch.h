@@ -36,9 +36,9 @@ private:
         bool touched = false;        ///< in the step before
         bool touches = false;        ///< in the newest step
         std::uint64_t steps = 0;
-        double normal = 0.0, mostNormal = 0.0;     ///< [N], sum over the steps, and maximum
-        double friction = 0.0, mostFriction = 0.0; ///< [N], sum over the steps, and maximum
-        double deepest = 0.0;                      ///< [m], >= 0, deepest penetration
+        double normal = 0.0, maxNormal = 0.0;     ///< [N], sum over the steps, and maximum
+        double friction = 0.0, maxFriction = 0.0; ///< [N], sum over the steps, and maximum
+        double deepest = 0.0;                     ///< [m], >= 0, deepest penetration
 
         void count();
     };

@@ -50,7 +50,7 @@ void Followers::follow(visual::Transform& transform, BodyId id, const FollowDef&
     } else {
         const auto& elements = std::get<physics::RigidBodyDef>(*body).elements;
         const auto* at = std::get_if<FollowElement>(&def.at);
-        if (!at) fail(object, ": at must be an element, as a rigid body has no surface that bends");
+        if (!at) fail(object, ": at must be an element, as a rigid body has no surface that deforms");
         const int count = static_cast<int>(elements.size());
         if (at->element >= count) fail(object, ": at.element must be in [0, ", count, "), got ", at->element);
         start = elements[static_cast<std::size_t>(at->element)];

@@ -24,7 +24,8 @@ std::unique_ptr<device::HapticDevice> deviceOf(const std::string& word)
 {
     const auto colon = word.find(':');
     const device::DeviceDef def = device::deviceNamed(word.substr(0, colon));
-    if (std::holds_alternative<device::ScriptedDevice>(def)) fail("run: device scripted is asked for by its motion");
+    if (std::holds_alternative<device::ScriptedDevice>(def))
+        fail("run: device scripted needs a motion file; set motion instead");
     return device::makeDevice(def, colon == std::string::npos ? "" : word.substr(colon + 1));
 }
 
@@ -42,9 +43,9 @@ Pose unitPose(Pose pose)
 void logNotice(const std::string& who, const DeviceNotice& notice, bool wasWrong)
 {
     if (notice.kind == DeviceNotice::Kind::Lost || notice.kind == DeviceNotice::Kind::Error)
-        logWarning(who, ": ", notice.problem, "; it gets no force until it is right again");
+        logWarning(who, ": ", notice.problem, "; it gets no force until it works again");
     else if (notice.kind == DeviceNotice::Kind::Connected && wasWrong)
-        logInfo(who, ": it is right again");
+        logInfo(who, ": it works again");
 }
 
 } // namespace
@@ -71,11 +72,11 @@ struct Haptics::Interface {
     Pose origin;
     Quat grip;
     // The same for the stepping thread.
-    device::Latest<HandCoupling> coupling;
+    device::Latest<VirtualCoupling> coupling;
     std::atomic<bool> aligns = false;       ///< it has no origin of its own, so it starts at the body
     std::atomic<std::uint64_t> placing = 0; ///< snapshots with an earlier number belong to another place
 
-    void tellPlace() // under the mutex
+    void updatePlace() // under the mutex
     {
         coupling.write(device::sceneCoupling(servoDef(def.rate, 1e-3)));
         if (servo) placing.store(servo->place(scale, origin, grip));
@@ -121,10 +122,10 @@ HapticId Haptics::add(const HapticInterfaceDef& def, std::unique_ptr<device::Hap
         fail(object, ": element must be in [0, ", rigid->elements.size(), "), got ", def.element);
 
     const std::lock_guard lock(mutex_);
-    if (running_) fail(object, ": to be added before a run, and one is going on");
+    if (running_) fail(object, ": must be added before a run, but one is going on");
     for (const auto& other : interfaces_)
         if (other->def.body == def.body)
-            fail(object, ": body '", rigid->name, "' is controlled by '", other->def.name, "' already");
+            fail(object, ": body '", rigid->name, "' is already controlled by '", other->def.name, "'");
     auto made = std::make_unique<Interface>();
     made->device = own ? std::move(own) : device::makeDevice(def.device);
     made->id = {static_cast<std::uint32_t>(interfaces_.size()) + 1};
@@ -142,7 +143,7 @@ HapticId Haptics::add(const HapticInterfaceDef& def, std::unique_ptr<device::Hap
 
 Haptics::Interface& Haptics::find(HapticId id) const
 {
-    if (id.value == 0 || id.value > interfaces_.size()) fail("haptic interface ", id.value, ": there is none");
+    if (id.value == 0 || id.value > interfaces_.size()) fail("haptic interface ", id.value, ": it does not exist");
     return *interfaces_[id.value - 1];
 }
 
@@ -164,12 +165,12 @@ HapticInterfaceDef Haptics::def(HapticId id) const
     return now;
 }
 
-Moving Haptics::deviceHand(HapticId id) const
+MotionState Haptics::deviceHand(HapticId id) const
 {
     const std::lock_guard lock(mutex_);
     device::ServoSnapshot seen;
     const Interface& each = find(id);
-    return each.servo && each.servo->latest(seen) ? seen.sample.hand : Moving{};
+    return each.servo && each.servo->latest(seen) ? seen.sample.hand : MotionState{};
 }
 
 HapticState Haptics::state(HapticId id) const
@@ -201,7 +202,7 @@ void Haptics::place(HapticId id, double scale, const Pose& origin)
     each.scale = scale;
     each.origin = *def.origin;
     each.aligns.store(false); // an explicit origin replaces alignment
-    each.tellPlace();
+    each.updatePlace();
 }
 
 void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& clock, const Post& post)
@@ -210,7 +211,7 @@ void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& c
     for (const auto& [field, value] :
          {std::pair{"device", &run.device}, {"motion", &run.motion}, {"recordMotion", &run.recordMotion}})
         if (!value->empty() && interfaces_.empty())
-            fail("run: ", field, " needs a haptic interface, and there is none");
+            fail("run: ", field, " needs a haptic interface, but there is none");
     if (!run.device.empty() && !run.motion.empty()) fail("run: device and motion: only one of the two can be given");
     const double stepPeriod = 1.0 / physics.rate;
     live_ = !run.headless;
@@ -278,10 +279,10 @@ void Haptics::align(Interface& each, const device::ServoSnapshot& seen, physics:
     const Pose& pose = body->poses[static_cast<std::size_t>(each.def.element)];
     const Pose& hand = seen.sample.hand.pose;
     const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) return; // another thread is at the list: the next step aligns it
+    if (!lock) return; // another thread uses the list: the next step aligns it
     each.origin = {pose.position - each.scale * hand.position, {}};
     each.grip = conjugate(hand.orientation) * pose.orientation;
-    each.tellPlace();
+    each.updatePlace();
     each.placed = true;
 }
 
@@ -318,7 +319,7 @@ void Haptics::beforeStep(double dt, double end, physics::PhysicsServer& physics)
         } catch (const Error& problem) { // the body was removed meanwhile, or the hand is outside the legal range
             each.holding = false;
             if (physics.has(each.def.body) && !std::exchange(each.refused, true))
-                logWarning(each.who(), ": a step cannot take it: ", problem.what());
+                logWarning(each.who(), ": its pose was refused: ", problem.what());
         }
     }
 }
@@ -335,7 +336,7 @@ void Haptics::afterStep(const physics::StepReport& report, physics::PhysicsServe
         const auto e = static_cast<std::size_t>(each.def.element);
         const Vec3 arm = rotate(body->poses[e].orientation, each.centre);
         const Vec3 turning = body->angularVelocities[e];
-        const Moving now{body->poses[e], body->velocities[e] - cross(turning, arm), turning};
+        const MotionState now{body->poses[e], body->velocities[e] - cross(turning, arm), turning};
         each.servo->setBody({++each.states, each.seen, now, each.centre});
         const physics::HapticTarget& t = each.target;
         if (each.dynamic && each.states > 1)

@@ -34,7 +34,7 @@ public:
     void place(HapticId id, double scale, const Pose& origin);
     [[nodiscard]] std::vector<HapticId> ids() const;
     [[nodiscard]] HapticInterfaceDef def(HapticId id) const; ///< as it is placed now
-    [[nodiscard]] Moving deviceHand(HapticId id) const;      ///< along the device's own axes
+    [[nodiscard]] MotionState deviceHand(HapticId id) const; ///< along the device's own axes
 
     // A run. No interface can be added between begin() and end().
     /// Throws an Error if the device or motion file that the run asks for cannot be used. In a headless run the servos
@@ -60,7 +60,7 @@ private:
     void tickThrough(Interface& each, double dt, double end);
     void align(Interface& each, const device::ServoSnapshot& seen, physics::PhysicsServer& physics);
 
-    /// Guards the list and its servos. Steps do not wait for it: the list does not change during a run.
+    /// Guards the list and its servos; steps do not wait for it, because the list does not change during a run.
     mutable std::mutex mutex_;
     std::vector<std::unique_ptr<Interface>> interfaces_;
     Clock clock_;

@@ -94,12 +94,12 @@ RunReport runHeadless(Simulation::Impl& impl, const RunDef& def)
     RunFiles files(impl, def);
 
     const PhysicsLoopDef loop{
-        .period = impl.period(), .freeRunning = true, .maximumSteps = static_cast<std::uint64_t>(def.steps)};
+        .period = impl.period(), .freeRunning = true, .maxSteps = static_cast<std::uint64_t>(def.steps)};
     RunReport report;
     const auto afterStep = [&](const physics::StepReport& step) {
         const std::uint32_t flags = impl.afterStep(step);
-        impl.events
-            .deliverAll(); // before the next step begins, so that observers' commands reach the same step in every run
+        // Before the next step begins, so that observers' commands reach the same step in every run.
+        impl.events.deliverAll();
         files.keepUp();
         impl.haptics.drain();
         pictures.afterStep(step.time);

@@ -76,7 +76,7 @@ void Inspector::drawPanel()
         drawRun();
         if (ImGui::CollapsingHeader("Rates", ImGuiTreeNodeFlags_DefaultOpen)) rates_.draw();
         if (ImGui::CollapsingHeader("Show", ImGuiTreeNodeFlags_DefaultOpen)) drawShow();
-        if (hands_.any() && ImGui::CollapsingHeader("Hands", ImGuiTreeNodeFlags_DefaultOpen)) hands_.draw();
+        if (hands_.any() && ImGui::CollapsingHeader("Haptics", ImGuiTreeNodeFlags_DefaultOpen)) hands_.draw();
         if (ImGui::CollapsingHeader("Bodies", ImGuiTreeNodeFlags_DefaultOpen)) bodies_.draw();
         ImGui::PopItemWidth();
     }
@@ -87,7 +87,7 @@ void Inspector::drawPanel()
 void Inspector::drawRun()
 {
     const bool paused = rates_.paused();
-    if (ImGui::Button(paused ? "Go on" : "Pause")) impl_.physics.pause(!paused);
+    if (ImGui::Button(paused ? "Resume" : "Pause")) impl_.physics.pause(!paused);
     ImGui::SameLine();
     if (ImGui::Button("Step")) impl_.pause.askSingleStep();
     ImGui::SameLine();
@@ -109,7 +109,7 @@ void Inspector::drawShow()
     ImGui::Checkbox("forces", &show.forces);
     if (show.forces) {
         auto millimetres = float(1e3 * scene_.scaleOf(show));
-        if (ImGui::SliderFloat("1 N is [mm]", &millimetres, 0.01F, 1e4F, "%.3g", ImGuiSliderFlags_Logarithmic))
+        if (ImGui::SliderFloat("arrow [mm/N]", &millimetres, 0.01F, 1e4F, "%.3g", ImGuiSliderFlags_Logarithmic))
             show.metresPerNewton = 1e-3 * double(millimetres);
     }
     const auto views = visual_.views();

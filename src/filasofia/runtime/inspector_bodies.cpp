@@ -107,7 +107,7 @@ void InspectorBodies::drawSoft(const frame::SoftBodyFrame& state, Body& body)
         attempt([&] { impl_.physics.setMaterial(state.id, body.material); });
     if (editNumber("pressure [Pa]", body.pressure, 1.0, "%.1f"))
         attempt([&] { impl_.physics.setPressure(state.id, body.pressure); });
-    if (ImGui::TreeNode("as it was added")) {
+    if (ImGui::TreeNode("definition")) {
         drawFields(std::get<physics::SoftBodyDef>(*body.def));
         ImGui::TreePop();
     }
@@ -117,9 +117,9 @@ void InspectorBodies::drawRigid(const frame::RigidBodyFrame& state, Body& body)
 {
     const auto& def = std::get<physics::RigidBodyDef>(*body.def);
     drawPlaces(state, def.dynamic);
-    if (def.dynamic && editVector("push [N]", body.force, 0.01, "%.3f")) // at the first element's centre of mass
+    if (def.dynamic && editVector("force [N]", body.force, 0.01, "%.3f")) // at the first element's centre of mass
         attempt([&] { impl_.physics.setWrench(state.id, body.force, {}); });
-    if (ImGui::TreeNode("as it was added")) {
+    if (ImGui::TreeNode("definition")) {
         drawFields(def);
         ImGui::TreePop();
     }
@@ -132,7 +132,7 @@ void InspectorBodies::drawPlaces(const frame::RigidBodyFrame& state, bool dynami
         Pose pose = state.poses[element];
         Vec3 millimetres = 1e3 * pose.position;
         float shown[3] = {float(millimetres.x), float(millimetres.y), float(millimetres.z)};
-        if (ImGui::DragFloat3("at [mm]", shown, 0.1F, 0.0F, 0.0F, "%.1f")) { // the body follows the mouse
+        if (ImGui::DragFloat3("position [mm]", shown, 0.1F, 0.0F, 0.0F, "%.1f")) { // the body follows the mouse
             pose.position = 1e-3 * Vec3{double(shown[0]), double(shown[1]), double(shown[2])};
             attempt([&] { impl_.physics.setPose(state.id, pose, int(element)); });
         }

@@ -22,10 +22,10 @@ namespace detail {
 
 inline void line(std::string_view name, const std::string& value, std::string_view unit)
 {
-    const std::string told = unit.empty() || unit == "-" ? value : text(value, " ", unit);
+    const std::string shown = unit.empty() || unit == "-" ? value : text(value, " ", unit);
     ImGui::TextDisabled("%s", std::string(name).c_str());
     ImGui::SameLine();
-    ImGui::TextUnformatted(told.c_str());
+    ImGui::TextUnformatted(shown.c_str());
 }
 
 inline std::string written(double value)
@@ -74,12 +74,12 @@ template <class... T> struct Draw<std::variant<T...>> {
 template <class T> struct Draw<std::vector<T>> {
     static void apply(std::string_view name, const std::vector<T>& values, std::string_view)
     {
-        constexpr std::size_t most = 20; // nobody reads a list of a thousand nodes
+        constexpr std::size_t maxShown = 20; // nobody reads a list of a thousand nodes
         const std::string title = std::string(name) + " (" + std::to_string(values.size()) + ")";
         if (values.empty() || !ImGui::TreeNode(title.c_str())) return;
-        for (std::size_t i = 0; i < std::min(values.size(), most); ++i)
+        for (std::size_t i = 0; i < std::min(values.size(), maxShown); ++i)
             Draw<T>::apply(std::to_string(i), values[i], "");
-        if (values.size() > most) ImGui::TextDisabled("and %zu more", values.size() - most);
+        if (values.size() > maxShown) ImGui::TextDisabled("and %zu more", values.size() - maxShown);
         ImGui::TreePop();
     }
 };

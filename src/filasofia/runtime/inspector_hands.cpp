@@ -36,11 +36,11 @@ void InspectorHands::drawHand(HapticId id)
     ImGui::PushID(static_cast<int>(id.value));
     const std::string_view word = device::describe(state.state);
     ImGui::Text("%s: %.*s", def.name.c_str(), static_cast<int>(word.size()), word.data());
-    vector("hand", state.hand.pose.position, 1e-3, "%8.2f %8.2f %8.2f mm");
-    vector("turned", rotationVector(state.hand.pose.orientation), std::acos(-1.0) / 180.0, "%7.1f %7.1f %7.1f deg");
-    vector("on it", state.onHand.force, 1.0, "%8.3f %8.3f %8.3f N");
-    ImGui::ProgressBar(static_cast<float>(length(state.onHand.force) / def.forceLimit), {-1.0F, 0.0F}, "of the limit");
-    ImGui::Text("energy given %.2f mJ", 1e3 * state.servo.energy);
+    vector("position", state.hand.pose.position, 1e-3, "%8.2f %8.2f %8.2f mm");
+    vector("rotation", rotationVector(state.hand.pose.orientation), std::acos(-1.0) / 180.0, "%7.1f %7.1f %7.1f deg");
+    vector("force", state.onHand.force, 1.0, "%8.3f %8.3f %8.3f N");
+    ImGui::ProgressBar(static_cast<float>(length(state.onHand.force) / def.forceLimit), {-1.0F, 0.0F}, "force / limit");
+    ImGui::Text("energy given to the hand %.2f mJ", 1e3 * state.servo.energy);
     drawJitter(state.servo);
     drawPlace(id, state);
     ImGui::PopID();
@@ -55,7 +55,7 @@ void InspectorHands::drawJitter(const device::ServoStatistics& servo) const
     for (std::size_t i = 0; i < bars.size(); ++i) // logarithmic, because the rare late ticks matter
         bars[i] = jitter.counts[i] > 0 ? 1.0F + std::log10(static_cast<float>(jitter.counts[i])) : 0.0F;
     char overlay[96];
-    std::snprintf(overlay, sizeof overlay, "late by: median %.2f, p99.9 %.2f, most %.2f ms",
+    std::snprintf(overlay, sizeof overlay, "late by: median %.2f, p99.9 %.2f, max %.2f ms",
                   1e3 * jitter.percentile(0.5), 1e3 * jitter.percentile(0.999), 1e3 * servo.latest);
     const ImVec2 size{ImGui::GetContentRegionAvail().x, 3.2F * ImGui::GetFontSize()};
     ImGui::PlotHistogram("##jitter", bars.data(), static_cast<int>(bars.size()), 0, overlay, 0.0F, 8.0F, size);
@@ -74,7 +74,7 @@ void InspectorHands::drawPlace(HapticId id, const HapticState& state)
     for (int k = 0; k < 3; ++k) at[static_cast<std::size_t>(k)] = static_cast<float>(1e3 * origin.position[k]);
     if (ImGui::DragFloat3("origin [mm]", at.data(), 0.1F))
         place(id, def.scale, {1e-3 * Vec3{at[0], at[1], at[2]}, origin.orientation});
-    if (!ImGui::Button("The hand is where the body is")) return;
+    if (!ImGui::Button("Place the hand at the body")) return;
     const frame::FrameRef frame = impl_.physics.latest();
     const frame::RigidBodyFrame* body = frame ? frame->rigidBody(def.body) : nullptr;
     if (!body) return;

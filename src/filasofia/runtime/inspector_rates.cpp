@@ -8,17 +8,17 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr double kPoint = 0.1; // [s], interval of one point in a plot
+constexpr double kPointInterval = 0.1; // [s], interval of one point in a plot
 
 void plot(const char* name, const Trace& trace, double reference, const char* unit)
 {
     char overlay[64];
     std::snprintf(overlay, sizeof overlay, "%s %.0f %s", name, trace.newest(), unit);
-    float most = float(1.25 * reference);
-    for (int i = 0; i < trace.count(); ++i) most = std::max(most, trace.data()[i]);
+    float top = float(1.25 * reference);
+    for (int i = 0; i < trace.count(); ++i) top = std::max(top, trace.data()[i]);
     const ImVec2 size{ImGui::GetContentRegionAvail().x, 3.2F * ImGui::GetFontSize()};
     ImGui::PushID(name);
-    ImGui::PlotLines("##plot", trace.data(), trace.count(), trace.oldest(), overlay, 0.0F, most, size);
+    ImGui::PlotLines("##plot", trace.data(), trace.count(), trace.oldest(), overlay, 0.0F, top, size);
     ImGui::PopID();
 }
 
@@ -69,7 +69,7 @@ void InspectorRates::addPicture(double guiSeconds)
     guiSeconds_ = guiSeconds;
     const Nanoseconds now = impl_.clock.now();
     const double seconds = toSeconds(now - since_);
-    if (seconds < kPoint) return;
+    if (seconds < kPointInterval) return;
     physics_.add(now_.steps / seconds);
     pictures_.add(now_.pictures / seconds);
     const physics::StageTimes& times = now_.times;
@@ -90,9 +90,9 @@ void InspectorRates::draw()
     ImGui::Text("t = %.3f s   step %llu", time_, static_cast<unsigned long long>(step_));
     if (lastSeconds_ > 0.0) ImGui::Text("%.2f s simulated per second", last_.simulated / lastSeconds_);
     const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
-    ImGui::Text("late %llu   clamped %llu   undone %llu", count(late_), count(clamped_), count(undone_));
+    ImGui::Text("late %llu   clamped %llu   rolled back %llu", count(late_), count(clamped_), count(undone_));
     ImGui::Text("not converged %llu   out of time %llu", count(notConverged_), count(outOfTime_));
-    if (const std::uint64_t lost = impl_.feed.lost()) ImGui::Text("%llu steps not seen here", count(lost));
+    if (const std::uint64_t lost = impl_.feed.lost()) ImGui::Text("%llu step reports dropped", count(lost));
     drawStages();
     drawSolvers();
 }
@@ -104,7 +104,7 @@ void InspectorRates::drawStages() const
     if (ImGui::BeginTable("stages", 3, ImGuiTableFlags_SizingFixedFit)) {
         ImGui::TableSetupColumn("stage");
         ImGui::TableSetupColumn("mean");
-        ImGui::TableSetupColumn("of the period", ImGuiTableColumnFlags_WidthStretch);
+        ImGui::TableSetupColumn("share of the period", ImGuiTableColumnFlags_WidthStretch);
         stage("commands", last_.times.commands / steps, period);
         stage("contacts", last_.times.contacts / steps, period);
         stage("assemble", last_.times.assemble / steps, period);
@@ -130,9 +130,9 @@ void InspectorRates::drawSolvers() const
     if (!ImGui::TreeNodeEx("Solvers", ImGuiTreeNodeFlags_DefaultOpen)) return;
     if (solves_.empty()) ImGui::TextDisabled("no soft body");
     for (const physics::BodySolve& solve : solves_)
-        ImGui::Text("%s: %d iterations, %.1e left", nameOf(solve.body).c_str(), solve.iterations, solve.residual);
-    ImGui::Text("contacts: %d near, %d push, %d rounds", contacts_.found, contacts_.active, contacts_.rounds);
-    if (contacts_.penetration > 0.0) ImGui::Text("deepest %.3f mm inside", 1e3 * contacts_.penetration);
+        ImGui::Text("%s: %d iterations, residual %.1e", nameOf(solve.body).c_str(), solve.iterations, solve.residual);
+    ImGui::Text("contacts: %d near, %d active, %d rounds", contacts_.found, contacts_.active, contacts_.rounds);
+    if (contacts_.penetration > 0.0) ImGui::Text("deepest penetration %.3f mm", 1e3 * contacts_.penetration);
     ImGui::TreePop();
 }
 

@@ -155,7 +155,7 @@ void InspectorScene::drawContacts(const frame::Frame& frame, DebugDraw& debug)
     }
 }
 
-bool InspectorScene::isLed(BodyId id) const
+bool InspectorScene::isKinematic(BodyId id) const
 {
     if (!impl_.physics.has(id)) return false;
     const auto def = impl_.physics.def(id);
@@ -167,7 +167,7 @@ void InspectorScene::drawForces(const frame::Frame& frame, double metresPerNewto
 {
     for (const frame::ContactPair& pair : frame::contactPairs(frame.contacts)) {
         if (!(pair.normalForce > 0.0)) continue;
-        const double scale = (isLed(pair.first) ? -1.0 : 1.0) * metresPerNewton;
+        const double scale = (isKinematic(pair.first) ? -1.0 : 1.0) * metresPerNewton;
         Vec3 middle; // mean of the contact points, weighted by normal force
         for (const frame::Contact& contact : frame.contacts) {
             if (contact.first != pair.first || contact.second != pair.second || contact.normalForce == 0.0) continue;

@@ -49,7 +49,7 @@ private:
     static void drawContacts(const frame::Frame& frame, visual::DebugDraw& debug);
     void drawForces(const frame::Frame& frame, double metresPerNewton, visual::DebugDraw& debug) const;
     /// Whether the body is kinematic: its motion is prescribed, whatever pushes it.
-    [[nodiscard]] bool isLed(BodyId id) const;
+    [[nodiscard]] bool isKinematic(BodyId id) const;
 
     Simulation::Impl& impl_;
     std::map<const visual::VisualBody*, Wires> wires_;

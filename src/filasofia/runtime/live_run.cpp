@@ -25,7 +25,7 @@ public:
         PhysicsLoopDef loop{.period = impl.period(),
                             .slack = toNanoseconds(impl.def.physics.slack),
                             .freeRunning = def.freeRunning,
-                            .maximumSteps = static_cast<std::uint64_t>(def.steps)};
+                            .maxSteps = static_cast<std::uint64_t>(def.steps)};
         if (!def.freeRunning)
             loop.deadline = impl.deadline(); // a free run measures what steps cost, so it has no deadline
         thread_ = std::thread([this, loop] {
@@ -181,7 +181,7 @@ private:
     {
         impl_.now.stamp(*event);
         if (!impl_.events.tryPost(std::move(event)) && !std::exchange(warned_, true))
-            logWarning("events come faster than observers take them: some are lost");
+            logWarning("events arrive faster than observers handle them: some are lost");
     }
 
     Simulation::Impl& impl_;

@@ -134,7 +134,7 @@ std::optional<std::vector<SurfaceState>> PaintedSurfaces::takeNew(SurfaceKey key
     return found->second.states;
 }
 
-void PaintedSurfaces::giveAgain(SurfaceKey key)
+void PaintedSurfaces::resend(SurfaceKey key)
 {
     const std::lock_guard lock(mutex_);
     Painted& painted = painted_.at(key);

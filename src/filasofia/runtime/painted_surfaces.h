@@ -49,7 +49,7 @@ public:
     /// The vertices' states, if somebody painted since the last call.
     std::optional<std::vector<visual::SurfaceState>> takeNew(SurfaceKey key);
     /// Makes the next takeNew() return the states once more, unless there is no paint at all.
-    void giveAgain(SurfaceKey key);
+    void resend(SurfaceKey key);
     /// The surface has new triangles: carries the paint over to them, through one transfer after another.
     void moveTo(SurfaceKey key, SharedSurface surface, std::span<const mapping::SurfaceTransfer> transfers);
 

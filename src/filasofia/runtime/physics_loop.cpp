@@ -7,7 +7,7 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr std::size_t kMaximumTimings = 200'000; // 5 MB
+constexpr std::size_t kMaxTimings = 200'000; // 5 MB
 
 std::uint32_t flagsOf(const Tick& tick)
 {
@@ -31,24 +31,24 @@ RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, 
 {
     const physics::PhysicsServer::Stepping stepping(server);
     RunTiming timing;
-    timing.steps.resize(kMaximumTimings); // touched now, so that no step of the loop takes a page fault
+    timing.steps.resize(kMaxTimings); // touched now, so that no step of the loop takes a page fault
     timing.steps.clear();
-    StepGrid grid(def.period, def.slack);
+    FixedStepScheduler scheduler(def.period, def.slack);
     const Nanoseconds start = clock.now();
-    grid.start(start);
+    scheduler.start(start);
     physics::StepBudget budget{.now = clock.now};
     std::uint32_t flags = 0;
-    while (!stop.load(std::memory_order_relaxed) && (def.maximumSteps == 0 || timing.stepCount < def.maximumSteps)) {
-        if (!def.freeRunning) clock.sleepUntil(grid.nextWake());
+    while (!stop.load(std::memory_order_relaxed) && (def.maxSteps == 0 || timing.stepCount < def.maxSteps)) {
+        if (!def.freeRunning) clock.sleepUntil(scheduler.nextWake());
         const Nanoseconds now = clock.now();
-        const Tick tick = def.freeRunning ? Tick{.dt = def.period} : grid.wake(now);
+        const Tick tick = def.freeRunning ? Tick{.dt = def.period} : scheduler.wake(now);
         if (def.deadline) budget.deadline = later(now, *def.deadline);
         if (beforeStep) beforeStep(toSeconds(tick.dt));
         const physics::StepReport report = server.step(toSeconds(tick.dt), flags | flagsOf(tick), budget);
         const Nanoseconds cost = clock.now() - now;
         flags = afterStep(report);
 
-        if (timing.steps.size() < kMaximumTimings) timing.steps.push_back({now - start, tick.dt, cost});
+        if (timing.steps.size() < kMaxTimings) timing.steps.push_back({now - start, tick.dt, cost});
         ++timing.stepCount;
         timing.late += tick.late;
         timing.clamped += tick.clamped;

@@ -18,8 +18,8 @@ struct PhysicsLoopDef {
     Nanoseconds period = 1'000'000;
     Nanoseconds slack = 2'000'000;
     std::optional<Nanoseconds> deadline = {}; ///< [ns] after a step's start; not given: no deadline
-    bool freeRunning = false;       ///< runs steps of one period back to back without waiting, to measure their cost
-    std::uint64_t maximumSteps = 0; ///< 0: until stopped
+    bool freeRunning = false;   ///< runs steps of one period back to back without waiting, to measure their cost
+    std::uint64_t maxSteps = 0; ///< 0: until stopped
 };
 
 /// Called after every step, on the stepping thread; returns StepFlag bits for the next step's report.

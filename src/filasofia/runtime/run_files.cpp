@@ -2,7 +2,7 @@
 
 #include "filasofia/core/date.h"
 #include "filasofia/core/log.h"
-#include "filasofia/engine/solver_costs.h"
+#include "filasofia/engine/native_engine.h"
 
 #include <chrono>
 #include <limits>
@@ -60,7 +60,7 @@ template <class File, class Write> void RunFiles::attempt(std::optional<File>& f
         auto event = std::make_unique<FileFailedEvent>();
         event->problem = problem.what();
         impl_.now.stamp(*event);
-        if (!impl_.events.tryPost(std::move(event))) logWarning("the event queue is full: nobody is told of this");
+        if (!impl_.events.tryPost(std::move(event))) logWarning("the event queue is full: no event reports this");
     }
 }
 
@@ -107,7 +107,7 @@ void RunFiles::writeScene(std::uint64_t beforeStep)
     while (auto event = impl_.journal.takeBefore(beforeStep))
         attempt(recording_, [&](record::RecordingWriter& file) {
             for (const std::string& name : filesOf(*event)) {
-                const auto known = filesTold_.insert(name).second ? digested(name) : std::nullopt;
+                const auto known = filesDescribed_.insert(name).second ? digested(name) : std::nullopt;
                 if (known) file.write(recordOf(*known));
             }
             file.write(recordOf(*event));

@@ -42,8 +42,8 @@ private:
     Simulation::Impl& impl_;
     std::optional<record::StepTable> table_;
     std::optional<record::RecordingWriter> recording_;
-    std::set<std::string> filesTold_;     ///< named by materials, and already described in the recording
-    std::atomic<std::uint64_t> made_ = 0; ///< steps counted by keepUp()
+    std::set<std::string> filesDescribed_; ///< named by materials, and already described in the recording
+    std::atomic<std::uint64_t> made_ = 0;  ///< steps counted by keepUp()
     std::atomic<std::uint64_t> written_ = 0;
 
     std::mutex mutex_;

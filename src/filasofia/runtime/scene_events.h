@@ -79,33 +79,33 @@ constexpr auto fields(const SceneBegan*)
 {
     using T = SceneBegan;
     return describe("SceneBegan", field("look", &T::look, "the picture"),
-                    field("width", &T::width, "px", closed(1, 8192), "of the picture"),
-                    field("height", &T::height, "px", closed(1, 8192), "of the picture"),
+                    field("width", &T::width, "px", closed(1, 8192), "size of the picture"),
+                    field("height", &T::height, "px", closed(1, 8192), "size of the picture"),
                     field("dressed", &T::dressed, "the program made its own scene"));
 }
 constexpr auto fields(const SceneFile*)
 {
     using T = SceneFile;
     return describe("SceneFile", field("file", &T::file, "its name"), field("bytes", &T::bytes, "its length"),
-                    field("digest", &T::digest, "of its bytes"));
+                    field("digest", &T::digest, "hash of its bytes"));
 }
 constexpr auto fields(const SceneShown*)
 {
     using T = SceneShown;
-    return describe("SceneShown", field("shown", &T::shown, "its number"), field("body", &T::body, "of which body"),
+    return describe("SceneShown", field("shown", &T::shown, "its number"), field("body", &T::body, "the body"),
                     field("def", &T::def, "what is drawn"));
 }
 constexpr auto fields(const SceneVisible*)
 {
     using T = SceneVisible;
     return describe("SceneVisible", field("shown", &T::shown, "its number"),
-                    field("visible", &T::visible, "or hidden"));
+                    field("visible", &T::visible, "whether it is visible"));
 }
 constexpr auto fields(const SceneMaterial*)
 {
     using T = SceneMaterial;
     return describe("SceneMaterial", field("shown", &T::shown, "its number"),
-                    field("material", &T::material, "from now on"));
+                    field("material", &T::material, "the new material"));
 }
 constexpr auto fields(const SceneUnshown*)
 {
@@ -114,32 +114,35 @@ constexpr auto fields(const SceneUnshown*)
 constexpr auto fields(const ScenePainted*)
 {
     using T = ScenePainted;
-    return describe("ScenePainted", field("body", &T::body, "which body"), field("def", &T::def, "the mark"));
+    return describe("ScenePainted", field("body", &T::body, "the body"), field("def", &T::def, "the mark"));
 }
 constexpr auto fields(const SceneCleaned*) { return describe("SceneCleaned"); }
 constexpr auto fields(const StageMaterial*)
 {
     using T = StageMaterial;
-    return describe("StageMaterial", field("name", &T::name, "in the pool"), field("material", &T::material, "itself"));
+    return describe("StageMaterial", field("name", &T::name, "in the pool"),
+                    field("material", &T::material, "the material"));
 }
 constexpr auto fields(const StageView*)
 {
     using T = StageView;
     return describe("StageView", field("def", &T::def, "the view"),
-                    field("camera", &T::camera, "-", nonNegative(), "of the stage"),
-                    field("visible", &T::visible, "or hidden"));
+                    field("camera", &T::camera, "-", nonNegative(), "index in the stage"),
+                    field("visible", &T::visible, "whether it is visible"));
 }
 constexpr auto fields(const SceneStage*)
 {
     using T = SceneStage;
     return describe("SceneStage", field("environment", &T::environment, "surroundings"),
-                    field("materials", &T::materials, "of the pool"), field("cameras", &T::cameras, "eyes"),
-                    field("lights", &T::lights, "lamps"), field("views", &T::views, "what is seen of which camera"));
+                    field("materials", &T::materials, "materials of the pool"),
+                    field("cameras", &T::cameras, "cameras"), field("lights", &T::lights, "lights"),
+                    field("views", &T::views, "views of the cameras"));
 }
 constexpr auto fields(const StagePlace*)
 {
     using T = StagePlace;
-    return describe("StagePlace", field("pose", &T::pose, "in the world"), field("visible", &T::visible, "or hidden"));
+    return describe("StagePlace", field("pose", &T::pose, "in the world"),
+                    field("visible", &T::visible, "whether it is visible"));
 }
 constexpr auto fields(const ScenePlaces*)
 {

@@ -136,7 +136,7 @@ void ScenePlayer::setPlaces()
 
 void ScenePlayer::open()
 {
-    if (began_.width == 0) fail(def_.file, ": tells nothing of a scene, so there is nothing to draw");
+    if (began_.width == 0) fail(def_.file, ": it holds no scene, so there is nothing to draw");
     visual_ = std::make_unique<visual::VisualServer>(
         visual::VisualServerDef{.backend = visual::Backend::Headless, .width = began_.width, .height = began_.height});
     if (!def_.video.empty()) video_.emplace(def_.video, began_.width, began_.height, def_.fps);
@@ -172,7 +172,7 @@ void ScenePlayer::last(ReplayReport& report)
     }
     if (lookIsLacking_)
         report.notes.emplace_back("the session made its own lights and cameras and drew no picture, so the recording "
-                                  "does not have them: drawn with the standard look");
+                                  "lacks them; drawn with the standard look");
 }
 
 } // namespace filasofia::runtime

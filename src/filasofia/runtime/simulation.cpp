@@ -2,7 +2,7 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
-#include "filasofia/engine/native.h"
+#include "filasofia/engine/native/native.h"
 #include "filasofia/runtime/check_file.h"
 #include "filasofia/runtime/headless_run.h"
 #include "filasofia/runtime/live_run.h"
@@ -24,9 +24,9 @@ void check(const RunDef& def)
     checkFile("run", def.recordMotion, "recordMotion", ".csv");
     if (def.pictureEvery > 0.0 && def.pictureEvery < 1e-3)
         fail("run: pictureEvery must be 0 or >= 0.001 s, got ", def.pictureEvery);
-    if (def.pictureEvery > 0.0 && def.picture.empty()) fail("run: pictureEvery needs picture");
-    if (def.pictureEvery > 0.0 && !def.headless) fail("run: pictureEvery needs headless");
-    if (def.headless && def.seconds > 0.0) fail("run: a headless run ends after steps, not seconds");
+    if (def.pictureEvery > 0.0 && def.picture.empty()) fail("run: pictureEvery needs a picture file");
+    if (def.pictureEvery > 0.0 && !def.headless) fail("run: pictureEvery is for headless runs");
+    if (def.headless && def.seconds > 0.0) fail("run: seconds is for live runs; a headless run ends after steps");
 }
 
 /// Logs what went wrong, for a caller who does not read the report.
@@ -34,9 +34,10 @@ void warn(const RunReport& report)
 {
     const auto steps = [](std::uint64_t count) { return text("in ", count, count == 1 ? " step" : " steps"); };
     if (report.undone > 0)
-        logWarning(steps(report.undone), " a state blew up and was put back (Undone)",
-                   report.damped > 0 ? text(", in ", report.damped, " of them to creep on (Damped)") : "");
-    if (report.notConverged > 0) logWarning(steps(report.notConverged), " a solver stopped at its cap");
+        logWarning(steps(report.undone), " a body's new state was not finite and was rolled back (Undone)",
+                   report.damped > 0 ? text(", in ", report.damped, " of them advanced again with damping (Damped)")
+                                     : "");
+    if (report.notConverged > 0) logWarning(steps(report.notConverged), " a solver stopped at its iteration limit");
     if (report.outOfTime > 0) logWarning(steps(report.outOfTime), " a solver stopped at the deadline");
 }
 
@@ -102,7 +103,7 @@ void Simulation::singleStep() { impl_->pause.askSingleStep(); }
 void Simulation::reset() { impl_->reset(); }
 void Simulation::dress(std::function<void(visual::VisualServer&)> scene)
 {
-    if (impl_->control.running()) fail("simulation: dress is to be set before a run, and one is going on");
+    if (impl_->control.running()) fail("simulation: dress must be set before a run, but one is going on");
     if (scene)
         impl_->picture.dresses.push_back(std::move(scene));
     else
@@ -111,7 +112,7 @@ void Simulation::dress(std::function<void(visual::VisualServer&)> scene)
 void Simulation::show(const visual::GuiDef& def)
 {
     validate(def, text("gui '", def.name, "'"));
-    if (impl_->control.running()) fail("gui '", def.name, "': to be shown before a run, and one is going on");
+    if (impl_->control.running()) fail("gui '", def.name, "': must be shown before a run, but one is going on");
     impl_->picture.guis.push_back(def);
 }
 
@@ -122,14 +123,14 @@ void Simulation::useWindow(std::function<std::unique_ptr<window::Window>(const w
 
 void Simulation::everyStep(std::function<void(double)> callback)
 {
-    if (!callback) fail("simulation: everyStep: the function to call must be one, got nothing");
-    if (impl_->control.running()) fail("simulation: everyStep is to be set before a run, and one is going on");
+    if (!callback) fail("simulation: everyStep: needs a function to call, got an empty one");
+    if (impl_->control.running()) fail("simulation: everyStep must be set before a run, but one is going on");
     impl_->everyStep.add(std::move(callback));
 }
 
 void Simulation::post(std::unique_ptr<event::Event> event)
 {
-    if (!event) fail("simulation: an event to post must be one, got null");
+    if (!event) fail("simulation: post: the event must not be null");
     impl_->now.stamp(*event);
     impl_->events.post(std::move(event));
 }
@@ -142,13 +143,13 @@ void Simulation::finish(std::string why) { impl_->control.finish(std::move(why))
 RunReport Simulation::run(const RunDef& def)
 {
     check(def);
-    if (!impl_->control.begin()) fail("simulation: a run is going on; it cannot be run again meanwhile");
+    if (!impl_->control.begin()) fail("simulation: a run is going on; the next one cannot start before it ends");
     const StopSignal stopSignal;
     impl_->beginRun();
     try {
         if (impl_->counters.stepsEver() > 0 && !def.record.empty())
-            fail("run: record is for a simulation's first run, and this one has made ", impl_->counters.stepsEver(),
-                 " steps");
+            fail("run: record is for a simulation's first run, but this one has already made ",
+                 impl_->counters.stepsEver(), " steps");
         impl_->haptics.begin(def, impl_->def.physics, impl_->clock, [this](std::unique_ptr<DeviceEvent> event) {
             impl_->now.stamp(*event);
             static_cast<void>(impl_->events.tryPost(std::move(event))); // if the queue is full, the log still has it

@@ -39,7 +39,7 @@ Simulation::Impl::Impl(const SimulationDef& asked, std::unique_ptr<physics::Phys
 Nanoseconds Simulation::Impl::deadline() const
 {
     const double seconds = def.physics.deadline.value_or(1.0 / def.physics.rate);
-    // Above a century it is none: nanoseconds end at three.
+    // Above a century there is no deadline; 64-bit nanoseconds overflow at three centuries.
     return seconds < 3e9 ? toNanoseconds(seconds) : std::numeric_limits<Nanoseconds>::max();
 }
 
@@ -64,7 +64,7 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     counters.count(report);
     feed.write(report);
     haptics.afterStep(report, physics);
-    // First: who hears of the step has heard of what happened in it.
+    // Before the update event, so that its observers already know what happened in the step.
     const std::uint32_t flags = postContactEvents(report) | postRuptureEvents(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     now.stamp(*update);
@@ -88,7 +88,7 @@ std::uint32_t Simulation::Impl::postContactEvents(const physics::StepReport& rep
     };
     if (report.contacts.active == 0) return contacts.observe({}, post) ? 0u : kEventLost;
     const frame::FrameRef frame = physics.latest();
-    // Readers that hold all frames keep this step's contacts from us: the next step tells.
+    // If readers hold all frames, we do not get this step's contacts; the next step reports the loss.
     if (!frame || frame->step != report.step) return kEventLost;
     return contacts.observe(frame->contacts, post) ? 0u : kEventLost;
 }
@@ -115,7 +115,7 @@ void Simulation::Impl::dressScene(visual::VisualServer& visual)
     for (const auto& dress : picture.dresses) dress(visual);
     if (!picture.dresses.empty()) return;
     const geometry::Box bounds = def.look.around ? *def.look.around : bindings.bounds();
-    if (geometry::isEmpty(bounds)) return; // nothing is shown yet: the picture stays dark
+    if (geometry::isEmpty(bounds)) return; // nothing is shown yet, so the picture stays dark
     const visual::EndoscopeLook look =
         visual::addEndoscopeLook(visual, {bounds.low, bounds.high}, def.look.quality, def.look.direction);
     if (def.look.mouse)
@@ -154,7 +154,7 @@ void Simulation::Impl::reset()
 {
     physics.reset();
     bindings.clearPaint();
-    static const SceneEvent cleaned = SceneCleaned{}; // as a temporary GCC 12 takes it for uninitialized
+    static const SceneEvent cleaned = SceneCleaned{}; // GCC 12 warns about a temporary as uninitialized
     recordScene(cleaned);
 }
 

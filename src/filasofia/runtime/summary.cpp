@@ -16,16 +16,16 @@ std::string line(const char* format, auto... values)
     return std::string(buffer) + "\n";
 }
 
-constexpr std::size_t kMostPairs = 12; ///< rows of the table
+constexpr std::size_t kMaxPairs = 12; ///< rows of the table
 
 /// A table of who touched whom and how hard; empty if nothing touched.
 std::string contactTable(std::vector<ContactPairReport> pairs)
 {
     if (pairs.empty()) return {};
-    const std::size_t left = pairs.size() - std::min(pairs.size(), kMostPairs);
+    const std::size_t left = pairs.size() - std::min(pairs.size(), kMaxPairs);
     std::ranges::stable_sort(pairs, std::greater{}, &ContactPairReport::maxNormalForce);
     pairs.resize(pairs.size() - left);
-    const std::string title = "contacts of";
+    const std::string title = "contacts between";
     std::size_t width = title.size();
     std::vector<std::string> names;
     for (const ContactPairReport& pair : pairs) {
@@ -42,7 +42,7 @@ std::string contactTable(std::vector<ContactPairReport> pairs)
                                        static_cast<unsigned long long>(pairs[i].steps), pairs[i].meanNormalForce,
                                        pairs[i].maxNormalForce, pairs[i].meanFrictionForce, pairs[i].maxFrictionForce,
                                        pairs[i].deepest * 1e3);
-    if (left > 0) out += text("and ", left, left == 1 ? " pair" : " pairs", " that pressed less\n");
+    if (left > 0) out += text("and ", left, left == 1 ? " pair" : " pairs", " with smaller forces\n");
     return out;
 }
 
@@ -58,16 +58,16 @@ std::string summary(const RunReport& report)
     out += line("one step takes [ms]    median %8.3f   p1 %8.3f   p99 %8.3f", cost.median * 1e3, cost.p1 * 1e3,
                 cost.p99 * 1e3);
     out += line("physics rate [1/s]     median %8.1f   p1 %8.1f   p99 %8.1f", rate.median, rate.p1, rate.p99);
-    const std::string again = report.damped > 0 ? text(" (", report.damped, " made again damped)") : "";
-    out += text("late steps ", report.timing.late, ", clamped by slack ", report.timing.clamped, ", put back ",
-                report.undone, again, ", solver at its cap ", report.notConverged, ", at the deadline ",
-                report.outOfTime, "\n");
+    const std::string again = report.damped > 0 ? text(" (", report.damped, " advanced again with damping)") : "";
+    out += text("late steps ", report.timing.late, ", clamped to period + slack ", report.timing.clamped,
+                ", rolled back ", report.undone, again, ", solver at its iteration limit ", report.notConverged,
+                ", at the deadline ", report.outOfTime, "\n");
     out += contactTable(report.contacts);
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
         out += line("pictures drawn %ld", report.visual.framesDrawn);
     for (const std::string& picture : report.pictures) out += "wrote " + picture + "\n";
-    for (const std::string& problem : report.fileProblems) out += "not whole: " + problem + "\n";
+    for (const std::string& problem : report.fileProblems) out += "incomplete: " + problem + "\n";
     out += line("state hash %016llx", static_cast<unsigned long long>(report.hash));
     return out;
 }

@@ -7,8 +7,8 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr double kToFinish = 120.0; ///< [s] to encode the last pictures
-constexpr double kRounding = 1e-6;  ///< [pictures]; 250 steps of 5 ms sum to a little less than 1.25 s
+constexpr double kFinishTimeout = 120.0; ///< [s] to encode the last pictures
+constexpr double kRounding = 1e-6;       ///< [pictures]; 250 steps of 5 ms sum to a little less than 1.25 s
 
 /// ffmpeg's file, after a test that it runs.
 std::string workingFfmpeg()
@@ -75,7 +75,7 @@ void VideoFile::show(const visual::Image& image, double time)
 
 void VideoFile::close()
 {
-    if (const std::string why = ffmpeg_->finish(kToFinish); !why.empty()) failed(why);
+    if (const std::string why = ffmpeg_->finish(kFinishTimeout); !why.empty()) failed(why);
     ffmpeg_.reset();
 }
 

@@ -10,7 +10,8 @@ bool hasBackend(Backend backend) { return backend == Backend::Null; }
 std::unique_ptr<RenderBackend> makeBackend(const VisualServerDef& def)
 {
     if (!hasBackend(def.backend))
-        fail("visual server: backend: this build draws nothing (FILASOFIA_FILAMENT=OFF), only Backend::Null is there");
+        fail("visual server: backend: this build draws nothing (FILASOFIA_FILAMENT=OFF), only Backend::Null is "
+             "available");
     return std::make_unique<NullBackend>(def.width, def.height);
 }
 
@@ -19,7 +20,7 @@ GpuReport probeGpu() noexcept
     GpuReport report;
     try {
         report.problem = "this build draws nothing (FILASOFIA_FILAMENT=OFF)";
-    } catch (...) { // no memory for a line of text: the report is still true
+    } catch (...) { // not enough memory for the text: the report is still true
     }
     return report;
 }

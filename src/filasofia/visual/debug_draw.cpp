@@ -9,7 +9,7 @@
 namespace filasofia::visual {
 namespace {
 
-constexpr double kFar = 1e6; // [m], as for bodies: the picture computes in float
+constexpr double kFar = 1e6; // [m], as for bodies: the picture is computed in float
 
 std::array<std::uint8_t, 4> packed(const Color& color)
 {
@@ -52,7 +52,7 @@ void DebugShapes::line(Vec3 from, Vec3 to, const DebugStyle& style, const Color&
     const Float3 a = toFloat3(from), b = toFloat3(to);
     const auto width = float(style.width);
     const auto bytes = packed(color);
-    const Float3 beyond = b + (b - a); // so that both ends know the same direction
+    const Float3 beyond = b + (b - a); // so that both ends have the same direction
     addQuad(layerOf(style), {{{a, b, width, {1, 0}, bytes},
                               {a, b, width, {-1, 0}, bytes},
                               {b, beyond, width, {1, 0}, bytes},
@@ -146,7 +146,7 @@ void DebugDraw::arrow(Vec3 from, Vec3 to, const DebugStyle& style)
     checkPlace(from, "arrow: from");
     checkPlace(to, "arrow: to");
     const Vec3 way = to - from;
-    if (length(way) < 1e-9) return; // it points nowhere
+    if (length(way) < 1e-9) return; // without a direction it is not drawn
     const Vec3 neck = to - 0.2 * way;
     impl_->shapes.line(from, neck, style, style.color);
     impl_->shapes.cone(neck, to, 0.06 * length(way), style);

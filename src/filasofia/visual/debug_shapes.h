@@ -13,7 +13,7 @@ struct DebugText {
     Color color;
 };
 
-/// Debug drawings as triangles: those of one picture, and those that are kept.
+/// Debug drawings as triangles: those for one picture, and those that are kept.
 class DebugShapes {
 public:
     void line(Vec3 from, Vec3 to, const DebugStyle& style, const Color& color);
@@ -22,11 +22,11 @@ public:
     void text(DebugText text, bool keep);
     void clear();
 
-    /// All there is now.
+    /// All present drawings.
     [[nodiscard]] DebugPicture picture() const;
     [[nodiscard]] std::vector<DebugText> texts() const;
     [[nodiscard]] DebugCounts counts() const;
-    /// Forgets what was not to be kept.
+    /// Removes the drawings that are not to be kept.
     void endFrame();
 
 private:

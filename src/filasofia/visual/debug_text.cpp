@@ -10,7 +10,7 @@
 namespace filasofia::visual {
 namespace {
 
-/// ImGui's colours are sRGB, ours are linear.
+/// Converts our linear colours to ImGui's sRGB.
 ImU32 encoded(const Color& color)
 {
     const auto part = [](double linear) {
@@ -27,7 +27,8 @@ void drawTexts(std::span<const DebugText> texts, const View& view, int width, in
         const auto place = projected(view, width, height, text.at);
         if (!place) continue;
         const ImVec2 at{float(std::floor((*place)[0])) + 5.0F, float(std::floor((*place)[1])) + 3.0F};
-        list.AddText({at.x + 1.0F, at.y + 1.0F}, IM_COL32(0, 0, 0, 200), text.text.c_str()); // read on any ground
+        list.AddText({at.x + 1.0F, at.y + 1.0F}, IM_COL32(0, 0, 0, 200),
+                     text.text.c_str()); // a shadow, readable on any background
         list.AddText(at, encoded(text.color), text.text.c_str());
     }
 }
@@ -41,7 +42,8 @@ std::optional<std::array<double, 2>> projected(const View& view, int width, int 
     const Camera& camera = view.camera();
     const Vec3 p = transform(inverse(camera.worldPose()), point);
     if (!(-p.z > camera.def().near && -p.z < camera.def().far)) return std::nullopt;
-    const double pixels = 0.5 * height / (std::tan(0.5 * camera.def().verticalFieldOfView) * -p.z); // [px/m] there
+    const double pixels =
+        0.5 * height / (std::tan(0.5 * camera.def().verticalFieldOfView) * -p.z); // [px/m] at that depth
     return std::array<double, 2>{0.5 * width + pixels * p.x, 0.5 * height - pixels * p.y};
 }
 
@@ -52,7 +54,7 @@ void DebugTexts::draw(OverlayBackend& backend, std::span<const DebugText> texts,
         return std::any_of(views.begin(), views.end(),
                            [&](const auto& view) { return view->impl().slot == slot && inWindow(*view); });
     };
-    for (auto sheet = sheets_.begin(); sheet != sheets_.end();) { // views that are gone
+    for (auto sheet = sheets_.begin(); sheet != sheets_.end();) { // removes sheets of views that are gone
         if (shown(sheet->first)) {
             ++sheet;
         } else {
@@ -62,7 +64,7 @@ void DebugTexts::draw(OverlayBackend& backend, std::span<const DebugText> texts,
     }
     for (const auto& each : views) {
         View& view = *each;
-        const Slot slot = view.impl().slot; // no Gui has it: slots are given once
+        const Slot slot = view.impl().slot; // no Gui has it, because slots are given once
         if (!inWindow(view)) continue;
         if (texts.empty() && !sheets_.contains(slot)) continue;
         ImguiSurface& surface = sheets_[slot].surface;
@@ -70,7 +72,7 @@ void DebugTexts::draw(OverlayBackend& backend, std::span<const DebugText> texts,
         const PixelArea area = pixelArea(view.def().viewport, width, height);
         surface.callback.set([&] { drawTexts(texts, view, area.width(), area.height()); });
         backend.setGuiPicture(slot, area, surface.frame(area.width(), area.height(), 1.0 / 60.0));
-        surface.callback.set({}); // it looks at what ends here
+        surface.callback.set({}); // it refers to local variables
     }
 }
 

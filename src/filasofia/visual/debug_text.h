@@ -9,11 +9,11 @@
 
 namespace filasofia::visual {
 
-/// Where in a view a point of the scene is seen [px] from its upper left corner; nothing where it is behind the camera
-/// or beyond its far plane.
+/// The place of a scene's point in a view, in [px] from its upper left corner; nothing if the point is behind the
+/// camera or beyond its far plane.
 std::optional<std::array<double, 2>> projected(const View& view, int width, int height, Vec3 point);
 
-/// Draws texts at places in the scene: over each view a Gui that nobody sees but for them.
+/// Draws texts at places in the scene, with an otherwise invisible Gui over each view.
 class DebugTexts {
 public:
     void draw(OverlayBackend& backend, std::span<const DebugText> texts, std::span<const std::unique_ptr<View>> views,

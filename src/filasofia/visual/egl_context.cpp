@@ -98,7 +98,7 @@ void EglContext::destroy()
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     eglDestroyContext(display_, context_);
     if (beforeContext_ != EGL_NO_CONTEXT) eglMakeCurrent(beforeDisplay_, beforeDraw_, beforeRead_, beforeContext_);
-    // No eglTerminate: the display belongs to the process, and another server may be using it.
+    // No eglTerminate: the display belongs to the process, and another server may use it.
     display_ = context_ = nullptr;
 }
 

@@ -4,7 +4,7 @@
 
 namespace filasofia::visual {
 
-/// An OpenGL 4.1 core context without window or surface, through EGL. Hardware first, then software.
+/// An OpenGL 4.1 core context without window or surface, through EGL. Tries hardware first, then software.
 class EglContext {
 public:
     EglContext() = default;
@@ -12,10 +12,10 @@ public:
     EglContext& operator=(const EglContext&) = delete;
     ~EglContext() { destroy(); }
 
-    /// Makes the context and makes it current in this thread. False, and `problem` says why, when it cannot; never
-    /// throws but for lack of memory.
+    /// Makes the context and makes it current in this thread. Returns false and sets `problem` if it cannot; throws
+    /// only if memory runs out.
     bool create(void* sharedContext, std::string& problem);
-    /// What was current before create() is current again.
+    /// Makes current again what was current before create().
     void destroy();
 
     /// An OpenGL function by name.
@@ -31,15 +31,15 @@ private:
 
     void* display_ = nullptr;
     void* context_ = nullptr;
-    // What was current before create(): destroy() brings it back.
+    // Current before create(); destroy() restores it.
     void* beforeDisplay_ = nullptr;
     void* beforeContext_ = nullptr;
     void* beforeDraw_ = nullptr;
     void* beforeRead_ = nullptr;
 };
 
-/// To be called before the process makes its first OpenGL context. Mesa 22's framebuffer fetch garbles Filament's
-/// post-processing: it is switched off here, unless the user's environment says otherwise.
+/// Call it before the process makes its first OpenGL context. Mesa 22's framebuffer fetch garbles Filament's
+/// post-processing, so it is switched off here, unless the user's environment says otherwise.
 void prepareMesa();
 
 } // namespace filasofia::visual

@@ -24,7 +24,7 @@ uint32_t bound(GLenum what)
 
 filament::backend::Driver* EglPlatform::createDriver(void* sharedContext) noexcept
 {
-    std::string problem; // the backend has asked before: a failure here is told there
+    std::string problem; // the backend has probed before, so a failure was reported there
     if (!context_.create(sharedContext, problem)) return nullptr;
     return createDefaultDriver(this, sharedContext);
 }
@@ -47,7 +47,7 @@ void EglPlatform::setStorage(uint32_t width, uint32_t height)
     height_ = height;
     const auto bind = gl<void(GLenum, GLuint)>("glBindRenderbuffer");
     const auto store = gl<void(GLenum, GLenum, GLsizei, GLsizei)>("glRenderbufferStorage");
-    const uint32_t before = bound(GL_RENDERBUFFER_BINDING); // Filament caches what is bound: leave it so
+    const uint32_t before = bound(GL_RENDERBUFFER_BINDING); // Filament caches the bound buffer, so it is restored
     bind(GL_RENDERBUFFER, buffers_[0]);
     store(GL_RENDERBUFFER, GL_RGBA8, GLsizei(width), GLsizei(height));
     bind(GL_RENDERBUFFER, buffers_[1]);
@@ -57,7 +57,8 @@ void EglPlatform::setStorage(uint32_t width, uint32_t height)
 
 void EglPlatform::createDefaultRenderTarget(uint32_t& framebuffer, uint32_t& color, uint32_t& depth) noexcept
 {
-    // One call for each Renderer, which deletes its framebuffer in the end: a fresh one every time, on shared buffers.
+    // Called once per Renderer, which deletes its framebuffer at its end: so a new framebuffer each time, on shared
+    // buffers.
     if (buffers_[0] == 0) {
         gl<void(GLsizei, GLuint*)>("glGenRenderbuffers")(2, buffers_);
         setStorage(1, 1);

@@ -5,9 +5,9 @@
 #include <backend/DriverEnums.h>
 #include <backend/Platform.h>
 
-// libfilament_backend.so of Filament 1.9.25 exports this class, but Debian does not install its header. Declared anew:
-// the order of the virtual functions is the library's ABI and was read from its vtable. CMakeLists.txt refuses any
-// other version.
+// libfilament_backend.so of Filament 1.9.25 exports this class, but Debian does not install its header. So it is
+// declared here: the order of the virtual functions is the library's ABI and was read from its vtable. CMakeLists.txt
+// refuses any other version.
 namespace filament::backend {
 
 struct AcquiredImage;
@@ -51,8 +51,8 @@ protected:
 
 namespace filasofia::visual {
 
-/// Filament without a screen: a surfaceless EGL context, and a framebuffer of our own in place of a window. (EGL
-/// pbuffers would be simpler, but Mesa loses what a core context clears there.) Filament calls it from its own thread.
+/// Filament without a screen: a surfaceless EGL context, and our own framebuffer in place of a window. (EGL pbuffers
+/// would be simpler, but Mesa loses what a core context clears there.) Filament calls it from its own thread.
 class EglPlatform final : public filament::backend::OpenGLPlatform {
 public:
     int getOSVersion() const noexcept override { return 0; }
@@ -74,7 +74,7 @@ public:
         return filament::backend::FenceStatus::CONDITION_SATISFIED;
     }
 
-    // Video streams are not for us.
+    // Video streams are not supported.
     Stream* createStream(void*) noexcept override { return nullptr; }
     void destroyStream(Stream*) noexcept override {}
     void attach(Stream*, intptr_t) noexcept override {}

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kFieldOfView = 70.0 * std::numbers::pi / 180.0; ///< [rad], wide, as these lenses are
 
-/// `away` [m] is the distance from the lens to the middle of what it looks at, here and below.
+/// `away` [m] is the distance from the lens to the middle of the scene, here and below.
 Camera& addCamera(VisualServer& server, Transform& rig, double away)
 {
     CameraDef def;
@@ -23,13 +23,13 @@ Camera& addCamera(VisualServer& server, Transform& rig, double away)
     return camera;
 }
 
-/// The lamp sits beside the lens, a little further than on a real tip: its shadows and highlights model the shape.
+/// The light is beside the lens, a little further than on a real tip, so that shadows and highlights show the shape.
 Light& addLamp(VisualServer& server, Transform& rig, double away)
 {
     SpotLight spot;
-    spot.intensity = 8000.0 * away * away; // [cd]: the same illuminance at any distance
+    spot.intensity = 8000.0 * away * away; // [cd], the same illuminance at any distance
     spot.innerAngle = 0.12;
-    spot.outerAngle = 0.95; // a little beyond the corners of the picture, so that nothing in it is cut off in black
+    spot.outerAngle = 0.95; // slightly beyond the corners of the picture, so that none of it is black
     spot.range = 8.0 * away;
     LightDef def;
     def.name = "endoscope light";
@@ -74,7 +74,7 @@ EndoscopeLook addEndoscopeLook(VisualServer& server, const geometry::Box& around
     view.occlusionRadius = 0.08 * radius;
     look.view = &server.add(view, *look.camera);
 
-    // The walls of the cavity send light back: a dim, soft gleam from above the camera.
+    // The walls of the cavity reflect light: a dim, soft glow from above the camera.
     EnvironmentDef environment;
     environment.lampDirection = rotate(look.rig->pose().orientation, Vec3{0.45, 0.8, 0.6});
     server.setEnvironment(environment);

@@ -1,4 +1,4 @@
-// Lights, cameras and views: their checks and what changes them.
+// Lights, cameras and views: their checks and changes.
 #include "filasofia/core/error.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/visual/scene.h"
@@ -8,7 +8,7 @@
 namespace filasofia::visual {
 namespace {
 
-// Filament 1.9 keeps two shadow maps for spot lights, draws the shadows of no point light, and one directional light.
+// Filament 1.9 has two shadow maps for spot lights, none for point lights, and one directional light.
 constexpr int kShadowSpots = 2;
 
 bool isShadowSpot(const LightDef& def) { return def.castShadows && std::holds_alternative<SpotLight>(def.kind); }
@@ -59,16 +59,16 @@ void check(const ViewDef& def, const Scene& scene, const ViewDef* replaced)
     const std::string name = text("view '", def.name, "'");
     validate(def, name);
     const Viewport& port = def.viewport;
-    constexpr double kRounding = 1e-9; // a third and two thirds fill the window
+    constexpr double kRounding = 1e-9; // so that a third and two thirds fill the window
     if (port.left + port.width > 1.0 + kRounding)
         fail(name, ": viewport.left + width must be <= 1, got ", port.left + port.width);
     if (port.top + port.height > 1.0 + kRounding)
         fail(name, ": viewport.top + height must be <= 1, got ", port.top + port.height);
     if (!isOffScreen(def)) return;
-    if (port != Viewport{}) fail(name, ": viewport must be the whole of an off-screen picture");
+    if (port != Viewport{}) fail(name, ": viewport must be the whole picture for an off-screen view");
     for (const View* other : scene.views)
         if (&other->def() != replaced && isOffScreen(other->def()) && other->def().name == def.name)
-            fail(name, ": there is an off-screen view of this name already");
+            fail(name, ": an off-screen view of this name already exists");
 }
 
 void check(const EnvironmentDef& def)
@@ -134,7 +134,8 @@ Image View::capture()
 {
     impl_->scene.assertThread();
     if (!isOffScreen(impl_->def))
-        fail("view '", impl_->def.name, "': is in the window and has no picture of its own; capture the server");
+        fail("view '", impl_->def.name,
+             "': is in the window and has no picture of its own; use VisualServer::capture()");
     sendPlaces(impl_->scene);
     return impl_->scene.backend->capture(impl_->slot);
 }

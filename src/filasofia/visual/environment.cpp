@@ -8,13 +8,13 @@ namespace {
 
 Vec3 rgb(const Color& c) { return {c.red, c.green, c.blue}; }
 
-// Around its axis a lobe falls as exp(sharpness (cos - 1)); this is what it sends in all.
+// Around its axis a lobe falls as exp(sharpness (cos - 1)); this is its integral over all directions.
 double lobeIntegral(double sharpness)
 {
     return 2.0 * std::numbers::pi * (1.0 - std::exp(-2.0 * sharpness)) / sharpness;
 }
 
-/// The direction of the middle of a texel, by the table of the OpenGL specification (8.13).
+/// The direction of a texel's centre, by the table of the OpenGL specification (8.13).
 Vec3 texelDirection(int face, double s, double t)
 {
     switch (face) {
@@ -39,7 +39,7 @@ Float3 radiance(const EnvironmentDef& def, Vec3 direction, double roughness)
 {
     // The mirror lobe of GGX at normal incidence is nearly a spherical Gaussian of sharpness 1 / (2 alpha^2) (Wang et
     // al., "All-Frequency Rendering of Dynamic, Spatially-Varying Reflectance", 2009). A Gaussian lamp blurred by a
-    // Gaussian is again one, wider and as bright in all: no sampling is needed.
+    // Gaussian is again a Gaussian, wider and with the same integral: no sampling is needed.
     const double alpha = std::max(roughness * roughness, 1e-3);
     const double blur = 1.0 / (2.0 * alpha * alpha);
     const double sharp = 1.0 / (def.lampSize * def.lampSize);
@@ -47,7 +47,7 @@ Float3 radiance(const EnvironmentDef& def, Vec3 direction, double roughness)
     const double peak = def.lampStrength * lobeIntegral(sharp) / lobeIntegral(wide);
     const double lamp = peak * std::exp(wide * (dot(direction, normalized(def.lampDirection)) - 1.0));
 
-    // From below to above linearly; a blur scales the linear part by the lobe's mean cosine.
+    // Linear from below to above; a blur scales the linear part by the lobe's mean cosine.
     const double mean = 1.0 / std::tanh(blur) - 1.0 / blur;
     const double up = 0.5 + 0.5 * mean * direction.y;
     return toFloat3((1.0 - up) * rgb(def.below) + up * rgb(def.above) + lamp * rgb(def.lamp));
@@ -67,9 +67,9 @@ std::vector<Float3> reflectionCube(const EnvironmentDef& def, int size, double r
 
 std::array<Float3, 9> irradianceHarmonics(const EnvironmentDef& def)
 {
-    // Basis without its constants; the constants of projection, cosine convolution, Lambert's 1/pi and reconstruction,
-    // squared where they appear twice, are folded into one factor for each function (Ramamoorthi and Hanrahan 2001, and
-    // the table beside IndirectLight::Builder::irradiance).
+    // The basis without its constants. The constants of projection, cosine convolution, Lambert's 1/pi and
+    // reconstruction, squared if they appear twice, are combined into one factor per function (Ramamoorthi and Hanrahan
+    // 2001, and the table beside IndirectLight::Builder::irradiance).
     constexpr double kPi = std::numbers::pi;
     const auto basis = [](Vec3 d) -> std::array<double, 9> {
         return {1.0, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3.0 * d.z * d.z - 1.0, d.z * d.x, d.x * d.x - d.y * d.y};

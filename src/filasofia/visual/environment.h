@@ -8,15 +8,14 @@
 
 namespace filasofia::visual {
 
-/// Light that arrives from `direction` (unit length), blurred as a surface of this perceptual roughness mirrors it
-/// (0: not blurred), relative to the environment's intensity.
+/// Light that arrives from `direction` (unit length), relative to the environment's intensity and blurred as a surface
+/// of this perceptual roughness reflects it (0: not blurred).
 Float3 radiance(const EnvironmentDef& def, Vec3 direction, double roughness);
 
-/// One face after the other (+X -X +Y -Y +Z -Z, each size x size as OpenGL lays them out), for one roughness.
+/// Six faces one after the other (+X -X +Y -Y +Z -Z, each size x size in OpenGL's layout), for one roughness.
 std::vector<Float3> reflectionCube(const EnvironmentDef& def, int size, double roughness);
 
-/// The diffuse light as three bands of spherical harmonics, scaled as filament::IndirectLight::Builder::irradiance
-/// wants it.
+/// The diffuse light as three bands of spherical harmonics, scaled for filament::IndirectLight::Builder::irradiance.
 std::array<Float3, 9> irradianceHarmonics(const EnvironmentDef& def);
 
 } // namespace filasofia::visual

@@ -25,7 +25,7 @@ FilamentBackend::~FilamentBackend() { stop(); }
 
 void FilamentBackend::start(const VisualServerDef& def)
 {
-    // Filament ends the process when it finds no display or no context: ask before.
+    // Filament ends the process if it finds no display or no context, so we check first.
     prepareMesa();
     if (headless_) {
         const GpuReport gpu = probeGpu();
@@ -42,7 +42,7 @@ void FilamentBackend::start(const VisualServerDef& def)
     pool_ = std::make_unique<MaterialPool>(*engine_);
     renderer_ = engine_->createRenderer();
     filament::Renderer::DisplayInfo display;
-    display.refreshRate = 0.0F; // unknown: then Filament does not pace frames, which the caller does
+    display.refreshRate = 0.0F; // unknown, so that Filament does not pace frames; the caller does
     renderer_->setDisplayInfo(display);
     filament::Renderer::ClearOptions clear;
     clear.clear = true; // the default leaves the last frame's pixels where there is no view
@@ -244,7 +244,7 @@ bool FilamentBackend::beginFrame(int tries)
     prepareOptics();
     for (int i = 0; i < tries; ++i) {
         if (renderer_->beginFrame(swapChain_)) return true;
-        if (i + 1 < tries) engine_->flushAndWait(); // the queue of frames is full: let it run empty
+        if (i + 1 < tries) engine_->flushAndWait(); // the queue of frames is full: wait until it is empty
     }
     return false;
 }
@@ -257,7 +257,7 @@ filament::Viewport FilamentBackend::pixelsOfView(const PlacedView& view) const
 
 void FilamentBackend::prepareOptics()
 {
-    // Material parameters reach the card at beginFrame: what is set later comes a frame late.
+    // Material parameters reach the card at beginFrame; if they are set later, they come a frame late.
     for (auto& [slot, each] : views_) {
         if (!each.optics) continue;
         const filament::Viewport pixels = pixelsOfView(each);
@@ -271,7 +271,7 @@ template <class Render> void FilamentBackend::drawView(PlacedView& each, Render&
     filament::RenderTarget* const target = each.picture ? each.picture->target() : nullptr;
     const PlacedCamera& placed = cameras_.at(each.camera);
     constexpr double kDegree = 3.14159265358979323846 / 180.0;
-    // Two views of different shape may share a camera: the projection is the view's.
+    // Two views of different shape may share a camera, so the projection belongs to the view.
     placed.camera->setProjection(placed.def.verticalFieldOfView / kDegree, double(pixels.width) / double(pixels.height),
                                  placed.def.near, placed.def.far, filament::Camera::Fov::VERTICAL);
     each.view->setDynamicLightingOptions(float(4.0 * placed.def.near), float(placed.def.far));
@@ -323,13 +323,13 @@ bool FilamentBackend::draw()
     if (!beginFrame(1)) return false;
     drawViews();
     renderer_->endFrame();
-    if (headless_) engine_->flushAndWait(); // nobody waits for a screen: frames would pile up
+    if (headless_) engine_->flushAndWait(); // no screen limits the rate, so frames would pile up
     return true;
 }
 
 Image FilamentBackend::capture()
 {
-    if (!beginFrame(100)) fail("visual server: Filament begins no frame to capture");
+    if (!beginFrame(100)) fail("visual server: Filament did not begin a frame to capture");
     drawViews();
     return read(nullptr, width_, height_, true);
 }
@@ -358,7 +358,7 @@ Image FilamentBackend::read(filament::RenderTarget* target, int width, int heigh
     else
         renderer_->readPixels(0, 0, std::uint32_t(width), std::uint32_t(height), std::move(pixels));
     if (endsFrame) renderer_->endFrame();
-    // The callback comes when Filament next looks at what has finished. It must come before `image` goes.
+    // Filament calls back when it next checks what has finished. That must happen before `image` is destroyed.
     for (int i = 0; i < 1000 && !done; ++i) engine_->flushAndWait();
     FILASOFIA_ASSERT(done);
     return image;

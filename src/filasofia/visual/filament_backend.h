@@ -20,7 +20,7 @@ namespace filasofia::visual {
 /// Draws with Filament's OpenGL backend: into an X11 window, or into memory.
 class FilamentBackend final : public RenderBackend {
 public:
-    /// Throws an Error when it cannot start.
+    /// Throws an Error if it cannot start.
     explicit FilamentBackend(const VisualServerDef& def);
     ~FilamentBackend() override;
 
@@ -57,8 +57,8 @@ private:
         ViewDef def;
         Slot camera = 0;
         bool visible = true;
-        std::unique_ptr<DrawnPicture> picture; ///< of an off-screen view
-        std::unique_ptr<OpticsPass> optics;    ///< where it has endoscope optics
+        std::unique_ptr<DrawnPicture> picture; ///< for an off-screen view
+        std::unique_ptr<OpticsPass> optics;    ///< if it has endoscope optics
     };
 
     void start(const VisualServerDef& def);
@@ -74,17 +74,17 @@ private:
     void applyView(PlacedView& view);
     void destroyView(PlacedView& view);
     Image read(filament::RenderTarget* target, int width, int height, bool endsFrame);
-    /// Begins a frame; false when Filament wants none even after a while.
+    /// Begins a frame. Returns false if Filament refuses even after several tries.
     bool beginFrame(int tries);
 
-    /// Called when something gave handles back or took some: what was destroyed is only free once Filament's thread
-    /// has come to it, so every now and then that is waited for.
+    /// Call it when handles were taken or given back. Destroyed handles are free only after Filament's thread has
+    /// processed them, so this waits for it from time to time.
     void countHandles();
-    /// Where no view of the window is drawn, clears it.
+    /// Clears the window if no view draws into it.
     void clearWindow();
 
     int handlesTaken_ = 0;
-    filament::View* blank_ = nullptr; ///< of an empty scene
+    filament::View* blank_ = nullptr; ///< a view of an empty scene
     filament::Scene* nothing_ = nullptr;
     utils::Entity nobody_; ///< the blank view's camera
     bool headless_;
@@ -105,7 +105,7 @@ private:
     std::map<Slot, std::unique_ptr<FilamentBody>> bodies_;
     std::map<Slot, utils::Entity> lights_;
     std::map<Slot, PlacedCamera> cameras_;
-    std::map<Slot, PlacedView> views_; ///< in the order they were made: later ones lie on top
+    std::map<Slot, PlacedView> views_; ///< in the order in which they were made: later ones lie on top
 };
 
 } // namespace filasofia::visual

@@ -14,16 +14,16 @@ namespace {
 using Attribute = filament::VertexAttribute;
 using Type = filament::VertexBuffer::AttributeType;
 
-// Buffers are scarce (see FilamentBackend::addBody): those that change together are one.
+// Buffers are scarce (see FilamentBackend::addBody), so data that change together share one.
 enum Stream : std::uint8_t { kShape, kRest, kStates, kStreamCount };
 
-/// What stays while a body deforms.
+/// The data that stay while a body deforms.
 struct RestVertex {
     Float3 position;
     std::array<float, 2> uv = {};
 };
 
-/// The upload happens later, on Filament's thread: the data travels with it and dies after it.
+/// A buffer descriptor that owns its data, because the upload happens later, on Filament's thread.
 template <class T> filament::backend::BufferDescriptor owned(std::vector<T> data)
 {
     auto* kept = new std::vector<T>(std::move(data));
@@ -33,7 +33,7 @@ template <class T> filament::backend::BufferDescriptor owned(std::vector<T> data
 
 filament::Box boxOf(const VertexData& data)
 {
-    // Filament wants no flat box: a plane gets a thickness that nobody sees.
+    // Filament does not accept a flat box: a plane gets an invisible thickness.
     constexpr float kThin = 1e-5F;
     return {{0.5F * (data.low.x + data.high.x), 0.5F * (data.low.y + data.high.y), 0.5F * (data.low.z + data.high.z)},
             {0.5F * (data.high.x - data.low.x) + kThin, 0.5F * (data.high.y - data.low.y) + kThin,
@@ -88,7 +88,7 @@ void FilamentBody::buildBuffers(const BodyGeometry& geometry)
     std::vector<RestVertex> rest(count);
     for (std::size_t i = 0; i < count; ++i) {
         rest[i].position = geometry.rest[i];
-        if (!geometry.uv.empty()) rest[i].uv = geometry.uv[i]; // without any, the materials read none
+        if (!geometry.uv.empty()) rest[i].uv = geometry.uv[i]; // otherwise the materials do not read them
     }
     vertices_->setBufferAt(engine_, kRest, owned(std::move(rest)));
     vertices_->setBufferAt(engine_, kStates, owned(std::vector<PackedState>(count)));

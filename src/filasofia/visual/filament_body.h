@@ -22,7 +22,7 @@ public:
     void setGeometry(BodyGeometry geometry);
     void setVertices(VertexData vertices);
     void setSurfaceState(std::vector<PackedState> states);
-    /// True when it took another kind of material, and new handles of the library for it.
+    /// Returns true if the body took another kind of material, and so new handles of the library.
     bool setMaterial(const ReadyMaterial& material);
     void setScale(double scale) { scale_ = scale; }
     [[nodiscard]] double scale() const { return scale_; }

@@ -19,13 +19,13 @@ struct Corner {
 
 } // namespace
 
-FilamentCanvas::FilamentCanvas(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool, double width,
-                               double height, int pixelWidth, int pixelHeight)
+FilamentCanvas::FilamentCanvas(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool,
+                               const CanvasSize& size)
     : engine_(engine), scene_(scene), gui_(engine, pool), sheet_(utils::EntityManager::get().create()),
       instance_(pool.get("canvas").createInstance())
 {
-    makeTarget(pixelWidth, pixelHeight);
-    makeSheet(width, height);
+    makeTarget(size.pixelWidth, size.pixelHeight);
+    makeSheet(size.width, size.height);
 }
 
 FilamentCanvas::~FilamentCanvas()
@@ -50,7 +50,7 @@ void FilamentCanvas::makeTarget(int pixelWidth, int pixelHeight)
                    .height(std::uint32_t(pixelHeight))
                    .levels(std::uint8_t(levels))
                    .usage(Texture::Usage::COLOR_ATTACHMENT | Texture::Usage::SAMPLEABLE)
-                   .format(Texture::InternalFormat::RGBA8) // not SRGB8: ImGui blends in sRGB
+                   .format(Texture::InternalFormat::RGBA8) // not SRGB8, because ImGui blends in sRGB
                    .build(engine_);
     target_ = filament::RenderTarget::Builder()
                   .texture(filament::RenderTarget::AttachmentPoint::COLOR, picture_)
@@ -59,7 +59,7 @@ void FilamentCanvas::makeTarget(int pixelWidth, int pixelHeight)
     gui_.setViewport({0, 0, std::uint32_t(pixelWidth), std::uint32_t(pixelHeight)});
     filament::TextureSampler sampler(filament::TextureSampler::MinFilter::LINEAR_MIPMAP_LINEAR,
                                      filament::TextureSampler::MagFilter::LINEAR);
-    sampler.setAnisotropy(8.0F); // seen askew it stays sharp across
+    sampler.setAnisotropy(8.0F); // keeps oblique views sharp
     instance_->setParameter("picture", picture_, sampler);
 }
 

@@ -6,19 +6,18 @@
 
 namespace filasofia::visual {
 
-/// A Canvas: its picture is drawn into a texture, with smaller copies for whoever looks from afar or askew, and shown
-/// on a rectangle in the scene.
+/// A Canvas: its picture is drawn into a texture with mipmaps, for distant and oblique views, and shown on a rectangle
+/// in the scene.
 class FilamentCanvas {
 public:
-    FilamentCanvas(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool, double width, double height,
-                   int pixelWidth, int pixelHeight);
+    FilamentCanvas(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool, const CanvasSize& size);
     ~FilamentCanvas();
     FilamentCanvas(const FilamentCanvas&) = delete;
     FilamentCanvas& operator=(const FilamentCanvas&) = delete;
 
     void setGlyphs(std::shared_ptr<const GlyphSheet> glyphs) { gui_.setGlyphs(std::move(glyphs)); }
     void setPicture(const Pose& world, GuiPicture picture);
-    /// Into the texture, where the picture has changed; within a frame, before the views that show it.
+    /// Draws into the texture if the picture has changed; call it within a frame, before the views that show it.
     void draw(filament::Renderer& renderer);
 
 private:

@@ -10,7 +10,7 @@ namespace {
 
 using Renderable = filament::RenderableManager;
 
-/// A vertex as the card gets it.
+/// A vertex in the layout of the graphics card.
 struct Packed {
     Float3 position;
     Float3 other;
@@ -96,7 +96,7 @@ void FilamentDebug::set(const DebugLayer& layer)
 {
     const bool something = !layer.indices.empty();
     if (!something && !shown_) return;
-    engine_.getRenderableManager().destroy(shapes_); // before buffers that it draws with
+    engine_.getRenderableManager().destroy(shapes_); // before the buffers that it draws with
     if (something) {
         growBuffers(layer);
         upload(layer);

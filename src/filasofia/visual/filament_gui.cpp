@@ -13,9 +13,12 @@ using Attribute = filament::VertexAttribute;
 using Type = filament::VertexBuffer::AttributeType;
 using Renderable = filament::RenderableManager;
 
-constexpr std::size_t kMostCommands = 4096; // of a renderable, and of what anybody could read
+constexpr std::size_t kMaxCommands = 4096; // limit of a renderable, and more than anybody could read
 
-std::size_t roomFor(std::size_t count) { return count + count / 2 + 256; } // a Gui grows and shrinks all the time
+std::size_t roomFor(std::size_t count)
+{
+    return count + count / 2 + 256;
+} // with reserve, because a Gui grows and shrinks all the time
 
 } // namespace
 
@@ -26,10 +29,10 @@ FilamentGui::FilamentGui(filament::Engine& engine, MaterialPool& pool)
     camera_ = engine.createCamera(eye_);
     view_->setScene(scene_);
     view_->setCamera(camera_);
-    view_->setPostProcessingEnabled(false); // its colours are what is to be seen
+    view_->setPostProcessingEnabled(false); // its colours are final
     view_->setShadowingEnabled(false);
     view_->setFrustumCullingEnabled(false);
-    view_->setBlendMode(filament::View::BlendMode::TRANSLUCENT); // over what is there
+    view_->setBlendMode(filament::View::BlendMode::TRANSLUCENT); // over the existing picture
     scene_->addEntity(triangles_);
 }
 
@@ -69,13 +72,13 @@ void FilamentGui::setGlyphs(std::shared_ptr<const GlyphSheet> glyphs)
                                            filament::TextureSampler::MagFilter::LINEAR);
     for (filament::MaterialInstance* instance : instances_) instance->setParameter("glyphs", glyphs_, sampler);
     if (old) engine_.destroy(old);
-    picture_ = {}; // its letters lie elsewhere now
+    picture_ = {}; // its glyph coordinates are no longer valid
     buildRenderable();
 }
 
 bool FilamentGui::setPicture(GuiPicture picture)
 {
-    if (picture.commands.size() > kMostCommands) picture.commands.resize(kMostCommands);
+    if (picture.commands.size() > kMaxCommands) picture.commands.resize(kMaxCommands);
     if (picture == picture_) return false;
     picture_ = std::move(picture);
     upload();
@@ -122,7 +125,7 @@ void FilamentGui::upload()
 {
     if (picture_.commands.empty()) return;
     auto& renderables = engine_.getRenderableManager();
-    renderables.destroy(triangles_); // before buffers that it draws with
+    renderables.destroy(triangles_); // before the buffers that it draws with
     growBuffers();
     vertices_->setBufferAt(engine_, 0, ownedBuffer(picture_.vertices));
     indices_->setBuffer(engine_, ownedBuffer(picture_.indices));
@@ -157,7 +160,7 @@ void FilamentGui::setScissors()
 {
     for (std::size_t i = 0; i < picture_.commands.size(); ++i) {
         const PixelArea& clip = picture_.commands[i].clip;
-        // Filament counts them in the target, not in the view.
+        // Filament counts scissors in the target, not in the view.
         const int left = pixels_.left + clip.left;
         const int bottom = pixels_.bottom + std::max(int(pixels_.height) - clip.bottom, 0);
         instances_[i]->setScissor(std::uint32_t(left), std::uint32_t(bottom), std::uint32_t(clip.width()),

@@ -15,7 +15,7 @@
 
 namespace filasofia::visual {
 
-/// Draws the triangles of a Gui or Canvas: a view of its own, whose coordinates are pixels.
+/// Draws the triangles of a Gui or Canvas in a view of its own, whose coordinates are pixels.
 class FilamentGui {
 public:
     FilamentGui(filament::Engine& engine, MaterialPool& pool);
@@ -24,9 +24,9 @@ public:
     FilamentGui& operator=(const FilamentGui&) = delete;
 
     void setGlyphs(std::shared_ptr<const GlyphSheet> glyphs);
-    /// False where it is what is shown already.
+    /// Returns false if this picture is already shown.
     bool setPicture(GuiPicture picture);
-    /// The view's pixels in its target, rows from below.
+    /// The view's pixels in its target, with rows counted from below.
     void setViewport(const filament::Viewport& pixels);
     [[nodiscard]] bool empty() const { return picture_.commands.empty(); }
     [[nodiscard]] filament::View& view() { return *view_; }
@@ -48,7 +48,7 @@ private:
     filament::VertexBuffer* vertices_ = nullptr;
     filament::IndexBuffer* indices_ = nullptr;
     std::size_t vertexRoom_ = 0, indexRoom_ = 0;
-    std::vector<filament::MaterialInstance*> instances_; ///< one for each command: each has its own rectangle
+    std::vector<filament::MaterialInstance*> instances_; ///< one per command, because each has its own rectangle
     GuiPicture picture_;
     filament::Viewport pixels_ = {0, 0, 1, 1};
 };

@@ -52,7 +52,7 @@ LightManager::Builder builderFor(const PointLight& light)
 constexpr int kCubeSize = 64;
 constexpr int kCubeLevels = 5;
 
-/// Filament looks a perceptual roughness r up at level (levels - 1) r (2 - r).
+/// Filament looks up a perceptual roughness r at level (levels - 1) r (2 - r).
 double roughnessOfLevel(int level) { return 1.0 - std::sqrt(1.0 - double(level) / (kCubeLevels - 1)); }
 
 filament::Texture* makeReflections(filament::Engine& engine, const EnvironmentDef& def)
@@ -84,7 +84,7 @@ void FilamentBackend::putLight(Slot slot, const LightDef& def)
     const auto [place, isNew] = lights_.try_emplace(slot);
     if (isNew) place->second = makePlace();
     const utils::Entity entity = place->second;
-    engine_->getLightManager().destroy(entity); // what it was before, if anything
+    engine_->getLightManager().destroy(entity); // destroys the former light, if any
     std::visit([&](const auto& kind) { return builderFor(kind); }, def.kind)
         .color({float(def.color.red), float(def.color.green), float(def.color.blue)})
         .position({0.0F, 0.0F, 0.0F})
@@ -108,7 +108,8 @@ void FilamentBackend::setEnvironment(const EnvironmentDef& def)
                         .build(*engine_);
     scene_->setIndirectLight(surroundings_);
 
-    // Clearing is for the window, once a frame; only a skybox covers what other views left in the buffers they share.
+    // Clearing applies to the window, once per frame; only a skybox covers what other views left in the buffers they
+    // share.
     background_ = filament::Skybox::Builder()
                       .color({float(def.background.red), float(def.background.green), float(def.background.blue), 1.0F})
                       .build(*engine_);

@@ -13,7 +13,7 @@
 
 namespace filasofia::visual {
 
-/// A texture that a view draws into. It holds finished, sRGB encoded colours, the first row at the bottom.
+/// A texture that a view draws into. It holds finished, sRGB encoded colours, with the first row at the bottom.
 class DrawnPicture {
 public:
     DrawnPicture(filament::Engine& engine, int width, int height);
@@ -34,8 +34,8 @@ private:
     filament::RenderTarget* target_;
 };
 
-/// Endoscope optics as a second pass: the scene is drawn into a picture, which one triangle then shows as the lens
-/// does.
+/// Endoscope optics as a second pass: the scene is drawn into a picture, which one triangle then shows as through the
+/// lens.
 class OpticsPass {
 public:
     OpticsPass(filament::Engine& engine, MaterialPool& pool);
@@ -43,11 +43,11 @@ public:
     OpticsPass& operator=(const OpticsPass&) = delete;
     ~OpticsPass();
 
-    /// Before the frame begins: size and optics.
+    /// Sets size and optics, before the frame begins.
     void prepare(int width, int height, const EndoscopeOptics& optics);
     /// The picture to draw the scene into.
     [[nodiscard]] const DrawnPicture& picture() const { return *picture_; }
-    /// What shows that picture. Its target and viewport are the caller's to set.
+    /// The view that shows that picture. The caller sets its target and viewport.
     [[nodiscard]] filament::View& view() const { return *view_; }
 
 private:

@@ -29,11 +29,10 @@ void FilamentOverlays::putGui(Slot slot, std::shared_ptr<const GlyphSheet> glyph
     placed.gui->setGlyphs(std::move(glyphs));
 }
 
-void FilamentOverlays::putCanvas(Slot slot, double width, double height, int pixelWidth, int pixelHeight,
-                                 std::shared_ptr<const GlyphSheet> glyphs)
+void FilamentOverlays::putCanvas(Slot slot, const CanvasSize& size, std::shared_ptr<const GlyphSheet> glyphs)
 {
     auto& canvas = canvases_[slot];
-    canvas = std::make_unique<FilamentCanvas>(engine_, scene_, pool_, width, height, pixelWidth, pixelHeight);
+    canvas = std::make_unique<FilamentCanvas>(engine_, scene_, pool_, size);
     canvas->setGlyphs(std::move(glyphs));
 }
 
@@ -60,7 +59,7 @@ void FilamentOverlays::remove(Slot slot) { FILASOFIA_ASSERT(guis_.erase(slot) + 
 void FilamentOverlays::drawCanvases()
 {
     if (canvases_.empty()) return;
-    renderer_.setClearOptions(clearTo(0.0F)); // a canvas begins as nothing, the window as black
+    renderer_.setClearOptions(clearTo(0.0F)); // a canvas is cleared to transparent, the window to black
     for (auto& [slot, canvas] : canvases_) canvas->draw(renderer_);
     renderer_.setClearOptions(clearTo(1.0F));
 }
@@ -69,7 +68,8 @@ void FilamentOverlays::drawGuis(int windowWidth, int windowHeight)
 {
     for (auto& [slot, placed] : guis_) {
         const PixelArea& area = placed.area;
-        if (placed.gui->empty() || area.right > windowWidth || area.bottom > windowHeight) continue; // just resized
+        if (placed.gui->empty() || area.right > windowWidth || area.bottom > windowHeight)
+            continue; // the window has just been resized
         placed.gui->setViewport(
             {area.left, windowHeight - area.bottom, std::uint32_t(area.width()), std::uint32_t(area.height())});
         renderer_.render(&placed.gui->view());

@@ -14,8 +14,7 @@ public:
                      MaterialPool& pool);
 
     void putGui(Slot slot, std::shared_ptr<const GlyphSheet> glyphs) override;
-    void putCanvas(Slot slot, double width, double height, int pixelWidth, int pixelHeight,
-                   std::shared_ptr<const GlyphSheet> glyphs) override;
+    void putCanvas(Slot slot, const CanvasSize& size, std::shared_ptr<const GlyphSheet> glyphs) override;
     void setGuiPicture(Slot gui, const PixelArea& area, GuiPicture picture) override;
     void setCanvasPicture(Slot canvas, const Pose& world, GuiPicture picture) override;
     void setDebug(const DebugPicture& picture) override;
@@ -23,7 +22,7 @@ public:
 
     /// Within a frame, before the scene's views.
     void drawCanvases();
-    /// Within a frame, after them.
+    /// Within a frame, after the scene's views.
     void drawGuis(int windowWidth, int windowHeight);
 
 private:
@@ -38,7 +37,7 @@ private:
     MaterialPool& pool_;
     FilamentDebug inside_, onTop_;
     std::map<Slot, std::unique_ptr<FilamentCanvas>> canvases_;
-    std::map<Slot, PlacedGui> guis_; ///< in the order they were made: later ones lie on top
+    std::map<Slot, PlacedGui> guis_; ///< in the order in which they were made: later ones lie on top
 };
 
 } // namespace filasofia::visual

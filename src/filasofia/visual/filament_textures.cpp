@@ -14,9 +14,9 @@ FTexture* upload(filament::Engine& engine, const Image& image)
         FTexture::Builder()
             .width(std::uint32_t(image.width))
             .height(std::uint32_t(image.height))
-            .levels(0xff) // as many as there are
+            .levels(0xff) // all mipmap levels
             .format(FTexture::InternalFormat::SRGB8_A8)
-            .usage(FTexture::Usage::DEFAULT | FTexture::Usage::COLOR_ATTACHMENT) // for its smaller levels
+            .usage(FTexture::Usage::DEFAULT | FTexture::Usage::COLOR_ATTACHMENT) // needed to generate mipmaps
             .build(engine);
     auto* kept = new std::vector<std::uint8_t>(image.rgba);
     texture->setImage(engine, 0,

@@ -11,22 +11,22 @@
 
 namespace filasofia::visual {
 
-/// The pictures that materials show: each file uploaded once, and the pictures of off-screen views by name.
+/// The textures of materials: each file uploaded once, and the pictures of off-screen views by name.
 class TexturePool {
 public:
     explicit TexturePool(filament::Engine& engine);
     TexturePool(const TexturePool&) = delete;
     TexturePool& operator=(const TexturePool&) = delete;
-    /// What shows them must have been destroyed before.
+    /// All users of the textures must have been destroyed before.
     ~TexturePool();
 
-    /// From now on a view of this name shows `picture`, which another owns; null: it is gone.
+    /// From now on a view of this name shows `picture`, which another object owns; null: the view is gone.
     void setView(const std::string& name, filament::Texture* picture);
 
     /// Sets a sampler to the texture; white for none, black for a view that is gone.
     void apply(const Texture& texture, const ReadyMaterial& from, filament::MaterialInstance& instance,
                const char* parameter);
-    /// The same for a built-in material, and its parameter "textured" (see texture.glsl).
+    /// The same for a built-in material, with its parameter "textured" (see texture.glsl).
     void applyWithKind(const Texture& texture, const ReadyMaterial& from, filament::MaterialInstance& instance,
                        const char* parameter);
 

@@ -12,9 +12,10 @@ namespace filasofia::visual {
 void applyEffects(filament::View& view, const Effects& effects, double blurScale)
 {
     using FView = filament::View;
-    view.setPostProcessingEnabled(true); // also without effects: tone mapping and sRGB are part of it
+    view.setPostProcessingEnabled(true); // even without effects, because it includes tone mapping and sRGB
     view.setShadowingEnabled(effects.shadows);
-    view.setDithering(FView::Dithering::NONE); // it changes with time, and the same scene must give the same picture
+    view.setDithering(
+        FView::Dithering::NONE); // dithering changes with time, but the same scene must give the same picture
 
     const Antialiasing smooth = effects.antialiasing;
     view.setAntiAliasing(smooth == Antialiasing::Fxaa ? FView::AntiAliasing::FXAA : FView::AntiAliasing::NONE);
@@ -45,7 +46,7 @@ void applyEffects(filament::View& view, const Effects& effects, double blurScale
 
     FView::DepthOfFieldOptions focus;
     focus.enabled = effects.depthOfField.has_value();
-    focus.nativeResolution = true; // at half of it, small pictures show blocks
+    focus.nativeResolution = true; // at half the resolution small pictures show blocks
     focus.cocScale = static_cast<float>(blurScale * effects.depthOfField.value_or(DepthOfField{}).strength);
     view.setDepthOfFieldOptions(focus);
 
@@ -63,16 +64,16 @@ void applyEffects(filament::View& view, const Effects& effects, double blurScale
     fog.density = static_cast<float>(smoke.density);
     fog.distance = static_cast<float>(smoke.start);
     fog.maximumOpacity = static_cast<float>(smoke.opacity);
-    fog.heightFalloff = 0.0F; // as thick above as below
+    fog.heightFalloff = 0.0F; // the same density at every height
     fog.color = {light(smoke.color.red), light(smoke.color.green), light(smoke.color.blue)};
     view.setFogOptions(fog);
 }
 
 double exposeCamera(filament::Camera& camera, const CameraDef& def)
 {
-    // The library clamps f-number, shutter and sensitivity to those of real cameras. One of these three gives any
-    // exposure in [-10, 25] within its limits: EV = log2(N^2 / t * 100 / S). (In 1.9.25 setExposure(float) inverts its
-    // number.)
+    // The library clamps f-number, shutter and sensitivity to those of real cameras. Changing one of the three gives
+    // any exposure in [-10, 25] within its limits: EV = log2(N^2 / t * 100 / S). (In 1.9.25 setExposure(float) inverts
+    // its number.)
     double fNumber = 1.0, sensitivity = 100.0;
     if (def.exposure > 14.0) fNumber = 64.0;
     if (def.exposure < -5.0) sensitivity = 204800.0;

@@ -4,8 +4,7 @@
 
 namespace filasofia::visual {
 
-/// What the graphics card is given: three floats without padding. The two methods are what OpenSubdiv asks of a value
-/// that it averages.
+/// Three floats without padding, as the graphics card takes them. OpenSubdiv needs the two methods to average values.
 struct Float3 {
     float x = 0.0F;
     float y = 0.0F;

@@ -33,7 +33,7 @@ GpuReport probeGpu() noexcept
 {
     try {
         return ask();
-    } catch (...) { // lack of memory: "not available" is true then
+    } catch (...) { // out of memory: then "not available" is true
         return {};
     }
 }

@@ -8,7 +8,7 @@ namespace filasofia::visual {
 namespace {
 
 struct Place {
-    double x = 0.0, y = 0.0; // [px] of the window
+    double x = 0.0, y = 0.0; // [px], in the window
 };
 
 Place placeOf(const event::Event& event)

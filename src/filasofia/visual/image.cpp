@@ -15,12 +15,11 @@ void savePng(const Image& image, const std::filesystem::path& file)
     if (pixels == 0 || image.rgba.size() != 4 * pixels)
         fail("cannot write picture '", file.string(), "': it is ", image.width, " x ", image.height, " pixels with ",
              image.rgba.size(), " bytes");
-    // Opaque: the alpha that the scene leaves behind means nothing to who looks at the file.
+    // Opaque, because the scene's alpha means nothing to the reader of the file.
     std::vector<std::uint8_t> rgb(3 * pixels);
     for (std::size_t i = 0; i < pixels; ++i)
         for (std::size_t k = 0; k < 3; ++k) rgb[3 * i + k] = image.rgba[4 * i + k];
-    // Encoded into memory, because stb looks neither at its writes nor at its close: a full disk would pass for a
-    // picture.
+    // Encoded into memory, because stb checks neither its writes nor its close: a full disk would go unnoticed.
     std::string png;
     const auto append = [](void* out, void* data, int size) {
         static_cast<std::string*>(out)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));

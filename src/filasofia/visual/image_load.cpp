@@ -13,10 +13,10 @@
 namespace filasofia::visual {
 namespace {
 
-constexpr int kLargest = 8192; ///< [px] a side: what every card takes
+constexpr int kLargest = 8192; ///< [px] per side; every card supports it
 
-/// Width and height as a PNG's first chunk has them; zero when this is no PNG. stb refuses large ones without telling
-/// their size.
+/// Width and height from a PNG's first chunk; zero if it is not a PNG. stb refuses large ones without reporting their
+/// size.
 std::array<std::uint64_t, 2> pngSize(const std::filesystem::path& file)
 {
     std::array<unsigned char, 24> head{};
@@ -52,7 +52,7 @@ Image loadImage(const std::filesystem::path& file)
     int width = 0, height = 0, channels = 0;
     const auto refuse = [&] {
         const char* reason = stbi_failure_reason();
-        fail("picture '", file.string(), "': is no whole PNG or JPEG", reason ? text(" (", reason, ")") : "");
+        fail("picture '", file.string(), "': is not a complete PNG or JPEG", reason ? text(" (", reason, ")") : "");
     };
     if (!stbi_info_from_file(in.get(), &width, &height, &channels)) refuse();
     checkSize(file, std::uint64_t(width), std::uint64_t(height));

@@ -15,7 +15,7 @@ namespace {
 
 using namespace event;
 
-constexpr std::size_t kMostWaiting = 8192; // as after a minute behind a window that nobody draws
+constexpr std::size_t kMaxWaiting = 8192; // reached after about a minute without a drawn frame
 
 constexpr std::array<std::pair<ImGuiKey, KeyCode>, ImGuiKey_COUNT> kKeys = {{
     {ImGuiKey_Tab, KeyCode::Tab},
@@ -42,7 +42,7 @@ constexpr std::array<std::pair<ImGuiKey, KeyCode>, ImGuiKey_COUNT> kKeys = {{
     {ImGuiKey_Z, KeyCode::Z},
 }};
 
-int indexOf(MouseButton button) // ImGui counts left, right, middle
+int indexOf(MouseButton button) // ImGui's order is left, right, middle
 {
     switch (button) {
     case MouseButton::Left:
@@ -65,10 +65,11 @@ unsigned heldBits(const MouseButtons& held)
            unsigned(held.forward) << 4U;
 }
 
-/// Is one of ImGui's windows there. Its own answer (WantCaptureMouse) is about where the mouse was in the last frame.
+/// Whether one of ImGui's windows is at this place. ImGui's own answer (WantCaptureMouse) is about the mouse in the
+/// last frame.
 bool windowAt(const ImGuiContext& context, double x, double y)
 {
-    if (context.OpenPopupStack.Size > 0) return true; // a click beside it closes it, and is nobody else's
+    if (context.OpenPopupStack.Size > 0) return true; // a click beside a popup closes it, and is for nothing else
     const ImVec2 place{float(x), float(y)};
     return std::any_of(context.Windows.begin(), context.Windows.end(), [&](const ImGuiWindow* window) {
         return window->Active && !window->Hidden && (window->Flags & ImGuiWindowFlags_NoMouseInputs) == 0 &&
@@ -78,7 +79,7 @@ bool windowAt(const ImGuiContext& context, double x, double y)
 
 bool isLetter(KeyCode key) { return (key >= KeyCode::A && key <= KeyCode::Digit9) || key == KeyCode::Space; }
 
-/// Whether a key that goes down does something besides what its letter says.
+/// Whether pressing a key does more than typing its letter.
 bool isAction(const std::optional<Modifiers>& held, KeyCode key, bool down)
 {
     return down && (!isLetter(key) || (held && (held->control || held->super)));
@@ -94,7 +95,7 @@ bool contains(const std::vector<KeyCode>& keys, KeyCode key)
 struct ImguiInput::Frame {
     bool moved = false, wheeled = false, typed = false, acted = false;
     unsigned buttons = 0;
-    std::vector<KeyCode> keys, actions; ///< touched; and pressed to do something
+    std::vector<KeyCode> keys, actions; ///< keys that changed, and keys pressed for an action
 };
 
 void ImguiInput::mapKeys(ImGuiIO& io)
@@ -104,8 +105,8 @@ void ImguiInput::mapKeys(ImGuiIO& io)
 
 void ImguiInput::push(Input input)
 {
-    if (waiting_.size() >= kMostWaiting) {
-        logWarning("gui: more than ", kMostWaiting, " inputs wait to be drawn: they are dropped");
+    if (waiting_.size() >= kMaxWaiting) {
+        logWarning("gui: more than ", kMaxWaiting, " inputs wait for a frame: they are dropped");
         releaseAll();
     }
     waiting_.push_back(std::move(input));
@@ -113,14 +114,14 @@ void ImguiInput::push(Input input)
 
 void ImguiInput::pushPlace(Place place, std::optional<Modifiers> modifiers)
 {
-    // A way without a stop on it is its end.
+    // A mouse path without an event in between is replaced by its end.
     if (!waiting_.empty() && std::holds_alternative<Place>(waiting_.back().what)) waiting_.pop_back();
     push({place, modifiers});
 }
 
 bool ImguiInput::takeMove(const MouseMoveEvent& move, Place place, const ImGuiContext& context)
 {
-    // A release may have happened outside of the window, where nobody saw it.
+    // A button may have been released outside the window, without an event.
     const unsigned held = heldBits(move.buttons);
     ours_ &= held;
     others_ &= held;
@@ -142,7 +143,7 @@ bool ImguiInput::takeButton(const MouseButtonEvent& button, Place place, const I
     }
     const bool taken = ours_ != 0 || (others_ == 0 && windowAt(context, place.x, place.y));
     (taken ? ours_ : others_) |= bit;
-    push({Button{index, true}, button.modifiers}); // also elsewhere: it takes the focus away from ImGui's windows
+    push({Button{index, true}, button.modifiers}); // even elsewhere, because it takes the focus from ImGui's windows
     return taken;
 }
 
@@ -156,7 +157,7 @@ bool ImguiInput::takeKey(const KeyEvent& key, const ImGuiContext& context)
     } else if (!key.pressed && taken) {
         ourKeys_.erase(ours);
     }
-    // ImGui repeats by itself what is held.
+    // ImGui repeats pressed keys by itself.
     if (!key.repeat && key.key != KeyCode::Unknown) push({Key{key.key, key.pressed}, key.modifiers});
     return taken;
 }
@@ -195,18 +196,19 @@ void ImguiInput::releaseAll()
     waiting_.push_back({AllUp{}, Modifiers{}});
 }
 
-/// Can the frame still be given this, and each of the two be seen for what it was?
+/// Whether the frame can take this input as well, so that ImGui still sees each input for what it was.
 bool ImguiInput::fits(const Input& input, const Frame& frame)
 {
     if (std::holds_alternative<Place>(input.what)) return frame.buttons == 0 && !frame.wheeled;
     if (const auto* button = std::get_if<Button>(&input.what)) {
         const bool again = (frame.buttons & 1U << unsigned(button->index)) != 0;
-        const bool endsDrag = !button->down && frame.moved; // where it ended must be seen before
+        const bool endsDrag = !button->down && frame.moved; // the end point must be seen before the release
         return !again && !endsDrag && !frame.typed && !frame.acted;
     }
     if (std::holds_alternative<Wheel>(input.what)) return frame.buttons == 0;
     if (const auto* key = std::get_if<Key>(&input.what)) {
-        // A letter is known by its text, so that it may go down and up at once: nobody's typing must wait for frames.
+        // A letter is recognised by its text, so that it may go down and up in one frame: typing must not wait for
+        // frames.
         const bool acts = isAction(input.modifiers, key->code, key->down);
         const bool again = contains(acts ? frame.keys : frame.actions, key->code);
         return !again && frame.buttons == 0 && !(frame.typed && acts);

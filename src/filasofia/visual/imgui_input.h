@@ -12,23 +12,23 @@ struct ImGuiIO;
 
 namespace filasofia::visual {
 
-/// What a person did and ImGui has not seen yet. ImGui 1.86 looks once a frame at what is held down: a click that
-/// begins and ends between two frames would be lost, and a letter before a backspace would come after it. So each frame
-/// is given as much as keeps its meaning, and the rest waits for the next.
+/// Input that ImGui has not seen yet. ImGui 1.86 looks once per frame at what is pressed: a click that begins and ends
+/// between two frames would be lost, and a letter before a backspace would come after it. So each frame gets as much
+/// input as keeps its meaning, and the rest waits for the next.
 class ImguiInput {
 public:
-    /// Tells ImGui which of our keys are the ones it knows.
+    /// Maps our keys to those that ImGui knows.
     static void mapKeys(ImGuiIO& io);
 
-    /// Takes an event whose place is in pixels of the Gui. True: it is for the Gui; nobody else should act on it. The
-    /// context is as the last frame left it.
+    /// Takes an event whose place is in pixels of the Gui. Returns true if it is for the Gui, so that nobody else
+    /// should act on it. The context is as the last frame left it.
     bool take(const event::Event& event, double x, double y, const ImGuiContext& context);
     /// The mouse is over something else.
     void leave();
-    /// Forgets what waits; all keys and buttons are let go.
+    /// Drops waiting input and releases all keys and buttons.
     void releaseAll();
 
-    /// Gives a frame its share.
+    /// Gives a frame its part of the input.
     void apply(ImGuiIO& io);
     [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
 
@@ -53,7 +53,7 @@ private:
     struct AllUp {};
     struct Input {
         std::variant<Place, Button, Wheel, Key, Text, AllUp> what;
-        std::optional<event::Modifiers> modifiers; ///< none: as they were
+        std::optional<event::Modifiers> modifiers; ///< not given: unchanged
     };
     struct Frame; ///< what a frame has been given so far
 
@@ -66,9 +66,9 @@ private:
     static void give(const Input& input, Frame& frame, ImGuiIO& io);
 
     std::deque<Input> waiting_;
-    unsigned ours_ = 0;                   ///< mouse buttons, one bit each, that went down on the Gui
-    unsigned others_ = 0;                 ///< that went down elsewhere
-    std::vector<event::KeyCode> ourKeys_; ///< that went down for the Gui
+    unsigned ours_ = 0;                   ///< mouse buttons that were pressed on the Gui, one bit each
+    unsigned others_ = 0;                 ///< those that were pressed elsewhere
+    std::vector<event::KeyCode> ourKeys_; ///< keys that were pressed for the Gui
 };
 
 } // namespace filasofia::visual

@@ -7,11 +7,10 @@ struct ImGuiStyle;
 
 namespace filasofia::visual {
 
-/// Our dark theme, with sizes for texts `scale` times as large as at 96 dots per inch.
+/// Our dark theme, with sizes for text `scale` times as large as at 96 dots per inch.
 ImGuiStyle themeOf(double scale);
 
-/// Sets the atlas's one font, DejaVu Sans, for that scale, and rasterises it: at every scale texts are as sharp as the
-/// pixels.
+/// Sets the atlas's only font, DejaVu Sans, for this scale and rasterises it, so that text is sharp at every scale.
 GlyphSheet rasterise(ImFontAtlas& atlas, double scale);
 
 } // namespace filasofia::visual

@@ -15,9 +15,9 @@
 #include <cstdio>
 
 extern "C" {
-/// What ImGui's assertions call in our copy of the library (cmake/FilasofiaImgui.cmake), in place of __assert_fail.
-/// What is thrown passes through ImGui, which holds nothing there, to the frame that called the callback. It stands in
-/// this file because a linker takes from a library only what it has missed so far.
+/// Called by ImGui's assertions in our copy of the library (cmake/FilasofiaImgui.cmake), in place of __assert_fail. It
+/// throws through ImGui, which holds no resources there, to the frame that called the callback. It stands in this file
+/// because a linker takes from a library only what is missing so far.
 [[noreturn]] void filasofia_imgui_assertion(const char* assertion, const char* file, unsigned line, const char* where);
 }
 
@@ -29,7 +29,7 @@ void filasofia_imgui_assertion(const char* assertion, const char* /*file*/, unsi
 namespace filasofia::visual {
 namespace {
 
-/// ImGui's current context is one for the whole process: servers of several threads take turns.
+/// ImGui has one current context for the whole process, so servers of several threads take turns.
 std::recursive_mutex imguiMutex;
 
 class CurrentContext {
@@ -47,7 +47,7 @@ private:
     ImGuiContext* before_;
 };
 
-/// A new context in place of `old`, which may be null. ImGui makes a context current where none is.
+/// A new context in place of `old`, which may be null. ImGui makes a new context current if there is none.
 ImGuiContext* replaced(ImGuiContext* old, ImFontAtlas* atlas)
 {
     const std::lock_guard lock(imguiMutex);
@@ -58,7 +58,7 @@ ImGuiContext* replaced(ImGuiContext* old, ImFontAtlas* atlas)
     return made;
 }
 
-/// ImGui tells what it had to end in the words of printf.
+/// ImGui reports what it had to end in printf style.
 void collectRecovery(void* lines, const char* format, ...)
 {
     char line[256];
@@ -72,7 +72,7 @@ void collectRecovery(void* lines, const char* format, ...)
 
 GuiCommand commandOf(const ImDrawCmd& from, std::uint32_t firstIndex, int width, int height)
 {
-    const auto edge = [](float at, int most) { return std::clamp(int(at), 0, most); };
+    const auto edge = [](float at, int limit) { return std::clamp(int(at), 0, limit); };
     GuiCommand command{firstIndex, from.ElemCount, {}};
     command.clip.left = edge(from.ClipRect.x, width);
     command.clip.top = edge(from.ClipRect.y, height);
@@ -95,7 +95,7 @@ void append(const ImDrawList& list, int width, int height, GuiPicture& picture)
     }
     for (const ImDrawCmd& each : list.CmdBuffer) {
         const GuiCommand command = commandOf(each, std::uint32_t(picture.indices.size()), width, height);
-        // A callback of a draw list would call OpenGL itself, which is not ours to give.
+        // A callback of a draw list would call OpenGL directly, which is not possible here.
         if (each.UserCallback || each.ElemCount == 0 || command.clip.width() == 0 || command.clip.height() == 0)
             continue;
         picture.commands.push_back(command);
@@ -113,20 +113,21 @@ ImguiSurface::ImguiSurface(ImguiSurfaceDef def) : def_(std::move(def)), atlas_(s
 
 ImguiSurface::~ImguiSurface()
 {
-    callback.set({}); // may hold what calls ImGui when it dies
+    callback.set({}); // its destructor may call ImGui
     replaced(context_, nullptr);
 }
 
 void ImguiSurface::makeContext()
 {
     context_ = replaced(context_, atlas_.get());
-    atlas_->Locked = false; // as a frame that did not come to its end has left it
+    atlas_->Locked = false; // an aborted frame leaves it locked
     ImGuiIO& io = context_->IO;
-    io.IniFilename = nullptr; // a simulator leaves no files where it was started
+    io.IniFilename = nullptr; // a simulator leaves no files in the folder where it was started
     io.LogFilename = nullptr;
     io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
-    io.ConfigInputTextCursorBlink = false; // the same input gives the same picture, and nothing flickers at a surgeon
-    io.ConfigWindowsMoveFromTitleBarOnly = true; // who misses a slider does not move the panel
+    // The same input gives the same picture, and nothing flickers in a surgeon's view.
+    io.ConfigInputTextCursorBlink = false;
+    io.ConfigWindowsMoveFromTitleBarOnly = true; // a missed slider does not move the panel
     ImguiInput::mapKeys(io);
     if (scale_ > 0.0) context_->Style = themeOf(scale_);
 }
@@ -150,17 +151,18 @@ GuiPicture ImguiSurface::frame(int width, int height, double seconds)
     const CurrentContext current(context_);
     ImGuiIO& io = context_->IO;
     io.DisplaySize = {float(width), float(height)};
-    io.DeltaTime = float(std::clamp(seconds, 1e-4, 1.0)); // after a long pause nothing repeats a thousand times
+    io.DeltaTime = float(std::clamp(seconds, 1e-4, 1.0)); // after a long pause nothing is repeated a thousand times
     input_.apply(io);
     try {
         ImGui::NewFrame();
         callUser(width, height);
         endFrame();
         collect(picture);
-    } catch (const std::exception& problem) { // an assertion: the callback has left more in disorder than can be ended
+    } catch (const std::exception&
+                 problem) { // an assertion: the callback has left a state that cannot be repaired by ending windows
         callback.call([](const RenderCallback&) { return false; });
         logError(def_.object, ": renderCallback: ", std::string_view(problem.what()),
-                 "; it is not called again, and ImGui starts anew");
+                 "; it is not called again, and ImGui is restarted");
         picture = {};
         makeContext();
     }

@@ -11,13 +11,13 @@ struct ImGuiContext;
 
 namespace filasofia::visual {
 
-/// Who a surface is for, and how it begins each frame.
+/// The name of a surface, and how each frame begins.
 struct ImguiSurfaceDef {
     std::string object;         ///< "gui 'panel'", as errors and the log name it
     bool fillingWindow = false; ///< the callback draws into one window that fills the surface
 };
 
-/// One ImGui context: what a Gui or a Canvas is behind its promises. Draws nothing; turns a callback into triangles.
+/// One ImGui context: the implementation of a Gui or a Canvas. Draws nothing; turns a callback into triangles.
 class ImguiSurface {
 public:
     explicit ImguiSurface(ImguiSurfaceDef def);
@@ -27,7 +27,7 @@ public:
 
     GuardedCallback callback;
 
-    /// Of texts and spaces. True where the glyphs have changed.
+    /// Sets the scale of text and spacing. Returns true if the glyphs have changed.
     bool setScale(double scale);
     [[nodiscard]] const std::shared_ptr<const GlyphSheet>& glyphs() const { return glyphs_; }
 
@@ -37,7 +37,7 @@ public:
 
     /// See ImguiInput.
     bool take(const event::Event& event, double x, double y) { return input_.take(event, x, y, *context_); }
-    [[nodiscard]] bool wantsText() const; ///< somebody writes into a field of it
+    [[nodiscard]] bool wantsText() const; ///< somebody writes into one of its fields
     void leave() { input_.leave(); }
     void releaseAll() { input_.releaseAll(); }
     [[nodiscard]] std::size_t inputsWaiting() const { return input_.waiting(); }

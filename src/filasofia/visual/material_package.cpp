@@ -16,9 +16,9 @@ constexpr std::uint32_t kVersion = 10;                          // filament::MAT
 constexpr std::uint8_t kDesktop = 2;                            // filament::backend::ShaderModel
 constexpr std::uint32_t kUv0 = 1U << 3U;                        // filament::VertexAttribute, as bits
 constexpr std::uint32_t kAttributes = 0x7U | kUv0 | (1U << 8U); // position, tangents, color, uv0, custom0
-constexpr std::uintmax_t kLargest = 64U << 20U;                 // [byte]; an ordinary package has less than one MiB
+constexpr std::uintmax_t kLargest = 64U << 20U;                 // [byte]; an ordinary package has less than 1 MiB
 
-/// Reads little-endian numbers and texts from a span; every read beyond its end is an Error.
+/// Reads little-endian numbers and texts from a span; a read beyond its end is an Error.
 class Reader {
 public:
     Reader(std::span<const std::uint8_t> bytes, const std::string& file) : bytes_(bytes), file_(file) {}
@@ -55,7 +55,7 @@ private:
     const std::string& file_;
 };
 
-/// A package is a row of chunks: eight letters (backwards), a size, the content.
+/// A package is a sequence of chunks: eight letters (backwards), a size, the content.
 using Chunks = std::map<std::string, std::span<const std::uint8_t>>;
 
 Chunks chunksOf(std::span<const std::uint8_t> bytes, const std::string& file)
@@ -65,7 +65,7 @@ Chunks chunksOf(std::span<const std::uint8_t> bytes, const std::string& file)
     while (!in.empty()) {
         const auto letters = in.take(8);
         const std::string name(letters.rbegin(), letters.rend());
-        if (chunks.empty() && name != "MAT_VERS") fail("material file '", file, "': is no compiled material");
+        if (chunks.empty() && name != "MAT_VERS") fail("material file '", file, "': is not a compiled material");
         chunks[name] = in.take(in.number<std::uint32_t>());
     }
     if (chunks.empty()) fail("material file '", file, "': is empty");
@@ -103,7 +103,7 @@ void readUniforms(Reader in, std::vector<MaterialPackage::Parameter>& out)
     }
 }
 
-/// Every sampler must be given a texture, so there may be none that cannot.
+/// Every sampler must get a texture, so samplers of other types are refused.
 void readSamplers(Reader in, const std::string& file, std::vector<MaterialPackage::Parameter>& out)
 {
     in.text();
@@ -135,7 +135,7 @@ void checkShaders(std::span<const std::uint8_t> dictionary, std::span<const std:
         const auto offset = table.number<std::uint32_t>();
         Reader shader(shaders, file);
         shader.take(offset);
-        shader.number<std::uint32_t>(); // characters in all
+        shader.number<std::uint32_t>(); // total number of characters
         for (auto listed = shader.number<std::uint32_t>(); listed > 0; --listed)
             if (shader.number<std::uint16_t>() >= lineCount) shader.damaged();
     }
@@ -168,7 +168,7 @@ MaterialPackage parseMaterialPackage(std::span<const std::uint8_t> bytes, const 
         fail("material file '", file, "': must be of material version ", kVersion, " (matc of Filament 1.9), got ",
              version);
     if (chunk("MAT_DOMN").number<std::uint8_t>() != 0)
-        fail("material file '", file, "': must be of the surface domain, not a post-process");
+        fail("material file '", file, "': must be of the surface domain, not a post-process material");
     if (!chunks.contains("MAT_GLSL") || !chunks.contains("DIC_TEXT"))
         fail("material file '", file, "': is not compiled for desktop OpenGL (matc -p desktop -a opengl)");
     chunk("MAT_NAME").text();

@@ -7,13 +7,13 @@
 
 namespace filasofia::visual {
 
-/// A compiled material as its file declares itself. Filament ends the process on a package it does not like: what it
-/// would look at is looked at here before, and without Filament.
+/// A compiled material as its file describes it. Filament ends the process if a package is invalid, so the parts that
+/// Filament reads are checked here first, without Filament.
 struct MaterialPackage {
     enum class Kind { Float, Float3, Float4, Int, Bool, Sampler, Other };
     struct Parameter {
         std::string name;
-        Kind kind = Kind::Other; ///< Other: a type that cannot be set from here, or an array
+        Kind kind = Kind::Other; ///< Other: an array, or a type that cannot be set from here
     };
 
     std::vector<std::uint8_t> bytes;
@@ -24,14 +24,14 @@ struct MaterialPackage {
     [[nodiscard]] const Parameter* find(const std::string& name) const;
 };
 
-/// As an error calls it: "float3", "sampler2d", ...
+/// The name in errors: "float3", "sampler2d", ...
 const char* nameOf(MaterialPackage::Kind kind);
 
-/// Throws an Error naming the file when it cannot be read, is no package of Filament's version 10 for desktop OpenGL,
-/// does not draw surfaces, is damaged, or requires vertex attributes that bodies have not.
+/// Throws an Error naming the file if it cannot be read, is not a package of Filament's version 10 for desktop OpenGL,
+/// does not draw surfaces, is damaged, or requires vertex attributes that bodies do not have.
 MaterialPackage readMaterialPackage(const std::string& file);
 
-/// The same of bytes in memory.
+/// The same for bytes in memory.
 MaterialPackage parseMaterialPackage(std::span<const std::uint8_t> bytes, const std::string& file);
 
 } // namespace filasofia::visual

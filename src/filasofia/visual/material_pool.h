@@ -11,8 +11,8 @@
 
 namespace filasofia::visual {
 
-/// The compiled materials of this library and the user's own, each loaded when it is first wanted. Filament ends the
-/// process on a wrong material or parameter; here each is an Error.
+/// The compiled materials of this library and of the user, each loaded at its first use. Filament ends the process on a
+/// wrong material or parameter; here each of these is an Error.
 class MaterialPool {
 public:
     explicit MaterialPool(filament::Engine& engine) : engine_(engine), textures_(engine) {}
@@ -23,11 +23,12 @@ public:
 
     /// One of the library's own: "tissue", "metal", ...
     filament::Material& get(const std::string& name);
-    /// An instance that looks as asked; the caller destroys it.
+    /// An instance with this look; the caller destroys it.
     filament::MaterialInstance* instance(const ReadyMaterial& material);
-    /// Changes an instance of the same name in the pool.
+    /// Changes an instance of the material with the same name in the pool.
     void apply(const ReadyMaterial& material, filament::MaterialInstance& instance);
-    /// The material's name in the pool; two that an instance cannot be changed between have different ones.
+    /// The material's name in the pool. If an instance cannot be changed from one material to another, their names
+    /// differ.
     static std::string nameOf(const Material& material);
     [[nodiscard]] TexturePool& textures() { return textures_; }
 
@@ -40,7 +41,7 @@ private:
     std::map<std::string, filament::Material*> loaded_;
 };
 
-/// Sets one parameter; throws an Error when the material has none of this name.
+/// Sets one parameter; throws an Error if the material has none of this name.
 template <class Value> void setParameter(filament::MaterialInstance& instance, const char* name, Value value);
 
 } // namespace filasofia::visual

@@ -35,7 +35,7 @@ bool fitsFloat(const ParameterValue& value)
     return true;
 }
 
-/// The only texture of a built-in material.
+/// The texture of a built-in material, of which there is at most one.
 const Texture* textureOf(const Material& material)
 {
     return std::visit(
@@ -105,7 +105,7 @@ void MaterialStore::require(const CustomMaterial& material, const std::string& o
 void MaterialStore::add(const std::string& name, const Material& material)
 {
     if (name.empty()) fail("a material of the pool must have a name");
-    if (!named_.emplace(name, material).second) fail("material '", name, "': there is one of this name already");
+    if (!named_.emplace(name, material).second) fail("material '", name, "' already exists");
 }
 
 const Material& MaterialStore::get(const std::string& name, const std::string& object) const

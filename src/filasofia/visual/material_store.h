@@ -10,27 +10,27 @@
 
 namespace filasofia::visual {
 
-/// A material whose every file has been read and whose every number has been checked.
+/// A material whose files have all been read and whose numbers have all been checked.
 struct ReadyMaterial {
     Material material;                                            ///< never a NamedMaterial
     std::map<std::string, std::shared_ptr<const Image>> pictures; ///< by file
-    std::vector<std::string> views;                               ///< whose pictures it shows
-    std::shared_ptr<const MaterialPackage> package;               ///< of a CustomMaterial
+    std::vector<std::string> views;                               ///< the views whose pictures it shows
+    std::shared_ptr<const MaterialPackage> package;               ///< for a CustomMaterial
     bool needsUv = false;
 };
 
 /// The materials of a server by name, and the files that they and the bodies name, each read once. (Shared pointers,
-/// because a backend may still hold what it draws with; what they point to never changes.)
+/// because a backend may still use the data; it never changes.)
 class MaterialStore {
 public:
-    /// Throws an Error that begins with `object` when the material, a file of it, or its name is wrong.
+    /// Throws an Error that begins with `object` if the material, one of its files, or its name is wrong.
     [[nodiscard]] ReadyMaterial ready(const Material& material, const std::string& object);
 
     void add(const std::string& name, const Material& material);
     /// `material` must be ready.
     void change(const std::string& name, const Material& material) { named_.at(name) = material; }
     void remove(const std::string& name) { named_.erase(name); }
-    /// Throws an Error that begins with `object` when there is none.
+    /// Throws an Error that begins with `object` if there is no such material.
     [[nodiscard]] const Material& get(const std::string& name, const std::string& object) const;
 
     [[nodiscard]] const std::map<std::string, Material>& all() const { return named_; }

@@ -11,7 +11,7 @@ void vertexNormals(std::span<const Float3> positions, std::span<const std::uint3
     normals.assign(positions.size(), {});
     for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
         const std::uint32_t a = indices[i], b = indices[i + 1], c = indices[i + 2];
-        // The cross product is as long as twice the area: large triangles count more.
+        // The length of the cross product is twice the area, so large triangles count more.
         const Float3 normal = cross(positions[b] - positions[a], positions[c] - positions[a]);
         for (std::uint32_t corner : {a, b, c}) normals[corner] = normals[corner] + normal;
     }
@@ -23,11 +23,11 @@ PackedFrame packFrame(Float3 normal)
     const float length = std::sqrt(dot(normal, normal));
     const Float3 n =
         length > 1e-30F ? Float3{normal.x / length, normal.y / length, normal.z / length} : Float3{0.0F, 0.0F, 1.0F};
-    // The shortest rotation from +Z to n; where n is -Z, half a turn about X.
+    // The shortest rotation from +Z to n; if n is -Z, half a turn about X.
     const float size = std::sqrt(n.x * n.x + n.y * n.y + (1.0F + n.z) * (1.0F + n.z));
     if (size < 1e-4F) return {32767, 0, 0, 1};
     const auto pack = [&](float v) { return static_cast<std::int16_t>(std::lrint(v / size * kOne)); };
-    // w = 0 would lose the sign that tells Filament the handedness of the frame: it stays one step above.
+    // w = 0 would lose the sign that gives Filament the handedness of the frame, so w is at least 1.
     return {pack(-n.y), pack(n.x), 0, std::max<std::int16_t>(pack(1.0F + n.z), 1)};
 }
 

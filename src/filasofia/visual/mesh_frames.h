@@ -13,7 +13,7 @@ struct PackedFrame {
     std::int16_t x, y, z, w;
 };
 
-/// What changes when a surface deforms.
+/// The data that change when a surface deforms.
 struct VertexData {
     std::vector<Float3> positions; ///< [m]
     std::vector<PackedFrame> frames;
@@ -21,15 +21,15 @@ struct VertexData {
     Float3 high; ///< [m], the other corner
 };
 
-/// Area-weighted normals, not of unit length (zero where a vertex has no area around it).
+/// Area-weighted normals, not of unit length (zero if a vertex has no area around it).
 void vertexNormals(std::span<const Float3> positions, std::span<const std::uint32_t> indices,
                    std::vector<Float3>& normals);
 
-/// The frame whose third axis is `normal` (any length; +Z stands in for none).
+/// The frame whose third axis is `normal` (any length; +Z if it is zero).
 PackedFrame packFrame(Float3 normal);
 
-/// Normals, frames and box of `positions`; `indices` are three vertices for each triangle. `normals` is room to compute
-/// in, for callers that come every frame.
+/// Normals, frames and box of `positions`; `indices` are three vertices per triangle. `normals` is scratch memory, for
+/// callers that come every frame.
 VertexData vertexData(std::vector<Float3> positions, std::span<const std::uint32_t> indices,
                       std::vector<Float3>& normals);
 

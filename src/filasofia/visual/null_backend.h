@@ -7,7 +7,7 @@
 
 namespace filasofia::visual {
 
-/// Draws nothing, keeps what it was given and counts the calls: for tests without a GPU.
+/// Draws nothing, keeps what it was given and counts the calls; for tests without a GPU.
 class NullBackend final : public RenderBackend {
 public:
     struct Body {
@@ -26,7 +26,7 @@ public:
         Pose pose;
         bool visible = true;
         int putCalls = 0;
-        int width = 0; ///< [px], of an off-screen view
+        int width = 0; ///< [px], for an off-screen view
         int height = 0;
     };
 

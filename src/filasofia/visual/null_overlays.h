@@ -18,7 +18,7 @@ public:
     };
 
     void putGui(Slot slot, std::shared_ptr<const GlyphSheet>) override { ++sheets[slot].putCalls; }
-    void putCanvas(Slot slot, double, double, int, int, std::shared_ptr<const GlyphSheet>) override
+    void putCanvas(Slot slot, const CanvasSize&, std::shared_ptr<const GlyphSheet>) override
     {
         ++sheets[slot].putCalls;
     }

@@ -9,7 +9,7 @@
 namespace filasofia::visual {
 namespace {
 
-constexpr double kReach = 2.0; ///< radii around the scene's middle that the target may leave it by
+constexpr double kReach = 2.0; ///< [radii], largest distance of the target from the scene's centre
 
 bool usable(const geometry::Box& box)
 {
@@ -39,7 +39,7 @@ void OrbitCamera::setScene(const geometry::Box& around)
 
 void OrbitCamera::goToStart()
 {
-    // It turns about the point of its line of sight that is nearest to the scene's middle.
+    // It rotates about the point of its line of sight that is nearest to the scene's centre.
     const Vec3 back = rotate(def_.start.orientation, Vec3{0, 0, 1});
     azimuth_ = std::atan2(back.x, back.z);
     elevation_ = std::asin(std::clamp(back.y, -1.0, 1.0));
@@ -131,7 +131,7 @@ bool OrbitCamera::move(const event::MouseMoveEvent& event)
     if (drag_ == Drag::None) return false;
     moved_ = true;
     if (drag_ == Drag::Turn) {
-        const double angle = std::numbers::pi / def_.height; // across the picture: half a turn
+        const double angle = std::numbers::pi / def_.height; // half a turn over the height of the picture
         azimuth_ = std::remainder(azimuth_ - angle * event.dx, 2.0 * std::numbers::pi);
         elevation_ += angle * event.dy;
     } else {

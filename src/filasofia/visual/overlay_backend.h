@@ -13,7 +13,7 @@ namespace filasofia::visual {
 
 using Slot = std::uint32_t; // as in render_backend.h
 
-/// The letters of a Gui or Canvas: how much each pixel of the sheet is covered, in 255ths.
+/// The glyphs of a Gui or Canvas: the coverage of each pixel of the sheet, in 255ths.
 struct GlyphSheet {
     int width = 0;
     int height = 0;
@@ -22,7 +22,7 @@ struct GlyphSheet {
 
 /// One corner of a triangle of a Gui.
 struct GuiVertex {
-    float x = 0, y = 0;                     ///< [px] from the upper left corner
+    float x = 0, y = 0;                     ///< [px], from the upper left corner
     float u = 0, v = 0;                     ///< place in the glyph sheet
     std::array<std::uint8_t, 4> color = {}; ///< sRGB and opacity
 
@@ -41,23 +41,23 @@ struct GuiCommand {
 /// What a Gui or Canvas looks like in a frame.
 struct GuiPicture {
     std::vector<GuiVertex> vertices;
-    std::vector<std::uint32_t> indices; ///< three for each triangle
+    std::vector<std::uint32_t> indices; ///< three per triangle
     std::vector<GuiCommand> commands;   ///< drawn in this order
 
     friend bool operator==(const GuiPicture&, const GuiPicture&) = default;
 };
 
-/// One corner of a debug drawing. Lines and points are as wide in every view as their pixels say, so that their corners
-/// are moved apart where they are drawn.
+/// One corner of a debug drawing. Lines and points have a width in pixels in every view, so their corners are moved
+/// apart when they are drawn.
 struct DebugVertex {
     Float3 position;                        ///< [m]
-    Float3 other;                           ///< [m], of a line: a point further along it
+    Float3 other;                           ///< [m], for a line: a point further along it
     float width = 0;                        ///< [px]; 0: the corner stays where it is (arrow heads)
     std::array<std::int8_t, 2> side = {};   ///< line: -1 or 1, and 0; point: -1 or 1 both
     std::array<std::uint8_t, 4> color = {}; ///< linear
 };
 
-/// Triangles of debug drawings, in two layers: hidden by bodies, and not.
+/// Triangles of debug drawings, in two layers: one hidden by bodies, one on top.
 struct DebugLayer {
     std::vector<DebugVertex> vertices;
     std::vector<std::uint32_t> indices;
@@ -66,7 +66,15 @@ struct DebugPicture {
     DebugLayer inside, onTop;
 };
 
-/// What draws what lies over the scene, or shows in it what is no body. All it is given has been checked.
+/// The size of a Canvas in the scene and of its texture.
+struct CanvasSize {
+    double width = 0.0;  ///< [m]
+    double height = 0.0; ///< [m]
+    int pixelWidth = 0;  ///< [px]
+    int pixelHeight = 0; ///< [px]
+};
+
+/// Draws what lies over the scene, or stands in it and is not a body. Its input has been checked.
 class OverlayBackend {
 public:
     OverlayBackend() = default;
@@ -76,8 +84,7 @@ public:
 
     /// Make one, or give it other glyphs.
     virtual void putGui(Slot slot, std::shared_ptr<const GlyphSheet> glyphs) = 0;
-    virtual void putCanvas(Slot slot, double width, double height, int pixelWidth, int pixelHeight,
-                           std::shared_ptr<const GlyphSheet> glyphs) = 0;
+    virtual void putCanvas(Slot slot, const CanvasSize& size, std::shared_ptr<const GlyphSheet> glyphs) = 0;
 
     virtual void setGuiPicture(Slot gui, const PixelArea& area, GuiPicture picture) = 0; ///< `area` of the window
     virtual void setCanvasPicture(Slot canvas, const Pose& world, GuiPicture picture) = 0;

@@ -9,7 +9,7 @@
 namespace filasofia::visual {
 namespace {
 
-constexpr double kSmallest = 0.5, kLargest = 8.0; // scales of texts
+constexpr double kSmallest = 0.5, kLargest = 8.0; // scales of text
 
 bool isMouse(const event::Event& event)
 {
@@ -23,13 +23,13 @@ PixelArea areaOf(const View* view, int width, int height)
     return pixelArea(view ? view->def().viewport : Viewport{}, width, height);
 }
 
-/// While it lives a flag is set.
-class Raised {
+/// Sets a flag while it lives.
+class FlagGuard {
 public:
-    explicit Raised(bool& flag) : flag_(flag) { flag_ = true; }
-    ~Raised() { flag_ = false; }
-    Raised(const Raised&) = delete;
-    Raised& operator=(const Raised&) = delete;
+    explicit FlagGuard(bool& flag) : flag_(flag) { flag_ = true; }
+    ~FlagGuard() { flag_ = false; }
+    FlagGuard(const FlagGuard&) = delete;
+    FlagGuard& operator=(const FlagGuard&) = delete;
 
 private:
     bool& flag_;
@@ -64,7 +64,7 @@ Canvas& Overlays::add(const CanvasDef& def, Slot slot, OverlayBackend& backend)
     ImguiSurface& surface = canvas->impl().surface;
     surface.callback.set(def.renderCallback);
     surface.setScale(def.scale);
-    backend.putCanvas(slot, def.width, def.height, def.pixelWidth, def.pixelHeight, surface.glyphs());
+    backend.putCanvas(slot, {def.width, def.height, def.pixelWidth, def.pixelHeight}, surface.glyphs());
     canvases_.push_back(std::move(canvas));
     return *canvases_.back();
 }
@@ -108,7 +108,7 @@ void Overlays::checkNotCalled(const char* function) const
 void Overlays::setGuiScale(double scale)
 {
     if (!(scale >= kSmallest && scale <= kLargest)) fail("visual server: guiScale must be in [0.5, 8], got ", scale);
-    guiScale_ = scale; // each Gui takes it up in its next frame
+    guiScale_ = scale; // each Gui applies it in its next frame
 }
 
 bool Overlays::handle(const event::Event& event)
@@ -116,7 +116,7 @@ bool Overlays::handle(const event::Event& event)
     bool taken = false;
     for (auto gui = guis_.rbegin(); gui != guis_.rend(); ++gui) {
         if (taken && isMouse(event)) {
-            (*gui)->impl().surface.leave(); // a panel above lies between
+            (*gui)->impl().surface.leave(); // a panel above covers it
         } else if (!taken || event.type == event::EventType::Window) {
             taken = (*gui)->handle(event) || taken;
         }
@@ -151,7 +151,7 @@ void Overlays::drawCanvas(Canvas& canvas, double seconds)
 
 void Overlays::callAll(int width, int height, double seconds)
 {
-    const Raised raised(calling_);
+    const FlagGuard guard(calling_);
     for (const auto& canvas : canvases_) drawCanvas(*canvas, seconds);
     for (const auto& gui : guis_) drawGui(*gui, width, height, seconds);
 }

@@ -17,7 +17,7 @@ struct Gui::Impl {
     GuiDef def;
     View* view; ///< nullptr: the window
     ImguiSurface surface;
-    PixelArea area = {}; ///< of the window, in the last frame
+    PixelArea area = {}; ///< in the window, in the last frame
     bool visible = true;
 };
 
@@ -28,38 +28,38 @@ struct Canvas::Impl {
     ImguiSurface surface;
 };
 
-/// All of a server that is drawn over the scene or stands in it as no body: Guis, Canvases, debug drawings.
+/// Everything of a server that lies over the scene, or stands in it and is not a body: Guis, Canvases, debug drawings.
 class Overlays {
 public:
     Overlays();
     ~Overlays();
 
-    /// Throw an Error naming the object where something is wrong.
+    /// Throw an Error naming the object if the Def is wrong.
     Gui& add(const GuiDef& def, View* view, Slot slot, OverlayBackend& backend, int width, int height);
     Canvas& add(const CanvasDef& def, Slot slot, OverlayBackend& backend);
-    /// False where it is none of ours.
+    /// Return false if it is not one of ours.
     bool remove(Gui& gui);
     bool remove(Transform& canvas);
     [[nodiscard]] bool has(const Transform& canvas) const;
-    /// Throws an Error where a Gui lies on the view.
+    /// Throws an Error if a Gui lies on the view.
     void checkRemoval(const View& view) const;
-    /// Throws an Error inside a renderCallback: what it is called from must stay until it returns.
+    /// Throws an Error inside a renderCallback, because its caller must stay alive until it returns.
     void checkNotCalled(const char* function) const;
 
     void setGuiScale(double scale); ///< in [0.5, 8]
     [[nodiscard]] double guiScale() const { return guiScale_; }
-    /// The upper ones first; true where one of them takes it.
+    /// Upper ones first. Returns true if one of them takes the event.
     bool handle(const event::Event& event);
     [[nodiscard]] bool wantsText() const;
 
-    /// Calls the renderCallbacks, three times when one of them is new, and gives the backend what came out, for a
-    /// picture `seconds` after the last. `views` are all of the server, in a window of this size.
+    /// Calls the renderCallbacks, three times if one of them is new, and passes the result to the backend, for a
+    /// picture `seconds` after the last. `views` are all views of the server, in a window of this size.
     void draw(OverlayBackend& backend, std::span<const std::unique_ptr<View>> views, int width, int height,
               double seconds);
     [[nodiscard]] DebugDraw& debug() { return *debug_; }
 
 private:
-    /// There is one whose callback was never called.
+    /// Whether there is a callback that was never called.
     [[nodiscard]] bool fresh() const;
     void callAll(int width, int height, double seconds);
     void drawGui(Gui& gui, int width, int height, double seconds);
@@ -70,7 +70,7 @@ private:
     std::unique_ptr<DebugDraw> debug_;
     DebugTexts debugTexts_;
     double guiScale_ = 1.0;
-    bool calling_ = false; ///< a renderCallback
+    bool calling_ = false; ///< a renderCallback is being called
 };
 
 } // namespace filasofia::visual

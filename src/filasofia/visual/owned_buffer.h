@@ -6,7 +6,7 @@
 
 namespace filasofia::visual {
 
-/// Data for the graphics library, which uploads it later and on its own thread: it travels along and dies after it.
+/// A buffer descriptor that owns its data, because the graphics library uploads it later on its own thread.
 template <class T> filament::backend::BufferDescriptor ownedBuffer(std::vector<T> data)
 {
     auto* kept = new std::vector<T>(std::move(data));

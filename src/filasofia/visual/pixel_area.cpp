@@ -7,7 +7,7 @@ namespace filasofia::visual {
 
 PixelArea pixelArea(const Viewport& port, int windowWidth, int windowHeight)
 {
-    // Edges are rounded, not sizes: neighbours meet without a gap.
+    // Edges are rounded, not sizes, so that neighbours have no gap.
     const auto edge = [](double fraction, int size) { return std::clamp(int(std::lround(fraction * size)), 0, size); };
     PixelArea area;
     area.left = std::min(edge(port.left, windowWidth), windowWidth - 1);

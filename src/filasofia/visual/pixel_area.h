@@ -4,7 +4,7 @@
 
 namespace filasofia::visual {
 
-/// A rectangle of pixels, rows counted from the top: those in [left, right) and [top, bottom).
+/// A rectangle of pixels with rows counted from the top: those in [left, right) and [top, bottom).
 struct PixelArea {
     int left = 0;
     int top = 0;

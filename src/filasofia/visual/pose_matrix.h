@@ -7,7 +7,7 @@
 
 namespace filasofia::visual {
 
-/// The pose as Filament's transforms want it.
+/// The pose as a matrix for Filament's transforms.
 inline filament::math::mat4f matrixOf(const Pose& pose, double scale = 1.0)
 {
     const Mat3 r = scale * toMat3(pose.orientation);

@@ -8,8 +8,8 @@
 
 namespace filasofia::visual {
 
-/// While it lives, nothing reaches standard output. Filament greets there, and a program's output belongs to the
-/// program. The whole process is concerned: keep it short. Its errors go to standard error and stay.
+/// While it lives, nothing reaches standard output. Filament prints a greeting there, but a program's output belongs to
+/// the program. It concerns the whole process, so keep it short. Standard error is not touched.
 class QuietOutput {
 public:
     QuietOutput()
@@ -33,7 +33,7 @@ public:
     QuietOutput& operator=(const QuietOutput&) = delete;
 
 private:
-    static inline std::mutex one_; ///< two at once would restore each other's nothing
+    static inline std::mutex one_; ///< two at once would each restore the other's /dev/null
     const std::lock_guard<std::mutex> lock_{one_};
     int saved_ = -1;
 };

@@ -20,14 +20,14 @@ class View;
 
 namespace filasofia::visual {
 
-/// An entity as the backend knows it; given once by the server, never 0.
+/// An entity's number in the backend; the server gives it once, never 0.
 using Slot = std::uint32_t;
 
 /// The surface of a body as it is drawn, after subdivision.
 struct BodyGeometry {
-    std::vector<Float3> rest;             ///< [m], one for each vertex: what the pattern sticks to
-    std::vector<std::uint32_t> indices;   ///< three vertices for each triangle
-    std::vector<std::array<float, 2>> uv; ///< one for each vertex, or none
+    std::vector<Float3> rest;             ///< [m], one per vertex; the pattern is fixed to them
+    std::vector<std::uint32_t> indices;   ///< three vertices per triangle
+    std::vector<std::array<float, 2>> uv; ///< one per vertex, or empty
     VertexData vertices;
 };
 
@@ -40,7 +40,7 @@ struct NativeObjects {
     filament::Scene* scene = nullptr;
 };
 
-/// What draws. All it is given has been checked; a slot names one entity of one kind until remove().
+/// The part that draws. Its input has been checked; a slot names one entity of one kind until remove().
 class RenderBackend {
 public:
     RenderBackend() = default;
@@ -54,7 +54,7 @@ public:
     virtual void setSurfaceState(Slot body, std::vector<PackedState> states) = 0;
     virtual void setMaterial(Slot body, const ReadyMaterial& material) = 0;
 
-    /// These make the entity or replace what it was.
+    /// These make the entity or replace the former one.
     virtual void putLight(Slot slot, const LightDef& def) = 0;
     virtual void putCamera(Slot slot, const CameraDef& def) = 0;
     virtual void putView(Slot slot, const ViewDef& def, Slot camera) = 0;
@@ -67,8 +67,8 @@ public:
 
     virtual void resize(int width, int height) = 0;
     virtual bool draw() = 0;              ///< one frame; false: skipped
-    virtual Image capture() = 0;          ///< draws, and reads what was drawn; throws an Error when nothing comes
-    virtual Image capture(Slot view) = 0; ///< the same of an off-screen view, and of those made before it
+    virtual Image capture() = 0;          ///< draws and returns the picture; throws an Error if there is none
+    virtual Image capture(Slot view) = 0; ///< the same for an off-screen view, after those made before it
 
     [[nodiscard]] virtual OverlayBackend& overlays() = 0;
 
@@ -76,7 +76,7 @@ public:
     virtual filament::View* nativeView(Slot) { return nullptr; }
 };
 
-/// Throws an Error when it cannot start.
+/// Throws an Error if it cannot start.
 std::unique_ptr<RenderBackend> makeBackend(const VisualServerDef& def);
 
 } // namespace filasofia::visual

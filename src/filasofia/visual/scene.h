@@ -11,16 +11,16 @@
 
 namespace filasofia::visual {
 
-/// Filament 1.9 keeps its handles in a fixed arena, and the process ends when that is full: about 10,900 of the size of
-/// buffers, of which a body takes seven. (Measured: 1,650 bodies and nothing else.)
-constexpr std::size_t kMostBodies = 1400;
+/// Filament 1.9 keeps its handles in a fixed arena, and the process ends when that is full: about 10,900 handles of the
+/// size of buffers, of which a body takes seven. (Measured: 1,650 bodies and nothing else.)
+constexpr std::size_t kMaxBodies = 1400;
 
 /// What a server shares with its entities.
 struct Scene {
     std::unique_ptr<RenderBackend> backend;
     std::thread::id thread = std::this_thread::get_id();
     MaterialStore materials;
-    std::vector<VisualBody*> bodies; ///< all of them in the order they were made; so are the next three
+    std::vector<VisualBody*> bodies; ///< all, in the order in which they were made, like the next three
     std::vector<Light*> lights;
     std::vector<Camera*> cameras;
     std::vector<View*> views;
@@ -34,12 +34,12 @@ struct Scene {
 struct VisualBody::Impl {
     Scene& scene;
     Slot slot;
-    VisualBodyDef def; ///< its mesh is the current one: positions as last given
+    VisualBodyDef def; ///< its mesh has the positions given last
     Subdivision subdivision;
-    std::vector<Float3> control = {}; ///< kept from frame to frame: what setVertices() computes with
+    std::vector<Float3> control = {}; ///< scratch memory of setVertices(), kept between frames
     std::vector<Float3> normals = {};
 
-    /// Takes the positions of the mesh's vertices; what is drawn of them.
+    /// Takes the positions of the mesh's vertices and returns what is drawn of them.
     VertexData deform(std::span<const Vec3> positions);
 };
 
@@ -69,21 +69,21 @@ struct View::Impl {
     bool visible = true;
 };
 
-/// Tells the backend where everything is, how large and whether it is seen.
+/// Passes pose, scale and visibility of everything to the backend.
 void sendPlaces(Scene& scene);
 
-/// Throw an Error naming the object when the Def is wrong, alone or beside what the scene holds.
+/// Throw an Error naming the object if the Def is wrong, alone or together with the scene.
 void check(const LightDef& def, const Scene& scene, const LightDef* replaced);
 void check(const CameraDef& def);
 void check(const ViewDef& def, const Scene& scene, const ViewDef* replaced);
 void check(const EnvironmentDef& def);
-/// Numbers and positions; the mesh's triangles are checked by Subdivision, the material by readyMaterial.
+/// Checks numbers and positions; Subdivision checks the mesh's triangles, readyMaterial the material.
 void check(const VisualBodyDef& def);
-/// Reads what the material names. Throws an Error naming the body when anything is wrong, there is no off-screen view
-/// of a name, or the mesh has no uv for its textures.
+/// Reads the files that the material names. Throws an Error naming the body if anything is wrong, an off-screen view
+/// does not exist, or the mesh has no uv for its textures.
 ReadyMaterial readyMaterial(Scene& scene, const Material& material, const geometry::TriangleMesh& mesh,
                             std::string_view body);
-/// Gives the bodies that show off-screen views their materials again, after such a view has come, changed or gone.
+/// Sets the materials of bodies that show off-screen views again, after such a view was added, changed or removed.
 void refreshViewPictures(Scene& scene);
 void checkPositions(std::span<const Vec3> positions, std::size_t count, std::string_view body);
 
@@ -92,7 +92,7 @@ void addMaterial(Scene& scene, const std::string& name, const Material& material
 void changeMaterial(Scene& scene, const std::string& name, const Material& material);
 void removeMaterial(Scene& scene, const std::string& name);
 
-/// The surface that `rest` and `now` (both before subdivision) give.
+/// The surface given by `rest` and `now`, both before subdivision.
 BodyGeometry bodyGeometry(const Subdivision& subdivision, std::span<const Vec3> rest,
                           const geometry::TriangleMesh& now);
 

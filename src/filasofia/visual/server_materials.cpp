@@ -32,7 +32,7 @@ void changeMaterial(Scene& scene, const std::string& name, const Material& mater
 {
     (void)scene.materials.get(name, objectName(name));
     checkNotNamed(name, material);
-    // All that can be wrong is found before anything changes.
+    // All errors are found before anything changes.
     std::vector<VisualBody*> users;
     for (VisualBody* body : scene.bodies)
         if (uses(*body, name)) users.push_back(body);

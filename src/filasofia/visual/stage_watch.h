@@ -6,7 +6,7 @@
 
 namespace filasofia::visual {
 
-/// Sums up what stages take; without a clock it does nothing.
+/// Sums the times of stages; without a clock it does nothing.
 class StageWatch {
 public:
     StageWatch() = default;
@@ -16,7 +16,7 @@ public:
     {
         if (now_) last_ = now_();
     }
-    /// The time since start() or the last lap was this stage's.
+    /// Adds the time since start() or the last lap to this stage.
     void lap(double VisualStages::*stage)
     {
         if (!now_) return;

@@ -15,10 +15,11 @@ namespace {
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-// OpenSubdiv takes some non-manifold meshes and refuses others; a rule that can be told beforehand is better.
+// OpenSubdiv takes some non-manifold meshes and refuses others; a rule that can be stated in advance is better.
 void checkManifold(const geometry::TriangleMesh& mesh, std::string_view name)
 {
-    std::vector<std::array<int, 2>> edges; // directed: a manifold mesh has none twice, and no undirected one thrice
+    // Directed: a manifold mesh has none twice, and no undirected one three times.
+    std::vector<std::array<int, 2>> edges;
     edges.reserve(3 * mesh.triangles.size());
     for (const geometry::Triangle& t : mesh.triangles)
         for (int k = 0; k < 3; ++k) edges.push_back({t[std::size_t(k)], t[std::size_t((k + 1) % 3)]});
@@ -43,14 +44,14 @@ std::unique_ptr<Far::TopologyRefiner> refinerOf(const geometry::TriangleMesh& me
     rules.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
     std::unique_ptr<Far::TopologyRefiner> refiner(
         Factory::Create(descriptor, Factory::Options(Sdc::SCHEME_LOOP, rules)));
-    if (!refiner) fail(name, ": the surface cannot be subdivided: its triangles do not make a surface");
+    if (!refiner) fail(name, ": the surface cannot be subdivided: its triangles do not form a surface");
     return refiner;
 }
 
 } // namespace
 
 struct Subdivision::Stencils {
-    std::unique_ptr<const Far::StencilTableReal<float>> table; // its derived class is a mere name for it
+    std::unique_ptr<const Far::StencilTableReal<float>> table; // its derived class only adds a name
 };
 
 Subdivision::Subdivision(const geometry::TriangleMesh& mesh, int level, std::string_view name)
@@ -67,7 +68,7 @@ Subdivision::Subdivision(const geometry::TriangleMesh& mesh, int level, std::str
     checkManifold(mesh, name);
     const auto refiner = refinerOf(mesh, name);
     Far::TopologyRefiner::UniformOptions uniform(level);
-    uniform.fullTopologyInLastLevel = true; // the triangles of the last level are what is drawn
+    uniform.fullTopologyInLastLevel = true; // the triangles of the last level are drawn
     refiner->RefineUniform(uniform);
 
     using Factory = Far::StencilTableFactoryReal<float>;
@@ -95,7 +96,7 @@ std::vector<Float3> Subdivision::refine(std::span<const Float3> control) const
     FILASOFIA_ASSERT(control.size() == std::size_t(controlCount_));
     if (!stencils_) return {control.begin(), control.end()};
     std::vector<Float3> refined(static_cast<std::size_t>(vertexCount_));
-    // The templated product: three to five times faster than OpenSubdiv's evaluators on arrays.
+    // The templated product is three to five times faster than OpenSubdiv's evaluators on arrays.
     stencils_->table->UpdateValues(control.data(), refined.data());
     return refined;
 }

@@ -12,11 +12,11 @@
 namespace filasofia::visual {
 
 /// Loop subdivision of a triangle mesh: the topology is refined once, then any positions of its vertices are refined by
-/// one sparse product. Borders stay borders.
+/// one sparse product. Boundaries stay boundaries.
 class Subdivision {
 public:
-    /// Throws an Error naming `name` when the mesh is wrong (geometry::check), the level is outside [0, 3], or, from
-    /// level 1 on, an edge belongs to more than two triangles or to two that wind against each other.
+    /// Throws an Error naming `name` if the mesh is wrong (geometry::check), the level is outside [0, 3], or, from
+    /// level 1 on, an edge belongs to more than two triangles or to two with opposite orientation.
     Subdivision(const geometry::TriangleMesh& mesh, int level, std::string_view name);
     ~Subdivision();
     Subdivision(Subdivision&&) noexcept;
@@ -24,9 +24,9 @@ public:
 
     [[nodiscard]] int controlCount() const { return controlCount_; }
     [[nodiscard]] int vertexCount() const { return vertexCount_; }
-    /// Three refined vertices for each refined triangle.
+    /// Three refined vertices per refined triangle.
     [[nodiscard]] std::span<const std::uint32_t> indices() const { return indices_; }
-    /// Positions of the refined vertices; any value in three floats may take their place. `control`: controlCount() of
+    /// The positions of the refined vertices, or any other values of three floats. `control` has controlCount() of
     /// them.
     [[nodiscard]] std::vector<Float3> refine(std::span<const Float3> control) const;
 
@@ -35,7 +35,7 @@ private:
     int controlCount_ = 0;
     int vertexCount_ = 0;
     std::vector<std::uint32_t> indices_;
-    std::unique_ptr<Stencils> stencils_; ///< none at level 0
+    std::unique_ptr<Stencils> stencils_; ///< null at level 0
 };
 
 } // namespace filasofia::visual

@@ -73,7 +73,7 @@ Pose lookAt(Vec3 eye, Vec3 target, Vec3 up)
     const Vec3 back = normalized(eye - target);
     if (back == Vec3{} || !isFinite(back)) fail("lookAt: eye and target must be finite and apart");
     Vec3 right = cross(up, back);
-    // Parallel to the view, or nearly so: take the axis that is farthest from it.
+    // Parallel to the view, or nearly so: use the axis that is farthest from it.
     if (!isFinite(right) || lengthSquared(right) < 1e-12 * lengthSquared(up) || up == Vec3{})
         right = cross(std::abs(back.z) < 0.7 ? Vec3{0, 0, 1} : Vec3{1, 0, 0}, back);
     right = normalized(right);

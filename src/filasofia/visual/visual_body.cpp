@@ -8,7 +8,7 @@
 namespace filasofia::visual {
 namespace {
 
-// Float bounds of a million metres keep every square and product of the graphics library finite.
+// Bounds of a million metres keep every square and product of the graphics library finite in float.
 constexpr double kFarthest = 1e6;
 
 std::vector<Float3> toFloats(std::span<const Vec3> positions)
@@ -147,7 +147,7 @@ void VisualBody::setSurfaceState(std::span<const SurfaceState> states)
                 fail(bodyName(name()), ": the surface state of vertex ", i, " must be in [0, 1], got ", value);
         control[i] = toFloat3({states[i].blood, states[i].burn, states[i].wetness});
     }
-    // The refined values are means of the given ones, but for rounding.
+    // The refined values are means of the given ones, up to rounding.
     const auto pack = [](float v) { return static_cast<std::uint8_t>(std::lrint(255.0F * std::clamp(v, 0.0F, 1.0F))); };
     const std::vector<Float3> refined = impl_->subdivision.refine(control);
     std::vector<PackedState> packed(refined.size());

@@ -12,7 +12,7 @@
 namespace filasofia::visual {
 namespace {
 
-/// Seconds that `work` took.
+/// The time [s] that `work` took.
 template <class Work> double secondsOf(Work&& work)
 {
     const auto start = std::chrono::steady_clock::now();
@@ -34,8 +34,8 @@ struct VisualServer::Impl {
     std::vector<std::unique_ptr<Transform>> rigs;
     Slot lastSlot = 0;
     VisualStatistics statistics;
-    Overlays overlays;  ///< after the views that Guis lie on: it goes first
-    bool paced = false; ///< somebody sees the frames as they come
+    Overlays overlays;  ///< after the views that Guis lie on, so that it is destroyed first
+    bool paced = false; ///< somebody watches the frames in real time
     std::chrono::steady_clock::time_point lastFrame = std::chrono::steady_clock::now();
 
     /// The place of an entity in a list, or its end.
@@ -44,7 +44,7 @@ struct VisualServer::Impl {
         return std::find_if(list.begin(), list.end(), [&](const auto& each) { return each.get() == &wanted; });
     }
 
-    /// Removes `entity` from scene and list; false when it is not in this list.
+    /// Removes `entity` from scene and list; returns false if it is not in this list.
     template <class Entity> bool erase(std::vector<std::unique_ptr<Entity>>& list, Transform& entity)
     {
         const auto found = find(list, entity);
@@ -59,8 +59,8 @@ struct VisualServer::Impl {
         return overlays.add(def, view, ++lastSlot, scene.backend->overlays(), width, height);
     }
 
-    /// Guis, Canvases and debug drawings, as they are in the next picture. Where nobody watches a second has 60 frames,
-    /// so that the same calls give the same pictures.
+    /// Guis, Canvases and debug drawings for the next picture. If nobody watches, a second has 60 frames, so that the
+    /// same calls give the same pictures.
     void drawOverlays()
     {
         const auto now = std::chrono::steady_clock::now();
@@ -99,8 +99,8 @@ VisualBody& VisualServer::add(const VisualBodyDef& def)
 {
     impl_->scene.assertThread();
     check(def);
-    if (impl_->bodies.size() >= kMostBodies)
-        fail("body '", def.name, "': a server has at most ", kMostBodies, " bodies at a time");
+    if (impl_->bodies.size() >= kMaxBodies)
+        fail("body '", def.name, "': a server has at most ", kMaxBodies, " bodies at a time");
     Subdivision subdivision(def.mesh, def.subdivision, text("body '", def.name, "'"));
     const ReadyMaterial material = readyMaterial(impl_->scene, def.material, def.mesh, def.name);
     BodyGeometry geometry = bodyGeometry(subdivision, def.mesh.vertices, def.mesh);

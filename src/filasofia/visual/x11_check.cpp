@@ -9,7 +9,7 @@
 namespace filasofia::visual {
 namespace {
 
-bool gErrorSeen = false; // Xlib's error handler is one for the process and takes no context
+bool gErrorSeen = false; // Xlib has one error handler per process, which takes no context
 
 int noteError(Display*, XErrorEvent*)
 {
@@ -35,8 +35,7 @@ void checkX11Window(void* nativeWindow)
     if (!nativeWindow) fail("visual server: nativeWindow: the window backend needs an X11 window, got none");
     const auto close = [](Display* open) { XCloseDisplay(open); };
     const std::unique_ptr<Display, decltype(close)> display(XOpenDisplay(nullptr), close);
-    if (!display)
-        fail("visual server: no X display can be opened (DISPLAY): use Backend::Headless where there is no screen");
+    if (!display) fail("visual server: no X display can be opened (DISPLAY); without a screen use Backend::Headless");
     int opcode = 0, event = 0, error = 0;
     if (!XQueryExtension(display.get(), "GLX", &opcode, &event, &error))
         fail("visual server: the X display has no OpenGL (GLX)");

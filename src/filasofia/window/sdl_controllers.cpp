@@ -8,9 +8,10 @@ namespace filasofia::window {
 namespace {
 
 constexpr Uint16 kThreeDconnexion = 0x256f;
-constexpr double kDeadGamepad = 0.12, kDeadCap = 0.02; ///< [-] what a stick that nobody holds may say
+constexpr double kDeadGamepad = 0.12,
+                 kDeadCap = 0.02; ///< [-] dead zones: readings of a stick or cap that nobody touches
 
-/// [-] in [-1, 1] of what SDL says, 0 about the middle.
+/// [-] The axis value in [-1, 1], with a dead zone around 0.
 double axis(Sint16 value, double dead)
 {
     const double share = std::clamp(value / 32767.0, -1.0, 1.0), size = std::abs(share);
@@ -55,8 +56,8 @@ void SdlControllers::close(SDL_JoystickID id)
     open_.erase(place);
 }
 
-// SDL's y axes point down. A cap's axes are those of its maker: to the right, towards the person, down, and turns about
-// the same.
+// SDL's y axes point down. A cap's axes are those of its maker: to the right, towards the user, down, and rotations
+// about the same axes.
 std::unique_ptr<event::ControllerEvent> SdlControllers::read(const Open& open)
 {
     auto event = std::make_unique<event::ControllerEvent>();
@@ -89,7 +90,7 @@ std::unique_ptr<event::ControllerEvent> SdlControllers::take(const SDL_Event& ev
     case SDL_JOYDEVICEADDED:
         open(event.jdevice.which);
         return nullptr;
-    case SDL_JOYDEVICEREMOVED: { // whatever it did last it does no more
+    case SDL_JOYDEVICEREMOVED: { // report it at rest, because it sends nothing more
         const auto place = std::ranges::find(open_, event.jdevice.which, &Open::id);
         if (place == open_.end()) return nullptr;
         auto still = std::make_unique<event::ControllerEvent>();

@@ -9,8 +9,8 @@
 
 namespace filasofia::window {
 
-/// Game controllers and six-axis caps, as SDL finds them: opened as they come, closed as they go. Where SDL can read
-/// none, there are none.
+/// Game controllers and six-axis controllers found by SDL: opened when they are connected, closed when they are
+/// removed. If SDL cannot read controllers, there are none.
 class SdlControllers {
 public:
     SdlControllers();
@@ -18,7 +18,7 @@ public:
     SdlControllers(const SdlControllers&) = delete;
     SdlControllers& operator=(const SdlControllers&) = delete;
 
-    /// What an SDL event leads to; nullptr where it is none of a controller that is open.
+    /// The event of an open controller that an SDL event leads to; nullptr if there is none.
     std::unique_ptr<event::ControllerEvent> take(const SDL_Event& event);
 
 private:
@@ -36,7 +36,7 @@ private:
     std::vector<Open> open_;
 };
 
-/// Whether a joystick of this maker and name is a six-axis cap.
+/// True if a joystick of this vendor and name is a six-axis controller.
 bool isSpaceMouse(Uint16 vendor, const char* name);
 
 } // namespace filasofia::window

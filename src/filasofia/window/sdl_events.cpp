@@ -13,7 +13,7 @@ struct KeyPair {
     KeyCode ours;
 };
 
-// Letters, digits and function keys lie in a row in SDL as in KeyCode and are computed; here are the others.
+// Letters, digits and function keys are consecutive in SDL as in KeyCode and are computed; these are the others.
 constexpr std::array kKeys = {
     KeyPair{SDLK_ESCAPE, KeyCode::Escape},
     KeyPair{SDLK_RETURN, KeyCode::Enter},
@@ -55,7 +55,7 @@ constexpr std::array kKeys = {
     KeyPair{SDLK_PRINTSCREEN, KeyCode::PrintScreen},
     KeyPair{SDLK_PAUSE, KeyCode::Pause},
     KeyPair{SDLK_APPLICATION, KeyCode::Menu},
-    KeyPair{SDLK_KP_0, KeyCode::Keypad0}, // SDL puts 0 behind 9
+    KeyPair{SDLK_KP_0, KeyCode::Keypad0}, // SDL puts 0 after 9
     KeyPair{SDLK_KP_PLUS, KeyCode::KeypadAdd},
     KeyPair{SDLK_KP_MINUS, KeyCode::KeypadSubtract},
     KeyPair{SDLK_KP_MULTIPLY, KeyCode::KeypadMultiply},
@@ -66,7 +66,7 @@ constexpr std::array kKeys = {
 
 struct KeyRow {
     SDL_Keycode first, last;
-    KeyCode ours; // of `first`
+    KeyCode ours; // code of `first`
 };
 constexpr std::array kRows = {
     KeyRow{SDLK_a, SDLK_z, KeyCode::A},
@@ -97,7 +97,7 @@ std::optional<MouseButton> mouseButton(Uint8 button)
     case SDL_BUTTON_X2:
         return MouseButton::Forward;
     default:
-        return std::nullopt; // a mouse with more buttons than a simulator has uses for
+        return std::nullopt; // other buttons have no use in a simulator
     }
 }
 
@@ -136,7 +136,7 @@ std::unique_ptr<Event> translateWheel(const SDL_MouseWheelEvent& from)
     const double sign = from.direction == SDL_MOUSEWHEEL_FLIPPED ? -1.0 : 1.0;
     made->dx = sign * from.x;
     made->dy = sign * from.y;
-    int x = 0, y = 0; // the wheel's own event says where only in newer versions of SDL
+    int x = 0, y = 0; // only newer versions of SDL store the position in the wheel's own event
     SDL_GetMouseState(&x, &y);
     made->x = x;
     made->y = y;
@@ -156,7 +156,7 @@ std::unique_ptr<Event> translateKey(const SDL_KeyboardEvent& from)
 
 std::unique_ptr<Event> translateText(const SDL_TextInputEvent& from)
 {
-    if (from.text[0] == '\0') return nullptr; // a dead key that waits for the next one
+    if (from.text[0] == '\0') return nullptr; // a dead key that waits for the next key
     auto made = std::make_unique<TextInputEvent>();
     made->text = from.text;
     return made;
@@ -165,7 +165,7 @@ std::unique_ptr<Event> translateText(const SDL_TextInputEvent& from)
 std::optional<WindowEvent::Kind> windowKind(Uint8 sdl)
 {
     switch (sdl) {
-    case SDL_WINDOWEVENT_SIZE_CHANGED: // comes with every change; RESIZED is a second word for some of them
+    case SDL_WINDOWEVENT_SIZE_CHANGED: // sent for every change; RESIZED repeats some of them
         return WindowEvent::Kind::Resized;
     case SDL_WINDOWEVENT_CLOSE:
         return WindowEvent::Kind::CloseRequested;
@@ -242,7 +242,7 @@ std::unique_ptr<Event> translate(const SDL_Event& event)
         return translateText(event.text);
     case SDL_WINDOWEVENT:
         return translateWindow(windowKind(event.window.event));
-    case SDL_QUIT: // the session ends
+    case SDL_QUIT: // the desktop session ends
         return translateWindow(WindowEvent::Kind::CloseRequested);
     default:
         return nullptr;

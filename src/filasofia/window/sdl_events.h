@@ -8,13 +8,14 @@
 
 namespace filasofia::window {
 
-/// The window an SDL event is about: 0 where SDL does not say (a key while no window of ours has the focus).
+/// The window that an SDL event is about; 0 if SDL does not say (such as a key while none of our windows has the
+/// focus).
 Uint32 windowOf(const SDL_Event& event);
 
-/// The event in our words; nullptr where it is none of our kinds. A WindowEvent's size is left to the window.
+/// The event as one of our types; nullptr if it is none of them. The window fills in the size of a WindowEvent.
 std::unique_ptr<event::Event> translate(const SDL_Event& event);
 
-/// Unknown where we have no name for it.
+/// Unknown if the key has no name here.
 event::KeyCode keyCode(SDL_Keycode key);
 
 } // namespace filasofia::window

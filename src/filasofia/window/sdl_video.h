@@ -6,7 +6,7 @@
 
 namespace filasofia::window {
 
-/// SDL's video part, alive while at least one of these is. All live in one thread.
+/// SDL's video subsystem, initialised while at least one of these objects exists. All must live on one thread.
 class SdlVideo {
 public:
     SdlVideo(); ///< throws an Error that says why there is no X display

@@ -16,9 +16,9 @@
 namespace filasofia::window {
 namespace {
 
-// SDL has one queue of events for all windows; each finds its own here. One thread (see SdlVideo).
+// SDL has one event queue for all windows; each window picks its own events here. One thread only (see SdlVideo).
 std::vector<SdlWindow*> openWindows;
-std::unique_ptr<SdlControllers> controllers; // while there is a window
+std::unique_ptr<SdlControllers> controllers; // exists while there is a window
 
 } // namespace
 
@@ -26,10 +26,10 @@ SdlWindow::SdlWindow(const WindowDef& def)
 {
     Uint32 flags = SDL_WINDOW_SHOWN;
     if (def.resizable) flags |= SDL_WINDOW_RESIZABLE;
-    // Not SDL_WINDOW_OPENGL: the renderer makes its own context and wants the display's default visual.
+    // Not SDL_WINDOW_OPENGL: the renderer creates its own context and wants the display's default visual.
     window_ = SDL_CreateWindow(def.title.c_str(), SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, def.width,
                                def.height, flags);
-    if (!window_) fail("SDL cannot make it: ", std::string_view(SDL_GetError()));
+    if (!window_) fail("SDL cannot create it: ", std::string_view(SDL_GetError()));
     openWindows.push_back(this);
     if (!controllers) controllers = std::make_unique<SdlControllers>();
 }
@@ -46,14 +46,14 @@ void* SdlWindow::nativeWindow() const
     SDL_SysWMinfo info;
     SDL_VERSION(&info.version)
     const bool known = SDL_GetWindowWMInfo(window_, &info) == SDL_TRUE && info.subsystem == SDL_SYSWM_X11;
-    FILASOFIA_ASSERT(known); // SdlVideo has let only X11 through
+    FILASOFIA_ASSERT(known); // SdlVideo accepts only X11
     return reinterpret_cast<void*>(static_cast<std::uintptr_t>(info.info.x11.window));
 }
 
 WindowSize SdlWindow::size() const
 {
     WindowSize size;
-    SDL_GetWindowSize(window_, &size.width, &size.height); // pixels: X11 knows no other unit
+    SDL_GetWindowSize(window_, &size.width, &size.height); // in pixels: X11 has no other unit
     return size;
 }
 
@@ -62,7 +62,7 @@ double SdlWindow::scale() const
     float dotsPerInch = 0.0f;
     const int display = SDL_GetWindowDisplayIndex(window_);
     if (display < 0 || SDL_GetDisplayDPI(display, &dotsPerInch, nullptr, nullptr) != 0) return 1.0;
-    // Quarters: monitors report their size roughly, and a text at 1.04 is only blurred.
+    // Rounded to quarters, because monitors report their size only roughly, and text at 1.04 is only blurred.
     return std::clamp(std::round(4.0 * static_cast<double>(dotsPerInch) / 96.0) / 4.0, 1.0, 4.0);
 }
 
@@ -102,7 +102,7 @@ void SdlWindow::take(const SDL_Event& from)
         const WindowSize now = size();
         own->width = now.width;
         own->height = now.height;
-        // SDL says "minimized" and "hidden" about the same thing.
+        // SDL sends both "minimized" and "hidden" for the same change.
         const bool appears = own->kind == event::WindowEvent::Kind::Shown;
         if ((appears || own->kind == event::WindowEvent::Kind::Hidden) && std::exchange(shown_, appears) == appears)
             return;

@@ -7,7 +7,7 @@
 
 namespace filasofia::window {
 
-/// A window of SDL on an X display.
+/// An SDL window on an X display.
 class SdlWindow final : public Window {
 public:
     explicit SdlWindow(const WindowDef& def);
@@ -25,7 +25,7 @@ private:
     static void pump();
     void take(const SDL_Event& event);
 
-    SdlVideo video_; // first: there is no window without it
+    SdlVideo video_; // first member, because a window needs it
     SDL_Window* window_ = nullptr;
     bool shown_ = false;
     bool shouldClose_ = false;

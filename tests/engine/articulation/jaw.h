@@ -4,14 +4,14 @@
 
 #include "engine/stage.h"
 
-/// What the tests of articulated bodies share.
+/// Helpers shared by the tests of articulated bodies.
 namespace filasofia::engine {
 
-inline constexpr double kArm = 0.03;        ///< [m] from the hinge to the jaw's middle
+inline constexpr double kArm = 0.03;        ///< [m] distance of the jaw's centre from the hinge
 inline constexpr double kJawMass = 0.02;    ///< [kg]
-inline constexpr double kJawInertia = 2e-6; ///< [kg m^2] about its middle
+inline constexpr double kJawInertia = 2e-6; ///< [kg m^2] about its centre
 
-/// A base at the origin, and a jaw that hangs on it by a hinge about z, along x at angle 0.
+/// A base at the origin with a jaw on a hinge about z. At angle 0 the jaw points along x.
 inline physics::RigidBodyDef jawBody(const physics::JointCommand& command)
 {
     physics::JointDef hinge{.childOffset = {{-kArm, 0, 0}, {}}, .command = command};
@@ -21,10 +21,10 @@ inline physics::RigidBodyDef jawBody(const physics::JointCommand& command)
     return def;
 }
 
-/// [kg m^2] about the hinge.
+/// [kg m^2] Moment of inertia about the hinge.
 inline constexpr double kHingeInertia = kJawInertia + kJawMass * kArm * kArm;
 
-/// The same with a plate of 40 x 4 x 20 mm that touches.
+/// The same with a plate of 40 x 4 x 20 mm as collision model.
 inline physics::RigidBodyDef touchingJaw(const physics::JointCommand& command)
 {
     physics::RigidBodyDef def = jawBody(command);
@@ -32,7 +32,7 @@ inline physics::RigidBodyDef touchingJaw(const physics::JointCommand& command)
     return def;
 }
 
-/// A cushion of tissue with its upper side at y = `top` below the jaw, held at its lower side.
+/// A cushion of tissue below the jaw, with its upper side at y = `top`, pinned at its lower side.
 inline physics::SoftBodyDef cushion(double top)
 {
     physics::SoftBodyDef def{.name = "cushion",
@@ -47,14 +47,14 @@ inline physics::SoftBodyDef cushion(double top)
 
 inline JointState& joint(Stage& stage, std::size_t body = 0, std::size_t j = 0)
 {
-    return stage.world.state().rigidBodies[body].joints[j];
+    return stage.world.scene().rigid[body].state.joints[j];
 }
 
-/// [N m] of all contacts on the body with that id about the z axis of the world's origin.
+/// [N m] Torque of all contacts on the body with that id about the z axis through the world's origin.
 inline double contactTorque(Stage& stage, BodyId id)
 {
     double sum = 0.0;
-    for (const frame::Contact& each : stage.world.state().touching) {
+    for (const frame::Contact& each : stage.world.scene().touching) {
         if (each.first == id || each.second == id) sum += cross(each.point, forceOn(id, each)).z;
     }
     return sum;

@@ -26,14 +26,14 @@ struct JawScene {
 
 } // namespace
 
-TEST_CASE("a jaw that closes with a torque stalls against tissue and holds that torque within 2 %")
+TEST_CASE("a jaw that closes with a torque stalls against tissue and keeps that torque within 2 %")
 {
     for (const double torque : {-0.002, -0.01, -0.03}) {
         JawScene scene{JointForce{torque}};
         scene.stage.run(1000, 1e-3);
         const double before = joint(scene.stage).now.position;
         double load = 0.0, byFrame = 0.0, worst = 0.0;
-        constexpr int steps = 20; // at single steps contacts that come and go shake it (contact.md)
+        constexpr int steps = 20; // at single steps contacts that come and go shake it (docs/lab/contact.md)
         for (int i = 0; i < 10 * steps; ++i) {
             if (i % steps == 0) load = byFrame = 0.0;
             scene.stage.step(1e-3);
@@ -46,16 +46,16 @@ TEST_CASE("a jaw that closes with a torque stalls against tissue and holds that 
             worst = std::max({worst, std::abs(load / -torque - 1.0), std::abs(byFrame / -torque - 1.0)});
         }
         const frame::Joint now = joint(scene.stage).now;
-        std::cout << "a jaw told to close with " << torque << " N m stands at " << now.position
+        std::cout << "a jaw commanded to close with " << torque << " N m stands at " << now.position
                   << " rad; means of its load over 20 ms are off by up to " << 100.0 * worst << " %\n";
-        CHECK(now.position < -0.005); // it has met the tissue, and sunk in
+        CHECK(now.position < -0.005); // it has touched the tissue and sunk in
         CHECK(now.position == Approx(before).epsilon(0.02));
         CHECK(now.force == torque);
         CHECK(now.stop == 0.0);
     }
 }
 
-TEST_CASE("the force of a joint that goes to a position is what tissue resists with")
+TEST_CASE("the force of a joint with a commanded position equals the resistance of the tissue")
 {
     JawScene scene{JointPosition{-0.12}};
     scene.stage.run(1500, 1e-3);
@@ -65,7 +65,8 @@ TEST_CASE("the force of a joint that goes to a position is what tissue resists w
     CHECK(now.force == -now.load);
     CHECK(now.load == Approx(contactTorque(scene.stage, {1})).epsilon(0.01));
 
-    // The same torque commanded holds the joint where it is: its mean, as contacts that come and go shake it.
+    // The same torque as a command keeps the joint at its place. The mean is compared, since single steps fluctuate as
+    // contacts appear and disappear.
     constexpr int steps = 100;
     double torque = 0.0;
     for (int i = 0; i < steps; ++i) {
@@ -78,9 +79,9 @@ TEST_CASE("the force of a joint that goes to a position is what tissue resists w
     CHECK(joint(scene.stage).now.load == Approx(-torque).epsilon(0.02));
 }
 
-TEST_CASE("a jaw gives a free box the angular momentum that it loses, and no energy")
+TEST_CASE("a jaw passes the angular momentum that it loses to a free box and adds no energy")
 {
-    // Without friction and gravity the angular momentum about the hinge's axis is theirs together.
+    // Without friction and gravity the sum of both angular momenta about the hinge's axis is conserved.
     for (const bool pressed : {false, true}) {
         physics::RigidBodyDef jaw = touchingJaw(JointForce{-0.02});
         jaw.friction = 0.0;
@@ -98,16 +99,16 @@ TEST_CASE("a jaw gives a free box the angular momentum that it loses, and no ene
         stage.run(20, 1e-3);
         if (!pressed) stage.post(SetJoint{{1}, 0, JointForce{0.0}});
         const auto angularMomentum = [&] {
-            const physics::RigidInertia& inertia = stage.world.model().rigidBodies[1].inertias[0];
-            const RigidState& other = stage.world.state().rigidBodies[1];
+            const physics::RigidInertia& inertia = stage.world.scene().rigid[1].model.inertias[0];
+            const RigidState& other = stage.world.scene().rigid[1].state;
             const Vec3 centre = transform(other.poses[0], inertia.centre);
             const Mat3 turning = worldInertia(inertia.inertia, other.poses[0].orientation);
             return kHingeInertia * joint(stage).now.velocity + cross(centre, inertia.mass * other.velocities[0]).z +
                    (turning * other.angularVelocities[0]).z;
         };
         const auto energy = [&] {
-            const physics::RigidInertia& inertia = stage.world.model().rigidBodies[1].inertias[0];
-            const RigidState& other = stage.world.state().rigidBodies[1];
+            const physics::RigidInertia& inertia = stage.world.scene().rigid[1].model.inertias[0];
+            const RigidState& other = stage.world.scene().rigid[1].state;
             const Vec3 w = other.angularVelocities[0];
             const Mat3 turning = worldInertia(inertia.inertia, other.poses[0].orientation);
             return 0.5 * kHingeInertia * joint(stage).now.velocity * joint(stage).now.velocity +
@@ -123,13 +124,13 @@ TEST_CASE("a jaw gives a free box the angular momentum that it loses, and no ene
             CHECK(joint(stage).now.load == Approx(contactTorque(stage, {1})).epsilon(0.02).margin(1e-9));
         }
         CHECK(touched);
-        CHECK(length(stage.world.state().rigidBodies[1].velocities[0]) > 0.1);
+        CHECK(length(stage.world.scene().rigid[1].state.velocities[0]) > 0.1);
         CHECK(angularMomentum() == Approx(before + given).epsilon(0.01));
         if (!pressed) CHECK(energy() <= energyBefore * (1.0 + 1e-6));
     }
 }
 
-TEST_CASE("1, 2 and 8 threads make the same bits of a jaw on tissue")
+TEST_CASE("a jaw on tissue is bit-identical with 1, 2 and 8 threads")
 {
     std::vector<std::uint64_t> hashes;
     for (const int threads : {1, 2, 8}) {
@@ -141,7 +142,7 @@ TEST_CASE("1, 2 and 8 threads make the same bits of a jaw on tissue")
     CHECK((hashes[1] == hashes[0] && hashes[2] == hashes[0]));
 }
 
-TEST_CASE("two jaws of one body hold tissue between them by their torques, and a grasp ties it to both")
+TEST_CASE("two jaws of one body hold tissue between them by their torques, and a grasp attaches it to both")
 {
     physics::RigidBodyDef tool = touchingJaw(JointForce{-0.01});
     tool.friction = 1.0;
@@ -170,14 +171,15 @@ TEST_CASE("two jaws of one body hold tissue between them by their torques, and a
     stage.post(physics::Grasp{{1}, gripper, held, {}});
     CHECK_FALSE(stage.step(1e-3).has(physics::StepFlag::NothingAttached));
     std::set<int> elements;
-    for (const auto& pair : stage.world.state().attachments.at(0).pairs) elements.insert(pair[1].element);
+    for (const auto& pair : stage.world.scene().attachments.at(0).pairs) elements.insert(pair[1].element);
     CHECK(elements == std::set<int>{1, 2});
     const auto middle = [&] {
         Vec3 sum;
         for (Vec3 x : stage.soft().x) sum += x;
         return 1.0 / static_cast<double>(stage.soft().x.size()) * sum;
     };
-    stage.post(SetJoint{gripper, 1, JointPosition{joint(stage, 0, 1).now.position}}); // else both would turn together
+    // If the second joint kept its force, both jaws would rotate together.
+    stage.post(SetJoint{gripper, 1, JointPosition{joint(stage, 0, 1).now.position}});
     const Vec3 before = middle();
     for (int i = 1; i <= 400; ++i) {
         stage.post(physics::SetPose{gripper, 0, {{0, 5e-5 * i, 0}, {}}});
@@ -187,7 +189,7 @@ TEST_CASE("two jaws of one body hold tissue between them by their torques, and a
     CHECK((middle() - before).y == Approx(0.02).epsilon(0.1));
 }
 
-TEST_CASE("a blade that a joint moves cuts, whether a position or a force commands it")
+TEST_CASE("a blade that a joint moves cuts with a commanded position and with a commanded force")
 {
     const auto rectangle = std::make_shared<const geometry::TriangleMesh>(
         geometry::TriangleMesh{.vertices = {{-0.02, 0, -0.05}, {0.02, 0, -0.05}, {0.02, 0, 0.05}, {-0.02, 0, 0.05}},
@@ -213,7 +215,7 @@ TEST_CASE("a blade that a joint moves cuts, whether a position or a force comman
     }
 }
 
-TEST_CASE("a jaw that a tool runs over, against its stop, stays whole: what it is told to bear has a bound")
+TEST_CASE("a tool that pushes a jaw against its stop leaves it finite, with a bounded load")
 {
     physics::RigidBodyDef jaw = touchingJaw(JointForce{0.0});
     jaw.articulation.joints[0].lower = -0.5;
@@ -235,11 +237,11 @@ TEST_CASE("a jaw that a tool runs over, against its stop, stays whole: what it i
     CHECK(most < 100.0); // 1 kN at 3 cm
 }
 
-TEST_CASE("a free tool, the body that holds it and the box that its jaw strikes keep their momentum")
+TEST_CASE("a free tool, the body that it is attached to and the box that its jaw strikes conserve momentum")
 {
-    for (const bool told : {false, true}) {
+    for (const bool commandsPosition : {false, true}) {
         physics::RigidBodyDef tool =
-            touchingJaw(told ? physics::JointCommand{JointPosition{-0.6}} : JointForce{-0.002});
+            touchingJaw(commandsPosition ? physics::JointCommand{JointPosition{-0.6}} : JointForce{-0.002});
         tool.dynamic = true;
         tool.mass = physics::GivenInertia{.mass = 0.05, .moments = {2e-5, 2e-5, 2e-5}};
         physics::RigidBodyDef hand{.name = "hand", .elements = {Pose{{-0.02, 0, 0}, {}}}};
@@ -258,29 +260,29 @@ TEST_CASE("a free tool, the body that holds it and the box that its jaw strikes 
         stage.add(hand);
         stage.add(box);
         const auto momentumOf = [&](std::size_t body) {
-            const RigidModel& model = stage.world.model().rigidBodies[body];
-            const RigidState& state = stage.world.state().rigidBodies[body];
+            const RigidModel& model = stage.world.scene().rigid[body].model;
+            const RigidState& state = stage.world.scene().rigid[body].state;
             Vec3 sum;
             for (std::size_t e = 0; e < state.poses.size(); ++e) {
                 const Vec3 arm = rotate(state.poses[e].orientation, model.inertias[e].centre);
-                const bool link = state.poses.size() > 1; // else its velocity is that of its centre
+                const bool link = state.poses.size() > 1; // otherwise the velocity is that of the centre
                 sum += model.inertias[e].mass *
                        (state.velocities[e] + (link ? cross(state.angularVelocities[e], arm) : Vec3{}));
             }
             return sum;
         };
         double struck = 0.0;
-        for (int i = 0; i < (told ? 800 : 480); ++i) {
+        for (int i = 0; i < (commandsPosition ? 800 : 480); ++i) {
             stage.step(2.5e-4);
             struck = std::max(struck, std::abs(joint(stage).now.load));
         }
         CHECK(struck > 1e-3);
         CHECK(length(momentumOf(2)) > 1e-4);
         const double kept = length(momentumOf(0) + momentumOf(1) + momentumOf(2)) / length(momentumOf(2));
-        std::cout << "a free tool strikes a box: " << 100.0 * kept << " % of the box's momentum comes from nowhere\n";
+        std::cout << "a free tool strikes a box: " << 100.0 * kept << " % of the box's momentum is not accounted for\n";
         CHECK(kept < 0.01);
-        const RigidState& base = stage.world.state().rigidBodies[0];
-        CHECK(length(transform(inverse(base.poses[0]), stage.world.state().rigidBodies[1].poses[0].position) -
-                     Vec3{-0.02, 0, 0}) < 1e-4); // held all the time
+        const RigidState& base = stage.world.scene().rigid[0].state;
+        CHECK(length(transform(inverse(base.poses[0]), stage.world.scene().rigid[1].state.poses[0].position) -
+                     Vec3{-0.02, 0, 0}) < 1e-4); // attached all the time
     }
 }

@@ -13,7 +13,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kGravity = 9.81;
 
-/// A jaw that swings under gravity, by the classical method of Runge and Kutta: angle and rate after `time` [s].
+/// A jaw that swings under gravity, integrated by the classical Runge-Kutta method: angle and rate after `time` [s].
 std::array<double, 2> pendulum(double angle, double rate, double damping, double time)
 {
     const int steps = 20000;
@@ -46,7 +46,7 @@ double swingError(double dt, double damping)
 
 } // namespace
 
-TEST_CASE("a jaw that swings freely follows its equation of motion, the closer the shorter the step")
+TEST_CASE("a jaw that swings freely follows its equation of motion, more closely with shorter steps")
 {
     for (const double damping : {0.0, 2e-5}) {
         const double coarse = swingError(1e-3, damping), fine = swingError(2.5e-4, damping);
@@ -78,7 +78,7 @@ TEST_CASE("a swinging jaw neither gains nor loses energy over many periods")
     CHECK(highest < 0.02 * scale);
 }
 
-TEST_CASE("a joint goes to its commanded position at its speed, and is then there to the last bit")
+TEST_CASE("a joint moves to its commanded position at its speed and then stays there bit-exactly")
 {
     physics::RigidBodyDef def = jawBody(JointPosition{0.0});
     def.articulation.joints[0].speed = 2.0;
@@ -88,7 +88,7 @@ TEST_CASE("a joint goes to its commanded position at its speed, and is then ther
     stage.step(1e-3);
     CHECK(joint(stage).now.position == Approx(0.002));
     CHECK(joint(stage).now.velocity == Approx(2.0));
-    const RigidState& body = stage.world.state().rigidBodies[0];
+    const RigidState& body = stage.world.scene().rigid[0].state;
     CHECK(length(body.velocities[1]) == Approx(2.0 * kArm).epsilon(1e-3));
     CHECK(body.angularVelocities[1].z == Approx(2.0));
     stage.run(250, 1e-3);
@@ -96,13 +96,13 @@ TEST_CASE("a joint goes to its commanded position at its speed, and is then ther
     CHECK(joint(stage).now.velocity == 0.0);
     CHECK(length(body.poses[1].position - kArm * Vec3{std::cos(0.5), std::sin(0.5), 0}) < 1e-15);
 
-    stage.post(physics::SetPose{{1}, 0, {{0, 0.01, 0}, axisAngle({0, 0, 1}, 0.1)}}); // and the base takes it along
+    stage.post(physics::SetPose{{1}, 0, {{0, 0.01, 0}, axisAngle({0, 0, 1}, 0.1)}}); // the base carries the jaw along
     stage.step(1e-2);
     CHECK(length(body.poses[1].position - Vec3{0, 0.01, 0} - kArm * Vec3{std::cos(0.6), std::sin(0.6), 0}) < 1e-15);
     CHECK(body.angularVelocities[1].z == Approx(10.0));
 }
 
-TEST_CASE("a joint comes to rest at its stop, which bears what the force and the weight say")
+TEST_CASE("a joint comes to rest at its stop, whose reaction balances the force and the weight")
 {
     for (const bool upper : {false, true}) {
         physics::RigidBodyDef def = jawBody(JointForce{upper ? 0.02 : -0.01});
@@ -122,14 +122,14 @@ TEST_CASE("a joint comes to rest at its stop, which bears what the force and the
         CHECK(now.velocity == Approx(0.0).margin(1e-6));
         const double weight = -kJawMass * kGravity * kArm * std::cos(now.position);
         CHECK(now.stop == Approx(-(now.force + weight)).epsilon(1e-4));
-        stage.post(SetJoint{{1}, 0, JointForce{upper ? -0.02 : 0.02}}); // and lets go at once
+        stage.post(SetJoint{{1}, 0, JointForce{upper ? -0.02 : 0.02}}); // it leaves the stop at once
         stage.run(30, 1e-3);
         CHECK(joint(stage).now.stop == 0.0);
         CHECK(std::abs(joint(stage).now.position - now.position) > 0.05);
     }
 }
 
-TEST_CASE("dry friction holds a joint up to what it bears, and brakes by that much beyond")
+TEST_CASE("dry friction holds a joint up to its limit and brakes a faster one with that limit")
 {
     physics::RigidBodyDef def = jawBody(JointForce{0.004});
     def.articulation.joints[0].friction = 0.005;
@@ -147,9 +147,9 @@ TEST_CASE("dry friction holds a joint up to what it bears, and brakes by that mu
     CHECK(std::abs(joint(stage).now.velocity) < 1e-6);
 }
 
-TEST_CASE("a base that is moved shakes the links that hang on it, and a joint that is told to move the others")
+TEST_CASE("an accelerated base or prismatic joint accelerates the links that hang on it")
 {
-    // A jaw that hangs down from a base that gains a along x comes to rest, damped, where gravity and a add up.
+    // A damped jaw on a base that accelerates with a along x comes to rest in the direction of gravity minus a.
     physics::RigidBodyDef def = jawBody(JointForce{});
     def.gravity = true;
     def.articulation.joints[0].start = -kPi / 2;
@@ -164,7 +164,7 @@ TEST_CASE("a base that is moved shakes the links that hang on it, and a joint th
     }
     CHECK(joint(stage).now.position == Approx(-kPi / 2 - std::atan2(a, kGravity)).epsilon(1e-3));
 
-    // A slide that carries the hinge does the same.
+    // A prismatic joint that carries the hinge has the same effect.
     def.articulation.joints[0].parent = 1;
     def.articulation.joints[0].child = 2;
     def.articulation.joints.push_back({.kind = physics::JointKind::Prismatic, .axis = {1, 0, 0}, .speed = 100.0});
@@ -178,7 +178,7 @@ TEST_CASE("a base that is moved shakes the links that hang on it, and a joint th
     CHECK(joint(sliding).now.position == Approx(joint(stage).now.position).epsilon(1e-9));
 }
 
-TEST_CASE("reset brings joints back to where they were added, with the commands that they were added with")
+TEST_CASE("reset restores the positions and the commands that joints were added with")
 {
     physics::RigidBodyDef def = jawBody(JointForce{0.003});
     def.articulation.joints[0].start = 0.2;
@@ -194,15 +194,15 @@ TEST_CASE("reset brings joints back to where they were added, with the commands 
     CHECK(joint(stage).now.position == 0.2);
     CHECK(joint(stage).now.velocity == 0.0);
     CHECK(std::get<JointForce>(joint(stage).command).value == 0.003);
-    const RigidState body = stage.world.state().rigidBodies[0];
+    const RigidState body = stage.world.scene().rigid[0].state;
     CHECK(length(body.poses[1].position - kArm * Vec3{std::cos(0.2), std::sin(0.2), 0}) < 1e-15);
-    stage.world.state().step = 0;
-    stage.world.state().time = 0.0;
+    stage.world.scene().step = 0;
+    stage.world.scene().time = 0.0;
     stage.step(1e-3);
     CHECK(stage.world.hash() == first);
 }
 
-TEST_CASE("a base goes with the element that takes it along, and stays where it is when that is removed")
+TEST_CASE("a base follows the element that it is attached to, and stays in place if that body is removed")
 {
     Stage stage;
     const BodyId arm = stage.add(physics::RigidBodyDef{.name = "arm", .elements = {Pose{}, Pose{{1, 0, 0}, {}}}});
@@ -217,7 +217,7 @@ TEST_CASE("a base goes with the element that takes it along, and stays where it 
     stage.add(more);
     stage.step(0.0);
     const auto pose = [&](std::size_t body, std::size_t element) {
-        return stage.world.state().rigidBodies[body].poses[element];
+        return stage.world.scene().rigid[body].state.poses[element];
     };
     CHECK(length(pose(1, 0).position - Vec3{1, 0, 0.1}) < 1e-15);
     CHECK(length(pose(1, 1).position - Vec3{1, kArm, 0.1}) < 1e-15);
@@ -227,22 +227,22 @@ TEST_CASE("a base goes with the element that takes it along, and stays where it 
     stage.step(1e-3);
     CHECK(length(pose(1, 1).position - Vec3{1.002, kArm, 0.1}) < 1e-15);
     CHECK(length(pose(2, 1).position - Vec3{1.002, kArm, 0.2}) < 1e-15);
-    CHECK(stage.world.state().rigidBodies[2].velocities[1].x == Approx(2.0));
+    CHECK(stage.world.scene().rigid[2].state.velocities[1].x == Approx(2.0));
 
     stage.post(physics::RemoveBody{arm});
     stage.step(1e-3);
     CHECK(length(pose(0, 1).position - Vec3{1.002, kArm, 0.1}) < 1e-15);
-    CHECK(length(stage.world.state().rigidBodies[0].velocities[1]) == 0.0);
-    stage.post(physics::SetPose{jaw, 0, {{1.003, 0, 0}, {}}}); // and takes orders
+    CHECK(length(stage.world.scene().rigid[0].state.velocities[1]) == 0.0);
+    stage.post(physics::SetPose{jaw, 0, {{1.003, 0, 0}, {}}}); // the base now accepts poses
     stage.step(1e-3);
     CHECK(pose(0, 1).position.x == Approx(1.003 + kArm));
-    CHECK(pose(1, 1).position.x == Approx(1.003 + kArm)); // without its turn
+    CHECK(pose(1, 1).position.x == Approx(1.003 + kArm)); // without the base's rotation
     stage.post(physics::Reset{});
     stage.step(0.0);
     CHECK(pose(1, 0).position == pose(0, 0).position + Vec3{0, 0, 0.1});
 }
 
-TEST_CASE("a joint that runs away is stopped and told")
+TEST_CASE("a joint that diverges is stopped and reported")
 {
     physics::RigidBodyDef def = jawBody(JointForce{1e9});
     def.articulation.joints[0].kind = physics::JointKind::Prismatic;
@@ -252,7 +252,7 @@ TEST_CASE("a joint that runs away is stopped and told")
     CHECK(stage.run(3, 1e-3).has(physics::StepFlag::Undone));
     CHECK(std::isfinite(joint(stage).now.position));
     CHECK(joint(stage).now.velocity == 0.0);
-    stage.post(SetJoint{{1}, 0, JointPosition{0.01}}); // and is of use again
+    stage.post(SetJoint{{1}, 0, JointPosition{0.01}}); // the joint can be used again
     CHECK_FALSE(stage.run(2000, 1e-3).has(physics::StepFlag::Undone));
     CHECK(joint(stage).now.position == 0.01);
 }
@@ -268,15 +268,15 @@ physics::RigidBodyDef freeTool(const physics::JointCommand& command)
     return def;
 }
 
-/// Linear and angular momentum about the origin of all links of the first rigid body, and their energy.
+/// Linear momentum, angular momentum about the origin and energy of all links of the first rigid body.
 struct Motion {
     Vec3 momentum, spin;
     double energy = 0.0;
 };
 Motion motionOf(Stage& stage)
 {
-    const RigidModel& model = stage.world.model().rigidBodies[0];
-    const RigidState& state = stage.world.state().rigidBodies[0];
+    const RigidModel& model = stage.world.scene().rigid[0].model;
+    const RigidState& state = stage.world.scene().rigid[0].state;
     Motion sum;
     for (std::size_t e = 0; e < state.poses.size(); ++e) {
         const physics::RigidInertia& own = model.inertias[e];
@@ -292,7 +292,7 @@ Motion motionOf(Stage& stage)
 
 } // namespace
 
-TEST_CASE("a free tool that works its own joints keeps its momentum and its angular momentum")
+TEST_CASE("a free tool that drives its own joints conserves linear and angular momentum")
 {
     for (const double dt : {1e-3, 1e-4}) {
         Stage stage;
@@ -305,13 +305,13 @@ TEST_CASE("a free tool that works its own joints keeps its momentum and its angu
         const Motion before = motionOf(stage);
         stage.run(static_cast<int>(0.3 / dt), dt);
         const Motion after = motionOf(stage);
-        CHECK(std::abs(joint(stage).now.velocity) > 0.5); // it has moved
+        CHECK(std::abs(joint(stage).now.velocity) > 0.5); // the joint has moved
         CHECK(length(after.momentum - before.momentum) < 20.0 * dt * length(before.momentum));
         CHECK(length(after.spin - before.spin) < 20.0 * dt * length(before.spin));
     }
 }
 
-TEST_CASE("a free tool falls as its weight says, and a wrench on its base moves all of it")
+TEST_CASE("a free tool falls with its weight, and a wrench on its base moves all of it")
 {
     Stage stage;
     physics::RigidBodyDef def = freeTool(JointForce{});
@@ -322,16 +322,16 @@ TEST_CASE("a free tool falls as its weight says, and a wrench on its base moves 
     CHECK(length(motionOf(stage).momentum - Vec3{0, -0.07 * kGravity * 0.1, 0}) < 1e-9);
     CHECK(std::abs(joint(stage).now.velocity) < 1e-9);
     stage.post(physics::SetGravity{});
-    stage.post(physics::SetPose{{1}, 0, {{0, 1, 0}, {}}}); // at once and at rest
+    stage.post(physics::SetPose{{1}, 0, {{0, 1, 0}, {}}}); // placed at once and at rest
     stage.step(0.0);
-    CHECK(length(stage.world.state().rigidBodies[0].poses[1].position - Vec3{kArm, 1, 0}) < 1e-9);
+    CHECK(length(stage.world.scene().rigid[0].state.poses[1].position - Vec3{kArm, 1, 0}) < 1e-9);
     stage.post(physics::SetWrench{{1}, 0, {0.07, 0, 0}, {}});
     stage.run(10, 1e-3);
     CHECK(motionOf(stage).momentum.x == Approx(0.07 * 0.01).epsilon(1e-3));
     CHECK(motionOf(stage).energy > 0.0);
 }
 
-TEST_CASE("a jaw on a heavy free base, or on a light one that is held, swings as on one that is told")
+TEST_CASE("a jaw on a heavy free base, or on a light attached one, swings as on a kinematic base")
 {
     const auto swing = [](bool dynamic, double mass, bool held) {
         physics::RigidBodyDef def = jawBody(JointForce{});
@@ -355,13 +355,13 @@ TEST_CASE("a jaw on a heavy free base, or on a light one that is held, swings as
     CHECK(swing(true, 0.0, true) == Approx(swing(false, 0.0, false)).epsilon(1e-3));
 }
 
-TEST_CASE("the turning of a free body with joints is damped as that of one without, also where nothing else is")
+TEST_CASE("the rotation of a free body with joints is damped as that of one without, also if it has no other damping")
 {
     constexpr double perSecond = 5.0, dt = 1e-3, start = 2.0;
     physics::RigidBodyDef def{.name = "tool", .dynamic = true, .gravity = false};
     def.mass = physics::GivenInertia{.mass = 0.05, .moments = {2e-5, 3e-5, 4e-5}};
     def.articulation.joints = {
-        {.command = JointForce{0.0}}}; // both centres lie on its axis, and so on that of the spin
+        {.command = JointForce{0.0}}}; // both centres lie on its axis, which is also the axis of rotation
     def.articulation.joints[0].mass = physics::GivenInertia{.mass = kJawMass, .moments = {1e-6, 2e-6, 3e-6}};
     def.velocity = {0.1, 0, 0};
     def.angularVelocity = {0, 0, start};
@@ -370,10 +370,10 @@ TEST_CASE("the turning of a free body with joints is damped as that of one witho
     stage.add(def);
     constexpr int steps = 300;
     stage.run(steps, dt);
-    const RigidState& state = stage.world.state().rigidBodies[0];
+    const RigidState& state = stage.world.scene().rigid[0].state;
     for (const Vec3& spin : state.angularVelocities)
         CHECK(spin.z == Approx(start * std::pow(1.0 + perSecond * dt, -steps)).epsilon(1e-9));
     CHECK(state.angularVelocities[0].z == Approx(start * std::exp(-perSecond * steps * dt)).epsilon(5e-3));
     CHECK(std::abs(joint(stage).now.velocity) < 1e-9);
-    CHECK(state.velocities[0].x == Approx(0.1).epsilon(1e-9)); // only turning is
+    CHECK(state.velocities[0].x == Approx(0.1).epsilon(1e-9)); // only the rotation is damped
 }

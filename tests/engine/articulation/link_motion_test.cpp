@@ -1,6 +1,6 @@
 #include "filasofia/engine/articulation/link_motion.h"
 
-#include "filasofia/engine/integrate/rigid.h"
+#include "filasofia/engine/integration/rigid.h"
 
 #include "engine/meshes.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Six joints with two branches, both kinds, any offsets.
+/// Six joints of both kinds with arbitrary offsets, in two branches.
 LinkTree branchedTree(std::mt19937& random)
 {
     std::vector<LinkJoint> joints(6);
@@ -42,7 +42,7 @@ struct Links {
     }
 };
 
-/// Of every link in its own coordinates: mass, centre, inertia.
+/// Mass, centre and inertia of a link in its own coordinates.
 struct Body {
     double mass;
     Vec3 centre;
@@ -73,10 +73,10 @@ const std::vector<int> kAll{0, 1, 2, 3, 4, 5};
 
 } // namespace
 
-TEST_CASE("forward poses of a chain of six joints, one of which slides, are those of its closed form")
+TEST_CASE("forward poses of a chain of six joints, one of them prismatic, match the closed form")
 {
-    // The Stanford arm (Paul, Robot Manipulators, 1981, section 2.10), by the convention of Denavit and Hartenberg:
-    // after the joint about or along z, d along z and a turn alpha about x.
+    // The Stanford arm (Paul, Robot Manipulators, 1981, section 2.10) in the convention of Denavit and Hartenberg:
+    // after the joint about or along z come a translation d along z and a rotation alpha about x.
     const double d2 = 0.1524;
     const std::array<double, 6> alpha{-kPi / 2, kPi / 2, 0, -kPi / 2, kPi / 2, 0}, d{0, d2, 0, 0, 0, 0};
     std::vector<LinkJoint> joints(6);
@@ -114,7 +114,7 @@ TEST_CASE("forward poses of a chain of six joints, one of which slides, are thos
     }
 }
 
-TEST_CASE("columns of the Jacobian and velocities of links are the differences of their places")
+TEST_CASE("the columns of the Jacobian and the velocities of links match finite differences of positions")
 {
     std::mt19937 random(5);
     const LinkTree tree = branchedTree(random);
@@ -141,7 +141,7 @@ TEST_CASE("columns of the Jacobian and velocities of links are the differences o
         }
     }
 
-    const LinkMotion of{{0.3, 0.1, -0.5}, {0.7, -1.1, 0.2}}; // the base's
+    const LinkMotion of{{0.3, 0.1, -0.5}, {0.7, -1.1, 0.2}}; // the base's motion
     std::vector<LinkMotion> motion(7, of);
     moveLinks(tree, links.axes, links.poses, kRate, motion);
     const auto at = [&](double t) {
@@ -157,7 +157,7 @@ TEST_CASE("columns of the Jacobian and velocities of links are the differences o
     }
 }
 
-TEST_CASE("the reduced mass matrix is that of the kinetic energy of links and drives, and its inverse is one")
+TEST_CASE("the reduced mass matrix matches the kinetic energy of links and drives, and its inverse is correct")
 {
     std::mt19937 random(7);
     const Links links(branchedTree(random), Pose{}, kQ);
@@ -186,7 +186,7 @@ TEST_CASE("the reduced mass matrix is that of the kinetic energy of links and dr
     CHECK((part(0, 0) == m(1, 1) && part(1, 0) == m(3, 1) && part(0, 1) == m(1, 3) && part(1, 1) == m(3, 3)));
 }
 
-TEST_CASE("inverse dynamics gives what Newton and Euler ask of every link as it moves")
+TEST_CASE("inverse dynamics matches the Newton-Euler equations of every link")
 {
     std::mt19937 random(9);
     const LinkTree tree = branchedTree(random);
@@ -207,7 +207,7 @@ TEST_CASE("inverse dynamics gives what Newton and Euler ask of every link as it 
     const std::vector<double> forces = inverseDynamics(tree, now.axes, now.poses, massesAt(all, now.poses), kRate, gain,
                                                        {going, gaining}, gravity, kAll);
 
-    // Momentum by differences of places over h, its change by differences of momentum.
+    // Momentum by finite differences of positions over h, its change by finite differences of momentum.
     constexpr double h = 1e-4;
     const Links before = at(-h), after = at(h);
     std::vector<double> expected(6);
@@ -232,7 +232,7 @@ TEST_CASE("inverse dynamics gives what Newton and Euler ask of every link as it 
     for (std::size_t j = 0; j < 6; ++j) CHECK(forces[j] == Approx(expected[j]).margin(1e-5));
 }
 
-TEST_CASE("joints that make no tree are told from those that do, in whatever order they come")
+TEST_CASE("joints that form no tree are refused, and a tree is accepted in any order of joints")
 {
     std::vector<LinkJoint> joints(3);
     const auto tie = [&](std::size_t j, int parent, int child) {
@@ -247,5 +247,5 @@ TEST_CASE("joints that make no tree are told from those that do, in whatever ord
     CHECK_FALSE(moves(tree, 2, 3));
     checkTree("tool", tree);
     tie(1, 1, 2); // 1, 2 and 3 in a ring
-    CHECK_THROWS_WITH(checkTree("tool", linkTree(joints)), Catch::Contains("tool: joints must make a tree"));
+    CHECK_THROWS_WITH(checkTree("tool", linkTree(joints)), Catch::Contains("tool: joints must form a tree"));
 }

@@ -7,8 +7,9 @@
 #include <map>
 #include <optional>
 
-/// What findProximities() promises, once more: over all features of all surfaces, by nearest points of whole triangles
-/// and by winding numbers, without trees, pseudonormals' signs or regions. Without self collision and history.
+/// A reference for findProximities(): a brute-force search over all features of all surfaces, by nearest points of
+/// whole triangles and by winding numbers, without trees, signs of pseudonormals or regions. Self collision and history
+/// are not covered.
 namespace filasofia::engine::brute {
 
 using Corners = std::array<int, 3>; // ascending, -1 first
@@ -30,7 +31,7 @@ inline bool contains(const Corners& all, const Corners& some)
     return std::ranges::all_of(some, [&](int v) { return v < 0 || std::ranges::find(all, v) != all.end(); });
 }
 
-// How often the surface goes around p (van Oosterom and Strackee 1983): 1 inside, 0 outside.
+// Winding number of the surface around p (van Oosterom and Strackee 1983): 1 inside, 0 outside.
 inline bool isInside(const CollisionSurface& surface, Vec3 p)
 {
     double angle = 0.0;
@@ -42,7 +43,7 @@ inline bool isInside(const CollisionSurface& surface, Vec3 p)
     return angle > 2.0 * std::numbers::pi;
 }
 
-// All triangles in use, lines of no triangle in use, or points: what a point can be near to.
+// The features that a point can be near to: triangles in use, segments that belong to no triangle, or points.
 inline std::vector<Corners> targets(const CollisionShape& shape)
 {
     std::vector<Corners> all;
@@ -170,7 +171,7 @@ inline void meetPoints(const std::vector<CollisionSurface>& s, std::array<int, 2
     }
 }
 
-/// Whether the edge is what its surface has nearest to a place a little off it; nothing where that is a close call.
+/// Whether the edge is the surface's nearest feature to a place slightly off it; empty if the case is ambiguous.
 inline std::optional<bool> looksAt(const CollisionSurface& s, std::array<int, 2> edge, Vec3 at, Vec3 off)
 {
     if (!s.shape->triangleFaces) return true;
@@ -188,7 +189,7 @@ inline std::optional<bool> looksAt(const CollisionSurface& s, std::array<int, 2>
     return clear;
 }
 
-/// Whether the place is so near to the surface that inside and outside are a close call.
+/// True if the place is so near to the surface that inside and outside are ambiguous.
 inline bool grazes(const CollisionSurface& s, Vec3 place, double within)
 {
     return std::ranges::any_of(s.shape->triangles, [&](const auto& t) {
@@ -204,7 +205,7 @@ inline void meetEdges(const std::vector<CollisionSurface>& s, std::array<int, 2>
     const double near = one.shape->proximity + two.shape->proximity, deep = one.shape->depth + two.shape->depth;
     for (const auto& a : one.shape->edges)
         for (const auto& b : two.shape->edges) {
-            // The two lines' nearest places by Cramer's rule on the normal equations.
+            // The nearest points of the two lines, by Cramer's rule on the normal equations.
             const Vec3 u = one.x[a[1]] - one.x[a[0]], v = two.x[b[1]] - two.x[b[0]], r = two.x[b[0]] - one.x[a[0]];
             const double det = dot(u, u) * dot(v, v) - dot(u, v) * dot(u, v);
             const double i = (dot(r, u) * dot(v, v) - dot(r, v) * dot(u, v)) / det;

@@ -19,7 +19,7 @@ std::vector<std::array<int, 2>> chain(std::size_t count)
     return segments;
 }
 
-// Lumps, sheets, chains of lines and clouds of points, in any mixture of what takes part, that lie into each other.
+// Intersecting lumps, sheets, chains of segments and clouds of points, with random combinations of active features.
 Scene randomScene(std::mt19937& random)
 {
     Scene scene;
@@ -62,7 +62,7 @@ brute::Key keyOf(const Proximity& p)
 
 } // namespace
 
-TEST_CASE("what is found is what a search over all features finds, with the same gaps and normals")
+TEST_CASE("proximities match a brute-force search over all features, with the same gaps and normals")
 {
     std::mt19937 random(7);
     int edges = 0, faces = 0, others = 0, negative = 0, negativeEdges = 0;
@@ -99,7 +99,7 @@ TEST_CASE("what is found is what a search over all features finds, with the same
     CHECK(negativeEdges > 20);
 }
 
-TEST_CASE("the numbers of features are unique among two surfaces' own, and the list is the same for 1, 2 and 8 threads")
+TEST_CASE("feature numbers are unique within a pair of surfaces, and the list is the same for 1, 2 and 8 threads")
 {
     std::mt19937 random(11);
     Scene scene;

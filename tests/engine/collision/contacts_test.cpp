@@ -17,7 +17,7 @@ int onSide(const Proximity& p, int side)
 
 } // namespace
 
-TEST_CASE("a box on a plane has its corners and the vertices under it as contacts, all upright, and nothing else")
+TEST_CASE("a box on a plane has upright contacts at its corners and at the vertices under it, and no others")
 {
     struct Place {
         double x, y, turn;
@@ -51,7 +51,8 @@ TEST_CASE("a box on a plane has its corners and the vertices under it as contact
                 const Vec3 x = scene.place(p, 1);
                 where.insert({std::lround(x.x * 1e8), std::lround(x.y * 1e8)});
             }
-            // Where the box's edges lie along vertices of the grid, these are near a face, an edge or both: once.
+            // If the box's edges lie along vertices of the grid, these are near a face, an edge or both, and are found
+            // once.
             CHECK(where.size() == scene.found.size());
             const auto corners = std::ranges::count_if(scene.found, [](const Proximity& p) {
                 return p.vertices[1][1] < 0; // the box's side is a vertex
@@ -65,20 +66,21 @@ TEST_CASE("a box on a plane has its corners and the vertices under it as contact
         }
 }
 
-TEST_CASE("a box that slides level over a plane does not bump into the vertices before it")
+TEST_CASE("a box that slides level over a plane does not catch on the vertices ahead of it")
 {
     Scene scene;
     scene.add(sheetMesh(0.1, 10), kPlain);
-    // Its front, at 19.9 mm, is a tenth of a millimetre before a row of the grid, and moves over it in this step.
+    // Its front, at 19.9 mm, is a tenth of a millimetre before a row of the grid and crosses it in this step.
     scene.add(boxMesh({0.01, 0.03, 0.01}), kPlain, {{0.0099, 0, 0.01 + 1e-5}, {}}, {1, 0, 0});
     scene.find();
     REQUIRE(scene.found.size() >= 4);
     for (const Proximity& p : scene.found) CHECK(distance(p.normal, {0, 0, -1}) < 1e-9);
 }
 
-TEST_CASE("an edge rounded by its inset does not bump into the vertices before it")
+TEST_CASE("an edge rounded by its inset does not catch on the vertices ahead of it")
 {
-    // Two insets of a fifth of a millimetre apart, and nearer to a row of the grid than that: 30 degrees and less.
+    // The surfaces are two insets of a fifth of a millimetre apart, and nearer to a row of the grid than that: 30
+    // degrees and less.
     for (const double before : {0.02e-3, 0.1e-3, 0.2e-3}) {
         Scene scene;
         scene.add(sheetMesh(0.1, 10), kPlain);
@@ -91,7 +93,7 @@ TEST_CASE("an edge rounded by its inset does not bump into the vertices before i
 
 TEST_CASE("edges that cross are one contact, before and after they have passed each other")
 {
-    // Two roofs, one upside down over the other and turned by a right angle: their ridges cross.
+    // Two roofs, one upside down over the other and rotated by a right angle: their ridges cross.
     const geometry::TriangleMesh box = boxMesh({0.05, 0.01, 0.01});
     const Quat onEdge = axisAngle({1, 0, 0}, std::numbers::pi / 4);
     const double ridge = 0.01 * std::sqrt(2.0);
@@ -111,12 +113,12 @@ TEST_CASE("edges that cross are one contact, before and after they have passed e
     }
 }
 
-TEST_CASE("edges on the far sides of two thin plates are no contact")
+TEST_CASE("edges on the far sides of two thin plates make no contact")
 {
     Scene scene;
     scene.add(boxMesh({0.05, 0.02, 0.0001}), kPlain, {{0, 0, 0}, axisAngle({0, 0, 1}, 0.3)});
     scene.add(boxMesh({0.05, 0.02, 0.0001}), kPlain, {{0, 0, 0.0005}, axisAngle({0, 0, 1}, 1.4)});
-    // They cross: each of two edges meets each of two, and no corner is over a face.
+    // The plates cross: each of two edges crosses each of two, and no corner lies over a face.
     REQUIRE(scene.find().size() == 4);
     for (const Proximity& p : scene.found) {
         CHECK(p.gap == Approx(3e-4));
@@ -124,7 +126,7 @@ TEST_CASE("edges on the far sides of two thin plates are no contact")
     }
 }
 
-TEST_CASE("a point that is inside near a convex edge leaves through the nearer face, and by that way only")
+TEST_CASE("a point inside near a convex edge is pushed out through the nearer face only")
 {
     for (const double depth : {1e-5, 3e-4, 8e-4}) {
         CAPTURE(depth);
@@ -140,9 +142,9 @@ TEST_CASE("a point that is inside near a convex edge leaves through the nearer f
     }
 }
 
-TEST_CASE("outside at a sharp edge the distance is positive wherever the point is")
+TEST_CASE("the distance at a sharp edge is positive wherever the point is outside")
 {
-    // A wedge of 10 degrees: behind the plane of one face, before the other one, and outside.
+    // A wedge of 10 degrees. The point is behind the plane of one face, before the other one, and outside.
     geometry::TriangleMesh wedge;
     const double t = std::tan(5_deg);
     wedge.vertices = {{0, -0.02, 0},
@@ -163,15 +165,15 @@ TEST_CASE("outside at a sharp edge the distance is positive wherever the point i
         scene.add(point, kPlain);
         scene.find();
         REQUIRE(scene.found.size() == 1);
-        // From 85 degrees on a face is nearer than the edge.
+        // From 85 degrees on, a face is nearer than the edge.
         const double share = std::fabs(angle) < 85_deg ? 1.0 : std::sin(175_deg - std::fabs(angle));
         CHECK(scene.found[0].gap == Approx(4e-4 * share));
     }
 }
 
-TEST_CASE("near a thin plate only its near wall is met")
+TEST_CASE("a point near a thin plate touches only the near wall")
 {
-    // Half a millimetre thick, and followed to two millimetres inside.
+    // The plate is half a millimetre thick, and points are followed up to two millimetres inside.
     for (const double height : {4.5e-4, 3e-4, 2e-4, -2e-4, -3e-4, -4.5e-4}) {
         CAPTURE(height);
         Scene scene;
@@ -186,7 +188,7 @@ TEST_CASE("near a thin plate only its near wall is met")
     }
 }
 
-TEST_CASE("what comes at 1 m/s is found before it is there, and what flies past is not")
+TEST_CASE("a body that approaches at 1 m/s is found before it arrives, and one that flies past is not")
 {
     Scene scene;
     scene.add(boxMesh({0.02, 0.02, 0.02}), kPlain);
@@ -195,7 +197,7 @@ TEST_CASE("what comes at 1 m/s is found before it is there, and what flies past 
         scene.surfaces[static_cast<std::size_t>(ball)].v.assign(8, v);
         return scene.find().size();
     };
-    // 2.4 mm apart: both proximities are 1 mm, and a step and a half at 1 m/s 1.5 mm.
+    // They are 2.4 mm apart: both proximities are 1 mm, and a step and a half at 1 m/s is 1.5 mm.
     CHECK(withVelocity({0, 0, -1.0}) == 4);
     CHECK(withVelocity({0.3, 0, -1.0}) == 4);
     CHECK(withVelocity({0, 0, -0.9}) == 0);
@@ -204,7 +206,7 @@ TEST_CASE("what comes at 1 m/s is found before it is there, and what flies past 
     CHECK(withVelocity({0, 0, 0}) == 0);
 }
 
-TEST_CASE("a contact keeps its number while what touches stays the same")
+TEST_CASE("a contact keeps its number while the touching features stay the same")
 {
     Scene scene;
     std::mt19937 random(3);
@@ -226,7 +228,7 @@ TEST_CASE("a contact keeps its number while what touches stays the same")
     CHECK(again + 1 >= before.size());
 }
 
-TEST_CASE("a needle of lines lies on a mesh: its points on faces, its lines across edges, and pushes out when inside")
+TEST_CASE("a needle of segments touches by points on faces and segments across edges, and is pushed out if inside")
 {
     geometry::TriangleMesh needle;
     for (int i = 0; i <= 8; ++i) needle.vertices.push_back({-0.04 + 0.01 * i, 0.001, 0.0});
@@ -249,7 +251,7 @@ TEST_CASE("a needle of lines lies on a mesh: its points on faces, its lines acro
     }
 }
 
-TEST_CASE("surfaces of other groups and of the same body do not meet")
+TEST_CASE("surfaces in other collision groups or of the same body do not collide")
 {
     const auto contacts = [](int group, std::uint32_t body) {
         Scene scene;

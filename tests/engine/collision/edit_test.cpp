@@ -10,10 +10,10 @@
 namespace filasofia::engine {
 namespace {
 
-/// A solid from which tetrahedra are taken away; its surface has them as edits.
-class Crumbling {
+/// A solid that loses tetrahedra, with the edits of its surface.
+class ErodingSolid {
 public:
-    explicit Crumbling(int cells)
+    explicit ErodingSolid(int cells)
         : mesh_(*geometry::shapes::block({0.05, 0.05, 0.05}, {cells, cells, cells})), there_(mesh_.tetrahedra.size(), 1)
     {
         const geometry::Surface surface = geometry::extractSurface(mesh_);
@@ -29,8 +29,8 @@ public:
 
     [[nodiscard]] const geometry::TriangleMesh& surface() const { return surface_; }
 
-    /// Takes away up to `count` tetrahedra that hang together, one at the surface among them.
-    SurfaceEdit crumble(int count, std::mt19937& random)
+    /// Removes up to `count` connected tetrahedra, at least one of them at the surface.
+    SurfaceEdit erode(int count, std::mt19937& random)
     {
         std::uniform_int_distribution<std::size_t> any(0, surface_.triangles.size() - 1);
         geometry::Triangle start = surface_.triangles[any(random)];
@@ -46,7 +46,8 @@ public:
         return take(gone);
     }
 
-    /// Two triangles over one edge become two over the other; where they lie in one plane the body stays as it is.
+    /// Two triangles over one edge become two over the other diagonal. If they lie in one plane the body keeps its
+    /// shape.
     SurfaceEdit flip(const CollisionShape& shape, std::mt19937& random)
     {
         for (int attempt = 0; attempt < 1000; ++attempt) {
@@ -143,7 +144,7 @@ void checkSame(const CollisionShape& edited, const CollisionShape& whole)
     REQUIRE(edited.elements.size() == whole.elements.size());
 }
 
-/// Every triangle once in a leaf, every node in one place of the tree, every vertex and edge with one owner.
+/// Every triangle is in one leaf, every node has one place in the tree, and every vertex and edge has one owner.
 void checkTree(const CollisionShape& shape)
 {
     std::vector<int> seen(shape.triangles.size()), vertices(shape.rest.size()), edges(shape.edges.size());
@@ -181,16 +182,16 @@ void checkTree(const CollisionShape& shape)
 
 } // namespace
 
-TEST_CASE("a shape edited two hundred times is the shape of what came out, and so is its inset")
+TEST_CASE("a shape edited two hundred times equals the shape built from the result, and so does its inset")
 {
     std::mt19937 random(5);
     for (const int cells : {5, 9}) {
-        Crumbling solid(cells);
+        ErodingSolid solid(cells);
         const double depth = 1e-3;
         CollisionShape shape = makeCollisionShape(solid.surface(), {});
         Inset inset = makeInset(shape, depth);
         for (int i = 0; i < 100; ++i) {
-            const SurfaceEdit edit = i < 60 ? solid.crumble(cells == 5 ? 3 : 10, random) : solid.flip(shape, random);
+            const SurfaceEdit edit = i < 60 ? solid.erode(cells == 5 ? 3 : 10, random) : solid.flip(shape, random);
             ShapeChange change;
             const CollisionShape now = editShape(shape, edit, change);
             inset = editInset(inset, shape, now, change, depth);
@@ -211,16 +212,16 @@ TEST_CASE("a shape edited two hundred times is the shape of what came out, and s
     }
 }
 
-TEST_CASE("an edited shape is met where a new one is met")
+TEST_CASE("queries on an edited shape match queries on a rebuilt one")
 {
     std::mt19937 random(7);
-    Crumbling solid(7);
+    ErodingSolid solid(7);
     const CollisionOptions options{.proximity = 1e-3, .depth = 2e-3};
     CollisionShape shape = makeCollisionShape(solid.surface(), options);
     std::size_t met = 0;
     for (int i = 0; i < 60; ++i) {
         ShapeChange change;
-        shape = editShape(shape, solid.crumble(5, random), change);
+        shape = editShape(shape, solid.erode(5, random), change);
         const Pose pose{randomVector(random, 0.03), axisAngle(randomVector(random, 1.0), 1.0)};
         const geometry::TriangleMesh lump = lumpMesh(0.02, 7, 0.1, random);
         std::array<std::map<std::uint64_t, Proximity>, 2> found;
@@ -244,9 +245,9 @@ TEST_CASE("an edited shape is met where a new one is met")
     CHECK(met > 1000);
 }
 
-TEST_CASE("the other wall of a cut takes nothing from the inset")
+TEST_CASE("the opposite wall of a cut does not reduce the inset")
 {
-    // Two boxes whose walls touch, as after a cut, one surface.
+    // Two boxes whose walls touch, as after a cut, form one surface.
     geometry::TriangleMesh mesh = boxMesh({0.01, 0.01, 0.01}, 3);
     const int count = static_cast<int>(mesh.vertices.size());
     for (int v = 0; v < count; ++v)

@@ -27,7 +27,7 @@ Made inset(const geometry::TriangleMesh& mesh, double depth)
 
 } // namespace
 
-TEST_CASE("every face of a box goes in by the depth, its corners with them")
+TEST_CASE("every face of a box moves inwards by the depth, and the corners with the faces")
 {
     const Made made = inset(*geometry::shapes::box(2.0 * Vec3{0.02, 0.03, 0.01}), 1e-3);
     for (std::size_t i = 0; i < made.x.size(); ++i) {
@@ -38,7 +38,7 @@ TEST_CASE("every face of a box goes in by the depth, its corners with them")
     }
 }
 
-TEST_CASE("a flat surface of many triangles goes in evenly, and a ball to a smaller ball")
+TEST_CASE("a flat surface of many triangles moves inwards evenly, and a ball becomes a smaller ball")
 {
     const geometry::TriangleMesh block = geometry::extractSurface(boxMesh({4, 4, 4}, {0.04, 0.04, 0.04})).mesh;
     const Made made = inset(block, 5e-4);
@@ -52,17 +52,17 @@ TEST_CASE("a flat surface of many triangles goes in evenly, and a ball to a smal
     for (Vec3 p : ball.x) CHECK(length(p) == Approx(0.0198).margin(2e-6));
 }
 
-TEST_CASE("where a body is thin less is taken off, and nothing of a sheet")
+TEST_CASE("a thin body gets a smaller inset, and a sheet none")
 {
     const Made plate = inset(*geometry::shapes::box(2.0 * Vec3{0.02, 0.0005, 0.02}), 1e-3);
-    for (Vec3 p : plate.x) CHECK(std::abs(p.y) >= 0.499 * 0.0005); // at corners the normals agree but for the ridge
+    for (Vec3 p : plate.x) CHECK(std::abs(p.y) >= 0.499 * 0.0005); // at corners the normals agree except for the ridge
     geometry::TriangleMesh sheet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}};
     const Made open = inset(sheet, 0.1);
     CHECK(open.x == sheet.vertices);
     CHECK(open.inset.depth == std::vector<double>{0.0, 0.0, 0.0});
 }
 
-TEST_CASE("what goes in turns with the body")
+TEST_CASE("the inset rotates with the body")
 {
     std::mt19937 random(4);
     const geometry::TriangleMesh box = *geometry::shapes::box(2.0 * Vec3{0.02, 0.03, 0.01});
@@ -74,7 +74,7 @@ TEST_CASE("what goes in turns with the body")
     for (std::size_t i = 0; i < x.size(); ++i) CHECK(distance(x[i], rotate(turn, made.x[i])) < 1e-12);
 }
 
-TEST_CASE("needles and triangles without area come out finite")
+TEST_CASE("needles and triangles without area have a finite inset")
 {
     geometry::TriangleMesh needle = *geometry::shapes::sphere(1.0, 4);
     for (Vec3& p : needle.vertices) p = {0.05 * p.x, 1e-4 * p.y, 1e-4 * p.z};

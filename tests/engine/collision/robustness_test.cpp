@@ -28,7 +28,7 @@ void checkSound(const Scene& scene)
 
 } // namespace
 
-TEST_CASE("surfaces without anything to touch are met by nothing")
+TEST_CASE("surfaces without any feature collide with nothing")
 {
     Scene scene;
     CHECK(scene.find().empty());
@@ -42,7 +42,7 @@ TEST_CASE("surfaces without anything to touch are met by nothing")
     CHECK(scene.find().empty());
 }
 
-TEST_CASE("vertices that are not finite, or far beyond everything, are met by nothing and disturb nothing else")
+TEST_CASE("vertices that are not finite, or extremely far away, collide with nothing and disturb nothing else")
 {
     Scene clean;
     clean.add(sheetMesh(0.02, 4), kPlain);
@@ -52,7 +52,7 @@ TEST_CASE("vertices that are not finite, or far beyond everything, are met by no
     for (const double bad : {kNan, kInfinity, -kInfinity, 1e200, 1e12}) {
         CAPTURE(bad);
         Scene scene = clean;
-        scene.surfaces[0].x[24].x = bad; // a corner, under nothing
+        scene.surfaces[0].x[24].x = bad; // a corner that nothing lies above
         scene.find();
         checkSound(scene);
         CHECK(scene.found.size() == count);
@@ -65,7 +65,7 @@ TEST_CASE("vertices that are not finite, or far beyond everything, are met by no
     }
 }
 
-TEST_CASE("a point exactly on a face, an edge or a corner leaves along the normal there")
+TEST_CASE("a point exactly on a face, an edge or a corner is pushed out along the normal there")
 {
     const double h = 0.01, s = 1.0 / std::sqrt(3.0), r = 1.0 / std::sqrt(2.0);
     const std::pair<Vec3, Vec3> cases[] = {
@@ -84,7 +84,7 @@ TEST_CASE("a point exactly on a face, an edge or a corner leaves along the norma
     }
 }
 
-TEST_CASE("a mesh that lies exactly on another, and one with triangles without area, give finite unit normals")
+TEST_CASE("coincident meshes and triangles without area give finite unit normals")
 {
     std::mt19937 random(5);
     for (int round = 0; round < 20; ++round) {
@@ -96,7 +96,7 @@ TEST_CASE("a mesh that lies exactly on another, and one with triangles without a
         CollisionOptions options = kPlain;
         options.self = true;
         scene.add(other, options);
-        // Vertices that fall together, and some that fall on a line.
+        // Make some vertices coincide and some collinear.
         for (int i = 0; i < 6; ++i) {
             const auto& [a, b, c] = other.triangles[random() % other.triangles.size()];
             scene.surfaces[1].x[a] =
@@ -108,7 +108,7 @@ TEST_CASE("a mesh that lies exactly on another, and one with triangles without a
     }
 }
 
-TEST_CASE("a surface shrunk to a point is met and gives finite unit normals")
+TEST_CASE("a surface shrunk to a point collides and gives finite unit normals")
 {
     Scene scene;
     scene.add(boxMesh({0.01, 0.01, 0.01}), kPlain);
@@ -121,7 +121,7 @@ TEST_CASE("a surface shrunk to a point is met and gives finite unit normals")
     }
 }
 
-TEST_CASE("contacts far from the origin are those at the origin")
+TEST_CASE("contacts far from the origin match those at the origin")
 {
     const auto contacts = [](Vec3 origin) {
         Scene scene;

@@ -9,7 +9,7 @@
 
 namespace filasofia::engine {
 
-/// A box around the origin, each side of 2 n^2 triangles; closed, edges convex.
+/// A closed box around the origin with 2 n^2 triangles per side and convex edges.
 inline geometry::TriangleMesh boxMesh(Vec3 half, int n = 1)
 {
     geometry::TriangleMesh mesh;
@@ -38,7 +38,7 @@ inline geometry::TriangleMesh boxMesh(Vec3 half, int n = 1)
     return mesh;
 }
 
-/// A sheet in the plane z = 0 around the origin, n x n cells of two triangles, looking along +z.
+/// A sheet in the plane z = 0 around the origin with n x n cells of two triangles, normal along +z.
 inline geometry::TriangleMesh sheetMesh(double half, int n)
 {
     geometry::TriangleMesh mesh;
@@ -88,7 +88,7 @@ inline Vec3 randomVector(std::mt19937& random, double size)
     return {x, y, number(random)};
 }
 
-/// Surfaces, and what it takes to ask about them step by step.
+/// Surfaces with all state of their queries from step to step.
 struct Scene {
     std::vector<CollisionSurface> surfaces;
     std::vector<SideKept> sides;
@@ -117,7 +117,7 @@ struct Scene {
         findProximities(surfaces, dt, pool, sides, scratch, found);
         return found;
     }
-    /// Where a side of a proximity is.
+    /// The position of one side of a proximity.
     [[nodiscard]] Vec3 place(const Proximity& p, int side) const
     {
         Vec3 sum;

@@ -2,7 +2,7 @@
 
 namespace filasofia::engine {
 
-TEST_CASE("a shape knows its edges once each, what lies beside them, and whether it is closed")
+TEST_CASE("a shape lists each edge once with its neighbouring triangles, and knows whether it is closed")
 {
     const CollisionShape box = makeCollisionShape(boxMesh({1, 1, 1}, 2), {});
     CHECK(box.rest.size() == 26);
@@ -37,7 +37,7 @@ TEST_CASE("every vertex and edge of a shape has one owner, and every element is 
                                                                         {first + 2, first + 1},
                                                                         {mesh.triangles[0][0], mesh.triangles[0][1]}}});
     CHECK(shape.elements.size() ==
-          mesh.triangles.size() + 2); // a line given twice is one, one of a triangle is its edge
+          mesh.triangles.size() + 2); // a line given twice counts once, and a line on a triangle is its edge
     std::vector<int> vertices(shape.rest.size()), edges(shape.edges.size()), elements(shape.elements.size());
     for (const CollisionShape::Element& element : shape.elements) {
         for (const int v : element.ownVertices)
@@ -49,7 +49,7 @@ TEST_CASE("every vertex and edge of a shape has one owner, and every element is 
         CHECK(node.count <= 4);
         for (int i = 0; i < node.count; ++i) ++elements[node.first + i];
     }
-    CHECK(vertices.back() == 0); // the one in no line and no triangle
+    CHECK(vertices.back() == 0); // the vertex without line and triangle
     vertices.pop_back();
     for (const std::vector<int>* counts : {&vertices, &edges, &elements})
         CHECK(std::ranges::all_of(*counts, [](int count) { return count == 1; }));
@@ -61,7 +61,7 @@ TEST_CASE("the depth of a shape is never less than its proximity")
     CHECK(makeCollisionShape(boxMesh({1, 1, 1}), {.proximity = 0.1, .depth = 0.5}).depth == 0.5);
 }
 
-TEST_CASE("boxes hold their vertices, as far as they may go, in spite of rounding to float")
+TEST_CASE("boxes contain their vertices within their reach, in spite of rounding to float")
 {
     std::mt19937 random(9);
     for (const double scale : {1e-4, 1.0, 1e5}) {

@@ -16,7 +16,7 @@ Scene pointOver(double height)
     return scene;
 }
 
-// A strip of 2 x n cells of 5 mm bent to a U: the lower arm in the plane z = 0, the upper one `between` over it.
+// A strip of 2 x n cells of 5 mm folded to a U: the lower arm in the plane z = 0, the upper one `between` above it.
 geometry::TriangleMesh fold(geometry::TriangleMesh strip, double length, double between)
 {
     const double radius = 0.5 * between, bend = std::numbers::pi * radius;
@@ -52,7 +52,7 @@ geometry::TriangleMesh strip(int n, double cell)
 
 } // namespace
 
-TEST_CASE("a sheet is met from both sides")
+TEST_CASE("a sheet collides on both sides")
 {
     for (const double height : {3e-4, -3e-4}) {
         Scene scene = pointOver(height);
@@ -62,20 +62,20 @@ TEST_CASE("a sheet is met from both sides")
     }
 }
 
-TEST_CASE("a point that has gone through a sheet is sent back to the side where it was")
+TEST_CASE("a point that went through a sheet is pushed back to its side")
 {
     for (const double side : {1.0, -1.0}) {
         CAPTURE(side);
         Scene scene = pointOver(side * 3e-4);
         REQUIRE(scene.find().size() == 1);
-        // On it goes, and sideways to the neighbouring triangles too.
+        // It moves on, and also sideways over neighbouring triangles.
         for (int step = 1; step <= 8; ++step) {
             scene.move(1, {8e-4, 1e-4, -side * 2e-4});
             REQUIRE(scene.find().size() == 1);
             CHECK(scene.found[0].gap == Approx(3e-4 - step * 2e-4));
             CHECK(distance(scene.found[0].normal, {0, 0, -side}) < 1e-12);
         }
-        // Out of range on the wrong side it is forgotten, and met there anew.
+        // Out of range on the wrong side the history is dropped, and there the point starts on a new side.
         scene.move(1, {0, 0, -side * 3e-3});
         CHECK(scene.find().empty());
         scene.move(1, {0, 0, side * 4e-3});
@@ -85,7 +85,7 @@ TEST_CASE("a point that has gone through a sheet is sent back to the side where 
     }
 }
 
-TEST_CASE("a point goes around the rim of a sheet from one side to the other")
+TEST_CASE("a point moves around the rim of a sheet from one side to the other")
 {
     Scene scene = pointOver(3e-4);
     for (const Vec3 at :
@@ -97,7 +97,7 @@ TEST_CASE("a point goes around the rim of a sheet from one side to the other")
     CHECK(distance(scene.found[0].normal, {0, 0, 1}) < 1e-12);
 }
 
-TEST_CASE("the sides are all of a sheet's history, and the buffers none")
+TEST_CASE("the sides are the complete history of a sheet, and the buffers hold none")
 {
     Scene scene = pointOver(1e-4);
     scene.find();
@@ -112,7 +112,7 @@ TEST_CASE("the sides are all of a sheet's history, and the buffers none")
     CHECK(copy.found[0].gap == Approx(-1e-4));
 }
 
-TEST_CASE("surfaces that come and go before a sheet and a point change neither their sides nor their numbers")
+TEST_CASE("surfaces added and removed before a sheet and a point change neither their sides nor their numbers")
 {
     Scene scene;
     scene.add(boxMesh({1e-3, 1e-3, 1e-3}), kPlain, {{1, 0, 0}, {}});
@@ -133,7 +133,7 @@ TEST_CASE("surfaces that come and go before a sheet and a point change neither t
     CHECK(scene.sides == sides);
 }
 
-TEST_CASE("the arms of a folded sheet meet, and nothing of it meets its neighbours")
+TEST_CASE("the arms of a folded sheet collide, and a sheet does not collide with its own neighbouring triangles")
 {
     const double cell = 5e-3;
     CollisionOptions options{.proximity = 0.5e-3, .self = true};
@@ -154,7 +154,7 @@ TEST_CASE("the arms of a folded sheet meet, and nothing of it meets its neighbou
         CHECK(p.gap < 1e-3);
         for (const int v : p.vertices[0]) CHECK((v < 0 || std::ranges::find(p.vertices[1], v) == p.vertices[1].end()));
     }
-    // Pressed through each other they still know their sides.
+    // After they were pressed through each other they still know their sides.
     const auto arms = [](const Proximity& p) { return std::fabs(p.normal.z) > 0.99 && p.gap < 0.0; };
     for (Vec3& x : scene.surfaces[0].x)
         if (x.z > 0.7e-3) x.z = -0.1e-3;
@@ -162,19 +162,19 @@ TEST_CASE("the arms of a folded sheet meet, and nothing of it meets its neighbou
     CHECK(std::ranges::count_if(scene.found, arms) > 10);
 }
 
-TEST_CASE("a thin body that folds meets itself from outside, and not through its own thickness")
+TEST_CASE("a thin body that folds collides with itself from outside, and not through its own thickness")
 {
-    // A strip of 1 mm in thickness, with proximities of 0.6 mm: its walls are nearer than what is followed inside.
+    // A strip of 1 mm in thickness, with proximities of 0.6 mm: its walls are nearer than the depth followed inside.
     geometry::TriangleMesh slab = boxMesh({0.04, 0.01, 0.5e-3}, 8);
     for (Vec3& p : slab.vertices) p.x += 0.04;
     CollisionOptions options{.proximity = 0.4e-3, .self = true};
     Scene scene;
     scene.add(slab, options);
     CHECK(scene.find().empty());
-    // Squeezed to 70 %: still nothing.
+    // Squeezed to 70 %, there is still no contact.
     for (Vec3& x : scene.surfaces[0].x) x.z *= 0.7;
     CHECK(scene.find().empty());
-    // Folded, the arms' middles 1.5 mm over each other: half a millimetre is left between them.
+    // Folded with the arms' middles 1.5 mm apart, which leaves half a millimetre between them.
     scene.surfaces[0].x = fold(slab, 0.08, 1.5e-3).vertices;
     scene.find();
     CHECK(std::ranges::count_if(scene.found, [](const Proximity& p) {

@@ -11,8 +11,7 @@ namespace {
 std::set<std::string> faults(const MeshTopology& mesh, double volume)
 {
     std::set<std::string> all;
-    for (const TopologyViolation& v :
-         checkTopology(mesh, {.quality = 0.15, .volume = volume, .mostViolations = 100000}))
+    for (const TopologyViolation& v : checkTopology(mesh, {.quality = 0.15, .volume = volume, .maxViolations = 100000}))
         all.insert(name(v.fault));
     return all;
 }
@@ -29,7 +28,7 @@ EditableMesh cutBar()
 
 } // namespace
 
-TEST_CASE("the checker finds every corruption that is planted, and calls it by its name")
+TEST_CASE("the checker finds every corruption that is planted, and names it")
 {
     const EditableMesh mesh = cutBar();
     const double volume = mesh.startVolume();
@@ -54,7 +53,7 @@ TEST_CASE("the checker finds every corruption that is planted, and calls it by i
     plant("bad index", [&](MeshTopology& m) { m.labels.pop_back(); });
     plant("not finite", [&](MeshTopology& m) { m.current[3].y = std::numeric_limits<double>::quiet_NaN(); });
     plant("not positive", [&](MeshTopology& m) { std::swap(m.tetrahedra[inside][0], m.tetrahedra[inside][1]); });
-    plant("overlap", [&](MeshTopology& m) { // a corner on the wrong side of the face opposite
+    plant("overlap", [&](MeshTopology& m) { // a corner on the wrong side of the opposite face
         const auto& n = m.tetrahedra[inside];
         const Vec3 middle =
             (1.0 / 3.0) * (m.rest[n[(face + 1) % 4]] + m.rest[n[(face + 2) % 4]] + m.rest[n[(face + 3) % 4]]);
@@ -80,7 +79,7 @@ TEST_CASE("the checker finds every corruption that is planted, and calls it by i
     });
     plant("node list", [&](MeshTopology& m) { m.around[node].pop_back(); });
     plant("node list", [&](MeshTopology& m) { m.around[node].push_back(m.around[node].front()); });
-    // Two elements glued at a node, at an edge: copies of a node on the open cut are one again.
+    // Elements joined at a node or an edge only: copies of a node on the open cut are merged again.
     int copies = 0, vertices = 0, edges = 0;
     for (int a = 0; a < mesh.nodes(); ++a)
         for (int b = a + 1; b < mesh.nodes(); ++b) {
@@ -98,7 +97,7 @@ TEST_CASE("the checker finds every corruption that is planted, and calls it by i
     CHECK(edges > 0);
 }
 
-TEST_CASE("a mirror that missed something is found out")
+TEST_CASE("a mirror that missed an edit is detected")
 {
     EditableMesh mesh = bar();
     const frame::TopologyMirror old(mesh.data().tetrahedra);

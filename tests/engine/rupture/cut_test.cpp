@@ -9,7 +9,7 @@ using namespace filasofia::engine;
 
 namespace {
 
-/// Straight down through the bar at this x.
+/// Cuts straight down through the bar at this x.
 RuptureReport cutAcross(EditableMesh& mesh, double x, int steps, const CutParameters& parameters = {})
 {
     BladeStroke stroke(mesh.newSheet());
@@ -20,7 +20,7 @@ RuptureReport cutAcross(EditableMesh& mesh, double x, int steps, const CutParame
 
 } // namespace
 
-TEST_CASE("a blade that passes through a bar, in many steps or few, leaves two whole pieces")
+TEST_CASE("a blade that passes through a bar, in many steps or few, leaves two valid pieces")
 {
     for (int steps : {1, 2, 7, 50, 400})
         for (double x : {0.0, 1e-14, -1e-12, 1e-9, 0.0013, 0.0025, 0.005, 0.0071}) { // 0 and 0.005 are planes of nodes
@@ -44,7 +44,7 @@ TEST_CASE("a blade that passes through a bar, in many steps or few, leaves two w
         }
 }
 
-TEST_CASE("a cut that stops inside stays, and goes on later as the same surface")
+TEST_CASE("a cut that stops inside remains, and can be continued later as the same surface")
 {
     EditableMesh mesh = bar();
     BladeStroke first(mesh.newSheet());
@@ -56,7 +56,7 @@ TEST_CASE("a cut that stops inside stays, and goes on later as the same surface"
     mesh.takeEdit({1});
     Pieces pieces(mesh.data());
     CHECK(pieces.count() == 1);
-    // Whoever comes back to the place, with the blade in its plane, is told which surface it was.
+    // A blade that returns to the place, in the plane of the cut, finds the same surface.
     const auto found = [&](Vec3 from, Vec3 to) {
         const BladeSegment s{from, to, from, to};
         return sheetAt(mesh, {&s, 1});
@@ -89,7 +89,7 @@ TEST_CASE("scissors whose jaws close from both sides cut the bar through")
                                                 BladeSegment{now[1][0], now[1][1], before[1][0], before[1][1]}};
         report += stroke.step(mesh, blade, {});
     }
-    // closed: one passes the other
+    // closed: the jaws have passed each other
     const std::array<BladeSegment, 1> last{
         BladeSegment{{0.001, -0.005, -0.012}, {0.001, -0.006, 0.012}, {0.001, 0.004, -0.012}, {0.001, -0.001, 0.012}}};
     report += stroke.step(mesh, last, {});
@@ -100,7 +100,7 @@ TEST_CASE("scissors whose jaws close from both sides cut the bar through")
 
 TEST_CASE("a bent blade of several segments leaves no gap at its joints")
 {
-    for (const double joint : {0.002, 0.0025, 0.004, 0.005}) { // on nodes, edges, between
+    for (const double joint : {0.002, 0.0025, 0.004, 0.005}) { // on nodes, on edges, between
         CAPTURE(joint);
         EditableMesh mesh = bar();
         BladeStroke stroke(mesh.newSheet());
@@ -121,7 +121,7 @@ TEST_CASE("a bent blade of several segments leaves no gap at its joints")
     }
 }
 
-TEST_CASE("a blade that bends by 45 degrees cuts through, wherever its bend meets the mesh")
+TEST_CASE("a blade with a corner of 45 degrees cuts through, wherever the corner crosses the mesh")
 {
     for (int place = 0; place < 16; ++place) {
         CAPTURE(place);
@@ -174,7 +174,7 @@ TEST_CASE("two blades at once make three pieces, and the largest keeps its id")
     }
 }
 
-TEST_CASE("tissue that moves over a blade at rest is cut as by a blade that moves")
+TEST_CASE("tissue that moves over a blade at rest is cut as by a moving blade")
 {
     EditableMesh mesh = bar();
     BladeStroke stroke(mesh.newSheet());
@@ -194,7 +194,7 @@ TEST_CASE("tissue that moves over a blade at rest is cut as by a blade that move
     CHECK(Pieces(mesh.data()).count() == 2);
 }
 
-TEST_CASE("a blade that cannot be is refused and counted, and the mesh keeps its bits")
+TEST_CASE("an invalid blade is refused and counted, and the mesh stays bit-identical")
 {
     EditableMesh mesh = bar();
     cutAcross(mesh, 0.003, 20);
@@ -217,7 +217,7 @@ TEST_CASE("a blade that cannot be is refused and counted, and the mesh keeps its
     CHECK(stroke.step(mesh, {&fine, 1}, {}).openedFaces > 0);
 }
 
-TEST_CASE("a blade that was lifted or refused, or tissue that moved unseen, is looked at anew")
+TEST_CASE("the crossings are searched again after a blade was lifted or refused, or the tissue moved unseen")
 {
     for (const int pause : {0, 1, 2}) {
         CAPTURE(pause);
@@ -225,19 +225,19 @@ TEST_CASE("a blade that was lifted or refused, or tissue that moved unseen, is l
         BladeStroke stroke(mesh.newSheet());
         RuptureReport report = sweep(mesh, stroke, {-0.0123, 0.02, -0.03}, {-0.0123, 0.02, 0.03}, {0, -0.0095, 0}, 40);
         double x = -0.0123;
-        if (pause == 0) x = 0.0077; // put down elsewhere
-        if (pause == 1) {           // the same after a jump that was refused
+        if (pause == 0) x = 0.0077; // placed elsewhere
+        if (pause == 1) {           // the same after a refused jump
             x = 0.0077;
             const BladeSegment jump{{x, 1, -0.03}, {x, 1, 0.03}, {0, 0.02, -0.03}, {0, 0.02, 0.03}};
             CHECK(stroke.step(mesh, {&jump, 1}, {}).refused[static_cast<int>(RuptureRefusal::BladeJump)] == 1);
         }
-        if (pause == 2) // the body was carried past the blade, at a step that the stroke did not see
-            for (const double way : {0.01, 0.02, 0.02}) { // and stands
+        if (pause == 2) // the body moved past the blade in a step that the stroke did not see
+            for (const double way : {0.01, 0.02, 0.02}) { // the last step does not move
                 std::vector<Vec3> moved = mesh.data().rest;
                 for (Vec3& p : moved) p.x -= way;
                 mesh.moveTo(moved);
             }
-        // 0.0105: where the sweep before ended
+        // 0.0105 is where the previous sweep ended.
         report += sweep(mesh, stroke, {x, 0.0105, -0.03}, {x, 0.0105, 0.03}, {0, -0.021, 0}, 300);
         finish(mesh, stroke, report);
         CHECK(faultsOf(mesh) == "");
@@ -245,7 +245,7 @@ TEST_CASE("a blade that was lifted or refused, or tissue that moved unseen, is l
     }
 }
 
-TEST_CASE("what is more than a step may add waits for the next, and nothing is half done")
+TEST_CASE("crossings beyond the limit of one step wait for the next, and the mesh is valid in between")
 {
     const CutParameters few{.maxNewTetrahedra = 30};
     EditableMesh mesh = bar();
@@ -258,7 +258,7 @@ TEST_CASE("what is more than a step may add waits for the next, and nothing is h
         const int before = mesh.tetrahedra();
         RuptureReport rest;
         done = stroke.finish(mesh, few, rest);
-        CHECK(mesh.tetrahedra() - before < 200); // the limit, the last edge's elements and what repairs need
+        CHECK(mesh.tetrahedra() - before < 200); // the limit, plus the last edge's elements and what repairs need
         CHECK(faultsOf(mesh) == "");
         report += rest;
     }
@@ -266,7 +266,7 @@ TEST_CASE("what is more than a step may add waits for the next, and nothing is h
     CHECK(Pieces(mesh.data()).count() == 2);
 }
 
-TEST_CASE("whoever sees only the edits knows elements, boundary, positions and embedded points")
+TEST_CASE("elements, boundary, positions and embedded points can be followed from the edits alone")
 {
     std::mt19937 random(5);
     const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
@@ -276,7 +276,7 @@ TEST_CASE("whoever sees only the edits knows elements, boundary, positions and e
         frame::TopologyMirror mirror(mesh.data().tetrahedra);
         std::vector<geometry::Tetrahedron> tetrahedra = mesh.data().tetrahedra;
         std::vector<Vec3> positions = mesh.data().rest, rest = positions;
-        std::vector<int> materials(mesh.tetrahedra()); // where an element comes from
+        std::vector<int> materials(mesh.tetrahedra()); // the element that each one descends from
         std::vector<frame::EmbeddedPoint> points;
         for (int t = 0; t < mesh.tetrahedra(); ++t) {
             materials[t] = t;
@@ -312,7 +312,7 @@ TEST_CASE("whoever sees only the edits knows elements, boundary, positions and e
                 const BladeSegment s{now, now + 0.02 * along, before, before + 0.02 * along};
                 report += stroke.step(mesh, {&s, 1}, parameters);
                 if (i == 59) finish(mesh, stroke, report, parameters);
-                if (i % 3 == 2) follow(); // several steps' ops in one edit too
+                if (i % 3 == 2) follow(); // one edit may contain the operations of several steps
             }
             CHECK(checkMirror(mesh.data(), mirror, positions).empty());
             CHECK(faultsOf(mesh) == "");

@@ -14,7 +14,7 @@ using Random = std::mt19937;
 
 double uniform(Random& random, double low, double high) { return std::uniform_real_distribution(low, high)(random); }
 
-/// Any edge of the mesh.
+/// A random edge of the mesh.
 std::array<int, 2> anyEdge(const EditableMesh& mesh, Random& random)
 {
     const geometry::Tetrahedron& n = mesh.data().tetrahedra[random() % mesh.data().tetrahedra.size()];
@@ -29,7 +29,7 @@ double volumeOf(const MeshTopology& mesh)
     return sum;
 }
 
-/// Flags all faces in the plane x = 0 (one of the bar's own).
+/// Flags all faces in the plane x = 0, which is a plane of nodes of the bar.
 std::vector<int> flagMiddle(EditableMesh& mesh)
 {
     std::vector<int> nodes;
@@ -48,7 +48,7 @@ std::vector<int> flagMiddle(EditableMesh& mesh)
 
 } // namespace
 
-TEST_CASE("bisecting edges keeps the mesh whole, its volume, and every linear field exact")
+TEST_CASE("bisecting edges keeps the mesh valid, its volume, and every linear field exact")
 {
     Random random(1);
     EditableMesh mesh = bar(2);
@@ -73,14 +73,15 @@ TEST_CASE("bisecting edges keeps the mesh whole, its volume, and every linear fi
     }
 }
 
-TEST_CASE("bisecting keeps momentum and mass where masses are shared out anew")
+TEST_CASE("bisecting conserves momentum and mass if masses are redistributed")
 {
     Random random(2);
     EditableMesh mesh = bar(2);
     std::vector<Vec3> velocities;
     for (int n = 0; n < mesh.nodes(); ++n)
         velocities.push_back({uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)});
-    // The momentum of the linear field that the velocities are inside each element: a quarter of it to each corner.
+    // The momentum of the velocity field, linear in each element: each corner counts with a quarter of the element's
+    // mass.
     const auto momentum = [&] {
         Vec3 sum;
         for (int t = 0; t < mesh.tetrahedra(); ++t)
@@ -96,7 +97,7 @@ TEST_CASE("bisecting keeps momentum and mass where masses are shared out anew")
     }
 }
 
-TEST_CASE("points embedded in a mesh stay where they are when it is bisected")
+TEST_CASE("points embedded in a mesh stay in place when it is bisected")
 {
     Random random(3);
     EditableMesh mesh = bar(2);
@@ -121,7 +122,7 @@ TEST_CASE("points embedded in a mesh stay where they are when it is bisected")
     for (int i = 0; i < 400; ++i) {
         const auto [a, b] = anyEdge(mesh, random);
         mesh.bisect(a, b, uniform(random, 0.2, 0.8));
-        if (i % 7 != 0) continue; // several splits of one element per edit too
+        if (i % 7 != 0) continue; // one edit may split an element several times
         frame::followPoints(mesh.takeEdit({1}), tetrahedra, rest, points);
     }
     frame::followPoints(mesh.takeEdit({1}), tetrahedra, rest, points);
@@ -136,7 +137,7 @@ TEST_CASE("points embedded in a mesh stay where they are when it is bisected")
     CHECK(elsewhere > 300);
 }
 
-TEST_CASE("a node splits into one copy per group of elements, and only where flagged faces close")
+TEST_CASE("a node splits into one copy per group of elements, and only if the flagged faces separate them")
 {
     EditableMesh mesh = bar(2);
     const std::vector<int> nodes = flagMiddle(mesh);
@@ -150,7 +151,7 @@ TEST_CASE("a node splits into one copy per group of elements, and only where fla
     mesh.commit();
 }
 
-TEST_CASE("a transaction that is rolled back leaves the same bits")
+TEST_CASE("a transaction that is rolled back leaves the mesh bit-identical")
 {
     Random random(4);
     EditableMesh mesh = bar(2);
@@ -178,7 +179,7 @@ TEST_CASE("a transaction that is rolled back leaves the same bits")
     }
 }
 
-TEST_CASE("a slide moves rest and current positions by the same share, and the record says from where")
+TEST_CASE("a slide moves rest and current positions by the same fraction, and the edit records the old position")
 {
     EditableMesh mesh = bar(2);
     const geometry::Tetrahedron n = mesh.data().tetrahedra[5];

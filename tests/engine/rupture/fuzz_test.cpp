@@ -1,4 +1,4 @@
-#include "filasofia/engine/rupture/fuzz.h"
+#include "filasofia/testing/fuzz_cuts.h"
 
 #include "filasofia/geometry/mesh_file.h"
 
@@ -7,9 +7,9 @@ using namespace filasofia::engine;
 
 namespace {
 
-CutFuzzDef fuzzOf(int cuts, std::uint64_t seed)
+testing::CutFuzzDef fuzzOf(int cuts, std::uint64_t seed)
 {
-    CutFuzzDef def{.seed = seed, .cuts = cuts, .meshes = cutFuzzShapes()};
+    testing::CutFuzzDef def{.seed = seed, .cuts = cuts, .meshes = testing::cutFuzzShapes()};
     for (const char* name : {"bunny_756", "bunny_1492"})
         def.meshes.push_back(
             {name, geometry::loadTetMesh(std::string(FILASOFIA_SOURCE_DIR "/assets/meshes/") + name + ".msh")});
@@ -18,11 +18,11 @@ CutFuzzDef fuzzOf(int cuts, std::uint64_t seed)
 
 } // namespace
 
-TEST_CASE("two thousand random cuts and tears break nothing, leave hardly a bridge, and come out the same twice")
+TEST_CASE("two thousand random cuts and tears keep meshes valid, leave hardly any bridge, and repeat bit-identically")
 {
-    const CutFuzzReport report = fuzzCuts(fuzzOf(2000, 1));
+    const testing::CutFuzzReport report = testing::fuzzCuts(fuzzOf(2000, 1));
     CHECK(report.cuts == 2000);
-    for (const CutFuzzCount& fault : report.faults) FAIL_CHECK(fault.name << ": " << fault.count);
+    for (const testing::CutFuzzCount& fault : report.faults) FAIL_CHECK(fault.name << ": " << fault.count);
     for (const std::string& example : report.examples) WARN(example);
     CHECK(report.hashesThatDiffer == 0);
     CHECK(report.worstQualityShare >= 1.0 - 1e-9);
@@ -31,15 +31,15 @@ TEST_CASE("two thousand random cuts and tears break nothing, leave hardly a brid
     CHECK(report.progressive > 500);
     CHECK(report.incompleteFull <= 0.001 * report.full);
     CHECK(report.incompleteProgressive <= 0.003 * report.progressive);
-    for (const CutFuzzKind& kind : report.kinds) CHECK(kind.cuts > 150);
+    for (const testing::CutFuzzKind& kind : report.kinds) CHECK(kind.cuts > 150);
 }
 
-TEST_CASE("a body that is cut twenty times over stays valid")
+TEST_CASE("a body that is cut twenty times stays valid")
 {
-    CutFuzzDef def = fuzzOf(100, 2);
+    testing::CutFuzzDef def = fuzzOf(100, 2);
     def.cutsPerBody = 20;
     def.twice = false;
-    const CutFuzzReport report = fuzzCuts(def);
+    const testing::CutFuzzReport report = testing::fuzzCuts(def);
     CHECK(report.sound());
     CHECK(report.bodies == 5);
     CHECK(report.worstQualityShare >= 1.0 - 1e-9);

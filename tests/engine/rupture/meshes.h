@@ -6,7 +6,7 @@
 
 #include <limits>
 
-/// Meshes under the knife, and blades.
+/// Meshes and blades for the tests of cutting.
 namespace filasofia::engine {
 
 /// A bar along x around the origin, 40 x 20 x 20 mm.
@@ -22,7 +22,7 @@ inline double worstQuality(const MeshTopology& mesh)
     return worst;
 }
 
-/// The violations as one line, empty where all is well.
+/// The violations as one line; empty if there are none.
 inline std::string faultsOf(const EditableMesh& mesh, double quality = 0.15)
 {
     std::string all;
@@ -31,7 +31,7 @@ inline std::string faultsOf(const EditableMesh& mesh, double quality = 0.15)
     return all;
 }
 
-/// A blade that is a line and goes from one place to another, step by step.
+/// Moves a straight blade along `way` step by step.
 inline RuptureReport sweep(EditableMesh& mesh, BladeStroke& stroke, Vec3 from, Vec3 to, Vec3 way, int steps,
                            const CutParameters& parameters = {})
 {

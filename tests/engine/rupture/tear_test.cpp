@@ -25,12 +25,13 @@ Mat3 randomMatrix(std::mt19937& random)
 
 constexpr double kMu = 2000.0, kLambda = 8000.0; // [Pa]
 
-/// Small strain, held at one end of the bar and pulled at the other: conjugate gradients on the displacements.
+/// Linear elasticity of the bar, fixed at one end and pulled at the other, solved by conjugate gradients on
+/// displacements.
 class PulledBar {
 public:
     explicit PulledBar(const EditableMesh& mesh) : mesh_(mesh.data()) {}
 
-    /// Stress of every element, and who is held.
+    /// Stress of every element, and in `held` the fixed nodes.
     std::vector<Mat3> solve(Vec3 pull, std::vector<std::uint8_t>& held)
     {
         const std::size_t n = mesh_.rest.size();
@@ -68,7 +69,7 @@ private:
         for (std::size_t i = 0; i < a.size(); ++i) s += dot(a[i], b[i]);
         return s;
     }
-    /// Rows are the gradients of the first three corners' shape functions; volume beside.
+    /// The gradients of the first three corners' shape functions, then the volume.
     [[nodiscard]] std::array<Vec3, 4> gradients(std::size_t t) const
     {
         const auto p = cornersOf(mesh_.tetrahedra[t], mesh_.rest);
@@ -91,7 +92,7 @@ private:
             const Mat3 s = restVolume(mesh_, static_cast<int>(t)) * stress(t, u);
             for (int k = 0; k < 4; ++k) f[mesh_.tetrahedra[t][k]] += s * g[k];
         }
-        for (std::size_t i = 0; i < u.size(); ++i) f[i] += 1e-6 * u[i]; // debris has to be somewhere
+        for (std::size_t i = 0; i < u.size(); ++i) f[i] += 1e-6 * u[i]; // keeps debris in place
         return f;
     }
 
@@ -118,14 +119,14 @@ TEST_CASE("the largest principal stress is the largest eigenvalue, with its dire
     CHECK(principalStress(Mat3::diagonal({-3, -2, -4})).value == -2.0);
 }
 
-TEST_CASE("Cauchy's stress turns with the body, is force over area as it is now, and nothing tears what is crushed")
+TEST_CASE("Cauchy's stress rotates with the body, is force over current area, and is zero in crushed elements")
 {
     const double stretch = 1.2, mu = 3000, lambda = 5000;
     const Mat3 f = Mat3::diagonal({stretch, 1, 1});
     const Mat3 sigma = cauchyStress(f, Mat3::identity(), mu, lambda);
     // On a unit cube: force on the face at x over its area, which the stretch leaves at 1.
     CHECK(sigma[0].x == Approx((2 * mu + lambda) * 0.2));
-    CHECK(sigma[1].y == Approx(lambda * 0.2 / stretch)); // faces at y have grown
+    CHECK(sigma[1].y == Approx(lambda * 0.2 / stretch)); // the faces at y have grown
     std::mt19937 random(2);
     for (int i = 0; i < 100; ++i) {
         const Mat3 r = toMat3(polarRotation(randomMatrix(random), {})), g = f + 0.2 * randomMatrix(random);
@@ -176,14 +177,14 @@ TEST_CASE("tissue in uniform tension tears above its threshold and not below, ac
     }
 }
 
-TEST_CASE("a bar that is pulled tears in two, whatever its mesh and the pull, and is valid after every tear")
+TEST_CASE("a bar that is pulled tears in two for every mesh and pull, and is valid after every tear")
 {
     for (int run = 0; run < 6; ++run) {
         CAPTURE(run);
         geometry::TetMesh block = *geometry::shapes::block({0.04, 0.02, 0.02}, {8, 4, 4});
         std::mt19937 random(static_cast<unsigned>(run));
         std::uniform_real_distribution<double> u(-1, 1);
-        if (run > 0) // an irregular one
+        if (run > 0) // an irregular mesh
             for (Vec3& p : block.nodes) {
                 const auto inner = [](double x, double end) { return std::abs(x) < end - 1e-9 ? 1e-3 : 0.0; };
                 p += Vec3{inner(p.x, 0.02) * u(random), inner(p.y, 0.01) * u(random), inner(p.z, 0.01) * u(random)};
@@ -223,11 +224,11 @@ TEST_CASE("a bar that is pulled tears in two, whatever its mesh and the pull, an
         CHECK(apart());
         CHECK(tears > 2);
         CHECK(tears < 200);
-        CHECK(mesh.tetrahedra() == 768); // nothing is deleted, nothing added
+        CHECK(mesh.tetrahedra() == 768); // no element is deleted or added
     }
 }
 
-TEST_CASE("a node that cannot open is counted, and the next takes over")
+TEST_CASE("a node that cannot open is counted, and the next one is tried")
 {
     EditableMesh mesh = bar(2);
     RuptureReport report;

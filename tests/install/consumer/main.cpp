@@ -2,8 +2,8 @@
 
 using namespace filasofia;
 
-// A user's program: the smallest installed bunny, pinned at the head, falls for a quarter of a second. Its word is the
-// prefix under which the mesh must be found.
+// A user's program: the smallest installed bunny, pinned at the head, falls for a quarter of a second. The argument is
+// the prefix under which the mesh must be found.
 int main(int, char** argv)
 try {
     const std::string mesh = asset("meshes/bunny_756.msh");

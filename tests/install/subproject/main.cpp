@@ -3,7 +3,7 @@
 #include "filasofia/core/units.h"
 #include "filasofia/math/pose.h"
 
-// A user's program: says one line through the library and checks one result.
+// A user's program: logs one line through the library and checks one result.
 int main()
 {
     using namespace filasofia;

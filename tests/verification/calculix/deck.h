@@ -7,13 +7,13 @@
 
 namespace filasofia::engine {
 
-/// What a deck of CalculiX asks for, of the keywords that regenerate.py writes; any other is an Error.
+/// A deck of CalculiX with the keywords that regenerate.py writes; any other keyword is an Error.
 struct Deck {
-    physics::SoftBodyDef def = {}; ///< the whole body but for its solver and damping
+    physics::SoftBodyDef def = {}; ///< the whole body except its solver and damping
     Vec3 gravity = {};             ///< [m/s^2]
 };
 
-/// The numbers and words between commas.
+/// Splits a row at its commas.
 inline std::vector<std::string> splitRow(const std::string& line)
 {
     std::vector<std::string> row;
@@ -45,7 +45,7 @@ inline void addDeckLine(const std::string& keyword, const std::vector<std::strin
     } else if (keyword == "*DLOAD" && row.at(1) == "GRAV") {
         deck.gravity = number(2) * vec3(3);
     } else if (keyword == "*DLOAD") {
-        deck.def.pressure = number(2); // face by face; the engine's acts on all of the surface
+        deck.def.pressure = number(2); // CalculiX loads single faces; the engine's pressure acts on the whole surface
     } else if (keyword != "*HEADING" && keyword != "*STATIC" && keyword != "*CONTROLS" && keyword != "*NODE PRINT") {
         fail("deck: no rule for ", keyword);
     }
@@ -67,7 +67,7 @@ inline Deck readDeck(const std::string& file)
     return deck;
 }
 
-/// The displacements [m] of a table of regenerate.py, node by node.
+/// [m] The displacements in a table of regenerate.py, node by node.
 inline std::vector<Vec3> readDisplacements(const std::string& file)
 {
     std::ifstream in(file);

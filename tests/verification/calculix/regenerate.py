@@ -7,7 +7,7 @@ HERE = Path(__file__).parent
 
 
 def box(n, size):
-    """n[0] x n[1] x n[2] cells of six tetrahedra (Kuhn 1960): nodes, tetrahedra of positive volume, from 0."""
+    """n[0] x n[1] x n[2] cells of six tetrahedra (Kuhn 1960): nodes, and tetrahedra of positive volume with indices from 0."""
     nodes = [[size[a] * p[a] / n[a] for a in range(3)] for p in itertools.product(*(range(c + 1) for c in n))]
     index = lambda p: (p[0] * (n[1] + 1) + p[1]) * (n[2] + 1) + p[2]
     tetrahedra = []
@@ -22,7 +22,7 @@ def box(n, size):
 
 
 def ball(n, radius):
-    """A cube of n^3 cells blown up to a ball: every cube around the centre becomes a sphere."""
+    """A cube of n^3 cells mapped to a ball: every cube around the centre becomes a sphere."""
     nodes, tetrahedra = box([n] * 3, [2.0] * 3)
     for i, p in enumerate(nodes):
         p = [x - 1.0 for x in p]
@@ -41,7 +41,7 @@ def upright(nodes, t):
 
 
 def outer_faces(tetrahedra, wanted):
-    """(element, number of the face as CalculiX counts) of the faces of one element only whose nodes are all wanted."""
+    """(element, CalculiX's number of the face) for the faces that belong to one element only and have only wanted nodes."""
     faces = {}
     for e, t in enumerate(tetrahedra):
         for number, corners in enumerate(((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)), 1):
@@ -61,7 +61,7 @@ def deck(title, mesh, young, poisson, held, density=None, dload=(), cload=(), no
     lines += ["*DENSITY", f"{density}"] if density else []
     lines += ["*SOLID SECTION, ELSET=Eall, MATERIAL=tissue"]
     lines += ["*BOUNDARY"] + [f"{i}, 1, 3" for i, p in enumerate(nodes, 1) if held(p)]
-    if nonlinear:  # ten increments, each to the last digit that is printed; the fifth and the tenth are printed
+    if nonlinear:  # ten increments, each converged to the last printed digit; the fifth and the tenth are printed
         lines += ["*STEP, NLGEOM", "*STATIC, DIRECT", "0.1, 1.", "*CONTROLS, PARAMETERS=FIELD", "1e-8, 1e-8"]
     else:
         lines += ["*STEP", "*STATIC"]
@@ -71,7 +71,7 @@ def deck(title, mesh, young, poisson, held, density=None, dload=(), cload=(), no
 
 
 def sagging_beam():
-    """Clamped at x = 0, under gravity that is aslant so that no component is zero."""
+    """Clamped at x = 0, under oblique gravity, so that no component is zero."""
     mesh = box((16, 4, 3), (1.0, 0.25, 0.2))
     down = (0.48, -0.64, 0.6)
     return deck("clamped beam under its weight", mesh, 1e10, 0.3, lambda p: p[0] == 0.0, density=1000.0,
@@ -79,7 +79,7 @@ def sagging_beam():
 
 
 def pressed_ball():
-    """A ball on a rigid core: all nodes within a third of the radius are held, pressure acts outside."""
+    """A ball with a rigid core: all nodes within a third of the radius are fixed, and pressure acts on the outer surface."""
     mesh = ball(6, 0.03)
     outside = lambda i: math.hypot(*mesh[0][i]) > 0.0299
     faces = outer_faces(mesh[1], outside)
@@ -88,11 +88,11 @@ def pressed_ball():
 
 
 def bent_beam():
-    """Slender, clamped at x = 0, its end pushed aside by a quarter of its length: large rotation, small strain."""
+    """A slender beam clamped at x = 0, its end pushed sideways by a quarter of its length: large rotation, small strain."""
     mesh = box((50, 2, 2), (1.0, 0.04, 0.04))
     end = [i for i, p in enumerate(mesh[0], 1) if p[0] == 1.0]
     return deck("slender beam under an end load", mesh, 1e6, 0.3, lambda p: p[0] == 0.0, nonlinear=True,
-                cload=[f"{i}, 2, {-0.3 / len(end):.13g}" for i in end])  # 0.3 N in all
+                cload=[f"{i}, 2, {-0.3 / len(end):.13g}" for i in end])  # 0.3 N in total
 
 
 def run(ccx, name, text):

@@ -14,7 +14,7 @@ Pose motionOf(const LinkJoint& joint, double q)
     return joint.prismatic ? Pose{q * joint.axis, {}} : Pose{{}, axisAngle(joint.axis, q)};
 }
 
-/// How velocities of a joint and of its parent make those of its child.
+/// The velocity of a joint's child link from those of the joint and its parent link.
 LinkMotion childMotion(const LinkJoint& joint, const JointAxis& axis, std::span<const Pose> poses,
                        const LinkMotion& parent, double velocity)
 {
@@ -25,7 +25,7 @@ LinkMotion childMotion(const LinkJoint& joint, const JointAxis& axis, std::span<
     return {parent.linear + cross(parent.angular, axis.origin - from) + cross(spin, to - axis.origin), spin};
 }
 
-/// The same of accelerations. `velocity` of the parent.
+/// The same for accelerations. `velocity` is the parent's.
 LinkMotion childAcceleration(const LinkJoint& joint, const JointAxis& axis, std::span<const Pose> poses,
                              const LinkMotion& velocity, const LinkMotion& parent, double speed, double acceleration)
 {
@@ -65,7 +65,7 @@ std::vector<JointAxis> jointAxes(const LinkTree& tree, std::span<const Pose> pos
 {
     std::vector<JointAxis> axes;
     for (const LinkJoint& joint : tree.joints) {
-        const Pose frame = poses[at(joint.parent)] * joint.parentOffset; // its axis stays where the joint moves
+        const Pose frame = poses[at(joint.parent)] * joint.parentOffset; // the joint's motion does not move its axis
         axes.push_back({rotate(frame.orientation, joint.axis), frame.position});
     }
     for (int k = 0; k < kBaseJoints; ++k) axes.push_back({Mat3::identity()[k % 3], poses[0].position});
@@ -137,7 +137,8 @@ JointMatrix massMatrix(const LinkTree& tree, std::span<const JointAxis> axes, st
     JointMatrix matrix{joints.size(), std::vector<double>(joints.size() * joints.size())};
     for (std::size_t link = 0; link < masses.size(); ++link) {
         const LinkMass& body = masses[link];
-        if (body.mass == 0.0 && body.inertia == Mat3{}) continue; // damping may weigh turning alone
+        // A link may have inertia without mass, as damping may act on rotation alone.
+        if (body.mass == 0.0 && body.inertia == Mat3{}) continue;
         for (std::size_t r = 0; r < joints.size(); ++r) {
             if (!moves(tree, joints[r], static_cast<int>(link))) continue;
             const LinkMotion row = columnAt(tree, axes, joints[r], body.centre);

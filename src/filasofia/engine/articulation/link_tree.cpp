@@ -33,7 +33,7 @@ void checkTree(const std::string& object, const LinkTree& tree)
 {
     const LinkTree again = linkTree(tree.joints);
     if (again.order.size() != tree.joints.size() || again.order != tree.order || again.jointOf != tree.jointOf)
-        fail(object, ": joints must make a tree from link 0 on, in an order with parents first");
+        fail(object, ": joints must form a tree from link 0 on, parents first");
     for (std::size_t j = 0; j < tree.joints.size(); ++j) {
         const LinkJoint& joint = tree.joints[j];
         const std::string field = text(object, ": joints[", j, "]");

@@ -4,13 +4,13 @@
 
 namespace filasofia::engine {
 
-// GCC's and Clang's vectors: four floats in any machine's registers, without a dispatch at every box.
+// GCC's and Clang's vector extensions: four floats in any machine's registers, without a dispatch per box.
 using FourFloats = float __attribute__((vector_size(16)));
 using TwoWords = std::int64_t __attribute__((vector_size(16)));
 
-/// A box in float, in the form in which merging is eight minima: the low corner, and the high one negated. The fourth
-/// numbers are merged alike: minus the reach of what is inside (how far it may come nearer, plus the depth), endless
-/// where a vertex inside is not finite.
+/// A box in float: the low corner, and the high corner negated, so that merging is eight minima. The fourth components
+/// are merged in the same way: they hold minus the reach of the contents (by how much a vertex may approach, plus the
+/// depth), which is infinite if a vertex inside is not finite.
 struct Bounds {
     FourFloats low;
     FourFloats negatedHigh;
@@ -21,24 +21,24 @@ inline Bounds merged(const Bounds& a, const Bounds& b)
     return {a.low < b.low ? a.low : b.low, a.negatedHigh < b.negatedHigh ? a.negatedHigh : b.negatedHigh};
 }
 
-/// True also where the boxes only touch. A sum of floats has the sign of the exact one, so that no rounding separates.
-/// The fourth numbers are never positive and separate nothing.
+/// Whether two boxes overlap or touch. A sum of floats has the sign of the exact sum, so rounding separates no boxes.
+/// The fourth components are never positive and separate nothing either.
 inline bool meet(const Bounds& a, const Bounds& b)
 {
     const FourFloats above = a.low + b.negatedHigh, below = b.low + a.negatedHigh;
-    const FourFloats most = above > below ? above : below;
-    const auto apart = reinterpret_cast<TwoWords>(most > FourFloats{});
+    const FourFloats largest = above > below ? above : below;
+    const auto apart = reinterpret_cast<TwoWords>(largest > FourFloats{});
     return (apart[0] | apart[1]) == 0;
 }
 
-/// Holds nothing, meets nothing, and leaves what it is merged with as it was.
+/// A box that contains nothing, overlaps nothing, and is neutral in merged().
 inline Bounds emptyBounds()
 {
-    constexpr float kFar = 3e38f; // two of them add up to infinity, never to a NaN
+    constexpr float kFar = 3e38f; // the sum of two of them is infinity, never a NaN
     return {FourFloats{kFar, kFar, kFar, 0.0f}, FourFloats{kFar, kFar, kFar, 0.0f}};
 }
 
-/// As an empty one; and what it is merged with is damaged.
+/// An empty box that marks every box it is merged with as damaged.
 inline Bounds damagedBounds()
 {
     Bounds out = emptyBounds();
@@ -48,7 +48,7 @@ inline Bounds damagedBounds()
 
 inline double reachOf(const Bounds& a) { return -static_cast<double>(a.low[3]); }
 inline bool damaged(const Bounds& a) { return a.low[3] < -1e38f; }
-/// A number to compare when one of two boxes is to be opened.
+/// A measure of size, to choose which of two boxes is opened first.
 inline float widthOf(const Bounds& a)
 {
     const FourFloats width = a.low + a.negatedHigh;

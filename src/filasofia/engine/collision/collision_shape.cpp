@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kLeafSize = 4;
 
-/// All uses of edges, ascending: counted out by their lower vertex, and only sorted among those of one.
+/// All uses of edges, ascending. They are counting-sorted by their lower vertex, and compared only within one vertex.
 std::vector<EdgeUse> edgeUses(const CollisionShape& shape, const std::vector<std::array<int, 2>>& segments)
 {
     const int count = static_cast<int>(shape.rest.size());
@@ -35,7 +35,7 @@ std::vector<EdgeUse> edgeUses(const CollisionShape& shape, const std::vector<std
     return uses;
 }
 
-/// Rows of items from something that visits (row, item), item by item ascending, twice the same.
+/// Builds rows from `forEach`, which calls (row, item) in ascending order of items, twice in the same order.
 template <class ForEach> geometry::CompressedRows rowsOf(std::size_t rows, const ForEach& forEach)
 {
     geometry::CompressedRows out;
@@ -59,7 +59,7 @@ void collectElements(CollisionShape& shape)
     for (int v = 0; v < static_cast<int>(shape.rest.size()); ++v) shape.elements.push_back({.vertices = {v, -1, -1}});
 }
 
-/// Per triangle, the numbers of its three sides' edges.
+/// Per triangle, the indices of its three sides' edges.
 std::vector<std::array<int, 3>> sidesOf(const CollisionShape& shape)
 {
     std::vector<std::array<int, 3>> sides(shape.triangles.size());
@@ -107,7 +107,7 @@ void connect(std::span<const EdgeUse> uses, CollisionShape& shape)
     });
 }
 
-// As geometry::Bvh does, but into whole leaves: fewer nodes.
+// As geometry::Bvh does it, but into full leaves, which needs fewer nodes.
 int plant(const std::vector<Vec3>& middles, std::span<int> order, int first, std::vector<CollisionShape::Node>& nodes)
 {
     const int self = static_cast<int>(nodes.size()), count = static_cast<int>(order.size());
@@ -166,7 +166,7 @@ void shareOut(CollisionShape& shape)
             const int edge = sides[element.triangle][k];
             if (!edgeTaken[edge]) edgeTaken[edge] = 1, element.ownEdges[k] = edge;
         }
-        if (element.triangle >= 0 || element.vertices[1] < 0) continue; // a line is no triangle's side: its own
+        if (element.triangle >= 0 || element.vertices[1] < 0) continue; // a line owns its edge
         const auto line = std::array{element.vertices[0], element.vertices[1]};
         element.ownEdges[0] = static_cast<int>(std::ranges::lower_bound(shape.edges, line) - shape.edges.begin());
     }

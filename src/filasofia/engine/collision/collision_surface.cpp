@@ -7,20 +7,20 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr float kFarthest = 1e9f; // [m] beyond it nothing is computed: squares of squares stay finite
+constexpr float kFarthest = 1e9f; // [m] no larger coordinate is used, so that fourth powers stay finite
 
-// A vertex's box. In every direction as far as its speed allows: so whatever comes near along its normal is found,
-// though it moves sideways too. The box around its way would be smaller, and miss that.
+// A vertex's box. It reaches as far in every direction as the speed allows, so that anything that approaches along its
+// normal is found even if the vertex moves sideways. A box around the path alone would be smaller, but would miss that.
 Bounds boundsOf(Vec3 x, Vec3 v, float depth, float reach)
 {
     const float vx = static_cast<float>(v.x), vy = static_cast<float>(v.y), vz = static_cast<float>(v.z);
     const float r = depth + reach * std::sqrt(vx * vx + vy * vy + vz * vz);
     const FourFloats at{static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z), 0.0f};
     const FourFloats size = at < FourFloats{} ? -at : at;
-    // A number not comparable is not less: what is no number falls out too.
+    // A comparison with a NaN is false, so NaNs are rejected too.
     const auto near = reinterpret_cast<TwoWords>((size < kFarthest) & (FourFloats{r, r, r, r} < kFarthest));
     if ((near[0] & near[1]) != -1) return damagedBounds();
-    // A handful of roundings, each by 2^-24 of what is rounded.
+    // A few roundings, each by 2^-24 of the rounded value.
     const FourFloats grown = r * (1.0f + 0x1p-20f) + 1e-30f + size * 0x1p-22f;
     return {at - grown, -at - grown};
 }
@@ -45,7 +45,7 @@ void boundTree(CollisionSurface& surface)
     const CollisionShape& shape = *surface.shape;
     surface.elementBounds.resize(shape.elements.size());
     surface.nodeBounds.resize(shape.nodes.size());
-    // Children lie behind their parent: backwards, every child is ready before it is asked for.
+    // Children follow their parent, so backwards every child is ready before its parent.
     for (std::size_t n = shape.nodes.size(); n-- > 0;) {
         const CollisionShape::Node& node = shape.nodes[n];
         if (node.count == 0) {

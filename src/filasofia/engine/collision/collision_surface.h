@@ -9,24 +9,26 @@
 
 namespace filasofia::engine {
 
-/// A shape where it is now.
+/// A shape in its current state.
 struct CollisionSurface {
-    SurfaceName name; ///< surfaces of one body do not meet, but for one whose shape has `self` set: with itself
+    /// Surfaces of one body do not collide with each other. A surface whose shape has `self` set collides with itself.
+    SurfaceName name;
     std::shared_ptr<const CollisionShape> shape;
-    bool cuttable = false; ///< surfaces that cut do not touch it
-    std::vector<Vec3> x;   ///< [m] vertices now; what has a vertex that is not finite or beyond 1e9 m is not found
-    std::vector<Vec3> v;   ///< [m/s] with which they will move in the coming step
+    bool cuttable = false; ///< surfaces that cut pass through it
+    /// [m] current vertices. Elements with a vertex that is not finite or beyond 1e9 m are not found.
+    std::vector<Vec3> x;
+    std::vector<Vec3> v; ///< [m/s] velocities in the coming step
 
-    // Boxes for this step: written by findProximities.
+    // Boxes for this step, written by findProximities.
     std::vector<Bounds> vertexBounds;
     std::vector<Bounds> elementBounds; ///< in the order of the shape's elements
     std::vector<Bounds> nodeBounds;
     Bounds whole{};
 };
 
-/// Boxes that hold every vertex now and at any time within `reach` [s], with the shape's depth around it.
+/// Computes boxes that hold every vertex now and at any time within `reach` [s], with the shape's depth around it.
 void boundVertices(CollisionSurface& surface, double reach);
-/// Those of elements and nodes; after boundVertices().
+/// Computes the boxes of elements and nodes; to be called after boundVertices().
 void boundTree(CollisionSurface& surface);
 
 } // namespace filasofia::engine

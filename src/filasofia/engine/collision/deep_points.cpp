@@ -7,7 +7,7 @@
 namespace filasofia::engine {
 namespace {
 
-// [m] from one corner of the box around all of the surface to the other.
+// [m] diagonal of the surface's box.
 double sizeOf(const CollisionSurface& surface)
 {
     double squared = 0.0;

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "filasofia/engine/collision/meeting.h"
+#include "filasofia/engine/collision/surface_pair.h"
 
 namespace filasofia::engine {
 
-/// The points of one side that are inside the other side, which is closed, deeper than
-/// findProximities() follows them: each with its nearest way out. After findProximities(), of a pair whose boxes meet.
+/// Finds the points of side `source` that are inside the other side, which is closed, deeper than findProximities()
+/// follows them. Each gets its nearest way out. To be called after findProximities(), for a pair whose boxes overlap.
 void findDeepPoints(const Meeting& meeting, int source, std::vector<Proximity>& found);
 
 } // namespace filasofia::engine

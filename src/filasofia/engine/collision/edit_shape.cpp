@@ -10,7 +10,7 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr int kLargestLeaf = 8; // elements; beyond, a leaf is planted anew
+constexpr int kLargestLeaf = 8; // elements; a larger leaf is split
 
 geometry::Box boxOf(const CollisionShape& shape, int triangle)
 {
@@ -33,7 +33,7 @@ void checkEdit(const CollisionShape& before, const SurfaceEdit& edit)
     FILASOFIA_ASSERT(std::ranges::all_of(edit.added, isNew));
 }
 
-/// The new list of triangles, and what became of the old ones.
+/// Builds the new list of triangles, and the map from old to new indices.
 void editTriangles(const CollisionShape& before, const SurfaceEdit& edit, CollisionShape& now, ShapeChange& change)
 {
     now.triangles = before.triangles;
@@ -69,7 +69,7 @@ void editTriangles(const CollisionShape& before, const SurfaceEdit& edit, Collis
     sortUnique(change.touched);
 }
 
-/// The uses of edges, ascending: those of the old triangles that are left as they were lie in order already.
+/// The uses of edges, ascending. Those of the unchanged triangles are in order already.
 std::vector<EdgeUse> editUses(const CollisionShape& before, const SurfaceEdit& edit, const CollisionShape& now,
                               const ShapeChange& change)
 {
@@ -89,7 +89,7 @@ std::vector<EdgeUse> editUses(const CollisionShape& before, const SurfaceEdit& e
     std::vector<EdgeUse> uses;
     uses.reserve(old.size() + fresh.size());
     auto from = old.begin();
-    for (const EdgeUse& use : fresh) { // few: whole stretches of old ones between them
+    for (const EdgeUse& use : fresh) { // few: whole runs of old uses lie between them
         const auto to = std::lower_bound(from, old.end(), use);
         uses.insert(uses.end(), from, to);
         uses.push_back(use);
@@ -99,10 +99,10 @@ std::vector<EdgeUse> editUses(const CollisionShape& before, const SurfaceEdit& e
     return uses;
 }
 
-/// Both lists ascend.
+/// Maps old edges to new ones. Both lists ascend.
 std::vector<int> edgesNow(const CollisionShape& before, const CollisionShape& now)
 {
-    const auto key = [](std::array<int, 2> edge) { // one comparison for two
+    const auto key = [](std::array<int, 2> edge) { // one comparison instead of two
         return std::int64_t{edge[0]} << 32 | std::int64_t{edge[1]};
     };
     std::vector<int> edges(before.edges.size(), -1);
@@ -115,7 +115,7 @@ std::vector<int> edgesNow(const CollisionShape& before, const CollisionShape& no
     return edges;
 }
 
-/// Writes the old tree again, with other elements in its leaves.
+/// Writes the old tree again, with the new elements in its leaves.
 class Grafting {
 public:
     Grafting(const CollisionShape& before, const ShapeChange& change, CollisionShape& now)
@@ -123,26 +123,26 @@ public:
     {
     }
 
-    /// False where something new has no neighbour in the old tree: then there is no place for it.
+    /// Returns false if a new element has no neighbour in the old tree: then there is no place for it.
     bool graft()
     {
         if (!chooseLeaves()) return false;
-        now_.elements.reserve(before_.elements.size() + newcomers_.size());
-        now_.nodes.reserve(before_.nodes.size() + 2 * newcomers_.size());
+        now_.elements.reserve(before_.elements.size() + newElements_.size());
+        now_.nodes.reserve(before_.nodes.size() + 2 * newElements_.size());
         write(0);
         return !now_.nodes.empty();
     }
 
 private:
-    struct Newcomer {
+    struct NewElement {
         int leaf, triangle;
-        friend constexpr auto operator<=>(const Newcomer&, const Newcomer&) = default;
+        friend constexpr auto operator<=>(const NewElement&, const NewElement&) = default;
     };
 
-    /// Newcomers go where a triangle around one of their vertices is.
+    /// A new element goes to the leaf of a triangle around one of its vertices.
     bool chooseLeaves()
     {
-        std::vector<int> leaf(now_.triangles.size(), -1); // of a triangle now
+        std::vector<int> leaf(now_.triangles.size(), -1); // per new triangle
         for (std::size_t n = 0; n < before_.nodes.size(); ++n)
             for (int i = 0; i < before_.nodes[n].count; ++i) {
                 const int t = before_.elements[static_cast<std::size_t>(before_.nodes[n].first + i)].triangle;
@@ -157,16 +157,16 @@ private:
                 for (const int vertex : now_.triangles[t])
                     for (const int beside : now_.vertexTriangles[vertex])
                         if (leaf[t] < 0) leaf[t] = leaf[beside];
-                if (leaf[t] >= 0) newcomers_.push_back({leaf[t], t});
+                if (leaf[t] >= 0) newElements_.push_back({leaf[t], t});
                 return leaf[t] >= 0;
             });
             if (open.size() == left) return false;
         }
-        std::ranges::sort(newcomers_);
+        std::ranges::sort(newElements_);
         return true;
     }
 
-    /// False where nothing is left below.
+    /// Returns false if nothing is left below this node.
     bool write(int at)
     {
         const CollisionShape::Node& node = before_.nodes[at];
@@ -180,7 +180,7 @@ private:
             now_.nodes[self] = {second, 0};
             return true;
         }
-        // One child, or none, stands in its parent's place: what lies behind moves up by one.
+        // The only child, or none, takes its parent's place: the nodes behind it move up by one.
         now_.nodes.erase(now_.nodes.begin() + static_cast<std::ptrdiff_t>(self));
         for (std::size_t n = self; n < now_.nodes.size(); ++n)
             if (now_.nodes[n].count == 0) --now_.nodes[n].first;
@@ -199,8 +199,8 @@ private:
             }
             now_.elements.push_back(element);
         }
-        for (auto it = std::ranges::lower_bound(newcomers_, Newcomer{at, 0}); it != newcomers_.end() && it->leaf == at;
-             ++it)
+        for (auto it = std::ranges::lower_bound(newElements_, NewElement{at, 0});
+             it != newElements_.end() && it->leaf == at; ++it)
             now_.elements.push_back({.vertices = now_.triangles[it->triangle], .triangle = it->triangle});
         const int count = static_cast<int>(now_.elements.size()) - first;
         if (count > kLargestLeaf)
@@ -210,7 +210,7 @@ private:
         return count > 0;
     }
 
-    /// Plants the elements from `first` on anew.
+    /// Splits the elements from `first` on into new leaves.
     void split(int first)
     {
         const std::vector<CollisionShape::Element> all(now_.elements.begin() + first, now_.elements.end());
@@ -226,7 +226,7 @@ private:
     const CollisionShape& before_;
     const ShapeChange& change_;
     CollisionShape& now_;
-    std::vector<Newcomer> newcomers_; ///< ascending
+    std::vector<NewElement> newElements_; ///< ascending
 };
 
 } // namespace

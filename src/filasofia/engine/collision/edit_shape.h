@@ -7,29 +7,29 @@
 
 namespace filasofia::engine {
 
-/// What a topology edit does to a surface.
+/// The change that a topology edit makes to a surface.
 struct SurfaceEdit {
-    std::vector<int> removed;                                     ///< triangles that go, ascending
-    std::vector<std::pair<int, geometry::Triangle>> changed = {}; ///< that get other vertices, ascending
-    std::vector<geometry::Triangle> added = {};                   ///< behind those that are left, in this order
-    std::vector<Vec3> vertices = {};                              ///< [m] at rest, behind those that are there
+    std::vector<int> removed;                                     ///< removed triangles, ascending
+    std::vector<std::pair<int, geometry::Triangle>> changed = {}; ///< triangles that get other vertices, ascending
+    std::vector<geometry::Triangle> added = {};                   ///< new triangles, appended in this order
+    std::vector<Vec3> vertices = {};                              ///< [m] new vertices at rest, appended
 };
 
-/// What became of a shape's features. Vertices keep their numbers.
+/// The old features' new indices. Vertices keep their indices.
 struct ShapeChange {
-    std::vector<int> triangles; ///< per old triangle: its number now; -1: it is gone
+    std::vector<int> triangles; ///< per old triangle: its new index; -1 if it was removed
     std::vector<int> edges;     ///< per old edge: the same
-    std::vector<int> fresh;     ///< triangles now that were added or changed, ascending
-    std::vector<int> touched;   ///< vertices of those and of what was there before them, ascending
+    std::vector<int> fresh;     ///< new indices of triangles that were added or changed, ascending
+    std::vector<int> touched;   ///< vertices of these triangles, before and after the edit; ascending
     geometry::Box box;          ///< [m] around all of these triangles at rest
 };
 
-/// The shape that makeCollisionShape() would make of the edited mesh, but for the order of what is in the tree: there
-/// the old tree is kept, with what is new beside its neighbours, until half of it is new. Linear in the size of the
-/// surface, without sorting it. The shape has triangles; lines of no triangle stay.
+/// Builds the shape that makeCollisionShape() would build from the edited mesh, but for the order of elements in the
+/// tree: the old tree is kept, with new elements inserted beside their neighbours, until half of it is new. Linear in
+/// the size of the surface, without sorting it. The shape has triangles; lines of no triangle stay.
 CollisionShape editShape(const CollisionShape& before, const SurfaceEdit& edit, ShapeChange& change);
 
-/// What makeInset() would make for the edited shape, computed anew only near what has changed.
+/// Returns the inset that makeInset() would return for the edited shape, recomputed only near the edit.
 Inset editInset(const Inset& inset, const CollisionShape& before, const CollisionShape& now, const ShapeChange& change,
                 double depth);
 

@@ -9,10 +9,10 @@
 namespace filasofia::engine {
 namespace {
 
-// [-] of the distance: two boards that lie across each other cross where the side of one is.
+// [-] tolerance relative to the distance: two boards that lie across each other cross at the side of one.
 constexpr double kGraze = 2e-3;
 
-// The normal of what the weights say the nearest place lies on: face, edge or vertex.
+// The normal of the feature that the weights place the point on: face, edge or vertex.
 Vec3 normalAt(const CollisionSurface& surface, int triangle, const std::array<double, 3>& weights)
 {
     const CollisionShape& shape = *surface.shape;
@@ -35,14 +35,14 @@ struct NearestPlace {
 
 Bounds boxAround(Vec3 point, double distance)
 {
-    // A little more, so that rounding cannot lose the place that is known.
+    // Slightly enlarged, so that rounding cannot lose the place that is known.
     const auto reach = static_cast<float>(distance * 1.000001 + 1e-9);
     const float x = static_cast<float>(point.x), y = static_cast<float>(point.y), z = static_cast<float>(point.z);
     const float r = reach + 1e-6f * (std::fabs(x) + std::fabs(y) + std::fabs(z));
     return {FourFloats{x - r, y - r, z - r, 0.0f}, FourFloats{-x - r, -y - r, -z - r, 0.0f}};
 }
 
-// The box shrinks to what can still be nearer.
+// The box shrinks to the distance found so far.
 void search(const CollisionSurface& surface, Vec3 point, Bounds& box, int at, NearestPlace& best)
 {
     if (!meet(surface.nodeBounds[at], box)) return;

@@ -2,7 +2,7 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/engine/collision/keep_minima.h"
-#include "filasofia/engine/collision/meeting.h"
+#include "filasofia/engine/collision/surface_pair.h"
 
 #include <algorithm>
 #include <utility>
@@ -12,14 +12,14 @@ namespace {
 
 constexpr int kPartSize = 64; // pairs of elements: some 10 µs
 
-bool mayMeet(const CollisionSurface& a, const CollisionSurface& b)
+bool mayCollide(const CollisionSurface& a, const CollisionSurface& b)
 {
     if (&a == &b) return a.shape->self;
-    if ((a.shape->cutting && b.cuttable) || (b.shape->cutting && a.cuttable)) return false; // a blade goes through
+    if ((a.shape->cutting && b.cuttable) || (b.shape->cutting && a.cuttable)) return false; // a blade passes through
     return a.name.body != b.name.body && a.shape->group == b.shape->group && meet(a.whole, b.whole);
 }
 
-// Boxes of vertices first: most surfaces are near none, and need no more.
+// Tests the boxes around all vertices first: most surfaces are near no other, and need no tree.
 void collectSurfacePairs(std::vector<CollisionSurface>& surfaces, double reach, WorkerPool& pool,
                          ProximityScratch& scratch)
 {
@@ -29,7 +29,7 @@ void collectSurfacePairs(std::vector<CollisionSurface>& surfaces, double reach, 
     scratch.wanted.assign(surfaces.size(), 0);
     for (int i = 0; i < count; ++i)
         for (int k = i; k < count; ++k)
-            if (mayMeet(surfaces[i], surfaces[k]) && !surfaces[i].shape->nodes.empty() &&
+            if (mayCollide(surfaces[i], surfaces[k]) && !surfaces[i].shape->nodes.empty() &&
                 !surfaces[k].shape->nodes.empty()) {
                 scratch.surfacePairs.push_back({i, k});
                 scratch.wanted[i] = scratch.wanted[k] = 1;
@@ -49,7 +49,7 @@ void collectLeafPairs(const CollisionSurface& a, const CollisionSurface& b, Coll
             if (meet(a.elementBounds[i], b.elementBounds[k])) pairs.push_back({i, k});
 }
 
-// Down both trees at once, the wider box first.
+// Descends both trees at once, the wider box first.
 void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, ProximityScratch& scratch)
 {
     const bool self = &a == &b;
@@ -77,7 +77,7 @@ void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, P
     }
 }
 
-void meetPoints(const Meeting& meeting, int source, int mine, int other, std::vector<PointMinimum>& out)
+void testPoints(const Meeting& meeting, int source, int mine, int other, std::vector<PointMinimum>& out)
 {
     const CollisionSurface &own = *meeting.sides[source], &target = *meeting.sides[1 - source];
     if (!own.shape->points) return;
@@ -86,9 +86,9 @@ void meetPoints(const Meeting& meeting, int source, int mine, int other, std::ve
             meetPoint(meeting, source, point, other, out);
 }
 
-// Whether a triangle's plane has all of the other triangle farther off than both reach.
-bool planeParts(const CollisionSurface& a, const std::array<int, 3>& triangle, const CollisionSurface& b,
-                const std::array<int, 3>& other, double far)
+// Whether a triangle's plane has all of the other triangle on one side, farther away than both reach.
+bool planeSeparates(const CollisionSurface& a, const std::array<int, 3>& triangle, const CollisionSurface& b,
+                    const std::array<int, 3>& other, double far)
 {
     const Vec3 at = a.x[triangle[0]];
     const Vec3 normal = cross(a.x[triangle[1]] - at, a.x[triangle[2]] - at);
@@ -105,15 +105,16 @@ bool farApart(const Meeting& meeting, std::array<int, 2> pair)
     const std::array<int, 3>&a = one.shape->elements[pair[0]].vertices, &b = two.shape->elements[pair[1]].vertices;
     if (a[2] < 0 || b[2] < 0) return false;
     const double far = reachOf(one.elementBounds[pair[0]]) + reachOf(two.elementBounds[pair[1]]);
-    return planeParts(one, a, two, b, far) || planeParts(two, b, one, a, far);
+    return planeSeparates(one, a, two, b, far) || planeSeparates(two, b, one, a, far);
 }
 
-// Every feature is looked at where its owner is. With itself, a surface's points always stand on the first side.
-void meetElements(const Meeting& meeting, std::array<int, 2> pair, ProximityScratch::Part& out)
+// Every feature is tested where its owner is. If a surface is tested against itself, its points always stand on the
+// first side.
+void testElements(const Meeting& meeting, std::array<int, 2> pair, ProximityScratch::Part& out)
 {
     if (farApart(meeting, pair)) return;
-    meetPoints(meeting, 0, pair[0], pair[1], out.points);
-    meetPoints(meeting, meeting.self() ? 0 : 1, pair[1], pair[0], out.points);
+    testPoints(meeting, 0, pair[0], pair[1], out.points);
+    testPoints(meeting, meeting.self() ? 0 : 1, pair[1], pair[0], out.points);
     const CollisionShape &one = *meeting.sides[0]->shape, &two = *meeting.sides[1]->shape;
     if (!one.lines || !two.lines) return;
     const Bounds& other = meeting.sides[1]->elementBounds[pair[1]];
@@ -126,7 +127,7 @@ void meetElements(const Meeting& meeting, std::array<int, 2> pair, ProximityScra
     }
 }
 
-void meetAll(const Meeting& meeting, WorkerPool& pool, ProximityScratch& scratch)
+void testElementPairs(const Meeting& meeting, WorkerPool& pool, ProximityScratch& scratch)
 {
     const int pairs = static_cast<int>(scratch.elementPairs.size());
     const int parts = (pairs + kPartSize - 1) / kPartSize;
@@ -135,7 +136,7 @@ void meetAll(const Meeting& meeting, WorkerPool& pool, ProximityScratch& scratch
     for (int i = 0; i < parts; ++i) scratch.parts[i].points.clear(), scratch.parts[i].edges.clear();
     pool.run(parts, [&](int i) {
         const int end = std::min(pairs, (i + 1) * kPartSize);
-        for (int k = i * kPartSize; k < end; ++k) meetElements(meeting, scratch.elementPairs[k], scratch.parts[i]);
+        for (int k = i * kPartSize; k < end; ++k) testElements(meeting, scratch.elementPairs[k], scratch.parts[i]);
     });
 }
 
@@ -162,7 +163,7 @@ void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerP
     for (const auto& [i, k] : scratch.surfacePairs) {
         const Meeting meeting{{&surfaces[i], &surfaces[k]}, {i, k}, reach};
         collectElementPairs(surfaces[i], surfaces[k], scratch);
-        meetAll(meeting, pool, scratch);
+        testElementPairs(meeting, pool, scratch);
         keepMinima(meeting, sides, scratch, found);
     }
     std::ranges::sort(scratch.nextSides);

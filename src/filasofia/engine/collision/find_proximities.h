@@ -12,22 +12,22 @@
 
 namespace filasofia::engine {
 
-/// Where a point may meet a surface, before it is known whether it is inside.
+/// A local minimum of the distance from a point to a surface, before it is known whether the point is inside.
 struct PointMinimum {
-    Proximity proximity;     ///< signed as the feature's own normal says
+    Proximity proximity;     ///< signed by the feature's own normal
     int point = 0;           ///< vertex of the source
-    int source = 0;          ///< which side of the pair the point is on
+    int source = 0;          ///< the side of the pair that the point is on
     double distance = 0.0;   ///< [m], >= 0
-    double range = 0.0;      ///< [m] within which it counts, if it is outside
-    double back = 0.0;       ///< [m] within which it would, if the other side were outside
-    double limit = 0.0;      ///< [m] how deep inside it counts
-    bool facing = true;      ///< does the point's own surface look at what it met
-    bool twoSided = false;   ///< on a sheet: which side is outside is for its history to tell
+    double range = 0.0;      ///< [m] maximum distance if the point is outside
+    double back = 0.0;       ///< [m] maximum distance if the other side of the sheet is outside
+    double limit = 0.0;      ///< [m] maximum depth inside
+    bool facing = true;      ///< the point's own surface faces the place that was found
+    bool twoSided = false;   ///< on a sheet: the point's history decides which side is outside
     bool vertexPair = false; ///< the nearest place is a vertex
     bool kept = false;
 };
 
-/// Buffers of findProximities: nothing in them matters to the next step.
+/// Buffers of findProximities. They carry nothing to the next step.
 struct ProximityScratch {
     struct Part {
         std::vector<PointMinimum> points;
@@ -37,34 +37,37 @@ struct ProximityScratch {
     std::vector<std::array<int, 2>> surfacePairs;
     std::vector<char> wanted;
     std::vector<std::array<int, 2>> elementPairs;
-    std::vector<std::array<int, 2>> open;       ///< pairs of nodes still to be looked at
-    std::vector<Part> parts;                    ///< never fewer than once
-    std::size_t partsUsed = 0;                  ///< by the pair of surfaces that is looked at
-    std::array<std::vector<double>, 2> nearest; ///< [m] per vertex of each side: signed distance to the other one
+    std::vector<std::array<int, 2>> open;       ///< stack of pairs of nodes still to be visited
+    std::vector<Part> parts;                    ///< never shrinks, so that its buffers are reused
+    std::size_t partsUsed = 0;                  ///< number used by the current pair of surfaces
+    std::array<std::vector<double>, 2> nearest; ///< [m] per vertex of each side: signed distance to the other side
     std::vector<std::uint64_t> vertexPairs;
 };
 
-/// Every place where two surfaces of one group are nearer than both proximities plus the way by which they come nearer
-/// in one and a half steps, in place of what `found` held. Points meet triangles and lines meet lines; where a surface
-/// has no triangles in use, its lines meet points as well, and where it has no lines either, its points do.
+/// Finds every place where two surfaces of one group are nearer than the sum of their proximities plus the distance by
+/// which they approach in one and a half steps. Replaces the contents of `found`. Points are tested against triangles
+/// and lines against lines. If a surface has no triangles in use, points are tested against its lines, and if it has no
+/// lines either, against its points.
 ///
-/// What is found are local minima of the distance, each once: a point's nearest place in a face, on an edge whose
-/// triangles have nothing nearer or at such a vertex; edge over edge where the nearest places lie inside both and their
-/// triangles have nothing nearer (so flat and concave edges meet nothing). Where the nearest place is on an edge or
-/// vertex, the surface around the point must look at it: nothing around it leads there, give or take a degree. A face
-/// is met by any point.
+/// The results are local minima of the distance, each once:
+///   - a point's nearest place in a face, on an edge whose triangles have nothing nearer, or at such a vertex;
+///   - edge against edge, if the nearest places lie inside both edges and their triangles have nothing nearer (so flat
+///     and concave edges do not collide).
+/// If the nearest place is on an edge or vertex, the surface around the point must face it: nothing around the point
+/// leads there, within a degree. A face accepts any point.
 ///
-/// Inside a closed surface a point has one way out, the nearest, and it is found to the sum of both depths. A sheet has
-/// no inside: outside is the side on which a point was first seen, until it has been out of range or beside the rim; of
-/// its own surface a point is inside only where it has been seen outside before. Without triangles in use no gap is
-/// negative.
+/// Inside a closed surface a point has one way out, the nearest, and it is found up to the sum of both depths. A sheet
+/// has no inside: its outside is the side on which a point was first seen, until the point has been out of range or
+/// beside the rim. A point is inside its own surface only if it has been seen outside before. Without
+/// triangles in use no gap is negative.
 ///
-/// dt > 0 [s]. `sides`, ascending: what is known from the last step on; left behind: for the next one. Who gives a
-/// surface another shape takes out what is known of the old one. The same surfaces and sides give the same list in the
-/// same order for any number of threads. Allocates nothing once its buffers have grown.
+/// `dt` must be > 0 [s]. `sides`, ascending, holds the sides known from the last step, and is replaced by those for the
+/// next. If a surface gets another shape, the caller must remove the entries of the old one. The same surfaces and
+/// sides give the same list in the same order for any number of threads. Once its buffers have grown, it allocates
+/// nothing.
 void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool, std::vector<SideKept>& sides,
                      ProximityScratch& scratch, std::vector<Proximity>& found);
 
-inline constexpr double kStepsAhead = 1.5; ///< a step, and half of one for what the solve adds to the velocities
+inline constexpr double kStepsAhead = 1.5; ///< one step, and half of one for the velocities that the solve adds
 
 } // namespace filasofia::engine

@@ -12,12 +12,12 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr double kMostOfThickness = 0.25; // a quarter from each side
-constexpr double kMostOfEdge = 0.25;
-constexpr double kLongestWay = 2.0; // in depths, where triangles meet in a point
-constexpr double kSliver = 1e-18;   // [-] as in meet_point.cpp: has no face
-constexpr double kTouching = 1e-3;  // of the depth
-constexpr double kRidge = 1e-3;     // how nearly alike two normals may be, to be told apart
+constexpr double kMaxOfThickness = 0.25; // a quarter from each side
+constexpr double kMaxOfEdge = 0.25;
+constexpr double kMaxWay = 2.0;    // in depths, if triangles meet in a sharp point
+constexpr double kSliver = 1e-18;  // [-] as in point_feature.cpp: has no face
+constexpr double kTouching = 1e-3; // relative to the depth
+constexpr double kRidge = 1e-3;    // regularisation: how different two normals must be to count as distinct
 
 Vec3 normalOf(const geometry::Triangle& triangle, std::span<const Vec3> x)
 {
@@ -27,10 +27,10 @@ Vec3 normalOf(const geometry::Triangle& triangle, std::span<const Vec3> x)
     return lengthSquared(normal) > kSliver * longest * longest ? normalized(normal) : Vec3{};
 }
 
-/// Shares c with (sum of c_f n_f) . n_g = 1 for every triangle g around a vertex, as nearly as there are, the smallest:
-/// (N N^T + e) c = 1, the rows of N the normals. With w = (N^T N + e)^-1 N^T 1 that is c = (1 - N w) / e, and the way
-/// N^T c is w. Returns the way.
-Vec3 shareOut(std::span<const Vec3> normals, std::span<double> shares)
+/// Computes coefficients c with (sum of c_f n_f) . n_g = 1 for every triangle g around a vertex, by least
+/// squares with the smallest c: (N N^T + e) c = 1, with the normals as the rows of N. With w = (N^T N + e)^-1 N^T 1,
+/// this is c = (1 - N w) / e and N^T c = w. Returns the direction w.
+Vec3 normalCoefficients(std::span<const Vec3> normals, std::span<double> shares)
 {
     Mat3 products = kRidge * Mat3::identity();
     Vec3 sum;
@@ -39,20 +39,20 @@ Vec3 shareOut(std::span<const Vec3> normals, std::span<double> shares)
         sum += n;
     }
     const Vec3 way = inverse(products) * sum;
-    const double size = length(way), scale = size > kLongestWay ? kLongestWay / size : 1.0;
+    const double size = length(way), scale = size > kMaxWay ? kMaxWay / size : 1.0;
     for (std::size_t f = 0; f < normals.size(); ++f)
-        shares[f] = normals[f] == Vec3{} ? 0.0 : scale * (1.0 - dot(normals[f], way)) / kRidge; // no area, no say
+        shares[f] = normals[f] == Vec3{} ? 0.0 : scale * (1.0 - dot(normals[f], way)) / kRidge; // zero area
     return scale * way;
 }
 
-/// A segment inwards from a vertex, and what it meets.
+/// A ray inwards from a vertex.
 struct Probe {
     const CollisionShape& shape;
     int vertex;
     Vec3 from, inwards;
-    double nearest; ///< [m] nearer is no thickness: it is the other wall of a cut
+    double nearest; ///< [m] hits nearer than this are not the thickness but the other wall of a cut
 
-    /// [m] to a triangle of which the vertex is none; infinite: it slips by.
+    /// [m] distance to a triangle that does not have the vertex; infinite if the ray misses it.
     [[nodiscard]] double hit(int triangle) const
     {
         constexpr double none = std::numeric_limits<double>::infinity();
@@ -70,10 +70,11 @@ geometry::Box boxOf(const CollisionShape& shape, int triangle)
     return box;
 }
 
-/// [m] from how far on a wall leaves the inset as it is.
-double reachOf(double depth) { return depth / kMostOfThickness; }
+/// [m] distance from which on another wall does not reduce the inset.
+double reachOf(double depth) { return depth / kMaxOfThickness; }
 
-/// Writes one vertex's inset; thickness(probe): [m] to what it meets first within reachOf(depth), or more.
+/// Computes one vertex's inset. thickness(probe) returns the distance [m] to the first hit within reachOf(depth), or
+/// more.
 template <class Thickness> void insetVertex(const CollisionShape& shape, int vertex, double depth,
                                             const Thickness& thickness, std::vector<Vec3>& normals, Inset& inset)
 {
@@ -82,16 +83,16 @@ template <class Thickness> void insetVertex(const CollisionShape& shape, int ver
     if (around.empty()) return;
     normals.clear();
     for (const int t : around) normals.push_back(normalOf(shape.triangles[static_cast<std::size_t>(t)], shape.rest));
-    const Vec3 way = shareOut(
+    const Vec3 way = normalCoefficients(
         normals,
         std::span(inset.share).subspan(static_cast<std::size_t>(shape.vertexTriangles.start[vertex]), around.size()));
-    double most = kMostOfThickness * thickness(Probe{shape, vertex, shape.rest[static_cast<std::size_t>(vertex)],
+    double limit = kMaxOfThickness * thickness(Probe{shape, vertex, shape.rest[static_cast<std::size_t>(vertex)],
                                                      normalized(-way), kTouching * depth});
     for (int edge : shape.vertexEdges[vertex]) {
         const auto [a, b] = shape.edges[edge];
-        most = std::min(most, kMostOfEdge * distance(shape.rest[a], shape.rest[b]));
+        limit = std::min(limit, kMaxOfEdge * distance(shape.rest[a], shape.rest[b]));
     }
-    inset.depth[vertex] = std::min(depth, most);
+    inset.depth[vertex] = std::min(depth, limit);
 }
 
 Inset noInset(const CollisionShape& shape)
@@ -102,7 +103,8 @@ Inset noInset(const CollisionShape& shape)
 
 bool hasInset(const CollisionShape& shape, double depth) { return shape.closed && shape.triangleFaces && depth > 0.0; }
 
-/// Vertices whose inset may be another after an edit: those of what has changed, and those in whose reach it is.
+/// The vertices whose inset may differ after an edit: those of the changed triangles, and those that the change is in
+/// reach of.
 std::vector<int> affectedVertices(const CollisionShape& now, const ShapeChange& change, double depth)
 {
     std::vector<int> affected;
@@ -116,7 +118,7 @@ std::vector<int> affectedVertices(const CollisionShape& now, const ShapeChange& 
     return affected;
 }
 
-/// The triangles that a probe from any of the vertices may meet, with their boxes.
+/// The triangles that a ray from any of the vertices may hit, with their boxes.
 std::vector<std::pair<int, geometry::Box>> trianglesNear(const CollisionShape& shape, std::span<const int> vertices,
                                                          double reach)
 {
@@ -195,9 +197,10 @@ void applyInset(const CollisionShape& shape, const Inset& inset, std::vector<Vec
             way += inset.share[i] * normals[shape.vertexTriangles.items[i]];
             sum += inset.share[i];
         }
-        // Where the surface has bent, the triangles still go in by the depth in their mean, weighted by their shares.
+        // If the surface has deformed, the triangles still move by the depth on average, weighted by their
+        // coefficients.
         const double size = length(way);
-        if (size > 0.0 && sum > 0.0) way = std::min(sum / size, kLongestWay) / size * way;
+        if (size > 0.0 && sum > 0.0) way = std::min(sum / size, kMaxWay) / size * way;
         x[vertex] -= depth * way;
     }
 }

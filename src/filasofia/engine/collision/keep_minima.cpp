@@ -16,7 +16,7 @@ template <class Visit> void forEachMinimum(ProximityScratch& scratch, const Visi
         for (PointMinimum& minimum : scratch.parts[i].points) visit(minimum);
 }
 
-// The side on which the point was of this place or of one that shares a vertex with it; 0: it was not near.
+// The side on which the point was relative to this place, or to one that shares a vertex with it; 0: it was not near.
 int sideBefore(const std::vector<SideKept>& sides, const SideKept& now)
 {
     const auto key = [](const SideKept& kept) { return std::tie(kept.source, kept.target, kept.point); };
@@ -27,8 +27,8 @@ int sideBefore(const std::vector<SideKept>& sides, const SideKept& now)
     return 0;
 }
 
-// What is nearest to each point, told by its signed distance: below 0 where the point is inside. Written for all points
-// with a minimum, before it is compared.
+// Finds the signed distance of the nearest place for each point: below 0 if the point is inside. Entries are reset for
+// all points with a minimum before any is compared.
 void findNearest(ProximityScratch& scratch)
 {
     forEachMinimum(scratch, [&](const PointMinimum& m) {
@@ -42,21 +42,22 @@ void findNearest(ProximityScratch& scratch)
     });
 }
 
-// Of a closed surface: outside, everything near counts; inside, the nearest way out.
-bool keepOfSolid(PointMinimum& m, double nearest)
+// For a closed surface: outside, every near place counts; inside, only the nearest way out.
+bool keepForSolid(PointMinimum& m, double nearest)
 {
     if (nearest < 0.0) return m.proximity.gap == nearest && m.distance <= m.limit;
     return m.proximity.gap >= 0.0 && m.proximity.gap < m.range && m.facing;
 }
 
-// Of a sheet, or of the point's own surface.
-bool keepOfSheet(const Meeting& meeting, const std::vector<SideKept>& sides, ProximityScratch& scratch, PointMinimum& m)
+// For a sheet, or for the point's own surface.
+bool keepForSheet(const Meeting& meeting, const std::vector<SideKept>& sides, ProximityScratch& scratch,
+                  PointMinimum& m)
 {
     SideKept now{meeting.sides[m.source]->name, meeting.sides[1 - m.source]->name, m.point,
                  m.proximity.vertices[1 - m.source]};
     int side = sideBefore(sides, now);
     if (side == 0) {
-        if (!m.twoSided && m.proximity.gap < 0.0) return false; // the other wall of a thin place, not a fold
+        if (!m.twoSided && m.proximity.gap < 0.0) return false; // the other wall of a thin part, not a fold
         side = m.proximity.gap < 0.0 ? -1 : 1;
     }
     if (side < 0) {
@@ -70,8 +71,8 @@ bool keepOfSheet(const Meeting& meeting, const std::vector<SideKept>& sides, Pro
     return true;
 }
 
-// The same two vertices are found from both sides: what the second tells counts where the first has not found them. The
-// surface that has triangles knows better which way is out.
+// Two vertices find each other from both sides. The second side's minimum counts only if the first side has not found
+// it. If one surface has no triangles, the one with triangles decides, as it knows better which way is out.
 bool secondary(const Meeting& meeting, const PointMinimum& m)
 {
     if (!m.vertexPair) return false;
@@ -92,8 +93,8 @@ void keepMinima(const Meeting& meeting, const std::vector<SideKept>& sides, Prox
         const CollisionShape& target = *meeting.sides[1 - m.source]->shape;
         const bool solid = target.closed && target.triangleFaces && !meeting.self();
         const bool sided = m.twoSided || (meeting.self() && target.closed && target.triangleFaces);
-        m.kept = solid   ? keepOfSolid(m, scratch.nearest[m.source][m.point])
-                 : sided ? keepOfSheet(meeting, sides, scratch, m)
+        m.kept = solid   ? keepForSolid(m, scratch.nearest[m.source][m.point])
+                 : sided ? keepForSheet(meeting, sides, scratch, m)
                          : m.proximity.gap < m.range && m.facing;
         if (m.kept && m.vertexPair && !secondary(meeting, m)) scratch.vertexPairs.push_back(m.proximity.feature);
     });

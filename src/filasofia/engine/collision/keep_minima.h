@@ -1,13 +1,13 @@
 #pragma once
 
-#include "filasofia/engine/collision/meeting.h"
+#include "filasofia/engine/collision/surface_pair.h"
 
 #include <vector>
 
 namespace filasofia::engine {
 
-/// Of the minima in scratch.parts, appends those that count: decides which points are inside, drops what is there
-/// twice and what is too far. `sides`: of the last step; those of this one are added to scratch.nextSides.
+/// Appends the minima in scratch.parts that count: decides which points are inside, and drops duplicates and minima
+/// that are too far. `sides` are those of the last step; those of this step are appended to scratch.nextSides.
 void keepMinima(const Meeting& meeting, const std::vector<SideKept>& sides, ProximityScratch& scratch,
                 std::vector<Proximity>& found);
 

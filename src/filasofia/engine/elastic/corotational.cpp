@@ -5,7 +5,7 @@
 namespace filasofia::engine {
 namespace {
 
-/// -V P g_i: what a stress P (first Piola-Kirchhoff) does to the nodes.
+/// -V P g_i: the forces at the nodes from a first Piola-Kirchhoff stress P.
 Corners forcesOf(const FemElement& element, const Mat3& stress)
 {
     Corners forces;
@@ -31,7 +31,7 @@ Corners shapeGradients(const Corners& rest)
 
 Mat3 gradient(const FemElement& element, const Corners& x)
 {
-    // Relative to node 0: exact for a translation, however far.
+    // Relative to node 0, so that a translation of any size changes nothing.
     Mat3 sum;
     for (int i = 1; i < 4; ++i) sum += outer(x[i] - x[0], element.gradients[i]);
     return sum;
@@ -57,14 +57,15 @@ double geometricStiffness(Lame material, const Mat3& f, const Mat3& rotation)
     const Mat3 s = transposeTimes(rotation, f);
     const double size = trace(s), tension = lambda / mu * (size - 3.0);
     if (!(tension > 2.0 && size - 3.0 > kTense)) return 0.0;
-    const double least = determinant(Mat3::identity() - 1.0 / size * s); // of a sum of two stretches, by their trace
+    // a lower bound for each sum of two stretches, relative to the trace
+    const double least = determinant(Mat3::identity() - 1.0 / size * s);
     return mu * (1.0 + (tension - 2.0) / (size * std::max(least, kFlattest)));
 }
 
 Corners warpedStiffnessTimes(const FemElement& element, const Tangent& tangent, const Mat3& rotation, const Corners& x)
 {
     const auto [mu, lambda] = tangent.material;
-    const Mat3 h = gradient(element, x) * transpose(rotation); // with respect to the turned rest shape
+    const Mat3 h = gradient(element, x) * transpose(rotation); // with respect to the rotated rest shape
     const Mat3 stress =
         mu * (h + transpose(h)) + lambda * trace(h) * Mat3::identity() + tangent.turning * (h - transpose(h));
     Corners product = forcesOf(element, stress * rotation);

@@ -14,16 +14,18 @@
 #define FILASOFIA_ENGINE_ELEMENT_BLOCKS_ONCE
 namespace filasofia::engine {
 
-/// The rotation of one element whose neighbours in the block found theirs by Newton's method, but not this one: it is
-/// flattened, tangled, or has jumped. Double precision finds it from anywhere.
+/// Finds the rotation of one element for which Newton's method failed, unlike for its neighbours in the block: the
+/// element is flattened, tangled, or has jumped. polarRotation in double precision converges from any start.
 inline void rotateAlone(const float (&f)[9][kBlock], int lane, ElementRotations& q)
 {
     Mat3 m;
     for (int r = 0; r < 3; ++r) m[r] = {f[3 * r][lane], f[3 * r + 1][lane], f[3 * r + 2][lane]};
     const Quat old{q.w[lane], q.x[lane], q.y[lane], q.z[lane]};
-    if (!isFinite(m[0]) || !isFinite(m[1]) || !isFinite(m[2])) return; // the step will be undone: keep the old one
+    if (!isFinite(m[0]) || !isFinite(m[1]) || !isFinite(m[2]))
+        return; // the step will be rolled back: keep the old
+                // rotation
     Quat found = polarRotation(m, normalized(old));
-    if (dot(found, old) < 0.0) found = {-found.w, -found.x, -found.y, -found.z}; // neighbours' must add up
+    if (dot(found, old) < 0.0) found = {-found.w, -found.x, -found.y, -found.z}; // nodes sum these: no sign flips
     q.w[lane] = static_cast<float>(found.w);
     q.x[lane] = static_cast<float>(found.x);
     q.y[lane] = static_cast<float>(found.y);
@@ -37,7 +39,7 @@ HWY_BEFORE_NAMESPACE();
 namespace filasofia::engine::HWY_NAMESPACE {
 using linalg::HWY_NAMESPACE::storeGroup;
 
-/// Writes what an element says to its four nodes: given for three of them, they sum to zero.
+/// Writes the contributions to the four nodes of an element. Three are given; the four sum to zero.
 HWY_INLINE void storeCorners(const V3 (&c)[3], float* HWY_RESTRICT corners, std::size_t part)
 {
     const V zero = hn::Zero(Lanes());
@@ -45,12 +47,12 @@ HWY_INLINE void storeCorners(const V3 (&c)[3], float* HWY_RESTRICT corners, std:
     for (int k = 0; k < 3; ++k) storeGroup(c[k], zero, corners + 64 * (k + 1), part);
 }
 
-/// H = tr(B) I - sym(B): of a B without turn its eigenvalues are the sums of two of its stretches.
+/// H = tr(B) I - sym(B). If B is symmetric, the eigenvalues of H are the sums of two of B's stretches.
 struct StretchSums {
-    V h0;                           ///< its first entry
-    V trace;                        ///< of B
-    V c00, c01, c02, c11, c12, c22; ///< its cofactors
-    V det;                          ///< its determinant
+    V h0;                           ///< first entry of H
+    V trace;                        ///< trace of B
+    V c00, c01, c02, c11, c12, c22; ///< cofactors of H
+    V det;                          ///< determinant of H
 };
 HWY_INLINE StretchSums stretchSums(const M3& b)
 {
@@ -66,21 +68,21 @@ HWY_INLINE StretchSums stretchSums(const M3& b)
     return {h0, hn::Add(h0, b.m[0][0]), c00, c01, c02, c11, c12, c22, sumOfProducts(h0, c00, s01, c01, s02, c02)};
 }
 
-/// geometricStiffness() (corotational.h) by mu, for lanes that are tense.
+/// geometricStiffness() / mu (corotational.h) for the lanes in tension.
 HWY_INLINE V geometricRatio(const M3& f, const M3& r, V tension, hn::Mask<Lanes> tense)
 {
     const Lanes d;
     const V one = hn::Set(d, 1.0f), two = hn::Set(d, 2.0f);
     M3 s = transposeTimes(r, f);
     const V size = hn::Add(hn::Add(s.m[0][0], s.m[1][1]), s.m[2][2]);
-    const V scale = hn::Div(one, hn::IfThenElse(tense, size, one)); // products of floats must not overflow
+    const V scale = hn::Div(one, hn::IfThenElse(tense, size, one)); // avoids overflow in the products of floats
     for (int k = 0; k < 9; ++k) s.m[k / 3][k % 3] = hn::Mul(scale, s.m[k / 3][k % 3]);
     const V least = hn::Max(hn::Set(d, static_cast<float>(kFlattest)), stretchSums(s).det);
     return hn::IfThenElseZero(tense, hn::Add(one, hn::Mul(scale, hn::Div(hn::Sub(tension, two), least))));
 }
 
-/// Newton's method for the rotation nearest to F (math/polar.h), lane by lane: each stops when its last correction was
-/// so small that the next would be lost in rounding. Returns the lanes that did not arrive.
+/// Newton's method for the rotation nearest to F (math/polar.h), lane by lane. A lane stops once its last correction is
+/// so small that the next would be lost in rounding. Returns the lanes that did not converge.
 HWY_INLINE hn::Mask<Lanes> nearestRotation(const M3& f, Q4& q)
 {
     const Lanes d;
@@ -92,8 +94,8 @@ HWY_INLINE hn::Mask<Lanes> nearestRotation(const M3& f, Q4& q)
         // A further rotation by w changes tr(R^T F) by w . g - w^T H w / 2.
         const V3 g{hn::Sub(b.m[2][1], b.m[1][2]), hn::Sub(b.m[0][2], b.m[2][0]), hn::Sub(b.m[1][0], b.m[0][1])};
         const auto [h0, trace, c00, c01, c02, c11, c12, c22, det] = stretchSums(b);
-        // Only where H is safely positive definite is this the way to the maximum. Of an element shrunk to a point the
-        // products of three stretches vanish in floats.
+        // The step leads to the maximum only if H is safely positive definite. If an element is shrunk to a point, the
+        // products of three stretches underflow in floats.
         const V trace2 = hn::Mul(trace, trace), safe = hn::Set(d, 1e-4f);
         const auto definite =
             hn::And(hn::And(hn::Gt(h0, zero), hn::Gt(trace, hn::Set(d, 1e-9f))),
@@ -129,8 +131,8 @@ HWY_INLINE void finishAlone(hn::Mask<Lanes> lanes, const M3& f, std::size_t part
         if (late[l] != 0.0f) rotateAlone(copy, static_cast<int>(l), rotations);
 }
 
-/// The three columns that a 3 x 3 stress applied to warped gradients gives. h: gradient of what is multiplied, with
-/// respect to the turned and scaled rest shape.
+/// The three columns of a 3 x 3 stress applied to warped gradients. `h` is the gradient of the multiplied vector with
+/// respect to the rotated and scaled rest shape.
 HWY_INLINE void warpedStress(const M3& h, V ratio, V turning, const V3 (&b)[3], V3 (&out)[3])
 {
     const V volumetric = hn::Mul(ratio, hn::Add(hn::Add(h.m[0][0], h.m[1][1]), h.m[2][2]));
@@ -175,9 +177,9 @@ HWY_ATTR void updateElementBlocks(const ElementBlock* HWY_RESTRICT elements, con
             }
             storeGroup({q.x, q.y, q.z}, q.w, quaternions + 64l * block, part);
 
-            // First Piola-Kirchhoff stress, P = 2 mu (F - R) + lambda (tr(R^T F) - 3) R, and -V P g_k on the nodes.
+            // The first Piola-Kirchhoff stress P = 2 mu (F - R) + lambda (tr(R^T F) - 3) R puts -V P g_k on the nodes.
             const M3 r = matrixOf(q);
-            // Inside out it resists shear alone (lameAt in corotational.h).
+            // An inverted element resists shear only (lameAt in corotational.h).
             const auto inverted = hn::Lt(determinant(f), hn::Zero(d));
             const V mu = hn::Load(d, element.mu + part);
             const V ratio = hn::IfThenZeroElse(inverted, hn::Load(d, element.ratio + part));
@@ -228,7 +230,7 @@ HWY_ATTR void multiplyElementBlocks(const WarpedBlock* HWY_RESTRICT warped, cons
         }
 }
 
-/// Of a symmetric matrix by its six entries, times a vector.
+/// A symmetric matrix, given by its six entries, times a vector.
 HWY_INLINE V3 symmetricTimes(const V (&m)[6], V3 a)
 {
     return {dot({m[0], m[1], m[2]}, a), dot({m[1], m[3], m[4]}, a), dot({m[2], m[4], m[5]}, a)};
@@ -248,18 +250,18 @@ HWY_ATTR void updateSpringBlocks(const SpringBlock* HWY_RESTRICT springs, const 
             const V3 edge = gatherNodes(x, spring.nodes[1] + part) - gatherNodes(x, spring.nodes[0] + part);
             const V3 rate = gatherNodes(v, spring.nodes[1] + part) - gatherNodes(v, spring.nodes[0] + part);
             const V length = hn::Sqrt(dot(edge, edge)), rest = hn::Load(d, spring.restLength + part);
-            // Coincident ends have no direction: no force, and never a NaN.
+            // Coincident ends have no direction: their force is zero, never a NaN.
             const auto apart = hn::Gt(length, hn::Set(d, 1e-12f));
             const V inverse = hn::IfThenElseZero(apart, hn::Div(one, hn::IfThenElse(apart, length, one)));
             const V3 along = inverse * edge;
             const V k = hn::Load(d, spring.stiffness + part), c = hn::Load(d, spring.damping + part);
 
-            // K = k ( (1 - t) d d^T + t I ), t = 1 - rest / length where it is stretched, 0 where compressed, as in
-            // springStiffness; the dashpot adds c d d^T.
-            const V slack = hn::Max(zero, hn::NegMulAdd(rest, inverse, one));
-            const V across = hn::Mul(hn::Mul(stiffness, k), hn::IfThenElseZero(apart, slack));
+            // K = k ( (1 - t) d d^T + t I ) with t = 1 - rest / length if the spring is stretched, 0 if it is
+            // compressed, as in springStiffness; the dashpot adds c d d^T.
+            const V taut = hn::Max(zero, hn::NegMulAdd(rest, inverse, one));
+            const V across = hn::Mul(hn::Mul(stiffness, k), hn::IfThenElseZero(apart, taut));
             const V straight =
-                hn::MulAdd(hn::Mul(stiffness, k), hn::Sub(one, hn::IfThenElseZero(apart, slack)), hn::Mul(damping, c));
+                hn::MulAdd(hn::Mul(stiffness, k), hn::Sub(one, hn::IfThenElseZero(apart, taut)), hn::Mul(damping, c));
             const V3 s = straight * along;
             const V m[6] = {hn::MulAdd(s.x, along.x, across), hn::Mul(s.x, along.y), hn::Mul(s.x, along.z),
                             hn::MulAdd(s.y, along.y, across), hn::Mul(s.y, along.z), hn::MulAdd(s.z, along.z, across)};

@@ -1,5 +1,5 @@
-// One element per lane, as the vectorised loops over elements share it. Compiled once per target (Highway's
-// foreach_target): hence the odd guard.
+// One element per lane: the helpers that the vectorised loops over elements share. Compiled once per target (Highway's
+// foreach_target), which is why the guard is unusual.
 #if defined(FILASOFIA_ENGINE_ELEMENT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FILASOFIA_ENGINE_ELEMENT_LANES_INL_H
 #undef FILASOFIA_ENGINE_ELEMENT_LANES_INL_H
@@ -59,7 +59,8 @@ HWY_INLINE M3 matrixOf(const Q4& q)
              {hn::Sub(xz, wy), hn::Add(yz, wx), hn::Sub(one, hn::Add(xx, yy))}}};
 }
 
-/// sum of e_k g_k^T over the edges to nodes 1, 2, 3: of positions the deformation gradient, of velocities its rate.
+/// sum of e_k g_k^T over the edges to nodes 1, 2, 3: the deformation gradient if e are edges of positions, its rate if
+/// they are edges of velocities.
 HWY_INLINE M3 gradientOf(const V3 (&e)[3], const V3 (&g)[3])
 {
     M3 f;

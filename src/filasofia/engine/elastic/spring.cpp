@@ -5,9 +5,9 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr double kTiny = 1e-12; // [m], shorter springs have no direction
+constexpr double kTiny = 1e-12; // [m] shorter springs have no direction
 
-/// The unit vector from a to b; zero for coincident ends: no force, and never a NaN.
+/// The unit vector from a to b. Zero if the ends coincide: the force is then zero, never a NaN.
 Vec3 direction(Vec3 a, Vec3 b)
 {
     const double l = distance(a, b);
@@ -44,6 +44,14 @@ double springEnergy(const Spring& spring, Vec3 a, Vec3 b)
 {
     const double stretch = distance(a, b) - spring.restLength;
     return 0.5 * spring.stiffness * stretch * stretch;
+}
+
+Spring springOn(const std::array<int, 2>& edge, const Spring& like, const std::vector<Vec3>& rest)
+{
+    Spring spring = like;
+    spring.nodes = edge;
+    spring.restLength = distance(rest[static_cast<std::size_t>(edge[0])], rest[static_cast<std::size_t>(edge[1])]);
+    return spring;
 }
 
 } // namespace filasofia::engine

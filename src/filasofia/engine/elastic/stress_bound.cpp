@@ -14,9 +14,10 @@ namespace filasofia::engine::HWY_NAMESPACE {
 HWY_INLINE V sizeOf(V3 a) { return hn::Add(hn::Abs(a.x), hn::Add(hn::Abs(a.y), hn::Abs(a.z))); }
 HWY_INLINE V largestOf(V3 a) { return hn::Max(hn::Abs(a.x), hn::Max(hn::Abs(a.y), hn::Abs(a.z))); }
 
-/// What rounding may do to the Frobenius norms of F and R. With the unit roundoff u = 2^-24, coordinates up to X and
-/// the sum S of the gradients' sizes, an entry of F is off by at most 12 u X times its column's share of S: positions
-/// and gradients are rounded, then differences, products and sums. That is 21 u X S for all; R adds less than 48 u.
+/// A bound on the rounding errors of the Frobenius norms of F and R. With the unit roundoff u = 2^-24, coordinates up
+/// to X and the sum S of the gradients' sizes, the error of an entry of F is at most 12 u X times its column's part of
+/// S: positions and gradients are rounded, then differences, products and sums. That is 21 u X S for all entries; R
+/// adds less than 48 u.
 HWY_INLINE V roundingOf(const float* HWY_RESTRICT x, const ElementBlock& element, std::size_t part, const V3 (&g)[3])
 {
     const Lanes d;
@@ -33,7 +34,8 @@ HWY_ATTR void findStressedBlocks(const ElementBlock* HWY_RESTRICT elements, cons
 {
     const Lanes d;
     const V one = hn::Set(d, 1.0f);
-    // 1e-3 more for the roundings that are relative: of the norms, of what is computed from them, of unit quaternions.
+    // 1e-3 more for the relative rounding errors: those of the norms, of quantities computed from them, and of the unit
+    // quaternions.
     const V shear = hn::Set(d, 1.001f * 2.0f * limit.mu), bulk = hn::Set(d, 1.001f * 1.7320509f * limit.lambda);
     for (int block = begin; block < end; ++block) {
         std::uint32_t bits = 0;
@@ -56,9 +58,9 @@ HWY_ATTR void findStressedBlocks(const ElementBlock* HWY_RESTRICT elements, cons
             }
             const V strain = hn::Add(hn::Sqrt(strain2), rounding);
             const V volumetric = hn::MulAdd(hn::Set(d, 8.0f), rounding, hn::Abs(stretch));
-            const V det = hn::NegMulAdd(hn::Set(d, 16.0f), rounding, determinant(f)); // less what may be rounding
+            const V det = hn::NegMulAdd(hn::Set(d, 16.0f), rounding, determinant(f)); // less its rounding error
             const V stress = hn::Mul(hn::MulAdd(shear, strain, hn::Mul(bulk, volumetric)), hn::Add(one, strain));
-            // Beyond a strain of 1 the roundings above are not bounded by these multiples. What is no number is near.
+            // Beyond a strain of 1 these multiples do not bound the rounding errors. A NaN counts as stressed.
             const auto far = hn::And(hn::And(hn::Lt(strain, one), hn::Gt(det, hn::Set(d, 0.1f))),
                                      hn::Lt(stress, hn::Mul(hn::Set(d, limit.most), det)));
             std::uint8_t mask[8] = {};

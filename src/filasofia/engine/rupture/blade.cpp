@@ -11,27 +11,28 @@ namespace {
 
 using geometry::Box;
 
-constexpr double kNoLength = 1e-9;   ///< [-] of the body's diagonal
-constexpr double kAlongBlade = 1e-9; ///< [-] beyond a segment's ends: neighbours overlap by that
-constexpr double kAlongEdge = 0.02;  ///< [-] beyond an edge's ends: nodes that are grazed are not missed
-constexpr double kClearWay = 0.02;   ///< [-] of the mean edge: from here on a single step tells the direction
-constexpr double kMemory = 0.1;      ///< [-] of the mean edge: the way over which the direction is averaged
+constexpr double kNoLength = 1e-9;   ///< [-] fraction of the body's diagonal
+constexpr double kAlongBlade = 1e-9; ///< [-] tolerance beyond a segment's ends, so that neighbours overlap
+constexpr double kAlongEdge = 0.02;  ///< [-] tolerance beyond an edge's ends, so that grazed nodes are not missed
+constexpr double kClearWay = 0.02;   ///< [-] fraction of the mean edge: a longer step defines the direction by itself
+constexpr double kMemory = 0.1;      ///< [-] fraction of the mean edge: distance over which the direction is averaged
 constexpr double kWithin = 0.02;     ///< [-] sine of the angle below which an edge lies within the surface
-constexpr int kHalvings = 40;        ///< of the time of a crossing
-constexpr int kRefreshSteps = 20;    ///< that the list of edges is good for, at the present speed
+constexpr int kHalvings = 40;        ///< bisections of the time of a crossing
+constexpr int kRefreshSteps = 20;    ///< steps that the list of edges lasts at the present speed
 
 double spanned(Vec3 a, Vec3 b, Vec3 q, Vec3 r) { return dot(cross(b - a, q - a), r - a); }
 Vec3 mix(Vec3 a, Vec3 b, double t) { return (1.0 - t) * a + t * b; }
 
 double travel(std::span<const BladeSegment> blade)
 {
-    double most = 0.0;
+    double longest = 0.0;
     for (const BladeSegment& s : blade)
-        most = std::max({most, distance(s.from, s.fromBefore), distance(s.to, s.toBefore)});
-    return most;
+        longest = std::max({longest, distance(s.from, s.fromBefore), distance(s.to, s.toBefore)});
+    return longest;
 }
 
-/// The nearest points of two lines, as shares of p + s d and q + t e; false where they are parallel.
+/// Finds the nearest points of two lines, as parameters of p + s d and q + t e. Returns false if the lines are
+/// parallel.
 bool closest(Vec3 p, Vec3 d, Vec3 q, Vec3 e, double& s, double& t)
 {
     const Vec3 r = p - q;
@@ -57,7 +58,7 @@ double squaredSegmentDistance(Vec3 p, Vec3 d, Vec3 q, Vec3 e)
     return lengthSquared(p + s * d - q - t * e);
 }
 
-/// n_rest ~ F^T n over the edge's elements: how a surface looks in the tissue at rest.
+/// n_rest ~ F^T n over the edge's elements: the normal of a surface in the tissue at rest.
 Vec3 normalAtRest(const MeshTopology& mesh, const std::vector<int>& star, Vec3 n)
 {
     Vec3 sum;
@@ -72,40 +73,40 @@ Vec3 normalAtRest(const MeshTopology& mesh, const std::vector<int>& star, Vec3 n
     return normalized(sum);
 }
 
-/// Of the surface that the segment cuts, at the share u of it and t of the step, in tissue that moves by `tissue`.
-/// Where it hardly moves in the step, by the way it went of late.
-Vec3 normalOf(const BladeSegment& s, Vec3 lately, double t, double u, Vec3 tissue, double meanEdge)
+/// Normal of the surface that the segment cuts, at the parameter u along it and the fraction t of the step, in tissue
+/// that moves by `tissue`. If the segment hardly moves in this step, its recent direction of motion is used.
+Vec3 normalOf(const BladeSegment& s, Vec3 recently, double t, double u, Vec3 tissue, double meanEdge)
 {
     const Vec3 along = mix(s.toBefore, s.to, t) - mix(s.fromBefore, s.from, t);
     const Vec3 way = mix(s.from - s.fromBefore, s.to - s.toBefore, u) - tissue;
-    const Vec3 now = cross(along, way), before = cross(along, lately);
+    const Vec3 now = cross(along, way), before = cross(along, recently);
     const bool clear = length(now) >= kClearWay * meanEdge * length(along);
     return normalized(clear || length(now) >= length(before) ? now : before);
 }
 
-/// One edge against one segment during one step.
-struct Meeting {
-    double t = 0.0; ///< [-] when
-    double s = 0.0; ///< [-] where on the edge
-    double u = 0.0; ///< [-] where on the segment
+/// The time and place at which one edge crosses one segment during one step.
+struct EdgeHit {
+    double t = 0.0; ///< [-] fraction of the step
+    double s = 0.0; ///< [-] parameter along the edge
+    double u = 0.0; ///< [-] parameter along the segment
 };
 
 struct Sweep {
-    Vec3 a0, a1, b0, b1; ///< the edge before and after
-    Vec3 q0, q1, r0, r1; ///< the segment before and after
+    Vec3 a0, a1, b0, b1; ///< the edge's ends before and after the step
+    Vec3 q0, q1, r0, r1; ///< the segment's ends before and after the step
 
     [[nodiscard]] double at(double t) const
     {
         return spanned(mix(a0, a1, t), mix(b0, b1, t), mix(q0, q1, t), mix(r0, r1, t));
     }
 
-    std::optional<Meeting> meet(int parts) const
+    std::optional<EdgeHit> findHit(int parts) const
     {
         double low = 0.0, before = at(0.0);
         for (int part = 1; part <= parts; ++part) {
             const double high = part == parts ? 1.0 : static_cast<double>(part) / parts, now = at(high);
             if ((before >= 0.0) != (now >= 0.0))
-                if (const auto found = meetWithin(low, high, before >= 0.0)) return found;
+                if (const auto found = findHitWithin(low, high, before >= 0.0)) return found;
             low = high;
             before = now;
         }
@@ -113,7 +114,7 @@ struct Sweep {
     }
 
 private:
-    [[nodiscard]] std::optional<Meeting> meetWithin(double low, double high, bool positive) const
+    [[nodiscard]] std::optional<EdgeHit> findHitWithin(double low, double high, bool positive) const
     {
         for (int i = 0; i < kHalvings; ++i) {
             const double middle = 0.5 * (low + high);
@@ -121,7 +122,7 @@ private:
         }
         const double t = 0.5 * (low + high);
         const Vec3 a = mix(a0, a1, t), q = mix(q0, q1, t);
-        Meeting m{t, 0.0, 0.0};
+        EdgeHit m{t, 0.0, 0.0};
         if (!closest(a, mix(b0, b1, t) - a, q, mix(r0, r1, t) - q, m.s, m.u)) return std::nullopt;
         if (m.s < -kAlongEdge || m.s > 1.0 + kAlongEdge || m.u < -kAlongBlade || m.u > 1.0 + kAlongBlade)
             return std::nullopt;
@@ -150,15 +151,15 @@ void CrossingFinder::refresh(const EditableMesh& mesh, std::span<const BladeSegm
     const MeshTopology& data = mesh.data();
     const double h = mesh.meanEdge();
     margin_ = std::clamp(kRefreshSteps * motion, 0.05 * h, std::max(0.5 * h, 1.05 * motion));
-    left_ = margin_;
+    remaining_ = margin_;
     nodes_ = mesh.nodes();
     tetrahedra_ = mesh.tetrahedra();
     Box around;
     for (const BladeSegment& s : blade) around = merged(merged(around, s.from), s.to);
 
-    // Nodes that a near edge may end in, then their edges: an edge within the margin has an end within margin plus its
-    // length. Lengths are known at rest only: tissue stretched to more than twice its length may be missed. An edge
-    // between two such nodes is looked at from the first.
+    // Collect the nodes that a near edge may end in, then their edges: an edge within the margin has an end within
+    // margin plus its length. Lengths are known at rest only, so tissue stretched to more than twice its length may be
+    // missed. An edge between two such nodes is tested from the first.
     std::vector<Box> boxes;
     for (const BladeSegment& s : blade) boxes.push_back(grown(merged(merged(Box{}, s.from), s.to), margin_));
     edges_.clear();
@@ -230,13 +231,13 @@ void CrossingFinder::learnDirections(const EditableMesh& mesh, std::span<const B
         const BladeSegment& s = blade[i];
         const Vec3 way = 0.5 * (s.from - s.fromBefore + s.to - s.toBefore) - tissue, along = normalized(s.to - s.from);
         Vec3 across = way - dot(way, along) * along;
-        // A blade that saws goes both ways in one surface.
+        // A blade that saws moves both ways in one surface.
         if (dot(across, directions_[i]) < 0.0) across = -across;
         directions_[i] = std::exp(-length(across) / (kMemory * mesh.meanEdge())) * directions_[i] + across;
     }
 }
 
-/// Does this step begin where the last one ended? After a pause or a refusal the list says nothing.
+/// True if this step begins where the last one ended. After a pause or a refused step the list is invalid.
 bool CrossingFinder::follows(const EditableMesh& mesh, std::span<const BladeSegment> blade) const
 {
     return mesh.moves() - moves_ <= 1 && nodes_ == mesh.nodes() && tetrahedra_ == mesh.tetrahedra() &&
@@ -250,8 +251,8 @@ void CrossingFinder::find(const EditableMesh& mesh, std::span<const BladeSegment
 {
     const MeshTopology& data = mesh.data();
     const double h = mesh.meanEdge(), motion = travel(blade) + mesh.lastMotion();
-    left_ -= motion;
-    if (!(left_ >= 0.0) || !follows(mesh, blade)) refresh(mesh, blade, motion);
+    remaining_ -= motion;
+    if (!(remaining_ >= 0.0) || !follows(mesh, blade)) refresh(mesh, blade, motion);
     moves_ = mesh.moves();
     last_.assign(blade.begin(), blade.end());
     learnDirections(mesh, blade);
@@ -267,15 +268,15 @@ void CrossingFinder::find(const EditableMesh& mesh, std::span<const BladeSegment
         for (std::size_t i = 0; i < blade.size(); ++i) {
             const BladeSegment& s = blade[i];
             if (!overlap(box, swept[i])) continue;
-            const auto found = Sweep{a0, a1, b0, b1, s.fromBefore, s.from, s.toBefore, s.to}.meet(parts);
+            const auto found = Sweep{a0, a1, b0, b1, s.fromBefore, s.from, s.toBefore, s.to}.findHit(parts);
             if (!found) continue;
             edgeStar(data, edge[0], edge[1], star);
-            if (star.empty()) break; // an edge that is no more
+            if (star.empty()) break; // this edge no longer exists
             const Vec3 tissue = mix(a1 - a0, b1 - b0, found->s);
             const Vec3 sharp = normalOf(s, directions_[i], found->t, found->u, tissue, h);
             const Vec3 e = mix(b0, b1, found->t) - mix(a0, a1, found->t);
-            if (std::abs(dot(sharp, e)) < kWithin * length(e)) continue; // its ends are met by other edges
-            // Round a bend of the blade the surface turns within two elements, so that neighbours know each other.
+            if (std::abs(dot(sharp, e)) < kWithin * length(e)) continue; // other edges at its ends are crossed instead
+            // Around a corner of the blade the normal is blended over two elements, so that neighbouring labels agree.
             const double l = distance(s.from, s.to), fromStart = found->u * l, fromEnd = l - fromStart;
             Vec3 normal = sharp;
             if (i > 0 && blade[i - 1].to == s.from && fromStart < h)

@@ -8,10 +8,10 @@
 
 namespace filasofia::engine {
 
-/// A straight piece of a blade, where it is and where it was a step ago. A blade is any number of them: a line, a
-/// strip, the two jaws of scissors. Where one begins where the last ended they are one edge, which should bend there by
-/// no more than 45 degrees: around a sharper corner bridges stay. Two cuts one after the other, each a mean edge beyond
-/// the corner, come apart.
+/// A straight piece of a blade, now and one step ago. A blade is any number of segments: a line, a strip, or the two
+/// jaws of scissors. If a segment begins where the previous one ends, the two are one edge. That edge should bend by no
+/// more than 45 degrees there: around a sharper corner uncut bridges remain. Two cuts one after the other,
+/// each extended by a mean edge beyond the corner, separate the tissue.
 struct BladeSegment {
     Vec3 from = {};       ///< [m]
     Vec3 to = {};         ///< [m]
@@ -19,21 +19,21 @@ struct BladeSegment {
     Vec3 toBefore = {};   ///< [m]
 };
 
-/// Why the blade cannot be used on a body with this diagonal [m]; nothing where it can. Segments without length are
-/// passed over where others have some.
+/// Says why the blade cannot be used on a body with this diagonal [m]; empty if it can. Segments without length are
+/// ignored if others have a length.
 std::optional<RuptureRefusal> refusalOf(std::span<const BladeSegment> blade, double diagonal);
 
-/// Finds the edges that a blade goes through. Keeps a list of those near it, renewed when blade and tissue have moved
-/// by as much as the list reaches, so that a step looks at a few hundred edges.
+/// Finds the edges that a blade crosses. It keeps a list of the edges near the blade and rebuilds it when blade and
+/// tissue have moved by as much as the list's margin, so that a step tests only a few hundred edges.
 class CrossingFinder {
 public:
-    /// Crossings of this step, at most one per edge. A crossing is where the volume spanned by edge and segment changes
-    /// its sign between the step's start and its end (zero counts as positive), so that adjacent segments and steps
-    /// leave no gap; large steps are looked at in parts.
+    /// Appends the crossings of this step, at most one per edge. An edge is crossed if the signed volume spanned by
+    /// edge and segment changes its sign between the step's start and its end (zero counts as positive), so that
+    /// adjacent segments and steps leave no gap. Large steps are tested in parts.
     void find(const EditableMesh& mesh, std::span<const BladeSegment> blade, std::vector<Crossing>& crossings);
-    /// The mesh was edited along these crossings: the edges of its new nodes come in.
+    /// Call this after the mesh was edited along these crossings: adds the edges of the new nodes to the list.
     void addEdgesOfNewNodes(const EditableMesh& mesh);
-    /// Is no edge near the blade, as of the last find()?
+    /// True if no edge was near the blade at the last find().
     [[nodiscard]] bool away() const { return edges_.empty(); }
 
 private:
@@ -42,17 +42,17 @@ private:
     [[nodiscard]] bool follows(const EditableMesh& mesh, std::span<const BladeSegment> blade) const;
     void learnDirections(const EditableMesh& mesh, std::span<const BladeSegment> blade);
 
-    std::vector<Edge> edges_;        ///< ascending
-    double margin_ = 0.0;            ///< [m] what the list reaches
-    double left_ = -1.0;             ///< [m] of it; negative: to be renewed
-    int nodes_ = 0, tetrahedra_ = 0; ///< of the mesh, when the list was right
-    std::vector<long> seen_;         ///< per node, the last one that was asked about it: scratch
+    std::vector<Edge> edges_;        ///< sorted, ascending
+    double margin_ = 0.0;            ///< [m] margin of the list around the blade
+    double remaining_ = -1.0;        ///< [m] rest of the margin; negative: the list must be rebuilt
+    int nodes_ = 0, tetrahedra_ = 0; ///< sizes of the mesh when the list was built
+    std::vector<long> seen_;         ///< scratch: per node, the stamp of the last node that visited it
     long stamp_ = 0;
-    std::vector<long> near_; ///< per node, the last pass in which its edges were looked at: scratch
+    std::vector<long> near_; ///< scratch: per node, the last pass that visited its edges
     long pass_ = 0;
-    long moves_ = 0;                 ///< of the mesh, at the last step
+    long moves_ = 0;                 ///< the mesh's moves() at the last step
     std::vector<BladeSegment> last_; ///< the blade at the last step
-    std::vector<Vec3> directions_;   ///< [m] per segment: the way it went of late, as a line without sign
+    std::vector<Vec3> directions_;   ///< [m] per segment: recent direction of motion, up to its sign
 };
 
 } // namespace filasofia::engine

@@ -13,7 +13,7 @@ namespace {
 
 using geometry::Tetrahedron;
 
-/// A face by its nodes, ascending, and whose it is.
+/// A face by its nodes, ascending, with the element that it belongs to.
 struct Side {
     std::array<int, 3> nodes;
     int tetrahedron, face;
@@ -26,7 +26,7 @@ public:
     std::vector<TopologyViolation> run()
     {
         sizes();
-        if (!found_.empty()) return found_; // nothing else could be looked at
+        if (!found_.empty()) return found_; // later checks would index out of range
         elements();
         collectSides();
         faces();
@@ -38,7 +38,7 @@ public:
 private:
     template <class... Parts> void add(TopologyFault fault, const Parts&... where)
     {
-        if (found_.size() < bounds_.mostViolations) found_.push_back({fault, text(where...)});
+        if (found_.size() < bounds_.maxViolations) found_.push_back({fault, text(where...)});
     }
 
     [[nodiscard]] int tetrahedra() const { return static_cast<int>(mesh_.tetrahedra.size()); }
@@ -73,7 +73,8 @@ private:
             const double volume = restVolume(mesh_, t), q = restQuality(mesh_, t);
             sum += volume;
             if (!(volume > 0.0)) add(TopologyFault::NotPositive, "element ", t, " has ", volume, " m^3");
-            if (!(q >= bounds_.quality * (1.0 - 1e-9))) add(TopologyFault::BadQuality, "element ", t, " has ", q);
+            if (!(q >= bounds_.quality * (1.0 - 1e-9)))
+                add(TopologyFault::BadQuality, "element ", t, " has quality ", q);
         }
         if (!(std::abs(sum - bounds_.volume) <= bounds_.volumeTolerance * bounds_.volume))
             add(TopologyFault::Volume, sum, " m^3, not ", bounds_.volume);
@@ -101,7 +102,7 @@ private:
             while (next < sides_.size() && sides_[next].nodes == sides_[i].nodes) ++next;
             const Side& a = sides_[i];
             if (next - i > 2) {
-                add(TopologyFault::SharedFace, "of element ", a.tetrahedron);
+                add(TopologyFault::SharedFace, "at element ", a.tetrahedron);
             } else if (next - i == 2) {
                 pair(a, sides_[i + 1]);
             } else {
@@ -110,7 +111,7 @@ private:
                     add(TopologyFault::Adjacency, "boundary face ", a.face, " of element ", a.tetrahedron,
                         " has a neighbour");
                 if (bit(mesh_.flagged[a.tetrahedron], a.face) || bit(mesh_.deferred[a.tetrahedron], a.face))
-                    add(TopologyFault::Masks, "boundary face of element ", a.tetrahedron, " is to be opened");
+                    add(TopologyFault::Masks, "boundary face of element ", a.tetrahedron, " is marked for opening");
             }
         }
     }
@@ -169,11 +170,11 @@ private:
         }
     }
 
-    /// The node's elements, joined by the faces that sort together, and its boundary faces, joined by their edges.
+    /// Checks that the node's elements are connected through shared faces, and its boundary faces through shared edges.
     void fan(int node, const std::vector<int>& star)
     {
         struct Piece {
-            std::vector<int> shared; ///< what two of them have in common where they are joined
+            std::vector<int> shared; ///< the keys by which two of them are connected
             int part;
         };
         const auto parts = [](std::vector<Piece>& pieces) {

@@ -8,20 +8,20 @@
 namespace filasofia::engine {
 
 enum class TopologyFault {
-    BadIndex,        ///< a node or neighbour that there is not, or a list of the wrong length
-    NotFinite,       ///< a position
-    NotPositive,     ///< an element without volume at rest
-    BadQuality,      ///< an element below the bound
-    Volume,          ///< of the whole, at rest
-    SharedFace,      ///< a face of more than two elements
+    BadIndex,        ///< a node or neighbour that does not exist, or a list of the wrong length
+    NotFinite,       ///< a position that is not finite
+    NotPositive,     ///< an element whose volume at rest is not positive
+    BadQuality,      ///< an element below the bound of quality
+    Volume,          ///< the volume of the whole mesh at rest differs
+    SharedFace,      ///< a face shared by more than two elements
     Overlap,         ///< two elements on the same side of a face
-    Adjacency,       ///< neighbours that are none, or not both ways
-    Masks,           ///< a face that is flagged, deferred or opened on one side or in the wrong place
-    BoundaryEdge,    ///< an edge without exactly two boundary faces
+    Adjacency,       ///< listed neighbours share no face, or are listed on one side only
+    Masks,           ///< a face is flagged, deferred or opened on one side only or in the wrong place
+    BoundaryEdge,    ///< an edge of the boundary without exactly two boundary faces
     Orphan,          ///< a node without elements
-    NodeList,        ///< a node's list of elements
-    NodeFan,         ///< a node whose elements do not hang together by faces
-    BoundaryVertex,  ///< a node with several loops of boundary
+    NodeList,        ///< a node's list of elements is wrong
+    NodeFan,         ///< a node whose elements are not connected through faces
+    BoundaryVertex,  ///< a node with several loops of boundary faces
     MirrorElements,  ///< a mirror has other elements
     MirrorBoundary,  ///< a mirror has another boundary
     MirrorPositions, ///< a mirror has other positions
@@ -31,24 +31,24 @@ const char* name(TopologyFault fault);
 
 struct TopologyViolation {
     TopologyFault fault;
-    std::string where; ///< in words
+    std::string where; ///< the place in words
 };
 
 struct TopologyBounds {
-    double quality = 0.0;           ///< [-]
-    double volume = 0.0;            ///< [m^3] what it should be
-    double volumeTolerance = 1e-3;  ///< [-]
-    std::size_t mostViolations = 8; ///< then it stops
+    double quality = 0.0;          ///< [-]
+    double volume = 0.0;           ///< [m^3] expected volume at rest
+    double volumeTolerance = 1e-3; ///< [-] relative
+    std::size_t maxViolations = 8; ///< the check stops after this many
 };
 
-/// Everything rebuilt from the elements' nodes and the rest positions alone and held against what the mesh has.
+/// Rebuilds the topology from the elements' nodes and the rest positions alone, and compares it with the mesh's data.
 std::vector<TopologyViolation> checkTopology(const MeshTopology& mesh, const TopologyBounds& bounds);
 
-/// The mirror, and positions that followed its edits, against the mesh.
+/// Compares the mirror, and positions that followed its edits, with the mesh.
 std::vector<TopologyViolation> checkMirror(const MeshTopology& mesh, const frame::TopologyMirror& mirror,
                                            const std::vector<Vec3>& positions);
 
-/// All numbers of the mesh.
+/// Hash of all numbers of the mesh.
 std::uint64_t hashOf(const MeshTopology& mesh);
 
 } // namespace filasofia::engine

@@ -9,7 +9,7 @@
 namespace filasofia::engine {
 namespace {
 
-/// n ~ F^-T n_rest over the node's elements, by cofactors: also where one of them is flat.
+/// n ~ F^-T n_rest over the node's elements. It uses cofactors, so it is defined even if an element is flat.
 Vec3 normalNow(const MeshTopology& mesh, int node, Vec3 rest)
 {
     Vec3 sum;

@@ -13,7 +13,7 @@ namespace {
 
 using geometry::Tetrahedron;
 
-/// How near in place and direction things are of one sheet. Shares are of an edge's length.
+/// Tolerances in place and direction for things on one sheet. Places are fractions of an edge's length.
 constexpr double kSamePlace = 0.3, kSameDirection = 0.5; ///< a crossing at a node that is on the sheet already
 constexpr double kAlignPlace = 0.4;                      ///< a new label and its neighbour's plane
 constexpr double kMemberDirection = 0.3, kMemberPlace = 0.5, kMemberMargin = 0.1; ///< a node in an element's sheet
@@ -27,7 +27,8 @@ public:
 
     void cut(std::vector<Crossing>& crossings)
     {
-        // Long edges first: bisecting them leaves the best elements. Ties by node: one order on every machine.
+        // Long edges first: bisecting them leaves the best elements. Ties are broken by node, so the order is the same
+        // on every machine.
         std::ranges::sort(crossings, [](const Crossing& x, const Crossing& y) {
             if (x.length != y.length) return x.length > y.length;
             return std::pair(x.a, x.b) < std::pair(y.a, y.b);
@@ -40,12 +41,12 @@ public:
     }
 
 private:
-    [[nodiscard]] bool zero(int node) const { return data_.labels[node].sheet == sheet_; }
+    [[nodiscard]] bool hasLabel(int node) const { return data_.labels[node].sheet == sheet_; }
 
     [[nodiscard]] bool onSheet(int node, const Crossing& c) const
     {
         const CutLabel& label = data_.labels[node];
-        return zero(node) && std::abs(dot(label.normal, c.point - label.point)) <= kSamePlace * c.length &&
+        return hasLabel(node) && std::abs(dot(label.normal, c.point - label.point)) <= kSamePlace * c.length &&
                std::abs(dot(label.normal, c.normal)) > kSameDirection;
     }
 
@@ -57,18 +58,19 @@ private:
 
     void label(int node, Vec3 point, Vec3 normal)
     {
-        // Which way is up is told by the newest neighbour on the same sheet.
+        // The newest neighbour on the same sheet decides the normal's orientation.
         int guide = -1;
         for (int t : data_.around[node])
             for (int n : data_.tetrahedra[t]) {
                 const CutLabel& l = data_.labels[n];
-                if (n == node || !zero(n) || std::abs(dot(l.normal, normal)) <= kSameDirection ||
+                if (n == node || !hasLabel(n) || std::abs(dot(l.normal, normal)) <= kSameDirection ||
                     (guide >= 0 && l.sequence <= data_.labels[guide].sequence) ||
                     std::abs(dot(normal, l.point - point)) > kAlignPlace * distance(data_.rest[n], data_.rest[node]))
                     continue;
                 guide = n;
             }
-        // Where there is none yet, by the sheet's newest label anywhere: the two jaws of scissors come from two sides.
+        // If there is none yet, the sheet's newest label anywhere decides: the two jaws of scissors come from two
+        // sides.
         const Vec3 up = guide >= 0 ? data_.labels[guide].normal : mesh_.sheetNormal(sheet_);
         if (dot(up, normal) < 0.0) normal = -normal;
         mesh_.setSheetNormal(sheet_, normal);
@@ -106,7 +108,7 @@ private:
         mesh_.setLabel(node, l);
     }
 
-    /// Slides the node as far as its elements allow; whether it arrived.
+    /// Slides the node as far as its elements allow. Returns true if it reached the surface.
     bool slide(int node, int toward, double s)
     {
         const bool boundary = onBoundary(data_, node);
@@ -133,7 +135,7 @@ private:
         return false;
     }
 
-    /// [m^3] of the elements around the node, had it slid; NaN where one of them would suffer.
+    /// [m^3] volume of the elements around the node after the slide; NaN if one of them would become too bad.
     [[nodiscard]] double volumeAfter(int node, int toward, double s, double least) const
     {
         const Vec3 rest = (1.0 - s) * data_.rest[node] + s * data_.rest[toward];
@@ -154,10 +156,10 @@ private:
 
     void bisect(std::vector<Crossing>& crossings)
     {
-        const int most = mesh_.tetrahedra() + parameters_.maxNewTetrahedra;
+        const int maxTetrahedra = mesh_.tetrahedra() + parameters_.maxNewTetrahedra;
         const double shortest = parameters_.shortestEdge * mesh_.meanEdge();
         std::size_t done = 0;
-        for (; done < crossings.size() && mesh_.tetrahedra() < most; ++done) {
+        for (; done < crossings.size() && mesh_.tetrahedra() < maxTetrahedra; ++done) {
             const Crossing& c = crossings[done];
             if (onSheet(c.a, c) || onSheet(c.b, c)) continue;
             if (!alive(c)) {
@@ -165,12 +167,12 @@ private:
                 continue;
             }
             const bool longEnough = distance(data_.rest[c.a], data_.rest[c.b]) >= shortest;
-            const auto good = [&](double s) {
+            const auto goodEnough = [&](double s) {
                 return mesh_.qualityAfterBisecting(c.a, c.b, s, star_) >= parameters_.minQuality;
             };
             const double inwards = 0.5 * (c.s + 0.5);
-            if (longEnough && (good(c.s) || good(inwards))) {
-                const int node = mesh_.bisect(c.a, c.b, good(c.s) ? c.s : inwards);
+            if (longEnough && (goodEnough(c.s) || goodEnough(inwards))) {
+                const int node = mesh_.bisect(c.a, c.b, goodEnough(c.s) ? c.s : inwards);
                 label(node, data_.rest[node], c.normal);
                 ++report_.bisections;
             } else {
@@ -181,19 +183,20 @@ private:
         crossings.erase(crossings.begin(), crossings.begin() + static_cast<std::ptrdiff_t>(done));
     }
 
-    /// Which corners lie on the sheet as the newest of them sees it: other parts of a curled sheet may be near.
+    /// Mask of the corners that lie on the sheet of the newest of them. Its plane excludes other parts of a curled
+    /// sheet.
     [[nodiscard]] unsigned members(int t) const
     {
         const Tetrahedron& n = data_.tetrahedra[t];
         int newest = -1;
         for (int k : n)
-            if (zero(k) && (newest < 0 || data_.labels[k].sequence > data_.labels[newest].sequence)) newest = k;
+            if (hasLabel(k) && (newest < 0 || data_.labels[k].sequence > data_.labels[newest].sequence)) newest = k;
         if (newest < 0) return 0;
         const CutLabel& guide = data_.labels[newest];
         unsigned mask = 0;
         for (int i = 0; i < 4; ++i) {
             const CutLabel& l = data_.labels[n[i]];
-            if (!zero(n[i])) continue;
+            if (!hasLabel(n[i])) continue;
             if (n[i] == newest ||
                 (dot(l.normal, guide.normal) > kMemberDirection &&
                  std::abs(dot(guide.normal, l.point - guide.point)) <=
@@ -203,7 +206,7 @@ private:
         return mask;
     }
 
-    /// +1 above the sheet, -1 below, 0 where the element does not lie along it. Decided once, then kept.
+    /// +1 above the sheet, -1 below, 0 if the element does not lie along it. The side is decided once and then kept.
     int sideOf(int t, unsigned mask)
     {
         const int count = std::popcount(mask);
@@ -227,7 +230,7 @@ private:
         return h >= 0.0 ? 1 : -1;
     }
 
-    /// The candidates for opening: all nodes of flagged faces at labels of this step.
+    /// Flags faces at the labels of this step. Returns the candidates for opening: all nodes of flagged faces there.
     std::vector<int> flagFaces()
     {
         std::vector<int> candidates, near;
@@ -261,7 +264,7 @@ private:
         return candidates;
     }
 
-    /// An element that would come loose by itself goes to the other side instead.
+    /// An element that the cut would detach on its own changes to the other side instead.
     void keepFlakes(const std::vector<int>& candidates)
     {
         if (candidates.empty()) return;
@@ -283,7 +286,7 @@ private:
     int sheet_;
     const CutParameters& parameters_;
     RuptureReport& report_;
-    std::vector<int> fresh_; ///< nodes labelled in this step, in their order
+    std::vector<int> fresh_; ///< nodes labelled in this step, in order
     std::vector<int> star_;
 };
 

@@ -16,9 +16,9 @@ using geometry::Tetrahedron;
 constexpr std::uint8_t bit(int face) { return static_cast<std::uint8_t>(1u << static_cast<unsigned>(face)); }
 constexpr bool has(std::uint8_t mask, int face) { return (mask & bit(face)) != 0; }
 void clear(std::uint8_t& mask, int face) { mask = static_cast<std::uint8_t>(mask & ~bit(face)); }
-void raise(std::uint8_t& mask, int face) { mask = static_cast<std::uint8_t>(mask | bit(face)); }
+void set(std::uint8_t& mask, int face) { mask = static_cast<std::uint8_t>(mask | bit(face)); }
 
-/// As frame::followNodes() has it, to the last bit.
+/// The formula of frame::followNodes(), bit for bit.
 Vec3 between(Vec3 a, Vec3 b, double s) { return (1.0 - s) * a + s * b; }
 
 } // namespace
@@ -63,7 +63,7 @@ bool onBoundary(const MeshTopology& mesh, int a, int b)
 
 EditableMesh::EditableMesh(const geometry::TetMesh& mesh)
 {
-    // Room for a long cut: no step pays for moving everything.
+    // Reserve room for a long cut, so that no step pays for moving all arrays.
     const std::size_t nodeRoom = 2 * mesh.nodes.size() + 1000, room = 2 * mesh.tetrahedra.size() + 1000;
     for (std::vector<Vec3>* list : {&data_.rest, &data_.current, &data_.previous}) list->reserve(nodeRoom);
     data_.around.reserve(nodeRoom);
@@ -102,7 +102,7 @@ EditableMesh::EditableMesh(const geometry::TetMesh& mesh)
         std::uint8_t boundary = 0;
         for (int f = 0; f < 4; ++f) {
             data_.around[n[f]].push_back(t);
-            if (data_.neighbours[t][f] < 0) raise(boundary, f);
+            if (data_.neighbours[t][f] < 0) set(boundary, f);
         }
         toldBoundary_.push_back(boundary);
     }
@@ -128,7 +128,7 @@ void EditableMesh::placeAt(std::span<const Vec3> positions)
     data_.current.assign(positions.begin(), positions.end());
     data_.previous = data_.current;
     lastMotion_ = 0.0;
-    moves_ += 2; // more than a step: whoever counts on small ones looks anew
+    moves_ += 2; // more than one step, so that callers that rely on small motions rebuild their data
 }
 
 int EditableMesh::addNode(Vec3 rest, Vec3 current, Vec3 previous)
@@ -148,15 +148,15 @@ void EditableMesh::setMask(std::vector<std::uint8_t>& mask, int tetrahedron, int
     if (other < 0) return;
     const int otherFace = faceTowards(other, tetrahedron);
     if (on) {
-        raise(mask[tetrahedron], face);
-        raise(mask[other], otherFace);
+        set(mask[tetrahedron], face);
+        set(mask[other], otherFace);
     } else {
         clear(mask[tetrahedron], face);
         clear(mask[other], otherFace);
     }
 }
 
-// Two elements share one face at most: with two they would have the same four nodes, and one of them no volume.
+// Two elements share at most one face: with two they would have the same four nodes, and one of them no volume.
 int EditableMesh::faceTowards(int tetrahedron, int other) const
 {
     for (int f = 0; f < 4; ++f)
@@ -189,7 +189,7 @@ int EditableMesh::bisect(int a, int b, double s)
                                between(data_.previous[a], data_.previous[b], s));
     ops_.emplace_back(frame::NewNode{middle, a, b, s});
     const int first = tetrahedra();
-    const auto childOf = [&](int t) { // across the faces around the edge, children meet children
+    const auto childOf = [&](int t) { // across the faces around the edge the children are neighbours
         for (std::size_t i = 0; i < star_.size(); ++i)
             if (star_[i] == t) return first + static_cast<int>(i);
         return -1;
@@ -201,7 +201,7 @@ int EditableMesh::bisect(int a, int b, double s)
         data_.deferred.push_back(std::uint8_t(data_.deferred[t]));
         data_.opened.push_back(std::uint8_t(data_.opened[t]));
         data_.gone.push_back(0);
-        data_.sides[t] = 0; // decided anew for both: the sheet may run between them
+        data_.sides[t] = 0; // undecided for both: the sheet may run between them
         data_.sides.push_back(0);
     }
     for (std::size_t i = 0; i < star_.size(); ++i) {
@@ -215,7 +215,7 @@ int EditableMesh::bisect(int a, int b, double s)
             data_.around[corners[k]].push_back(child);
             reach_[middle] = std::max(reach_[middle], distance(data_.rest[middle], data_.rest[corners[k]]));
         }
-        // The face without a goes with the child, the one without b stays; between the two lies the new face.
+        // The face without a goes to the child, the one without b stays; the new face lies between the two.
         if (beside[ia] >= 0) data_.neighbours[beside[ia]][faceTowards(beside[ia], parent)] = child;
         corners[ia] = middle;
         data_.tetrahedra[parent][ib] = middle;
@@ -232,7 +232,7 @@ int EditableMesh::bisect(int a, int b, double s)
         dirty_.push_back(child);
         ops_.emplace_back(frame::TetSplit{parent, child, ia, ib, middle, s});
     }
-    // The others' reach stands: their new edges are no longer than the longer of two that they had.
+    // The reach of the other nodes still holds: their new edges are no longer than the longer of two that they had.
     reach_[middle] = std::max(
         {reach_[middle], distance(data_.rest[middle], data_.rest[a]), distance(data_.rest[middle], data_.rest[b])});
     return middle;
@@ -328,7 +328,7 @@ void EditableMesh::commit()
         for (auto [t, f] : {std::pair(face.tetrahedron, face.face), std::pair(face.other, face.otherFace)}) {
             clear(data_.flagged[t], f);
             clear(data_.deferred[t], f);
-            raise(data_.opened[t], f);
+            set(data_.opened[t], f);
             dirty_.push_back(t);
         }
     splits_.clear();
@@ -381,7 +381,7 @@ void EditableMesh::publish(int t, frame::TopologyEdit& edit)
         if (was && !is) edit.boundary.push_back({Kind::Removed, t, f, old, opened});
         if (!was && is) edit.boundary.push_back({Kind::Added, t, f, nodes, opened});
         if (is)
-            raise(toldBoundary_[t], f);
+            set(toldBoundary_[t], f);
         else
             clear(toldBoundary_[t], f);
     }
@@ -392,7 +392,7 @@ void EditableMesh::remove(std::span<const int> tetrahedra)
 {
     for (int t : tetrahedra) {
         data_.gone[t] = 1;
-        data_.flagged[t] = data_.deferred[t] = 0; // all of a piece: both sides of every face
+        data_.flagged[t] = data_.deferred[t] = 0; // a whole piece, so this clears both sides of every face
     }
 }
 

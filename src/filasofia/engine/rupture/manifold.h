@@ -7,10 +7,10 @@
 
 namespace filasofia::engine {
 
-/// The boundary faces at a node as loops of faces that hang together by edges: a manifold has one or none.
+/// The boundary faces at a node, grouped into loops of faces that share edges. A node of a manifold has at most one.
 using FaceLoop = std::vector<std::array<int, 2>>; ///< tetrahedron and face
 std::vector<FaceLoop> boundaryLoops(const MeshTopology& mesh, int node);
-/// Are the edge's elements one fan, each next to another by a face at the edge?
+/// True if the edge's elements form one fan, each the neighbour of another through a face at the edge.
 bool isOneFan(const MeshTopology& mesh, int a, int b);
 
 } // namespace filasofia::engine

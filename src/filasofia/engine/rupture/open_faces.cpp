@@ -13,16 +13,16 @@ namespace {
 
 using Edge = std::array<int, 2>;
 
-/// Rounds of repair after which the gentler ways are given up, one after another.
+/// Rounds after which each of the gentler repairs is given up.
 constexpr int kBisectRounds = 20, kFlipRounds = 25, kLoopRounds = 30;
 
 bool has(std::uint8_t mask, int face) { return (mask >> face & 1) != 0; }
 
-/// What is wrong after the splits, in the nodes of before.
+/// A node that is not manifold after the splits, by node numbers before the transaction.
 struct BadVertex {
     int node;
-    std::vector<int> loop; ///< the other nodes of the loop that the cut closes around; empty: there is none
-    std::vector<int> cone; ///< what is inside it, where that is few elements at a node of their own
+    std::vector<int> loop;                ///< the other nodes of the loop that encloses the cut; empty: no such loop
+    std::vector<int> cone;                ///< the elements inside it, if they are few and have a node of their own
     std::vector<std::array<int, 2>> slit; ///< faces from one loop to the other, on both sides of the node
 };
 
@@ -56,7 +56,7 @@ public:
                 if ((bad.cone.empty() || round >= kFlipRounds) && !joinLoops(bad)) retract(bad, round);
             sortUnique(candidates_);
         }
-        tell();
+        addToReport();
         mesh_.commit();
     }
 
@@ -114,7 +114,7 @@ private:
                 badEdges_.push_back({std::min(a, b), std::max(a, b)});
             }
         sortUnique(badEdges_);
-        // Loops mean something once every edge is in order.
+        // Loops are meaningful only if every edge is a single fan.
         if (!badEdges_.empty()) return;
         for (int v : vertices_) {
             const std::vector<FaceLoop> loops = boundaryLoops(data_, v);
@@ -122,7 +122,7 @@ private:
         }
     }
 
-    /// The smallest loop that this transaction alone made, and what lies inside it.
+    /// Finds the smallest loop that only this transaction created, and the elements inside it.
     [[nodiscard]] BadVertex describe(int v, const std::vector<FaceLoop>& loops) const
     {
         BadVertex bad{mesh_.originOf(v), {}, {}, {}};
@@ -138,7 +138,7 @@ private:
             for (int n : faceNodes(data_.tetrahedra[t], f))
                 if (n != v) bad.loop.push_back(mesh_.originOf(n));
         sortUnique(bad.loop);
-        // The node across all faces of the loop: where it is one, its elements are the cone.
+        // If all faces of the loop have the same node across them, its elements are the cone.
         int tip = -1;
         for (auto [t, f] : *best) {
             const int other = acrossOpened(t, f);
@@ -148,7 +148,7 @@ private:
             if (tip >= 0 && there != tip) return bad;
             tip = there;
         }
-        // Once only: a cone that comes back would go to and fro.
+        // A cone flips only once: otherwise it could flip back and forth.
         const bool again = std::ranges::find(flippedAt_, bad.node) != flippedAt_.end();
         if (!again && tip >= 0 && tip != v && static_cast<int>(data_.around[tip].size()) <= limits_.cone &&
             boundaryLoops(data_, tip).size() == 1)
@@ -156,8 +156,8 @@ private:
         return bad;
     }
 
-    /// The faces at v that a plane through the middles of its two loops would part. Opened as well, they leave the node
-    /// as two, each with one loop.
+    /// The faces at v that a plane through the centres of its two loops separates. If they open too, the node becomes
+    /// two, each with one loop.
     [[nodiscard]] std::vector<std::array<int, 2>> slitBetween(int v, const std::vector<FaceLoop>& loops) const
     {
         std::array<Vec3, 2> middles;
@@ -189,7 +189,8 @@ private:
         return -1;
     }
 
-    /// A slit that ends in one edge pinches it: a node in its middle lets it open there, otherwise it stays closed.
+    /// A slit that ends in one edge pinches it. A node at the edge's midpoint lets the slit open there; without one it
+    /// stays closed.
     void repair(const Edge& edge, int round)
     {
         const auto [a, b] = edge;
@@ -236,8 +237,8 @@ private:
         }
     }
 
-    /// Two loops touch in a node: a slit between them makes them one. Once for a node: what that leads to is repaired
-    /// as everything else.
+    /// If two loops touch in a node, a slit between them joins them into one. Each node gets at most one slit; later
+    /// faults there are repaired by the other means.
     bool joinLoops(const BadVertex& bad)
     {
         if (bad.slit.empty() || std::ranges::find(slitAt_, bad.node) != slitAt_.end()) return false;
@@ -250,7 +251,7 @@ private:
         return true;
     }
 
-    /// Two loops touch in a node: one of them stays closed there, or all.
+    /// If two loops touch in a node, one of them stays closed there, or both do.
     void retract(const BadVertex& bad, int round)
     {
         const auto deferAt = [&](bool loopOnly) {
@@ -279,7 +280,7 @@ private:
                     if (data_.tetrahedra[t][f] != node) mesh_.setFlagged(t, f, false);
     }
 
-    void tell()
+    void addToReport()
     {
         report_.openedFaces += static_cast<long>(mesh_.openedFaces().size());
         report_.copies += static_cast<long>(mesh_.copies().size());
@@ -301,7 +302,7 @@ private:
     std::vector<std::array<int, 2>> openedSides_;
     std::vector<BadVertex> badVertices_;
     std::vector<int> slitAt_;    ///< nodes whose loops were joined in this transaction
-    std::vector<int> flippedAt_; ///< nodes whose cones changed their side in this transaction
+    std::vector<int> flippedAt_; ///< nodes whose cones changed side in this transaction
 };
 
 } // namespace
@@ -321,11 +322,11 @@ void openAll(EditableMesh& mesh, const OpeningLimits& limits, RuptureReport& rep
             if (has(static_cast<std::uint8_t>(data.flagged[t] | data.deferred[t]), f))
                 for (int n : faceNodes(data.tetrahedra[t], f)) candidates.push_back(n);
     openFaces(mesh, limits, std::move(candidates), report);
-    // Together some of them were in each other's way: one at a time, as long as that gets any further.
+    // Faces can block each other, so try them one at a time as long as another one opens.
     OpeningLimits last = limits;
     last.slit = true;
-    for (bool further = true; further;) {
-        further = false;
+    for (bool progress = true; progress;) {
+        progress = false;
         for (int t = 0; t < mesh.tetrahedra(); ++t)
             for (int f = 0; f < 4; ++f) {
                 if (!has(data.deferred[t], f) || data.neighbours[t][f] < t) continue;
@@ -334,7 +335,7 @@ void openAll(EditableMesh& mesh, const OpeningLimits& limits, RuptureReport& rep
                 mesh.setFlagged(t, f, true);
                 const long before = report.openedFaces;
                 Opening(mesh, last, report).open({n.begin(), n.end()}, true);
-                further = further || report.openedFaces > before;
+                progress = progress || report.openedFaces > before;
             }
     }
 }

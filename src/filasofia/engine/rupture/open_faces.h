@@ -7,23 +7,24 @@
 
 namespace filasofia::engine {
 
-/// How far a repair may go.
+/// Limits of a repair.
 struct OpeningLimits {
-    bool bisect = true;        ///< may a repair bisect edges
-    double minQuality = 0.15;  ///< [-] of what bisecting leaves
-    double shortestEdge = 0.0; ///< [m] that is bisected
-    bool slit = false;         ///< may a repair open faces that nobody asked for, where a cut would end in a node else
-    int cone = 24;             ///< [-] elements at most that change side together
-    int rounds = 40;           ///< [-] of repair; what is then still wrong stays closed
+    bool bisect = true;        ///< a repair may bisect edges
+    double minQuality = 0.15;  ///< [-] lowest quality that a bisection may leave
+    double shortestEdge = 0.0; ///< [m] shorter edges are not bisected
+    bool slit = false;         ///< a repair may open unflagged faces if a cut would otherwise end in a node
+    int cone = 24;             ///< [-] maximum number of elements that change side together
+    int rounds = 40;           ///< [-] maximum rounds of repair; faces that are then still invalid stay closed
 };
 
-/// Opens the flagged faces at the candidates (and the deferred ones, which get another try), as one transaction: nodes
-/// are split, then every edge of an opened face must have its elements in one fan and every node its boundary in one
-/// loop. Where not, all is rolled back and repaired: an edge is bisected, a cone of elements that the cut closes around
-/// changes its side, or flags are put off; and it is tried again. The mesh is valid before and after, whatever comes.
+/// Opens the flagged faces at the candidates, and tries the deferred ones there again, as one transaction. Nodes are
+/// split, then the elements of every edge of an opened face must form one fan and the boundary faces of every node one
+/// loop. If they do not, the transaction is rolled back and repaired: an edge is bisected, a cone of elements that the
+/// cut surrounds changes its side, or flags are deferred. Then the opening is tried again. The mesh is valid before and
+/// after in every case.
 void openFaces(EditableMesh& mesh, const OpeningLimits& limits, std::vector<int> candidates, RuptureReport& report);
 
-/// All faces that are flagged or deferred get a last try.
+/// Tries all faces that are flagged or deferred a last time.
 void openAll(EditableMesh& mesh, const OpeningLimits& limits, RuptureReport& report);
 
 } // namespace filasofia::engine

@@ -50,34 +50,37 @@ void Pieces::follow(const frame::TopologyEdit& edit)
         if (const auto* split = std::get_if<frame::TetSplit>(&op)) ids_.push_back(ids_[split->parent]);
 }
 
-// One search from each element at an opened face, all at the same pace. Where two meet they are one from then on. One
-// that has nowhere left to go has seen a part whole: then its piece fell apart, unless it is the piece's only one.
+// Runs one breadth-first search from each element at an opened face, all at the same pace. Two searches that touch are
+// merged. A search that has no elements left has covered a whole part: its piece fell apart, unless that was the
+// piece's only search.
 bool Pieces::fallsApart(const MeshTopology& mesh, const frame::TopologyEdit& edit)
 {
     search_.resize(ids_.size(), -1);
-    std::vector<int> boss, waiting,
-        alone; // per search: which it became one with; what it has left; per piece: searches
-    const auto bossOf = [&](int search) {
-        while (boss[search] != search) search = boss[search] = boss[boss[search]];
+    // Per search: the search that it was merged into, and its number of elements not yet visited. Per piece: its
+    // searches.
+    std::vector<int> parent, waiting, searchesLeft;
+    const auto rootOf = [&](int search) {
+        while (parent[search] != search) search = parent[search] = parent[parent[search]];
         return search;
     };
     reached_.clear();
     for (const frame::BoundaryChange& change : edit.boundary) {
-        // Changed too: a face that became an inner one when its element was bisected may be opened in the same edit.
+        // A Changed face counts too: a face that became interior when its element was bisected may open in the same
+        // edit.
         if (!change.opened || change.kind == frame::BoundaryChange::Kind::Removed || search_[change.tetrahedron] >= 0)
             continue;
-        search_[change.tetrahedron] = static_cast<int>(boss.size());
-        boss.push_back(static_cast<int>(boss.size()));
+        search_[change.tetrahedron] = static_cast<int>(parent.size());
+        parent.push_back(static_cast<int>(parent.size()));
         waiting.push_back(1);
         reached_.push_back(change.tetrahedron);
-        alone.resize(std::max<std::size_t>(alone.size(), ids_[change.tetrahedron] + 1), 0);
-        ++alone[ids_[change.tetrahedron]];
+        searchesLeft.resize(std::max<std::size_t>(searchesLeft.size(), ids_[change.tetrahedron] + 1), 0);
+        ++searchesLeft[ids_[change.tetrahedron]];
     }
-    auto apart = static_cast<int>(std::ranges::count_if(alone, [](int searches) { return searches > 1; }));
+    auto apart = static_cast<int>(std::ranges::count_if(searchesLeft, [](int searches) { return searches > 1; }));
     bool found = false;
     for (std::size_t next = 0; next < reached_.size() && apart > 0 && !found; ++next) {
         const int t = reached_[next], piece = ids_[t];
-        int search = bossOf(search_[t]);
+        int search = rootOf(search_[t]);
         for (int other : mesh.neighbours[t]) {
             if (other < 0) continue;
             if (search_[other] < 0) {
@@ -86,13 +89,13 @@ bool Pieces::fallsApart(const MeshTopology& mesh, const frame::TopologyEdit& edi
                 ++waiting[search];
                 continue;
             }
-            const int met = bossOf(search_[other]);
-            if (met == search) continue;
-            boss[met] = search;
-            waiting[search] += waiting[met];
-            if (--alone[piece] == 1) --apart;
+            const int touched = rootOf(search_[other]);
+            if (touched == search) continue;
+            parent[touched] = search;
+            waiting[search] += waiting[touched];
+            if (--searchesLeft[piece] == 1) --apart;
         }
-        found = --waiting[search] == 0 && alone[piece] > 1;
+        found = --waiting[search] == 0 && searchesLeft[piece] > 1;
     }
     for (int t : reached_) search_[t] = -1;
     return found;
@@ -103,7 +106,7 @@ std::vector<DetachedPiece> Pieces::divide(const MeshTopology& mesh)
     int parts = 0;
     const std::vector<int> part = connectedParts(mesh, parts);
     std::vector<double> volume(parts, 0.0);
-    std::vector<int> from(parts, -1); // the piece that it was part of: all its elements were
+    std::vector<int> from(parts, -1); // the piece that the part belonged to
     for (int t = 0; t < static_cast<int>(part.size()); ++t) {
         volume[part[t]] += restVolume(mesh, t);
         from[part[t]] = ids_[t];

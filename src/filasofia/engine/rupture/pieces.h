@@ -6,28 +6,29 @@
 
 namespace filasofia::engine {
 
-/// A piece that an edit set free.
+/// A piece that an edit detached.
 struct DetachedPiece {
-    int id = 0;                  ///< 1, 2, ... in the order in which they came free; never used again
+    int id = 0;                  ///< 1, 2, ... in the order of detachment; never reused
     int from = 0;                ///< the piece that it was part of
     std::vector<int> tetrahedra; ///< ascending
 };
 
-/// The pieces that a body has fallen into. Each keeps its id: where one falls apart, the largest part by volume at rest
-/// keeps the id (of equals the one with the lowest element), and the others get new ones. The whole begins as 0, and
-/// what is in several pieces from the start counts from there by its lowest elements.
+/// The connected pieces of a body. Each keeps its id. If a piece falls apart, the part with the largest volume at rest
+/// keeps the id (among equals the one with the lowest element), and the others get new ones. A connected body starts as
+/// piece 0. If a body starts as several pieces, they are numbered by their lowest elements.
 class Pieces {
 public:
     explicit Pieces(const MeshTopology& mesh);
 
-    /// After every edit. Elements that came are of their parents' piece. Where faces were opened, a search from all of
-    /// them that ends when they have met: only what comes loose costs a walk over all elements.
+    /// Call this after every edit. New elements belong to their parents' piece. If faces were opened, a search runs
+    /// from all of them and ends when the searches have merged: only a piece that comes loose costs a pass over all
+    /// elements.
     std::vector<DetachedPiece> update(const MeshTopology& mesh, const frame::TopologyEdit& edit);
-    /// The same by a walk over all elements.
+    /// Gives the same result by a pass over all elements.
     std::vector<DetachedPiece> walk(const MeshTopology& mesh, const frame::TopologyEdit& edit);
 
     [[nodiscard]] const std::vector<int>& ofTetrahedron() const { return ids_; }
-    [[nodiscard]] int count() const { return count_; } ///< at present
+    [[nodiscard]] int count() const { return count_; } ///< current number
 
 private:
     void follow(const frame::TopologyEdit& edit);
@@ -36,10 +37,10 @@ private:
 
     std::vector<int> ids_;
     int next_ = 0, count_ = 0;
-    std::vector<int> search_, reached_; ///< scratch: per element, the search that came by, -1 between them
+    std::vector<int> search_, reached_; ///< scratch: per element, the search that reached it, -1 outside a call
 };
 
-/// Per tetrahedron, which of the parts that hang together by faces it is in, numbered by their lowest element.
+/// Numbers the parts connected through faces by their lowest element, and returns each tetrahedron's part.
 std::vector<int> connectedParts(const MeshTopology& mesh, int& count);
 
 } // namespace filasofia::engine

@@ -12,7 +12,7 @@ RuptureReport& RuptureReport::operator+=(const RuptureReport& b)
           &RuptureReport::repairSlits, &RuptureReport::repairDeferred, &RuptureReport::flakes, &RuptureReport::givenUp,
           &RuptureReport::openedFaces, &RuptureReport::copies})
         this->*sum += b.*sum;
-    pending = b.pending; // what waits now
+    pending = b.pending; // pending now, not summed
     openedArea += b.openedArea;
     openedMoment += b.openedMoment;
     return *this;

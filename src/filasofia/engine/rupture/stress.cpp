@@ -37,15 +37,15 @@ PrincipalStress principalStress(const Mat3& stress)
                     v[k][q] = s * x + c * y;
                 }
             }
-    int most = 0;
+    int principal = 0;
     for (int i = 1; i < 3; ++i)
-        if (a[i][i] > a[most][most]) most = i;
-    Vec3 d = normalized(Vec3{v[0][most], v[1][most], v[2][most]}, {1, 0, 0});
+        if (a[i][i] > a[principal][principal]) principal = i;
+    Vec3 d = normalized(Vec3{v[0][principal], v[1][principal], v[2][principal]}, {1, 0, 0});
     int largest = 0;
     for (int i = 1; i < 3; ++i)
         if (std::abs(d[i]) > std::abs(d[largest])) largest = i;
     if (d[largest] < 0.0) d = -d;
-    return {a[most][most], d};
+    return {a[principal][principal], d};
 }
 
 double principalStressBound(const Mat3& stress)
@@ -60,7 +60,7 @@ Mat3 cauchyStress(const Mat3& f, const Mat3& rotation, double mu, double lambda)
     if (!(det > 1e-9)) return {};
     const Mat3 p = 2.0 * mu * (f - rotation) + lambda * (contract(rotation, f) - 3.0) * rotation;
     const Mat3 sigma = (1.0 / det) * (p * transpose(f));
-    return 0.5 * (sigma + transpose(sigma)); // symmetric but for the rotation's rounding
+    return 0.5 * (sigma + transpose(sigma)); // symmetric up to the rotation's rounding
 }
 
 Mat3 virialStress(const std::array<Vec3, 4>& corners, const std::array<double, 6>& tensions)

@@ -11,7 +11,7 @@
 namespace filasofia::engine {
 namespace {
 
-/// For which elements at a node lie ahead.
+/// Decides which elements at a node lie ahead of it.
 class Parting {
 public:
     Parting(const MeshTopology& mesh, int node, Vec3 direction) : mesh_(mesh), node_(node)
@@ -24,7 +24,7 @@ public:
         keepDebris();
     }
 
-    /// Is the face one at the node, between the two sides?
+    /// True if the face is at the node and lies between the two sides.
     [[nodiscard]] bool parts(int place, int face) const
     {
         const int t = star()[place], other = mesh_.neighbours[t][face];
@@ -36,7 +36,7 @@ public:
 private:
     [[nodiscard]] const std::vector<int>& star() const { return mesh_.around[node_]; }
 
-    /// An element that would come loose by itself goes with the others.
+    /// An element that the tear would detach on its own joins the other side.
     void keepDebris()
     {
         for (int round = 0; round < 4; ++round) {
@@ -81,7 +81,7 @@ bool tearAt(EditableMesh& mesh, int node, Vec3 direction, RuptureReport& report)
         }
     const long before = report.copies;
     openFaces(mesh, {.bisect = false}, std::move(candidates), report);
-    // A tear is whole or not at all: faces left flagged would get in the way of a later cut.
+    // A tear opens completely or not at all: faces left flagged would disturb a later cut.
     for (auto [t, f] : faces) {
         mesh.setFlagged(t, f, false);
         mesh.setDeferred(t, f, false);
@@ -98,17 +98,17 @@ void Tearing::findCandidates(const EditableMesh& mesh, std::span<const Mat3> str
     const auto mayTear = [&](int node) {
         return (held.empty() || held[node] == 0) && notBefore_[node] <= step_ && data.around[node].size() >= 2;
     };
-    std::vector<std::pair<double, int>> above; // stress, with a minus, and element
+    std::vector<std::pair<double, int>> above; // negated stress, and element
     for (int t = 0; t < mesh.tetrahedra(); ++t) {
         if (!(principalStressBound(stresses[t]) > threshold)) continue;
         const double stress = principalStress(stresses[t]).value;
         if (stress > threshold && std::ranges::any_of(data.tetrahedra[t], mayTear)) above.emplace_back(-stress, t);
     }
-    // A step tears a few nodes: where much is above, those of the highest stress are enough to choose from.
-    constexpr std::size_t kMostElements = 256;
-    if (above.size() > kMostElements) {
-        std::ranges::nth_element(above, above.begin() + kMostElements);
-        above.resize(kMostElements);
+    // A step tears only a few nodes: if many elements are above the threshold, those of the highest stress are enough.
+    constexpr std::size_t kMaxElements = 256;
+    if (above.size() > kMaxElements) {
+        std::ranges::nth_element(above, above.begin() + kMaxElements);
+        above.resize(kMaxElements);
     }
     std::vector<int> nodes;
     for (const auto& [stress, t] : above)
@@ -144,7 +144,7 @@ RuptureReport Tearing::step(EditableMesh& mesh, std::span<const Mat3> stresses, 
     findCandidates(mesh, stresses, held, parameters.threshold);
     std::vector<int> touched;
     for (const Tear& candidate : candidates_) {
-        // A node with elements on one side only costs nothing: it is no try.
+        // A node whose elements are all on one side costs nothing and does not count as an attempt.
         if (static_cast<int>(torn_.size()) >= parameters.mostTears || report.edits >= parameters.mostTries) break;
         const std::vector<int> star = mesh.data().around[candidate.node];
         if (std::ranges::any_of(star, [&](int t) { return std::ranges::find(touched, t) != touched.end(); })) continue;
@@ -155,7 +155,7 @@ RuptureReport Tearing::step(EditableMesh& mesh, std::span<const Mat3> stresses, 
         torn_.push_back(candidate);
         touched.insert(touched.end(), star.begin(), star.end());
     }
-    // What opened changes what its neighbours can.
+    // An opening changes what its neighbours can do.
     if (!torn_.empty()) notBefore_.assign(mesh.nodes(), 0);
     return report;
 }

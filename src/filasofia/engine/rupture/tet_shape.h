@@ -6,7 +6,7 @@
 
 namespace filasofia::engine {
 
-/// q = sqrt(2) 6 V / l_rms^3, as geometry::quality, of four points.
+/// The quality of geometry::quality, q = sqrt(2) 6 V / l_rms^3, for four points.
 inline double tetQuality(const std::array<Vec3, 4>& p)
 {
     double squares = 0.0;
@@ -16,7 +16,7 @@ inline double tetQuality(const std::array<Vec3, 4>& p)
     return std::sqrt(2.0) * 6.0 * geometry::signedVolume(p[0], p[1], p[2], p[3]) / (mean * std::sqrt(mean));
 }
 
-/// The values of an element's corners.
+/// The values at an element's corners.
 inline std::array<Vec3, 4> cornersOf(const geometry::Tetrahedron& t, const std::vector<Vec3>& values)
 {
     return {values[t[0]], values[t[1]], values[t[2]], values[t[3]]};
@@ -24,7 +24,7 @@ inline std::array<Vec3, 4> cornersOf(const geometry::Tetrahedron& t, const std::
 
 inline double volumeOf(const std::array<Vec3, 4>& p) { return geometry::signedVolume(p[0], p[1], p[2], p[3]); }
 
-/// Which of the corners the node is; -1: none.
+/// Index of the node among the corners; -1: not one of them.
 constexpr int placeOf(const geometry::Tetrahedron& t, int node)
 {
     for (int i = 0; i < 4; ++i)
@@ -32,7 +32,7 @@ constexpr int placeOf(const geometry::Tetrahedron& t, int node)
     return -1;
 }
 
-/// The face's three nodes, outwards.
+/// The face's three nodes, oriented outwards.
 constexpr std::array<int, 3> faceNodes(const geometry::Tetrahedron& t, int face)
 {
     const auto& at = geometry::kTetrahedronFaces[face];

@@ -1,7 +1,7 @@
-// What living surfaces share: noise on the rest position, relief without texture coordinates, blood and burns.
+// Shared by living surfaces: noise on the rest position, relief without texture coordinates, blood and burns.
 
-// Value noise on a grid, with its analytic gradient: (value in [-1, 1], gradient).
-// After Quilez, "Value noise derivatives". An integer hash: the same bits on every card.
+// Value noise on a grid, with its analytic gradient: (value in [-1, 1], gradient). After Quilez, "Value noise
+// derivatives". An integer hash gives the same bits on every card.
 uint hash(uvec3 c) {
     uint h = c.x * 1664525u + c.y * 22695477u + c.z * 2891336453u;
     h = (h ^ (h >> 15u)) * 2246822519u;
@@ -35,13 +35,14 @@ vec4 noise(highp vec3 p) {
     return vec4(value, gradient);
 }
 
-// A cell's point, by its hash: about the middle of the cell, `spread` of it wide.
+// A cell's point, by its hash: around the middle of the cell, within a range of `spread` cells.
 vec3 scattered(uint h, float spread) {
     return vec3(h & 1023u, (h >> 10u) & 1023u, (h >> 20u) & 1023u) * (spread / 1023.0) + 0.5 * (1.0 - spread);
 }
 
-// Distance in cells to the nearest of points scattered one to a cell, and where that point lies (Worley, "A cellular
-// texture basis function", 1996). The eight nearest cells only: a point farther away is found too late, which no one sees.
+// Distance in cells to the nearest of points scattered one per cell, and the place of that point (Worley, "A cellular
+// texture basis function", 1996). Only the eight nearest cells are searched: a farther point is found too late, which
+// is not visible.
 vec4 nearestPoint(highp vec3 p) {
     highp vec3 first = floor(p - 0.5);
     vec4 nearest = vec4(8.0);
@@ -56,9 +57,9 @@ vec4 nearestPoint(highp vec3 p) {
     return vec4(sqrt(nearest.x), nearest.yzw);
 }
 
-// A net of vessels: the borders between cells about scattered points (Worley's, as above). They fork where three cells
-// meet; each border has a width of its own, and some are left out, so that the net has ends. `width` in cells, along
-// the surface, whose normal is `n`: a border that lies along the surface would else be a blot.
+// A net of vessels: the borders between cells of scattered points (Worley's, as above). They fork where three cells
+// meet; each border has its own width, and some are left out, so that the net has ends. `width` in cells, measured
+// along the surface, whose normal is `n`: otherwise a border parallel to the surface would be a blot.
 float vesselNet(highp vec3 p, vec3 n, float width, float footprint) {
     highp vec3 first = floor(p - 0.5);
     vec4 nearest = vec4(8.0), second = vec4(8.0);
@@ -81,16 +82,16 @@ float vesselNet(highp vec3 p, vec3 n, float width, float footprint) {
     return (1.0 - smoothstep(wide, wide + soft, away)) * 1.5 * wide / (wide + 0.5 * soft);
 }
 
-// The noise lies on a grid: each octave is turned, so that no direction shows.
+// The noise lies on a grid, so each octave is rotated and no direction shows.
 const mat3 turn = mat3(0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6);
 
-// How much of a pattern of this frequency (cells per cell of the coarsest) a pixel still resolves: what it does not
-// resolve must fade, or it would flicker.
+// How much of a pattern of this frequency (cells per cell of the coarsest) a pixel still resolves: unresolved patterns
+// must fade, or they would flicker.
 float resolved(float footprint, float frequency) { return 1.0 - smoothstep(0.25, 0.7, footprint * frequency); }
 
-// The normal of a relief whose slope with respect to p = noiseScale * rest is given. Height differences along the screen are
-// turned into a slope of the surface as it lies now (Mikkelsen, "Bump mapping unparametrized surfaces on the GPU", 2010):
-// no texture coordinates, and it follows the deformation.
+// The normal of a relief whose slope with respect to p = noiseScale * rest is given. Height differences along the
+// screen are converted into a slope of the present surface (Mikkelsen, "Bump mapping unparametrized surfaces on the
+// GPU", 2010), so it needs no texture coordinates and follows the deformation.
 vec3 reliefNormal(vec3 slope, highp vec3 px, highp vec3 py, float noiseScale) {
     highp vec3 wx = dFdx(getWorldPosition()), wy = dFdy(getWorldPosition());
     vec3 n = normalize(getWorldGeometricNormalVector());
@@ -103,17 +104,18 @@ vec3 reliefNormal(vec3 slope, highp vec3 px, highp vec3 py, float noiseScale) {
     return normalize(transpose(getWorldTangentFrame()) * bumped);
 }
 
-// Blood, burn and wetness come from the vertices, far apart: the noise decides where between two vertices a film ends.
+// Blood, burn and wetness are given at the vertices, which are far apart: noise decides where a film ends between two
+// vertices.
 struct Marks {
-    float blood;      // how far blood covers the surface, in [0, 1]
-    float bloodDepth; // how deep it stands there, in [0, 1]
-    vec3 bloodSlope;  // of its surface, with respect to p
+    float blood; // coverage by blood, in [0, 1]
+    float bloodDepth; // its depth, in [0, 1]
+    vec3 bloodSlope; // slope of its surface, with respect to p
     float pale;       // coagulated by heat
     float brown;      // scorched
     float black;      // charred
 };
 
-// 0 stays 0 and 1 stays 1, whatever the noise: in between it moves the edge.
+// 0 stays 0 and 1 stays 1, whatever the noise; between them it moves the edge.
 float broken(float amount, float value, float by) { return amount * (1.0 + by) - by * (0.5 + 0.5 * clamp(value, -1.0, 1.0)); }
 
 Marks marksOf(vec3 state, highp vec3 p, float footprint) {
@@ -129,7 +131,7 @@ Marks marksOf(vec3 state, highp vec3 p, float footprint) {
     float edge = 0.07 + 0.25 * footprint;
     marks.blood = smoothstep(0.0, edge, level);
     marks.bloodDepth = smoothstep(0.0, 0.75, level);
-    // A drop stands up at its edge and is level inside: steep only where it is shallow.
+    // A drop rises at its edge and is level inside: steep only where it is shallow.
     float rise = level > 0.0 ? exp(-9.0 * level) * min(level / edge, 1.0) : 0.0;
     marks.bloodSlope = -1.1 * kByBlood * 0.5 * 1.25 * gradient * rise * w;
 
@@ -140,7 +142,7 @@ Marks marksOf(vec3 state, highp vec3 p, float footprint) {
     return marks;
 }
 
-// The colour under blood and burns. A thin film lets the ground shine through in bright red; a deep one is nearly black.
+// The colour under blood and burns. A thin film lets the ground show through in bright red; a deep one is nearly black.
 vec3 markedColor(vec3 color, Marks marks, float grain) {
     vec3 dark = mix(vec3(0.10, 0.042, 0.018), vec3(0.011, 0.009, 0.008) * (1.0 + 0.8 * grain), marks.black);
     vec3 scalded = vec3(0.56, 0.42, 0.32) * (0.9 + 0.25 * grain);

@@ -1,0 +1,120 @@
+#include "apps/filasofia/bench/bench.h"
+#include "apps/filasofia/commands.h"
+#include "apps/filasofia/json_file.h"
+#include "filasofia/core/error.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace filasofia::app {
+namespace {
+
+using nlohmann::json;
+
+struct Options {
+    std::string scene;
+    std::string file;
+    double seconds = std::numeric_limits<double>::quiet_NaN(); ///< NaN if not given
+    double soak = std::numeric_limits<double>::quiet_NaN();    ///< NaN if not given
+    int seed = 1;
+    bool quick = false;
+};
+
+constexpr double kSeconds = 10.0;     ///< [s] wall time per cell
+constexpr double kQuickSeconds = 2.0; ///< [s] wall time per run of haptics if --quick is given
+
+/// Rejects options that do not fit the scene.
+void checkOptions(const Options& options)
+{
+    if (options.scene != "bunny" && options.scene != "solver" && options.scene != "contact" && options.scene != "cut" &&
+        options.scene != "haptics" && options.scene != "visual")
+        fail("bench: unknown scene '", shortened(options.scene),
+             "'; known are bunny, solver, contact, cut, haptics and visual");
+    if (!std::isnan(options.seconds) && options.scene != "bunny" && options.scene != "haptics")
+        fail("bench: --seconds applies to bunny and haptics only; ", options.scene, " makes a fixed number of steps");
+    if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak applies to contact only");
+    if (!std::isnan(options.soak) && options.quick) fail("bench: --soak and --quick exclude each other");
+}
+
+json measure(const Options& options)
+{
+    if (options.scene == "solver") return benchSolver(options.quick);
+    if (options.scene == "cut") return benchCut(options.quick);
+    if (options.scene == "visual") return benchVisual(options.quick);
+    const double seconds = std::isnan(options.seconds) ? kSeconds : options.seconds;
+    if (options.scene == "bunny") return benchBunny(seconds, options.quick);
+    if (options.scene == "haptics")
+        return benchHaptics(std::isnan(options.seconds) && options.quick ? kQuickSeconds : seconds, options.quick);
+    return std::isnan(options.soak) ? benchContact(options.quick) : soakContact(options.soak, options.seed);
+}
+
+int bench(const Options& options)
+{
+    checkOptions(options);
+    JsonFile file(options.file);
+    file.write(measure(options));
+    return 0;
+}
+
+} // namespace
+
+json printVerdicts(const std::vector<Verdict>& verdicts)
+{
+    json all = json::array();
+    std::printf("\n");
+    for (const Verdict& verdict : verdicts) {
+        const char* word = !verdict.met ? "unknown" : *verdict.met ? "met" : "MISSED";
+        std::printf("%-7s  %s: %s\n", word, verdict.limit.c_str(), verdict.measured.c_str());
+        all.push_back({{"limit", verdict.limit},
+                       {"met", verdict.met ? json(*verdict.met) : json()},
+                       {"measured", verdict.measured}});
+    }
+    return all;
+}
+
+json spreadToJson(const runtime::Spread& spread)
+{
+    return {{"median", spread.median}, {"p1", spread.p1}, {"p99", spread.p99}};
+}
+
+double rounded(double value, double digits) { return std::round(value * digits) / digits; }
+
+Command benchCommand()
+{
+    static Options options; // static: there is one command line, and its targets must outlive this function
+    return {
+        .name = "bench",
+        .meaning = "Measure, print a table and write JSON",
+        .options =
+            {{"SCENE",
+              &options.scene,
+              "bunny: the paper's table of tetrahedra x subdivision; solver: cost of a step; contact: cost of a step "
+              "with bodies in contact; cut: cost of a step while a blade cuts; haptics: evenness of the haptic "
+              "servo; visual: cost of a picture",
+              "",
+              {},
+              true},
+             {"--json", &options.file, "Write every figure to this file", "FILE"},
+             {.name = "--seconds",
+              .target = &options.seconds,
+              .meaning = "Wall time of each cell of bunny and of each run of haptics",
+              .type = "S",
+              .bound = {openClosed(0, 3600), "s"},
+              .standard = text(kSeconds)},
+             {.name = "--soak",
+              .target = &options.soak,
+              .meaning = "contact only: instead of the costs, run random tool motions for this many simulated minutes",
+              .type = "MIN",
+              .bound = {openClosed(0, 600), "min"},
+              .standard = "none"},
+             {.name = "--seed",
+              .target = &options.seed,
+              .meaning = "Seed of the random tool motions of --soak",
+              .type = "N",
+              .bound = {closed(0, 1000000), "-"}},
+             {"--quick", &options.quick, "Measure only the smallest meshes"}},
+        .run = [] { return bench(options); }};
+}
+
+} // namespace filasofia::app

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "filasofia/core/attachment_id.h"
+#include "filasofia/core/body_id.h"
+#include "filasofia/math/vec3.h"
+
+#include <array>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// A node of a soft body and its weight in a mean.
+struct NodeWeight {
+    int node = 0;
+    double weight = 0.0; ///< [-]
+};
+
+/// One end of an attachment: a point of a soft body, of an element of a rigid body, or of space.
+struct AttachedPoint {
+    /// Soft body only: the point is their weighted mean; at most twelve nodes, each once.
+    std::vector<NodeWeight> nodes;
+    int element = 0; ///< rigid body only
+    Vec3 place;      ///< [m] rigid body: in the element's coordinates; space: in world coordinates
+};
+
+/// Pairs of points that are to coincide. A topology edit updates the points: their nodes are stored nowhere else.
+struct Attachment {
+    AttachmentId id;
+    BodyId body;                                     ///< the attached body
+    BodyId to;                                       ///< the body that it is attached to; none: space
+    std::vector<std::array<AttachedPoint, 2>> pairs; ///< a point of `body` and a point of `to`
+    double stiffness = 0.0;                          ///< [N/m] stiffness of each pair's spring; infinite: hard
+    /// [N] the attachment breaks if the sum of its pairs' forces exceeds this; may be infinite.
+    double breakForce = 0.0;
+};
+
+/// A grasp that is waiting for the contacts of the next step.
+struct PendingGrasp {
+    AttachmentId id;
+    BodyId rigid, target;
+    double stiffness = 0.0;  ///< [N/m]
+    double breakForce = 0.0; ///< [N]
+};
+
+} // namespace filasofia::engine

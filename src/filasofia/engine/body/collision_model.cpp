@@ -1,0 +1,164 @@
+#include "filasofia/engine/body/collision_model.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
+#include "filasofia/geometry/mass_properties.h"
+#include "filasofia/geometry/surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+using geometry::TriangleMesh;
+
+// [-] The largest depth of the inset over the proximity.
+constexpr double kInset = 0.2;
+
+CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field)
+{
+    if (const std::size_t features = mesh.vertices.size() + 4 * mesh.triangles.size(); features >= kMostFeatures)
+        fail(field, ".mesh must have < ", kMostFeatures, " vertices, edges and triangles, got up to ", features);
+    const double depth = insetDepth(def.proximity);
+    CollisionModel model;
+    CollisionShape shape = makeCollisionShape(mesh, {.points = def.primitives.points,
+                                                     .lines = def.primitives.lines,
+                                                     .triangleFaces = def.primitives.triangles,
+                                                     .proximity = def.proximity,
+                                                     .depth = def.proximity + depth,
+                                                     .group = def.group,
+                                                     .self = def.self,
+                                                     .cutting = def.cutting});
+    model.inset = makeInset(shape, depth);
+    setProximity(def.proximity, model.inset, shape);
+    model.shape = std::make_shared<const CollisionShape>(std::move(shape));
+    model.proximity = def.proximity;
+    return model;
+}
+
+/// The embedding of vertices that coincide with nodes.
+geometry::Embedding nodeEmbedding(const std::vector<int>& nodes)
+{
+    geometry::Embedding ties;
+    addTies(nodes, ties);
+    return ties;
+}
+
+/// Per triangle of the surface: the node of its tetrahedron that is not on it.
+std::vector<int> nodesBehind(const geometry::TetMesh& mesh, const geometry::Surface& surface)
+{
+    std::map<std::array<int, 3>, int> behind; // key: the nodes, ascending
+    for (const geometry::Tetrahedron& t : mesh.tetrahedra)
+        for (std::size_t opposite = 0; opposite < 4; ++opposite) {
+            std::array<int, 3> face{};
+            for (std::size_t k = 0; k < 3; ++k)
+                face[k] = t[static_cast<std::size_t>(geometry::kTetrahedronFaces[opposite][k])];
+            std::sort(face.begin(), face.end());
+            behind[face] = t[opposite];
+        }
+    std::vector<int> nodes;
+    for (geometry::Triangle t : surface.mesh.triangles) {
+        for (int& vertex : t) vertex = surface.nodes[static_cast<std::size_t>(vertex)];
+        std::sort(t.begin(), t.end());
+        nodes.push_back(behind.at(t));
+    }
+    return nodes;
+}
+
+/// Removes weights that differ from zero by rounding only, so that a vertex at a node follows that node alone.
+void dropTinyWeights(geometry::Embedding& ties)
+{
+    for (std::array<double, 4>& weights : ties.weights) {
+        double sum = 0.0;
+        for (double& weight : weights) sum += weight = std::abs(weight) < 1e-9 ? 0.0 : weight;
+        for (double& weight : weights) weight /= sum;
+    }
+}
+
+void checkCount(const std::vector<physics::CollisionDef>& collision, const std::string& object)
+{
+    if (collision.size() > kMostModels)
+        fail(object, ": collision must have <= ", kMostModels, " entries, got ", collision.size());
+}
+
+void checkPrimitives(const physics::CollisionDef& def, const std::string& field)
+{
+    const physics::Primitives& p = def.primitives;
+    if (!p.points && !p.lines && !p.triangles)
+        fail(field, ".primitives must have points, lines or triangles, got none");
+}
+
+} // namespace
+
+double insetDepth(double proximity) { return kInset * proximity; }
+
+void setProximity(double proximity, const Inset& inset, CollisionShape& shape)
+{
+    double deepest = 0.0;
+    for (const double each : inset.depth) deepest = std::max(deepest, each);
+    shape.proximity = proximity + deepest;
+}
+
+void addTies(std::span<const int> nodes, geometry::Embedding& ties)
+{
+    for (int node : nodes) {
+        ties.nodes.push_back({node, node, node, node});
+        ties.weights.push_back({1.0, 0.0, 0.0, 0.0});
+    }
+}
+
+std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& worldMesh)
+{
+    checkCount(def.collision, text("soft body '", def.name, "'"));
+    std::vector<CollisionModel> models;
+    for (std::size_t i = 0; i < def.collision.size(); ++i) {
+        const physics::CollisionDef& each = def.collision[i];
+        const std::string field = text("soft body '", def.name, "': collision[", i, "]");
+        checkPrimitives(each, field);
+        if (const auto given = physics::loadMesh(each.mesh, field + ".mesh")) {
+            if (def.dynamicTopology)
+                logWarning(field, ".mesh: deforms with the body but does not open if the body is cut or torn; without "
+                                  "a mesh the body's own surface is used, which does");
+            TriangleMesh mesh = *given;
+            for (Vec3& vertex : mesh.vertices) vertex = transform(def.pose, vertex);
+            models.push_back(modelOf(mesh, each, field));
+            models.back().ties = geometry::embed(worldMesh, mesh.vertices);
+            dropTinyWeights(models.back().ties);
+        } else {
+            const geometry::Surface surface = geometry::extractSurface(worldMesh);
+            models.push_back(modelOf(surface.mesh, each, field));
+            models.back().ties = nodeEmbedding(surface.nodes);
+            models.back().behind = nodesBehind(worldMesh, surface);
+        }
+    }
+    return models;
+}
+
+std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
+{
+    checkCount(def.collision, text("rigid body '", def.name, "'"));
+    std::vector<CollisionModel> models;
+    for (std::size_t i = 0; i < def.collision.size(); ++i) {
+        const physics::CollisionDef& each = def.collision[i];
+        const std::string field = text("rigid body '", def.name, "': collision[", i, "]");
+        checkPrimitives(each, field);
+        auto mesh = physics::loadMesh(each.mesh, field + ".mesh");
+        if (!mesh) mesh = physics::loadMesh(def.mesh, text("rigid body '", def.name, "': mesh"));
+        if (!mesh) fail(field, ".mesh must name a file or be a mesh: the body has none either");
+        CollisionModel& model = models.emplace_back(modelOf(*mesh, each, field));
+        model.element = each.element;
+        model.core = mesh->vertices;
+        // A dynamic body has been refused by now: its mass would not be positive.
+        if (model.shape->closed && !def.dynamic && !each.cutting && geometry::enclosedVolume(*mesh) < 0.0)
+            logWarning(field, ".mesh is turned inside out: it pushes towards its inside, like the walls of a room; "
+                              "triangles must be counter-clockwise seen from the side where other bodies are");
+        std::vector<Vec3> normals;
+        applyInset(*model.shape, model.inset, normals, model.core);
+    }
+    return models;
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "filasofia/engine/collision/collision_shape.h"
+#include "filasofia/engine/collision/inset.h"
+#include "filasofia/geometry/embedding.h"
+#include "filasofia/physics/defs.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// A surface by which a body collides, and how its vertices follow the body.
+struct CollisionModel {
+    /// Soft body: at rest, in world coordinates; rigid body: in its element's coordinates.
+    std::shared_ptr<const CollisionShape> shape;
+    Inset inset;
+    std::vector<Vec3> core; ///< [m] the shape's vertices, moved inwards; rigid bodies only
+    double proximity = 0.0; ///< [m] proximity of the surface itself, without the inset
+    int element = 0;        ///< rigid bodies only
+    /// Per triangle: the fourth node of its tetrahedron; only if the surface is the soft body's own.
+    std::vector<int> behind;
+    geometry::Embedding ties; ///< per vertex: its nodes and their weights; soft bodies only
+};
+
+/// Builds the collision models of a body and loads their meshes. Throws an Error that names the body and the field.
+std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& worldMesh);
+std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def);
+
+/// [m] The largest depth by which vertices of a surface are moved inwards.
+double insetDepth(double proximity);
+
+/// Sets the distance at which contacts are looked for. The inset moves the surface inwards, so the distance grows by
+/// its largest depth; if there is no inset, as on a sheet, it is the proximity itself.
+void setProximity(double proximity, const Inset& inset, CollisionShape& shape);
+
+/// Appends vertices that coincide with nodes.
+void addTies(std::span<const int> nodes, geometry::Embedding& ties);
+
+} // namespace filasofia::engine

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "filasofia/engine/body/soft_model.h"
+#include "filasofia/engine/integration/euler.h"
+#include "filasofia/engine/rupture/tet_shape.h"
+
+namespace filasofia::engine {
+
+inline std::size_t elementCount(const SoftModel& model) { return model.elements.size() + model.tetrahedra.size(); }
+
+/// The nodes of a tetrahedron, in a FEM body or in a mass-spring body.
+inline const geometry::Tetrahedron& elementNodes(const SoftModel& model, std::size_t e)
+{
+    return model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
+}
+inline geometry::Tetrahedron& elementNodes(SoftModel& model, std::size_t e)
+{
+    return model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
+}
+
+/// Sets volume and gradients of an element from its nodes at rest.
+inline void shapeElement(const std::vector<Vec3>& rest, FemElement& element)
+{
+    const Corners corners = cornersOf(element.nodes, rest);
+    element.gradients = shapeGradients(corners);
+    element.volume = volumeOf(corners);
+}
+
+/// [kg] A spring's block of the implicit step's matrix, with its nodes at `x`.
+inline Mat3 springMatrix(const Spring& spring, ImplicitWeights weights, const std::vector<Vec3>& x)
+{
+    const Vec3 a = x[static_cast<std::size_t>(spring.nodes[0])], b = x[static_cast<std::size_t>(spring.nodes[1])];
+    return weights.stiffness * springStiffness(spring, a, b) + weights.damping * springDamping(spring, a, b);
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,182 @@
+#include "filasofia/engine/body/soft_model.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/engine/body/check_collision.h"
+#include "filasofia/engine/body/check_size.h"
+#include "filasofia/engine/body/usable.h"
+#include "filasofia/engine/elastic/element_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+void checkFinite(const std::string& object, const char* list, const std::vector<Vec3>& values)
+{
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!isFinite(values[i])) fail(object, ": ", list, "[", i, "] must be finite");
+}
+
+template <class Nodes> void checkNodes(const std::string& object, const Nodes& nodes, std::size_t count)
+{
+    for (int node : nodes)
+        if (node < 0 || static_cast<std::size_t>(node) >= count)
+            fail(object, ": node must be in [0, ", count, "), got ", node);
+}
+
+void checkElements(const SoftModel& model, const std::string& object)
+{
+    for (std::size_t e = 0; e < model.elements.size(); ++e) {
+        const FemElement& element = model.elements[e];
+        const std::string name = text(object, ": elements[", e, "]");
+        checkNodes(name, element.nodes, model.rest.size());
+        if (!positive().contains(element.volume)) fail(name, ".volume must be > 0 m^3, got ", element.volume);
+        validate(physics::FemMaterial{element.youngModulus, element.poissonRatio}, name);
+        for (const Vec3& g : element.gradients)
+            if (!isFinite(g)) fail(name, ".gradients must be finite");
+    }
+}
+
+void checkSprings(const SoftModel& model, const std::string& object)
+{
+    for (std::size_t s = 0; s < model.springs.size(); ++s) {
+        const Spring& spring = model.springs[s];
+        const std::string name = text(object, ": springs[", s, "]");
+        checkNodes(name, spring.nodes, model.rest.size());
+        if (!nonNegative().contains(spring.restLength))
+            fail(name, ".restLength must be >= 0 m, got ", spring.restLength);
+        validate(physics::MassSpringMaterial{spring.stiffness, spring.damping}, name);
+    }
+}
+
+void checkPins(const SoftModel& model, const std::string& object)
+{
+    checkSize(object, "pins.hard", model.pins.hard.size(), model.rest.size());
+    for (const PinSpring& pin : model.pins.springs) {
+        checkNodes(object, std::array{pin.node}, model.rest.size());
+        if (!positive().contains(pin.stiffness))
+            fail(object, ": a pin's stiffness must be > 0 N/m, got ", pin.stiffness);
+        if (!isFinite(pin.anchor)) fail(object, ": a pin's anchor must be finite");
+    }
+    for (std::size_t g = 0; g < model.pins.groups.size(); ++g) {
+        const PinGroup& group = model.pins.groups[g];
+        const std::string name = text(object, ": pins.groups[", g, "]");
+        checkNodes(name, group.nodes, model.rest.size());
+        if (std::ranges::adjacent_find(group.nodes, std::ranges::greater_equal{}) != group.nodes.end())
+            fail(name, ".nodes must ascend, each once");
+        if (!positiveOrInfinite().contains(group.stiffness))
+            fail(name, ".stiffness must be > 0 N/m, got ", group.stiffness);
+    }
+}
+
+} // namespace
+
+SoftState stateAtRest(const SoftModel& model)
+{
+    SoftState state;
+    state.x = model.rest;
+    state.v.resize(model.rest.size());
+    state.dv.resize(model.rest.size());
+    state.leftover.resize(model.rest.size());
+    state.forces.resize(model.rest.size());
+    state.rotations.resize(static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size()))));
+    return state;
+}
+
+bool mayBeCut(const SoftModel& model, int group)
+{
+    if (!model.dynamicTopology) return false;
+    const auto ofGroup = [&](const CollisionModel& each) { return each.shape->group == group; };
+    const auto forBlades = [](const CollisionModel& each) { return each.shape->cutting; };
+    if (std::ranges::any_of(model.collision, forBlades))
+        return std::ranges::any_of(model.collision, [&](const auto& each) { return forBlades(each) && ofGroup(each); });
+    return model.collision.empty() ? group == 0 : std::ranges::any_of(model.collision, ofGroup);
+}
+
+void check(const SoftModel& model, const SoftState& state)
+{
+    const std::string object = text("soft body '", model.name, "'");
+    const std::size_t n = model.rest.size();
+    if (n == 0) fail(object, ": must have at least one node");
+    checkSize(object, "masses", model.masses.size(), n);
+    for (double mass : model.masses)
+        if (!positive().contains(mass)) fail(object, ": masses must be > 0 kg, got ", mass);
+    checkElements(model, object);
+    checkSprings(model, object);
+    checkPins(model, object);
+    for (const geometry::Triangle& triangle : model.surface) checkNodes(object, triangle, n);
+    for (const geometry::Tetrahedron& each : model.tetrahedra) checkNodes(text(object, ": tetrahedra"), each, n);
+    if (!nonNegative().contains(model.friction)) fail(object, ": friction must be >= 0, got ", model.friction);
+    checkCollision(object, model);
+    validate(model.rayleigh, object + ": rayleigh");
+    std::visit([&](const auto& each) { validate(each, object + ": integrator"); }, model.integrator);
+    std::visit([&](const auto& each) { validate(each, object + ": solver"); }, model.solver);
+
+    for (const auto& [list, values] : {std::pair{"x", &state.x},
+                                       {"v", &state.v},
+                                       {"dv", &state.dv},
+                                       {"leftover", &state.leftover},
+                                       {"forces", &state.forces},
+                                       {"rest", &model.rest}}) {
+        checkSize(object, list, values->size(), n);
+        checkFinite(object, list, *values);
+    }
+    if (!usable(state.x) || !usable(state.v) || !usable(model.rest))
+        fail(object, ": nodes must lie within ", physics::kFarthest,
+             " m of the origin and be slower than that number in m/s");
+    for (std::size_t i = 0; i < n; ++i)
+        if (model.pins.hard[i] && !(state.v[i] == Vec3{} && state.dv[i] == Vec3{}))
+            fail(object, ": v[", i, "] and dv[", i, "] must be 0 m/s: the node is pinned");
+    const int blocks = linalg::blocksFor(static_cast<int>(model.elements.size()));
+    checkSize(object, "rotations", state.rotations.size(), static_cast<std::size_t>(blocks));
+    for (std::size_t e = 0; e < state.rotations.size() * kBlock; ++e)
+        if (const Quat q = rotationOf(state.rotations, e); !(std::abs(dot(q, q) - 1.0) < 1e-5))
+            fail(object, ": rotations must be unit quaternions");
+    if (!std::isfinite(state.pressure)) fail(object, ": pressure must be finite, got ", state.pressure);
+}
+
+Quat rotationOf(const std::vector<ElementRotations>& rotations, std::size_t element)
+{
+    const ElementRotations& block = rotations[element / kBlock];
+    const std::size_t lane = element % kBlock;
+    return {block.w[lane], block.x[lane], block.y[lane], block.z[lane]};
+}
+
+void setRotation(std::vector<ElementRotations>& rotations, std::size_t element, Quat q)
+{
+    ElementRotations& block = rotations[element / kBlock];
+    const std::size_t lane = element % kBlock;
+    block.w[lane] = static_cast<float>(q.w);
+    block.x[lane] = static_cast<float>(q.x);
+    block.y[lane] = static_cast<float>(q.y);
+    block.z[lane] = static_cast<float>(q.z);
+}
+
+void setMaterial(const physics::SoftMaterial& material, SoftModel& model)
+{
+    model.tearingThreshold = std::visit([](const auto& each) { return each.tearingThreshold; }, material);
+    if (const auto* fem = std::get_if<physics::FemMaterial>(&material)) {
+        for (FemElement& element : model.elements) {
+            element.youngModulus = fem->youngModulus;
+            element.poissonRatio = fem->poissonRatio;
+        }
+    } else {
+        const auto& springs = std::get<physics::MassSpringMaterial>(material);
+        for (Spring& spring : model.springs) {
+            spring.stiffness = springs.stiffness;
+            spring.damping = springs.damping;
+        }
+    }
+}
+
+void setForces(const std::vector<physics::NodalForce>& forces, SoftState& state)
+{
+    std::fill(state.forces.begin(), state.forces.end(), Vec3{});
+    for (const physics::NodalForce& force : forces) state.forces[force.node] += force.force;
+}
+
+} // namespace filasofia::engine

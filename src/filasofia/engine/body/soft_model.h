@@ -1,0 +1,82 @@
+#pragma once
+
+#include "filasofia/core/body_id.h"
+#include "filasofia/engine/body/collision_model.h"
+#include "filasofia/engine/body/pins.h"
+#include "filasofia/engine/elastic/corotational.h"
+#include "filasofia/engine/elastic/element_rotations.h"
+#include "filasofia/engine/elastic/spring.h"
+#include "filasofia/physics/defs.h"
+
+#include <limits>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// One of the pieces into which a cut or torn body has come apart.
+struct BodyPiece {
+    int number = 0;            ///< its number in physics::LoosePiece
+    std::vector<int> nodes;    ///< ascending
+    std::vector<int> elements; ///< ascending; empty unless the piece is a small fragment
+    bool held = false;         ///< some of its nodes are pinned
+};
+
+/// The properties of a soft body.
+struct SoftModel {
+    BodyId id;
+    std::string name;
+    std::vector<Vec3> rest;                        ///< [m] nodes at the start, in world coordinates
+    std::vector<double> masses;                    ///< [kg] lumped, a quarter of each tetrahedron to each node
+    std::vector<FemElement> elements;              ///< FEM bodies only; neighbours are near each other in the list
+    std::vector<Spring> springs;                   ///< mass-spring bodies only
+    std::vector<geometry::Tetrahedron> tetrahedra; ///< mass-spring bodies only; a FEM body has elements
+    std::vector<geometry::Triangle> surface;       ///< nodes of the boundary, outwards: pressure acts there
+    Pins pins;
+    physics::Rayleigh rayleigh;
+    physics::Integrator integrator;
+    physics::Solver solver;
+    bool gravity = true;
+    double friction = 0.0; ///< [-] mu
+    std::vector<CollisionModel> collision;
+    bool dynamicTopology = false;  ///< the body may be cut or torn
+    std::vector<BodyPiece> pieces; ///< ascending by number; empty while the body is whole
+    std::set<int> removed;         ///< removed pieces: their nodes are pinned and have no surface
+    double density = 0.0;          ///< [kg/m^3] gives edited elements their mass
+    double tearingThreshold = std::numeric_limits<double>::infinity(); ///< [Pa]; infinite: never tears
+};
+
+/// True if blades of a collision group may cut the body.
+bool mayBeCut(const SoftModel& model, int group);
+
+/// Positions, velocities and loads of a soft body, per node unless stated otherwise.
+struct SoftState {
+    std::vector<Vec3> x;  ///< [m]
+    std::vector<Vec3> v;  ///< [m/s]
+    std::vector<Vec3> dv; ///< [m/s] the last step's change of velocity: first guess of the next solve
+    /// Per block of sixteen elements, from the last step: the next polar decomposition starts there.
+    std::vector<ElementRotations> rotations;
+    std::vector<Vec3> leftover; ///< [N s] the residual impulse of the last solve that the next step takes over
+    std::vector<Vec3> forces;   ///< [N] set by the user
+    double pressure = 0.0;      ///< [Pa] set by the user
+};
+
+/// The rotation of one element.
+Quat rotationOf(const std::vector<ElementRotations>& rotations, std::size_t element);
+void setRotation(std::vector<ElementRotations>& rotations, std::size_t element, Quat q);
+
+/// The state at the start: at rest, without forces and pressure.
+SoftState stateAtRest(const SoftModel& model);
+
+/// Throws an Error that names the body if a size, an index or a number is invalid.
+void check(const SoftModel& model, const SoftState& state);
+
+/// Writes a material into every element or spring of a body that was built with a material of the same kind.
+void setMaterial(const physics::SoftMaterial& material, SoftModel& model);
+
+/// Replaces the nodal forces.
+void setForces(const std::vector<physics::NodalForce>& forces, SoftState& state);
+
+} // namespace filasofia::engine

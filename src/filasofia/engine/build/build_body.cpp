@@ -1,0 +1,164 @@
+#include "filasofia/engine/build/build_body.h"
+
+#include "filasofia/engine/body/collision_model.h"
+#include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/usable.h"
+#include "filasofia/engine/build/build_rigid.h"
+#include "filasofia/engine/contact/attachment_points.h"
+#include "filasofia/engine/topology/loose_pieces.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/engine/rupture/check_topology.h"
+#include "filasofia/geometry/adjacency.h"
+#include "filasofia/geometry/space_order.h"
+#include "filasofia/geometry/surface.h"
+
+#include <algorithm>
+
+namespace filasofia::engine {
+namespace {
+
+using geometry::TetMesh;
+
+void addElements(const TetMesh& mesh, SoftModel& model)
+{
+    std::vector<Vec3> centres;
+    for (const geometry::Tetrahedron& t : mesh.tetrahedra)
+        centres.push_back(0.25 * (mesh.nodes[t[0]] + mesh.nodes[t[1]] + mesh.nodes[t[2]] + mesh.nodes[t[3]]));
+    for (int each : geometry::orderAlongCurve(centres)) {
+        FemElement& element = model.elements.emplace_back();
+        element.nodes = mesh.tetrahedra[each];
+        shapeElement(mesh.nodes, element);
+    }
+}
+
+void addMasses(const TetMesh& mesh, const physics::Mass& mass, SoftModel& model)
+{
+    double total = 0.0;
+    model.masses.assign(mesh.nodes.size(), 0.0);
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+        const double volume = geometry::signedVolume(mesh, static_cast<int>(t));
+        total += volume;
+        for (int node : mesh.tetrahedra[t]) model.masses[node] += volume / 4.0;
+    }
+    const auto* density = std::get_if<physics::Density>(&mass);
+    const double perVolume = density ? density->value : std::get<physics::TotalMass>(mass).value / total;
+    for (double& each : model.masses) each *= perVolume;
+    model.density = perVolume;
+}
+
+/// Turns an attachment to space that cannot break into pins, which are exact and cheap. If the attachment is to another
+/// body, or may break, it is created after the body has been added.
+void addPins(const physics::AttachmentDef& def, const std::string& object, SoftModel& model)
+{
+    const int count = static_cast<int>(model.rest.size());
+    for (int node : def.nodes)
+        if (node < 0 || node >= count) fail(object, ".nodes must be in [0, ", count, "), got ", node);
+    if (def.box && geometry::isEmpty(*def.box)) fail(object, ".box: high must be >= low in every axis");
+    if (def.to) return;
+    const std::vector<int> nodes = nodesOf(def, model.rest);
+    if (nodes.empty())
+        fail(object, ": must hold at least one node, got none",
+             def.box    ? " in its box"
+             : def.ball ? " in its ball"
+                        : "");
+    if (!isPins(def)) return;
+    model.pins.groups.push_back({.id = {}, .nodes = nodes, .stiffness = def.stiffness});
+    for (int node : nodes) {
+        if (def.stiffness == physics::kHard)
+            model.pins.hard[node] = true;
+        else
+            model.pins.springs.push_back({node, model.rest[node], def.stiffness});
+    }
+}
+
+/// Checks the mesh of a body that may be cut: cuts keep the surface a manifold and the elements good only if they are
+/// so at the start.
+void checkForCuts(const std::string& object, const EditableMesh& mesh)
+{
+    const std::vector<TopologyViolation> faults =
+        checkTopology(mesh.data(), {.volume = mesh.startVolume(), .maxViolations = 1});
+    if (!faults.empty())
+        fail(object,
+             ": dynamicTopology needs a mesh whose surface is a manifold (each edge between two triangles, one "
+             "fan of triangles around each node), got: ",
+             faults.front().where);
+    constexpr double kPoor = 0.05;
+    double worst = 1.0;
+    for (int t = 0; t < mesh.tetrahedra(); ++t) worst = std::min(worst, restQuality(mesh.data(), t));
+    if (worst < kPoor)
+        logWarning(object, ": the worst of its tetrahedra has quality ", worst,
+                   " (1: regular); near such elements cuts follow existing faces");
+}
+
+/// Warns if a body is very large. Most organ meshes are in millimetres; if one is read as metres, nothing fails, but
+/// the body is as large as a bridge and sags like one.
+void warnOfSize(const std::string& object, const TetMesh& mesh)
+{
+    constexpr double kLargest = 10.0; // [m]
+    const geometry::Box box = geometry::boxAround(mesh.nodes);
+    const double size = length(box.high - box.low);
+    if (size > kLargest)
+        logWarning(object, ": is ", size, " m large; if its coordinates are millimetres, use loadTetMesh(file, 1e-3)");
+}
+
+std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, double period)
+{
+    const std::string object = text("soft body '", def.name, "'");
+    validate(def, object);
+    const TetMesh mesh = physics::worldMesh(def);
+    if (!usable(mesh.nodes)) fail(object, ": nodes must lie within ", physics::kFarthest, " m of the origin");
+    warnOfSize(object, mesh);
+
+    auto built = std::make_unique<BuiltSoftBody>();
+    SoftModel& model = built->body.model;
+    model.name = def.name;
+    model.rest = mesh.nodes;
+    model.rayleigh = def.rayleigh;
+    model.integrator = def.integrator;
+    model.solver = def.solver;
+    model.gravity = def.gravity;
+    model.friction = def.friction;
+    model.dynamicTopology = def.dynamicTopology;
+    model.collision = buildCollision(def, mesh);
+    addMasses(mesh, def.mass, model);
+    if (std::holds_alternative<physics::FemMaterial>(def.material)) {
+        addElements(mesh, model);
+    } else {
+        model.tetrahedra = mesh.tetrahedra;
+        for (const std::array<int, 2>& edge : geometry::edges(mesh))
+            model.springs.push_back(springOn(edge, {}, model.rest));
+    }
+    setMaterial(def.material, model);
+    const geometry::Surface surface = geometry::extractSurface(mesh);
+    for (const geometry::Triangle& t : surface.mesh.triangles)
+        model.surface.push_back({surface.nodes[t[0]], surface.nodes[t[1]], surface.nodes[t[2]]});
+    model.pins.hard.assign(mesh.nodes.size(), false);
+    for (std::size_t a = 0; a < def.attachments.size(); ++a)
+        addPins(def.attachments[a], text(object, ": attachments[", a, "]"), model);
+
+    for (std::size_t i = 0; i < def.forces.size(); ++i)
+        if (const int node = def.forces[i].node; node >= built->nodeCount())
+            fail(object, ": forces[", i, "].node must be in [0, ", built->nodeCount(), "), got ", node);
+    built->body.state = stateAtRest(model);
+    built->body.state.pressure = def.pressure;
+    setForces(def.forces, built->body.state);
+    check(model, built->body.state);
+    built->body.topology = makeTopology(model);
+    if (model.dynamicTopology) model.pieces = findPieces(model, *built->body.topology.pieces);
+    built->body.system = makeSystem(model, period);
+    if (model.dynamicTopology) checkForCuts(object, *built->body.topology.mesh);
+    return built;
+}
+
+} // namespace
+
+std::unique_ptr<physics::BuiltBody> buildBody(const physics::BodyDef& def, double period)
+{
+    physics::check(def);
+    if (const auto* soft = std::get_if<physics::SoftBodyDef>(&def)) return buildSoft(*soft, period);
+    return buildRigid(std::get<physics::RigidBodyDef>(def));
+}
+
+} // namespace filasofia::engine

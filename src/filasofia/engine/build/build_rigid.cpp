@@ -1,0 +1,74 @@
+#include "filasofia/engine/build/build_rigid.h"
+
+#include "filasofia/engine/articulation/link_motion.h"
+#include "filasofia/engine/body/check_collision.h"
+#include "filasofia/engine/body/check_size.h"
+#include "filasofia/engine/body/collision_model.h"
+#include "filasofia/engine/build/build_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+void buildArticulation(const physics::RigidBodyDef& def, RigidModel& model)
+{
+    ArticulationModel& out = model.articulation;
+    std::vector<LinkJoint> joints;
+    for (const physics::JointDef& joint : def.articulation.joints) {
+        joints.push_back({.prismatic = joint.kind == physics::JointKind::Prismatic,
+                          .axis = normalized(joint.axis),
+                          .parent = joint.parent,
+                          .child = joint.child,
+                          .parentOffset = physics::unitPose(joint.parentOffset, "parentOffset"),
+                          .childOffset = physics::unitPose(joint.childOffset, "childOffset"),
+                          .lower = joint.lower,
+                          .upper = joint.upper,
+                          .start = joint.start,
+                          .speed = joint.speed,
+                          .damping = joint.damping,
+                          .friction = joint.friction,
+                          .inertia = joint.inertia});
+        out.commands.push_back(joint.command.value_or(physics::JointPosition{joint.start}));
+    }
+    out.tree = linkTree(std::move(joints));
+    out.to = def.articulation.to;
+    out.toElement = def.articulation.toElement;
+    out.offset = physics::unitPose(def.articulation.offset, "offset");
+    model.inertias = physics::linkInertias(def);
+    model.rest.resize(model.inertias.size());
+    std::vector<double> starts;
+    for (const LinkJoint& joint : out.tree.joints) starts.push_back(joint.start);
+    placeLinks(out.tree, starts, model.rest);
+}
+
+} // namespace
+
+std::unique_ptr<physics::BuiltBody> buildRigid(const physics::RigidBodyDef& def)
+{
+    const physics::RigidInertia inertia = physics::inertiaOf(def);
+    auto built = std::make_unique<BuiltRigidBody>();
+    RigidModel& model = built->body.model;
+    model.name = def.name;
+    for (std::size_t e = 0; e < def.elements.size(); ++e)
+        model.rest.push_back(
+            physics::unitPose(def.elements[e], text("rigid body '", def.name, "': elements[", e, "]")));
+    model.inertias.assign(model.rest.size(), inertia);
+    if (!def.articulation.joints.empty()) buildArticulation(def, model);
+    model.dynamic = def.dynamic;
+    model.gravity = def.gravity;
+    model.linearDamping = def.linearDamping;
+    model.angularDamping = def.angularDamping;
+    model.friction = def.friction;
+    model.collision = buildCollision(def);
+    model.surface = physics::loadMesh(def.mesh, text("rigid body '", def.name, "': mesh"));
+    model.startVelocity = def.velocity;
+    model.startAngularVelocity = def.angularVelocity;
+    built->body.state = stateAtStart(model);
+    check(model, built->body.state);
+    return built;
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "filasofia/engine/collision/find_proximities.h"
+
+#include <cstdint>
+
+namespace filasofia::engine {
+
+/// Two surfaces whose boxes overlap, or one surface that may collide with itself.
+struct Meeting {
+    std::array<const CollisionSurface*, 2> sides{};
+    std::array<int, 2> places{}; ///< indices in the list of surfaces
+    double reach = 0.0;          ///< [s] one and a half steps
+
+    [[nodiscard]] bool self() const { return places[0] == places[1]; }
+    [[nodiscard]] double proximities() const { return sides[0]->shape->proximity + sides[1]->shape->proximity; }
+    [[nodiscard]] double depths() const { return sides[0]->shape->depth + sides[1]->shape->depth; }
+};
+
+inline std::uint64_t featureNumber(const Meeting& meeting, int first, int second)
+{
+    return featureNumber(FeaturePair{{meeting.sides[0]->name.model, meeting.sides[1]->name.model}, {first, second}});
+}
+
+/// A place on a surface by up to three vertices: a vertex, or a point on an edge or in a face.
+struct Feature {
+    std::array<int, 3> vertices{-1, -1, -1};
+    std::array<double, 3> weights{};
+    int number = 0;
+};
+
+/// The velocity of the place [m/s].
+inline Vec3 velocityAt(const CollisionSurface& surface, const Feature& feature)
+{
+    Vec3 v;
+    for (int k = 0; k < 3; ++k)
+        if (feature.vertices[k] >= 0) v += feature.weights[k] * surface.v[feature.vertices[k]];
+    return v;
+}
+
+/// Whether two features of one surface are already near each other at rest.
+bool nearAtRest(const Meeting& meeting, const std::array<int, 3>& a, const std::array<int, 3>& b);
+
+/// Finds the local minima of the distance from one point to the features that an element owns (and to its face), within
+/// the reach of both.
+void meetPoint(const Meeting& meeting, int source, int point, int element, std::vector<PointMinimum>& found);
+
+/// Finds the place where two edges are nearest to each other, if it is a local minimum of the distance and near enough.
+void meetEdges(const Meeting& meeting, int first, int second, std::vector<Proximity>& found);
+
+} // namespace filasofia::engine

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "filasofia/math/vec3.h"
+
+#include <array>
+#include <cstddef>
+
+namespace filasofia::engine {
+
+/// A point of a body, or of space, where a constraint acts.
+struct BodyPoint {
+    enum class Of { Space, Soft, Rigid, Joint };
+    Of of = Of::Space;
+    /// Index among the soft bodies, or in the rigid plan; for a joint, the index there of its articulation's base.
+    std::size_t body = 0;
+    int joint = 0; ///< Joint: the joint's velocity is stored along x, times a length (JointInfo::arm)
+    int count = 0; ///< Soft: number of nodes that the point is a weighted mean of, at most 12
+    std::array<int, 12> nodes{};
+    std::array<double, 12> weights{};
+    Vec3 position; ///< [m] at the start of the step
+    Vec3 velocity; ///< [m/s] at the start of the step; if nothing can change it, during the whole step
+
+    void add(int node, double weight);
+};
+
+} // namespace filasofia::engine

@@ -1,0 +1,35 @@
+#include "filasofia/engine/constraint/constraint.h"
+
+#include <cmath>
+
+namespace filasofia::engine {
+
+std::array<Vec3, 3> frameOf(Vec3 normal)
+{
+    const Vec3 other = std::abs(normal.x) < 0.6 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0};
+    const Vec3 tangent = normalized(cross(normal, other));
+    return {normal, tangent, cross(normal, tangent)};
+}
+
+void addImpulse(const ConstraintRows& rows, std::size_t c, Vec3 impulse, std::span<Vec3> atPoints)
+{
+    const ConstraintRow& row = rows.list[c];
+    const Vec3 world = inWorld(row.constraint->frame, impulse);
+    for (const WeightedPoint& each : rows.pointsOf(row))
+        atPoints[static_cast<std::size_t>(each.point)] += each.weight * world;
+}
+
+Projected project(const Constraint& constraint, Vec3 y) { return project(constraint, y, constraint.friction * y.x); }
+
+Projected project(const Constraint& constraint, Vec3 y, double cone)
+{
+    if (!constraint.bilateral() && !(y.x > 0.0)) return {};
+    if (std::abs(y.x) > constraint.maxImpulse)
+        return {{std::copysign(constraint.maxImpulse, y.x), 0.0, 0.0}, 0.0, false};
+    if (constraint.bilateral()) return {y, 1.0, true};
+    const double tangential = std::sqrt(y.y * y.y + y.z * y.z);
+    const double slip = tangential > cone ? cone / tangential : 1.0;
+    return {{y.x, slip * y.y, slip * y.z}, slip, true};
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,131 @@
+#pragma once
+
+#include "filasofia/core/body_id.h"
+#include "filasofia/engine/constraint/body_point.h"
+#include "filasofia/math/vec3.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// Contacts and joint limits are unilateral: they only push. Welds (attachments, grasps) and the dry friction of joints
+/// are bilateral.
+enum class ConstraintKind { Contact, Weld, JointLimit, JointFriction };
+
+/// Identifies a contact from step to step, and holds the force that its next solve starts from.
+struct CachedContact {
+    BodyId first, second;
+    std::uint64_t feature = 0; ///< the pair of features; the same from step to step (collision/proximity.h)
+    Vec3 point;                ///< [m] in the world
+    Vec3 force;                ///< [N] on the first body
+};
+
+/// The data of a constraint of kind Contact beyond its law.
+struct ContactInfo {
+    CachedContact cached;
+    double gap = 0.0;       ///< [m] signed distance; negative if the surfaces overlap
+    double proximity = 0.0; ///< [m] sum of both surfaces' proximities
+    double skin = 0.0;      ///< [m] the gap that the contact keeps
+};
+
+/// The data of a constraint of kind JointLimit or JointFriction beyond its law.
+struct JointInfo {
+    std::size_t articulation = 0; ///< index among the articulation plans
+    int joint = 0;
+    double arm = 1.0;   ///< [m] the constraint's velocity is the joint's times this; 1 for a prismatic joint
+    bool upper = false; ///< JointLimit: true for the upper limit
+};
+
+/// Two points and the law between them: a contact, a pair of points of an attachment, a joint limit or a joint's
+/// friction.
+///
+///     C = bias + u,   u = F J (v + dv)
+///
+///     J      the velocity of the first point relative to the second, from the bodies' unknowns (ConstraintRow)
+///     F      the frame's three rows; the first is the normal
+///     v, dv  [m/s] the bodies' velocities, and their change in this step
+///
+/// A unilateral constraint requires C >= 0 along the normal: its normal impulse n only pushes, and its tangential
+/// impulse t is within Coulomb's cone |t| <= friction * n. A bilateral constraint requires C = 0 in all three rows, but
+/// applies at most maxImpulse along the first.
+struct Constraint {
+    ConstraintKind kind = ConstraintKind::Contact;
+    std::array<BodyPoint, 2> sides = {};
+    std::array<Vec3, 3> frame = {}; ///< orthonormal; the first vector is the normal, from the second side to the first
+    Vec3 bias = {};                 ///< [m/s] in the frame
+    double friction = 0.0;          ///< [-] Coulomb's mu; unilateral constraints only
+    double tolerance = 0.0;         ///< [m/s] how far a rigid constraint may miss C = 0 (or C >= 0)
+    double softness = 0.0;          ///< [kg] impulse per velocity of a spring; 0 if the constraint is rigid
+    /// [N s] Bound on the impulse along the normal. The constraint yields beyond it.
+    double maxImpulse = std::numeric_limits<double>::infinity();
+    /// [N s] in the frame, on the first side. In: the last step's impulse; out: the impulse that acted in this step
+    Vec3 impulse = {};
+    Vec3 multiplier = {}; ///< [N s] out: multiplier of the augmented Lagrangian, from which the next step starts
+
+    ContactInfo contact = {}; ///< kind Contact only
+    JointInfo joint = {};     ///< kinds JointLimit and JointFriction only
+
+    [[nodiscard]] bool bilateral() const
+    {
+        return kind == ConstraintKind::Weld || kind == ConstraintKind::JointFriction;
+    }
+};
+
+/// Index of a contact point among all bodies' contact points of a solve, and its weight in J.
+struct WeightedPoint {
+    int point = 0;
+    double weight = 0.0;
+};
+
+/// A constraint's rows of J: the contact points that it acts on.
+struct ConstraintRow {
+    Constraint* constraint = nullptr;
+    int first = 0, count = 0;       ///< range of its points in ConstraintRows::points
+    std::array<int, 2> pieces = {}; ///< per side: the piece that it acts on, if the body has fallen into pieces
+};
+
+/// The constraints of one coupled solve. Refers to the constraints; the solve writes their impulses in place.
+struct ConstraintRows {
+    std::vector<ConstraintRow> list;
+    std::vector<WeightedPoint> points;
+    void clear()
+    {
+        list.clear();
+        points.clear();
+    }
+    [[nodiscard]] std::span<const WeightedPoint> pointsOf(const ConstraintRow& row) const
+    {
+        return std::span(points).subspan(static_cast<std::size_t>(row.first), static_cast<std::size_t>(row.count));
+    }
+};
+
+/// Adds J^T F^T impulse to the contact points of row `c`; `impulse` [N s] is in the constraint's frame.
+void addImpulse(const ConstraintRows& rows, std::size_t c, Vec3 impulse, std::span<Vec3> atPoints);
+
+/// Returns the unit normal and two tangents. Continuous but for two places on the sphere of normals.
+std::array<Vec3, 3> frameOf(Vec3 normal);
+/// A vector's components along a frame's rows, and back.
+inline Vec3 inFrame(const std::array<Vec3, 3>& f, Vec3 v) { return {dot(f[0], v), dot(f[1], v), dot(f[2], v)}; }
+inline Vec3 inWorld(const std::array<Vec3, 3>& f, Vec3 v) { return v.x * f[0] + v.y * f[1] + v.z * f[2]; }
+
+/// Multiplies entry by entry.
+inline Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+
+/// An impulse y [N s] projected onto the constraint law. Unilateral: zero if y pulls, otherwise y with its tangential
+/// part scaled back to the friction cone. Bilateral: y itself. Both are bounded by maxImpulse.
+struct Projected {
+    Vec3 impulse;
+    double slip = 0.0; ///< [-] in [0, 1]: the fraction of the tangential part that is left
+    bool active = false;
+};
+/// Projects onto Coulomb's cone, whose radius follows from the normal impulse.
+Projected project(const Constraint& constraint, Vec3 y);
+/// Projects onto a cone of fixed radius `cone` [N s] (Tresca's law), whatever the normal impulse is.
+Projected project(const Constraint& constraint, Vec3 y, double cone);
+
+} // namespace filasofia::engine

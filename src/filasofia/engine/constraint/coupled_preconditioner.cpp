@@ -1,0 +1,121 @@
+// The preconditioner of CoupledSolve: the filter, the coarse correction, and their application.
+#include "filasofia/engine/constraint/coupled_solve.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::engine {
+namespace {
+
+// The filter is rebuilt if more than one contact in kOthers has become active or inactive, or has changed the fraction
+// of the tangential impulse that its friction cone leaves by more than kOtherSlip.
+constexpr std::size_t kOthers = 64;
+constexpr double kOtherSlip = 1.5;
+
+// A link on a hinge can be pushed in some directions only. If a contact's normal were less than a milliradian away from
+// those in which it cannot, the contact would need an unbounded force. Such contacts get no penalty.
+constexpr double kStiff = 1e-6;
+
+} // namespace
+
+void CoupledSolve::chooseStiffness()
+{
+    ownCompliance_.resize(constraints_->points.size());
+    double heaviest = 0.0;
+    for (const double mass : masses_) heaviest = std::max(heaviest, mass);
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        const ConstraintRow& row = constraints_->list[c];
+        const Constraint& each = *row.constraint;
+        const Mat3 turn{each.frame[0], each.frame[1], each.frame[2]};
+        double compliance = 0.0, anyDirection = 0.0;
+        for (int k = row.first; k < row.first + row.count; ++k) {
+            const WeightedPoint& at = constraints_->points[static_cast<std::size_t>(k)];
+            const Mat3 own = turn * compliance_[static_cast<std::size_t>(at.point)] * transpose(turn);
+            compliance += at.weight * at.weight * own[0].x;
+            anyDirection += at.weight * at.weight * trace(own);
+            ownCompliance_[static_cast<std::size_t>(k)] = std::abs(at.weight) * own;
+        }
+        if (!each.bilateral() && !(compliance > kStiff * anyDirection)) compliance = 0.0;
+        const bool spring = each.softness > 0.0;
+        const double kappa = each.bilateral() ? limits_->holding : limits_->stiffening;
+        const double rigid = compliance > 0.0 ? std::max(kappa / compliance, limits_->bearing * heaviest) : 0.0;
+        const double normal = spring ? each.softness : rigid;
+        const double tangential = spring && each.bilateral() ? each.softness : rigid;
+        rows_[c].stiffness = {normal, tangential, tangential};
+        rows_[c].u = inFrame(each.frame, each.sides[0].velocity - each.sides[1].velocity);
+        if (compliance == 0.0) row.constraint->impulse = {}; // no body can move along the normal
+    }
+}
+
+void CoupledSolve::makeFilter()
+{
+    shares_.assign(sharing_.size(), 0.0);
+    filters_.resize(rows_.size());
+    const auto shareOf = [&](std::size_t k) -> double& {
+        const int point = constraints_->points[k].point;
+        return shares_[static_cast<std::size_t>(sharing_[static_cast<std::size_t>(point)])];
+    };
+    const auto firstOf = [&](std::size_t c) { return static_cast<std::size_t>(constraints_->list[c].first); };
+    const auto endOf = [&](std::size_t c) {
+        return firstOf(c) + static_cast<std::size_t>(constraints_->list[c].count);
+    };
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        Row& row = rows_[c];
+        row.state = row.now;
+        row.sigma = row.state.active ? times(row.stiffness, {1.0, row.state.slip, row.state.slip}) : Vec3{};
+        filters_[c] = {};
+        for (std::size_t k = firstOf(c); row.state.active && k < endOf(c); ++k)
+            shareOf(k) += std::abs(constraints_->points[k].weight);
+    }
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        Row& row = rows_[c];
+        if (row.sigma.x == 0.0) continue;
+        Mat3 compliance;
+        for (std::size_t k = firstOf(c); k < endOf(c); ++k) compliance += shareOf(k) * ownCompliance_[k];
+        const Mat3 sigma{{{row.sigma.x, 0.0, 0.0}, {0.0, row.sigma.y, 0.0}, {0.0, 0.0, row.sigma.z}}};
+        filters_[c] = inverse(Mat3::identity() + sigma * compliance) * sigma;
+    }
+}
+
+void CoupledSolve::renewFilter()
+{
+    const auto isOther = [](const Row& row) {
+        const Projected &now = row.now, &then = row.state;
+        return now.active != then.active || now.slip > kOtherSlip * then.slip || then.slip > kOtherSlip * now.slip;
+    };
+    const auto others = static_cast<std::size_t>(std::ranges::count_if(rows_, isOther));
+    if (others * kOthers > rows_.size()) makeFilter();
+}
+
+void CoupledSolve::correctCoarseLevels() { patches_.make(*bodies_, first_, *constraints_, filters_); }
+
+double CoupledSolve::precondition()
+{
+    for (const CoupledBody& body : *bodies_) body.preconditioner->smooth();
+    gather(SolveVector::Smoothed);
+    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = velocityOf(c);
+    addImpulses([&](std::size_t c) { return -(filters_[c] * rows_[c].scratch); },
+                [](const CoupledBody& body, std::span<const Vec3> impulses) {
+                    body.matrix->add(impulses, SolveVector::CoarseResidual);
+                });
+    double rz = 0.0;
+    if (!patches_.empty()) patches_.project(*bodies_);
+    for (std::size_t b = 0; b < bodies_->size(); ++b)
+        rz += (*bodies_)[b].preconditioner->applyCoarse(patches_.shares(b));
+    gather(SolveVector::Preconditioned);
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        Row& row = rows_[c];
+        const Vec3 filtered = filters_[c] * velocityOf(c);
+        rz -= dot(row.scratch, filtered);
+        row.scratch = filtered;
+    }
+    addImpulses([&](std::size_t c) { return rows_[c].scratch; },
+                [](const CoupledBody& body, std::span<const Vec3> impulses) {
+                    body.preconditioner->subtractSmoothed(impulses);
+                });
+    gather(SolveVector::Preconditioned);
+    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].step = velocityOf(c);
+    return rz;
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,295 @@
+#include "filasofia/engine/constraint/coupled_solve.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::engine {
+namespace {
+
+// The line search ends if the magnitude of the directional derivative has fallen to this fraction of its start, or
+// after this number of trials.
+constexpr double kFlatEnough = 0.3;
+constexpr int kMaxTrials = 6;
+constexpr int kCorrectAfter = 4;     // iterations after which the coarse levels are corrected
+constexpr double kSteepEnough = 0.1; // a direction's derivative relative to that of z; if it is less, z is used instead
+
+} // namespace
+
+CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector<CoupledBody>& bodies,
+                                  const std::vector<std::vector<ContactPoint>>& pointsOf, const ConstraintRows& rows)
+{
+    limits_ = &limits;
+    bodies_ = &bodies;
+    constraints_ = &rows;
+    begin(pointsOf);
+    chooseStiffness();
+    firstGuess();
+    makeFilter();
+    const auto isBilateral = [](const ConstraintRow& row) { return row.constraint->bilateral(); };
+    if (std::ranges::any_of(rows.list, isBilateral)) correctCoarseLevels();
+
+    const linalg::SolveLimits& linear = limits.linear;
+    CoupledReport report;
+    report.rounds = 1;
+    for (int updates = 0, nonlinear = 0;; ++report.iterations, ++nonlinear) {
+        if (report.iterations == kCorrectAfter && patches_.empty()) correctCoarseLevels();
+        const double rz = precondition(); // the energy of the error, as the preconditioner estimates it
+        const bool number = rz >= 0.0 && std::isfinite(rz);
+        report.residual = rz == 0.0 ? 0.0 : number ? std::sqrt(rz / (rz + energy_)) : 1.0;
+        report.converged = report.residual <= linear.tolerance && impulsesSettled();
+        if (report.converged && !statesKept_ && updates < limits.multiplierUpdates && updateMultipliers()) {
+            ++updates;
+            ++report.rounds;
+            nonlinear = -1; // a new problem, which starts from this solution
+            --report.iterations;
+            continue;
+        }
+        if (report.converged || !number || report.iterations >= linear.maxIterations) break;
+        report.outOfTime = report.iterations == linear.stopAt ||
+                           (report.iterations >= linear.minIterations && linear.outOfTime && linear.outOfTime());
+        if (report.outOfTime) break;
+        if (nonlinear == limits.nonlinear) {
+            keepStates();
+            ++report.rounds;
+        }
+        if (!updateDirection(rz)) break; // no positive curvature: rounding errors dominate
+        lineSearch();
+    }
+    report.mismatch = mismatch();
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        Constraint& solved = *rows.list[c].constraint;
+        solved.multiplier = law(c, rows_[c].u).impulse;
+        solved.impulse = rows_[c].impulse;
+    }
+    return report;
+}
+
+void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
+{
+    first_.assign(1, 0);
+    sharing_.clear();
+    compliance_.clear();
+    masses_.clear();
+    double mass = 0.0;
+    for (std::size_t b = 0; b < bodies_->size(); ++b) {
+        BodyOperator& body = *(*bodies_)[b].matrix;
+        const std::vector<ContactPoint>& points = pointsOf[b];
+        masses_.push_back(body.begin(points));
+        mass += masses_.back();
+        const int offset = first_.back(), count = static_cast<int>(points.size());
+        for (int k = 0; k < count; ++k) {
+            compliance_.push_back(body.compliance(k));
+            int same = k; // a body's contact points come in the order of their nodes
+            if (k > 0 && points[static_cast<std::size_t>(k)].node == points[static_cast<std::size_t>(k) - 1].node)
+                same = sharing_.back() - offset;
+            sharing_.push_back(offset + same);
+        }
+        first_.push_back(offset + count);
+    }
+    atPoints_.resize(sharing_.size());
+    rows_.assign(constraints_->list.size(), {});
+    smallest_ = mass * limits_->smallChange;
+    energy_ = smallest_ * limits_->smallChange;
+    patches_.clear();
+    statesKept_ = false;
+    restart_ = true;
+}
+
+Vec3 CoupledSolve::reaction(std::size_t c, Vec3 u) const
+{
+    return constraint(c).impulse - times(rows_[c].stiffness, constraint(c).bias + u);
+}
+
+Projected CoupledSolve::law(std::size_t c, Vec3 u) const { return project(constraint(c), reaction(c, u)); }
+
+Vec3 CoupledSolve::lawAlong(std::size_t c, Vec3 u) const
+{
+    const Row& row = rows_[c];
+    if (!statesKept_) return project(constraint(c), reaction(c, u), row.cone).impulse;
+    return row.state.active ? times({1.0, row.state.slip, row.state.slip}, reaction(c, u)) : row.state.impulse;
+}
+
+void CoupledSolve::gather(SolveVector from)
+{
+    for (std::size_t b = 0; b < bodies_->size(); ++b)
+        (*bodies_)[b].matrix->read(from,
+                                   std::span(atPoints_).subspan(static_cast<std::size_t>(first_[b]),
+                                                                static_cast<std::size_t>(first_[b + 1] - first_[b])));
+}
+
+Vec3 CoupledSolve::velocityOf(std::size_t c) const
+{
+    Vec3 sum;
+    for (const WeightedPoint& each : constraints_->pointsOf(constraints_->list[c]))
+        sum += each.weight * atPoints_[static_cast<std::size_t>(each.point)];
+    return inFrame(constraint(c).frame, sum);
+}
+
+double CoupledSolve::multiply()
+{
+    double curvature = 0.0;
+    for (const CoupledBody& body : *bodies_) curvature += body.matrix->multiply();
+    gather(SolveVector::Direction);
+    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].along = velocityOf(c);
+    return curvature;
+}
+
+void CoupledSolve::firstGuess()
+{
+    // The last step's solution, scaled by the factor that suits this step's forces and impulses best.
+    double derivative = 0.0;
+    const double curvature = multiply();
+    for (const CoupledBody& body : *bodies_)
+        derivative += body.matrix->dot(SolveVector::Direction, SolveVector::Residual);
+    const auto rise = [&](double t) {
+        double sum = t * curvature - derivative;
+        for (std::size_t c = 0; c < rows_.size(); ++c)
+            sum -= dot(rows_[c].along, law(c, rows_[c].u + t * rows_[c].along).impulse);
+        return sum;
+    };
+    double t = 0.0;
+    const double atStart = rise(0.0), atOne = rise(1.0);
+    if (curvature > 0.0 && std::isfinite(atOne) && atStart < 0.0) {
+        t = 1.0;
+        if (!(std::abs(atOne) <= 0.5 * -atStart)) t = std::clamp(atStart / (atStart - atOne), 0.0, 2.0);
+        if (atOne < atStart) t = 0.0;
+    }
+    for (const CoupledBody& body : *bodies_) body.matrix->step(t);
+    for (Row& row : rows_) row.u += t * row.along;
+    energy_ += t * t * std::max(0.0, curvature);
+    projectImpulses();
+}
+
+bool CoupledSolve::impulsesSettled() const
+{
+    // The change that z would still make: it estimates the error as well as the preconditioner estimates the matrix.
+    double change = 0.0, all = 0.0;
+    for (const Row& row : rows_) {
+        change += lengthSquared(times(row.sigma, row.step));
+        all += lengthSquared(row.impulse);
+    }
+    const double small = 0.01 * smallest_;
+    return change <= limits_->tolerance * limits_->tolerance * std::max(all, small * small);
+}
+
+bool CoupledSolve::updateDirection(double rz)
+{
+    double beta = 0.0;
+    derivative_ = rz;
+    if (!restart_) {
+        double met = 0.0; // z . (change of forces along the last direction)
+        for (const CoupledBody& body : *bodies_)
+            met += body.matrix->dot(SolveVector::Preconditioned, SolveVector::Product);
+        met *= length_;
+        for (const Row& row : rows_) met -= dot(row.step, row.change);
+        beta = -met / (lastDerivative_ - derivativeAtEnd_);
+        derivative_ = rz + beta * derivativeAfter_;
+        if (!std::isfinite(beta) || !(derivative_ > kSteepEnough * rz)) {
+            beta = 0.0;
+            derivative_ = rz;
+        }
+    }
+    restart_ = false;
+    for (const CoupledBody& body : *bodies_) body.matrix->updateDirection(beta);
+    ownCurvature_ = 0.0;
+    for (const CoupledBody& body : *bodies_) ownCurvature_ += body.matrix->multiply();
+    curvature_ = ownCurvature_;
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        Row& row = rows_[c];
+        row.along = row.step + beta * row.along;
+        row.cone = constraint(c).bilateral() ? 0.0 : std::max(0.0, constraint(c).friction * row.impulse.x);
+        curvature_ += dot(row.along, times(row.sigma, row.along));
+    }
+    return curvature_ > 0.0;
+}
+
+void CoupledSolve::lineSearch()
+{
+    const auto derivativeAt = [&](double length) {
+        double sum = derivative_ - length * ownCurvature_;
+        for (std::size_t c = 0; c < rows_.size(); ++c) {
+            Row& row = rows_[c];
+            row.change = lawAlong(c, row.u + length * row.along) - row.impulse;
+            sum += dot(row.along, row.change);
+        }
+        return sum;
+    };
+    length_ = derivative_ / curvature_;
+    derivativeAtEnd_ = derivativeAt(length_);
+    double low = 0.0, atLow = derivative_, high = 0.0, atHigh = 0.0; // the derivative decreases along the direction
+    for (int trial = 1; trial < kMaxTrials && std::abs(derivativeAtEnd_) > kFlatEnough * derivative_; ++trial) {
+        (derivativeAtEnd_ > 0.0 ? low : high) = length_;
+        (derivativeAtEnd_ > 0.0 ? atLow : atHigh) = derivativeAtEnd_;
+        if (high > 0.0) {
+            const double secant = atLow / (atLow - atHigh);
+            length_ = low + std::clamp(secant, 0.1, 0.9) * (high - low);
+        } else {
+            const double secant = derivative_ / (derivative_ - derivativeAtEnd_);
+            length_ *= secant > 1.0 && secant < 4.0 ? secant : 4.0;
+        }
+        derivativeAtEnd_ = derivativeAt(length_);
+    }
+    energy_ += length_ * length_ * std::max(0.0, ownCurvature_);
+    for (const CoupledBody& body : *bodies_) body.matrix->step(length_);
+    for (Row& row : rows_) row.u += length_ * row.along;
+    projectImpulses();
+    derivativeAfter_ = derivativeAtEnd_;
+    for (const Row& row : rows_) derivativeAfter_ += dot(row.along, row.scratch - row.change);
+    lastDerivative_ = derivative_;
+    if (!statesKept_) renewFilter();
+}
+
+void CoupledSolve::projectImpulses()
+{
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        Row& row = rows_[c];
+        if (!statesKept_) row.now = law(c, row.u);
+        const Vec3 lawful = statesKept_ ? lawAlong(c, row.u) : row.now.impulse;
+        row.scratch = lawful - row.impulse;
+        row.impulse = lawful;
+    }
+    addImpulses([&](std::size_t c) { return rows_[c].scratch; },
+                [](const CoupledBody& body, std::span<const Vec3> impulses) {
+                    body.matrix->add(impulses, SolveVector::Residual);
+                });
+}
+
+void CoupledSolve::keepStates()
+{
+    makeFilter();
+    statesKept_ = true;
+    restart_ = true;
+}
+
+double CoupledSolve::mismatch() const
+{
+    double worst = 0.0, largest = 0.01 * smallest_;
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        const Vec3 lawful = law(c, rows_[c].u).impulse;
+        worst = std::max(worst, length(lawful - rows_[c].impulse));
+        largest = std::max(largest, length(lawful));
+    }
+    return worst / largest;
+}
+
+bool CoupledSolve::updateMultipliers()
+{
+    const auto isRigid = [](const Constraint& constraint) { return constraint.softness == 0.0; };
+    bool needed = false;
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        const Constraint& each = constraint(c);
+        if (!isRigid(each) || rows_[c].stiffness.x == 0.0) continue;
+        if (std::abs(each.impulse.x) >= each.maxImpulse) continue; // the constraint has yielded
+        const Vec3 missed = each.bias + rows_[c].u;
+        needed = needed || (each.bilateral() ? length(missed) > each.tolerance : missed.x < -each.tolerance);
+    }
+    if (!needed) return false;
+    for (std::size_t c = 0; c < rows_.size(); ++c)
+        if (isRigid(constraint(c))) constraints_->list[c].constraint->impulse = law(c, rows_[c].u).impulse;
+    projectImpulses();
+    makeFilter();
+    restart_ = true;
+    return true;
+}
+
+} // namespace filasofia::engine

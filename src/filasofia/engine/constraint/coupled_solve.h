@@ -1,0 +1,148 @@
+#pragma once
+
+#include "filasofia/engine/constraint/body_operator.h"
+#include "filasofia/engine/constraint/constraint.h"
+#include "filasofia/engine/constraint/patch_correction.h"
+#include "filasofia/linalg/matrix_free_cg.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// Limits and parameters of a coupled solve.
+struct CoupledLimits {
+    linalg::SolveLimits linear; ///< for all iterations together
+    /// Iterations in which impulses are projected onto the constraint law; after them, the active set is frozen.
+    int nonlinear = 40;
+    int multiplierUpdates = 3; ///< maximum number of updates, made while constraints exceed their tolerance
+    double tolerance = 5e-3;   ///< [-] change of the impulses, relative to all impulses
+    double stiffening = 10.0;  ///< [-] kappa: penalty times the compliance of the contact points; unilateral
+    double holding = 10.0;     ///< [-] the same for bilateral constraints
+    double bearing = 0.0;      ///< [-] minimum penalty, relative to the mass of the heaviest body
+    double smallChange = 1e-3; ///< [m/s] the error is relative to at least the energy of this velocity change
+};
+
+/// `residual` is defined as for one body.
+struct CoupledReport : linalg::NodeSolveReport {
+    int rounds = 0;        ///< 1, plus 1 per multiplier update, plus 1 if the active set was frozen
+    double mismatch = 0.0; ///< [-] distance of the impulses from their law, relative to the largest; 0 if satisfied
+};
+
+/// Solves, for all bodies together,
+///
+///     A dv = b + J^T impulse,   impulse as the constraint law has it for the velocities v + dv,
+///
+/// with an augmented Lagrangian (Alart and Curnier 1991): with y = multiplier - Sigma (bias + u), a unilateral
+/// constraint is active if y pushes, and slides if y leaves the friction cone. Sigma is kappa over the compliance of
+/// the contact points, or more if light bodies must bear heavy ones.
+///
+///     A, dv, b   a body's matrix [kg], change of velocities [m/s] and right-hand side [N s] (BodyOperator)
+///     J, F       a constraint's rows and its frame (ConstraintRow, Constraint); u = F J (v + dv)
+///     Sigma      [kg] penalty per axis of the frame; y, impulse [N s] in the frame
+///
+/// The solver is a nonlinear conjugate gradient method. The impulses are projected onto the constraint law after every
+/// iteration, so the residual is that of the problem itself, friction included, and tells when it is solved. Along a
+/// direction the friction cones keep their radius (Tresca's law). There is then a convex, piecewise quadratic energy,
+/// and the line search for its minimum costs no more than evaluating the law at the contacts. After the line search the
+/// cones' radii follow the normal impulses again. The next direction is conjugate to the last one with respect to the
+/// change of forces measured along it (Hestenes and Stiefel 1952), even if contacts have begun to touch or to slide
+/// meanwhile.
+///
+/// Coulomb's law has no potential. The difference to Tresca's law is left to the iteration, which converges as long as
+/// friction does not feed back more than it takes. If it has not converged after `nonlinear` iterations, the active set
+/// and the slip are frozen, once: the problem is linear then, and conjugate gradients always solve it.
+///
+/// The caller carries the multipliers to the next step. If that is too late, as in an impact, the multipliers are set
+/// to the impulses found, and the solve goes on.
+///
+/// The preconditioner filters the stiff contact directions out of the smoother and the coarse level: with N = sum |w| s
+/// F D^-1 F^T per constraint, s the sum of the weights that share a contact point, and M = (1 + Sigma N)^-1 Sigma,
+///     q = D^-1 r + B (r - J^T M J D^-1 r),   z = q - D^-1 J^T M J q.
+/// If any constraint is bilateral, or if the first iterations do not converge, B is deflated by the constraints
+/// (PatchCorrection).
+class CoupledSolve {
+public:
+    /// `pointsOf[b]` are the contact points of body b; rows index them as one list, in the order of the bodies. Leaves
+    /// x in the bodies, and impulse and multiplier in the constraints.
+    CoupledReport solve(const CoupledLimits& limits, const std::vector<CoupledBody>& bodies,
+                        const std::vector<std::vector<ContactPoint>>& pointsOf, const ConstraintRows& rows);
+
+private:
+    struct Row {           ///< scratch of a constraint, in the order of the rows
+        Vec3 stiffness;    ///< [kg] Sigma of an active constraint
+        Vec3 u;            ///< [m/s] velocity
+        Vec3 impulse;      ///< [N s] impulse that acts
+        Vec3 step, along;  ///< [m/s] velocity of z; velocity of the direction
+        Vec3 change;       ///< [N s] change of the impulse along the direction, for cones of fixed radius
+        double cone = 0.0; ///< [N s] radius of the friction cone along the direction
+        Projected now;     ///< the current projection onto the law
+        Projected state;   ///< the projection when the filter was built
+        Vec3 sigma;        ///< [kg] Sigma in that state: zero if inactive, less if sliding
+        Vec3 scratch;
+    };
+
+    void begin(const std::vector<std::vector<ContactPoint>>& pointsOf);
+    void chooseStiffness();
+    void makeFilter();
+    void correctCoarseLevels();
+    void renewFilter();                                 ///< rebuilds it if states have changed since
+    void gather(SolveVector from);                      ///< atPoints_ = this vector of the bodies
+    [[nodiscard]] Vec3 velocityOf(std::size_t c) const; ///< F J atPoints_
+    template <class Add, class ImpulseOf>
+    void addImpulses(const ImpulseOf& impulseOf, const Add& add); ///< add(body, its part of J^T F^T impulses)
+    [[nodiscard]] Vec3 reaction(std::size_t c, Vec3 u) const;     ///< y
+    [[nodiscard]] Projected law(std::size_t c, Vec3 u) const;
+    [[nodiscard]] Vec3 lawAlong(std::size_t c, Vec3 u) const; ///< the law along a direction, which has an energy
+    double multiply();
+    void firstGuess();
+    double precondition();
+    bool impulsesSettled() const;
+    bool updateDirection(double rz); ///< false if the direction has no positive curvature
+    void lineSearch();
+    void projectImpulses(); ///< onto the constraint law; `scratch`: their change
+    void keepStates();
+    bool updateMultipliers(); ///< false if none is needed
+    [[nodiscard]] double mismatch() const;
+
+    [[nodiscard]] const Constraint& constraint(std::size_t c) const { return *constraints_->list[c].constraint; }
+
+    const CoupledLimits* limits_ = nullptr;
+    const std::vector<CoupledBody>* bodies_ = nullptr;
+    const ConstraintRows* constraints_ = nullptr;
+    std::vector<int> first_;     ///< per body: its first contact point; last, the total number
+    std::vector<double> masses_; ///< [kg] per body
+    std::vector<Vec3> atPoints_; ///< per contact point
+    std::vector<int> sharing_;   ///< per contact point: the first one with the same unknowns
+    std::vector<double> shares_;
+    std::vector<Mat3> compliance_;    ///< [1/kg] per contact point
+    std::vector<Mat3> ownCompliance_; ///< [1/kg] per point of a constraint: in its frame, times |weight|
+    std::vector<Row> rows_;
+    std::vector<Mat3> filters_; ///< M, per constraint
+    PatchCorrection patches_;
+    double energy_ = 0.0, smallest_ = 0.0;
+
+    bool statesKept_ = false;      ///< the active set is frozen, and the law is linear
+    bool restart_ = true;          ///< the next direction is conjugate to no other
+    double ownCurvature_ = 0.0;    ///< p . A p
+    double curvature_ = 0.0;       ///< p . (A + J^T Sigma J) p
+    double derivative_ = 0.0;      ///< the energy's decrease per length at the start of the direction
+    double lastDerivative_ = 0.0;  ///< the same for the previous direction
+    double length_ = 0.0;          ///< length of the step along the direction
+    double derivativeAtEnd_ = 0.0; ///< derivative there, for cones of fixed radius
+    double derivativeAfter_ = 0.0; ///< derivative there, with the current cones
+};
+
+template <class Add, class ImpulseOf> void CoupledSolve::addImpulses(const ImpulseOf& impulseOf, const Add& add)
+{
+    std::fill(atPoints_.begin(), atPoints_.end(), Vec3{});
+    for (std::size_t c = 0; c < rows_.size(); ++c)
+        if (const Vec3 impulse = impulseOf(c); impulse != Vec3{}) // most contacts are only near and do not push
+            addImpulse(*constraints_, c, impulse, atPoints_);
+    for (std::size_t b = 0; b < bodies_->size(); ++b)
+        add((*bodies_)[b],
+            std::span<const Vec3>(atPoints_).subspan(static_cast<std::size_t>(first_[b]),
+                                                     static_cast<std::size_t>(first_[b + 1] - first_[b])));
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,260 @@
+#include "filasofia/engine/contact/attachment_points.h"
+
+#include "filasofia/core/assert.h"
+#include "filasofia/core/sorted.h"
+#include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/collision/feature_normals.h"
+#include "filasofia/engine/scene/find_body.h"
+#include "filasofia/geometry/bvh.h"
+#include "filasofia/geometry/distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+using geometry::Box;
+
+// If no region is given, a node is attached if it lies inside the other body, or this near to its surface, relative to
+// the body's size.
+constexpr double kNearby = 0.01;
+
+/// A surface, for distance queries.
+class NearSurface {
+public:
+    NearSurface(std::vector<Vec3> vertices, std::vector<geometry::Triangle> triangles)
+    {
+        surface_.shape = std::make_shared<const CollisionShape>(
+            makeCollisionShape({.vertices = vertices, .triangles = std::move(triangles), .uv = {}}, {}));
+        surface_.x = std::move(vertices);
+        surface_.v.resize(surface_.x.size());
+        boundVertices(surface_, 0.0);
+        boundTree(surface_);
+        std::vector<Box> boxes;
+        Box whole;
+        for (const geometry::Triangle& t : surface_.shape->triangles) {
+            Box box;
+            for (int vertex : t) box = geometry::merged(box, at(vertex));
+            whole = geometry::merged(geometry::merged(whole, box.low), box.high);
+            boxes.push_back(box);
+        }
+        size_ = length(whole.high - whole.low);
+        tree_ = geometry::Bvh(boxes);
+    }
+
+    [[nodiscard]] double size() const { return size_; }
+
+    /// Whether the point is inside, or nearer than `within` [m].
+    [[nodiscard]] bool has(Vec3 p, double within) const
+    {
+        const auto squaredDistance = [&](int t) {
+            const geometry::Triangle& corners = surface_.shape->triangles[static_cast<std::size_t>(t)];
+            return geometry::nearestOnTriangle(p, at(corners[0]), at(corners[1]), at(corners[2])).squaredDistance;
+        };
+        const double distance = std::sqrt(tree_.nearest(p, squaredDistance).value);
+        if (distance <= within) return true;
+        return surface_.shape->closed && geometry::squaredDistance(tree_.bounds(), p) == 0.0 &&
+               inside(surface_, p, distance);
+    }
+
+private:
+    [[nodiscard]] Vec3 at(int vertex) const { return surface_.x[static_cast<std::size_t>(vertex)]; }
+
+    CollisionSurface surface_;
+    geometry::Bvh tree_;
+    double size_ = 0.0;
+};
+
+/// Per node, whether its piece still exists.
+std::vector<char> nodesThere(const SoftModel& model)
+{
+    if (model.removed.empty()) return std::vector<char>(model.rest.size(), 1);
+    std::vector<char> there(model.rest.size()); // a body that lost a piece lists all the others
+    for (const BodyPiece& piece : model.pieces)
+        for (int node : piece.nodes) there[static_cast<std::size_t>(node)] = 1;
+    return there;
+}
+
+/// The current mesh without removed pieces.
+geometry::TetMesh meshNow(const SoftModel& model, const SoftState& state)
+{
+    const std::vector<char> there = nodesThere(model);
+    geometry::TetMesh mesh{state.x, {}};
+    for (std::size_t e = 0; e < elementCount(model); ++e)
+        if (const geometry::Tetrahedron& nodes = elementNodes(model, e); there[static_cast<std::size_t>(nodes[0])])
+            mesh.tetrahedra.push_back(nodes);
+    return mesh;
+}
+
+/// The nearest node to each point; the lowest index wins a tie.
+std::vector<AttachedPoint> nearestNodes(const SoftModel& model, const SoftState& state, std::span<const Vec3> points)
+{
+    const std::vector<char> there = nodesThere(model);
+    std::vector<int> nodes;
+    std::vector<Box> boxes;
+    for (std::size_t i = 0; i < state.x.size(); ++i) {
+        if (!there[i]) continue;
+        nodes.push_back(static_cast<int>(i));
+        boxes.push_back({state.x[i], state.x[i]});
+    }
+    const geometry::Bvh tree(boxes);
+    std::vector<AttachedPoint> found;
+    for (Vec3 p : points) {
+        const auto squaredDistance = [&](int k) { return lengthSquared(boxes[static_cast<std::size_t>(k)].low - p); };
+        const int nearest = std::max(0, tree.nearest(p, squaredDistance).primitive);
+        found.push_back({.nodes = {{nodes[static_cast<std::size_t>(nearest)], 1.0}}, .place = {}});
+    }
+    return found;
+}
+
+/// Each point as a weighted mean of the nodes around it. Weights that are zero but for rounding are dropped.
+std::vector<AttachedPoint> embedded(const SoftModel& model, const SoftState& state, std::span<const Vec3> points)
+{
+    const geometry::Embedding embedding = geometry::embed(meshNow(model, state), points);
+    std::vector<AttachedPoint> found(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        double sum = 0.0;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const double weight = embedding.weights[i][k];
+            if (std::abs(weight) < 1e-9) continue;
+            found[i].nodes.push_back({embedding.nodes[i][k], weight});
+            sum += weight;
+        }
+        for (NodeWeight& each : found[i].nodes) each.weight /= sum;
+        const bool flat = std::ranges::any_of(found[i].nodes, [](NodeWeight w) { return !std::isfinite(w.weight); });
+        if (flat || found[i].nodes.empty()) found[i] = nearestNodes(model, state, points.subspan(i, 1)).front();
+    }
+    return found;
+}
+
+Vec3 inElement(const Pose& pose, Vec3 place) { return transform(inverse(pose), place); }
+
+const Pose& poseOf(const Scene& scene, std::size_t body, int element)
+{
+    return scene.rigid[body].state.poses[static_cast<std::size_t>(element)];
+}
+
+/// World positions as points of the body `to`, or of space.
+std::vector<AttachedPoint> attachedTo(BodyId to, int element, physics::AttachMode mode, std::span<const Vec3> places,
+                                      const Scene& scene)
+{
+    std::vector<AttachedPoint> points;
+    const auto holder = findBody(scene, to);
+    FILASOFIA_ASSERT(!to || holder);
+    if (holder && holder->soft) {
+        const SoftModel& body = scene.soft[holder->index].model;
+        const SoftState& now = scene.soft[holder->index].state;
+        return mode == physics::AttachMode::Nearest ? nearestNodes(body, now, places) : embedded(body, now, places);
+    }
+    for (Vec3 place : places) {
+        AttachedPoint& point = points.emplace_back();
+        point.element = element;
+        point.place = holder ? inElement(poseOf(scene, holder->index, element), place) : place;
+    }
+    return points;
+}
+
+/// Adds the nodes that are near to, or inside, the other body.
+void addNodesNear(const physics::AttachmentDef& def, std::span<const Vec3> x, const Scene& scene,
+                  std::vector<int>& nodes)
+{
+    const auto holder = findBody(scene, def.to);
+    const bool soft = holder->soft;
+    const NearSurface near =
+        soft ? NearSurface(scene.soft[holder->index].state.x, scene.soft[holder->index].model.surface)
+             : NearSurface(scene.rigid[holder->index].model.surface->vertices,
+                           scene.rigid[holder->index].model.surface->triangles);
+    const double within = def.within.value_or(kNearby * near.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const Vec3 p = soft ? x[i] : inElement(poseOf(scene, holder->index, def.element), x[i]);
+        if (near.has(p, within)) nodes.push_back(static_cast<int>(i));
+    }
+}
+
+/// [m] Radius of gyration of a rigid element, from its centre of mass; 0 if it is unknown.
+double gyration(const RigidModel& model, int element)
+{
+    const physics::RigidInertia& body = model.inertias[static_cast<std::size_t>(element)];
+    if (body.mass > 0.0) return std::sqrt(0.5 * trace(body.inertia) / body.mass);
+    if (!model.surface) return 0.0;
+    const Box box = geometry::boxAround(model.surface->vertices);
+    return 0.25 * length(box.high - box.low);
+}
+
+/// Four points around the centre of mass, not in one plane: attaching them fixes both position and orientation. [m] in
+/// the element's coordinates.
+std::vector<Vec3> pointsAround(const physics::RigidAttachmentDef& def, const RigidModel& body, const Scene& scene)
+{
+    double radius = body.dynamic ? gyration(body, def.element) : 0.0;
+    if (const auto holder = findBody(scene, def.to); holder && radius == 0.0) {
+        if (holder->soft) {
+            const geometry::TetMesh mesh = meshNow(scene.soft[holder->index].model, scene.soft[holder->index].state);
+            Box box;
+            for (const geometry::Tetrahedron& nodes : mesh.tetrahedra)
+                for (int node : nodes) box = geometry::merged(box, mesh.nodes[static_cast<std::size_t>(node)]);
+            radius = 0.25 * length(box.high - box.low);
+        } else {
+            radius = gyration(scene.rigid[holder->index].model, def.toElement);
+        }
+    }
+    FILASOFIA_ASSERT(radius > 0.0); // one of the two bodies is dynamic or soft
+    const Vec3 centre = body.inertias[static_cast<std::size_t>(def.element)].centre;
+    const double r = radius / std::sqrt(3.0);
+    return {centre + Vec3{r, r, r}, centre + Vec3{r, -r, -r}, centre + Vec3{-r, r, -r}, centre + Vec3{-r, -r, r}};
+}
+
+AttachedPairs paired(std::vector<AttachedPoint> first, std::vector<AttachedPoint> second)
+{
+    AttachedPairs pairs;
+    for (std::size_t i = 0; i < first.size(); ++i) pairs.push_back({std::move(first[i]), std::move(second[i])});
+    return pairs;
+}
+
+} // namespace
+
+std::vector<int> nodesOf(const physics::AttachmentDef& def, std::span<const Vec3> x)
+{
+    std::vector<int> nodes = def.nodes;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const bool inBox = def.box && geometry::merged(*def.box, x[i]) == *def.box;
+        const bool inBall = def.ball && length(x[i] - def.ball->centre) <= def.ball->radius;
+        if (inBox || inBall) nodes.push_back(static_cast<int>(i));
+    }
+    sortUnique(nodes);
+    return nodes;
+}
+
+AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const Scene& scene)
+{
+    const std::vector<Vec3>& x = scene.soft[body].state.x;
+    std::vector<int> nodes = nodesOf(def, x);
+    if (def.within || (def.nodes.empty() && !def.box && !def.ball)) {
+        addNodesNear(def, x, scene, nodes);
+        sortUnique(nodes);
+    }
+    const std::vector<char> there = nodesThere(scene.soft[body].model);
+    std::erase_if(nodes, [&](int node) { return !there[static_cast<std::size_t>(node)]; });
+    std::vector<AttachedPoint> held;
+    std::vector<Vec3> places;
+    for (int node : nodes) {
+        held.push_back({.nodes = {{node, 1.0}}, .place = {}});
+        places.push_back(x[static_cast<std::size_t>(node)]);
+    }
+    return paired(std::move(held), attachedTo(def.to, def.element, def.mode, places, scene));
+}
+
+AttachedPairs pairsOf(const physics::RigidAttachmentDef& def, std::size_t body, const Scene& scene)
+{
+    const RigidModel& rigid = scene.rigid[body].model;
+    std::vector<AttachedPoint> held;
+    std::vector<Vec3> places;
+    for (Vec3 point : def.points.empty() ? pointsAround(def, rigid, scene) : def.points) {
+        held.push_back({.nodes = {}, .element = def.element, .place = point});
+        places.push_back(transform(poseOf(scene, body, def.element), point));
+    }
+    return paired(std::move(held), attachedTo(def.to, def.toElement, physics::AttachMode::Barycentric, places, scene));
+}
+
+} // namespace filasofia::engine

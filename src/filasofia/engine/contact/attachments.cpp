@@ -1,0 +1,240 @@
+#include "filasofia/engine/contact/attachments.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
+#include "filasofia/engine/contact/attached_contacts.h"
+#include "filasofia/engine/contact/attachment_points.h"
+#include "filasofia/engine/contact/pin_reactions.h"
+#include "filasofia/engine/scene/find_body.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+// Points that have drifted apart approach by this fraction of the gap per step, at kRecoverySpeed at most. At that
+// speed they are still pulled, but the impulse is not carried to the next step: if they cannot come together, it would
+// grow without bound.
+constexpr double kRecovery = 0.1;
+constexpr double kRecoverySpeed = 1.0; ///< [m/s]
+/// [m] how far a hard pair may move apart in a step before its multiplier is updated
+constexpr double kTolerance = 1e-5;
+constexpr double kFailedRecovery = 0.05; ///< a recovery below this fraction of the requested one counts as failed
+
+constexpr std::array<Vec3, 3> kWorldAxes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+
+bool isHard(const Attachment& attachment) { return attachment.stiffness == physics::kHard; }
+
+std::string nameOf(const Scene& scene, BodyId id)
+{
+    const auto place = findBody(scene, id);
+    if (!place) return text("body ", id.value);
+    if (place->soft) return text("soft body '", scene.soft[place->index].model.name, "'");
+    return text("rigid body '", scene.rigid[place->index].model.name, "'");
+}
+
+/// The names of the region fields that a Def sets.
+std::string regionsOf(const physics::AttachmentDef& def)
+{
+    std::string names;
+    for (const auto& [name, given] :
+         {std::pair{"box", def.box.has_value()}, {"ball", def.ball.has_value()}, {"within", def.within.has_value()}})
+        if (given) names += text(names.empty() ? "" : ", ", name);
+    return names.empty() ? "to" : names;
+}
+
+/// The current positions and velocities of attached points.
+class Places {
+public:
+    Places(const Scene& scene, const RigidPlan& plan) : scene_(scene), plan_(plan), firstElement_(firstElements(scene))
+    {
+    }
+
+    [[nodiscard]] BodyPoint of(const AttachedPoint& point, const std::optional<BodyPlace>& body) const
+    {
+        BodyPoint out;
+        if (!body) {
+            out.position = point.place;
+        } else if (body->soft) {
+            const SoftState& soft = scene_.soft[body->index].state;
+            out.of = BodyPoint::Of::Soft;
+            out.body = body->index;
+            for (const NodeWeight& each : point.nodes) {
+                out.add(each.node, each.weight);
+                out.position += each.weight * soft.x[static_cast<std::size_t>(each.node)];
+                out.velocity += each.weight * soft.v[static_cast<std::size_t>(each.node)];
+            }
+        } else {
+            const auto element = static_cast<std::size_t>(point.element);
+            out.of = BodyPoint::Of::Rigid;
+            out.body = firstElement_[body->index] + element;
+            out.position = transform(scene_.rigid[body->index].state.poses[element], point.place);
+            const RigidPlanElement& planned = plan_[out.body];
+            out.velocity = planned.velocity + cross(planned.angularVelocity, out.position - planned.centre);
+        }
+        return out;
+    }
+
+private:
+    const Scene& scene_;
+    const RigidPlan& plan_;
+    std::vector<std::size_t> firstElement_;
+};
+
+/// The speed [m/s] at which a hard pair closes its gap.
+Vec3 recovery(Vec3 gap, double dt)
+{
+    const Vec3 bias = kRecovery / dt * gap;
+    const double speed = length(bias);
+    return speed > kRecoverySpeed ? kRecoverySpeed / speed * bias : bias;
+}
+
+Constraint weldOf(const Attachment& attachment, double dt, Vec3 carried, const std::array<BodyPoint, 2>& sides)
+{
+    Constraint weld{.kind = ConstraintKind::Weld, .sides = sides, .frame = kWorldAxes};
+    const Vec3 gap = sides[0].position - sides[1].position;
+    if (isHard(attachment)) {
+        weld.bias = recovery(gap, dt);
+        weld.impulse = dt * carried;
+        weld.tolerance = kTolerance / dt;
+    } else {
+        weld.softness = dt * dt * attachment.stiffness;
+        weld.bias = 1.0 / dt * gap;
+    }
+    return weld;
+}
+
+/// [N s] The start of a hard pair's next solve: the multiplier, less what a failed recovery has added to it. Otherwise
+/// a pair that others keep apart would pull harder and harder, and fly off when they let go.
+Vec3 nextStart(const Constraint& weld, double dt, Vec3 carried, Vec3 gapAfter)
+{
+    const double speed = length(weld.bias);
+    const Vec3 before = weld.sides[0].position - weld.sides[1].position, u = 1.0 / dt * (gapAfter - before);
+    const double missed = length(weld.bias + u);
+    if (speed > 0.999 * kRecoverySpeed) return {};
+    if (speed == 0.0 || missed == 0.0) return weld.multiplier;
+    const double recovered = std::clamp(-dot(u, weld.bias) / (kFailedRecovery * speed * speed), 0.0, 1.0);
+    const double stiffness = length(weld.multiplier - dt * carried) / missed;
+    return weld.multiplier + (1.0 - recovered) * stiffness * weld.bias;
+}
+
+void keep(std::size_t attachment, double dt, std::span<const Constraint> welds, const Places& places, Scene& scene)
+{
+    const Attachment& made = scene.attachments[attachment];
+    const auto body = findBody(scene, made.body), to = findBody(scene, made.to);
+    frame::Attachment report{.id = made.id, .body = made.body, .to = made.to};
+    report.points = static_cast<int>(made.pairs.size());
+    for (std::size_t p = 0; p < welds.size(); ++p) {
+        const Vec3 force = 1.0 / dt * welds[p].impulse;
+        if (isFinite(force)) report.force += force;
+        Vec3& carried = scene.holding[attachment][p];
+        const Vec3 gap = places.of(made.pairs[p][0], body).position - places.of(made.pairs[p][1], to).position;
+        const Vec3 next = isHard(made) ? 1.0 / dt * nextStart(welds[p], dt, carried, gap) : Vec3{};
+        carried = isFinite(next) ? next : Vec3{};
+    }
+    report.broken = length(report.force) > made.breakForce;
+    scene.held.push_back(report);
+}
+
+template <class Gone> void eraseAttachments(Scene& scene, const Gone& gone)
+{
+    for (std::size_t a = scene.attachments.size(); a-- > 0;) {
+        if (!gone(scene.attachments[a])) continue;
+        scene.attachments.erase(scene.attachments.begin() + static_cast<std::ptrdiff_t>(a));
+        scene.holding.erase(scene.holding.begin() + static_cast<std::ptrdiff_t>(a));
+    }
+}
+
+/// `nothing`: the names of the fields whose regions hold no node.
+template <class Def> void attachAny(const AttachmentName& name, const Def& def, const std::string& nothing,
+                                    Scene& scene, physics::StepReport& report)
+{
+    AttachedPairs pairs = pairsOf(def, findBody(scene, name.body)->index, scene);
+    if (pairs.empty()) {
+        report.set(physics::StepFlag::NothingAttached);
+        logWarning(nameOf(scene, name.body), ": attachment.", nothing, ": no node is there; nothing is attached");
+        return;
+    }
+    std::vector<Vec3> forces(pairs.size());
+    addAttachment({name.id, name.body, def.to, std::move(pairs), def.stiffness, def.breakForce}, std::move(forces),
+                  scene);
+}
+
+} // namespace
+
+void attach(const AttachmentName& name, const physics::AttachmentDef& def, Scene& scene, physics::StepReport& report)
+{
+    attachAny(name, def, regionsOf(def), scene, report);
+}
+
+void attach(const AttachmentName& name, const physics::RigidAttachmentDef& def, Scene& scene,
+            physics::StepReport& report)
+{
+    attachAny(name, def, {}, scene, report);
+}
+
+void addAttachment(Attachment attachment, std::vector<Vec3> forces, Scene& scene)
+{
+    const auto place = std::upper_bound(scene.attachments.begin(), scene.attachments.end(), attachment.id,
+                                        [](AttachmentId id, const Attachment& other) { return id < other.id; });
+    scene.holding.insert(scene.holding.begin() + (place - scene.attachments.begin()), std::move(forces));
+    scene.attachments.insert(place, std::move(attachment));
+}
+
+void release(AttachmentId id, Scene& scene)
+{
+    eraseAttachments(scene, [&](const Attachment& each) { return each.id == id; });
+    std::erase_if(scene.grasps, [&](const PendingGrasp& each) { return each.id == id; });
+    std::erase_if(scene.held, [&](const frame::Attachment& each) { return each.id == id; });
+}
+
+void removeAttachmentsOf(BodyId id, Scene& scene)
+{
+    eraseAttachments(scene, [&](const Attachment& each) { return each.body == id || each.to == id; });
+    std::erase_if(scene.grasps, [&](const PendingGrasp& each) { return each.rigid == id || each.target == id; });
+    std::erase_if(scene.held, [&](const frame::Attachment& each) { return each.body == id || each.to == id; });
+}
+
+void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
+{
+    const double dt = context.dt;
+    if (dt == 0.0) return;
+    graspContacts(coupling, scene, context.report);
+    if (scene.attachments.empty()) return;
+    leaveToAttachments(scene, coupling);
+    const Places places(scene, coupling.rigid);
+    for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
+        const Attachment& attachment = scene.attachments[a];
+        const auto body = findBody(scene, attachment.body), to = findBody(scene, attachment.to);
+        for (std::size_t p = 0; p < attachment.pairs.size(); ++p) {
+            const auto& pair = attachment.pairs[p];
+            coupling.constraints.push_back(
+                weldOf(attachment, dt, scene.holding[a][p], {places.of(pair[0], body), places.of(pair[1], to)}));
+        }
+    }
+    coupling.weldCount = coupling.constraints.size() - coupling.contactCount;
+}
+
+void keepWelds(double dt, const Coupling& coupling, Scene& scene)
+{
+    if (dt == 0.0) { // a break is reported once
+        std::erase_if(scene.held, [](const frame::Attachment& each) { return each.broken; });
+        return;
+    }
+    scene.held.clear();
+    std::span<const Constraint> welds = coupling.welds();
+    std::vector<AttachmentId> broken;
+    const Places places(scene, coupling.rigid);
+    for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
+        const std::size_t count = scene.attachments[a].pairs.size();
+        keep(a, dt, welds.first(count), places, scene);
+        welds = welds.subspan(count);
+        if (scene.held.back().broken) broken.push_back(scene.held.back().id);
+    }
+    addPinReactions(dt, coupling.constraints, scene);
+    std::ranges::stable_sort(scene.held, {}, &frame::Attachment::id);
+    eraseAttachments(scene, [&](const Attachment& each) { return std::ranges::count(broken, each.id) > 0; });
+}
+
+} // namespace filasofia::engine

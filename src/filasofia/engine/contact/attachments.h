@@ -1,0 +1,35 @@
+#pragma once
+
+#include "filasofia/engine/contact/coupling.h"
+
+/// Attachments other than pins: pairs of points, each of which becomes a weld constraint in every step.
+namespace filasofia::engine {
+
+/// An attachment's id, and the body that it is defined on.
+struct AttachmentName {
+    AttachmentId id;
+    BodyId body;
+};
+
+/// Makes an attachment in the current state. If nothing is in its regions, sets a flag in the report and logs a
+/// warning.
+void attach(const AttachmentName& name, const physics::AttachmentDef& def, Scene& scene, physics::StepReport& report);
+void attach(const AttachmentName& name, const physics::RigidAttachmentDef& def, Scene& scene,
+            physics::StepReport& report);
+
+/// Adds an attachment. `forces` [N] per pair, on its body, start the next solve.
+void addAttachment(Attachment attachment, std::vector<Vec3> forces, Scene& scene);
+
+/// Removes an attachment or a pending grasp. Does nothing if there is none with this id.
+void release(AttachmentId id, Scene& scene);
+void removeAttachmentsOf(BodyId id, Scene& scene);
+
+/// Adds the welds of all attachments after the contacts. Pending grasps become attachments first, and contacts between
+/// points that are welded are removed.
+void addWelds(const StepContext& context, Scene& scene, Coupling& coupling);
+
+/// Stores the reactions of attachments and pins in the step of dt [s]. Attachments break if their force exceeded the
+/// limit.
+void keepWelds(double dt, const Coupling& coupling, Scene& scene);
+
+} // namespace filasofia::engine

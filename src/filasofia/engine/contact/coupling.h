@@ -1,0 +1,50 @@
+#pragma once
+
+#include "filasofia/engine/collision/find_proximities.h"
+#include "filasofia/engine/constraint/constraint.h"
+#include "filasofia/engine/contact/solve_island.h"
+
+#include <set>
+#include <span>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// The data of contact detection. Only `surfaces`, `startedInside` and the warned groups carry over from step to step.
+struct ContactDetection {
+    std::vector<CollisionSurface> surfaces; ///< every body's, in the order of Scene::soft and Scene::rigid
+    /// Pairs that started inside each other, deeper than contacts are followed.
+    std::vector<std::array<SurfaceName, 2>> startedInside;
+    std::set<int> warnedGroups; ///< collision groups for which the log has said that only one body has them
+    std::set<int> warnedThin;   ///< collision groups for which the log has said that the proximities are too small
+    ProximityScratch scratch;
+    std::vector<Proximity> proximities;
+    std::vector<SideKept> sides; ///< sides for the next step
+    std::vector<Vec3> normals;   ///< scratch: the normals of a surface's triangles
+};
+
+/// The coupling of the bodies in a step: the unconstrained motion of the rigid ones, and all constraints.
+struct Coupling {
+    RigidPlan rigid;
+    ArticulationPlans articulations;
+    ContactDetection detection;
+
+    std::vector<Constraint> constraints; ///< contacts, then welds, then joint limits and joint friction
+    std::size_t contactCount = 0;
+    std::size_t weldCount = 0;
+
+    [[nodiscard]] std::span<Constraint> contacts() { return std::span(constraints).first(contactCount); }
+    [[nodiscard]] std::span<const Constraint> contacts() const { return std::span(constraints).first(contactCount); }
+    [[nodiscard]] std::span<const Constraint> welds() const
+    {
+        return std::span(constraints).subspan(contactCount, weldCount);
+    }
+    [[nodiscard]] std::span<const Constraint> joints() const
+    {
+        return std::span(constraints).subspan(contactCount + weldCount);
+    }
+
+    IslandScratch scratch;
+};
+
+} // namespace filasofia::engine

@@ -1,0 +1,413 @@
+#include "filasofia/engine/contact/find_contacts.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/engine/collision/deep_points.h"
+#include "filasofia/engine/contact/islands.h"
+#include "filasofia/engine/contact/warm_start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+// Surfaces that are inside each other part by kRecovery of their depth per step, at kRecoverySpeed at most: pushed out
+// at once they would fly apart. Within the skin the fraction is kSkinRecovery. Impulses that are carried from step
+// to step and grow with a gap are an oscillator, which is stable only if the penalty is more than this fraction of the
+// mass that it moves.
+constexpr double kRecovery = 0.2, kSkinRecovery = 0.05;
+constexpr double kRecoverySpeed = 0.1; ///< [m/s]
+// A rigid body may have no room between kinematic bodies: the carried impulse would grow without bound. It therefore
+// loses this fraction per step, and more if the bodies overlap deeper than at rest. This makes a body sink in by
+// micrometres: its penalty bears 99 % of its weight.
+constexpr double kRigidLoss = 0.02, kDeepRigidLoss = 0.2;
+
+/// The body and element that a surface belongs to.
+struct Owner {
+    bool soft = true;
+    std::size_t body = 0; ///< index among the bodies of its kind
+    std::size_t plan = 0; ///< rigid bodies only: index of its element in the plan
+    SurfaceName name;
+    const CollisionModel* collision = nullptr;
+};
+
+std::vector<Owner> ownersOf(const Scene& scene)
+{
+    std::vector<Owner> owners;
+    const auto add = [&](bool soft, std::size_t b, const auto& body, std::size_t firstElement) {
+        for (int m = 0; const CollisionModel& each : body.collision) {
+            const SurfaceName name{body.id, m++};
+            if (soft && each.shape->cutting) continue; // this model is for blades only
+            owners.push_back({soft, b, firstElement + static_cast<std::size_t>(each.element), name, &each});
+        }
+    };
+    for (std::size_t b = 0; b < scene.soft.size(); ++b) add(true, b, scene.soft[b].model, 0);
+    const std::vector<std::size_t> first = firstElements(scene);
+    for (std::size_t b = 0; b < scene.rigid.size(); ++b) add(false, b, scene.rigid[b].model, first[b]);
+    return owners;
+}
+
+Vec3 mean(const std::vector<Vec3>& values, const geometry::Tetrahedron& nodes, const std::array<double, 4>& weights)
+{
+    Vec3 sum;
+    for (std::size_t k = 0; k < 4; ++k)
+        if (weights[k] != 0.0) sum += weights[k] * values[static_cast<std::size_t>(nodes[k])];
+    return sum;
+}
+
+void placeSurface(const Owner& owner, const Scene& scene, const RigidPlan& plan, std::vector<Vec3>& normals,
+                  CollisionSurface& out)
+{
+    const CollisionModel& collision = *owner.collision;
+    const std::size_t count = collision.shape->rest.size();
+    out.shape = collision.shape;
+    out.x.resize(count);
+    out.v.resize(count);
+    if (owner.soft) {
+        const SoftState& body = scene.soft[owner.body].state;
+        for (std::size_t i = 0; i < count; ++i) {
+            out.x[i] = mean(body.x, collision.ties.nodes[i], collision.ties.weights[i]);
+            out.v[i] = mean(body.v, collision.ties.nodes[i], collision.ties.weights[i]);
+        }
+        applyInset(*collision.shape, collision.inset, normals, out.x);
+        return;
+    }
+    const RigidPlanElement& element = plan[owner.plan];
+    const Pose& pose = scene.rigid[owner.body].state.poses[element.element];
+    const Mat3 turn = toMat3(pose.orientation);
+    const Vec3 velocity = element.velocity + element.change.linear,
+               spin = element.angularVelocity + element.change.angular;
+    for (std::size_t i = 0; i < count; ++i) {
+        out.x[i] = pose.position + turn * collision.core[i];
+        out.v[i] = velocity + cross(spin, out.x[i] - element.centre);
+    }
+}
+
+/// [m] the inset of a surface at the place of a proximity.
+double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side)
+{
+    double depth = 0.0;
+    for (std::size_t k = 0; k < 3; ++k)
+        if (const int vertex = found.vertices[side][k]; vertex >= 0)
+            depth += found.weights[side][k] * collision.inset.depth[static_cast<std::size_t>(vertex)];
+    return depth;
+}
+
+/// [m] the distance by which the two sides approach in the time of the look-ahead.
+double comingNearer(const std::vector<CollisionSurface>& surfaces, const Proximity& found, double dt)
+{
+    Vec3 velocity;
+    for (std::size_t side = 0; side < 2; ++side)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (const int vertex = found.vertices[side][k]; vertex >= 0)
+                velocity +=
+                    (side == 0 ? 1.0 : -1.0) * found.weights[side][k] *
+                    surfaces[static_cast<std::size_t>(found.surfaces[side])].v[static_cast<std::size_t>(vertex)];
+    return kStepsAhead * dt * std::max(0.0, -dot(velocity, found.normal));
+}
+
+/// Whether a place lies on an inverted element of a soft body. There the surface faces the wrong way, and a contact
+/// would keep it inverted.
+bool onInvertedElement(const Owner& owner, const Proximity& found, std::size_t side, const Scene& scene)
+{
+    const CollisionModel& collision = *owner.collision;
+    if (!owner.soft || collision.behind.empty()) return false;
+    const std::vector<Vec3>& x = scene.soft[owner.body].state.x;
+    const auto node = [&](int vertex) { return collision.ties.nodes[static_cast<std::size_t>(vertex)][0]; };
+    for (int vertex : found.vertices[side]) {
+        if (vertex < 0) continue;
+        for (int triangle : collision.shape->vertexTriangles[vertex]) {
+            const auto [a, b, c] = collision.shape->triangles[static_cast<std::size_t>(triangle)];
+            const int d = collision.behind[static_cast<std::size_t>(triangle)];
+            if (geometry::signedVolume(x[node(a)], x[node(b)], x[node(c)], x[d]) >= 0.0)
+                return true; // it faces inwards
+        }
+    }
+    return false;
+}
+
+/// Whether the other side alone determines in which direction a point of tissue must go: rigid triangles do, however
+/// the tissue around the point is oriented. Without this rule, tissue that is crushed against rigid bodies would pass
+/// through them.
+bool rigidSideDecides(const Owner& other, const Proximity& found, std::size_t side)
+{
+    return !other.soft && other.collision->shape->triangleFaces && found.vertices[side][1] < 0 &&
+           found.vertices[1 - side][1] >= 0;
+}
+
+BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, const CollisionSurface& surface,
+                  const Scene& scene, const RigidPlan& plan)
+{
+    BodyPoint point;
+    point.of = owner.soft ? BodyPoint::Of::Soft : BodyPoint::Of::Rigid;
+    point.body = owner.soft ? owner.body : owner.plan;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double weight = found.weights[side][k];
+        if (found.vertices[side][k] < 0 || weight == 0.0) continue;
+        const auto vertex = static_cast<std::size_t>(found.vertices[side][k]);
+        point.position += weight * surface.x[vertex];
+        if (!owner.soft) continue;
+        const geometry::Embedding& embedding = owner.collision->ties;
+        for (std::size_t n = 0; n < 4; ++n)
+            point.add(embedding.nodes[vertex][n], weight * embedding.weights[vertex][n]);
+    }
+    if (owner.soft) {
+        const std::vector<Vec3>& v = scene.soft[owner.body].state.v;
+        for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k)
+            point.velocity += point.weights[k] * v[static_cast<std::size_t>(point.nodes[k])];
+    } else {
+        const RigidPlanElement& element = plan[owner.plan];
+        point.velocity = element.velocity + cross(element.angularVelocity, point.position - element.centre);
+    }
+    return point;
+}
+
+// The gap that contacts keep, relative to the sum of both proximities. Surfaces at rest stay apart by this little, so
+// that it is clear which side is outside: if the skin were 0, half of them would be inside.
+constexpr double kSkin = 0.01;
+
+constexpr double kTolerance = 1e-6; ///< [m] how much too far a surface may go in a step, whatever its proximity
+/// Relative to the proximity: tissue may go this much farther, and comes back in the next step.
+constexpr double kSoftTolerance = 0.02;
+
+/// Sets the law of a contact from its gap.
+void setLaw(const physics::ContactMethod& method, double dt, Constraint& constraint)
+{
+    const ContactInfo& contact = constraint.contact;
+    const double gap = contact.gap - contact.skin;
+    if (const auto* penalty = std::get_if<physics::PenaltyContact>(&method)) {
+        constraint.softness = dt * (dt * penalty->stiffness + penalty->damping);
+        // If the surfaces are apart, only the part of the motion that leads inside is resisted, damper included.
+        constraint.bias = {gap > 0.0 ? gap / dt : dt * penalty->stiffness * gap / constraint.softness, 0.0, 0.0};
+        return;
+    }
+    constraint.impulse = dt * inFrame(constraint.frame, contact.cached.force);
+    const auto isSoft = [](const BodyPoint& point) { return point.of == BodyPoint::Of::Soft; };
+    const bool anySoft = std::ranges::any_of(constraint.sides, isSoft);
+    const double loss = anySoft ? 0.0 : gap < -contact.skin ? kDeepRigidLoss : kRigidLoss;
+    constraint.impulse.x = std::max(0.0, (1.0 - loss) * constraint.impulse.x);
+    // A contact that pushed in the last step may rest within the skin; all others may approach up to the skin.
+    const double resting = constraint.impulse.x > 0.0 ? contact.skin : 0.0;
+    const double shallow = std::clamp(gap, -contact.skin, resting), deep = std::min(0.0, gap + contact.skin);
+    const double recovery = std::max(kSkinRecovery * shallow + kRecovery * deep, -kRecoverySpeed * dt);
+    constraint.bias.x = (recovery + std::max(0.0, gap - resting)) / dt;
+    const double soft = anySoft ? kSoftTolerance * contact.proximity : 0.0;
+    constraint.tolerance =
+        std::max({kSkinRecovery * contact.skin, contact.gap - dt * constraint.bias.x, soft, kTolerance}) / dt;
+}
+
+double frictionOf(const Scene& scene, const Owner& owner)
+{
+    return owner.soft ? scene.soft[owner.body].model.friction : scene.rigid[owner.body].model.friction;
+}
+
+const std::string& nameOf(const Scene& scene, const Owner& owner)
+{
+    return owner.soft ? scene.soft[owner.body].model.name : scene.rigid[owner.body].model.name;
+}
+
+/// Logs a warning once per collision group that only one body has, as this is rarely intended.
+void warnOfLoneGroups(const Scene& scene, const std::vector<Owner>& owners, std::set<int>& warned)
+{
+    for (const Owner& owner : owners) {
+        const CollisionShape& shape = *owner.collision->shape;
+        const auto isOther = [&](const Owner& each) { return each.soft != owner.soft || each.body != owner.body; };
+        const auto meets = [&](const Owner& each) {
+            return isOther(each) && each.collision->shape->group == shape.group;
+        };
+        if (shape.self || std::ranges::none_of(owners, isOther) || std::ranges::any_of(owners, meets)) continue;
+        if (!warned.insert(shape.group).second) continue;
+        logWarning(owner.soft ? "soft" : "rigid", " body '", nameOf(scene, owner),
+                   "': no other body has collision group ", shape.group, ": it collides with nothing");
+    }
+}
+
+/// Surfaces at rest tell inside from outside only by their insets, a fraction of the proximities. Logs a warning once
+/// per group if two proximities add up to hardly more than rounding and the motion in a step may be.
+void warnOfThinProximity(const Scene& scene, const std::vector<Owner>& owners, std::set<int>& warned)
+{
+    constexpr double thin = 1e-4; // [m]
+    for (const Owner& a : owners) {
+        // True of nearly all bodies. Without this, a thousand bodies would be a million pairs.
+        if (a.collision->proximity >= thin) continue;
+        for (const Owner& b : owners) {
+            const CollisionShape &one = *a.collision->shape, &two = *b.collision->shape;
+            const double both = a.collision->proximity + b.collision->proximity;
+            if (!(a.name.body < b.name.body) || one.group != two.group || one.cutting || two.cutting || both >= thin)
+                continue;
+            if (warned.insert(one.group).second)
+                logWarning("body '", nameOf(scene, a), "' and body '", nameOf(scene, b), "': the proximities of their ",
+                           "collision models add up to ", both, " m: below ", thin, " m contacts may be missed");
+        }
+    }
+}
+
+bool movable(const Owner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
+
+bool movable(const BodyPoint& point, const RigidPlan& plan)
+{
+    return (point.of == BodyPoint::Of::Soft && point.count > 0) || planPlace(plan, point).has_value();
+}
+
+/// Points of either surface that are deeper in the other one than contacts are followed. A rigid surface determines the
+/// way out at any depth, tissue does not: points in tissue are only counted.
+struct DeepPoints {
+    std::vector<Proximity> inRigid, inTissue;
+};
+DeepPoints deepPointsOf(const std::vector<Owner>& owners, const ContactDetection& detection, std::array<int, 2> pair)
+{
+    const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
+    const Meeting meeting{{&detection.surfaces[i], &detection.surfaces[k]}, pair, 0.0};
+    DeepPoints deep;
+    findDeepPoints(meeting, 0, owners[k].soft ? deep.inTissue : deep.inRigid);
+    findDeepPoints(meeting, 1, owners[i].soft ? deep.inTissue : deep.inRigid);
+    return deep;
+}
+
+/// If a body starts inside another, deeper than contacts are followed, logs a warning; from then on the pair is tested
+/// at any depth. `added`: per surface, whether it is new.
+void noteStartsInside(const Scene& scene, const std::vector<Owner>& owners, const std::vector<bool>& added,
+                      Coupling& coupling)
+{
+    ContactDetection& detection = coupling.detection;
+    for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
+        const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
+        const Owner &one = owners[i], &two = owners[k];
+        if (i == k || !(added[i] || added[k])) continue;
+        if (!movable(one, coupling.rigid) && !movable(two, coupling.rigid)) continue;
+        const DeepPoints deep = deepPointsOf(owners, detection, pair);
+        if (deep.inRigid.empty() && deep.inTissue.empty()) continue;
+        detection.startedInside.push_back({one.name, two.name});
+        logWarning("body '", nameOf(scene, one), "' and body '", nameOf(scene, two), "' start inside each other: ",
+                   deep.inRigid.empty() ? "points inside tissue stay there" : "they are pushed apart");
+    }
+}
+
+void addDeepPoints(const std::vector<Owner>& owners, ContactDetection& detection)
+{
+    if (detection.startedInside.empty()) return;
+    for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
+        const std::array names{owners[static_cast<std::size_t>(pair[0])].name,
+                               owners[static_cast<std::size_t>(pair[1])].name};
+        if (std::ranges::find(detection.startedInside, names) == detection.startedInside.end()) continue;
+        const DeepPoints deep = deepPointsOf(owners, detection, pair);
+        detection.proximities.insert(detection.proximities.end(), deep.inRigid.begin(), deep.inRigid.end());
+    }
+}
+
+/// Updates every surface to its body's state, and warns of models that cannot work. Returns per surface whether it is
+/// new; empty if none is.
+std::vector<bool> placeSurfaces(const Scene& scene, const std::vector<Owner>& owners, Coupling& coupling)
+{
+    ContactDetection& detection = coupling.detection;
+    if (owners.size() != detection.surfaces.size()) {
+        warnOfLoneGroups(scene, owners, detection.warnedGroups);
+        warnOfThinProximity(scene, owners, detection.warnedThin);
+    }
+    const bool same = std::ranges::equal(owners, detection.surfaces, {}, &Owner::name, &CollisionSurface::name);
+    std::vector<bool> added;
+    for (std::size_t s = 0; !same && s < owners.size(); ++s)
+        added.push_back(std::ranges::find(detection.surfaces, owners[s].name, &CollisionSurface::name) ==
+                        detection.surfaces.end());
+    detection.surfaces.resize(owners.size());
+    for (std::size_t s = 0; s < owners.size(); ++s) {
+        const Owner& owner = owners[s];
+        CollisionSurface& surface = detection.surfaces[s];
+        surface.name = owner.name;
+        surface.cuttable = owner.soft && mayBeCut(scene.soft[owner.body].model, owner.collision->shape->group);
+        placeSurface(owner, scene, coupling.rigid, detection.normals, surface);
+    }
+    return added;
+}
+
+/// The contact at a proximity; none if it must be left out.
+std::optional<Constraint> contactOf(const Proximity& found, const std::array<const Owner*, 2>& sides, double dt,
+                                    const Scene& scene, const Coupling& coupling)
+{
+    const auto leftOut = [&](std::size_t side) {
+        return onInvertedElement(*sides[side], found, side, scene) && !rigidSideDecides(*sides[1 - side], found, side);
+    };
+    if (leftOut(0) || leftOut(1)) return std::nullopt;
+    const std::vector<CollisionSurface>& surfaces = coupling.detection.surfaces;
+    const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
+    const double gap = found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
+    if (!(gap < proximity + comingNearer(surfaces, found, dt))) return std::nullopt;
+    Constraint contact;
+    for (std::size_t side = 0; side < 2; ++side)
+        contact.sides[side] = pointOf(*sides[side], found, side,
+                                      surfaces[static_cast<std::size_t>(found.surfaces[side])], scene, coupling.rigid);
+    contact.frame = frameOf(found.normal);
+    contact.friction = std::sqrt(frictionOf(scene, *sides[0]) * frictionOf(scene, *sides[1]));
+    const Vec3 point = 0.5 * (contact.sides[0].position + contact.sides[1].position);
+    contact.contact = {.cached = {sides[0]->name.body, sides[1]->name.body, found.feature, point, {}},
+                       .gap = gap,
+                       .proximity = proximity,
+                       .skin = kSkin * proximity};
+    return contact;
+}
+
+} // namespace
+
+void findContacts(const StepContext& context, const Scene& scene, Coupling& coupling)
+{
+    const double dt = context.dt;
+    coupling.constraints.clear();
+    coupling.contactCount = coupling.weldCount = 0;
+    if (dt == 0.0) return;
+
+    ContactDetection& detection = coupling.detection;
+    const std::vector<Owner> owners = ownersOf(scene);
+    const std::vector<bool> added = placeSurfaces(scene, owners, coupling);
+    detection.sides = scene.sides;
+    findProximities(detection.surfaces, dt, context.pool, detection.sides, detection.scratch, detection.proximities);
+    if (!added.empty()) noteStartsInside(scene, owners, added, coupling);
+    addDeepPoints(owners, detection);
+
+    for (const Proximity& found : detection.proximities) {
+        const std::array<const Owner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
+                                                &owners[static_cast<std::size_t>(found.surfaces[1])]};
+        if (const std::optional<Constraint> contact = contactOf(found, sides, dt, scene, coupling))
+            coupling.constraints.push_back(*contact);
+    }
+    coupling.contactCount = coupling.constraints.size();
+    inheritForces(dt, scene.contacts, coupling.contacts());
+    for (Constraint& contact : coupling.contacts()) setLaw(context.method, dt, contact);
+    // Nothing is solved between two immovable bodies, and the warm start would be reported as a force.
+    for (Constraint& contact : coupling.contacts())
+        if (!movable(contact.sides[0], coupling.rigid) && !movable(contact.sides[1], coupling.rigid))
+            contact.impulse = {};
+}
+
+void keepContacts(const StepContext& context, const Coupling& coupling, Scene& scene)
+{
+    const double dt = context.dt;
+    if (dt == 0.0) return;
+    scene.contacts.clear();
+    scene.touching.clear();
+    physics::ContactReport& report = context.report.contacts;
+    report.found = static_cast<int>(coupling.contacts().size());
+    const std::vector<bool> noWayOut = contradicted(coupling.contacts());
+    for (std::size_t c = 0; c < coupling.contacts().size(); ++c) {
+        const Constraint& constraint = coupling.contacts()[c];
+        const ContactInfo& contact = constraint.contact;
+        const Vec3 force = 1.0 / dt * constraint.impulse;
+        scene.touching.push_back({.first = contact.cached.first,
+                                  .second = contact.cached.second,
+                                  .point = contact.cached.point,
+                                  .normal = constraint.frame[0],
+                                  .gap = contact.gap,
+                                  .normalForce = force.x,
+                                  .friction = force.y * constraint.frame[1] + force.z * constraint.frame[2]});
+        report.active += force.x != 0.0 ? 1 : 0;
+        report.penetration = std::max(report.penetration, -contact.gap);
+        if (!(constraint.multiplier.x > 0.0) || noWayOut[c]) continue;
+        CachedContact& cached = scene.contacts.emplace_back(contact.cached);
+        cached.force = 1.0 / dt * inWorld(constraint.frame, constraint.multiplier);
+    }
+    sortCache(scene.contacts);
+    scene.sides = coupling.detection.sides;
+}
+
+} // namespace filasofia::engine

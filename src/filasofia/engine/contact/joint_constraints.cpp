@@ -1,0 +1,128 @@
+#include "filasofia/engine/contact/joint_constraints.h"
+
+#include <cmath>
+
+namespace filasofia::engine {
+namespace {
+
+// If a limit pushed in the last step, only a part of its gap is closed per step, as for contacts: it then comes to rest
+// (find_contacts.cpp).
+constexpr double kRecovery = 0.05;
+constexpr double kTolerance = 1e-6; ///< [m] at the arm's length: how far a joint may pass a limit in a step
+
+// [N] at the arm's length: maximum force of a limit. If a kinematic body pushes a joint against its limit, both cannot
+// be satisfied, and the multipliers would grow without bound. So the limit yields in the solve, and the joint's
+// position is clamped.
+constexpr double kMaxLimitForce = 1000.0;
+
+/// [N m] or [N] The start of the constraint's next solve.
+double& carriedBy(JointState& joint, const Constraint& constraint)
+{
+    if (constraint.kind == ConstraintKind::JointFriction) return joint.dry;
+    return constraint.joint.upper ? joint.upperStop : joint.lowerStop;
+}
+
+/// A constraint of joint `info` against space; `impulse` [N s] starts its solve.
+Constraint jointConstraint(ConstraintKind kind, const JointInfo& info, const ArticulationPlan& plan, double impulse)
+{
+    Constraint constraint{.kind = kind};
+    BodyPoint& point = constraint.sides[0];
+    point.of = BodyPoint::Of::Joint;
+    point.body = plan.first;
+    point.joint = info.joint;
+    point.velocity.x = info.arm * plan.velocities[static_cast<std::size_t>(info.joint)];
+    const double inwards = info.upper ? -1.0 : 1.0;
+    constraint.frame = {Vec3{inwards, 0, 0}, Vec3{0, inwards, 0}, Vec3{0, 0, 1}};
+    constraint.impulse.x = impulse;
+    constraint.joint = info;
+    return constraint;
+}
+
+/// `gap` [rad] or [m] to the limit; `carried` [N m] or [N] starts its solve.
+Constraint limitOf(const JointInfo& info, const ArticulationPlan& plan, double gap, double carried, double dt)
+{
+    Constraint limit = jointConstraint(ConstraintKind::JointLimit, info, plan, dt * carried / info.arm);
+    limit.bias.x = (carried > 0.0 ? kRecovery : 1.0) * info.arm * gap / dt;
+    limit.tolerance = kTolerance / dt;
+    limit.maxImpulse = dt * kMaxLimitForce;
+    return limit;
+}
+
+Constraint frictionOf(const JointInfo& info, const ArticulationPlan& plan, double torque, double carried, double dt)
+{
+    Constraint friction = jointConstraint(ConstraintKind::JointFriction, info, plan, dt * carried / info.arm);
+    friction.maxImpulse = dt * torque / info.arm;
+    friction.tolerance = std::numeric_limits<double>::infinity(); // it may slide
+    return friction;
+}
+
+/// Adds the load of a force at a point of a link to the joints that move the link.
+void addLoad(const Coupling& coupling, const BodyPoint& point, Vec3 force, Scene& scene)
+{
+    if (point.of != BodyPoint::Of::Rigid || coupling.rigid[point.body].articulation < 0) return;
+    const RigidPlanElement& link = coupling.rigid[point.body];
+    const ArticulationPlan& plan = coupling.articulations[static_cast<std::size_t>(link.articulation)];
+    const LinkTree& tree = scene.rigid[plan.body].model.articulation.tree;
+    for (int j = tree.jointOf[link.element]; j >= 0;
+         j = tree.jointOf[static_cast<std::size_t>(tree.joints[static_cast<std::size_t>(j)].parent)])
+        scene.rigid[plan.body].state.joints[static_cast<std::size_t>(j)].now.load +=
+            dot(columnAt(tree, plan.axes, j, point.position).linear, force);
+}
+
+} // namespace
+
+void addJointConstraints(double dt, const Scene& scene, Coupling& coupling)
+{
+    if (dt == 0.0) return;
+    for (std::size_t a = 0; a < coupling.articulations.size(); ++a) {
+        const ArticulationPlan& plan = coupling.articulations[a];
+        const RigidBody& body = scene.rigid[plan.body];
+        const LinkTree& tree = body.model.articulation.tree;
+        for (std::size_t f = 0; f < plan.free.size(); ++f) {
+            if (isOfBase(tree, plan.free[f])) continue;
+            const auto j = static_cast<std::size_t>(plan.free[f]);
+            const LinkJoint& joint = tree.joints[j];
+            const JointState& now = body.state.joints[j];
+            JointInfo info{.articulation = a, .joint = plan.free[f], .arm = plan.arms[f]};
+            if (std::isfinite(joint.lower))
+                coupling.constraints.push_back(limitOf(info, plan, now.now.position - joint.lower, now.lowerStop, dt));
+            info.upper = true;
+            if (std::isfinite(joint.upper))
+                coupling.constraints.push_back(limitOf(info, plan, joint.upper - now.now.position, now.upperStop, dt));
+            info.upper = false;
+            if (joint.friction > 0.0)
+                coupling.constraints.push_back(frictionOf(info, plan, joint.friction, now.dry, dt));
+        }
+    }
+}
+
+void keepJoints(double dt, const Coupling& coupling, Scene& scene)
+{
+    if (dt == 0.0) return;
+    for (const ArticulationPlan& plan : coupling.articulations)
+        for (JointState& joint : scene.rigid[plan.body].state.joints) {
+            joint.now.load = joint.now.stop = 0.0;
+            joint.lowerStop = joint.upperStop = joint.dry = 0.0;
+        }
+    for (const std::span<const Constraint> kind : {coupling.contacts(), coupling.welds()})
+        for (const Constraint& each : kind) {
+            const Vec3 force = 1.0 / dt * inWorld(each.frame, each.impulse);
+            addLoad(coupling, each.sides[0], force, scene);
+            addLoad(coupling, each.sides[1], -force, scene);
+        }
+    for (const Constraint& each : coupling.joints()) {
+        const JointInfo& about = each.joint;
+        const std::size_t body = coupling.articulations[about.articulation].body;
+        JointState& joint = scene.rigid[body].state.joints[static_cast<std::size_t>(about.joint)];
+        carriedBy(joint, each) = about.arm * each.multiplier.x / dt;
+        const double force = about.arm * each.impulse.x / dt;
+        if (each.kind == ConstraintKind::JointLimit) joint.now.stop += about.upper ? -force : force;
+    }
+    for (const ArticulationPlan& plan : coupling.articulations)
+        for (JointState& joint : scene.rigid[plan.body].state.joints) {
+            const auto* given = std::get_if<physics::JointForce>(&joint.command);
+            joint.now.force = given ? given->value : -joint.now.load;
+        }
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,92 @@
+#include "filasofia/engine/contact/pin_reactions.h"
+
+#include "filasofia/engine/body/elements.h"
+
+#include <algorithm>
+
+namespace filasofia::engine {
+namespace {
+
+/// Adds the forces of the body's own elements and springs on its nodes at the end of the step, as the step saw them:
+/// with the rotations at its start. They are correct only for nodes held by a hard pin.
+void addOwnForces(const SoftModel& model, const HeldParts& held, const SoftState& state, std::vector<Vec3>& forces)
+{
+    const double beta = model.rayleigh.stiffness;
+    for (int e : held.elements) {
+        const FemElement& element = model.elements[e];
+        const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
+        const Mat3 rotation = toMat3(rotationOf(state.rotations, static_cast<std::size_t>(e)));
+        const Corners elastic = corotationalForces(element, f, rotation);
+        const Corners damping =
+            warpedStiffnessTimes(element, {lameAt(element, f)}, rotation, cornersOf(element.nodes, state.v));
+        for (int i = 0; i < 4; ++i) forces[element.nodes[i]] += elastic[i] - beta * damping[i];
+    }
+    for (int s : held.springs) {
+        const Spring& spring = model.springs[s];
+        const auto [a, b] = spring.nodes;
+        const Vec3 xa = state.x[a], xb = state.x[b], va = state.v[a], vb = state.v[b];
+        const Vec3 force = springForce(spring, xa, xb) + dashpotForce(spring, xa, xb, va, vb) -
+                           beta * (springStiffness(spring, xa, xb) * (va - vb));
+        forces[a] += force;
+        forces[b] -= force;
+    }
+}
+
+/// Adds the forces of contacts and attachments on nodes that cannot move.
+void addConstraintForces(std::size_t body, double dt, std::span<const Constraint> constraints,
+                         std::vector<Vec3>& forces)
+{
+    for (const Constraint& constraint : constraints)
+        for (std::size_t side = 0; side < 2; ++side) {
+            const BodyPoint& point = constraint.sides[side];
+            if (point.of != BodyPoint::Of::Soft || point.body != body) continue;
+            const Vec3 impulse = inWorld(constraint.frame, constraint.impulse);
+            for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k)
+                forces[point.nodes[k]] += (side == 0 ? 1.0 : -1.0) / dt * point.weights[k] * impulse;
+        }
+}
+
+/// [N] The reaction of hard pins is opposite to all forces on their nodes.
+Vec3 hardReaction(const PinGroup& group, const Pins& pins, const std::vector<int>& holders,
+                  const std::vector<Vec3>& forces)
+{
+    Vec3 sum;
+    for (int node : group.nodes)
+        if (pins.hard[node]) sum -= 1.0 / holders[node] * forces[node];
+    return sum;
+}
+
+Vec3 springReaction(const PinGroup& group, const SoftModel& model, const SoftState& state)
+{
+    Vec3 sum;
+    for (int node : group.nodes)
+        sum += group.stiffness * (model.rest[node] - state.x[node] - model.rayleigh.stiffness * state.v[node]);
+    return sum;
+}
+
+} // namespace
+
+void addPinReactions(double dt, std::span<const Constraint> constraints, Scene& scene)
+{
+    for (std::size_t b = 0; b < scene.soft.size(); ++b) {
+        const SoftModel& body = scene.soft[b].model;
+        const SoftState& now = scene.soft[b].state;
+        std::vector<Vec3> forces;
+        if (!scene.soft[b].system.held.holders.empty()) {
+            forces = scene.soft[b].system.forces; // external forces, weight, pressure, springs
+            addOwnForces(body, scene.soft[b].system.held, now, forces);
+            addConstraintForces(b, dt, constraints, forces);
+        }
+        for (const PinGroup& group : body.pins.groups) {
+            frame::Attachment& report = scene.held.emplace_back();
+            report.id = group.id;
+            report.body = body.id;
+            report.points = static_cast<int>(group.nodes.size());
+            report.force = group.stiffness == physics::kHard
+                               ? hardReaction(group, body.pins, scene.soft[b].system.held.holders, forces)
+                               : springReaction(group, body, now);
+        }
+    }
+}
+
+} // namespace filasofia::engine

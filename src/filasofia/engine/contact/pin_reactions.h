@@ -1,0 +1,13 @@
+#pragma once
+
+#include "filasofia/engine/constraint/constraint.h"
+#include "filasofia/engine/scene/scene.h"
+
+#include <span>
+
+namespace filasofia::engine {
+
+/// Appends the reaction of every group of pins in the step of dt [s] to the scene's reported attachments.
+void addPinReactions(double dt, std::span<const Constraint> constraints, Scene& scene);
+
+} // namespace filasofia::engine

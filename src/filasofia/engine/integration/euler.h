@@ -1,0 +1,56 @@
+#pragma once
+
+#include "filasofia/linalg/linear_solver.h"
+
+#include <span>
+#include <vector>
+
+/// One step of M x'' = f(x, v) for nodes with lumped masses. Nodes marked `fixed` keep their position and velocity.
+namespace filasofia::engine {
+
+/// Rayleigh damping C = mass M + stiffness K.
+struct RayleighDamping {
+    double mass = 0.0;      ///< [1/s]
+    double stiffness = 0.0; ///< [s]
+};
+
+/// The weights of the implicit step (Baraff and Witkin 1998, with Rayleigh damping):
+///     ( (1 + h a) M + (h^2 + h b) K + h D ) dv = h (f - a M v - b K v - D v) - h^2 K v
+/// with
+///     h     [s] time step
+///     f     [N] forces without damping
+///     K, D  [N/m] -df/dx, [N s/m] -df/dv of dashpots
+///     a, b  [1/s], [s] Rayleigh's coefficients
+/// The geometric part of K takes no part in damping: a body in tension may turn freely.
+struct ImplicitWeights {
+    double mass = 1.0;      ///< weight of M in the matrix
+    double stiffness = 0.0; ///< weight of K in the matrix, and of K v on the right-hand side
+    double damping = 0.0;   ///< weight of D in the matrix
+    double turning = 0.0;   ///< [-] weight of the geometric part of K, relative to `stiffness`
+};
+constexpr ImplicitWeights implicitWeights(double dt, RayleighDamping rayleigh)
+{
+    const double stiffness = dt * dt + dt * rayleigh.stiffness;
+    return {1.0 + dt * rayleigh.mass, stiffness, dt, stiffness > 0.0 ? dt * dt / stiffness : 0.0};
+}
+
+/// The weights of the explicit step, whose matrix is the masses alone: M dv = h (f - a M v - b K v - D v).
+constexpr ImplicitWeights explicitWeights(double dt, RayleighDamping rayleigh)
+{
+    return {1.0, dt * rayleigh.stiffness, dt, 0.0};
+}
+
+/// Computes the right-hand side above; `forces` holds f - D v. Zero on fixed nodes.
+void implicitRightHandSide(double dt, RayleighDamping rayleigh, std::span<const double> masses,
+                           std::span<const Vec3> forces, std::span<const Vec3> stiffnessTimesVelocity,
+                           std::span<const Vec3> v, const std::vector<bool>& fixed, std::span<Vec3> b);
+
+/// dv = dt M^-1 (f - a M v - b K v). Only the masses in M^-1 are multiplied by `inertia`.
+void explicitChange(double dt, RayleighDamping rayleigh, double inertia, std::span<const double> masses,
+                    std::span<const Vec3> forces, std::span<const Vec3> stiffnessTimesVelocity, std::span<const Vec3> v,
+                    const std::vector<bool>& fixed, std::span<Vec3> dv);
+
+/// v' = v + dv, and x' = x + dt v', or x' = x + dt v for the plain explicit step.
+void move(double dt, bool withOldVelocity, std::span<const Vec3> dv, std::span<Vec3> x, std::span<Vec3> v);
+
+} // namespace filasofia::engine

@@ -1,0 +1,95 @@
+#include "filasofia/engine/rigid/articulation_operator.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace filasofia::engine {
+ArticulationOperator::ArticulationOperator(const LinkTree& tree, const ArticulationPlan& plan,
+                                           std::vector<Vec3> origins)
+    : DenseOperator(plan.free.size()), tree_(tree), plan_(plan), origins_(std::move(origins)),
+      rightHandSide_(plan.free.size())
+{
+    // Without constraints the solve gives the planned change.
+    engine::multiply(plan.matrix, plan.change, rightHandSide_);
+}
+
+double ArticulationOperator::begin(std::span<const ContactPoint> points)
+{
+    points_ = points.size();
+    columns_.clear();
+    for (const ContactPoint& point : points)
+        for (std::size_t f = 0; f < x_.size(); ++f) {
+            const int joint = plan_.free[f];
+            if (point.joint)
+                columns_.push_back(joint == *point.joint ? Vec3{plan_.arms[f], 0.0, 0.0} : Vec3{});
+            else if (moves(tree_, joint, point.link))
+                columns_.push_back(
+                    columnAt(tree_, plan_.axes, joint, origins_[static_cast<std::size_t>(point.link)] + point.arm)
+                        .linear);
+            else
+                columns_.push_back({});
+        }
+    std::ranges::fill(x_, 0.0);
+    std::ranges::fill(p_, 0.0);
+    r_ = rightHandSide_;
+    double largest = 0.0; // the largest effective mass of a joint
+    for (std::size_t f = 0; f < plan_.free.size(); ++f)
+        largest = std::max(largest, plan_.matrix(f, f) / (plan_.arms[f] * plan_.arms[f]));
+    return largest;
+}
+
+Mat3 ArticulationOperator::compliance(int point) const
+{
+    const std::span<const Vec3> j = columnsOf(static_cast<std::size_t>(point));
+    Mat3 sum;
+    for (std::size_t a = 0; a < j.size(); ++a)
+        for (std::size_t b = 0; b < j.size(); ++b) sum += plan_.inverse(a, b) * outer(j[a], j[b]);
+    return sum;
+}
+
+double ArticulationOperator::multiply()
+{
+    engine::multiply(plan_.matrix, p_, q_);
+    return product(p_, q_);
+}
+
+void ArticulationOperator::smooth() { engine::multiply(plan_.inverse, r_, w_); }
+
+double ArticulationOperator::applyCoarse(std::span<const double>)
+{
+    z_ = w_;
+    return product(r_, z_);
+}
+
+void ArticulationOperator::subtractSmoothed(std::span<const Vec3> impulses)
+{
+    Vector pushed(x_.size()), moved(x_.size());
+    addTo(pushed, impulses);
+    engine::multiply(plan_.inverse, pushed, moved);
+    for (std::size_t i = 0; i < z_.size(); ++i) z_[i] -= moved[i];
+}
+
+void ArticulationOperator::read(SolveVector from, std::span<Vec3> out) const
+{
+    const Vector& vector = vectorOf(from);
+    for (std::size_t k = 0; k < points_; ++k) {
+        const std::span<const Vec3> j = columnsOf(k);
+        out[k] = {};
+        for (std::size_t f = 0; f < j.size(); ++f) out[k] += vector[f] * j[f];
+    }
+}
+
+void ArticulationOperator::add(std::span<const Vec3> impulses, SolveVector to)
+{
+    if (to == SolveVector::Residual) addTo(r_, impulses); // D = A here, so B = 0
+}
+
+void ArticulationOperator::addTo(Vector& to, std::span<const Vec3> impulses) const
+{
+    for (std::size_t k = 0; k < points_; ++k) {
+        const std::span<const Vec3> j = columnsOf(k);
+        for (std::size_t f = 0; f < j.size(); ++f) to[f] += filasofia::dot(j[f], impulses[k]);
+    }
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "filasofia/engine/articulation/link_motion.h"
+#include "filasofia/engine/rigid/rigid_step.h"
+
+/// A step of articulated bodies. Joints with a position command are kinematic: contacts do not stop them. Joints with a
+/// force command are free, and so is the base of a dynamic body, whose six degrees of freedom link_motion.h numbers
+/// after the joints. The velocities q' of the free joints are the unknowns of the body,
+///
+///     (M + h D) dq' = h (force - D q' - c(q, q', base)) + sum of J^T impulse,
+///
+/// with the mass matrix M, the damping D, the commands and wrenches `force`, and the inertial and gravity forces c
+/// (inverseDynamics): semi-implicit Euler in reduced coordinates. All links that a free joint moves are dynamic in the
+/// plan.
+namespace filasofia::engine {
+
+/// The planned step of one articulated body.
+struct ArticulationPlan {
+    std::size_t body = 0;           ///< index in Scene::rigid
+    std::size_t first = 0;          ///< index of the base in the RigidPlan
+    Pose baseEnd;                   ///< pose of the base at the end of the step
+    std::vector<JointAxis> axes;    ///< per joint: its axis at the start of the step
+    std::vector<double> velocities; ///< [rad/s] or [m/s] per joint: throughout the step; at its start if the joint is
+                                    ///< free. The six velocities of a free base follow
+    std::vector<int> free;          ///< the free joints, ascending
+    std::vector<int> place;         ///< per joint: its index in `free`; -1: not free
+    bool freeBase = false;          ///< the base is free: its six degrees of freedom are the last of `free`
+    std::vector<double> arms;       ///< [m] per free joint: factor that turns its velocity into one in [m/s]
+    JointMatrix matrix;             ///< M + h D of the free joints
+    JointMatrix inverse;            ///< the inverse of `matrix`
+    std::vector<double> change;     ///< change of the free joints' velocities; constraints add theirs
+};
+using ArticulationPlans = std::vector<ArticulationPlan>; ///< in the order of bodies
+
+/// Places the links by the positions of the joints. If another body carries the base, the base is placed first.
+void placeLinks(std::size_t body, Scene& scene);
+
+/// Plans a step of dt [s] >= 0 without constraints, after planRigid().
+void planArticulations(const Scene& scene, double dt, RigidPlan& plan, ArticulationPlans& plans);
+
+/// Sets the change of the free joints' velocities, and writes the resulting changes of the links to the plan.
+void setChange(const LinkTree& tree, std::span<const double> change, ArticulationPlan& articulation, RigidPlan& plan);
+
+/// Moves joints, bases and links as planned. A joint stops at its limits. If the new state is not finite or is beyond
+/// physics::kFarthest, the joints stay where they are, at rest, and the report has StepFlag::Undone. If dt is 0, only
+/// bases move, and their links with them.
+void moveArticulations(const StepContext& context, const ArticulationPlans& plans, const RigidPlan& plan, Scene& scene);
+
+} // namespace filasofia::engine

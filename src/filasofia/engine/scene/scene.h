@@ -1,0 +1,55 @@
+#pragma once
+
+#include "filasofia/engine/body/attachment.h"
+#include "filasofia/engine/body/body_topology.h"
+#include "filasofia/engine/body/rigid_model.h"
+#include "filasofia/engine/body/soft_model.h"
+#include "filasofia/engine/collision/side_kept.h"
+#include "filasofia/engine/constraint/constraint.h"
+#include "filasofia/engine/soft/soft_system.h"
+#include "filasofia/frame/attachment.h"
+#include "filasofia/frame/contact.h"
+
+#include <cstdint>
+#include <vector>
+
+/// The engine's state: its bodies, and what persists between them from step to step.
+namespace filasofia::engine {
+
+/// A soft body: its properties, its state, the equations of its step, and its editable mesh.
+struct SoftBody {
+    SoftModel model; ///< changes between steps only
+    SoftState state;
+    SoftSystem system;
+    BodyTopology topology; ///< empty unless the body may be cut
+};
+
+/// A rigid body: its properties and its state. With joints it is an articulation, and its elements are the links.
+struct RigidBody {
+    RigidModel model; ///< changes between steps only
+    RigidState state;
+};
+
+/// What persists from step to step besides the bodies: time, gravity, and contacts and attachments between bodies.
+struct SceneState {
+    std::uint64_t step = 0;
+    double time = 0.0; ///< [s]
+    Vec3 gravity;      ///< [m/s^2]
+
+    std::vector<CachedContact> contacts;  ///< warm start of the contact solve, ascending by bodies and feature
+    std::vector<SideKept> sides;          ///< the side of a sheet that points are on, ascending
+    std::vector<frame::Contact> touching; ///< the last step's contacts, as frames carry them
+
+    std::vector<Attachment> attachments;    ///< ascending by id, without pins
+    std::vector<std::vector<Vec3>> holding; ///< [N] warm start per attachment and pair: the force on its body
+    std::vector<PendingGrasp> grasps;       ///< ascending by id
+    std::vector<frame::Attachment> held;    ///< forces of the attachments in the last step, as frames carry them
+};
+
+/// The whole state of the engine.
+struct Scene : SceneState {
+    std::vector<SoftBody> soft;   ///< ascending by id
+    std::vector<RigidBody> rigid; ///< ascending by id
+};
+
+} // namespace filasofia::engine

@@ -1,0 +1,157 @@
+#include "filasofia/engine/scene/state_hash.h"
+
+#include "filasofia/core/hash.h"
+
+#include <span>
+#include <variant>
+
+namespace filasofia::engine {
+namespace {
+
+void add(Hasher& hash, Vec3 v)
+{
+    hash.add(v.x);
+    hash.add(v.y);
+    hash.add(v.z);
+}
+
+void add(Hasher& hash, const Pose& pose)
+{
+    add(hash, pose.position);
+    hash.add(pose.orientation.w);
+    add(hash, Vec3{pose.orientation.x, pose.orientation.y, pose.orientation.z});
+}
+
+// An empty list does not change the hash.
+void addCount(Hasher& hash, std::size_t count)
+{
+    if (count > 0) hash.add(static_cast<std::uint64_t>(count));
+}
+
+void add(Hasher& hash, const SurfaceName& name)
+{
+    hash.add(std::uint64_t{name.body.value});
+    hash.add(static_cast<std::uint64_t>(name.model));
+}
+
+void addCouplings(Hasher& hash, const RigidState& body)
+{
+    addCount(hash, body.hands.size());
+    for (const Hand& hand : body.hands) {
+        hash.add(static_cast<std::uint64_t>(hand.element));
+        add(hash, hand.target.pose);
+        add(hash, hand.target.velocity);
+        add(hash, hand.target.angularVelocity);
+        const auto& c = hand.target.coupling;
+        for (double each :
+             {c.linearStiffness, c.linearDamping, c.angularStiffness, c.angularDamping, c.forceLimit, c.torqueLimit})
+            hash.add(each);
+    }
+}
+
+void addContacts(Hasher& hash, const Scene& scene)
+{
+    addCount(hash, scene.contacts.size());
+    for (const CachedContact& contact : scene.contacts) {
+        for (BodyId body : {contact.first, contact.second}) hash.add(std::uint64_t{body.value});
+        hash.add(contact.feature);
+        add(hash, contact.point);
+        add(hash, contact.force);
+    }
+    addCount(hash, scene.sides.size());
+    for (const SideKept& kept : scene.sides) {
+        add(hash, kept.source);
+        add(hash, kept.target);
+        for (int each : {kept.point, kept.feature[0], kept.feature[1], kept.feature[2], kept.side})
+            hash.add(static_cast<std::uint64_t>(each));
+    }
+}
+
+void add(Hasher& hash, const AttachedPoint& point)
+{
+    for (const NodeWeight& each : point.nodes) {
+        hash.add(static_cast<std::uint64_t>(each.node));
+        hash.add(each.weight);
+    }
+    hash.add(static_cast<std::uint64_t>(point.element));
+    add(hash, point.place);
+}
+
+void addAttachments(Hasher& hash, const Scene& scene)
+{
+    addCount(hash, scene.attachments.size());
+    for (const Attachment& each : scene.attachments) {
+        for (std::uint32_t id : {each.id.value, each.body.value, each.to.value}) hash.add(std::uint64_t{id});
+        hash.add(each.stiffness);
+        hash.add(each.breakForce);
+        for (const auto& pair : each.pairs)
+            for (const AttachedPoint& point : pair) add(hash, point);
+    }
+    for (const std::vector<Vec3>& attachment : scene.holding)
+        for (const Vec3& force : attachment) add(hash, force);
+    addCount(hash, scene.grasps.size());
+    for (const PendingGrasp& each : scene.grasps) {
+        for (std::uint32_t id : {each.id.value, each.rigid.value, each.target.value}) hash.add(std::uint64_t{id});
+        hash.add(each.stiffness);
+        hash.add(each.breakForce);
+    }
+}
+
+void addJoints(Hasher& hash, const RigidState& body)
+{
+    for (const JointState& joint : body.joints) {
+        hash.add(static_cast<std::uint64_t>(joint.command.index()));
+        hash.add(std::visit([](const auto& command) { return command.value; }, joint.command));
+        for (double each : {joint.now.position, joint.now.velocity, joint.now.force, joint.now.load, joint.now.stop,
+                            joint.lowerStop, joint.upperStop, joint.dry})
+            hash.add(each);
+    }
+}
+
+/// Adds the edits of a mesh. A mesh without edits does not change the hash.
+void add(Hasher& hash, const BodyTopology& topology, const SoftModel& model)
+{
+    if (topology.revision == 0) return;
+    hash.add(topology.revision);
+    hash.add(topology.history);
+    for (int piece : model.removed) hash.add(static_cast<std::uint64_t>(piece));
+    for (const Stroke& stroke : topology.strokes) {
+        hash.add(std::uint64_t{stroke.tool.value});
+        hash.add(static_cast<std::uint64_t>(stroke.stroke.sheet()));
+        hash.add(stroke.sinceCrossing);
+    }
+}
+
+} // namespace
+
+std::uint64_t hashOf(const Scene& scene)
+{
+    Hasher hash;
+    hash.add(scene.step);
+    hash.add(scene.time);
+    add(hash, scene.gravity);
+    for (const SoftBody& body : scene.soft) {
+        hash.addAll(std::span<const Vec3>(body.state.x));
+        hash.addAll(std::span<const Vec3>(body.state.v));
+        hash.add(body.state.pressure);
+    }
+    for (const SoftBody& body : scene.soft) add(hash, body.topology, body.model);
+    for (const RigidBody& each : scene.rigid) {
+        const RigidState& body = each.state;
+        for (const Pose& pose : body.poses) add(hash, pose);
+        addJoints(hash, body);
+        if (!each.model.dynamic && body.joints.empty()) continue; // a kinematic body is its poses alone
+        for (const auto* list : {&body.velocities, &body.angularVelocities})
+            for (const Vec3& v : *list) add(hash, v);
+        for (const Wrench& wrench : body.wrenches) {
+            add(hash, wrench.force);
+            add(hash, wrench.torque);
+        }
+        addCouplings(hash, body);
+    }
+    addContacts(hash, scene);
+    addAttachments(hash, scene);
+    return hash.value();
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,160 @@
+#pragma once
+
+#include "filasofia/engine/body/soft_model.h"
+#include "filasofia/engine/elastic/corotational.h"
+#include "filasofia/engine/elastic/element_blocks.h"
+#include "filasofia/engine/integration/euler.h"
+#include "filasofia/engine/soft/mesh_edit.h"
+#include "filasofia/engine/soft/rigid_motion.h"
+#include "filasofia/linalg/matrix_free_cg.h"
+
+#include <cstdint>
+#include <memory>
+
+namespace filasofia {
+class BackgroundThread;
+}
+
+namespace filasofia::engine {
+
+class CoarseRemake;
+struct PreconditionerPlan;
+
+/// A number in the solver's precision.
+constexpr float asFloat(double value) { return static_cast<float>(value); }
+
+/// The equations of one step in the form that the default solver uses: in float, element by element, without a matrix.
+///
+/// Everything is divided by the mean nodal mass, so that the numbers are of the order of velocities whatever the body
+/// is made of; positions are relative to one of the body's nodes. Nodes are stored in slots in another order than in
+/// the model: first the free nodes, along a space-filling curve, then the pinned ones, whose entries in every vector
+/// stay zero.
+class MatrixFreeSystem final : public linalg::NodeOperator {
+public:
+    /// `period` [s]: the step that the preconditioner is built for.
+    MatrixFreeSystem(const SoftModel& model, double period);
+    ~MatrixFreeSystem() override;
+
+    /// True if float can represent all numbers of the model; extreme models need the assembled system.
+    static bool fits(const SoftModel& model, double period);
+
+    /// Computes rotations, forces and right-hand side at a state. `given` [N]: the forces other than elasticity and
+    /// damping. `inertia` [-] multiplies the masses in the matrix.
+    void assemble(const SoftModel& model, std::span<const Vec3> given, double dt, double inertia, SoftState& state,
+                  WorkerPool& pool);
+
+    /// Solves for the change of the velocities. `dv` [m/s]: the first guess, then the result. `leftover` [N s]: the
+    /// part of the residual impulse that the next step takes over.
+    linalg::NodeSolveReport solve(const linalg::SolveLimits& limits, std::span<Vec3> dv, std::span<Vec3> leftover,
+                                  WorkerPool& pool);
+    /// Writes dv and `leftover` after a coupled solve, which has left its result in this system. The error of the rigid
+    /// motion is not corrected here as in solve(): it depends on the bodies in contact.
+    void finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> leftover, WorkerPool& pool);
+    /// Per block of sixteen elements: bits of the elements that may have a principal stress of `limit` [Pa] or more,
+    /// with the rotations of the step's start. Returns false if there is no such element.
+    bool findStressed(const SoftState& state, double limit, WorkerPool& pool, std::vector<std::uint16_t>& stressed);
+    /// [m/s] The solution of the last solve at a node, before finish() corrected the motion of the whole body; zero if
+    /// the node is pinned.
+    [[nodiscard]] Vec3 solved(int node) const;
+    /// [N s] The residual impulse of the last solve at a node; zero if the node is pinned.
+    [[nodiscard]] Vec3 undone(int node) const;
+    /// The change of the velocities in an explicit step, in which the matrix is that of the masses.
+    void solveExplicit(std::span<Vec3> dv) const;
+
+    /// Updates the system after an edit of the mesh; the model is up to date already. Returns true if vectors of
+    /// unknowns have another size from now on.
+    bool edit(const SoftModel& model, const MeshEdit& edit);
+    /// Called once per step, after the edits. If an edit has parted tissue, the coarse level is rebuilt in the
+    /// background from the present mesh, and taken over some steps later.
+    void followParting(const SoftModel& model, BackgroundThread& meanwhile);
+
+    double multiply(const linalg::NodeArray& p, linalg::NodeArray& q, WorkerPool& pool) override;
+
+    /// z = M^-1 r, where M approximates the matrix; returns r . z
+    double precondition(const linalg::NodeArray& r, linalg::NodeArray& z, WorkerPool& pool);
+    /// A vector of unknowns, zero.
+    [[nodiscard]] linalg::NodeArray unknowns() const { return linalg::NodeArray(dv_.blocks(), dv_.pinnedBlocks()); }
+
+    [[nodiscard]] int coarseNodes() const { return preconditioner_.coarseNodes(); }
+
+private:
+    friend class MatrixFreeOperator;
+    static constexpr std::size_t kRotationsPerNode = 4; ///< number of elements whose mean rotation is that of a node
+    void orderNodes(const SoftModel& model);
+    void makeVectors(int heldBlocks);
+    /// Writes lane `element` from an element; without stiffness if not `real`, to fill up the last block.
+    void writeElement(const FemElement& e, int element, bool real);
+    void makeElements(const SoftModel& model);
+    void makeSprings(const SoftModel& model);
+    void makeGather(const SoftModel& model);
+    [[nodiscard]] PreconditionerPlan plan() const;
+
+    bool reserve(const SoftModel& model, const MeshEdit& edit);
+    void addNode(const SoftModel& model, int node, const MeshEdit::Node& made);
+    void interpolate(int slot, const MeshEdit::Node& made);
+    void moveElement(const SoftModel& model, int element);
+    void refreshNode(const SoftModel& model, int slot);
+
+    void load(std::span<const Vec3> from, Vec3 origin, linalg::NodeArray& to, WorkerPool& pool) const;
+
+    void loadImpulses(std::span<const Vec3> forces, std::span<const Vec3> leftover, double dt, WorkerPool& pool);
+
+    /// The fraction of the motion w = v + dv that must be removed so that the step does not gain energy; usually 0. A
+    /// residual impulse r of the solve acts on the body like an external impulse -r. With the residual impulse l handed
+    /// on from the last step, a step changes the energy by
+    ///     E' - E = - dv . M dv / 2 - h a w . M w - (h^2 / 2 + h b) w . K w - (r - l) . w
+    /// with Rayleigh's coefficients a and b (exact if forces are linear). If that is not negative, the whole body is
+    /// slowed down uniformly until the residual does no work: the residual of (1 - t) w is
+    /// r + t A w. If the body is not pinned, its rigid motion is not slowed down: w is then relative to that.
+    double heldBack(WorkerPool& pool);
+
+    void finish(const linalg::NodeSolveReport& report, const RigidMotion& push, std::span<Vec3> dv,
+                std::span<Vec3> leftover, WorkerPool& pool);
+
+    /// The rigid motion with the momentum and the angular momentum of the velocities v + dv; zero if the body is
+    /// pinned.
+    [[nodiscard]] RigidMotion rigidMotion() const;
+    /// The rigid motion that dv lacks of the response to the external impulses. Elasticity does not resist it, so it
+    /// must not depend on tolerance or rounding: a stiff body that spins freely would gain spin.
+    [[nodiscard]] RigidMotion rigidPush() const;
+    template <class MomentumOf> [[nodiscard]] RigidMotion rigidMotionOf(const MomentumOf& momentumOf) const;
+
+    bool free_ = false;           ///< the body is not pinned
+    double scale_ = 1.0;          ///< [1/kg]
+    double period_ = 0.0;         ///< [s] the step that the preconditioner is built for
+    bool preconditioned_ = false; ///< there is a preconditioner: the integrator is implicit
+    int freeNodes_ = 0;           ///< free nodes are in slots [0, freeNodes_)
+    int heldNodes_ = 0;
+    int elementCount_ = 0;
+    Lame stiffest_;               ///< the largest constants of all elements that have ever existed
+    int freeBlocks_ = 0;          ///< blocks of sixteen slots in vectors of unknowns, with room for edits
+    std::vector<int> nodeOf_;     ///< per slot: the model's node; -1: empty
+    std::vector<int> slotOf_;     ///< per node of the model: its slot
+    std::vector<float> masses_;   ///< per free slot, scaled
+    std::vector<float> pins_;     ///< per free slot: scaled stiffness of its pin springs
+    std::vector<float> diagonal_; ///< per free slot: the pin springs' part of the step's matrix
+
+    std::vector<ElementBlock> elements_;
+    std::vector<WarpedBlock> warped_;
+    std::vector<SpringBlock> springs_;
+    std::vector<SpringMatrixBlock> springMatrices_;
+    linalg::Gather gather_; ///< the corners of elements and springs around each free slot
+    linalg::Gather turns_;  ///< some of the element corners, for the rotations of nodes
+    /// Contributions of elements and springs to their nodes, in blocks of sixteen.
+    std::vector<linalg::NodeBlock> corners_;
+    std::vector<linalg::NodeBlock> quaternions_; ///< rotations of the elements
+
+    double massWeight_ = 1.0;  ///< [-] factor on the masses in the step's matrix
+    double massLoss_ = 0.0;    ///< [-] mass damping in the step's right-hand side, h a
+    double elasticLoss_ = 0.5; ///< [-] (h^2 / 2 + h b) / (h^2 + h b)
+    linalg::NodeArray outer_;  ///< scaled external impulses; only if the body is not pinned
+    linalg::NodeArray x_, v_, residual_, handedOn_, dv_, scratch_, product_, zeros_;
+    double size_ = 0.0; ///< squared norm of the right-hand side
+    std::vector<double> sums_;
+    linalg::TwoLevelPreconditioner preconditioner_;
+    bool parted_ = false; ///< tissue has been parted since the coarse level was built or its rebuild began
+    std::unique_ptr<CoarseRemake> remake_; ///< rebuild of the coarse level in progress; null: none
+    linalg::MatrixFreeCg cg_;
+};
+
+} // namespace filasofia::engine

@@ -1,0 +1,80 @@
+#include "filasofia/engine/soft/soft_system.h"
+
+#include "filasofia/core/log.h"
+
+#include <algorithm>
+
+namespace filasofia::engine {
+namespace {
+
+/// True if an element or spring pulls at hard-pinned nodes. If all its nodes are pinned, it is at rest and exerts no
+/// force.
+template <class Nodes> bool pulls(const HeldParts& parts, const Nodes& nodes)
+{
+    const auto held = std::ranges::count_if(nodes, [&](int node) { return parts.holders[node] > 0; });
+    return held > 0 && held < std::ssize(nodes);
+}
+
+HeldParts heldParts(const SoftModel& model)
+{
+    HeldParts parts;
+    for (const PinGroup& group : model.pins.groups) {
+        if (group.stiffness != physics::kHard) continue;
+        parts.holders.resize(model.rest.size());
+        for (int node : group.nodes) ++parts.holders[node];
+    }
+    if (parts.holders.empty()) return parts;
+    for (std::size_t e = 0; e < model.elements.size(); ++e)
+        if (pulls(parts, model.elements[e].nodes)) parts.elements.push_back(static_cast<int>(e));
+    for (std::size_t s = 0; s < model.springs.size(); ++s)
+        if (pulls(parts, model.springs[s].nodes)) parts.springs.push_back(static_cast<int>(s));
+    return parts;
+}
+
+} // namespace
+
+void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts)
+{
+    if (parts.holders.empty()) return;
+    if (model.elements.empty()) {
+        parts = heldParts(model);
+        return;
+    }
+    const std::size_t known = parts.holders.size();
+    parts.holders.resize(model.rest.size());
+    for (const PinGroup& group : model.pins.groups)
+        if (group.stiffness == physics::kHard)
+            for (auto node = group.nodes.rbegin(); node != group.nodes.rend();
+                 ++node) { // ascending: new nodes are last
+                if (static_cast<std::size_t>(*node) < known) break;
+                ++parts.holders[static_cast<std::size_t>(*node)];
+            }
+    for (int element : edit.elements) {
+        const auto place = std::ranges::lower_bound(parts.elements, element);
+        const bool listed = place != parts.elements.end() && *place == element;
+        const bool now = pulls(parts, model.elements[static_cast<std::size_t>(element)].nodes);
+        if (now && !listed) parts.elements.insert(place, element);
+        if (!now && listed) parts.elements.erase(place);
+    }
+}
+
+SoftSystem makeSystem(const SoftModel& model, double period)
+{
+    SoftSystem system;
+    const auto* cg = std::get_if<physics::ConjugateGradient>(&model.solver);
+    const bool wanted = cg && !cg->assembled;
+    if (wanted && MatrixFreeSystem::fits(model, period))
+        system.matrixFree = std::make_unique<MatrixFreeSystem>(model, period);
+    else
+        system.assembled = std::make_unique<AssembledSystem>(model);
+    if (wanted && !system.matrixFree)
+        logWarning("soft body '", model.name,
+                   "': its masses and stiffnesses span too wide a range for single precision; ",
+                   "it is solved in double precision, which is slower");
+    for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
+        buffer->resize(model.rest.size());
+    system.held = heldParts(model);
+    return system;
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "filasofia/engine/soft/assembled_system.h"
+#include "filasofia/engine/soft/matrix_free_operator.h"
+
+namespace filasofia::engine {
+
+/// The elements and springs that pull at hard-pinned nodes, from which the reactions of pins are computed, and the
+/// number of pin groups per node.
+struct HeldParts {
+    std::vector<int> elements, springs;
+    std::vector<int> holders; ///< per node: number of hard pin groups; empty if no node is pinned hard
+};
+
+/// The equations of one soft body's step, and their memory. What persists from step to step is a function of the model,
+/// except for the two flags and for the preconditioner of a body that was cut, which also depends on the history of its
+/// edits. Either `matrixFree` or `assembled` is set.
+struct SoftSystem {
+    std::unique_ptr<MatrixFreeSystem> matrixFree; ///< in float, the default
+    /// Operator of matrixFree; set once the body is part of a coupled solve.
+    std::unique_ptr<MatrixFreeOperator> coupled;
+    std::unique_ptr<AssembledSystem> assembled; ///< in double, the reference solver
+
+    HeldParts held;
+    bool tuned = false;    ///< the model may differ from what its Def and its material say
+    bool outdated = false; ///< the model has changed: the system is rebuilt before the next solve
+
+    std::vector<Vec3> forces;             ///< [N] gravity, nodal forces, pressure, pin springs
+    std::vector<Vec3> x, v, dv, leftover; ///< the new state, until it is known to be usable
+};
+
+/// Marks the system as outdated: it is rebuilt after the last command of the step, as later commands may change more.
+/// `tuned`: the model may differ from what its Def and its material say.
+inline void outdate(bool tuned, SoftSystem& system)
+{
+    system.outdated = true;
+    system.tuned = tuned;
+}
+
+/// Updates the parts that pull at hard-pinned nodes after an edit.
+void followHeld(const SoftModel& model, const MeshEdit& edit, HeldParts& parts);
+
+/// Builds the system of a body, assembled if float cannot represent the model. `period` [s]: the step that the solver
+/// prepares for.
+SoftSystem makeSystem(const SoftModel& model, double period);
+
+} // namespace filasofia::engine

@@ -1,0 +1,242 @@
+#include "filasofia/engine/step/advance.h"
+
+#include "filasofia/engine/body/usable.h"
+#include "filasofia/engine/contact/solve_island.h"
+#include "filasofia/engine/scene/each_body.h"
+#include "filasofia/engine/step/assemble.h"
+#include "filasofia/engine/step/solve_limits.h"
+#include "filasofia/engine/topology/loose_pieces.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <span>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+using physics::StepFlag;
+
+// [-] If a step blows up, it is repeated from rest with the masses multiplied by this: the body creeps towards
+// equilibrium and cannot gain speed.
+constexpr double kCreep = 100.0;
+
+// [rad] Largest rotation of a loose piece in a step: a first-order step cannot follow faster ones.
+constexpr double kMaxTurn = 0.25;
+
+/// Computes the change of the velocities.
+linalg::NodeSolveReport solveBody(double dt, double inertia, const linalg::SolveLimits& limits, SoftBody& body,
+                                  WorkerPool& pool)
+{
+    SoftSystem& system = body.system;
+    if (system.assembled) return {solve(body.model, dt, inertia, body.state.v, *system.assembled, system.dv)};
+    if (std::holds_alternative<physics::ImplicitEuler>(body.model.integrator))
+        return system.matrixFree->solve(limits, system.dv, system.leftover, pool);
+    system.matrixFree->solveExplicit(system.dv);
+    return {};
+}
+
+/// Computes the new state from the change of the velocities; false if the new state is not usable.
+bool moveBody(double dt, SoftBody& body, WorkerPool& pool)
+{
+    const SoftState& state = body.state;
+    SoftSystem& system = body.system;
+    const auto* explicitEuler = std::get_if<physics::ExplicitEuler>(&body.model.integrator);
+    const bool withOld = explicitEuler && !explicitEuler->symplectic;
+    const linalg::Parts parts{static_cast<int>(state.x.size()), 512};
+    std::atomic<bool> good = true;
+    pool.run(parts.count(), [&](int part) {
+        const auto first = static_cast<std::size_t>(parts[part].begin), end = static_cast<std::size_t>(parts[part].end);
+        const auto nodes = [&](auto& list) { return std::span(list).subspan(first, end - first); };
+        const std::span<Vec3> x = nodes(system.x), v = nodes(system.v);
+        std::ranges::copy(nodes(state.x), x.begin());
+        std::ranges::copy(nodes(state.v), v.begin());
+        move(dt, withOld, nodes(system.dv), x, v);
+        if (!usable(x) || !usable(v) ||
+            !std::ranges::all_of(nodes(system.leftover), [](Vec3 l) { return isFinite(l); }))
+            good = false;
+    });
+    return good;
+}
+
+/// Per node, whether a constraint acts on it.
+std::vector<char> constrainedNodes(std::size_t body, std::size_t nodes, const std::vector<Constraint>& constraints)
+{
+    std::vector<char> constrained(nodes);
+    for (const Constraint& each : constraints)
+        for (const BodyPoint& point : each.sides)
+            if (point.of == BodyPoint::Of::Soft && point.body == body)
+                for (int k = 0; k < point.count; ++k) constrained[static_cast<std::size_t>(point.nodes[k])] = 1;
+    return constrained;
+}
+
+/// Continues the solve of small fragments from their known residuals. A fragment that touches something is left as the
+/// coupled solve found it.
+void finishPieces(std::size_t index, double dt, const std::vector<Constraint>& constraints, SoftBody& body)
+{
+    const SoftModel& model = body.model;
+    SoftSystem& system = body.system;
+    const auto isFragment = [](const BodyPiece& piece) { return !piece.elements.empty(); };
+    if (std::ranges::none_of(model.pieces, isFragment) || !system.matrixFree || model.elements.empty() ||
+        !std::holds_alternative<physics::ImplicitEuler>(model.integrator))
+        return;
+    const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness});
+    const auto solved = [&](int node) {
+        return NodeSolve{system.matrixFree->solved(node), system.matrixFree->undone(node)};
+    };
+    finishFragments(body, weights, constrainedNodes(index, model.rest.size(), constraints), solved);
+}
+
+/// Clears the warm start of the constraints on a body that was rolled back.
+void clearWarmStart(std::size_t body, std::vector<Constraint>& constraints)
+{
+    for (Constraint& each : constraints)
+        for (const BodyPoint& point : each.sides)
+            if (point.of == BodyPoint::Of::Soft && point.body == body) each.multiplier = {};
+}
+
+/// How the solve of a body ended.
+struct BodyOutcome {
+    physics::BodySolve solve;
+    std::uint32_t flags = 0;
+    void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }
+    [[nodiscard]] bool has(StepFlag flag) const { return (flags & static_cast<std::uint32_t>(flag)) != 0; }
+};
+
+/// Moves a body by the solved change of velocities. If the new state is not usable, the body is rolled back and its
+/// step is repeated with kCreep times its mass.
+void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOutcome& outcome)
+{
+    const double dt = context.dt;
+    SoftState& state = body.state;
+    SoftSystem& system = body.system;
+    bool good = moveBody(dt, body, context.pool);
+    if (!good) { // roll back, clear velocities, and creep
+        for (auto* list : {&state.v, &state.dv, &state.leftover}) std::fill(list->begin(), list->end(), Vec3{});
+        assembleBody({gravity, dt, kCreep}, body, context.pool);
+        system.dv = state.dv;
+        solveBody(dt, kCreep, limitsOf(body.model), body, context.pool);
+        // The residual of the heavier body must not be handed on to the real one.
+        std::fill(system.leftover.begin(), system.leftover.end(), Vec3{});
+        good = moveBody(dt, body, context.pool);
+        outcome.set(StepFlag::Undone);
+        if (good) outcome.set(StepFlag::Damped);
+    }
+    if (good) {
+        std::swap(system.x, state.x);
+        std::swap(system.v, state.v);
+        std::swap(system.dv, state.dv);
+        std::swap(system.leftover, state.leftover);
+        limitSpin(body.model, kMaxTurn, dt, state);
+    }
+}
+
+BodyOutcome outcomeOf(BodyId id, const linalg::NodeSolveReport& solve)
+{
+    BodyOutcome outcome;
+    outcome.solve = {id, solve.iterations, solve.residual};
+    if (solve.outOfTime) outcome.set(StepFlag::OutOfTime);
+    if (!solve.converged && !solve.outOfTime) outcome.set(StepFlag::NotConverged);
+    return outcome;
+}
+
+/// Sets the first guess of a body's solve.
+void prepareBody(SoftBody& body)
+{
+    body.system.dv = body.state.dv;
+    auto& residual = body.system.leftover;
+    std::fill(residual.begin(), residual.end(), Vec3{}); // only the default solver writes residuals
+}
+
+/// Solves the bodies of the scene, coupled ones island by island, and moves the soft bodies.
+class Advance {
+public:
+    Advance(const StepContext& context, Scene& scene, Coupling& coupling)
+        : context_(context), scene_(scene), coupling_(coupling),
+          islands_(findIslands(scene.soft.size(), coupling.rigid, coupling.constraints)),
+          limits_(limitsOf(context, scene, islands_)), outcomes_(scene.soft.size()), coupled_(scene.soft.size())
+    {
+    }
+
+    void solveIslands()
+    {
+        for (std::size_t i = 0; i < islands_.size(); ++i) solveIsland(islands_[i], limits_.islands[i]);
+    }
+
+    void solveOthers()
+    {
+        forEachBody(scene_, context_.pool, [&](SoftBody& body, std::size_t b) {
+            if (coupled_[b]) return;
+            prepareBody(body);
+            outcomes_[b] =
+                outcomeOf(body.model.id, solveBody(context_.dt, 1.0, limits_.bodies[b], body, context_.pool));
+            settle(b);
+        });
+    }
+
+    void reportSolves() const
+    {
+        for (const auto* list : {&outcomes_, &rigidOutcomes_})
+            for (const BodyOutcome& outcome : *list) {
+                context_.report.solves.push_back(outcome.solve);
+                context_.report.flags |= outcome.flags;
+            }
+    }
+
+private:
+    void solveIsland(const Island& island, const linalg::SolveLimits& limits)
+    {
+        for (std::size_t b : island.soft) {
+            prepareBody(scene_.soft[b]);
+            coupled_[b] = true;
+        }
+        const CoupledReport solve =
+            engine::solveIsland(context_, island, coupledLimitsOf(context_, scene_, island, limits), scene_, coupling_);
+        for (std::size_t b : island.soft) {
+            outcomes_[b] = outcomeOf(scene_.soft[b].model.id, solve);
+            settle(b);
+            if (outcomes_[b].has(StepFlag::Undone)) clearWarmStart(b, coupling_.constraints);
+        }
+        if (island.soft.empty())
+            rigidOutcomes_.push_back(outcomeOf(scene_.rigid[coupling_.rigid[island.rigid[0]].body].model.id, solve));
+        physics::ContactReport& contacts = context_.report.contacts;
+        contacts.rounds = std::max(contacts.rounds, solve.rounds);
+        contacts.mismatch = std::max(contacts.mismatch, solve.mismatch);
+    }
+
+    void settle(std::size_t b)
+    {
+        finishPieces(b, context_.dt, coupling_.constraints, scene_.soft[b]);
+        settleBody(context_, scene_.gravity, scene_.soft[b], outcomes_[b]);
+    }
+
+    const StepContext& context_;
+    Scene& scene_;
+    Coupling& coupling_;
+    std::vector<Island> islands_;
+    StepLimits limits_;
+    std::vector<BodyOutcome> outcomes_;      ///< per soft body
+    std::vector<BodyOutcome> rigidOutcomes_; ///< per island without a soft body
+    std::vector<char> coupled_;              ///< per soft body: 1 if it is in an island
+};
+
+} // namespace
+
+void advance(const StepContext& context, Scene& scene, Coupling& coupling)
+{
+    if (context.dt > 0.0) {
+        Advance stage(context, scene, coupling);
+        stage.solveIslands();
+        stage.solveOthers();
+        stage.reportSolves();
+        scene.time += context.dt;
+        ++scene.step;
+    }
+    moveRigid(context, coupling.rigid, scene);
+    moveArticulations(context, coupling.articulations, coupling.rigid, scene);
+    context.report.step = scene.step;
+    context.report.time = scene.time;
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,151 @@
+#include "filasofia/engine/step/apply_commands.h"
+
+#include "filasofia/core/assert.h"
+#include "filasofia/engine/build/build_body.h"
+#include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/rigid/articulation_step.h"
+#include "filasofia/engine/rigid/virtual_coupling.h"
+#include "filasofia/engine/scene/find_body.h"
+#include "filasofia/engine/step/add_body.h"
+#include "filasofia/engine/step/reset_scene.h"
+#include "filasofia/engine/step/tune_scene.h"
+#include "filasofia/engine/topology/loose_pieces.h"
+#include "filasofia/engine/topology/remove_piece.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+/// Applies one command, with one overload per kind. The server has checked that the bodies it names exist.
+struct ApplyCommand {
+    physics::PhysicsEngine& self;
+    Scene& scene;
+    physics::StepReport& report;
+
+    void operator()(physics::AddBody& add) const { addBody(add, scene, report); }
+    void operator()(const physics::RemoveBody& remove) const { removeBody(remove.id, scene); }
+    void operator()(const physics::SetPose& set) const
+    {
+        const std::size_t index = rigidIndex(set.id);
+        RigidState& state = scene.rigid[index].state;
+        const Pose pose = physics::unitPose(set.pose, "pose");
+        if (!scene.rigid[index].model.dynamic) { // moveRigid() or moveArticulations() moves it there
+            state.targets[set.element] = pose;
+            return;
+        }
+        state.poses[set.element] = pose;
+        state.velocities[set.element] = state.angularVelocities[set.element] = {};
+        for (JointState& joint : state.joints) joint.now.velocity = 0.0;
+        placeLinks(index, scene);
+    }
+    void operator()(const physics::SetWrench& set) const
+    {
+        rigid(set.id).state.wrenches[set.element] = {set.force, set.torque};
+    }
+    void operator()(const physics::SetJoint& set) const
+    {
+        rigid(set.id).state.joints[static_cast<std::size_t>(set.joint)].command = set.command;
+    }
+    void operator()(const physics::SetHaptic& set) const
+    {
+        RigidBody& body = rigid(set.id);
+        physics::HapticTarget target = set.target;
+        target.pose = physics::unitPose(target.pose, "target.pose");
+        if (body.model.dynamic)
+            hold({set.element, target}, body.state);
+        else
+            body.state.targets[set.element] = target.pose;
+    }
+    void operator()(const physics::SetGravity& set) const { scene.gravity = set.gravity; }
+    void operator()(physics::SetMaterial& set) const
+    {
+        SoftBody& body = soft(set.id);
+        setMaterial(set.material, body.model);
+        if (SoftModel* start = body.topology.start.get()) setMaterial(set.material, *start);
+        // The server built a system for the new material in advance. It depends on the model alone, and the model on
+        // Def and material, so the order of commands does not matter. The old system is returned with the command, as
+        // freeing it would take too long in a step.
+        if (auto* built = dynamic_cast<BuiltSoftBody*>(set.body.get()); built && !body.system.tuned)
+            std::swap(body.system, built->body.system);
+        else
+            body.system.outdated = true;
+    }
+    void operator()(const physics::SetForces& set) const { setForces(set.forces, soft(set.id).state); }
+    void operator()(const physics::SetPressure& set) const { soft(set.id).state.pressure = set.pressure; }
+    void operator()(const physics::Attach& command) const
+    {
+        attach({command.id, command.body}, command.def, scene, report);
+    }
+    void operator()(const physics::AttachRigid& command) const
+    {
+        attach({command.id, command.body}, command.def, scene, report);
+    }
+    void operator()(const physics::Grasp& grasp) const
+    {
+        scene.grasps.push_back({grasp.id, grasp.rigid, grasp.target, grasp.def.stiffness, grasp.def.breakForce});
+    }
+    void operator()(const physics::RemovePiece& remove) const
+    {
+        SoftBody& body = soft(remove.id);
+        if (removePiece(remove.piece, body, scene))
+            outdate(true, body.system);
+        else
+            ++report.topology.noPiece;
+    }
+    void operator()(const physics::Release& command) const
+    {
+        release(command.id, scene);
+        for (SoftBody& body : scene.soft) {
+            Pins& pins = body.model.pins;
+            const auto group = std::ranges::find(pins.groups, command.id, &PinGroup::id);
+            if (group == pins.groups.end()) continue;
+            const auto place = group - pins.groups.begin();
+            releaseGroup(static_cast<std::size_t>(place), pins);
+            findHeld(pins, body.model.pieces);
+            if (SoftModel* start = body.topology.start.get())
+                releaseGroup(static_cast<std::size_t>(place), start->pins);
+            outdate(true, body.system); // the model differs from its Def now
+        }
+    }
+    void operator()(const physics::Reset&) const { resetScene(scene); }
+    void operator()(const physics::Pause&) const {} // handled by the server, which steps with dt = 0
+    void operator()(const physics::Tune& tune) const { tuneScene(tune, self, scene, report); }
+
+private:
+    [[nodiscard]] std::size_t rigidIndex(BodyId id) const
+    {
+        const auto index = findIn(scene.rigid, id);
+        FILASOFIA_ASSERT(index.has_value());
+        return *index;
+    }
+    [[nodiscard]] RigidBody& rigid(BodyId id) const { return scene.rigid[rigidIndex(id)]; }
+    [[nodiscard]] SoftBody& soft(BodyId id) const
+    {
+        const auto index = findIn(scene.soft, id);
+        FILASOFIA_ASSERT(index.has_value());
+        return scene.soft[*index];
+    }
+};
+
+} // namespace
+
+void applyCommands(const StepContext& context, std::span<physics::Command> commands, physics::PhysicsEngine& self,
+                   Scene& scene)
+{
+    const ApplyCommand apply{self, scene, context.report};
+    for (physics::Command& command : commands) std::visit(apply, command);
+}
+
+void rebuildSystems(double period, Scene& scene)
+{
+    for (SoftBody& body : scene.soft) {
+        if (!body.system.outdated) continue;
+        const bool tuned = body.system.tuned;
+        body.system = makeSystem(body.model, period);
+        body.system.tuned = tuned;
+    }
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,79 @@
+#include "filasofia/engine/step/reset_scene.h"
+
+#include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/contact/warm_start.h"
+#include "filasofia/engine/rigid/articulation_step.h"
+#include "filasofia/engine/topology/loose_pieces.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+/// Restores the attachment points on a body that is whole again: `side` 0 if it is the attached body, 1 if others are
+/// attached to it. Attachments from before the first edit get their old points. Later attachments are released if one
+/// of their nodes no longer exists.
+void restoreAttachments(const BodyTopology& topology, const SoftModel& whole, std::size_t side, Scene& scene)
+{
+    const auto lost = [&](const NodeWeight& each) { return static_cast<std::size_t>(each.node) >= whole.rest.size(); };
+    for (std::size_t a = scene.attachments.size(); a-- > 0;) {
+        Attachment& each = scene.attachments[a];
+        if ((side == 0 ? each.body : each.to) != whole.id) continue;
+        const auto before = std::ranges::find(topology.startAttachments, each.id, &Attachment::id);
+        bool gone = false;
+        for (std::size_t p = 0; p < each.pairs.size(); ++p) {
+            if (before != topology.startAttachments.end()) each.pairs[p][side] = before->pairs[p][side];
+            gone = gone || std::ranges::any_of(each.pairs[p][side].nodes, lost);
+        }
+        if (gone) release(each.id, scene);
+    }
+}
+
+/// Restores the mesh of a body that was cut or torn. Attachments created since are released if a node of theirs no
+/// longer exists.
+void restoreMesh(SoftBody& body, Scene& scene)
+{
+    BodyTopology& topology = body.topology;
+    topology.strokes.clear();
+    topology.followed = false; // the jump to the start is not a motion that blades could cut along
+    if (topology.revision == 0) return;
+    SoftModel whole = std::move(*topology.start);
+    whole.id = body.model.id;
+    const std::size_t nodes = whole.rest.size();
+    for (std::size_t m = 0; m < whole.collision.size(); ++m) forgetSurface({whole.id, static_cast<int>(m)}, scene);
+    for (std::size_t side : {0, 1}) restoreAttachments(topology, whole, side, scene);
+    body.model = std::move(whole);
+    body.state.forces.resize(nodes);
+    topology = makeTopology(body.model);
+    body.model.pieces = findPieces(body.model, *topology.pieces);
+    outdate(true, body.system);
+}
+
+} // namespace
+
+void resetScene(Scene& scene)
+{
+    for (SoftBody& body : scene.soft) restoreMesh(body, scene);
+    for (SoftBody& body : scene.soft) {
+        SoftState fresh = stateAtRest(body.model);
+        fresh.forces = std::move(body.state.forces);
+        fresh.pressure = body.state.pressure;
+        body.state = std::move(fresh);
+    }
+    for (std::size_t b = 0; b < scene.rigid.size(); ++b) {
+        RigidBody& body = scene.rigid[b];
+        RigidState fresh = stateAtStart(body.model);
+        fresh.wrenches = std::move(body.state.wrenches);
+        fresh.hands = std::move(body.state.hands);
+        body.state = std::move(fresh);
+        placeLinks(b, scene); // a carrier comes before the bodies that it carries
+    }
+    scene.contacts.clear();
+    scene.touching.clear();
+    scene.sides.clear(); // bodies have moved: the sides of sheets are unknown again
+    for (std::vector<Vec3>& forces : scene.holding) std::ranges::fill(forces, Vec3{});
+    scene.held.clear();
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,239 @@
+#include "filasofia/engine/topology/apply_edit.h"
+
+#include "filasofia/core/sorted.h"
+#include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/topology/follow_surface.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+using frame::TopologyEdit;
+
+/// [kg m/s] Momentum of those nodes that existed before the edit.
+Vec3 momentumOf(const SoftModel& model, const SoftState& state, const std::vector<int>& nodes)
+{
+    Vec3 sum;
+    for (int node : nodes)
+        if (const auto i = static_cast<std::size_t>(node); i < state.v.size()) sum += model.masses[i] * state.v[i];
+    return sum;
+}
+
+/// A sliding node moves mass between nodes. The momentum that this adds or removes is spread over all nodes that are
+/// not pinned.
+void keepMomentum(Vec3 before, const std::vector<int>& nodes, const SoftModel& model, SoftState& state)
+{
+    double mass = 0.0;
+    for (int node : nodes)
+        if (!model.pins.hard[static_cast<std::size_t>(node)]) mass += model.masses[static_cast<std::size_t>(node)];
+    if (!(mass > 0.0)) return;
+    const Vec3 change = 1.0 / mass * (before - momentumOf(model, state, nodes));
+    for (int node : nodes)
+        if (!model.pins.hard[static_cast<std::size_t>(node)]) state.v[static_cast<std::size_t>(node)] += change;
+}
+
+/// Elements that are new or have other nodes or another shape, ascending: those that the edit names, and those around
+/// nodes that slid and around their copies.
+std::vector<int> reachedElements(const TopologyEdit& edit, const MeshTopology& mesh)
+{
+    std::vector<int> elements, slid;
+    for (const frame::TetNodes& changed : edit.changed) elements.push_back(changed.tetrahedron);
+    for (const frame::TopologyOp& op : edit.ops) {
+        if (const auto* moved = std::get_if<frame::NodeMove>(&op)) slid.push_back(moved->node);
+        const auto* copy = std::get_if<frame::NodeCopy>(&op);
+        if (copy && std::ranges::find(slid, copy->from) != slid.end()) slid.push_back(copy->copy);
+    }
+    for (int node : slid) {
+        const std::vector<int>& around = mesh.around[static_cast<std::size_t>(node)];
+        elements.insert(elements.end(), around.begin(), around.end());
+    }
+    sortUnique(elements);
+    return elements;
+}
+
+/// The nodes of these elements before and after the edit, ascending.
+std::vector<int> reachedNodes(const std::vector<int>& elements, const MeshTopology& mesh, const SoftModel& model)
+{
+    std::vector<int> nodes;
+    for (int element : elements) {
+        const auto e = static_cast<std::size_t>(element);
+        nodes.insert(nodes.end(), mesh.tetrahedra[e].begin(), mesh.tetrahedra[e].end());
+        if (e < elementCount(model))
+            nodes.insert(nodes.end(), elementNodes(model, e).begin(), elementNodes(model, e).end());
+    }
+    sortUnique(nodes);
+    return nodes;
+}
+
+/// A new node between two pinned nodes is pinned: by the groups that pin both, or if there is none, by all groups that
+/// pin one of them. A copy of a pinned node is pinned too. Spring pins stay with the original node and slide with it.
+void followPins(const TopologyEdit& edit, SoftModel& model)
+{
+    Pins& pins = model.pins;
+    const auto holds = [](const PinGroup& group, int node) {
+        return group.stiffness == physics::kHard && std::ranges::binary_search(group.nodes, node);
+    };
+    const auto add = [&](int node, int a, int b) {
+        const bool held = pins.hard[static_cast<std::size_t>(a)] && pins.hard[static_cast<std::size_t>(b)];
+        pins.hard.push_back(held);
+        if (!held) return;
+        const bool both =
+            std::ranges::any_of(pins.groups, [&](const PinGroup& group) { return holds(group, a) && holds(group, b); });
+        for (PinGroup& group : pins.groups)
+            if (both ? holds(group, a) && holds(group, b) : holds(group, a) || holds(group, b))
+                group.nodes.push_back(node);
+    };
+    for (const frame::TopologyOp& op : edit.ops)
+        if (const auto* made = std::get_if<frame::NewNode>(&op)) {
+            add(made->node, made->a, made->b);
+        } else if (const auto* copy = std::get_if<frame::NodeCopy>(&op)) {
+            add(copy->copy, copy->from, copy->from);
+        } else if (const auto* moved = std::get_if<frame::NodeMove>(&op)) {
+            for (PinSpring& pin : pins.springs)
+                if (pin.node == moved->node) pin.anchor += moved->newRest - moved->oldRest;
+        }
+}
+
+void followState(const TopologyEdit& edit, const MeshTopology& mesh, SoftModel& model, SoftState& state)
+{
+    frame::followNodes(edit, state.v);
+    frame::followNodes(edit, state.dv);
+    for (const frame::TopologyOp& op : edit.ops)
+        if (const auto* moved = std::get_if<frame::NodeMove>(&op)) {
+            const auto node = static_cast<std::size_t>(moved->node);
+            model.rest[node] = mesh.rest[node];
+            state.x[node] = mesh.current[node];
+        }
+    const auto count = static_cast<std::size_t>(edit.nodes), known = model.rest.size();
+    model.rest.insert(model.rest.end(), mesh.rest.begin() + static_cast<std::ptrdiff_t>(known), mesh.rest.end());
+    state.x.insert(state.x.end(), mesh.current.begin() + static_cast<std::ptrdiff_t>(known), mesh.current.end());
+    state.leftover.resize(count); // residual impulses and forces stay with their nodes
+    state.forces.resize(count);
+    model.masses.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+        if (model.pins.hard[i]) state.v[i] = state.dv[i] = {};
+}
+
+/// Adds (sign 1) or subtracts (sign -1) the element's mass at its nodes.
+void addMass(const SoftModel& model, std::size_t element, double sign, std::vector<double>& masses)
+{
+    const geometry::Tetrahedron& nodes = elementNodes(model, element);
+    const double massPerNode = 0.25 * model.density * volumeOf(cornersOf(nodes, model.rest));
+    for (int node : nodes) masses[static_cast<std::size_t>(node)] += sign * massPerNode;
+}
+
+/// Appends the children of divided elements, which inherit their parents' material and rotation.
+void addElements(const TopologyEdit& edit, SoftModel& model, SoftState& state)
+{
+    const bool fem = !model.elements.empty();
+    for (const frame::TopologyOp& op : edit.ops) {
+        const auto* split = std::get_if<frame::TetSplit>(&op);
+        if (!split) continue;
+        if (!fem) {
+            model.tetrahedra.emplace_back();
+            continue;
+        }
+        model.elements.push_back(FemElement(model.elements[static_cast<std::size_t>(split->parent)]));
+        state.rotations.resize(static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size()))));
+        setRotation(state.rotations, static_cast<std::size_t>(split->child),
+                    rotationOf(state.rotations, static_cast<std::size_t>(split->parent)));
+    }
+}
+
+/// Rebuilds the springs on edges between nodes that the edit reached; the others stay.
+void followSprings(const std::vector<int>& reached, const MeshTopology& mesh, SoftModel& model)
+{
+    const auto isReached = [&](int node) { return std::ranges::binary_search(reached, node); };
+    std::vector<std::array<int, 2>> edges;
+    for (int a : reached)
+        for (int t : mesh.around[static_cast<std::size_t>(a)])
+            for (int b : mesh.tetrahedra[static_cast<std::size_t>(t)])
+                if (a < b && isReached(b)) edges.push_back({a, b});
+    sortUnique(edges);
+    const Spring like = model.springs.front();
+    std::vector<Spring> created, kept, all;
+    for (const std::array<int, 2>& edge : edges) created.push_back(springOn(edge, like, model.rest));
+    std::ranges::copy_if(model.springs, std::back_inserter(kept), [&](const Spring& spring) {
+        return !isReached(spring.nodes[0]) || !isReached(spring.nodes[1]);
+    });
+    std::ranges::merge(kept, created, std::back_inserter(all), {}, &Spring::nodes, &Spring::nodes);
+    model.springs = std::move(all);
+}
+
+void followElements(const TopologyEdit& edit, const MeshEdit& changed, const MeshTopology& mesh, SoftModel& model,
+                    SoftState& state)
+{
+    addElements(edit, model, state);
+    for (int element : changed.elements) {
+        const auto e = static_cast<std::size_t>(element);
+        elementNodes(model, e) = mesh.tetrahedra[e];
+        addMass(model, e, 1.0, model.masses);
+        if (!model.elements.empty()) shapeElement(model.rest, model.elements[e]);
+    }
+    if (model.elements.empty()) followSprings(changed.reached, mesh, model);
+}
+
+MeshEdit meshEdit(const TopologyEdit& edit, const MeshTopology& mesh, const SoftModel& model)
+{
+    MeshEdit out{.nodes = {}, .elements = reachedElements(edit, mesh), .reached = {}};
+    out.reached = reachedNodes(out.elements, mesh, model);
+    for (const frame::TopologyOp& op : edit.ops)
+        if (const auto* made = std::get_if<frame::NewNode>(&op))
+            out.nodes.push_back({made->a, made->b, made->s});
+        else if (const auto* copy = std::get_if<frame::NodeCopy>(&op))
+            out.nodes.push_back({copy->from, copy->from, 0.0});
+    return out;
+}
+
+void followSystem(const MeshEdit& edit, double period, const SoftModel& model, SoftSystem& system)
+{
+    if (!system.matrixFree) { // rebuild the matrix
+        system = makeSystem(model, period);
+        system.tuned = true;
+        return;
+    }
+    if (system.matrixFree->edit(model, edit)) system.coupled.reset();
+    for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.leftover})
+        buffer->resize(model.rest.size());
+    followHeld(model, edit, system.held);
+    system.tuned = true; // no longer as its Def describes it
+}
+
+} // namespace
+
+void add(const RuptureReport& from, physics::TopologyReport& to)
+{
+    const auto refused = [&](RuptureRefusal why) { return static_cast<int>(from.refused[static_cast<int>(why)]); };
+    to.bladeNotFinite += refused(RuptureRefusal::BladeNotFinite);
+    to.bladeNoLength += refused(RuptureRefusal::BladeNoLength);
+    to.bladeJump += refused(RuptureRefusal::BladeJump);
+    to.edgeGone += refused(RuptureRefusal::EdgeGone);
+    to.tearClosed += refused(RuptureRefusal::TearClosed);
+    to.putOff += static_cast<int>(from.repairDeferred);
+    to.pending += static_cast<int>(from.pending);
+}
+
+OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, SoftBody& body)
+{
+    auto& [model, state, system, topology] = body;
+    const MeshTopology& mesh = topology.mesh->data();
+    const MeshEdit changed = meshEdit(edit, mesh, model);
+    const Vec3 momentum = momentumOf(model, state, changed.reached);
+    for (int element : changed.elements)
+        if (const auto e = static_cast<std::size_t>(element); e < elementCount(model))
+            addMass(model, e, -1.0, model.masses);
+
+    followPins(edit, model);
+    followState(edit, mesh, model, state);
+    followElements(edit, changed, mesh, model, state);
+    topology.springs = {};
+    OwnSurfaceEdit surface = followSurface(edit, topology, model);
+    followSystem(changed, period, model, system);
+    keepMomentum(momentum, changed.reached, model, state);
+    return surface;
+}
+
+} // namespace filasofia::engine

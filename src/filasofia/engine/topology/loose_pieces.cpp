@@ -1,0 +1,175 @@
+#include "filasofia/engine/topology/loose_pieces.h"
+
+#include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/soft/rigid_motion.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+/// The matrix of an implicit step for one piece. Its nodes are numbered by their places in the piece's list.
+class FragmentMatrix {
+public:
+    FragmentMatrix(const SoftModel& model, const BodyPiece& piece, ImplicitWeights weights, const SoftState& state)
+        : stiffness_(weights.stiffness)
+    {
+        for (int node : piece.nodes) masses_.push_back(weights.mass * model.masses[static_cast<std::size_t>(node)]);
+        for (int each : piece.elements) {
+            const auto e = static_cast<std::size_t>(each);
+            const FemElement& element = model.elements[e];
+            Part& part = parts_.emplace_back();
+            part.element = &element;
+            part.rotation = toMat3(rotationOf(state.rotations, e));
+            const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
+            const Lame material = lameAt(element, f);
+            part.tangent = {material, weights.turning * geometricStiffness(material, f, part.rotation)};
+            for (std::size_t k = 0; k < 4; ++k)
+                part.places[k] = static_cast<std::size_t>(std::ranges::lower_bound(piece.nodes, element.nodes[k]) -
+                                                          piece.nodes.begin());
+        }
+    }
+
+    [[nodiscard]] std::vector<Vec3> times(const std::vector<Vec3>& p) const
+    {
+        std::vector<Vec3> q;
+        for (std::size_t i = 0; i < p.size(); ++i) q.push_back(masses_[i] * p[i]);
+        for (const Part& part : parts_) {
+            Corners corners;
+            for (std::size_t k = 0; k < 4; ++k) corners[k] = p[part.places[k]];
+            const Corners forces = warpedStiffnessTimes(*part.element, part.tangent, part.rotation, corners);
+            for (std::size_t k = 0; k < 4; ++k) q[part.places[k]] += stiffness_ * forces[k];
+        }
+        return q;
+    }
+
+private:
+    struct Part {
+        const FemElement* element = nullptr;
+        Tangent tangent;
+        Mat3 rotation;
+        std::array<std::size_t, 4> places{};
+    };
+    double stiffness_;
+    std::vector<double> masses_;
+    std::vector<Part> parts_;
+};
+
+double dot(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
+{
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += filasofia::dot(a[i], b[i]);
+    return sum;
+}
+
+void add(double s, const std::vector<Vec3>& from, std::vector<Vec3>& to)
+{
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] += s * from[i];
+}
+
+/// Conjugate gradients in double precision. With so few unknowns they converge in about as many iterations.
+std::vector<Vec3> solve(const FragmentMatrix& a, std::vector<Vec3> r)
+{
+    constexpr double kTolerance = 1e-6; // [-] relative to the first residual
+    std::vector<Vec3> x(r.size()), p = r;
+    double rr = dot(r, r);
+    const double enough = kTolerance * kTolerance * rr;
+    for (std::size_t i = 0; i < 6 * r.size() && rr > enough; ++i) {
+        const std::vector<Vec3> q = a.times(p);
+        const double curvature = dot(p, q);
+        if (!(curvature > 0.0)) break;
+        add(rr / curvature, p, x);
+        add(-rr / curvature, q, r);
+        const double before = std::exchange(rr, dot(r, r));
+        for (std::size_t k = 0; k < p.size(); ++k) p[k] = r[k] + rr / before * p[k];
+    }
+    return x;
+}
+
+} // namespace
+
+std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces)
+{
+    constexpr std::size_t kMaxFragment = 32; // elements
+    if (pieces.count() < 2) return {};
+    const std::vector<int>& pieceOf = pieces.ofTetrahedron();
+    std::vector<BodyPiece> list(static_cast<std::size_t>(*std::ranges::max_element(pieceOf)) + 1);
+    for (std::size_t p = 0; p < list.size(); ++p) list[p].number = static_cast<int>(p);
+    std::vector<int> ofNode(model.rest.size(), -1);
+    for (std::size_t e = 0; e < pieceOf.size(); ++e) {
+        for (int node : elementNodes(model, e)) ofNode[static_cast<std::size_t>(node)] = pieceOf[e];
+        std::vector<int>& elements = list[static_cast<std::size_t>(pieceOf[e])].elements;
+        if (elements.size() <= kMaxFragment) elements.push_back(static_cast<int>(e));
+    }
+    for (std::size_t i = 0; i < ofNode.size(); ++i)
+        if (ofNode[i] >= 0) list[static_cast<std::size_t>(ofNode[i])].nodes.push_back(static_cast<int>(i));
+    for (BodyPiece& piece : list)
+        if (piece.elements.size() > kMaxFragment) piece.elements = {};
+    std::erase_if(list,
+                  [&](const BodyPiece& each) { return each.nodes.empty() || model.removed.contains(each.number); });
+    findHeld(model.pins, list);
+    return list;
+}
+
+void findHeld(const Pins& pins, std::vector<BodyPiece>& pieces)
+{
+    if (pieces.empty()) return;
+    std::vector<bool> held(pins.hard);
+    for (const PinSpring& pin : pins.springs) held[static_cast<std::size_t>(pin.node)] = true;
+    const auto isHeld = [&](int node) { return held[static_cast<std::size_t>(node)]; };
+    for (BodyPiece& piece : pieces) piece.held = std::ranges::any_of(piece.nodes, isHeld);
+}
+
+void finishFragments(SoftBody& body, ImplicitWeights weights, const std::vector<char>& constrained,
+                     const std::function<NodeSolve(int node)>& solved)
+{
+    for (const BodyPiece& piece : body.model.pieces) {
+        const auto isConstrained = [&](int node) { return constrained[static_cast<std::size_t>(node)] != 0; };
+        if (piece.elements.empty() || piece.held || std::ranges::any_of(piece.nodes, isConstrained)) continue;
+        std::vector<Vec3> impulses;
+        for (int node : piece.nodes) impulses.push_back(solved(node).undone);
+        const std::vector<Vec3> correction =
+            solve(FragmentMatrix(body.model, piece, weights, body.state), std::move(impulses));
+        for (std::size_t k = 0; k < correction.size(); ++k) {
+            const auto i = static_cast<std::size_t>(piece.nodes[k]);
+            body.system.dv[i] = solved(piece.nodes[k]).dv + correction[k];
+            body.system.leftover[i] = {};
+        }
+    }
+}
+
+void limitSpin(const SoftModel& model, double maxTurn, double dt, SoftState& state)
+{
+    for (const BodyPiece& piece : model.pieces) {
+        if (piece.held) continue;
+        const auto at = [&](int i) { return static_cast<std::size_t>(piece.nodes[static_cast<std::size_t>(i)]); };
+        const RigidMotion motion = rigidMotionOf(
+            static_cast<int>(piece.nodes.size()), [&](int i) { return model.masses[at(i)]; },
+            [&](int i) { return state.x[at(i)]; }, [&](int i) { return model.masses[at(i)] * state.v[at(i)]; });
+        const double turn = dt * length(motion.angular);
+        if (!(turn > maxTurn) || !isFinite(motion.angular)) continue;
+        const Vec3 excess = (1.0 - maxTurn / turn) * motion.angular;
+        for (int node : piece.nodes) {
+            const auto i = static_cast<std::size_t>(node);
+            state.v[i] -= cross(excess, state.x[i] - motion.centre);
+        }
+    }
+}
+
+std::vector<int> piecesBeyond(double far, const SoftModel& model, const SoftState& state)
+{
+    std::vector<std::tuple<bool, std::size_t, int>> beyond; // is the body itself, node count, number
+    for (const BodyPiece& piece : model.pieces) {
+        const auto first = static_cast<std::size_t>(piece.nodes.front());
+        if (distance(state.x[first], model.rest[first]) > far)
+            beyond.emplace_back(piece.number == 0, piece.nodes.size(), piece.number);
+    }
+    std::ranges::sort(beyond);
+    std::vector<int> numbers;
+    for (const auto& [itself, nodes, number] : beyond) numbers.push_back(number);
+    return numbers;
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,112 @@
+#include "filasofia/engine/topology/tear_body.h"
+
+#include "filasofia/core/worker_pool.h"
+#include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/rupture/stress.h"
+#include "filasofia/engine/topology/apply_edit.h"
+#include "filasofia/math/polar.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::engine {
+namespace {
+
+constexpr int kElementsPerPart = 256;
+
+Mat3 stressOf(const FemElement& element, const SoftState& state, std::size_t e, double threshold)
+{
+    const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
+    const auto [mu, lambda] = lame(element.youngModulus, element.poissonRatio);
+    const Quat before = rotationOf(state.rotations, e);
+    const Mat3 withOldRotation = cauchyStress(f, toMat3(before), mu, lambda);
+    if (principalStressBound(withOldRotation) < kStressNear * threshold) return {};
+    return cauchyStress(f, toMat3(polarRotation(f, before)), mu, lambda);
+}
+
+Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, const SpringsOfElements& springs)
+{
+    const Corners corners = cornersOf(model.tetrahedra[e], state.x);
+    std::array<double, 6> tensions{};
+    for (std::size_t k = 0; k < 6; ++k) {
+        const auto s = static_cast<std::size_t>(springs.ofElement[e][k]);
+        const Spring& spring = model.springs[s];
+        const Vec3 a = state.x[static_cast<std::size_t>(spring.nodes[0])],
+                   b = state.x[static_cast<std::size_t>(spring.nodes[1])];
+        tensions[k] = spring.stiffness * (distance(a, b) - spring.restLength) / springs.sharedBy[s];
+    }
+    return virialStress(corners, tensions);
+}
+
+bool allHeld(const SoftModel& model, std::size_t e)
+{
+    return std::ranges::all_of(elementNodes(model, e),
+                               [&](int node) { return model.pins.hard[static_cast<std::size_t>(node)]; });
+}
+
+} // namespace
+
+bool findStresses(const SoftModel& model, const SoftState& state, const StressSearch& search, WorkerPool& pool,
+                  std::vector<Mat3>& stresses)
+{
+    const auto& [threshold, springs, stressed] = search;
+    const bool fem = !model.elements.empty();
+    stresses.resize(elementCount(model));
+    const linalg::Parts parts{static_cast<int>(stresses.size()), kElementsPerPart};
+    std::vector<char> above(static_cast<std::size_t>(parts.count()));
+    pool.run(parts.count(), [&](int part) {
+        const linalg::Blocks range = parts[part];
+        for (auto e = static_cast<std::size_t>(range.begin); e < static_cast<std::size_t>(range.end); ++e) {
+            const bool isNear = stressed.empty() || (stressed[e / kBlock] >> e % kBlock & 1) != 0;
+            if (!isNear || allHeld(model, e)) { // not near the threshold, or fixed (pinned or removed)
+                stresses[e] = {};
+                continue;
+            }
+            stresses[e] = fem ? stressOf(model.elements[e], state, e, threshold) : stressOf(model, state, e, springs);
+            if (principalStressBound(stresses[e]) > threshold) above[static_cast<std::size_t>(part)] = 1;
+        }
+    });
+    return std::ranges::find(above, 1) != above.end();
+}
+
+SpringsOfElements springsOfElements(const SoftModel& model)
+{
+    SpringsOfElements out;
+    out.sharedBy.assign(model.springs.size(), 0);
+    for (const geometry::Tetrahedron& nodes : model.tetrahedra) {
+        std::array<int, 6>& of = out.ofElement.emplace_back();
+        for (std::size_t k = 0; k < 6; ++k) { // springs are sorted by their nodes, the lower one first
+            std::array<int, 2> ends{nodes[geometry::kTetrahedronEdges[k][0]], nodes[geometry::kTetrahedronEdges[k][1]]};
+            std::ranges::sort(ends);
+            const auto spring = std::ranges::lower_bound(model.springs, ends, {}, &Spring::nodes);
+            of[k] = static_cast<int>(spring - model.springs.begin());
+            ++out.sharedBy[static_cast<std::size_t>(of[k])];
+        }
+    }
+    return out;
+}
+
+void tearBody(SoftBody& body, WorkerPool& pool, physics::TopologyReport& report)
+{
+    const SoftModel& model = body.model;
+    const SoftState& state = body.state;
+    BodyTopology& topology = body.topology;
+    const double threshold = model.tearingThreshold;
+    if (!(threshold < std::numeric_limits<double>::infinity())) return;
+    std::vector<std::uint16_t>& stressed = topology.stressed;
+    stressed.clear();
+    if (body.system.matrixFree && !model.elements.empty() &&
+        !body.system.matrixFree->findStressed(state, kStressNear * threshold, pool, stressed))
+        return;
+    if (model.elements.empty() && topology.springs.ofElement.empty()) topology.springs = springsOfElements(model);
+    if (!findStresses(model, state, {threshold, topology.springs, stressed}, pool, topology.stresses)) return;
+    EditableMesh& mesh = *topology.mesh;
+    if (!topology.followed) mesh.placeAt(state.x); // otherwise cutBodies() has moved it already
+    topology.held.assign(model.rest.size(), 0);
+    for (std::size_t i = 0; i < model.rest.size(); ++i) topology.held[i] = model.pins.hard[i] ? 1 : 0;
+    const RuptureReport done = topology.tearing.step(mesh, topology.stresses, topology.held, {.threshold = threshold});
+    topology.torn += done;
+    add(done, report);
+}
+
+} // namespace filasofia::engine

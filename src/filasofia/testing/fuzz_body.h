@@ -1,0 +1,105 @@
+#pragma once
+
+#include "filasofia/engine/rupture/check_topology.h"
+#include "filasofia/engine/rupture/cut.h"
+#include "filasofia/engine/rupture/pieces.h"
+#include "filasofia/testing/fuzz_cuts.h"
+
+#include <random>
+
+namespace filasofia::testing {
+using namespace engine;
+
+/// Random numbers that are the same on every machine.
+class FuzzRandom {
+public:
+    explicit FuzzRandom(std::uint64_t seed) : bits_(seed) {}
+    double uniform(double low, double high)
+    {
+        return low + (high - low) * 0x1p-53 * static_cast<double>(bits_() >> 11);
+    }
+    int below(int count) { return static_cast<int>(bits_() % static_cast<std::uint64_t>(count)); }
+    bool chance(double probability) { return uniform(0, 1) < probability; }
+    Vec3 direction()
+    {
+        for (;;) {
+            const Vec3 d{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+            if (const double l = length(d); l > 0.1 && l <= 1.0) return d / l;
+        }
+    }
+
+private:
+    std::mt19937_64 bits_;
+};
+
+/// A smooth deformation that changes with time.
+struct Waves {
+    Vec3 centre, a1, a2, k1, k2;
+    double amplitude = 0.0; ///< [m]; 0: at rest
+    double omega = 0.0;     ///< [1/s]
+
+    [[nodiscard]] Vec3 at(Vec3 p, double time) const;
+};
+
+/// A body being cut, with the data that follow its edits and the counts of the report.
+class FuzzBody {
+public:
+    FuzzBody(const geometry::TetMesh& mesh, const CutFuzzDef& def, CutFuzzReport& report, RuptureReport& sums,
+             std::string name);
+
+    EditableMesh mesh;
+    double time = 0.0; ///< [s]
+    Waves waves;
+
+    void begin(); ///< places the mesh in the present deformation
+    void step(BladeStroke& stroke, std::span<const BladeSegment> blade);
+    void finish(BladeStroke& stroke);
+    void tear(int node, Vec3 direction);
+    void look(); ///< checks all invariants
+
+    /// True if a connected part has element centres both more than the mean edge length below and more than that above
+    /// height 0: then the cut was incomplete. `height` [m]: the signed distance of a point from the cut.
+    template <class Height> bool bridged(const Height& height) const
+    {
+        int count = 0;
+        const std::vector<int> part = parts(count);
+        std::vector<double> low(count, 0.0), high(count, 0.0);
+        for (int t = 0; t < mesh.tetrahedra(); ++t) {
+            Vec3 centre;
+            for (int n : mesh.data().tetrahedra[t]) centre += 0.25 * mesh.data().rest[n];
+            const double h = height(centre);
+            low[part[t]] = std::min(low[part[t]], h);
+            high[part[t]] = std::max(high[part[t]], h);
+        }
+        for (int p = 0; p < count; ++p)
+            if (low[p] < -mesh.meanEdge() && high[p] > mesh.meanEdge()) return true;
+        return false;
+    }
+    /// [-] The volume of the second largest part over that of the body.
+    [[nodiscard]] double secondPart() const;
+
+private:
+    [[nodiscard]] std::vector<int> parts(int& count) const;
+    void follow();
+    void followPieces(const frame::TopologyEdit& edit);
+
+    const CutFuzzDef& def_;
+    CutFuzzReport& report_;
+    RuptureReport& sums_;
+    std::string name_;
+    double bound_ = 0.0; ///< [-] lower bound of the quality of elements
+    frame::TopologyMirror mirror_;
+    std::vector<Vec3> positions_;
+    Pieces pieces_, walked_; ///< found by a search near the edits and by a walk over the whole mesh: must agree
+    int edits_ = 0;
+};
+
+/// The kinds of cuts.
+enum class FuzzKind { Plane, Progressive, Curled, Resumed, Strip, Sawing, Scissors, Crossing, Tears, count_ };
+const char* name(FuzzKind kind);
+
+/// Makes one cut. Returns whether it left a bridge; nothing if that cannot be judged. `fresh`: the body has not been
+/// cut yet.
+std::optional<bool> fuzzCut(FuzzBody& body, FuzzKind kind, FuzzRandom& random, bool fresh);
+
+} // namespace filasofia::testing

@@ -1,0 +1,165 @@
+#include "filasofia/engine/constraint/patch_correction.h"
+
+#include "engine/constraint/dense_body.h"
+
+#include <random>
+
+using namespace filasofia;
+using namespace filasofia::engine;
+
+namespace {
+
+constexpr int kNodes = 8;
+
+double uniform(std::mt19937& random, double low, double high)
+{
+    return std::uniform_real_distribution(low, high)(random);
+}
+Vec3 randomVector(std::mt19937& random)
+{
+    const double x = uniform(random, -1, 1), y = uniform(random, -1, 1), z = uniform(random, -1, 1);
+    return {x, y, z};
+}
+Eigen::MatrixXd randomSpd(std::mt19937& random, int n)
+{
+    const Eigen::MatrixXd half = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return uniform(random, -1, 1); });
+    return half * half.transpose() + Eigen::MatrixXd::Identity(n, n);
+}
+
+/// Two bodies with constraints between a node of the first and two nodes of the second, or space.
+struct Problem {
+    std::vector<DenseBody> bodies;
+    std::vector<Constraint> constraints;
+    ConstraintRows rows;
+    std::vector<Mat3> filters;
+    std::vector<int> first = {0, kNodes, 2 * kNodes};
+
+    Problem(std::mt19937& random, int count)
+    {
+        std::vector<ContactPoint> points;
+        for (int i = 0; i < kNodes; ++i) points.push_back({.node = i});
+        for (int b = 0; b < 2; ++b) {
+            bodies.emplace_back(randomSpd(random, 3 * kNodes), Eigen::VectorXd::Zero(3 * kNodes), true);
+            bodies.back().begin(points);
+        }
+        for (int k = 0; k < count; ++k) {
+            Constraint c;
+            c.sides[0].position = randomVector(random);
+            c.frame = frameOf(normalized(randomVector(random)));
+            rows.list.push_back({.first = static_cast<int>(rows.points.size()), .count = 3});
+            rows.points.insert(rows.points.end(),
+                               {{k % kNodes, 1.0}, {kNodes + k % kNodes, -0.3}, {kNodes + (k + 3) % kNodes, -0.7}});
+            constraints.push_back(c);
+            const double normal = uniform(random, 1, 50), along = uniform(random, 1, 50);
+            filters.push_back({{{normal, 0, 0}, {0, along, 0}, {0, 0, along}}});
+        }
+    }
+    Problem(const Problem&) = delete;
+    [[nodiscard]] std::vector<CoupledBody> list() { return {coupled(bodies[0]), coupled(bodies[1])}; }
+    void correct(PatchCorrection& patches)
+    {
+        for (std::size_t c = 0; c < constraints.size(); ++c) rows.list[c].constraint = &constraints[c];
+        patches.make(list(), first, rows, filters);
+    }
+
+    /// B', column by column.
+    Eigen::MatrixXd corrected(PatchCorrection& patches)
+    {
+        const int n = 3 * kNodes;
+        Eigen::MatrixXd all(2 * n, 2 * n);
+        for (int column = 0; column < 2 * n; ++column) {
+            for (int b = 0; b < 2; ++b) {
+                DenseBody& body = bodies[static_cast<std::size_t>(b)];
+                body.setResidual(Eigen::VectorXd::Unit(2 * n, column).segment(b * n, n));
+                body.smooth();
+            }
+            if (!patches.empty()) patches.project(list());
+            for (std::size_t b = 0; b < 2; ++b) {
+                bodies[b].applyCoarse(patches.shares(b));
+                std::vector<Vec3> w(kNodes), z(kNodes);
+                bodies[b].read(SolveVector::Smoothed, w);
+                bodies[b].read(SolveVector::Preconditioned, z);
+                for (int i = 0; i < kNodes; ++i)
+                    for (int k = 0; k < 3; ++k)
+                        all(static_cast<int>(b) * n + 3 * i + k, column) =
+                            z[static_cast<std::size_t>(i)][k] - w[static_cast<std::size_t>(i)][k];
+            }
+        }
+        return all;
+    }
+    /// (B^-1 + J^T M J)^-1
+    [[nodiscard]] Eigen::MatrixXd exact() const
+    {
+        const int n = 3 * kNodes;
+        Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+        for (int b = 0; b < 2; ++b)
+            a.block(b * n, b * n, n, n) = 2.0 * bodies[static_cast<std::size_t>(b)].a; // B is half of the inverse
+        for (std::size_t c = 0; c < filters.size(); ++c) {
+            Eigen::MatrixXd j = Eigen::MatrixXd::Zero(3, 2 * n);
+            for (const WeightedPoint& each : rows.pointsOf(rows.list[c]))
+                for (int row = 0; row < 3; ++row)
+                    for (int k = 0; k < 3; ++k)
+                        j(row, 3 * each.point + k) +=
+                            each.weight * constraints[c].frame[static_cast<std::size_t>(row)][k];
+            const Eigen::Vector3d m(filters[c][0].x, filters[c][1].y, filters[c][2].z);
+            a += j.transpose() * m.asDiagonal() * j;
+        }
+        return a.inverse();
+    }
+};
+
+} // namespace
+
+TEST_CASE("the correction is exact if its constraints resist only the motions of the patch")
+{
+    std::mt19937 random(1);
+    Problem scene(random, 1);
+    PatchCorrection patches;
+    scene.correct(patches);
+    REQUIRE_FALSE(patches.empty());
+    const Eigen::MatrixXd exact = scene.exact();
+    CHECK((scene.corrected(patches) - exact).norm() <= 1e-5 * exact.norm()); // up to the shift
+}
+
+TEST_CASE("constraints at different pieces of a body form separate patches")
+{
+    std::mt19937 random(4);
+    Problem scene(random, 3);
+    for (int c = 0; c < 3; ++c) scene.rows.list[static_cast<std::size_t>(c)].pieces = {c / 2, c % 2};
+    PatchCorrection patches;
+    scene.correct(patches);
+    const Eigen::MatrixXd exact = scene.exact();
+    CHECK((scene.corrected(patches) - exact).norm() <= 1e-5 * exact.norm());
+}
+
+TEST_CASE("the correction never overcorrects: B' lies between B and the true inverse")
+{
+    std::mt19937 random(2);
+    for (int trial = 0; trial < 6; ++trial) {
+        Problem scene(random, trial < 5 ? 7 : 40);
+        for (int c = 0; c < static_cast<int>(scene.filters.size()) && trial == 5; ++c)
+            scene.rows.list[static_cast<std::size_t>(c)].pieces = {c, 0}; // more patches than are counted
+        PatchCorrection none, patches;
+        const Eigen::MatrixXd before = scene.corrected(none);
+        scene.correct(patches);
+        const Eigen::MatrixXd after = scene.corrected(patches), exact = scene.exact();
+        CHECK((after - after.transpose()).norm() <= 1e-10 * after.norm());
+        const auto smallest = [](const Eigen::MatrixXd& m) {
+            return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (m + m.transpose())).eigenvalues().minCoeff();
+        };
+        CHECK(smallest(after - exact) >= -1e-10);
+        CHECK(smallest(before - after) >= -1e-10);
+        CHECK((after - exact).norm() < 0.8 * (before - exact).norm());
+    }
+}
+
+TEST_CASE("without active constraints there is no correction")
+{
+    std::mt19937 random(3);
+    Problem scene(random, 3);
+    for (Mat3& filter : scene.filters) filter = {};
+    PatchCorrection patches;
+    scene.correct(patches);
+    CHECK(patches.empty());
+    CHECK(patches.shares(1).empty());
+}

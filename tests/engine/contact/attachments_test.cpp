@@ -1,0 +1,222 @@
+#include "engine/contact/attachment_scene.h"
+
+using namespace filasofia;
+using namespace filasofia::engine;
+
+TEST_CASE("an attachment holds the nodes that are named, in the box or in the ball, each once")
+{
+    AttachmentScene scene;
+    scene.attach({.nodes = {3, 0, 3},
+                  .box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}},
+                  .ball = physics::Ball{{0.02, 0.02, 0.02}, 0.0101}});
+    scene.stage.step(1e-3);
+    CHECK(scene.nodes() == nodesOfCube([](Vec3 p) { return p.x < 1e-6 || distance(p, {0.02, 0.02, 0.02}) < 0.0101; }));
+}
+
+TEST_CASE("regions select nodes by their current positions, not their start positions")
+{
+    AttachmentScene scene;
+    scene.stage.step(1e-3);
+    for (Vec3& p : scene.stage.soft().x) p.x += 1.0;
+    scene.attach({.box = geometry::Box{{0.99, -1, -1}, {1.001, 1, 1}}});
+    scene.stage.step(1e-3);
+    CHECK(scene.nodes() == nodesOfCube([](Vec3 p) { return p.x < 1e-6; }));
+}
+
+TEST_CASE("nodes are attached within a distance of another body, soft or rigid, or inside it")
+{
+    const auto addOther = [](AttachmentScene& scene, bool soft, double x) { // the other body's low side is at x
+        if (soft)
+            scene.stage.add(cube(x));
+        else
+            scene.stage.add(rigidBox({x + 0.01, 0.01, 0.01}));
+    };
+    for (const bool soft : {true, false})
+        for (const double within : {1.1e-3, 0.9e-3}) {
+            AttachmentScene scene;
+            addOther(scene, soft, 0.021);
+            scene.attach({.within = within, .to = {2}});
+            const bool nothing = scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached);
+            CHECK(nothing == (within < 1e-3));
+            if (!nothing) {
+                CHECK(scene.nodes() == nodesOfCube([](Vec3 p) { return p.x > 0.0199; }));
+                continue;
+            }
+            CHECK(scene.state().attachments.empty());
+            REQUIRE(scene.warnings.size() == 1);
+            CHECK_THAT(scene.warnings[0], Catch::StartsWith("soft body 'cube': attachment.within"));
+        }
+    for (const bool soft : {true, false}) { // the cube's middle and right are inside the other body or on its surface
+        AttachmentScene scene;
+        addOther(scene, soft, 0.0095);
+        scene.attach({.to = {2}});
+        scene.stage.step(1e-3);
+        CHECK(scene.nodes() == nodesOfCube([](Vec3 p) { return p.x > 0.0099; }));
+    }
+}
+
+TEST_CASE("a region without nodes logs a warning, and nothing is attached")
+{
+    AttachmentScene scene;
+    const AttachmentId id = scene.attach({.box = geometry::Box{{1, 1, 1}, {2, 2, 2}}});
+    CHECK(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
+    CHECK(scene.state().attachments.empty());
+    REQUIRE(scene.warnings.size() == 1);
+    CHECK_THAT(scene.warnings[0], Catch::StartsWith("soft body 'cube': attachment.box: no node is there"));
+    scene.stage.post(physics::Release{id});
+    CHECK_FALSE(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
+}
+
+TEST_CASE("nodes attached by Nearest are drawn to the other body's nodes, and by Barycentric keep their distance")
+{
+    for (const physics::AttachMode mode : {physics::AttachMode::Nearest, physics::AttachMode::Barycentric}) {
+        AttachmentScene scene;
+        scene.stage.add(cube(0.0204)); // corners 0.4 mm apart
+        scene.attach({.within = 1e-3, .to = {2}, .mode = mode});
+        scene.stage.run(300, 1e-3);
+        REQUIRE(scene.nodes().size() == 9);
+        const auto right = nodesOfCube([](Vec3 p) { return p.x > 0.0199; });
+        const auto left = nodesOfCube([](Vec3 p) { return p.x < 1e-6; });
+        for (std::size_t i = 0; i < right.size(); ++i) {
+            const double apart = distance(scene.stage.soft(0).x[static_cast<std::size_t>(right[i])],
+                                          scene.stage.soft(1).x[static_cast<std::size_t>(left[i])]);
+            if (mode == physics::AttachMode::Nearest)
+                CHECK(apart < 1e-6);
+            else
+                CHECK(apart == Approx(0.4e-3).epsilon(0.02));
+        }
+    }
+}
+
+TEST_CASE("an element without points is attached as a whole and follows the other body")
+{
+    AttachmentScene scene;
+    scene.stage.add(rigidBox({0.2, 0, 0}));
+    scene.stage.add(rigidBox({0.2, 0.05, 0}, {0.01, 0.02, 0.03}, true));
+    scene.attachRigid({3}, {.to = {2}});
+    scene.stage.post(physics::SetGravity{{0, -9.81, 0}});
+    scene.stage.step(1e-3);
+    const Vec3 axis = normalized(Vec3{1, 2, 3});
+    for (int i = 1; i <= 500; ++i) {
+        scene.stage.post(physics::SetPose{{2}, 0, {{0.2 + 2e-4 * i, 0, 0}, axisAngle(axis, 2e-3 * i)}});
+        scene.stage.step(1e-3);
+    }
+    scene.stage.run(300, 1e-3);
+    const Pose tool = scene.state().rigid[0].state.poses[0], box = scene.state().rigid[1].state.poses[0];
+    CHECK(distance(box.position, transform(tool, {0, 0.05, 0})) < 1e-6);
+    CHECK(std::abs(dot(box.orientation, tool.orientation)) > 1.0 - 1e-9);
+}
+
+TEST_CASE("a rigid body is attached to soft tissue at its points")
+{
+    AttachmentScene scene;
+    scene.stage.add(rigidBox({0.01, 0.01, 0.01}, {0.004, 0.004, 0.004}, true));
+    const AttachmentId id = scene.attachRigid({2}, {.to = {1}});
+    scene.stage.run(200, 1e-3); // no force acts
+    REQUIRE(scene.held(id) != nullptr);
+    CHECK(scene.held(id)->points == 4);
+    CHECK(distance(scene.state().rigid[0].state.poses[0].position, {0.01, 0.01, 0.01}) < 1e-9);
+    scene.stage.post(physics::SetWrench{{2}, 0, {0.01, 0, 0}, {}});
+    scene.stage.step(1e-3);
+    CHECK(scene.held(id)->force.x < 0.0);
+}
+
+TEST_CASE("a grasp without a contact logs a warning and does not wait for a later contact")
+{
+    AttachmentScene scene;
+    scene.stage.add(rigidBox({0.2, 0, 0}));
+    scene.stage.post(physics::Grasp{{1}, {2}, {1}, {}});
+    CHECK_FALSE(scene.stage.step(0.0).has(physics::StepFlag::NothingAttached)); // paused: not yet
+    CHECK(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
+    CHECK(scene.state().grasps.empty());
+    CHECK(scene.state().attachments.empty());
+    REQUIRE(scene.warnings.size() == 1);
+    CHECK_THAT(scene.warnings[0], Catch::StartsWith("rigid body 'box': grasp.target"));
+    scene.stage.post(physics::Grasp{{2}, {2}, {1}, {}});
+    scene.stage.post(physics::Release{{2}});
+    CHECK_FALSE(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
+}
+
+TEST_CASE("a hard attachment replaces the contacts at its points, and a soft one works together with them")
+{
+    for (const double stiffness : {physics::kHard, 100.0}) {
+        physics::SoftBodyDef def = cube();
+        def.collision = {{}};
+        AttachmentScene scene(def);
+        physics::RigidBodyDef tool = rigidBox({0.0295, 0.01, 0.01}, {0.01, 0.02, 0.02}); // half a millimetre inside
+        tool.collision = {{}};
+        scene.stage.add(tool);
+        const AttachmentId id = scene.attach({.within = 1e-4, .stiffness = stiffness, .to = {2}});
+        scene.stage.run(2000, 1e-3);
+        REQUIRE(scene.held(id)->points == 9);
+        CHECK(scene.state().touching.empty() == (stiffness == physics::kHard));
+        CHECK(length(scene.held(id)->force) < (stiffness == physics::kHard ? 1e-6 : 1.0));
+    }
+}
+
+TEST_CASE("two attachments with contradicting positions for one node stay finite and release it without a jolt")
+{
+    for (const double speed : {1e-4, 0.01, 1.0}) { // [m/s] of the tool, which moves away with a node pinned in space
+        AttachmentScene scene;
+        scene.stage.add(rigidBox({0.03, 0.01, 0.01}));
+        scene.attach({.box = geometry::Box{{-1, -1, -1}, {1, 1, 1}}});
+        const AttachmentId id = scene.attach({.box = geometry::Box{{0.0199, -1, -1}, {1, 1, 1}}, .to = {2}});
+        for (int i = 0; i < 1000; ++i) {
+            scene.stage.post(physics::SetPose{{2}, 0, {{0.03 + 1e-3 * speed * i, 0.01, 0.01}, {}}});
+            CHECK((scene.stage.step(1e-3).flags & static_cast<std::uint32_t>(physics::StepFlag::Undone)) == 0);
+        }
+        scene.stage.post(physics::Release{id});
+        double fastest = 0.0;
+        for (int i = 0; i < 1000; ++i) {
+            scene.stage.step(1e-3);
+            for (Vec3 v : scene.stage.soft().v) fastest = std::max(fastest, length(v));
+        }
+        CHECK(fastest < 5.0);
+        for (std::size_t n = 0; n < 27; ++n)
+            CHECK(distance(scene.stage.soft().x[n], scene.stage.model().rest[n]) < 1e-6);
+    }
+}
+
+TEST_CASE("attached bodies conserve momentum with every integrator")
+{
+    for (const bool isExplicit : {false, true}) {
+        physics::SoftBodyDef def = cube(), other = cube(0.02);
+        for (physics::SoftBodyDef* each : {&def, &other}) {
+            each->rayleigh = {.mass = 0.0, .stiffness = 1e-4};
+            if (isExplicit) each->integrator = physics::ExplicitEuler{.symplectic = true};
+        }
+        AttachmentScene scene(def);
+        other.integrator = physics::ImplicitEuler{};
+        scene.stage.add(other);
+        physics::RigidBodyDef box = rigidBox({0.05, 0.01, 0.01}, {0.01, 0.01, 0.01}, true);
+        box.velocity = {0.3, 0.2, -0.1};
+        scene.stage.add(box);
+        scene.attach({.within = 1e-4, .to = {2}});
+        scene.attachRigid({3}, {.stiffness = 200.0, .to = {2}});
+        scene.stage.run(400, 2e-4);
+        Vec3 momentum = 0.008 * scene.state().rigid[0].state.velocities[0];
+        for (std::size_t b = 0; b < 2; ++b)
+            for (std::size_t i = 0; i < 27; ++i) momentum += scene.stage.model(b).masses[i] * scene.stage.soft(b).v[i];
+        CHECK(length(momentum - 0.008 * box.velocity) < 2e-3 * 0.008 * length(box.velocity));
+    }
+}
+
+TEST_CASE("a tune that leaves attachments that cannot be stepped is rejected and rolled back")
+{
+    AttachmentScene scene;
+    scene.attach({.nodes = {0}});
+    scene.stage.step(1e-3);
+    const auto tuned = [&](const std::function<void(Scene&)>& change) {
+        scene.stage.post(physics::Tune{[change](physics::PhysicsEngine& engine) {
+            auto& world = dynamic_cast<World&>(engine);
+            change(world.scene());
+        }});
+        return !scene.stage.step(1e-3).has(physics::StepFlag::TuneRejected);
+    };
+    CHECK(tuned([](Scene& s) { s.attachments[0].stiffness = 10.0; }));
+    CHECK_FALSE(tuned([](Scene& s) { s.attachments[0].pairs[0][0].nodes[0].node = 27; }));
+    CHECK_FALSE(tuned([](Scene& s) { s.attachments[0].to = {7}; }));
+    CHECK_FALSE(tuned([](Scene& s) { s.attachments[0].breakForce = 0.0; }));
+    CHECK_FALSE(tuned([](Scene& s) { s.holding.clear(); }));
+    CHECK(scene.state().attachments[0].stiffness == 10.0);
+}

@@ -1,0 +1,179 @@
+#include "engine/stage.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/geometry/shapes.h"
+
+#include <algorithm>
+
+using namespace filasofia;
+using namespace filasofia::engine;
+
+// Scenes in which contacts were once wrong.
+namespace {
+
+physics::RigidBodyDef rigidBox(Vec3 size, Pose pose, std::array<int, 3> cells = {1, 1, 1})
+{
+    return {.elements = {pose},
+            .mesh = geometry::shapes::box(size, cells),
+            .dynamic = true,
+            .collision = {{}},
+            .friction = 0.0};
+}
+
+physics::RigidBodyDef floorOf(std::array<int, 3> cells)
+{
+    physics::RigidBodyDef floor = rigidBox({0.4, 0.1, 0.4}, {{0, -0.05, 0}, {}}, cells);
+    floor.name = "floor";
+    floor.dynamic = false;
+    return floor;
+}
+
+Stage heavyStage()
+{
+    Stage stage;
+    stage.post(physics::SetGravity{{0, -9.81, 0}});
+    return stage;
+}
+
+/// The largest deviation of the only velocity of a rigid body from `before`.
+double largestDeviation(Stage& stage, std::size_t body, Vec3 before, int steps)
+{
+    double most = 0.0;
+    for (int i = 0; i < steps; ++i) {
+        stage.step(1e-3);
+        most = std::max(most, length(stage.world.scene().rigid[body].state.velocities[0] - before));
+    }
+    return most;
+}
+
+} // namespace
+
+TEST_CASE("a rigid box slides over a flat mesh as over a plane")
+{
+    for (const double speed : {0.05, 0.2, 1.0}) {
+        Stage stage = heavyStage();
+        stage.add(floorOf({20, 1, 20}));
+        physics::RigidBodyDef box =
+            rigidBox({0.06, 0.04, 0.05}, {{-0.1, 0.02001, 0.0123}, normalized(Quat{1, 0, 0.2, 0})});
+        box.velocity = {speed, 0, 0.1 * speed};
+        stage.add(box);
+        CHECK(largestDeviation(stage, 1, box.velocity, static_cast<int>(0.15 / speed * 1e3)) < 0.015 * speed);
+    }
+}
+
+TEST_CASE("a light rigid box slides over a flat soft slab as over a plane")
+{
+    Stage stage = heavyStage();
+    physics::SoftBodyDef slab{.mesh = geometry::shapes::block({0.2, 0.02, 0.1}, {20, 2, 10})};
+    slab.pose.position = {0, -0.01, 0};
+    slab.material = physics::FemMaterial{1e6, 0.45};
+    slab.friction = 0.0;
+    slab.collision = {{}};
+    slab.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, -0.0199, 1}}}};
+    stage.add(slab);
+    physics::RigidBodyDef box = rigidBox({0.06, 0.02, 0.05}, {{-0.06, 0.0101, 0.003}, normalized(Quat{1, 0, 0.2, 0})});
+    box.mass = physics::Density{300.0};
+    stage.add(box);
+    stage.run(100, 1e-3);
+    const Vec3 before{0.2, 0, 0.02};
+    stage.world.scene().rigid[0].state.velocities[0] = before;
+    CHECK(largestDeviation(stage, 0, before, 400) < 0.05 * 0.2);
+}
+
+TEST_CASE("tissue too soft for its own weight stays on a floor, even if it is inverted")
+{
+    Stage stage = heavyStage();
+    stage.add(floorOf({1, 1, 1}));
+    physics::SoftBodyDef cube{.mesh = geometry::shapes::block({0.1, 0.1, 0.1}, {4, 4, 4})};
+    cube.pose.position = {0, 0.0505, 0};
+    cube.material = physics::FemMaterial{500.0, 0.45};
+    cube.collision = {{}};
+    stage.add(cube);
+    const std::vector<Vec3>& rest = std::get<std::shared_ptr<const geometry::TetMesh>>(cube.mesh)->nodes;
+    int mostInverted = 0;
+    double lowest = 0.0;
+    for (int i = 0; i < 500; ++i) {
+        stage.step(1e-3);
+        mostInverted = std::max(mostInverted, invertedElements(stage.model(), stage.soft()));
+        for (std::size_t n = 0; n < rest.size(); ++n) {
+            const Vec3 x = rest[n];
+            if (std::max({std::fabs(x.x), std::fabs(x.y), std::fabs(x.z)}) > 0.0499) // on its surface
+                lowest = std::min(lowest, stage.soft().x[n].y);
+        }
+    }
+    REQUIRE(mostInverted > 0);
+    CHECK(lowest > -1e-3);
+}
+
+TEST_CASE("a body that starts deep inside a rigid body is named in a warning and pushed out slowly")
+{
+    for (const bool soft : {false, true}) {
+        std::string logged;
+        setLogSink([&](LogLevel, std::string_view line) { logged += line; });
+        Stage stage = heavyStage();
+        stage.add(floorOf({1, 1, 1}));
+        if (soft) {
+            physics::SoftBodyDef cube{.name = "deep", .mesh = geometry::shapes::block({0.04, 0.04, 0.04}, {2, 2, 2})};
+            cube.pose.position = {0.003, 0.017, 0.001};
+            cube.collision = {{}};
+            stage.add(cube);
+        } else {
+            physics::RigidBodyDef box = rigidBox({0.04, 0.04, 0.04}, {{0.003, 0.017, 0.001}, {}});
+            box.name = "deep";
+            stage.add(box);
+        }
+        CHECK(stage.step(1e-3).contacts.penetration == Approx(3e-3).margin(1e-4));
+        setLogSink({});
+        for (const char* part : {"body 'deep'", "body 'floor'", "start inside each other: they are pushed apart"})
+            CHECK(logged.find(part) != std::string::npos);
+        stage.run(400, 1e-3);
+        const Scene& scene = stage.world.scene();
+        const double low = soft ? std::ranges::min(scene.soft[0].state.x, {}, &Vec3::y).y
+                                : scene.rigid[1].state.poses[0].position.y - 0.02;
+        CHECK(low == Approx(0.0).margin(1e-4));
+        const Vec3 v = soft ? scene.soft[0].state.v[0] : scene.rigid[1].state.velocities[0];
+        CHECK(length(v) < 0.02); // it was not thrown out
+    }
+}
+
+TEST_CASE("the damper of a penalty contact acts only after the surfaces touch")
+{
+    Stage stage({.threads = 1, .contact = physics::PenaltyContact{.stiffness = 2000.0, .damping = 50.0}});
+    stage.add(floorOf({1, 1, 1}));
+    physics::RigidBodyDef box = rigidBox({0.04, 0.04, 0.04}, {{0.003, 0.0213, 0.001}, {}});
+    box.velocity = {0, -0.2, 0};
+    stage.add(box);
+    double speed = 0.0;
+    int free = 0;
+    for (int i = 0; i < 200; ++i) {
+        stage.step(1e-3);
+        const double height = stage.world.scene().rigid[1].state.poses[0].position.y - 0.02;
+        speed = stage.world.scene().rigid[1].state.velocities[0].y;
+        if (speed < 0.0 && height > 2e-5) {
+            CHECK(speed == Approx(-0.2));
+            ++free;
+        }
+        for (const frame::Contact& contact : stage.world.scene().touching) CHECK(contact.normalForce >= 0.0);
+    }
+    CHECK(free == 6);     // 1.3 mm at 0.2 m/s
+    CHECK(speed > 0.0);   // it bounced back
+    CHECK(speed < 0.199); // damped
+}
+
+TEST_CASE("there is no force between two kinematic bodies, whatever force acted before")
+{
+    Stage stage = heavyStage();
+    stage.add(floorOf({1, 1, 1}));
+    stage.add(rigidBox({0.04, 0.04, 0.04}, {{0.003, 0.02001, 0.001}, {}}));
+    stage.run(50, 1e-3);
+    const auto force = [&] {
+        double sum = 0.0;
+        for (const frame::Contact& contact : stage.world.scene().touching) sum += contact.normalForce;
+        return sum;
+    };
+    REQUIRE(force() > 0.1);
+    stage.world.scene().rigid[1].model.dynamic = false;
+    stage.step(1e-3);
+    CHECK_FALSE(stage.world.scene().touching.empty());
+    CHECK(force() == 0.0);
+}

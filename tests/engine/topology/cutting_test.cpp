@@ -1,0 +1,371 @@
+#include "filasofia/engine/rupture/check_topology.h"
+#include "filasofia/engine/scene/check_scene.h"
+
+#include "engine/stage.h"
+
+#include <iostream>
+#include <numbers>
+#include <numeric>
+
+using namespace filasofia;
+using namespace filasofia::engine;
+using namespace filasofia::physics;
+
+namespace {
+
+/// A rectangle in the plane x = 0, from z = 0 up, with `width` along y.
+TriangleMeshSource bladeMesh(double width, double height)
+{
+    const double y = 0.5 * width;
+    return std::make_shared<const geometry::TriangleMesh>(
+        geometry::TriangleMesh{.vertices = {{0, -y, 0}, {0, y, 0}, {0, y, height}, {0, -y, height}},
+                               .triangles = {{0, 1, 2}, {0, 2, 3}},
+                               .uv = {}});
+}
+
+/// A block of tissue with its low corner at the origin, and a blade above it that comes down in the plane x = `at`.
+struct CutScene {
+    Stage stage;
+    BodyId tissue, blade;
+    double at;
+
+    explicit CutScene(SoftBodyDef def, double x, double width = 0.1, NativeEngineDef engine = {.threads = 1})
+        : stage(engine), at(x)
+    {
+        tissue = stage.add(def);
+        blade =
+            stage.add(RigidBodyDef{.name = "blade",
+                                   .elements = {poseAt(1.0)},
+                                   .collision = {{.mesh = bladeMesh(width, 0.05), .proximity = 0, .cutting = true}}});
+        stage.step(0.0);
+    }
+    [[nodiscard]] Pose poseAt(double z) const { return {.position = {at, 0.02, z}}; }
+
+    /// Moves the blade from one z to another at `speed` [m/s].
+    StepReport move(double from, double to, double speed = 0.05, double dt = 1e-3)
+    {
+        StepReport all;
+        stage.post(SetPose{blade, 0, poseAt(from)});
+        stage.step(dt);
+        const int steps = static_cast<int>(std::abs(to - from) / (speed * dt));
+        for (int i = 1; i <= steps; ++i) {
+            stage.post(SetPose{blade, 0, poseAt(from + (to - from) * i / steps)});
+            const StepReport report = stage.step(dt);
+            for (const Rupture& rupture : report.topology.ruptures) all.topology.ruptures.push_back(rupture);
+            all.topology.bladeJump += report.topology.bladeJump;
+            all.flags |= report.flags;
+        }
+        return all;
+    }
+};
+
+SoftBodyDef tissueBlock()
+{
+    return {.mesh = shared(boxMesh({10, 8, 6}, {0.05, 0.04, 0.03}, 0.2)),
+            .material = FemMaterial{.youngModulus = 5e3},
+            .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, 1e-6}}}},
+            .dynamicTopology = true};
+}
+
+double massOf(const SoftModel& model) { return std::accumulate(model.masses.begin(), model.masses.end(), 0.0); }
+
+int detachedOf(const StepReport& report)
+{
+    int count = 0;
+    for (const Rupture& rupture : report.topology.ruptures) count += static_cast<int>(rupture.detached.size());
+    return count;
+}
+
+} // namespace
+
+TEST_CASE("a blade that goes through a body leaves two pieces, and no mass is lost")
+{
+    SoftBodyDef def = tissueBlock();
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}};
+    CutScene scene(def, 0.0262);
+    const double mass = massOf(scene.stage.model());
+    const StepReport report = scene.move(0.04, -0.01);
+    CHECK(report.flags == 0);
+    CHECK(detachedOf(report) == 1);
+    double area = 0.0;
+    for (const Rupture& rupture : report.topology.ruptures) {
+        area += rupture.area;
+        CHECK(rupture.kind == Rupture::Kind::Cut);
+        CHECK(rupture.body == scene.tissue);
+        CHECK(std::abs(rupture.place.x - 0.0262) < 0.005);
+    }
+    CHECK(area == Approx(0.04 * 0.03).epsilon(0.05));
+    CHECK(massOf(scene.stage.model()) == Approx(mass).epsilon(1e-3));
+    check(scene.stage.model(), scene.stage.soft());
+}
+
+TEST_CASE("a body is stepped after a cut with about as many iterations")
+{
+    CutScene scene(tissueBlock(), 0.0262);
+    scene.stage.post(SetGravity{{0, 0, -9.81}});
+    const auto iterations = [&](int steps) {
+        int sum = 0;
+        for (int i = 0; i < steps; ++i) {
+            const StepReport report = scene.stage.step(1e-3);
+            CHECK(report.flags == 0);
+            sum += report.solves[0].iterations;
+        }
+        return static_cast<double>(sum) / steps;
+    };
+    scene.stage.run(300, 1e-3);
+    const double before = iterations(50);
+    scene.move(0.04, 0.012); // not through
+    const double after = iterations(50);
+    scene.stage.run(450, 1e-3);
+    std::cout << "iterations per step before a cut " << before << ", after it " << after << ", later " << iterations(50)
+              << '\n';
+    CHECK(after < 3.0 * before);
+}
+
+TEST_CASE("a cut gives the same bits for any number of threads")
+{
+    std::vector<std::uint64_t> hashes;
+    for (int threads : {1, 2, 5}) {
+        CutScene scene(tissueBlock(), 0.0262, 0.02, {.threads = threads});
+        scene.move(0.04, 0.005);
+        hashes.push_back(scene.stage.world.hash());
+    }
+    CHECK(hashes[0] == hashes[1]);
+    CHECK(hashes[0] == hashes[2]);
+}
+
+TEST_CASE("a body without dynamicTopology or in another group is not cut")
+{
+    SoftBodyDef whole = tissueBlock();
+    whole.dynamicTopology = false;
+    SoftBodyDef other = tissueBlock();
+    other.collision = {{.group = 3}};
+    for (const SoftBodyDef& def : {whole, other}) {
+        CutScene scene(def, 0.0262);
+        const std::size_t elements = scene.stage.model().elements.size();
+        scene.move(0.04, 0.0);
+        CHECK(scene.stage.model().elements.size() == elements);
+    }
+}
+
+TEST_CASE("a blade that jumps over the body cuts nothing and is counted")
+{
+    CutScene scene(tissueBlock(), 0.0262);
+    const std::size_t elements = scene.stage.model().elements.size();
+    scene.stage.post(SetPose{scene.blade, 0, scene.poseAt(0.04)});
+    scene.stage.step(1e-3);
+    scene.stage.post(SetPose{scene.blade, 0, scene.poseAt(-0.05)}); // 90 m/s: too fast to have a path
+    const TopologyReport report = scene.stage.step(1e-3).topology;
+    CHECK(report.bladeTooFast == 1);
+    CHECK(report.refused() == 1);
+    CHECK(scene.stage.model().elements.size() == elements);
+    CHECK(scene.stage.step(1e-3).topology.refused() == 0); // it has arrived
+}
+
+TEST_CASE("a reset restores a cut body")
+{
+    CutScene scene(tissueBlock(), 0.0262);
+    const std::size_t nodes = scene.stage.model().rest.size();
+    const std::uint64_t revision = 0;
+    scene.move(0.04, 0.01);
+    CHECK(scene.stage.model().rest.size() > nodes);
+    scene.stage.post(Reset{});
+    scene.stage.step(1e-3);
+    CHECK(scene.stage.model().rest.size() == nodes);
+    frame::Frame frame;
+    scene.stage.world.capture(frame);
+    CHECK(frame.softBodies[0].boundary->revision == revision);
+    check(scene.stage.model(), scene.stage.soft());
+}
+
+TEST_CASE("attachments and collision meshes that ride on a body follow a cut")
+{
+    SoftBodyDef def = tissueBlock();
+    def.collision = {{.proximity = 0.5e-3}};
+    CutScene scene(def, 0.0262);
+    AttachmentDef hold{.nodes = {}, .box = geometry::Box{{0.02, -1, 0.029}, {0.031, 1, 1}}, .stiffness = 10.0};
+    scene.stage.post(Attach{AttachmentId{50}, scene.tissue, hold});
+    const StepReport report = scene.move(0.04, 0.005);
+    CHECK(report.flags == 0);
+    CHECK(scene.stage.soft().x.size() == scene.stage.model().rest.size());
+    const CollisionModel& surface = scene.stage.model().collision[0];
+    CHECK(surface.shape->triangles.size() == scene.stage.model().surface.size());
+    CHECK(surface.shape->closed);
+    checkAttachments(scene.stage.world.scene());
+}
+
+TEST_CASE("a loose piece can be removed and the rest goes on, and an invalid piece is counted")
+{
+    SoftBodyDef def = tissueBlock();
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}};
+    def.collision = {{.proximity = 0.5e-3}};
+    CutScene scene(def, 0.0262);
+    const StepReport cut = scene.move(0.04, -0.01);
+    int piece = -1;
+    for (const Rupture& rupture : cut.topology.ruptures)
+        for (const LoosePiece& loose : rupture.detached) piece = loose.piece;
+    REQUIRE(piece > 0);
+    scene.stage.post(SetGravity{{0, 0, -9.81}});
+    scene.stage.run(20, 1e-3);
+
+    const std::size_t triangles = scene.stage.model().surface.size();
+    scene.stage.post(RemovePiece{scene.tissue, piece + 7});
+    CHECK(scene.stage.step(1e-3).topology.noPiece == 1);
+    CHECK(scene.stage.model().surface.size() == triangles);
+    scene.stage.post(RemovePiece{scene.tissue, piece});
+    const StepReport report = scene.stage.step(1e-3);
+    CHECK(report.topology.noPiece == 0);
+    CHECK(scene.stage.model().surface.size() < 0.7 * static_cast<double>(triangles));
+    CHECK(scene.stage.model().collision[0].shape->triangles.size() == scene.stage.model().surface.size());
+    CHECK(scene.stage.run(100, 1e-3).flags == 0);
+    check(scene.stage.model(), scene.stage.soft());
+    frame::Frame frame;
+    scene.stage.world.capture(frame);
+    for (const geometry::Triangle& triangle : frame.softBodies[0].boundary->triangles)
+        for (int node : triangle) CHECK(length(frame.softBodies[0].positions[static_cast<std::size_t>(node)]) < 1.0);
+    scene.stage.post(RemovePiece{scene.tissue, 0}); // all that is left of the body
+    CHECK(scene.stage.step(1e-3).topology.noPiece == 1);
+    scene.stage.post(RemovePiece{scene.tissue, piece}); // removed already
+    CHECK(scene.stage.step(1e-3).topology.noPiece == 1);
+    CHECK(scene.move(0.04, 0.02).flags == 0); // blades find no edge of it
+    scene.stage.post(Reset{});
+    scene.stage.step(1e-3);
+    CHECK(scene.stage.model().removed.empty());
+}
+
+TEST_CASE("two jaws of scissors that close on a strip cut it through")
+{
+    Stage stage;
+    SoftBodyDef strip{.mesh = shared(boxMesh({16, 4, 4}, {0.04, 0.01, 0.01}, 0.2)),
+                      .gravity = false,
+                      .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}},
+                      .dynamicTopology = true};
+    const BodyId tissue = stage.add(strip);
+    const TriangleMeshSource jaw = bladeMesh(0.03, 0.02); // extends upwards from its edge; the other one is turned over
+    const auto poseOf = [](int side, double gap) {
+        return Pose{.position = {0.0193, 0.005, 0.005 + (side == 0 ? gap : -gap)},
+                    .orientation = side == 0 ? Quat{} : axisAngle({0, 1, 0}, std::numbers::pi)};
+    };
+    const BodyId scissors =
+        stage.add(RigidBodyDef{.name = "scissors",
+                               .elements = {poseOf(0, 0.01), poseOf(1, 0.01)},
+                               .collision = {{.mesh = jaw, .proximity = 0, .cutting = true},
+                                             {.mesh = jaw, .element = 1, .proximity = 0, .cutting = true}}});
+    stage.step(1e-3);
+    int detached = 0;
+    for (int i = 1; i <= 260; ++i) { // they close until they overlap by 3 mm
+        for (int side : {0, 1}) stage.post(SetPose{scissors, side, poseOf(side, 0.01 - 0.05e-3 * i)});
+        const StepReport report = stage.step(1e-3);
+        CHECK(report.flags == 0);
+        detached += detachedOf(report);
+    }
+    for (int side : {0, 1}) stage.post(SetPose{scissors, side, poseOf(side, 1.0)});
+    detached += detachedOf(stage.run(5, 1e-3));
+    CHECK(detached == 1);
+    CHECK(tissue.value == 1);
+}
+
+TEST_CASE("a body that may be cut needs a manifold surface, and a tune cannot change its mesh")
+{
+    Stage stage;
+    geometry::TetMesh touching = boxMesh({1, 1, 1}, {1, 1, 1});
+    const geometry::TetMesh other = touching; // a second box that is connected to the first by one corner
+    const auto count = static_cast<int>(touching.nodes.size());
+    for (const Vec3& node : other.nodes) touching.nodes.push_back(node + Vec3{1, 1, 1});
+    for (geometry::Tetrahedron t : other.tetrahedra) {
+        for (int& node : t) node = node == 0 ? count - 1 : node + count;
+        touching.tetrahedra.push_back(t);
+    }
+    touching.nodes.erase(touching.nodes.begin() + count); // its corner is the first one's
+    for (std::size_t t = other.tetrahedra.size(); t < touching.tetrahedra.size(); ++t)
+        for (int& node : touching.tetrahedra[t])
+            if (node >= count) --node;
+    SoftBodyDef def{.name = "twins", .mesh = shared(touching), .dynamicTopology = true};
+    CHECK_THROWS_WITH(stage.add(def), Catch::Contains("twins") && Catch::Contains("manifold"));
+    def.dynamicTopology = false;
+    CHECK_NOTHROW(stage.add(def));
+
+    Stage tuned;
+    tuned.add(tissueBlock());
+    tuned.step(1e-3);
+    const auto rest = tuned.model().rest;
+    tuned.post(
+        Tune{[](PhysicsEngine& engine) { static_cast<World&>(engine).scene().soft[0].model.rest[7].x += 1e-4; }});
+    CHECK(tuned.step(1e-3).has(StepFlag::TuneRejected));
+    CHECK(tuned.model().rest == rest);
+    tuned.post(
+        Tune{[](PhysicsEngine& engine) { static_cast<World&>(engine).scene().soft[0].model.dynamicTopology = false; }});
+    CHECK(tuned.step(1e-3).has(StepFlag::TuneRejected));
+}
+
+TEST_CASE("bodies of springs, with explicit steps and with a direct solver are cut as well")
+{
+    SoftBodyDef springs = tissueBlock(), direct = tissueBlock(), steps = tissueBlock();
+    springs.material = MassSpringMaterial{.stiffness = 20.0, .damping = 0.05};
+    direct.solver = Cholesky{};
+    direct.mesh = shared(boxMesh({6, 5, 4}, {0.05, 0.04, 0.03}, 0.2));
+    steps.integrator = ExplicitEuler{.symplectic = true};
+    steps.material = FemMaterial{.youngModulus = 500.0, .poissonRatio = 0.3};
+    steps.rayleigh.stiffness = 1e-4; // damping bounds an explicit step as well
+    for (const auto& [def, dt] : {std::pair{springs, 1e-3}, {direct, 1e-3}, {steps, 1e-4}}) {
+        CutScene scene(def, 0.0262);
+        const StepReport report = scene.move(0.034, 0.02, 0.2, dt);
+        CHECK(report.flags == 0);
+        CHECK(report.topology.ruptures.size() > 0);
+        CHECK(scene.stage.run(100, dt).flags == 0);
+        check(scene.stage.model(), scene.stage.soft());
+    }
+}
+
+TEST_CASE("a reset keeps a material and pins that were set meanwhile, with their ids")
+{
+    CutScene scene(tissueBlock(), 0.0262);
+    scene.move(0.04, 0.01);
+    scene.stage.post(SetMaterial{scene.tissue, FemMaterial{.youngModulus = 9e3}, nullptr});
+    scene.stage.post(Reset{});
+    scene.stage.step(1e-3);
+    CHECK(scene.stage.model().elements.front().youngModulus == 9e3);
+    REQUIRE(scene.stage.model().pins.groups.size() == 1);
+    const AttachmentId pins = scene.stage.model().pins.groups[0].id;
+    CHECK(pins.value == 1);
+    scene.stage.post(Release{pins});
+    scene.stage.post(SetGravity{{0, 0, -9.81}});
+    scene.stage.run(20, 1e-3);
+    CHECK(scene.stage.soft().v[0].z < -0.1); // it falls
+    scene.stage.post(Reset{});
+    scene.stage.run(20, 1e-3);
+    CHECK(scene.stage.soft().v[0].z < -0.1); // and is not pinned again
+}
+
+TEST_CASE("a pin's spring slides with its node")
+{
+    SoftBodyDef def = tissueBlock();
+    def.gravity = false;
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, 1}}, .stiffness = 50.0}};
+    CutScene scene(def, 0.0262);
+    scene.move(0.04, -0.01, 0.2);
+    scene.stage.run(200, 1e-3);
+    const SoftModel& model = scene.stage.model();
+    for (const PinSpring& pin : model.pins.springs)
+        CHECK(length(pin.anchor - model.rest[static_cast<std::size_t>(pin.node)]) < 1e-12);
+}
+
+TEST_CASE("a piece that fell out of the scene is removed once, and the rest goes on")
+{
+    SoftBodyDef def = tissueBlock();
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}};
+    CutScene scene(def, 0.0262);
+    CHECK(detachedOf(scene.move(0.04, -0.01)) == 1);
+    scene.stage.post(SetPose{scene.blade, 0, scene.poseAt(1.0)});
+    for (std::size_t i = 0; i < scene.stage.soft().x.size(); ++i)
+        if (scene.stage.model().rest[i].x > 0.03) scene.stage.soft().v[i] = {0, 0, -300.0};
+    StepReport all;
+    for (int i = 0; i < 600; ++i) {
+        const StepReport report = scene.stage.step(1e-3);
+        all.flags |= report.flags;
+        all.topology.lost += report.topology.lost;
+    }
+    CHECK(all.flags == 0);
+    CHECK(all.topology.lost == 1);
+    check(scene.stage.model(), scene.stage.soft());
+}
