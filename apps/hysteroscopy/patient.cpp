@@ -1,10 +1,10 @@
 #include "apps/hysteroscopy/patient.h"
 
+#include <filasofia/core/user_file.h>
 #include <filasofia/core/word.h>
 
 #include <nlohmann/json.hpp>
 
-#include <fstream>
 #include <random>
 
 using namespace filasofia;
@@ -19,7 +19,7 @@ nlohmann::json read(const std::string& name)
 {
     const std::string file = asset(kFolder + name);
     try {
-        return nlohmann::json::parse(std::ifstream(file));
+        return nlohmann::json::parse(readFile(file, file));
     } catch (const nlohmann::json::exception& problem) {
         fail(file, ": ", problem.what());
     }

@@ -92,7 +92,7 @@ TEST_CASE("a motion that was written is read again to the same bits")
 TEST_CASE("an invalid motion file is refused with file, line, field and value")
 {
     const std::string head = kHeader;
-    CHECK(refusal("") == "motion file 'FILE': cannot be opened"); // no such file
+    CHECK(refusal("") == "motion file 'FILE': no such file"); // it was not written
     CHECK(refusal(head) == "motion file 'FILE': must have at least one sample, got none");
     CHECK(refusal("# nothing\n" + head + "# nothing\n") ==
           "motion file 'FILE': must have at least one sample, got none");
@@ -114,6 +114,16 @@ TEST_CASE("an invalid motion file is refused with file, line, field and value")
     CHECK(refusal(head + "0,0,0,0,1,0,0,0,0\r\n1, 0.1,0,0,1,0,0,0,0") == "nothing"); // spaces, other line ends
 }
 
+TEST_CASE("a motion file that never ends, or would make the reader wait, is refused")
+{
+    CHECK_THROWS_WITH(readMotion("/dev/zero"), "motion file '/dev/zero': must be a regular file or a pipe");
+    CHECK_THROWS_WITH(readMotion("/tmp"), "motion file '/tmp': must be a file, got a directory");
+    CHECK(refusal(std::string(5000, '#') + "\n" + kHeader) ==
+          "motion file 'FILE': line 1: must have at most 4096 bytes, got more");
+    CHECK(refusal(std::string(kHeader) + "0,0,0,0,1,0,0,0,0\n" + std::string(1 << 20, '\0')) ==
+          "motion file 'FILE': line 3: must have at most 4096 bytes, got more");
+}
+
 TEST_CASE("devices are made by name, and invalid Defs are refused")
 {
     CHECK(nameOf(deviceNamed("spacemouse")) == "spacemouse");
@@ -121,7 +131,7 @@ TEST_CASE("devices are made by name, and invalid Defs are refused")
                                             "forcedimension, openhaptics, got 'omega'");
     CHECK_THROWS_WITH(makeDevice(ScriptedDevice{}),
                       "device scripted: motion must be the name of a file or a motion, got none");
-    CHECK_THROWS_WITH(makeDevice(ScriptedDevice{"/nowhere.csv"}), "motion file '/nowhere.csv': cannot be opened");
+    CHECK_THROWS_WITH(makeDevice(ScriptedDevice{"/nowhere.csv"}), "motion file '/nowhere.csv': no such file");
     CHECK_THROWS_WITH(makeDevice(MouseDevice{}, "libx.so"),
                       "device mouse: library must be empty, because this device needs none; got 'libx.so'");
     CHECK_THROWS_WITH(makeDevice(MouseDevice{.reach = 0.0}), "device mouse: reach must be > 0 m, got 0");

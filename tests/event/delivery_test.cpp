@@ -118,6 +118,8 @@ TEST_CASE("a callback that throws is logged once and detached, the others go on"
     REQUIRE(log.lines().size() == 2);
     CHECK(log.lines()[0] ==
           "event dispatcher: an observer of Custom1 events threw at step 0 and was detached: no such polyp");
+    CHECK(log.lines()[1] == "event dispatcher: an observer of Custom1 events threw at step 0 and was detached: it "
+                            "threw something that is not a std::exception");
 }
 
 TEST_CASE("deliverAll also delivers what observers post in answer, and what those observers answer")

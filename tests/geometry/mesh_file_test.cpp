@@ -3,6 +3,8 @@
 #include "geometry/gmsh_writer.h"
 #include "geometry/sample_meshes.h"
 
+#include <sys/stat.h>
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 using Catch::Matchers::Contains;
@@ -216,6 +218,15 @@ TEST_CASE("what is no mesh file at all is refused by name")
         CHECK_THAT(errorFor(name, ""), Contains(std::string(name) + ": is empty"));
     const TemporaryFile empty("e.msh", "");
     CHECK_THAT(errorOf([&] { loadTetMesh(empty.path()); }), Contains("e.msh: is empty"));
+}
+
+TEST_CASE("a pipe that a mesh file names as its material is not waited for")
+{
+    const TemporaryFile mesh("piped.obj", "mtllib piped.mtl\n" + obj());
+    const std::filesystem::path pipe = mesh.path().parent_path() / "piped.mtl";
+    REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+    checkIsUnitTetrahedron(loadTriangleMesh(mesh.path()));
+    std::filesystem::remove(pipe);
 }
 
 TEST_CASE("a broken surface file gives an Error that names it")

@@ -10,8 +10,13 @@ namespace filasofia::physics {
 
 struct FakeBody final : BuiltBody {
     int nodes = 0;
-    BodyDef def = {}; ///< the Def that it was made from
-    [[nodiscard]] int nodeCount() const override { return nodes; }
+    BodyDef def = {};                   ///< the Def that it was made from
+    std::function<void()> counted = {}; ///< called by nodeCount()
+    [[nodiscard]] int nodeCount() const override
+    {
+        if (counted) counted();
+        return nodes;
+    }
 };
 
 /// The calls that a fake engine received. It outlives the server that owns the engine.
@@ -24,6 +29,7 @@ struct EngineCalls {
 
     int needed = 0;                     ///< iterations that each soft body's solver makes if nothing stops it
     std::function<void()> build = {};   ///< called while a body is built
+    std::function<void()> counted = {}; ///< called by nodeCount() of every body that is built from now on
     std::function<void()> iterate = {}; ///< called for each iteration: a fake clock can advance here
     std::vector<std::vector<int>> iterations = {}; ///< iterations made, per step and soft body
 };
@@ -40,6 +46,7 @@ public:
         const auto* rigid = std::get_if<RigidBodyDef>(&def);
         body->def = def;
         if (calls_.build) calls_.build();
+        body->counted = calls_.counted;
         body->nodes = rigid ? static_cast<int>(rigid->elements.size()) : 4;
         return body;
     }

@@ -1,5 +1,8 @@
 #include "physics/fake_engine.h"
 
+#include <atomic>
+#include <thread>
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -11,6 +14,28 @@ TEST_CASE("without a reader no step is logged")
     server.step(0.1);
     CHECK(server.nextRecord() == nullptr);
     CHECK(calls.hashes == 0);
+}
+
+TEST_CASE("if two threads step one server at once, the second is refused, and the first goes on")
+{
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
+    const auto refused = "physics: a step is already in progress: only one thread at a time may step a server";
+    std::atomic<bool> inside = false, done = false;
+    server.tune([&](PhysicsEngine&) {
+        inside = true;
+        while (!done) std::this_thread::yield();
+    });
+    std::thread stepper([&] { server.step(0.1); });
+    while (!inside) std::this_thread::yield();
+    CHECK_THROWS_WITH(server.step(0.1), refused);
+    CHECK_THROWS_WITH(server.replayStep(0.1), refused);
+    CHECK_THROWS_WITH(server.expect({}), refused);
+    done = true;
+    stepper.join();
+    CHECK(server.step(0.1).step == 2);
+    server.tune([&](PhysicsEngine&) { CHECK_THROWS_WITH(server.step(0.1), refused); }); // nor from within a step
+    CHECK(server.step(0.1).step == 3);
 }
 
 TEST_CASE("the log holds every step once, in order")

@@ -1,6 +1,7 @@
 #include "filasofia/prefab/articulated_instrument.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
 #include "filasofia/core/units.h"
 #include "filasofia/geometry/shapes.h"
 
@@ -125,6 +126,29 @@ TEST_CASE("the blades of scissors cut what may be cut")
     CHECK(area > 2e-6);
     CHECK(area < 9e-6);
     CHECK_FALSE(scissors.holding());
+    CHECK(sim.run({.headless = true, .backend = visual::Backend::Null, .steps = 1}).bluntBlades.empty());
+}
+
+TEST_CASE("scissors on what cannot be cut: a warning once, and a line in the summary")
+{
+    std::vector<std::string> lines;
+    setLogSink([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+    const std::string expected =
+        "blade of 'scissors' met body 'block', which has no dynamicTopology: it pushes and does not cut";
+    Simulation sim(weightless());
+    addBlock(sim, false);
+    ArticulatedInstrument scissors(sim, {.name = "scissors", .kind = InstrumentKind::Scissors, .opening = 1.0});
+    for (int times = 0; times < 2; ++times) {
+        scissors.close();
+        run(sim, 700);
+        scissors.open();
+        run(sim, 300);
+    }
+    const runtime::RunReport report = sim.run({.headless = true, .backend = visual::Backend::Null, .steps = 1});
+    setLogSink({});
+    CHECK(std::ranges::count(lines, expected) == 1);
+    CHECK(report.bluntBlades == std::vector<std::string>{expected});
+    CHECK_THAT(runtime::summary(report), Catch::Contains(expected + "\n"));
 }
 
 TEST_CASE("a jaw that is fixed to the shaft stays with it")

@@ -160,6 +160,17 @@ TEST_CASE("blocked for longer than its buffer it loses samples, counts them, and
     CHECK(session.tracks[0].samples.size() == tracker.taken());
 }
 
+TEST_CASE("a writer that throws something that is not a std::exception ends the session like any other")
+{
+    Simulation sim;
+    MetricTracker tracker(sim, {.bodies = addProbes(sim, 1), .rate = 1_kHz, .write = [](std::string_view lines) {
+                                    if (lines.find("\"end\"") == std::string_view::npos) throw 42;
+                                }});
+    sim.run({.headless = true, .steps = 50});
+    tracker.close();
+    CHECK(tracker.failed());
+}
+
 TEST_CASE("a run that is faster than its disk waits for it, as long as it is ahead of real time")
 {
     int lines = 0;

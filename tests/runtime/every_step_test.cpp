@@ -1,5 +1,6 @@
 #include "filasofia/filasofia.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/recording.h"
@@ -102,6 +103,28 @@ TEST_CASE("a script that throws is not called again, and the others go on")
         CHECK(thrown == 1);
         CHECK(calls == 20);
     }
+}
+
+TEST_CASE("a script that throws something that is not a std::exception is reported like any other")
+{
+    std::vector<std::string> lines; // written by the stepping thread, read after the run
+    setLogSink([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+    for (const bool headless : {true, false}) {
+        lines.clear();
+        Simulation sim;
+        int thrown = 0, calls = 0;
+        sim.everyStep([&](double) {
+            ++thrown;
+            throw 42;
+        });
+        sim.everyStep([&](double) { ++calls; });
+        CHECK(sim.run({.headless = headless, .backend = Backend::Null, .steps = 20}).steps == 20);
+        CHECK((thrown == 1 && calls == 20));
+        REQUIRE(lines.size() >= 1);
+        CHECK(lines[0] ==
+              "simulation: everyStep: it threw something that is not a std::exception; it is not called again");
+    }
+    setLogSink({});
 }
 
 TEST_CASE("an empty script is refused, and so is a new one during a run")

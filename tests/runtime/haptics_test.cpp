@@ -374,7 +374,7 @@ TEST_CASE("haptic interfaces that cannot be are refused, and so are runs that as
     CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .device = "mouse", .motion = "a.csv"}),
                       "run: device and motion: only one of the two can be given");
     CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .motion = "/nowhere.csv"}),
-                      "motion file '/nowhere.csv': cannot be opened");
+                      "motion file '/nowhere.csv': no such file");
     CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .recordMotion = "a.txt"}),
                       "run: recordMotion must end in .csv, got 'a.txt'");
     CHECK(sim.run({.headless = true, .steps = 1}).steps == 1); // nothing is left of the failed runs

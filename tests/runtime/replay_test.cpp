@@ -122,6 +122,13 @@ TEST_CASE("fields that materials got later are in a recording if they are set, a
     CHECK(filesOf(SceneMaterial{1, now[2]}) == std::vector<std::string>{"m.png"});
 }
 
+TEST_CASE("a file of a scene that is none, or would never end, has no digest")
+{
+    CHECK_FALSE(digested("/dev/zero"));
+    CHECK_FALSE(digested("/tmp"));
+    CHECK_FALSE(digested("/nowhere.png"));
+}
+
 TEST_CASE("the files that an event names are found, however deep")
 {
     CHECK(filesOf(SceneShown{1,

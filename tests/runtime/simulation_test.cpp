@@ -1,6 +1,7 @@
 #include "filasofia/filasofia.h"
 
 #include "filasofia/engine/native/native.h"
+#include "filasofia/engine/scene/scene.h"
 
 #include <csignal>
 #include <unistd.h>
@@ -31,6 +32,15 @@ std::vector<std::string> linesOf(const std::string& file)
 }
 
 } // namespace
+
+TEST_CASE("an empty list is the default Def")
+{
+    Simulation sim({}), other;
+    CHECK(sim.run(headless(2)).hash == other.run(headless(2)).hash);
+    Simulation slow({.physics = {.rate = 100}});
+    CHECK(slow.run(headless(2)).time == Approx(0.02));
+    STATIC_REQUIRE_FALSE(std::is_copy_constructible_v<Simulation>);
+}
 
 TEST_CASE("two headless runs of the same scene end in the same hash")
 {
@@ -233,7 +243,8 @@ TEST_CASE("tune() reaches the engine of a simulation")
     Simulation sim;
     sim.add(bunny());
     int elements = 0;
-    sim.tune([&](engine::Native& native) { elements = static_cast<int>(native.scene().soft[0].model.elements.size()); });
+    sim.tune(
+        [&](engine::Native& native) { elements = static_cast<int>(native.scene().soft[0].model.elements.size()); });
     sim.run(headless(1));
     CHECK(elements == 754); // the mesh file's number, within 1 % of its name
 }
@@ -302,8 +313,25 @@ TEST_CASE("an exception in a user's dress ends the run with one line, --fps with
     sim.dress([](visual::VisualServer&) { throw std::runtime_error("no lamp"); });
     const char* picture[] = {"program", "--headless", "--steps", "2", "--picture", "never.png"};
     CHECK(sim.run(6, picture) == 2);
+    sim.dress({});
+    sim.dress([](visual::VisualServer&) { throw 42; });
+    CHECK(sim.run(6, picture) == 2);
     const char* fps[] = {"program", "--headless", "--steps", "2", "--fps", "20"};
     CHECK(sim.run(6, fps) == 2);
     const char* good[] = {"program", "--headless", "--steps", "2"};
     CHECK(sim.run(4, good) == 0);
+}
+
+TEST_CASE("bodies that were shown and removed before a run are not drawn, however many there were")
+{
+    const auto ball = shapes::sphere(5_mm, 1);
+    Simulation sim;
+    sim.show(sim.add(RigidBodyDef{.name = "stays", .mesh = ball}));
+    for (int i = 0; i < 1500; ++i) { // more than a visual server holds
+        const BodyId id = sim.add(RigidBodyDef{.name = "goes", .mesh = ball});
+        sim.show(id);
+        sim.physics().remove(id);
+    }
+    const RunReport report = sim.run({.backend = Backend::Null, .steps = 5});
+    CHECK(report.visual.bodies == 1);
 }

@@ -100,7 +100,8 @@ TEST_CASE("a missing, damaged or huge picture is an error that names it")
     const std::string png = readAll(goodPng());
     const std::vector<std::pair<std::string, const char*>> wrong = {
         {tempFile("nowhere.png"), "nowhere.png"},
-        {std::string(FILASOFIA_BINARY_DIR), "no such file"},
+        {std::string(FILASOFIA_BINARY_DIR), "must be a file, got a directory"},
+        {"/dev/zero", "is not a regular file"},
         {"", "no such file"},
         {written("text.png", "not a picture"), "text.png"},
         {written("empty.png", ""), "empty.png"},

@@ -22,7 +22,7 @@ TEST_CASE("a callback that throws ends alone, and is replaced by one that does n
     CHECK(log.lines[0] == "gui 'panel': renderCallback: no forceps; it is not called again");
     scene.gui->setRenderCallback([&] { throw 7; });
     scene.person.look(5);
-    CHECK(log.lines.back().find("gui 'panel': renderCallback threw what is no exception") == 0);
+    CHECK(log.lines.back().find("gui 'panel': renderCallback: it threw something that is not a std::exception") == 0);
     scene.gui->setRenderCallback([&] { scene.panel.draw(); });
     scene.person.look();
     scene.person.click(scene.panel.buttonAt.x, scene.panel.buttonAt.y);

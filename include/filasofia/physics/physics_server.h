@@ -80,7 +80,24 @@ public:
     /// For its type, and for its build(). Any thread.
     [[nodiscard]] const PhysicsEngine& engine() const;
 
-    // Only for the stepping thread.
+    /// While it exists, its thread is the stepping thread: there, every function of this class except add() returns
+    /// without waiting for any other thread (add() may wait for other threads that add). At most one exists at a time;
+    /// runtime makes one for each run. Without it, a thread that steps is treated like any other.
+    class Stepping {
+    public:
+        explicit Stepping(PhysicsServer& server);
+        ~Stepping();
+        Stepping(const Stepping&) = delete;
+        Stepping& operator=(const Stepping&) = delete;
+
+    private:
+        const void* before_; ///< the server that the thread stepped before
+    };
+
+    /// Whether the calling thread is the stepping thread.
+    [[nodiscard]] bool stepsHere() const;
+
+    // Only for the stepping thread; they throw an Error while another step is being computed.
     /// Computes one step of dt [s], > 0. `flags`: StepFlag bits that the caller sets, for report and log.
     StepReport step(double dt, std::uint32_t flags = 0, const StepBudget& budget = {});
     /// Sets the commands of the next step as a recording has them, with their ids and built bodies, checked as if they
@@ -103,6 +120,7 @@ public:
     void keepLog(bool on);
 
 private:
+    friend class RegistryHold; // tests
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

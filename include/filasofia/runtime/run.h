@@ -80,6 +80,7 @@ struct RunReport {
     bool realTime = false;          ///< physics was scheduled before ordinary threads
     std::string finished;           ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
+    std::vector<std::string> bluntBlades;    ///< one line per blade that touched a soft body without dynamicTopology
     std::vector<std::string> pictures;       ///< files written, including the video
     /// why log or recording end before the run, or a screenshot is missing; empty: all are complete
     std::vector<std::string> fileProblems;

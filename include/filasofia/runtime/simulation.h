@@ -16,6 +16,8 @@
 #include "filasofia/visual/orbit_camera.h"
 #include "filasofia/window/window.h"
 
+#include <concepts>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -90,7 +92,13 @@ constexpr auto fields(const SimulationDef*)
 /// before and during a run. If a call is wrong, it throws an Error at once.
 class Simulation {
 public:
-    explicit Simulation(const SimulationDef& def = {});
+    Simulation() : Simulation(SimulationDef{}, nullptr) {}
+    /// It is a template so that `Simulation sim({})` means the default Def: as a plain function it is ambiguous with
+    /// the deleted copy constructor, whose argument could also be made from {}.
+    template <std::same_as<SimulationDef> Def = SimulationDef> explicit Simulation(const Def& def)
+        : Simulation(def, nullptr)
+    {
+    }
     ~Simulation();
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
@@ -183,6 +191,8 @@ public:
     struct Impl;
 
 private:
+    Simulation(const SimulationDef& def, std::nullptr_t);
+
     std::unique_ptr<Impl> impl_;
 };
 

@@ -1,6 +1,7 @@
 #include "filasofia/device/haptic_servo.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/guarded_call.h"
 #include "filasofia/core/real_time.h"
 
 #include <time.h>
@@ -68,20 +69,18 @@ void HapticServo::stop()
 void HapticServo::open()
 {
     tryAgain_ = clock_.now() + kSecond;
-    try {
+    const auto problem = guardedCall([this] { // the driver may be the user's
         device_.open();
         open_ = true;
         slow_ = refused_ = false;
         loop_.setCapabilities(device_.capabilities());
         loop_.interrupt();
-        if (!reported_)
-            notice_(
-                {.kind = DeviceNotice::Kind::Connected}); // otherwise the notice comes when it has worked for a while
-    } catch (const std::exception& problem) {
-        device_.close();
-        if (!std::exchange(reported_, ServoState::Lost))
-            notice_({.kind = DeviceNotice::Kind::Error, .problem = problem.what()});
-    }
+        // Otherwise the notice comes when it has worked for a while.
+        if (!reported_) notice_({.kind = DeviceNotice::Kind::Connected});
+    });
+    if (!problem) return;
+    device_.close();
+    if (!std::exchange(reported_, ServoState::Lost)) notice_({.kind = DeviceNotice::Kind::Error, .problem = *problem});
 }
 
 void HapticServo::close()

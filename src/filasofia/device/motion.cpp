@@ -1,6 +1,7 @@
 #include "filasofia/device/motion.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/user_file.h"
 
 #include <algorithm>
 #include <array>
@@ -60,7 +61,7 @@ template <class Number> bool readNumber(std::string_view word, Number& out)
     return problem == std::errc() && end == word.data() + word.size();
 }
 
-MotionSample sampleOf(const std::string& line, const std::string& place)
+MotionSample sampleOf(std::string_view line, const std::string& place)
 {
     std::vector<std::string_view> words;
     for (std::string_view rest = line;; rest.remove_prefix(words.back().size() + 1)) {
@@ -119,24 +120,19 @@ DeviceSample Motion::at(double time, bool loop) const
 
 Motion readMotion(const std::string& file)
 {
-    std::ifstream in(file);
-    if (!in) fail("motion file '", file, "': cannot be opened");
+    LineReader lines(file, text("motion file '", file, "'"));
     std::vector<MotionSample> samples;
     bool headed = false;
-    std::string line;
-    for (int number = 1; std::getline(in, line); ++number) {
-        if (!line.empty() && line.back() == '\r') line.pop_back();
-        if (line.empty() || line.front() == '#') continue;
-        const std::string place = text("motion file '", file, "': line ", number);
+    while (const std::optional<std::string_view> line = lines.next()) {
+        if (line->empty() || line->front() == '#') continue;
         if (!headed) {
-            if (line != kHeader) fail(place, ": must be '", kHeader, "', got '", line.substr(0, 80), "'");
+            if (*line != kHeader) fail(lines.place(), ": must be '", kHeader, "', got '", line->substr(0, 80), "'");
             headed = true;
             continue;
         }
-        samples.push_back(sampleOf(line, place));
-        if (samples.size() > 1) checkOrder(samples[samples.size() - 2], samples.back(), place);
+        samples.push_back(sampleOf(*line, lines.place()));
+        if (samples.size() > 1) checkOrder(samples[samples.size() - 2], samples.back(), lines.place());
     }
-    if (in.bad()) fail("motion file '", file, "': cannot be read to its end");
     return {std::move(samples), text("motion file '", file, "'")};
 }
 

@@ -1,6 +1,7 @@
 #include "filasofia/event/observer_list.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/core/guarded_call.h"
 #include "filasofia/core/log.h"
 #include "filasofia/event/wait_cycle.h"
 
@@ -68,14 +69,7 @@ void ObserverList::deliver(const Event& event)
 void ObserverList::call(Observer& observer, const Event& event)
 {
     if (!begin(observer)) return;
-    std::optional<std::string> problem;
-    try {
-        observer.callback(event);
-    } catch (const std::exception& error) {
-        problem = error.what();
-    } catch (...) {
-        problem = "an exception that is not a std::exception";
-    }
+    const std::optional<std::string> problem = guardedCall([&] { observer.callback(event); });
     end(observer, problem.has_value());
     if (problem)
         logError("event dispatcher: an observer of ", name(event.type), " events threw at step ", event.step,

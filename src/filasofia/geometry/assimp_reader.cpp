@@ -2,7 +2,9 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
+#include "filasofia/core/user_file.h"
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -148,12 +150,30 @@ TriangleMesh joined(const Soup& soup, Dropped& dropped)
     return mesh;
 }
 
+// A mesh file names other files (materials, buffers). What assimp opens must be regular: a pipe would wait for its
+// writer.
+class RegularFiles : public Assimp::DefaultIOSystem {
+public:
+    [[nodiscard]] bool Exists(const char* file) const override // assimp's own version opens the file
+    {
+        std::error_code problem;
+        return std::filesystem::is_regular_file(file, problem);
+    }
+    Assimp::IOStream* Open(const char* file, const char* mode) override
+    {
+        if (!Exists(file)) return nullptr;
+        checkRegularFile(file, file);
+        return Assimp::DefaultIOSystem::Open(file, mode);
+    }
+};
+
 Soup readSoup(const std::filesystem::path& file)
 {
     const std::string name = file.string();
     Soup soup;
     try {
         Assimp::Importer importer;
+        importer.SetIOHandler(new RegularFiles); // the importer owns it
         const aiScene* scene = importer.ReadFile(name, 0);
         if (scene == nullptr) fail(name, ": cannot be read: ", std::string_view(importer.GetErrorString()));
         if (scene->mRootNode == nullptr || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0)

@@ -122,11 +122,18 @@ void connect(const Graph& graph, LatticeLayout& out)
 
     // An edge between two copies merges the corners that both have.
     DisjointSets points(4 * cornerKeys.size());
+    std::vector<int> joined(cornerKeys.size(), kNone); // per copy: the lower-numbered copy that it was joined to last
     for (auto [a, b] : graph.edges) {
-        if (copy[a] == copy[b]) continue;
-        for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j)
-                if (cornerKeys[copy[a]][i] == cornerKeys[copy[b]][j]) points.join(4 * copy[a] + i, 4 * copy[b] + j);
+        const auto [low, high] = std::minmax(copy[a], copy[b]);
+        if (low == high || joined[high] == low) continue; // most edges between two copies follow each other
+        joined[high] = low;
+        // The keys of a cell's corners are in ascending order.
+        for (int i = 0, j = 0; i < 4 && j < 4;) {
+            const Key one = cornerKeys[low][i], other = cornerKeys[high][j];
+            if (one == other) points.join(4 * low + i, 4 * high + j);
+            i += one <= other;
+            j += other <= one;
+        }
     }
 
     std::vector<int> number(4 * cornerKeys.size(), kNone);

@@ -21,14 +21,26 @@ Face namedFace(const Tetrahedron& t, int tetrahedron, int side)
 
 std::vector<Face> sortedFaces(const TetMesh& mesh)
 {
-    std::vector<Face> faces;
-    faces.reserve(4 * mesh.tetrahedra.size());
+    // Faces are first counted into rows by their lowest node: a row has some dozen faces, and one sort of all faces
+    // took three times as long.
+    std::vector<std::size_t> rows(mesh.nodes.size() + 1, 0);
+    for (const Tetrahedron& t : mesh.tetrahedra)
+        for (const auto& [i, j, k] : kTetrahedronFaces) ++rows[std::min({t[i], t[j], t[k]}) + 1];
+    for (std::size_t n = 1; n < rows.size(); ++n) rows[n] += rows[n - 1];
+    std::vector<Face> faces(4 * mesh.tetrahedra.size());
+    std::vector<std::size_t> next(rows.begin(), rows.end() - 1);
     for (int t = 0; t < static_cast<int>(mesh.tetrahedra.size()); ++t)
-        for (int side = 0; side < 4; ++side) faces.push_back(namedFace(mesh.tetrahedra[t], t, side));
-    std::ranges::sort(faces, [](const Face& a, const Face& b) {
-        if (a.nodes != b.nodes) return a.nodes < b.nodes;
-        return a.tetrahedron != b.tetrahedron ? a.tetrahedron < b.tetrahedron : a.side < b.side;
-    });
+        for (int side = 0; side < 4; ++side) {
+            const Face face = namedFace(mesh.tetrahedra[t], t, side);
+            faces[next[face.nodes[0]]++] = face;
+        }
+    for (std::size_t n = 1; n < rows.size(); ++n)
+        std::sort(faces.begin() + static_cast<std::ptrdiff_t>(rows[n - 1]),
+                  faces.begin() + static_cast<std::ptrdiff_t>(rows[n]), [](const Face& a, const Face& b) {
+                      if (a.nodes[1] != b.nodes[1]) return a.nodes[1] < b.nodes[1];
+                      if (a.nodes[2] != b.nodes[2]) return a.nodes[2] < b.nodes[2];
+                      return a.tetrahedron != b.tetrahedron ? a.tetrahedron < b.tetrahedron : a.side < b.side;
+                  });
     return faces;
 }
 

@@ -13,6 +13,7 @@ struct Face {
 };
 
 /// All faces of all tetrahedra, sorted by nodes, then tetrahedron, so that two coincident faces are adjacent.
+/// Every tetrahedron must name nodes of the mesh.
 std::vector<Face> sortedFaces(const TetMesh& mesh);
 
 } // namespace filasofia::geometry

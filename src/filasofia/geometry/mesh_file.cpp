@@ -1,9 +1,9 @@
 #include "filasofia/geometry/mesh_file.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/user_file.h"
 #include "filasofia/geometry/announced_size.h"
 #include "filasofia/geometry/assimp_reader.h"
-#include "filasofia/geometry/file_bytes.h"
 #include "filasofia/geometry/gmsh_reader.h"
 #include "filasofia/geometry/tetgen_reader.h"
 
@@ -20,20 +20,27 @@ std::string extensionOf(const std::filesystem::path& file)
     return extension;
 }
 
+std::string bytesOf(const std::filesystem::path& file)
+{
+    std::string bytes = readFile(file, file.string());
+    if (bytes.empty()) fail(file.string(), ": is empty");
+    return bytes;
+}
+
 TetMesh loadTetGen(std::filesystem::path file)
 {
     // A name in upper case has a partner in upper case.
     const bool upper = file.extension() == ".NODE" || file.extension() == ".ELE";
     const std::filesystem::path nodes = file.replace_extension(upper ? ".NODE" : ".node");
     const std::filesystem::path elements = file.replace_extension(upper ? ".ELE" : ".ele");
-    const std::string nodeBytes = readFile(nodes), elementBytes = readFile(elements);
+    const std::string nodeBytes = bytesOf(nodes), elementBytes = bytesOf(elements);
     return parseTetGen({nodeBytes, nodes.string()}, {elementBytes, elements.string()});
 }
 
 TetMesh readTetMesh(const std::filesystem::path& file)
 {
     const std::string extension = extensionOf(file);
-    if (extension == ".msh") return parseGmsh(readFile(file), file.string());
+    if (extension == ".msh") return parseGmsh(bytesOf(file), file.string());
     if (extension == ".node" || extension == ".ele") return loadTetGen(file);
     fail(file.string(), ": a tetrahedral mesh must be a .msh, .node or .ele file, got '", extension, "'");
 }
@@ -44,7 +51,7 @@ TriangleMesh readTriangleMesh(const std::filesystem::path& file)
     const std::string extension = extensionOf(file);
     if (std::ranges::find(kExtensions, extension) == std::end(kExtensions))
         fail(file.string(), ": a triangle mesh must be an .obj, .stl, .ply, .gltf or .glb file, got '", extension, "'");
-    checkAnnouncedSizes(file, extension, readFile(file));
+    checkAnnouncedSizes(file, extension, bytesOf(file));
     return readWithAssimp(file);
 }
 

@@ -1,6 +1,7 @@
 #include "filasofia/geometry/tet_mesh.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/geometry/check_points.h"
 #include "filasofia/geometry/element_fault.h"
 #include "filasofia/geometry/face_list.h"
 
@@ -11,14 +12,6 @@ namespace filasofia::geometry {
 namespace {
 
 constexpr double kMinRelativeVolume = 1e-12; // volume over the cube of the longest edge
-
-void checkNumbers(const TetMesh& mesh, std::string_view name)
-{
-    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-        const Vec3 p = mesh.nodes[i];
-        if (!isFinite(p)) fail(name, ": node ", i, " must be finite, got ", p.x, " ", p.y, " ", p.z);
-    }
-}
 
 void checkEveryNodeIsUsed(const TetMesh& mesh, std::string_view name)
 {
@@ -77,7 +70,7 @@ std::optional<std::array<int, 2>> sameSidePair(const TetMesh& mesh)
 void check(const TetMesh& mesh, std::string_view name)
 {
     if (mesh.tetrahedra.empty()) fail(name, ": must have at least 1 tetrahedron, got 0");
-    checkNumbers(mesh, name);
+    checkPoints(mesh.nodes, name, "node");
     for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
         if (const std::string fault = elementFault(mesh, mesh.tetrahedra[i]); !fault.empty())
             fail(name, ": tetrahedron ", i, fault);

@@ -1,6 +1,7 @@
 #include "filasofia/geometry/triangle_mesh.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/geometry/check_points.h"
 
 namespace filasofia::geometry {
 
@@ -8,10 +9,7 @@ void check(const TriangleMesh& mesh, std::string_view name)
 {
     const int count = static_cast<int>(mesh.vertices.size());
     if (mesh.triangles.empty()) fail(name, ": must have at least 1 triangle, got 0");
-    for (int i = 0; i < count; ++i) {
-        const Vec3 p = mesh.vertices[i];
-        if (!isFinite(p)) fail(name, ": vertex ", i, " must be finite, got ", p.x, " ", p.y, " ", p.z);
-    }
+    checkPoints(mesh.vertices, name, "vertex");
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const Triangle& t = mesh.triangles[i];
         for (int vertex : t)

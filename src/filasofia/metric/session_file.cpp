@@ -1,6 +1,7 @@
 #include "filasofia/metric/session_file.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/user_file.h"
 #include "filasofia/core/word.h"
 #include "filasofia/metric/sample_line.h"
 
@@ -347,9 +348,7 @@ void writeSession(const std::filesystem::path& file, const Session& session)
 Session readSession(const std::filesystem::path& file)
 {
     const std::string name = file.string();
-    std::error_code problem;
-    if (!std::filesystem::is_regular_file(file, problem))
-        fail(name, std::filesystem::exists(file, problem) ? ": is not a regular file" : ": no such file");
+    checkRegularFile(file, name);
     std::ifstream stream(file, std::ios::binary);
     if (!stream) fail(name, ": cannot be read");
     return Reader(stream, name).read();

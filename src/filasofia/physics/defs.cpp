@@ -112,7 +112,12 @@ geometry::TetMesh worldMesh(const SoftBodyDef& def)
 {
     geometry::TetMesh mesh = *loadMesh(def);
     const Pose pose = unitPose(def.pose, text("soft body '", def.name, "': pose"));
-    for (Vec3& node : mesh.nodes) node = transform(pose, node);
+    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+        const Vec3 p = mesh.nodes[i] = transform(pose, mesh.nodes[i]);
+        if (!(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest))
+            fail("soft body '", def.name, "': mesh: node ", i, " must lie within ", kFarthest, " m of the origin, got ",
+                 p.x, " ", p.y, " ", p.z);
+    }
     return mesh;
 }
 

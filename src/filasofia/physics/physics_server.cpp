@@ -1,14 +1,17 @@
 #include "filasofia/physics/physics_server.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/core/log.h"
 #include "filasofia/core/mpsc_queue.h"
 #include "filasofia/core/spsc_ring.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/registry.h"
+#include "filasofia/physics/registry_hold.h"
 
 #include <atomic>
 #include <cmath>
+#include <deque>
 #include <mutex>
 #include <utility>
 
@@ -18,11 +21,43 @@ namespace {
 constexpr std::size_t kMaxCommands = 4096; // per step
 constexpr std::size_t kMaxSpent = 64;
 
+thread_local const void* steppedHere = nullptr; ///< the server that this thread steps; see PhysicsServer::Stepping
+
+/// Where a command keeps the ids of the attachments that it makes.
+struct AttachmentIds {
+    AttachmentId* first = nullptr;
+    std::uint32_t count = 0;
+};
+AttachmentIds attachmentIdsOf(Command& command)
+{
+    if (auto* add = std::get_if<AddBody>(&command)) return {&add->attachments, attachmentCount(*add->def)};
+    if (auto* attach = std::get_if<Attach>(&command)) return {&attach->id, 1};
+    if (auto* rigid = std::get_if<AttachRigid>(&command)) return {&rigid->id, 1};
+    if (auto* grasp = std::get_if<Grasp>(&command)) return {&grasp->id, 1};
+    return {};
+}
+
+/// Marks a step in progress. A second one at the same time, from another thread or from within a step, is refused
+/// before it changes anything.
+class SoleStep {
+public:
+    explicit SoleStep(std::atomic_flag& under) : underWay_(under)
+    {
+        if (underWay_.test_and_set(std::memory_order_acquire))
+            fail("physics: a step is already in progress: only one thread at a time may step a server");
+    }
+    ~SoleStep() { underWay_.clear(std::memory_order_release); }
+    SoleStep(const SoleStep&) = delete;
+    SoleStep& operator=(const SoleStep&) = delete;
+
+private:
+    std::atomic_flag& underWay_;
+};
+
 } // namespace
 
 struct PhysicsServer::Impl {
     std::unique_ptr<PhysicsEngine> engine;
-    MpscQueue<Command> inbox;
     std::vector<Command> commands; ///< commands of the current step
     frame::FramePool frames;
     SpscRing<StepRecord> log;
@@ -32,11 +67,32 @@ struct PhysicsServer::Impl {
     bool recordLost = false; ///< since the last record written
     bool paused = false;
     std::atomic<bool> logging = false;
+    std::atomic_flag stepping = {}; ///< see SoleStep
 
-    /// For callers: the step never takes it. Held from the lookup of a body to the push of its command, so that no
-    /// command for a body comes after the one that removes it.
+    /// A command, and for AddBody the data that the registries keep of the body, made before any lock is taken.
+    struct Posted {
+        Command command;
+        std::shared_ptr<const Registry::Body> added = {};
+    };
+
+    // Commands arrive in two ways. Every thread except the stepping thread takes a lock, checks against `registry` and
+    // pushes to the inbox. The stepping thread (class Stepping) takes no lock: it checks against `known`, which is
+    // updated with each command that arrives from the inbox, and appends to `arrived`. A command that has arrived has
+    // its place among all others, so the order of each thread's commands is kept, and there is one order for all.
+
+    /// Held from the lookup of a body to the push of its command, so that no command for a body comes after the one
+    /// that removes it. The stepping thread takes it only to add a body.
     mutable std::mutex registryMutex;
     Registry registry;
+    MpscQueue<Posted> inbox;
+    /// Bodies that the stepping thread removed, on their way to `registry`. Read under the lock.
+    MpscQueue<BodyId> gone;
+    std::atomic<std::uint32_t> lastAttachment = 0;
+
+    // The members below are used only by the stepping thread.
+    Registry known;
+    std::deque<Posted> arrived; ///< commands that wait for their step
+    bool removes = false;       ///< whether it has removed bodies: other threads' commands for these come too late
 
     Impl(std::unique_ptr<PhysicsEngine> made, int logLength)
         : engine(std::move(made)), log(static_cast<std::size_t>(logLength))
@@ -46,62 +102,125 @@ struct PhysicsServer::Impl {
     BodyId add(BodyDef def)
     {
         check(def);
-        auto shared = std::make_shared<const BodyDef>(std::move(def));
-        auto body = engine->build(*shared);
-        const std::lock_guard lock(registryMutex);
-        const BodyId id{registry.lastAdded().value + 1};
-        const AttachmentId first = attachmentCount(*shared) > 0 ? registry.nextAttachment() : AttachmentId{};
-        push(AddBody{id, shared, std::move(body),
-                     first}); // under the lock, so that bodies arrive in the order of their ids
+        AddBody add{.def = std::make_shared<const BodyDef>(std::move(def))};
+        add.body = engine->build(*add.def);
+        const auto kept = Registry::bodyOf(add);
+        const std::lock_guard lock(registryMutex); // so that bodies arrive in the order of their ids
+        add.id = {registry.lastAdded().value + 1};
+        const BodyId id = add.id;
+        push(std::move(add), kept);
         return id;
     }
 
-    /// Posts a command that makes an attachment, and sets its id.
-    template <class Attaching> AttachmentId attach(Attaching command)
+    [[nodiscard]] bool isStepping() const { return steppedHere == this; }
+
+    /// Answers from the registry that the calling thread may read.
+    template <class Ask> auto ask(Ask&& answer)
     {
+        if (isStepping()) {
+            takeArrived();
+            return answer(known);
+        }
         const std::lock_guard lock(registryMutex);
-        const AttachmentId id = command.id = registry.nextAttachment();
-        push(std::move(command));
-        return id;
+        takeGone();
+        return answer(registry);
     }
 
     /// The slow part of a new material is done here, as in add(): the step only moves it in.
     void setMaterial(BodyId id, const SoftMaterial& material)
     {
-        BodyDef def;
         std::vector<std::unique_ptr<BuiltBody>> ends; // freed here, and not under the lock
-        {
-            const std::lock_guard lock(registryMutex);
-            registry.check(SetMaterial{id, material});
-            def = *registry.find(id).def;
-            for (; auto* body = spent.beginRead(); spent.release()) ends.push_back(std::move(*body));
-        }
+        BodyDef def = ask([&](const Registry& bodies) {
+            bodies.check(SetMaterial{id, material});
+            if (!isStepping()) // the stepping thread fills the ring
+                for (; auto* body = spent.beginRead(); spent.release()) ends.push_back(std::move(*body));
+            return *bodies.find(id).def;
+        });
         std::get<SoftBodyDef>(def).material = material;
         post(SetMaterial{id, material, engine->build(def)}); // checked again: the body may have been removed meanwhile
     }
 
-    void post(Command command)
+    /// Returns the attachment that the command makes, if it makes one. Throws an Error if it is invalid.
+    AttachmentId post(Command command)
     {
-        const std::lock_guard lock(registryMutex);
-        push(std::move(command));
+        if (!isStepping()) {
+            const std::lock_guard lock(registryMutex);
+            return push(std::move(command));
+        }
+        takeArrived();
+        const AttachmentId made = checkAndNumber(known, command);
+        known.note(command);
+        if (const auto* remove = std::get_if<RemoveBody>(&command)) {
+            removes = true;
+            gone.push(remove->id);
+        }
+        arrived.push_back({std::move(command)});
+        return made;
     }
 
-    /// Throws an Error if the command is invalid. Called under the lock.
-    void push(Command command)
+    /// Called under the lock.
+    AttachmentId push(Command command, std::shared_ptr<Registry::Body> added = {})
     {
-        registry.check(command);
-        registry.note(command);
-        inbox.push(std::move(command));
+        takeGone();
+        const AttachmentId made = checkAndNumber(registry, command);
+        if (added) added->firstAttachment = made;
+        registry.note(command, added);
+        inbox.push({std::move(command), std::move(added)});
+        return made;
     }
 
-    void drainInbox()
+    /// Ids are assigned after the check: an invalid command takes none.
+    AttachmentId checkAndNumber(Registry& bodies, Command& command)
+    {
+        bodies.knowAttachments({lastAttachment.load()});
+        const AttachmentIds ids = attachmentIdsOf(command);
+        if (ids.count > 0) *ids.first = {lastAttachment.load() + 1};
+        bodies.check(command);
+        if (ids.count == 0) return {};
+        return *ids.first = {lastAttachment.fetch_add(ids.count) + 1};
+    }
+
+    /// Called under the lock.
+    void takeGone()
+    {
+        while (const auto id = gone.pop())
+            if (registry.has(*id)) registry.note(RemoveBody{*id});
+    }
+
+    /// Called by the stepping thread.
+    void takeArrived()
+    {
+        while (auto posted = inbox.pop()) {
+            if (removes && comesTooLate(posted->command)) continue;
+            known.note(posted->command, posted->added);
+            arrived.push_back(std::move(*posted));
+        }
+    }
+
+    /// Whether the stepping thread has removed a body that the command names since the command was checked.
+    bool comesTooLate(const Command& command)
+    {
+        try {
+            known.knowAttachments({lastAttachment.load()});
+            known.check(command);
+            return false;
+        } catch (const Error& problem) {
+            logWarning("physics: a command came too late: ", problem.what());
+        }
+        if (const auto* add = std::get_if<AddBody>(&command)) gone.push(add->id); // it was attached to a removed body
+        return true;
+    }
+
+    /// Collects the commands of the next step.
+    void gather()
     {
         commands.clear();
-        while (commands.size() < kMaxCommands) { // further commands wait: a step must end
-            auto command = inbox.pop();
-            if (!command) break;
-            if (const auto* pause = std::get_if<Pause>(&*command)) paused = pause->paused;
-            commands.push_back(std::move(*command));
+        takeArrived();
+        while (commands.size() < kMaxCommands && !arrived.empty()) { // further commands wait: a step must end
+            Command& command = arrived.front().command;
+            if (const auto* pause = std::get_if<Pause>(&command)) paused = pause->paused;
+            commands.push_back(std::move(command));
+            arrived.pop_front();
         }
     }
 
@@ -151,10 +270,17 @@ PhysicsServer::PhysicsServer(std::unique_ptr<PhysicsEngine> engine, const Physic
     FILASOFIA_ASSERT(engine != nullptr);
     validate(def, "physics server");
     impl_ = std::make_unique<Impl>(std::move(engine), def.logLength);
-    impl_->inbox.push(SetGravity{def.gravity});
+    impl_->inbox.push({SetGravity{def.gravity}});
 }
 
 PhysicsServer::~PhysicsServer() = default;
+
+PhysicsServer::Stepping::Stepping(PhysicsServer& server) : before_(std::exchange(steppedHere, server.impl_.get())) {}
+bool PhysicsServer::stepsHere() const { return impl_->isStepping(); }
+
+RegistryHold::RegistryHold(PhysicsServer& server) : lock_(server.impl_->registryMutex) {}
+
+PhysicsServer::Stepping::~Stepping() { steppedHere = before_; }
 
 BodyId PhysicsServer::add(SoftBodyDef def)
 {
@@ -197,15 +323,15 @@ void PhysicsServer::setHaptic(BodyId id, const HapticTarget& target, int element
 }
 AttachmentId PhysicsServer::attach(BodyId soft, AttachmentDef def)
 {
-    return impl_->attach(Attach{{}, soft, std::move(def)});
+    return impl_->post(Attach{{}, soft, std::move(def)});
 }
 AttachmentId PhysicsServer::attach(BodyId rigid, RigidAttachmentDef def)
 {
-    return impl_->attach(AttachRigid{{}, rigid, std::move(def)});
+    return impl_->post(AttachRigid{{}, rigid, std::move(def)});
 }
 AttachmentId PhysicsServer::grasp(BodyId rigid, BodyId target, const GraspDef& def)
 {
-    return impl_->attach(Grasp{{}, rigid, target, def});
+    return impl_->post(Grasp{{}, rigid, target, def});
 }
 void PhysicsServer::removePiece(BodyId soft, int piece) { impl_->post(RemovePiece{soft, piece}); }
 void PhysicsServer::release(AttachmentId id) { impl_->post(Release{id}); }
@@ -215,23 +341,24 @@ void PhysicsServer::tune(std::function<void(PhysicsEngine&)> change) { impl_->po
 
 std::shared_ptr<const BodyDef> PhysicsServer::def(BodyId id) const
 {
-    const std::lock_guard lock(impl_->registryMutex);
-    return impl_->registry.find(id).def;
+    return impl_->ask([&](const Registry& bodies) { return bodies.find(id).def; });
 }
 
 std::vector<AttachmentId> PhysicsServer::attachments(BodyId id) const
 {
-    const std::lock_guard lock(impl_->registryMutex);
-    const Registry::Body& body = impl_->registry.find(id);
-    std::vector<AttachmentId> ids;
-    for (std::uint32_t k = 0; k < attachmentCount(*body.def); ++k) ids.push_back({body.firstAttachment.value + k});
-    return ids;
+    return impl_->ask([&](const Registry& bodies) {
+        const Registry::Body& body = bodies.find(id);
+        std::vector<AttachmentId> ids;
+        for (std::uint32_t k = 0; k < attachmentCount(*body.def); ++k) ids.push_back({body.firstAttachment.value + k});
+        return ids;
+    });
 }
 
 StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget& budget)
 {
     if (!(std::isfinite(dt) && dt > 0.0)) fail("physics: step: dt must be > 0 s and finite, got ", dt);
-    impl_->drainInbox();
+    const SoleStep sole(impl_->stepping);
+    impl_->gather();
     StepReport report = impl_->engine->step(
         {.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands, .flags = flags, .budget = &budget});
     impl_->giveBackSpent();
@@ -242,17 +369,21 @@ StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget&
 
 void PhysicsServer::expect(std::vector<Command> commands)
 {
+    const SoleStep sole(impl_->stepping);
     const std::lock_guard lock(impl_->registryMutex);
     for (const Command& command : commands) {
         impl_->registry.check(command);
         impl_->registry.note(command);
+        impl_->known.note(command);
     }
+    impl_->lastAttachment = impl_->registry.lastAttachment().value;
     impl_->commands = std::move(commands);
 }
 
 StepReport PhysicsServer::replayStep(double dt, const StepBudget& budget)
 {
     if (!(std::isfinite(dt) && dt >= 0.0)) fail("physics: replayStep: dt must be >= 0 s and finite, got ", dt);
+    const SoleStep sole(impl_->stepping);
     const StepReport report = impl_->engine->step({.dt = dt, .commands = impl_->commands, .budget = &budget});
     impl_->giveBackSpent();
     impl_->commands.clear();
@@ -262,14 +393,12 @@ StepReport PhysicsServer::replayStep(double dt, const StepBudget& budget)
 
 std::vector<BodyId> PhysicsServer::bodies() const
 {
-    const std::lock_guard lock(impl_->registryMutex);
-    return impl_->registry.bodies();
+    return impl_->ask([](const Registry& bodies) { return bodies.bodies(); });
 }
 
 bool PhysicsServer::has(BodyId id) const
 {
-    const std::lock_guard lock(impl_->registryMutex);
-    return impl_->registry.has(id);
+    return impl_->ask([&](const Registry& bodies) { return bodies.has(id); });
 }
 
 const PhysicsEngine& PhysicsServer::engine() const { return *impl_->engine; }

@@ -118,7 +118,7 @@ struct Registry::Check {
     }
     void operator()(const Release& release) const
     {
-        if (!release.id || release.id > registry.lastAttachment_)
+        if (!release.id || release.id > std::max(registry.lastAttachment_, registry.known_))
             fail("attachment ", release.id.value, ": no such attachment (it was never made)");
     }
     void operator()(const RemovePiece& remove) const
@@ -152,7 +152,7 @@ private:
     /// Checks the first of `count` > 0 new ids. A damaged recording may name any number.
     void checkFresh(AttachmentId first, std::uint32_t count = 1) const
     {
-        if (first <= registry.lastAttachment_)
+        if (!registry.areFree(first, count))
             fail("attachment ", first.value, ": id must be > ", registry.lastAttachment_.value,
                  ", the last one used, got ", first.value);
         constexpr std::uint32_t maxId = std::numeric_limits<std::uint32_t>::max();
@@ -172,21 +172,49 @@ private:
 
 void Registry::check(const Command& command) const { std::visit(Check{*this}, command); }
 
-void Registry::note(const Command& command)
+std::shared_ptr<Registry::Body> Registry::bodyOf(const AddBody& add)
+{
+    return std::make_shared<Body>(Body{add.def, add.body->nodeCount(), add.attachments, forceable(*add.def)});
+}
+
+bool Registry::areFree(AttachmentId first, std::uint32_t count) const
+{
+    if (first > lastAttachment_) return true;
+    auto range = free_.upper_bound(first.value);
+    if (range == free_.begin()) return false;
+    --range;
+    return first.value <= range->second && count - 1 <= range->second - first.value;
+}
+
+void Registry::noteAttachments(AttachmentId first, std::uint32_t count)
+{
+    const std::uint32_t last = first.value + (count - 1);
+    if (first > lastAttachment_) {
+        if (first.value > lastAttachment_.value + 1) free_[lastAttachment_.value + 1] = first.value - 1;
+        lastAttachment_ = {last};
+        return;
+    }
+    const auto range = std::prev(free_.upper_bound(first.value));
+    const auto [from, to] = *range;
+    free_.erase(range);
+    if (from < first.value) free_[from] = first.value - 1;
+    if (last < to) free_[last + 1] = to;
+}
+
+void Registry::note(const Command& command, std::shared_ptr<const Body> added)
 {
     if (const auto* add = std::get_if<AddBody>(&command)) {
-        bodies_[add->id] = {add->def, add->body->nodeCount(), add->attachments, forceable(*add->def)};
+        bodies_[add->id] = added ? std::move(added) : bodyOf(*add);
         last_ = add->id;
-        if (const std::uint32_t count = attachmentCount(*add->def); count > 0)
-            lastAttachment_ = {add->attachments.value + count - 1};
+        if (const std::uint32_t count = attachmentCount(*add->def); count > 0) noteAttachments(add->attachments, count);
     } else if (const auto* remove = std::get_if<RemoveBody>(&command)) {
         bodies_.erase(remove->id);
     } else if (const auto* attach = std::get_if<Attach>(&command)) {
-        lastAttachment_ = attach->id;
+        noteAttachments(attach->id, 1);
     } else if (const auto* rigid = std::get_if<AttachRigid>(&command)) {
-        lastAttachment_ = rigid->id;
+        noteAttachments(rigid->id, 1);
     } else if (const auto* grasp = std::get_if<Grasp>(&command)) {
-        lastAttachment_ = grasp->id;
+        noteAttachments(grasp->id, 1);
     }
 }
 
@@ -199,7 +227,7 @@ const Registry::Body& Registry::find(BodyId id) const
 {
     const auto found = bodies_.find(id);
     if (found == bodies_.end()) fail("body ", id.value, ": no such body (it was removed, or never added)");
-    return found->second;
+    return *found->second;
 }
 
 std::vector<BodyId> Registry::bodies() const
@@ -212,7 +240,7 @@ std::vector<BodyId> Registry::bodies() const
 std::size_t Registry::softBodyCount() const
 {
     return static_cast<std::size_t>(std::count_if(bodies_.begin(), bodies_.end(), [](const auto& each) {
-        return std::holds_alternative<SoftBodyDef>(*each.second.def);
+        return std::holds_alternative<SoftBodyDef>(*each.second->def);
     }));
 }
 
@@ -220,9 +248,9 @@ std::size_t Registry::dynamicElementCount() const
 {
     std::size_t count = 0;
     for (const auto& [id, body] : bodies_)
-        if (const auto* rigid = std::get_if<RigidBodyDef>(body.def.get());
+        if (const auto* rigid = std::get_if<RigidBodyDef>(body->def.get());
             rigid && (rigid->dynamic || isArticulated(*rigid)))
-            count += static_cast<std::size_t>(body.nodeCount);
+            count += static_cast<std::size_t>(body->nodeCount);
     return count;
 }
 

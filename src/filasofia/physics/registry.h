@@ -2,7 +2,9 @@
 
 #include "filasofia/physics/commands.h"
 
+#include <algorithm>
 #include <map>
+#include <memory>
 
 namespace filasofia::physics {
 
@@ -22,8 +24,13 @@ public:
 
     /// Throws an Error naming body, field, bound and value unless the command can be applied.
     void check(const Command& command) const;
+    /// Returns the data kept for a body. It may compute mass properties, so call it before a lock is taken.
+    [[nodiscard]] static std::shared_ptr<Body> bodyOf(const AddBody& add);
     /// Updates the registry: to be called with every checked command, in order, before its built body is moved out.
-    void note(const Command& command);
+    /// `added`: the result of bodyOf() for an AddBody; if empty, it is made here.
+    void note(const Command& command, std::shared_ptr<const Body> added = {});
+    /// Records that attachments up to this id were made, even if note() was not called for them here.
+    void knowAttachments(AttachmentId last) { known_ = std::max(known_, last); }
 
     /// Throws an Error if there is none.
     [[nodiscard]] const Body& find(BodyId id) const;
@@ -32,13 +39,19 @@ public:
     [[nodiscard]] BodyId lastAdded() const { return last_; }
     [[nodiscard]] std::size_t softBodyCount() const;
     [[nodiscard]] std::size_t dynamicElementCount() const; ///< elements of dynamic rigid bodies, and links
-    [[nodiscard]] AttachmentId nextAttachment() const { return {lastAttachment_.value + 1}; }
+    [[nodiscard]] AttachmentId lastAttachment() const { return lastAttachment_; }
 
 private:
     struct Check;
-    std::map<BodyId, Body> bodies_;
+    [[nodiscard]] bool areFree(AttachmentId first, std::uint32_t count) const;
+    void noteAttachments(AttachmentId first, std::uint32_t count);
+
+    std::map<BodyId, std::shared_ptr<const Body>> bodies_;
     BodyId last_ = {};
-    AttachmentId lastAttachment_ = {};
+    AttachmentId lastAttachment_ = {}, known_ = {};
+    /// Unused ids below the last one, as ranges from first to last: commands of two threads that attach at the same
+    /// time may arrive in reverse order.
+    std::map<std::uint32_t, std::uint32_t> free_;
 };
 
 } // namespace filasofia::physics

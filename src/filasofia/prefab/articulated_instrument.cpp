@@ -1,12 +1,13 @@
 #include "filasofia/prefab/articulated_instrument.h"
 
+#include "filasofia/core/published.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/math/rounded.h"
+#include "filasofia/prefab/turns.h"
 #include "filasofia/runtime/assets.h"
 
 #include <algorithm>
-#include <mutex>
 
 namespace filasofia::prefab {
 namespace {
@@ -119,7 +120,7 @@ struct ArticulatedInstrument::Impl {
     };
 
     Impl(runtime::Simulation& sim, const ArticulatedInstrumentDef& asked)
-        : simulation(sim), def(completed(asked)), lastPose(def.pose), body(addBody())
+        : simulation(sim), def(completed(asked)), lastPose(def.pose), newest({.pose = lastPose}), body(addBody())
     {
         simulation.show(body, {.surface = def.shaft, .element = kShaft, .material = def.material});
         for (std::size_t i = 0; i < def.jaws.size(); ++i)
@@ -172,7 +173,10 @@ struct ArticulatedInstrument::Impl {
     void release()
     {
         if (grip) simulation.physics().release(grip);
-        if (state == State::Holding && def.onGrasp) def.onGrasp(held, false);
+        if (state == State::Holding && def.onGrasp) {
+            publish(); // because onGrasp may ask for it
+            def.onGrasp(held, false);
+        }
         grip = {};
         held = {};
         force = 0.0;
@@ -185,12 +189,30 @@ struct ArticulatedInstrument::Impl {
         if (!frame) return;
         const frame::RigidBodyFrame* now = frame->rigidBody(body);
         if (now == nullptr) return;
-        const std::lock_guard lock(mutex);
-        widest = widestOf(*now);
-        if (state == State::Closing && def.grasps)
-            seek(*frame, *now);
-        else if (state == State::Requested || state == State::Holding)
-            follow(*frame);
+        // If another thread is opening or closing the instrument, this waits for the next step.
+        turns.now([&] {
+            widest = widestOf(*now);
+            if (state == State::Closing && def.grasps)
+                seek(*frame, *now);
+            else if (state == State::Requested || state == State::Holding)
+                follow(*frame);
+            publish();
+        });
+    }
+
+    /// Any thread. The stepping thread does not wait for others.
+    template <class Act> void act(Act what)
+    {
+        turns.take(!simulation.physics().stepsHere(), [this, what] {
+            what(*this);
+            publish();
+        });
+    }
+
+    void publish()
+    {
+        newest.write(
+            {.pose = lastPose, .holding = state == State::Holding ? held : BodyId{}, .force = force, .widest = widest});
     }
 
     [[nodiscard]] double widestOf(const frame::RigidBodyFrame& now) const
@@ -232,7 +254,10 @@ struct ArticulatedInstrument::Impl {
         const bool there = found != frame.attachments.end() && !found->broken && found->points > 0;
         if (there) {
             force = length(found->force);
-            if (state == State::Requested && def.onGrasp) def.onGrasp(held, true);
+            if (state == State::Requested && def.onGrasp) {
+                publish(); // because onGrasp may ask for it
+                def.onGrasp(held, true);
+            }
             state = State::Holding;
         } else if (frame.step > requestedAt) {
             const bool slipped = state == State::Holding;
@@ -244,8 +269,7 @@ struct ArticulatedInstrument::Impl {
 
     runtime::Simulation& simulation;
     const ArticulatedInstrumentDef def;
-    // Guards the members below and the order of commands; recursive because onGrasp may call back.
-    mutable std::recursive_mutex mutex;
+    Turns turns; // guards the members below and the order of commands; onGrasp may call back
     Pose lastPose;
     State state = State::Open;
     double torque = 0.0;
@@ -254,7 +278,14 @@ struct ArticulatedInstrument::Impl {
     std::uint64_t requestedAt = 0;
     double force = 0.0;
     double widest = 0.0;
-    const BodyId body; // built from the Def
+    struct Snapshot {
+        Pose pose = {};
+        BodyId holding = {};
+        double force = 0.0;
+        double widest = 0.0;
+    };
+    Published<Snapshot> newest; // for all threads
+    const BodyId body;          // built from the Def
 };
 
 ArticulatedInstrument::ArticulatedInstrument(runtime::Simulation& simulation, const ArticulatedInstrumentDef& def)
@@ -271,55 +302,40 @@ BodyId ArticulatedInstrument::body() const { return impl_->body; }
 void ArticulatedInstrument::move(const Pose& pivot)
 {
     const Pose unit = physics::unitPose(pivot, text("instrument '", impl_->def.name, "'"));
-    const std::lock_guard lock(impl_->mutex);
-    impl_->lastPose = unit;
-    impl_->simulation.physics().setPose(impl_->body, rounded(unit), kShaft);
+    impl_->act([unit](Impl& impl) {
+        impl.lastPose = unit;
+        impl.simulation.physics().setPose(impl.body, rounded(unit), kShaft);
+    });
 }
 
 void ArticulatedInstrument::open(double opening)
 {
     if (!(opening >= 0.0 && opening <= 1.0))
         fail("instrument '", impl_->def.name, "': open must be in [0, 1], got ", opening);
-    const std::lock_guard lock(impl_->mutex);
-    impl_->release();
-    impl_->state = Impl::State::Open;
-    impl_->commandJaws(
-        [&](std::size_t, const JawDef& jaw) { return physics::JointCommand(JointPosition{opening * jaw.opensBy}); });
+    impl_->act([opening](Impl& impl) {
+        impl.release();
+        impl.state = Impl::State::Open;
+        impl.commandJaws([&](std::size_t, const JawDef& jaw) {
+            return physics::JointCommand(JointPosition{opening * jaw.opensBy});
+        });
+    });
 }
 
 void ArticulatedInstrument::close(std::optional<double> torque)
 {
     if (torque && !(*torque > 0.0 && std::isfinite(*torque)))
         fail("instrument '", impl_->def.name, "': close: torque must be > 0 N m, got ", *torque);
-    const std::lock_guard lock(impl_->mutex);
-    impl_->torque = torque.value_or(impl_->def.closingTorque);
-    if (impl_->state == Impl::State::Requested || impl_->state == Impl::State::Holding) return; // it is closed already
-    if (impl_->state == Impl::State::Open) impl_->state = Impl::State::Closing;
-    impl_->press();
+    impl_->act([torque](Impl& impl) {
+        impl.torque = torque.value_or(impl.def.closingTorque);
+        if (impl.state == Impl::State::Requested || impl.state == Impl::State::Holding) return; // it is closed already
+        if (impl.state == Impl::State::Open) impl.state = Impl::State::Closing;
+        impl.press();
+    });
 }
 
-Pose ArticulatedInstrument::pose() const
-{
-    const std::lock_guard lock(impl_->mutex);
-    return impl_->lastPose;
-}
-
-BodyId ArticulatedInstrument::holding() const
-{
-    const std::lock_guard lock(impl_->mutex);
-    return impl_->state == Impl::State::Holding ? impl_->held : BodyId{};
-}
-
-double ArticulatedInstrument::pull() const
-{
-    const std::lock_guard lock(impl_->mutex);
-    return impl_->force;
-}
-
-double ArticulatedInstrument::opening() const
-{
-    const std::lock_guard lock(impl_->mutex);
-    return impl_->widest;
-}
+Pose ArticulatedInstrument::pose() const { return impl_->newest.read().pose; }
+BodyId ArticulatedInstrument::holding() const { return impl_->newest.read().holding; }
+double ArticulatedInstrument::pull() const { return impl_->newest.read().force; }
+double ArticulatedInstrument::opening() const { return impl_->newest.read().widest; }
 
 } // namespace filasofia::prefab

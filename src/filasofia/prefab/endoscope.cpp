@@ -1,12 +1,13 @@
 #include "filasofia/prefab/endoscope.h"
 
+#include "filasofia/core/published.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/math/rounded.h"
+#include "filasofia/prefab/turns.h"
 #include "filasofia/runtime/assets.h"
 
 #include <cmath>
-#include <mutex>
 
 namespace filasofia::prefab {
 namespace {
@@ -39,7 +40,7 @@ Pose mounted(const EndoscopeDef& def, double cameraRoll)
 
 struct Endoscope::Impl {
     Impl(runtime::Simulation& sim, const EndoscopeDef& asked)
-        : simulation(sim), def(completed(asked)), lastPose(def.pose), body(addBody())
+        : simulation(sim), def(completed(asked)), aim{def.pose}, newest(aim), body(addBody())
     {
         // The scope's surfaces cast no shadow, because its own light is inside them.
         for (const runtime::SurfaceSource& surface : def.surfaces)
@@ -51,20 +52,31 @@ struct Endoscope::Impl {
 
     BodyId addBody()
     {
-        physics::RigidBodyDef rigid{.name = def.name, .elements = {tip(), camera()}, .friction = def.friction};
+        physics::RigidBodyDef rigid{.name = def.name, .elements = {tip(aim), camera(aim)}, .friction = def.friction};
         for (const int group : def.groups)
             rigid.collision.push_back(
                 {.mesh = def.collision, .element = kShaft, .proximity = def.proximity, .group = group});
         return simulation.add(rigid);
     }
 
-    [[nodiscard]] Pose tip() const { return lastPose * Pose{{}, axisAngle(kBackwards, rolled)}; }
-    [[nodiscard]] Pose camera() const { return tip() * mounted(def, cameraRolled); }
+    /// The last commanded pose and rolls.
+    struct Aim {
+        Pose lastPose = {};
+        double rolled = 0.0;
+        double cameraRolled = 0.0;
+    };
+    [[nodiscard]] static Pose tip(const Aim& at) { return at.lastPose * Pose{{}, axisAngle(kBackwards, at.rolled)}; }
+    [[nodiscard]] Pose camera(const Aim& at) const { return tip(at) * mounted(def, at.cameraRolled); }
 
-    void send()
+    /// Any thread. The stepping thread does not wait for others.
+    template <class Change> void change(Change by)
     {
-        simulation.physics().setPose(body, rounded(tip()), kShaft);
-        simulation.physics().setPose(body, rounded(camera()), kCamera);
+        turns.take(!simulation.physics().stepsHere(), [this, by] {
+            by(aim);
+            newest.write(aim);
+            simulation.physics().setPose(body, rounded(tip(aim)), kShaft);
+            simulation.physics().setPose(body, rounded(camera(aim)), kCamera);
+        });
     }
 
     void checkAngle(double angle, std::string_view what) const
@@ -74,11 +86,10 @@ struct Endoscope::Impl {
 
     runtime::Simulation& simulation;
     const EndoscopeDef def;
-    mutable std::mutex mutex; // guards the members below and the order of commands
-    Pose lastPose;
-    double rolled = 0.0;
-    double cameraRolled = 0.0;
-    const BodyId body; // built from the members above
+    Turns turns; // guards the members below and the order of commands
+    Aim aim;
+    Published<Aim> newest; // for all threads
+    const BodyId body;     // built from the members above
 };
 
 Endoscope::Endoscope(runtime::Simulation& simulation, const EndoscopeDef& def)
@@ -92,38 +103,23 @@ BodyId Endoscope::body() const { return impl_->body; }
 void Endoscope::move(const Pose& tip)
 {
     const Pose unit = physics::unitPose(tip, text("endoscope '", impl_->def.name, "'"));
-    const std::lock_guard lock(impl_->mutex);
-    impl_->lastPose = unit;
-    impl_->send();
+    impl_->change([unit](Impl::Aim& aim) { aim.lastPose = unit; });
 }
 
 void Endoscope::roll(double angle)
 {
     impl_->checkAngle(angle, "roll");
-    const std::lock_guard lock(impl_->mutex);
-    impl_->rolled = angle;
-    impl_->send();
+    impl_->change([angle](Impl::Aim& aim) { aim.rolled = angle; });
 }
 
 void Endoscope::cameraRoll(double angle)
 {
     impl_->checkAngle(angle, "cameraRoll");
-    const std::lock_guard lock(impl_->mutex);
-    impl_->cameraRolled = angle;
-    impl_->send();
+    impl_->change([angle](Impl::Aim& aim) { aim.cameraRolled = angle; });
 }
 
-Pose Endoscope::tip() const
-{
-    const std::lock_guard lock(impl_->mutex);
-    return impl_->tip();
-}
-
-Pose Endoscope::camera() const
-{
-    const std::lock_guard lock(impl_->mutex);
-    return impl_->camera();
-}
+Pose Endoscope::tip() const { return Impl::tip(impl_->newest.read()); }
+Pose Endoscope::camera() const { return impl_->camera(impl_->newest.read()); }
 
 Pose Endoscope::channel() const { return tip() * impl_->def.channel; }
 

@@ -1,6 +1,7 @@
 #include "filasofia/prefab/metric_tracker.h"
 
 #include "filasofia/core/date.h"
+#include "filasofia/core/guarded_call.h"
 #include "filasofia/core/log.h"
 #include "filasofia/core/mpsc_queue.h"
 #include "filasofia/core/spsc_ring.h"
@@ -32,6 +33,7 @@ constexpr std::size_t kMaxBodies = 64;
 constexpr int kMaxEvents = 100'000;     ///< [-], events that can wait
 constexpr std::size_t kChunk = 1 << 16; ///< [bytes] written at once
 constexpr std::chrono::milliseconds kRest = std::chrono::milliseconds(20);
+constexpr std::chrono::microseconds kRoomPoll = std::chrono::microseconds(100); ///< between two checks for room
 
 std::string nameOf(runtime::Simulation& simulation, BodyId body)
 {
@@ -161,11 +163,12 @@ struct MetricTracker::Impl {
         const std::chrono::duration<double> wall = Clock::now() - begin->wall;
         const std::chrono::duration<double> ahead(time - begin->simulated - wall.count());
         Row* row = nullptr;
-        if (ahead.count() <= 0.0) return row;
-        std::unique_lock lock(resting);
-        hurry = true;
-        wake.notify_all();
-        room.wait_for(lock, ahead, [&] { return (row = rows.beginWrite()) != nullptr; });
+        const auto until = Clock::now() + ahead;
+        hurry.store(true, std::memory_order_relaxed);
+        while ((row = rows.beginWrite()) == nullptr && Clock::now() < until) {
+            wake.notify_all(); // without the lock, so it may be missed: the next one wakes
+            std::this_thread::sleep_for(kRoomPoll);
+        }
         return row;
     }
 
@@ -213,13 +216,11 @@ struct MetricTracker::Impl {
         for (bool last = false; !last;) {
             {
                 std::unique_lock lock(resting);
-                wake.wait_for(lock, kRest, [this] { return stopping || hurry; });
+                wake.wait_for(lock, kRest, [this] { return stopping || hurry.load(std::memory_order_relaxed); });
                 last = stopping;
-                hurry = false;
+                hurry.store(false, std::memory_order_relaxed);
             }
             drain();
-            const std::lock_guard lock(resting); // otherwise the notification could come between the check and the wait
-            room.notify_all();
         }
         session.lost = lost.load();
         attempt([this] {
@@ -260,17 +261,15 @@ struct MetricTracker::Impl {
     void attempt(const std::function<void()>& write)
     {
         if (failed.load()) return;
+        const std::optional<std::string> problem = guardedCall(write);
+        if (!problem) return;
+        failed.store(true);
+        runtime::FileFailedEvent failure;
+        failure.problem = text("metric tracker: ", *problem, "; the session goes on without recording");
+        logError(failure.problem);
         try {
-            write();
-        } catch (const std::exception& problem) {
-            failed.store(true);
-            runtime::FileFailedEvent failure;
-            failure.problem = text("metric tracker: ", problem.what(), "; the session goes on without recording");
-            logError(failure.problem);
-            try {
-                simulation.post(std::move(failure));
-            } catch (const Error&) { // the queue is full: the log has it
-            }
+            simulation.post(std::move(failure));
+        } catch (const Error&) { // the queue is full: the log has it
         }
     }
 
@@ -299,9 +298,10 @@ struct MetricTracker::Impl {
     std::optional<Begin> begin; ///< time of the first sample
 
     std::mutex resting;
-    std::condition_variable wake, room;
-    bool stopping = false, hurry = false;
-    std::thread thread; // last, because it uses all members above
+    std::condition_variable wake;
+    bool stopping = false;
+    std::atomic<bool> hurry = false; ///< whether the stepping thread waits for room
+    std::thread thread;              // last, because it uses all members above
 };
 
 MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef def)

@@ -4,11 +4,11 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/prefab/scope_handle.h"
 #include "filasofia/prefab/scope_tip.h"
+#include "filasofia/prefab/turns.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -95,7 +95,11 @@ struct ScopeHands::Impl {
     /// Before a step that ends at `time`.
     void step(double time)
     {
-        const std::lock_guard lock(mutex);
+        // While another thread changes the hands, they rest; the next step makes up for it.
+        turns.now([&] { stepNow(time); });
+    }
+    void stepNow(double time)
+    {
         const double dt = time - std::exchange(last, time);
         if (moves.empty() && handle)
             go(poseFromHandle(), dt);
@@ -150,17 +154,19 @@ struct ScopeHands::Impl {
     void turn(const event::MouseMoveEvent& moved)
     {
         if (!moved.buttons.right || handle) return;
-        const std::lock_guard lock(mutex);
-        sideways = std::clamp(sideways + 0.002 * moved.dx, -def.mostTurn, def.mostTurn);
-        upward = std::clamp(upward - 0.002 * moved.dy, -def.mostTurn, def.mostTurn);
-        wanted.aim = normalized(def.start.aim + std::tan(sideways) * right + std::tan(upward) * upwards);
+        turns.take(mayWait(), [this, dx = moved.dx, dy = moved.dy] {
+            sideways = std::clamp(sideways + 0.002 * dx, -def.mostTurn, def.mostTurn);
+            upward = std::clamp(upward - 0.002 * dy, -def.mostTurn, def.mostTurn);
+            wanted.aim = normalized(def.start.aim + std::tan(sideways) * right + std::tan(upward) * upwards);
+        });
     }
     void shift(double depth, double roll, double reach)
     {
-        const std::lock_guard lock(mutex);
-        wanted.depth = std::clamp(wanted.depth + depth, def.leastDepth, def.mostDepth);
-        wanted.roll += roll;
-        wanted.reach = std::clamp(wanted.reach + reach, def.leastReach, def.mostReach);
+        turns.take(mayWait(), [this, depth, roll, reach] {
+            wanted.depth = std::clamp(wanted.depth + depth, def.leastDepth, def.mostDepth);
+            wanted.roll += roll;
+            wanted.reach = std::clamp(wanted.reach + reach, def.leastReach, def.mostReach);
+        });
     }
     void press(const event::KeyEvent& key)
     {
@@ -180,6 +186,7 @@ struct ScopeHands::Impl {
         if (device.notice.button == 0 && device.notice.pressed) openOrClose();
         if (device.notice.button == 1) handle->clutch(device.notice.pressed);
     }
+    [[nodiscard]] bool mayWait() const { return !simulation.physics().stepsHere(); }
     void openOrClose()
     {
         closed = !closed;
@@ -198,7 +205,7 @@ struct ScopeHands::Impl {
     Vec3 right = {};   ///< at the start
     Vec3 upwards = {};
     bool closed = true; ///< used by the thread that delivers events
-    std::mutex mutex;   // guards the members below
+    Turns turns;        // guards the members below
     ScopeHand now;
     ScopeHand wanted;
     double sideways = 0.0; ///< [rad]
@@ -261,10 +268,11 @@ void ScopeHands::play(std::vector<HandMove> moves)
     for (std::size_t i = 0; i < moves.size(); ++i)
         if (!(moves[i].seconds > 0.0))
             fail("scope hands: moves[", i, "].seconds must be > 0 s, got ", moves[i].seconds);
-    const std::lock_guard lock(impl_->mutex);
-    impl_->moves = std::move(moves);
-    impl_->move = -1;
-    impl_->goal = impl_->now;
+    impl_->turns.take(impl_->mayWait(), [impl = impl_.get(), moves = std::move(moves)] {
+        impl->moves = moves;
+        impl->move = -1;
+        impl->goal = impl->now;
+    });
 }
 
 double durationOf(const std::vector<HandMove>& moves)

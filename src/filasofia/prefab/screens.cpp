@@ -1,12 +1,13 @@
 #include "filasofia/prefab/screens.h"
 
 #include "filasofia/prefab/task.h"
+#include "filasofia/prefab/turns.h"
 
 #include <imgui.h>
 
 #include <algorithm>
 #include <array>
-#include <mutex>
+#include <utility>
 
 namespace filasofia::prefab {
 namespace {
@@ -101,7 +102,10 @@ std::optional<StartChoice> askAtStart(StartScreenDef def, const window::WindowDe
 struct EndScreen::Impl {
     void draw()
     {
-        const std::lock_guard lock(mutex);
+        turns.wait([this] { drawNow(); });
+    }
+    void drawNow()
+    {
         if (!visible) return;
         const std::function<void()>* pressed = nullptr;
         if (beginPanel("end")) {
@@ -129,7 +133,7 @@ struct EndScreen::Impl {
         if (*pressed) (*pressed)();
     }
 
-    std::mutex mutex;
+    Turns turns; // guards the members below; show() is called within steps
     bool visible = false;
     std::string title;
     std::vector<ResultLine> results;
@@ -145,23 +149,22 @@ EndScreen::EndScreen(runtime::Simulation& simulation) : impl_(std::make_shared<I
 
 void EndScreen::show(std::string title, std::vector<ResultLine> results, std::string sessionFile)
 {
-    const std::lock_guard lock(impl_->mutex);
-    impl_->title = std::move(title);
-    impl_->results = std::move(results);
-    impl_->file = std::move(sessionFile);
-    impl_->visible = true;
+    impl_->turns.soon([impl = impl_.get(), title, results, sessionFile] {
+        impl->title = title;
+        impl->results = results;
+        impl->file = sessionFile;
+        impl->visible = true;
+    });
 }
 
 void EndScreen::onClose(std::function<void()> close)
 {
-    const std::lock_guard lock(impl_->mutex);
-    impl_->close = std::move(close);
+    impl_->turns.soon([impl = impl_.get(), close] { impl->close = close; });
 }
 
 void EndScreen::onAgain(std::function<void()> again)
 {
-    const std::lock_guard lock(impl_->mutex);
-    impl_->again = std::move(again);
+    impl_->turns.soon([impl = impl_.get(), again] { impl->again = again; });
 }
 
 } // namespace filasofia::prefab

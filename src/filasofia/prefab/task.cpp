@@ -1,9 +1,9 @@
 #include "filasofia/prefab/task.h"
 
+#include "filasofia/core/published.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
-
-#include <mutex>
+#include "filasofia/prefab/turns.h"
 
 namespace filasofia::prefab {
 namespace {
@@ -34,11 +34,14 @@ struct Task::Impl {
     {
         const frame::FrameRef frame = simulation.physics().latest();
         if (!frame) return;
-        const std::lock_guard lock(mutex);
-        if (!began) began = stepBegan = frame->time;
-        if (progress.state != TaskProgress::State::Running) return;
-        progress.time = frame->time - *began;
-        advance(*frame);
+        turns.now([&] {
+            if (!began) began = stepBegan = frame->time;
+            if (progress.state != TaskProgress::State::Running) return;
+            progress.time = frame->time - *began;
+            newest.write(progress); // because the step may ask for it
+            advance(*frame);
+            newest.write(progress);
+        });
     }
 
     void advance(const frame::Frame& frame)
@@ -65,16 +68,18 @@ struct Task::Impl {
     {
         progress.state = done ? TaskProgress::State::Done : TaskProgress::State::Failed;
         progress.target = {};
+        newest.write(progress);
         if (def.over) def.over(done);
     }
 
     runtime::Simulation& simulation;
     const TaskDef def;
-    mutable std::recursive_mutex mutex; // guards the members below; recursive because `over` may call back
+    Turns turns; // guards the members below
     TaskProgress progress;
     std::optional<double> began;
     double stepBegan = 0.0;
     bool late = false;
+    Published<TaskProgress> newest; // for all threads
 };
 
 Task::Task(runtime::Simulation& simulation, TaskDef def) : impl_(std::make_shared<Impl>(simulation, std::move(def)))
@@ -84,27 +89,24 @@ Task::Task(runtime::Simulation& simulation, TaskDef def) : impl_(std::make_share
     });
 }
 
-TaskProgress Task::progress() const
-{
-    const std::lock_guard lock(impl_->mutex);
-    return impl_->progress;
-}
+TaskProgress Task::progress() const { return impl_->newest.read(); }
 
 const TaskDef& Task::def() const { return impl_->def; }
 
 std::string Task::instruction() const
 {
-    const std::lock_guard lock(impl_->mutex);
-    const TaskStep* step = impl_->next();
-    return step != nullptr ? step->instruction : std::string();
+    const auto step = static_cast<std::size_t>(progress().step);
+    return step < impl_->def.steps.size() ? impl_->def.steps[step].instruction : std::string();
 }
 
 void Task::restart()
 {
-    const std::lock_guard lock(impl_->mutex);
-    impl_->progress = {};
-    impl_->began.reset();
-    impl_->late = false;
+    impl_->turns.take(!impl_->simulation.physics().stepsHere(), [impl = impl_.get()] {
+        impl->progress = {};
+        impl->began.reset();
+        impl->late = false;
+        impl->newest.write(impl->progress);
+    });
 }
 
 std::string shown(std::string_view text, std::size_t maxBytes)

@@ -108,7 +108,8 @@ struct TrainerProgram {
         if (wantsHelp()) return;
         static_cast<void>(seedNumber()); // reports errors before any window opens
         if (motion != "hand" && !planned()) {
-            if (!std::filesystem::is_regular_file(motion))
+            std::error_code problem; // a name that is too long is not a file either
+            if (!std::filesystem::is_regular_file(motion, problem))
                 fail(def.name, ": --motion must be ", motions(), " or a motion file, but there is no file ",
                      shownWord(motion));
             rest.insert(rest.end(), {"--motion", motion});

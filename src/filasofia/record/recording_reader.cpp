@@ -1,4 +1,5 @@
 #include "filasofia/core/hash.h"
+#include "filasofia/core/user_file.h"
 #include "filasofia/record/chunks.h"
 #include "filasofia/record/json_limits.h"
 #include "filasofia/record/json_reader.h"
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <utility>
 
 namespace filasofia::record {
@@ -54,11 +56,8 @@ RecordingHeader headerOf(const Json& json, const JsonReader& reader)
 /// The file's name, checked before it is opened: opening a pipe would wait for its writer.
 std::string checkedRegular(const std::filesystem::path& file)
 {
-    std::error_code problem;
-    const std::filesystem::file_status status = std::filesystem::status(file, problem);
-    if (!std::filesystem::exists(status)) fail(file.string(), ": no such file");
-    if (std::filesystem::is_directory(status)) fail(file.string(), ": must be a file, got a directory");
-    if (!std::filesystem::is_regular_file(status)) fail(file.string(), ": is not a regular file");
+    // A session of hours may be long; it is read chunk by chunk.
+    checkRegularFile(file, file.string(), std::numeric_limits<std::uintmax_t>::max());
     return file.string();
 }
 

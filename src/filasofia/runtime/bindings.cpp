@@ -280,6 +280,16 @@ void Bindings::askMesh(const Binding& binding)
     if (job.to || job.boundary) worker_.ask(binding.key, std::move(job));
 }
 
+void Bindings::forgetRemoved(const physics::PhysicsServer& physics)
+{
+    const std::lock_guard lock(mutex_);
+    std::erase_if(pending_, [&](const Binding& binding) {
+        const bool removed = !physics.has(binding.id);
+        if (removed) forget(binding);
+        return removed;
+    });
+}
+
 void Bindings::addPending(visual::VisualServer& visual)
 {
     visual_ = &visual;

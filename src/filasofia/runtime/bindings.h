@@ -42,6 +42,9 @@ public:
     void retopologise(BodyId id, SharedSurface surface, SharedSurface interior = nullptr,
                       std::shared_ptr<const frame::Boundary> boundary = nullptr);
 
+    /// Forgets pending visuals of bodies that have been removed since: they would be drawn once, and they count towards
+    /// the most bodies that a visual server holds. Main thread.
+    void forgetRemoved(const physics::PhysicsServer& physics);
     /// Makes visual bodies of what was prepared. Main thread, like everything below. If the visual server refuses one,
     /// its Error is passed on, and that one and those after it stay pending.
     void addPending(visual::VisualServer& visual);

@@ -108,6 +108,8 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
         return report(problem);
     } catch (const std::exception& problem) { // thrown by the user's dress() or window
         return report(Error(text("an exception ended the run: ", problem.what())));
+    } catch (...) {
+        return report(Error("an exception ended the run: it is not a std::exception"));
     }
 }
 

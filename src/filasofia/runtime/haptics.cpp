@@ -278,7 +278,8 @@ void Haptics::align(Interface& each, const device::ServoSnapshot& seen, physics:
     if (!body) return;
     const Pose& pose = body->poses[static_cast<std::size_t>(each.def.element)];
     const Pose& hand = seen.sample.hand.pose;
-    const std::lock_guard lock(mutex_);
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) return; // another thread uses the list: the next step aligns it
     each.origin = {pose.position - each.scale * hand.position, {}};
     each.grip = conjugate(hand.orientation) * pose.orientation;
     each.updatePlace();

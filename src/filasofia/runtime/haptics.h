@@ -60,7 +60,7 @@ private:
     void tickThrough(Interface& each, double dt, double end);
     void align(Interface& each, const device::ServoSnapshot& seen, physics::PhysicsServer& physics);
 
-    /// Guards the list and its servos; steps do not take it, because the list does not change during a run.
+    /// Guards the list and its servos; steps do not wait for it, because the list does not change during a run.
     mutable std::mutex mutex_;
     std::vector<std::unique_ptr<Interface>> interfaces_;
     Clock clock_;

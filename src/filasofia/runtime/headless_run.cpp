@@ -72,6 +72,7 @@ private:
         if (visual_) return;
         visual_ = std::make_unique<visual::VisualServer>(visual::VisualServerDef{
             .backend = visual::Backend::Headless, .width = impl_.def.window.width, .height = impl_.def.window.height});
+        impl_.bindings.forgetRemoved(impl_.physics);
         impl_.bindings.addPending(*visual_);
         impl_.dressScene(*visual_);
     }

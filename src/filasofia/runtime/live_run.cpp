@@ -95,6 +95,7 @@ public:
                                     .nativeWindow = window_ ? window_->nativeWindow() : nullptr});
         if (!def.video.empty()) video_.emplace(def.video, visual_->width(), visual_->height(), def.fps);
         if (window_) visual_->setGuiScale(window_->scale());
+        impl.bindings.forgetRemoved(impl.physics);
         impl.bindings.addPending(*visual_);
         impl.dressScene(*visual_);
         inspector_ = std::make_unique<Inspector>(impl, *visual_);

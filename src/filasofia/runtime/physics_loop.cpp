@@ -29,6 +29,7 @@ Nanoseconds later(Nanoseconds time, Nanoseconds by)
 RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, const Clock& clock,
                      const std::atomic<bool>& stop, const AfterStep& afterStep, const BeforeStep& beforeStep)
 {
+    const physics::PhysicsServer::Stepping stepping(server);
     RunTiming timing;
     timing.steps.resize(kMaxTimings); // touched now, so that no step of the loop takes a page fault
     timing.steps.clear();

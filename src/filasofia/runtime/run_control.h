@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <mutex>
 #include <string>
 
 namespace filasofia::runtime {
@@ -9,24 +8,28 @@ namespace filasofia::runtime {
 /// Whether a run is going on, whether it is to stop, and why. Any thread.
 class RunControl {
 public:
+    RunControl() = default;
+    ~RunControl();
+    RunControl(const RunControl&) = delete;
+    RunControl& operator=(const RunControl&) = delete;
+
     /// Begins a run; returns false if one is going on.
     [[nodiscard]] bool begin() { return !running_.exchange(true); }
     /// Ends the run and makes the next one possible.
     void end();
     [[nodiscard]] bool running() const { return running_.load(); }
 
-    /// Asks the run to stop. The report gives the reason that came first.
+    /// Asks the run to stop, without waiting for other threads that do. The report gives the reason that came first.
     void finish(std::string why);
     /// Asks the run to stop without giving a reason.
     void stop() { stop_.store(true); }
     [[nodiscard]] const std::atomic<bool>& stopAsked() const { return stop_; }
-    [[nodiscard]] std::string reason() const;
+    [[nodiscard]] std::string reason() const; ///< the thread of begin() and end()
 
 private:
     std::atomic<bool> running_ = false;
     std::atomic<bool> stop_ = false;
-    mutable std::mutex mutex_;
-    std::string reason_; ///< under the lock
+    std::atomic<const std::string*> reason_ = nullptr; ///< owned; the first that was given
 };
 
 } // namespace filasofia::runtime

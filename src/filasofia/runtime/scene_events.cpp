@@ -7,6 +7,7 @@
 #include "filasofia/record/json_writer.h"
 
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 namespace filasofia::runtime {
@@ -61,6 +62,9 @@ std::vector<std::string> filesOf(const SceneEvent& event)
 
 std::optional<SceneFile> digested(const std::string& file)
 {
+    std::error_code problem;
+    // A recording may name anything: a device never ends, and opening a pipe waits for its writer.
+    if (!std::filesystem::is_regular_file(file, problem)) return std::nullopt;
     std::ifstream in(file, std::ios::binary);
     if (!in) return std::nullopt;
     SceneFile out{.file = file};

@@ -43,7 +43,7 @@ void warn(const RunReport& report)
 
 } // namespace
 
-Simulation::Simulation(const SimulationDef& def) : impl_(std::make_unique<Impl>(def)) {}
+Simulation::Simulation(const SimulationDef& def, std::nullptr_t) : impl_(std::make_unique<Impl>(def)) {}
 Simulation::~Simulation() = default;
 
 BodyId Simulation::add(physics::SoftBodyDef def) { return impl_->physics.add(std::move(def)); }

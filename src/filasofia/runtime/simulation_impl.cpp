@@ -130,6 +130,7 @@ void Simulation::Impl::dressScene(visual::VisualServer& visual)
 
 void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
 {
+    bindings.forgetRemoved(physics);
     bindings.addPending(visual);
     if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, physics, visual);
     journal.observe(visual, now.step());
@@ -153,7 +154,8 @@ void Simulation::Impl::reset()
 {
     physics.reset();
     bindings.clearPaint();
-    recordScene(SceneCleaned{});
+    static const SceneEvent cleaned = SceneCleaned{}; // GCC 12 warns about a temporary as uninitialized
+    recordScene(cleaned);
 }
 
 void Simulation::Impl::fill(RunReport& report) const
@@ -163,6 +165,7 @@ void Simulation::Impl::fill(RunReport& report) const
     report.hash = physics.hash();
     counters.fill(report);
     report.contacts = contacts.report(physics);
+    report.bluntBlades = blades.lines();
     files.fill(report);
     report.finished = control.reason();
 }

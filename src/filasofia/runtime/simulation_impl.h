@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/runtime/bindings.h"
+#include "filasofia/runtime/blade_watch.h"
 #include "filasofia/runtime/camera_steering.h"
 #include "filasofia/runtime/clock.h"
 #include "filasofia/runtime/contact_watch.h"
@@ -36,6 +37,7 @@ struct Simulation::Impl {
     CameraSteering steering;
     StepCallbacks everyStep;
     ContactWatch contacts;
+    BladeWatch blades{events, physics};
     Haptics haptics; ///< after physics and events, which its threads talk to
 
     StepFeed feed;        ///< to the inspector

@@ -1,8 +1,7 @@
 #include "filasofia/runtime/step_callbacks.h"
 
+#include "filasofia/core/guarded_call.h"
 #include "filasofia/core/log.h"
-
-#include <exception>
 
 namespace filasofia::runtime {
 
@@ -10,10 +9,9 @@ void StepCallbacks::call(double end)
 {
     for (auto& callback : callbacks_) {
         if (!callback) continue;
-        try {
-            callback(end);
-        } catch (const std::exception& problem) { // as with observers: one mistake does not end physics
-            logError("simulation: everyStep: ", problem.what(), "; it is not called again");
+        // As with observers: one mistake does not end physics.
+        if (const auto problem = guardedCall([&] { callback(end); })) {
+            logError("simulation: everyStep: ", *problem, "; it is not called again");
             callback = nullptr;
         }
     }

@@ -63,6 +63,7 @@ std::string summary(const RunReport& report)
                 ", rolled back ", report.undone, again, ", solver at its iteration limit ", report.notConverged,
                 ", at the deadline ", report.outOfTime, "\n");
     out += contactTable(report.contacts);
+    for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
         out += line("pictures drawn %ld", report.visual.framesDrawn);
     for (const std::string& picture : report.pictures) out += "wrote " + picture + "\n";

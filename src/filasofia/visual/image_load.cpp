@@ -1,4 +1,5 @@
 #include "filasofia/core/error.h"
+#include "filasofia/core/user_file.h"
 #include "filasofia/visual/image.h"
 
 #include <stb/stb_image.h>
@@ -42,8 +43,7 @@ void checkSize(const std::filesystem::path& file, std::uint64_t width, std::uint
 
 Image loadImage(const std::filesystem::path& file)
 {
-    std::error_code problem;
-    if (!std::filesystem::is_regular_file(file, problem)) fail("picture '", file.string(), "': there is no such file");
+    checkRegularFile(file, text("picture '", file.string(), "'"));
     const auto [pngWidth, pngHeight] = pngSize(file);
     checkSize(file, pngWidth, pngHeight);
 

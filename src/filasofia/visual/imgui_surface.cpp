@@ -2,6 +2,7 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/core/error.h"
+#include "filasofia/core/guarded_call.h"
 #include "filasofia/core/log.h"
 #include "filasofia/visual/imgui_style.h"
 
@@ -172,7 +173,7 @@ GuiPicture ImguiSurface::frame(int width, int height, double seconds)
 void ImguiSurface::callUser(int width, int height)
 {
     callback.call([&](const RenderCallback& user) {
-        try {
+        const auto draw = [&] {
             if (def_.fillingWindow) {
                 ImGui::SetNextWindowPos({0, 0});
                 ImGui::SetNextWindowSize({float(width), float(height)});
@@ -180,13 +181,10 @@ void ImguiSurface::callUser(int width, int height)
             }
             user();
             if (def_.fillingWindow && context_->CurrentWindowStack.Size > 1) ImGui::End();
-            return true;
-        } catch (const std::exception& problem) {
-            logError(def_.object, ": renderCallback: ", std::string_view(problem.what()), "; it is not called again");
-        } catch (...) {
-            logError(def_.object, ": renderCallback threw what is no exception; it is not called again");
-        }
-        return false;
+        };
+        const std::optional<std::string> problem = guardedCall(draw);
+        if (problem) logError(def_.object, ": renderCallback: ", *problem, "; it is not called again");
+        return !problem;
     });
 }
 

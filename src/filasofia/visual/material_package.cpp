@@ -1,10 +1,9 @@
 #include "filasofia/visual/material_package.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/user_file.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <string_view>
 
@@ -196,16 +195,8 @@ MaterialPackage parseMaterialPackage(std::span<const std::uint8_t> bytes, const 
 
 MaterialPackage readMaterialPackage(const std::string& file)
 {
-    std::error_code problem;
-    if (!std::filesystem::is_regular_file(file, problem)) fail("material file '", file, "': there is no such file");
-    const auto size = std::filesystem::file_size(file, problem);
-    if (problem || size > kLargest)
-        fail("material file '", file, "': must have at most ", kLargest, " bytes, got ", size);
-    std::vector<std::uint8_t> bytes(size);
-    std::ifstream in(file, std::ios::binary);
-    in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-    if (!in) fail("material file '", file, "': cannot be read");
-    return parseMaterialPackage(bytes, file);
+    const std::string bytes = readFile(file, text("material file '", file, "'"), kLargest);
+    return parseMaterialPackage({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, file);
 }
 
 } // namespace filasofia::visual
