@@ -2,7 +2,6 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/engine/native_engine.h"
-#include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/recording.h"
 #include "filasofia/record/replay.h"

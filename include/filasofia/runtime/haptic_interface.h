@@ -18,10 +18,10 @@ struct HapticInterfaceDef {
     /// Pose of the device's axes in the scene; the body is where the hand is. If it is not given, the axes are the
     /// scene's, and the hand's first place is where the body was added.
     std::optional<Pose> origin = {};
-    BodyId body = {};           ///< a rigid body
-    int element = 0;            ///< [-], >= 0, index in the body
+    BodyId body = {};              ///< a rigid body
+    int element = 0;               ///< [-], >= 0, index in the body
     VirtualCoupling coupling = {}; ///< in the scene
-    double forceScale = 1.0;    ///< [-], in [0, 1e3], newtons on the hand per newton in the scene
+    double forceScale = 1.0;       ///< [-], in [0, 1e3], newtons on the hand per newton in the scene
     /// [N], > 0, on the hand; divided by the force scale, on the body; the device's own limit holds too
     double forceLimit = 3.0;
     double torqueLimit = 0.1;  ///< [N m], > 0, the same for torques
@@ -58,7 +58,7 @@ struct HapticId {
 /// The state of a haptic interface, all in the scene's axes.
 struct HapticState {
     device::ServoState state = device::ServoState::Waiting;
-    MotionState hand = {};          ///< the last valid one
+    MotionState hand = {};     ///< the last valid one
     std::uint32_t buttons = 0; ///< one bit for each pressed button
     CouplingForce onHand = {}; ///< [N], [N m], last sent to the device
     CouplingForce onBody = {}; ///< [N] at its centre of mass, [N m]: the coupling's force at the end of the last step

@@ -92,7 +92,8 @@ void MatrixFreeOperator::step(double alpha)
 void MatrixFreeOperator::updateDirection(double beta)
 {
     const linalg::Parts parts = linalg::nodeParts(p_.blocks());
-    pool_->run(parts.count(), [&](int part) { linalg::updateDirection(z_, static_cast<float>(beta), p_, parts[part]); });
+    pool_->run(parts.count(),
+               [&](int part) { linalg::updateDirection(z_, static_cast<float>(beta), p_, parts[part]); });
 }
 
 void MatrixFreeOperator::smooth() { system_.preconditioner_.smooth(system_.residual_, *pool_); }

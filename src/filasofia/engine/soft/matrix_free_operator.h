@@ -40,8 +40,8 @@ private:
     MatrixFreeSystem& system_;
     WorkerPool* pool_ = nullptr;
     double mass_ = 0.0;
-    std::vector<int> slots_;               ///< per contact point
-    std::vector<Mat3> inverse_;            ///< D^-1 there, scaled
+    std::vector<int> slots_;                  ///< per contact point
+    std::vector<Mat3> inverse_;               ///< D^-1 there, scaled
     std::vector<linalg::ColumnEntry> column_; ///< scratch
     linalg::NodeArray z_, p_, q_;
 };
