@@ -14,7 +14,7 @@ constexpr double kRate = 200.0; // [Hz]
 
 /// A hand with a skill between 0 (first day) and 1 (expert). It makes minimum-jerk reaches, in as many pieces as it
 /// needs, with pauses, detours, tremor, and forces that are larger than they should be.
-class ElementCoupling {
+class Hand {
 public:
     Hand(double skill, unsigned seed) : clumsy_(1.0 - skill), random_(seed) {}
 
@@ -132,7 +132,7 @@ metric::Session exampleSession(const std::string& trainee, const std::string& da
                             .steps = {"enter the cavity", "see the left ostium", "see the right ostium",
                                       "remove the polyp", "leave the cavity"}};
     session.watched = {EventKind::Tear, EventKind::Cut, EventKind::Perforation, EventKind::Mistake, EventKind::Removed};
-    ElementCoupling hand(skill, seed);
+    Hand hand(skill, seed);
     const auto mark = [&](EventKind kind, std::string what, std::optional<double> amount = {}) {
         session.events.push_back({hand.time(), kind, std::move(what), amount});
     };

@@ -13,7 +13,7 @@ ScopeHand axial(double y, double roll = 0.0, double reach = -6_mm) { return {{0,
 /// Tissue yields, so before every move the polyp's position is looked up again.
 std::function<ScopeHand()> before(const Motion& with, double away, double roll, double sheathed = 0.0)
 {
-    return [&hands = with.couplings, middle = with.middle, away, roll, sheathed] {
+    return [&hands = with.hands, middle = with.middle, away, roll, sheathed] {
         ScopeHand hand = hands.at(middle(), away, roll, 8_mm);
         hand.reach -= sheathed;
         return hand;
@@ -24,7 +24,7 @@ std::function<ScopeHand()> before(const Motion& with, double away, double roll, 
 
 std::vector<HandMove> expertMotion(const Motion& with)
 {
-    const double roll = with.couplings.rollAcross(with.patient.normal, with.patient.middle);
+    const double roll = with.hands.rollAcross(with.patient.normal, with.patient.middle);
     std::vector<HandMove> moves = {
         {.seconds = 0.6, .to = axial(-6_mm), .end = with.picture("os")},
         {.seconds = 1.4, .to = axial(12_mm), .end = with.picture("canal")},

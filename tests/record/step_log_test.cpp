@@ -44,7 +44,7 @@ TEST_CASE("a log with tune() is not replayable")
 {
     physics::PhysicsServer server(engine::makeNativeEngine());
     server.keepLog(true);
-    engine::tune(server, [](engine::Native& native) { native.scene().gravity = {}; });
+    engine::tune(server, [](engine::Native& native) { native.gravity() = {}; });
     server.step(1e-3);
     record::StepLog log;
     log.drain(server);

@@ -1,7 +1,6 @@
 #include "filasofia/filasofia.h"
 
 #include "filasofia/engine/native/native.h"
-#include "filasofia/engine/scene/scene.h"
 
 #include <csignal>
 #include <unistd.h>
@@ -243,8 +242,7 @@ TEST_CASE("tune() reaches the engine of a simulation")
     Simulation sim;
     sim.add(bunny());
     int elements = 0;
-    sim.tune(
-        [&](engine::Native& native) { elements = static_cast<int>(native.scene().soft[0].model.elements.size()); });
+    sim.tune([&](engine::Native& native) { elements = native.elementCount(native.softBodies().front()); });
     sim.run(headless(1));
     CHECK(elements == 754); // the mesh file's number, within 1 % of its name
 }

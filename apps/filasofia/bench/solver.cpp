@@ -2,6 +2,7 @@
 #include "apps/filasofia/bench/solver_limits.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/worker_pool.h"
+#include "filasofia/engine/native_engine.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/geometry/refine.h"
 #include "filasofia/runtime/assets.h"

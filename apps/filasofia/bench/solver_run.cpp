@@ -59,11 +59,11 @@ ColdReference::ColdReference(std::shared_ptr<const geometry::TetMesh> mesh, doub
 physics::StepReport ColdReference::step(const frame::SoftBodyFrame* from)
 {
     engine::tune(server_, [from](engine::Native& native) {
-        engine::SoftState& state = native.state.softBodies.front();
-        std::fill(state.dv.begin(), state.dv.end(), Vec3{});
+        const engine::NativeSoftBody body = native.softBody(native.softBodies().front());
+        std::ranges::fill(body.velocityChanges, Vec3{});
         if (!from) return;
-        state.x = from->positions;
-        state.v = from->velocities;
+        std::ranges::copy(from->positions, body.positions.begin());
+        std::ranges::copy(from->velocities, body.velocities.begin());
     });
     return server_.step(dt_, 0, {.now = runtime::steadyClock().now});
 }

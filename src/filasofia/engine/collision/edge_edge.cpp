@@ -1,6 +1,6 @@
-#include "filasofia/engine/collision/feature_normals.h"
-#include "filasofia/engine/collision/surface_pair.h"
+#include "filasofia/engine/collision/edge_edge.h"
 
+#include "filasofia/engine/collision/feature_normals.h"
 #include "filasofia/geometry/distance.h"
 
 #include <algorithm>

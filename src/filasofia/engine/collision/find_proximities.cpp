@@ -1,7 +1,9 @@
 #include "filasofia/engine/collision/find_proximities.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/engine/collision/edge_edge.h"
 #include "filasofia/engine/collision/keep_minima.h"
+#include "filasofia/engine/collision/point_feature.h"
 #include "filasofia/engine/collision/surface_pair.h"
 
 #include <algorithm>

@@ -1,5 +1,6 @@
+#include "filasofia/engine/collision/point_feature.h"
+
 #include "filasofia/engine/collision/feature_normals.h"
-#include "filasofia/engine/collision/surface_pair.h"
 
 #include <algorithm>
 #include <cmath>

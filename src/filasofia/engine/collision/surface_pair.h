@@ -41,11 +41,4 @@ inline Vec3 velocityAt(const CollisionSurface& surface, const Feature& feature)
 /// Whether two features of one surface are already near each other at rest.
 bool nearAtRest(const SurfacePair& meeting, const std::array<int, 3>& a, const std::array<int, 3>& b);
 
-/// Finds the local minima of the distance from one point to the features that an element owns (and to its face), within
-/// the reach of both.
-void collidePoint(const SurfacePair& meeting, int source, int point, int element, std::vector<PointMinimum>& found);
-
-/// Finds the place where two edges are nearest to each other, if it is a local minimum of the distance and near enough.
-void collideEdges(const SurfacePair& meeting, int first, int second, std::vector<Proximity>& found);
-
 } // namespace filasofia::engine
