@@ -15,8 +15,8 @@ TEST_CASE("released nodes are free in the next step, whether pins or a later att
             scene.stage.post(physics::SetGravity{{0, -10, 0}});
             const AttachmentId id = pins ? AttachmentId{1} : scene.attach(hold);
             scene.stage.run(100, 1e-3);
-            REQUIRE(scene.attachmentReports(id) != nullptr);
-            CHECK(scene.attachmentReports(id)->force.y > 0.02);
+            REQUIRE(scene.held(id) != nullptr);
+            CHECK(scene.held(id)->force.y > 0.02);
             const auto momentum = [&] {
                 double sum = 0.0;
                 for (std::size_t i = 0; i < scene.stage.soft().v.size(); ++i)
@@ -26,7 +26,7 @@ TEST_CASE("released nodes are free in the next step, whether pins or a later att
             const double before = momentum();
             scene.stage.post(physics::Release{id});
             scene.stage.step(1e-3);
-            CHECK(scene.attachmentReports(id) == nullptr);
+            CHECK(scene.held(id) == nullptr);
             CHECK(momentum() - before == Approx(-10.0 * 0.008 * 1e-3).epsilon(0.02)); // its weight and nothing else
             scene.stage.post(physics::Release{id});
             scene.stage.step(1e-3); // releasing it again has no effect
@@ -41,8 +41,7 @@ TEST_CASE("if one of two groups of pins on a node is released, the other still p
     scene.stage.post(physics::SetGravity{{0, -10, 0}});
     scene.stage.run(500, 1e-3);
     const double weight = 0.08;
-    CHECK(length(scene.attachmentReports({1})->force + scene.attachmentReports({2})->force - Vec3{0, weight, 0}) <
-          0.02 * weight);
+    CHECK(length(scene.held({1})->force + scene.held({2})->force - Vec3{0, weight, 0}) < 0.02 * weight);
     scene.stage.post(physics::Release{{1}});
     scene.stage.step(1e-3);
     CHECK(scene.stage.model().pins.hard[3]);
@@ -69,17 +68,16 @@ TEST_CASE("an attachment breaks if its force exceeds breakForce, and reports tha
 {
     AttachmentScene scene(cube());
     const AttachmentId id = scene.attach({.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}, .breakForce = 0.05});
-    for (int i = 0; i < 1000 && !scene.attachmentReports(id); ++i) scene.stage.step(1e-3);
+    for (int i = 0; i < 1000 && !scene.held(id); ++i) scene.stage.step(1e-3);
     int reports = 0;
     for (int i = 0; i < 800; ++i) { // up to 0.1 N
         std::vector<physics::NodalForce> forces;
         for (int node = 0; node < 27; ++node) forces.push_back({node, {i * 0.1 / 27 / 800, 0, 0}});
         scene.stage.post(physics::SetForces{{1}, forces});
-        if (scene.attachmentReports(id) && scene.attachmentReports(id)->broken)
-            scene.stage.step(0.0); // not reported again while paused
-        if (scene.attachmentReports(id) && scene.attachmentReports(id)->broken) FAIL("reported twice");
+        if (scene.held(id) && scene.held(id)->broken) scene.stage.step(0.0); // not reported again while paused
+        if (scene.held(id) && scene.held(id)->broken) FAIL("reported twice");
         scene.stage.step(1e-3);
-        if (const auto* now = scene.attachmentReports(id); now && now->broken) {
+        if (const auto* now = scene.held(id); now && now->broken) {
             ++reports;
             CHECK(length(now->force) > 0.05);
             CHECK(length(now->force) < 0.0525);

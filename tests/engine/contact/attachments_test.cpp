@@ -113,12 +113,12 @@ TEST_CASE("a rigid body is attached to soft tissue at its points")
     scene.stage.add(rigidBox({0.01, 0.01, 0.01}, {0.004, 0.004, 0.004}, true));
     const AttachmentId id = scene.attachRigid({2}, {.to = {1}});
     scene.stage.run(200, 1e-3); // no force acts
-    REQUIRE(scene.attachmentReports(id) != nullptr);
-    CHECK(scene.attachmentReports(id)->points == 4);
+    REQUIRE(scene.held(id) != nullptr);
+    CHECK(scene.held(id)->points == 4);
     CHECK(distance(scene.state().rigid[0].state.poses[0].position, {0.01, 0.01, 0.01}) < 1e-9);
     scene.stage.post(physics::SetWrench{{2}, 0, {0.01, 0, 0}, {}});
     scene.stage.step(1e-3);
-    CHECK(scene.attachmentReports(id)->force.x < 0.0);
+    CHECK(scene.held(id)->force.x < 0.0);
 }
 
 TEST_CASE("a grasp without a contact logs a warning and does not wait for a later contact")
@@ -148,9 +148,9 @@ TEST_CASE("a hard attachment replaces the contacts at its points, and a soft one
         scene.stage.add(tool);
         const AttachmentId id = scene.attach({.within = 1e-4, .stiffness = stiffness, .to = {2}});
         scene.stage.run(2000, 1e-3);
-        REQUIRE(scene.attachmentReports(id)->points == 9);
+        REQUIRE(scene.held(id)->points == 9);
         CHECK(scene.state().contactReports.empty() == (stiffness == physics::kHard));
-        CHECK(length(scene.attachmentReports(id)->force) < (stiffness == physics::kHard ? 1e-6 : 1.0));
+        CHECK(length(scene.held(id)->force) < (stiffness == physics::kHard ? 1e-6 : 1.0));
     }
 }
 

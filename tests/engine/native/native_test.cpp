@@ -182,25 +182,27 @@ TEST_CASE("a tune that throws is rolled back completely")
 
 TEST_CASE("a tune that leaves a number that is not finite or out of range is rolled back completely")
 {
-    checkPutBack([](Native& n) { n.scene().soft[0].state.x[3].y = kNan; }, "x[3] must be finite");
-    checkPutBack([](Native& n) { n.scene().soft[0].state.v[3].y = kNan; }, "v[3] must be finite");
-    checkPutBack([](Native& n) { n.scene().soft[0].state.pressure = kNan; }, "pressure");
-    checkPutBack([](Native& n) { n.scene().soft[0].state.rotations[0].w[3] = static_cast<float>(kNan); }, "rotations");
-    checkPutBack([](Native& n) { n.scene().gravity.x = kNan; }, "gravity");
-    checkPutBack([](Native& n) { n.scene().time = kNan; }, "time");
-    checkPutBack([](Native& n) { n.scene().rigid[0].state.poses[0].position.x = kNan; }, "poses must be finite");
-    checkPutBack([](Native& n) { n.scene().rigid[0].state.poses[0].orientation.w = 2; }, "unit quaternion");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.masses[2] = 0.0; }, "masses must be > 0 kg, got 0");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.elements[5].poissonRatio = 0.7; },
-                 "elements[5]: poissonRatio must be in [0, 0.5), got 0.7");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.elements[5].volume = -1; }, "elements[5].volume");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.elements[5].gradients[1].z = kNan; }, "elements[5].gradients");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.rayleigh.mass = -1; }, "rayleigh");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.solver = ConjugateGradient{.tolerance = 2}; }, "tolerance");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.springs.push_back({.nodes = {0, 1}}); }, "springs[0]");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.pins.springs.push_back({0, {}, -1}); }, "pin's stiffness");
-    checkPutBack([](Native& n) { n.scene().soft[0].model.pins.hard[35] = true; },
-                 "the node is pinned"); // in full motion
+    checkRolledBack([](Native& n) { n.scene().soft[0].state.x[3].y = kNan; }, "x[3] must be finite");
+    checkRolledBack([](Native& n) { n.scene().soft[0].state.v[3].y = kNan; }, "v[3] must be finite");
+    checkRolledBack([](Native& n) { n.scene().soft[0].state.pressure = kNan; }, "pressure");
+    checkRolledBack([](Native& n) { n.scene().soft[0].state.rotations[0].w[3] = static_cast<float>(kNan); },
+                    "rotations");
+    checkRolledBack([](Native& n) { n.scene().gravity.x = kNan; }, "gravity");
+    checkRolledBack([](Native& n) { n.scene().time = kNan; }, "time");
+    checkRolledBack([](Native& n) { n.scene().rigid[0].state.poses[0].position.x = kNan; }, "poses must be finite");
+    checkRolledBack([](Native& n) { n.scene().rigid[0].state.poses[0].orientation.w = 2; }, "unit quaternion");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.masses[2] = 0.0; }, "masses must be > 0 kg, got 0");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.elements[5].poissonRatio = 0.7; },
+                    "elements[5]: poissonRatio must be in [0, 0.5), got 0.7");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.elements[5].volume = -1; }, "elements[5].volume");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.elements[5].gradients[1].z = kNan; },
+                    "elements[5].gradients");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.rayleigh.mass = -1; }, "rayleigh");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.solver = ConjugateGradient{.tolerance = 2}; }, "tolerance");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.springs.push_back({.nodes = {0, 1}}); }, "springs[0]");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.pins.springs.push_back({0, {}, -1}); }, "pin's stiffness");
+    checkRolledBack([](Native& n) { n.scene().soft[0].model.pins.hard[35] = true; },
+                    "the node is pinned"); // in full motion
 }
 
 TEST_CASE("a tune that leaves wrong sizes or indices is rolled back completely")

@@ -88,8 +88,8 @@ TEST_CASE("a rebuilt coarse level equals the one that the body would be built wi
         BackgroundThread thread;
         CoarseRebuild remake(block.model(), block.plan, thread);
         linalg::CoarseLevel&& made = remake.take();
-        REQUIRE(fresh.coarseNodes() > 10);
-        REQUIRE(made.coarseNodes() == fresh.coarseNodes());
+        REQUIRE(expected.coarseNodes() > 10);
+        REQUIRE(made.coarseNodes() == expected.coarseNodes());
         other.takeCoarseLevel(std::move(made));
         const std::vector<float> a = applied(expected, block.nodes.size()), b = applied(other, block.nodes.size());
         float largest = 0.0f, off = 0.0f;
