@@ -251,7 +251,7 @@ class Cohort(Report):
         done = run("report", file, "--cohort", "mixed", "--html", "p.html", folder=self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("two.jsonl, line 1: the session has version 2, but this program reads version 1", done.stderr)
-        self.assertIn("empty.jsonl: is empty", done.stderr)
+        self.assertIn("empty.jsonl: must be a session, got an empty file", done.stderr)
         self.assertIn("two.jsonl could not be read", (self.folder / "p.html").read_text())
 
     def test_a_report_never_overwrites_a_session(self):
@@ -288,7 +288,7 @@ class Cohort(Report):
         self.refused(file, "--example", says=["--example needs no file"])
         self.refused(file, "--html", "nowhere/p.html", says=["nowhere/p.html: cannot be written"])
         self.write("empty.jsonl", "")
-        self.refused("empty.jsonl", says=["empty.jsonl: is empty"])
+        self.refused("empty.jsonl", says=["empty.jsonl: must be a session, got an empty file"])
 
 
 PROBE = """<body style="margin:0"><iframe src="page.html" style="border:0;width:%dpx;height:1400px"></iframe><pre id="found"></pre>

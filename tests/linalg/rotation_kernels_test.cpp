@@ -72,8 +72,9 @@ TEST_CASE("a residual is rotated into the rest frame and smoothed there")
     });
 }
 
-TEST_CASE("the coarse correction is added, the sum rotated and multiplied by the residual; without coarse nodes it is "
-          "only rotated")
+TEST_CASE(
+    "the coarse correction is added, the sum rotated and multiplied by the residual, and without coarse nodes it is "
+    "only rotated")
 {
     onEveryTarget([](const std::string&) {
         std::mt19937 random(4);

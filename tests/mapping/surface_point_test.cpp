@@ -129,7 +129,7 @@ TEST_CASE("a triangle that does not exist, one without area and wrong weights ar
     CHECK_THROWS_WITH(pointOnTriangle(boundary, count, {1, 0, 0}, "follow"), Catch::Contains("triangle must be in"));
     CHECK_THROWS_WITH(pointOnTriangle(boundary, 0, {1.5, -0.5, 0}, "follow"),
                       "follow: each weight must be in [0, 1], got 1.5");
-    CHECK_THROWS_WITH(pointOnTriangle(boundary, 0, {NAN, 0.5, 0.5}, "follow"), Catch::Contains("weights must be"));
+    CHECK_THROWS_WITH(pointOnTriangle(boundary, 0, {NAN, 0.5, 0.5}, "follow"), Catch::Contains("each weight must be"));
     CHECK_THROWS_WITH(pointOnTriangle(boundary, 0, {0.5, 0.2, 0.2}, "follow"),
                       Catch::Contains("sum of the weights must be 1"));
     boundary.surface.vertices[boundary.surface.triangles[0][1]] =

@@ -136,7 +136,7 @@ TEST_CASE("a file that is not a session is refused by file and line")
     const TemporaryFile file;
     CHECK(refusal(file) == ": no such file");
     file.write("");
-    CHECK(refusal(file) == ": is empty");
+    CHECK(refusal(file) == ": must be a session, got an empty file");
     file.write("hello\n");
     CHECK(refusal(file) == ", line 1: must be a JSON object");
     file.write("{}\n");

@@ -43,7 +43,7 @@ TEST_CASE("coordinates of any size are refused by object, field, bound and value
             INFO(far << ": " << said);
             CHECK_THAT(said, Catch::StartsWith(object));
             CHECK_THAT(said, Catch::Contains(bound) || Catch::Contains("within 1e+20 m"));
-            CHECK_THAT(said, Catch::Contains("got ") && Catch::Contains("e+"));
+            CHECK_THAT(said, Catch::Contains("got "));
             CHECK_THAT(said, !Catch::Contains("inf") && !Catch::Contains("nan"));
         };
         holds(add(SoftBodyDef{.name = "it", .mesh = farBlock(far)}), "soft body 'it': mesh: node ", "within 10000 m");

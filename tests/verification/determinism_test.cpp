@@ -65,7 +65,7 @@ TEST_CASE("1, 2, 3 and 8 threads make the same hash of bodies that threads share
         Stage stage = standingBunny(3004, ConjugateGradient{}, threads);
         for (int i = 0; i < 4; ++i) {
             SoftBodyDef def{.mesh = bunnyFile(756), .pose = {{0.3 * (i + 1), 0, 0}, {}}};
-            def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 0.02, 1}}}};
+            def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {2, 0.05, 1}}}};
             stage.add(def);
         }
         stage.run(30, 0.002);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 /// Texture maps of surfaces that are given as a height: what an artist bakes, made by formulas.
@@ -21,7 +22,8 @@ template <class Texel> TextureFile pictureFile(const std::string& name, int size
             const auto [red, green, blue] = texel((x + 0.5) / size, 1.0 - (y + 0.5) / size);
             image.rgba.insert(image.rgba.end(), {byte(red), byte(green), byte(blue), 255});
         }
-    const std::string png = std::string(FILASOFIA_BINARY_DIR) + "/" + name + ".png";
+    // Tests run side by side, each in a process of its own.
+    const std::string png = std::string(FILASOFIA_BINARY_DIR) + "/" + name + "_" + std::to_string(getpid()) + ".png";
     savePng(image, png);
     return {png};
 }

@@ -183,7 +183,7 @@ TEST_CASE("a wrong map or strength is an error that names body, field and file")
         {MucosaMaterial{.roughnessTexture = TextureFile{"nowhere.png"}}, {"roughnessTexture", "nowhere.png"}},
         {BoneMaterial{.occlusionTexture = TextureFile{path("words.png")}}, {"occlusionTexture", "words.png"}},
         {MetalMaterial{.baseColorTexture = TextureFile{"nowhere.png"}}, {"baseColorTexture", "nowhere.png"}},
-        {GlassMaterial{.normalTexture = heights}, {"normalTexture", "heights.png", "no normal map", "128"}},
+        {GlassMaterial{.normalTexture = heights}, {"normalTexture", "heights_", "no normal map", "128"}},
         {TissueMaterial{.normalStrength = -0.1}, {"normalStrength", "[0, 4]"}},
         {MetalMaterial{.occlusionStrength = 1.5}, {"occlusionStrength", "[0, 1]"}},
     };

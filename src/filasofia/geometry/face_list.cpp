@@ -23,7 +23,9 @@ std::vector<Face> sortedFaces(const TetMesh& mesh)
 {
     // Faces are first counted into rows by their lowest node: a row has some dozen faces, and one sort of all faces
     // took three times as long.
-    std::vector<std::size_t> rows(mesh.nodes.size() + 1, 0);
+    int last = -1; // the mesh may list no nodes: topology alone is enough here
+    for (const Tetrahedron& t : mesh.tetrahedra) last = std::max({last, t[0], t[1], t[2], t[3]});
+    std::vector<std::size_t> rows(static_cast<std::size_t>(last) + 2, 0);
     for (const Tetrahedron& t : mesh.tetrahedra)
         for (const auto& [i, j, k] : kTetrahedronFaces) ++rows[std::min({t[i], t[j], t[k]}) + 1];
     for (std::size_t n = 1; n < rows.size(); ++n) rows[n] += rows[n - 1];

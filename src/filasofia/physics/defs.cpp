@@ -63,7 +63,7 @@ void check(const RigidBodyDef& def)
              ": mass of a dynamic body without a mesh must be GivenInertia; density and total mass need a mesh");
     for (const auto& [field, v] : {std::pair{"velocity", def.velocity}, {"angularVelocity", def.angularVelocity}})
         if (!(length(v) < kFarthest))
-            fail(object, ": ", field, " must have a length < ", kFarthest, ", got ", length(v));
+            fail(object, ": ", field, " must have a length < ", kFarthest, ", got ", v.x, " ", v.y, " ", v.z);
     for (std::size_t i = 0; i < def.collision.size(); ++i) {
         const std::string field = text(object, ": collision[", i, "]");
         checkElement(def.collision[i].element, elementCount(def), field + ".element");

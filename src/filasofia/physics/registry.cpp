@@ -66,7 +66,7 @@ struct Registry::Check {
         for (const Vec3 v : {set.target.velocity, set.target.angularVelocity})
             if (!(length(v) < kFarthest))
                 fail(object, ": target: velocity and angularVelocity must have a length < ", kFarthest,
-                     " m/s and rad/s, got ", length(v));
+                     " m/s and rad/s, got ", v.x, " ", v.y, " ", v.z);
     }
     void operator()(const SetGravity& set) const
     {

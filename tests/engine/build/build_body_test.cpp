@@ -102,7 +102,7 @@ TEST_CASE("an attachment without nodes is refused")
           }) == "soft body 'liver': attachments[0]: must hold at least one node, got none in its box");
     CHECK(refusal([](SoftBodyDef& d) {
               d.attachments = {{.box = Box{{0, 0, 0}, {1, -1, 1}}}};
-          }) == "soft body 'liver': attachments[0].box.high must be >= low on every axis");
+          }) == "soft body 'liver': attachments[0].box: high must be >= low in every axis");
 }
 
 TEST_CASE("meshes that cannot be simulated are refused, and the error names the body")
@@ -233,5 +233,5 @@ TEST_CASE("a separate collision mesh on a body that may be cut logs a warning, s
     CHECK(warningsFor(false, true).empty());
     CHECK(warningsFor(true, false).empty());
     CHECK_THAT(warningsFor(true, true),
-               Catch::Contains("soft body 'liver': collision[0].mesh: bends with the body but does not"));
+               Catch::Contains("soft body 'liver': collision[0].mesh: deforms with the body but does not"));
 }

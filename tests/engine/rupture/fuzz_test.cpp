@@ -3,7 +3,7 @@
 #include "filasofia/geometry/mesh_file.h"
 
 using namespace filasofia;
-using namespace filasofia::engine;
+using namespace filasofia::testing;
 
 namespace {
 

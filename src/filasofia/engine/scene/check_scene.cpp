@@ -36,9 +36,9 @@ void checkAttachments(const Scene& scene)
         const auto held = findBody(scene, body), holder = findBody(scene, to);
         if (!held) fail(object, ": body ", body.value, ": no such body");
         if (to && !holder) fail(object, ": body ", to.value, ": no such body");
-        if (body == to) fail(object, ": must hold two bodies, got body ", body.value, " twice");
+        if (body == to) fail(object, ": must attach two bodies, got body ", body.value, " twice");
         if (isKinematic(held) && isKinematic(holder))
-            fail(object, ": what goes where it is told cannot be held: one of the two must be dynamic, or soft");
+            fail(object, ": two kinematic bodies cannot be attached: one of the two must be dynamic or soft");
     };
     for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
         const Attachment& each = scene.attachments[a];
