@@ -22,8 +22,7 @@ try {
     sim.show(tissue, {.subdivision = 1});
     sim.show(tool, {.material = MetalMaterial{}});
 
-    // A scripted hand presses twice. To use your own: --device mouse, forcedimension or openhaptics
-    // (docs/guide/devices.md).
+    // A scripted hand presses twice. docs/guide/devices.md says how to use your own.
     const HapticId hand = sim.add(HapticInterfaceDef{
         .device = ScriptedDevice{asset("motions/press.csv")}, .body = tool, .coupling = {.linearStiffness = 400}});
 
