@@ -11,6 +11,18 @@ namespace filasofia::visual {
 // addedFields() counts the last fields of a struct that are younger than the first recordings. A recording leaves them
 // out while they have their defaults.
 
+/// describe() for a material with textures: its own fields, then those of the textures, which all such materials share.
+template <class M, class... Own> constexpr auto describeWithTextures(std::string_view typeName, Own... own)
+{
+    return describe(
+        typeName, own..., field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"),
+        field("normalTexture", &M::normalTexture, "slopes of the surface, a normal map"),
+        field("roughnessTexture", &M::roughnessTexture, "green channel in place of roughness"),
+        field("occlusionTexture", &M::occlusionTexture, "red channel: light that gets into crevices"),
+        field("normalStrength", &M::normalStrength, "-", closed(0, 4), "multiplies the normal map's slopes"),
+        field("occlusionStrength", &M::occlusionStrength, "-", closed(0, 1), "0 ignores occlusionTexture"));
+}
+
 /// Living tissue: light enters, reddens and leaves elsewhere; a film of liquid glistens on top. The pattern (mottling,
 /// vessels, fine relief) is fixed to the rest position, so that it moves with the tissue.
 struct TissueMaterial {
@@ -37,7 +49,7 @@ struct TissueMaterial {
 constexpr auto fields(const TissueMaterial*)
 {
     using M = TissueMaterial;
-    return describe(
+    return describeWithTextures<M>(
         "TissueMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
         field("subsurfaceColor", &M::subsurfaceColor, "colour of light that has travelled inside"),
         field("vesselColor", &M::vesselColor, "colour of the small vessels"),
@@ -47,13 +59,7 @@ constexpr auto fields(const TissueMaterial*)
         field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
         field("mottling", &M::mottling, "-", closed(0, 1), "strength of the blotches"),
         field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
-        field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
-        field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"),
-        field("normalTexture", &M::normalTexture, "slopes of the surface, a normal map"),
-        field("roughnessTexture", &M::roughnessTexture, "green channel in place of roughness"),
-        field("occlusionTexture", &M::occlusionTexture, "red channel: light that gets into crevices"),
-        field("normalStrength", &M::normalStrength, "-", closed(0, 4), "multiplies the normal map's slopes"),
-        field("occlusionStrength", &M::occlusionStrength, "-", closed(0, 1), "0 ignores occlusionTexture"));
+        field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"));
 }
 constexpr std::size_t addedFields(const TissueMaterial*) { return 5; }
 
@@ -83,7 +89,7 @@ struct MucosaMaterial {
 constexpr auto fields(const MucosaMaterial*)
 {
     using M = MucosaMaterial;
-    return describe(
+    return describeWithTextures<M>(
         "MucosaMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
         field("subsurfaceColor", &M::subsurfaceColor, "colour of light that has travelled inside"),
         field("vesselColor", &M::vesselColor, "colour of the small vessels"),
@@ -93,13 +99,7 @@ constexpr auto fields(const MucosaMaterial*)
         field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
         field("pits", &M::pits, "-", closed(0, 1), "strength of the pattern of pits"),
         field("vessels", &M::vessels, "-", closed(0, 1), "strength of the small vessels"),
-        field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
-        field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"),
-        field("normalTexture", &M::normalTexture, "slopes of the surface, a normal map"),
-        field("roughnessTexture", &M::roughnessTexture, "green channel in place of roughness"),
-        field("occlusionTexture", &M::occlusionTexture, "red channel: light that gets into crevices"),
-        field("normalStrength", &M::normalStrength, "-", closed(0, 4), "multiplies the normal map's slopes"),
-        field("occlusionStrength", &M::occlusionStrength, "-", closed(0, 1), "0 ignores occlusionTexture"));
+        field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"));
 }
 constexpr std::size_t addedFields(const MucosaMaterial*) { return 5; }
 
@@ -125,20 +125,14 @@ struct BoneMaterial {
 constexpr auto fields(const BoneMaterial*)
 {
     using M = BoneMaterial;
-    return describe(
+    return describeWithTextures<M>(
         "BoneMaterial", field("baseColor", &M::baseColor, "colour of the lit surface"),
         field("stainColor", &M::stainColor, "colour in pores and stains"),
         field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness where it is dry"),
         field("wetness", &M::wetness, "-", closed(0, 1), "fraction of the surface that is moist"),
         field("noiseScale", &M::noiseScale, "1/m", positive(), "blotches per metre"),
         field("pores", &M::pores, "-", closed(0, 1), "strength of pores and stains"),
-        field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"),
-        field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"),
-        field("normalTexture", &M::normalTexture, "slopes of the surface, a normal map"),
-        field("roughnessTexture", &M::roughnessTexture, "green channel in place of roughness"),
-        field("occlusionTexture", &M::occlusionTexture, "red channel: light that gets into crevices"),
-        field("normalStrength", &M::normalStrength, "-", closed(0, 4), "multiplies the normal map's slopes"),
-        field("occlusionStrength", &M::occlusionStrength, "-", closed(0, 1), "0 ignores occlusionTexture"));
+        field("bump", &M::bump, "-", closed(0, 2), "height of the fine relief"));
 }
 constexpr std::size_t addedFields(const BoneMaterial*) { return 5; }
 
@@ -159,15 +153,8 @@ struct MetalMaterial {
 constexpr auto fields(const MetalMaterial*)
 {
     using M = MetalMaterial;
-    return describe(
-        "MetalMaterial", field("baseColor", &M::baseColor, "colour of the reflection"),
-        field("roughness", &M::roughness, "-", closed(0.05, 1), "blur of the reflection"),
-        field("baseColorTexture", &M::baseColorTexture, "in place of baseColor"),
-        field("normalTexture", &M::normalTexture, "slopes of the surface, a normal map"),
-        field("roughnessTexture", &M::roughnessTexture, "green channel in place of roughness"),
-        field("occlusionTexture", &M::occlusionTexture, "red channel: light that gets into crevices"),
-        field("normalStrength", &M::normalStrength, "-", closed(0, 4), "multiplies the normal map's slopes"),
-        field("occlusionStrength", &M::occlusionStrength, "-", closed(0, 1), "0 ignores occlusionTexture"));
+    return describeWithTextures<M>("MetalMaterial", field("baseColor", &M::baseColor, "colour of the reflection"),
+                                   field("roughness", &M::roughness, "-", closed(0.05, 1), "blur of the reflection"));
 }
 constexpr std::size_t addedFields(const MetalMaterial*) { return 5; }
 
