@@ -17,8 +17,24 @@ if(FILASOFIA_SANITIZE)
   # GCC 12 sees uninitialized members in its own <regex> once sanitized (gcc.gnu.org/PR105562).
   target_compile_options(filasofia_flags INTERFACE -fsanitize=${FILASOFIA_SANITIZE} -fno-omit-frame-pointer
     $<$<CXX_COMPILER_ID:Clang>:-fno-sanitize-recover=all> $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+  if(FILASOFIA_NO_SANITIZE)
+    target_compile_options(filasofia_flags INTERFACE -fno-sanitize=${FILASOFIA_NO_SANITIZE})
+  endif()
   target_link_options(filasofia_flags INTERFACE -fsanitize=${FILASOFIA_SANITIZE})
 endif()
+
+# CMAKE_UNITY_BUILD (presets release, asan, asan-all, tsan) compiles the sources of a target in batches, so that their headers
+# are read once per batch. GCC warns of any class in a source that is not the first one of its batch and holds a member
+# of an anonymous namespace.
+if(CMAKE_UNITY_BUILD)
+  target_compile_options(filasofia_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endif()
+
+# Sources that cannot share a batch: Highway's, which include themselves once per instruction set, X11's macros, and
+# programs whose helpers share names on purpose.
+function(filasofia_compile_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
 
 # filasofia_room(geometry SOURCES a.cpp b.cpp DEPENDS core math VENDORS assimp::assimp)
 function(filasofia_room name)
@@ -62,6 +78,10 @@ function(filasofia_tests name)
     target_precompile_headers(test_${name} PRIVATE ${FILASOFIA_TEST_HEADERS} ${TEST_PRECOMPILE})
   else()
     target_precompile_headers(test_${name} REUSE_FROM filasofia_test_main)
+  endif()
+  target_compile_options(test_${name} PRIVATE ${FILASOFIA_TEST_OPTIMISATION})
+  if(FILASOFIA_NO_SANITIZE)
+    target_compile_definitions(test_${name} PRIVATE FILASOFIA_FEWER_CASES)
   endif()
   set_target_properties(test_${name} PROPERTIES CXX_EXTENSIONS OFF)
   catch_discover_tests(test_${name} TEST_PREFIX "${name}: " EXTRA_ARGS -w NoTests

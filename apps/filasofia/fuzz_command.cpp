@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-struct Options {
+struct FuzzCommandOptions {
     std::string what;
     std::string file;
     int seed = 1;
@@ -24,7 +24,7 @@ struct Options {
     int perBody = 4;
 };
 
-constexpr int kShown = 10; ///< number of example faults that are printed
+constexpr int kExamples = 10; ///< number of example faults that are printed
 
 json toJson(const std::vector<testing::CutFuzzCount>& counts)
 {
@@ -33,7 +33,7 @@ json toJson(const std::vector<testing::CutFuzzCount>& counts)
     return all;
 }
 
-json toJson(const Options& options, const testing::CutFuzzReport& r)
+json toJson(const FuzzCommandOptions& options, const testing::CutFuzzReport& r)
 {
     json kinds = json::array();
     for (const testing::CutFuzzKind& kind : r.kinds)
@@ -81,13 +81,13 @@ void print(const testing::CutFuzzReport& r)
     std::printf("incomplete: %ld of %ld full cuts, %ld of %ld progressive ones\n", r.incompleteFull, r.full,
                 r.incompleteProgressive, r.progressive);
     if (!r.faults.empty()) list("BROKEN INVARIANTS", r.faults);
-    for (int i = 0; i < std::min<int>(kShown, static_cast<int>(r.examples.size())); ++i)
+    for (int i = 0; i < std::min<int>(kExamples, static_cast<int>(r.examples.size())); ++i)
         std::printf("  %s\n", r.examples[static_cast<std::size_t>(i)].c_str());
     std::printf("hash %s; %ld bodies differed when they were cut a second time\n", hexadecimal(r.hash).c_str(),
                 r.hashesThatDiffer);
 }
 
-int fuzz(const Options& options)
+int fuzz(const FuzzCommandOptions& options)
 {
     if (options.what != "cut") fail("fuzz: unknown subject '", shortened(options.what), "'; known is cut");
     JsonFile file(options.file);
@@ -108,7 +108,7 @@ int fuzz(const Options& options)
 
 Command fuzzCommand()
 {
-    static Options options; // static: there is one command line, and its targets must outlive this function
+    static FuzzCommandOptions options; // static: there is one command line, and its targets must outlive this function
     return {.name = "fuzz",
             .meaning = "Make random changes and check all invariants after each",
             .options = {{"WHAT", &options.what, "cut: cuts and tears of small bodies", "", {}, true},

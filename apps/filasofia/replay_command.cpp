@@ -13,7 +13,7 @@
 namespace filasofia::app {
 namespace {
 
-struct Options {
+struct ReplayCommandOptions {
     int threads = 0;
     runtime::ReplayDef replay;
 };
@@ -53,7 +53,7 @@ std::string namesOf(const record::RecordingHeader& header)
     return line.empty() ? line : line + '\n';
 }
 
-int replayFile(Options& options)
+int replayFile(ReplayCommandOptions& options)
 {
     options.replay.threads = givenThreads(options.threads);
     const runtime::ReplayReport report = runtime::replay(options.replay);
@@ -85,7 +85,8 @@ int replayFile(Options& options)
 
 Command replayCommand()
 {
-    static Options options; // static: there is one command line, and its targets must outlive this function
+    static ReplayCommandOptions
+        options; // static: there is one command line, and its targets must outlive this function
     return {.name = "replay",
             .meaning = "Replay a recorded run as fast as possible",
             .options = {{"RECORDING", &options.replay.file, "A file written by run --record FILE", "FILE", {}, true},

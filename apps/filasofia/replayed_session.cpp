@@ -45,7 +45,7 @@ BodyId toolOf(const std::vector<const physics::AddBody*>& rigid, const std::set<
     fail(file, ": the recording has no rigid body '", shortened(name), "'; it has ", list);
 }
 
-constexpr double kRate = 200.0; // [Hz] rate of the samples
+constexpr double kReplayRate = 200.0; // [Hz] rate of the samples
 
 } // namespace
 
@@ -87,7 +87,7 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
         const frame::Frame& frame = player.frame();
         for (const physics::AddBody* body : rigidOf(player.bodies()))
             samplers.try_emplace(body->id, metric::Observed{.body = body->id}).first->second.add(frame, report.dt);
-        const double period = std::floor(report.time * kRate + 1e-6);
+        const double period = std::floor(report.time * kReplayRate + 1e-6);
         if (period <= lastPeriod) continue;
         lastPeriod = period;
         for (auto& [id, sampler] : samplers) samples[id].push_back(sampler.take());

@@ -12,7 +12,7 @@
 namespace filasofia::app {
 namespace {
 
-struct Options {
+struct ReportCommandOptions {
     std::string file, cohort, html, json, csv, tool;
     int threads = 0;
     bool example = false, definitions = false;
@@ -20,7 +20,7 @@ struct Options {
 
 constexpr const char* kPage = "filasofia_report.html"; // the default if no other output is asked for
 
-Report reportOf(const Options& options)
+Report reportOf(const ReportCommandOptions& options)
 {
     if (options.example) {
         if (!options.file.empty()) fail("report: --example needs no file, got ", shownWord(options.file));
@@ -40,7 +40,7 @@ Report reportOf(const Options& options)
 }
 
 /// No output may overwrite a session, and no two outputs may go to the same file.
-void checkOutputs(const Options& options)
+void checkOutputs(const ReportCommandOptions& options)
 {
     namespace fs = std::filesystem;
     std::vector<std::string> taken;
@@ -81,7 +81,7 @@ void write(const std::string& file, const std::string& content)
     std::cerr << "wrote " << oneLine(file) << '\n';
 }
 
-int report(Options options)
+int report(ReportCommandOptions options)
 {
     if (options.definitions) {
         std::cout << metric::catalogMarkdown();
@@ -107,7 +107,8 @@ int report(Options options)
 
 Command reportCommand()
 {
-    static Options options; // static: there is one command line, and its targets must outlive this function
+    static ReportCommandOptions
+        options; // static: there is one command line, and its targets must outlive this function
     return {
         .name = "report",
         .meaning = "Measure a session and write an instructor's report: a page, JSON, CSV",

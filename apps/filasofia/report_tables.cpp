@@ -21,23 +21,23 @@ Json metricJson(const Report& report, std::size_t i)
 {
     const metric::MetricInfo& info = metric::catalog()[i];
     const metric::Value& value = report.values[i];
-    Json json = {{"id", info.id},
-                 {"name", info.name},
-                 {"value", orNull(value.value)},
-                 {"unit", info.unit},
-                 {"moment", orNull(value.moment)},
-                 {"better", kBetter[static_cast<int>(info.better)]},
-                 {"definition", info.definition},
-                 {"source", info.source},
-                 {"evidence", metric::name(info.evidence)},
-                 {"found", info.found}};
-    if (!value.value) json["reason"] = value.reason;
-    if (report.comparisons.empty()) return json;
+    Json entry = {{"id", info.id},
+                  {"name", info.name},
+                  {"value", orNull(value.value)},
+                  {"unit", info.unit},
+                  {"moment", orNull(value.moment)},
+                  {"better", kBetter[static_cast<int>(info.better)]},
+                  {"definition", info.definition},
+                  {"source", info.source},
+                  {"evidence", metric::name(info.evidence)},
+                  {"found", info.found}};
+    if (!value.value) entry["reason"] = value.reason;
+    if (report.comparisons.empty()) return entry;
     const metric::Comparison& comparison = report.comparisons[i];
-    json["z"] = orNull(comparison.z);
-    json["cohort"] = {{"sessions", comparison.others}, {"mean", comparison.mean}, {"deviation", comparison.deviation}};
-    if (!comparison.z) json["cohort"]["reason"] = comparison.reason;
-    return json;
+    entry["z"] = orNull(comparison.z);
+    entry["cohort"] = {{"sessions", comparison.others}, {"mean", comparison.mean}, {"deviation", comparison.deviation}};
+    if (!comparison.z) entry["cohort"]["reason"] = comparison.reason;
+    return entry;
 }
 
 } // namespace
@@ -45,32 +45,32 @@ Json metricJson(const Report& report, std::size_t i)
 std::string reportJson(const Report& report)
 {
     const metric::Session& session = report.session;
-    Json json = {{"filasofia", kVersion},
-                 {"session",
-                  {{"trainee", session.trainee},
-                   {"case", session.task},
-                   {"date", session.date},
-                   {"software", session.software},
-                   {"seed", session.seed},
-                   {"origin", report.origin},
-                   {"lost", session.lost},
-                   {"complete", session.complete}}},
-                 {"metrics", Json::array()},
-                 {"events", Json::array()},
-                 {"sessions", Json::array()}};
-    for (std::size_t i = 0; i < report.values.size(); ++i) json["metrics"].push_back(metricJson(report, i));
+    Json whole = {{"filasofia", kVersion},
+                  {"session",
+                   {{"trainee", session.trainee},
+                    {"case", session.task},
+                    {"date", session.date},
+                    {"software", session.software},
+                    {"seed", session.seed},
+                    {"origin", report.origin},
+                    {"lost", session.lost},
+                    {"complete", session.complete}}},
+                  {"metrics", Json::array()},
+                  {"events", Json::array()},
+                  {"sessions", Json::array()}};
+    for (std::size_t i = 0; i < report.values.size(); ++i) whole["metrics"].push_back(metricJson(report, i));
     for (const metric::Event& event : session.events)
-        json["events"].push_back({{"time", event.time},
-                                  {"kind", metric::name(event.kind)},
-                                  {"what", event.what},
-                                  {"amount", orNull(event.amount)}});
+        whole["events"].push_back({{"time", event.time},
+                                   {"kind", metric::name(event.kind)},
+                                   {"what", event.what},
+                                   {"amount", orNull(event.amount)}});
     for (const Attempt& attempt : report.own) {
         Json values = Json::object();
         for (std::size_t i = 0; i < attempt.values.size(); ++i)
             values[std::string(metric::catalog()[i].id)] = orNull(attempt.values[i].value);
-        json["sessions"].push_back({{"date", attempt.date}, {"current", attempt.current}, {"values", values}});
+        whole["sessions"].push_back({{"date", attempt.date}, {"current", attempt.current}, {"values", values}});
     }
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return whole.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string reportCsv(const Report& report)

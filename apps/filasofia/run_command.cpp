@@ -11,7 +11,7 @@
 namespace filasofia::app {
 namespace {
 
-struct Options {
+struct RunCommandOptions {
     std::string scene;
     BunnyDef bunny;
     double rate = 1000.0;
@@ -36,7 +36,7 @@ const Scene kScenes[] = {
     {"haptics", kHapticsRoom, [](Simulation& sim, const BunnyDef& def) { addHaptics(sim, def.subdivision); }},
 };
 
-const Scene& sceneOf(const Options& options)
+const Scene& sceneOf(const RunCommandOptions& options)
 {
     std::string names;
     for (const Scene& scene : kScenes) {
@@ -53,7 +53,7 @@ std::vector<std::string> bunnySizes()
     return sizes;
 }
 
-int runScene(Options& options)
+int runScene(RunCommandOptions& options)
 {
     const Scene& scene = sceneOf(options);
     if (options.scene != "bunny" && options.bunny.tets != BunnyDef{}.tets)
@@ -72,7 +72,7 @@ int runScene(Options& options)
 
 Command runCommand()
 {
-    static Options options; // static: there is one command line, and its targets must outlive this function
+    static RunCommandOptions options; // static: there is one command line, and its targets must outlive this function
     return {.name = "run",
             .meaning = "Run a scene in a window (Space pauses, Escape ends; more below), or headless",
             .options =

@@ -2,6 +2,8 @@
 
 #include "filasofia/geometry/mass_properties.h"
 
+namespace hysteroscopy_instruments_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 
@@ -154,3 +156,5 @@ TEST_CASE("every mesh of the hysteroscopy loads, and together they stay below 6 
     CHECK(surfaces == 28);
     CHECK(volumes == 10);
 }
+
+} // namespace hysteroscopy_instruments_test

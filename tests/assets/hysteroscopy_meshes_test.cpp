@@ -2,6 +2,8 @@
 
 #include "filasofia/geometry/adjacency.h"
 
+namespace hysteroscopy_meshes_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 
@@ -234,3 +236,5 @@ TEST_CASE("at each of its sites a polyp stands in the cavity, with only its foot
         }
     }
 }
+
+} // namespace hysteroscopy_meshes_test

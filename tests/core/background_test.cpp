@@ -3,6 +3,8 @@
 #include <thread>
 #include <vector>
 
+namespace background_test {
+
 using namespace filasofia;
 
 TEST_CASE("a background job that nobody has begun is done by the thread that needs it")
@@ -42,3 +44,5 @@ TEST_CASE("a background job that was dropped is not done, and a thread with jobs
     dropped->finish();
     CHECK(done == 0);
 }
+
+} // namespace background_test

@@ -2,6 +2,8 @@
 #include "filasofia/core/log.h"
 #include "filasofia/core/units.h"
 
+namespace error_test {
+
 using namespace filasofia;
 
 TEST_CASE("an error reads as one line, numbers in their shortest exact form")
@@ -40,3 +42,5 @@ TEST_CASE("log lines go to the sink that was set")
     setLogSink({});
     CHECK(lines == std::vector<std::string>{"warning two and two are 4"});
 }
+
+} // namespace error_test

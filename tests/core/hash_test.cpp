@@ -2,6 +2,8 @@
 
 #include <set>
 
+namespace hash_test {
+
 using namespace filasofia;
 
 namespace {
@@ -50,3 +52,5 @@ TEST_CASE("lists that differ in two places hardly ever have the same hash")
     }
     CHECK(all.size() > kRounds - 5000); // few lists are equal
 }
+
+} // namespace hash_test

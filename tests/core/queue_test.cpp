@@ -4,6 +4,8 @@
 #include <memory>
 #include <thread>
 
+namespace queue_test {
+
 using namespace filasofia;
 
 TEST_CASE("an MPSC queue keeps each writer's order and loses nothing")
@@ -79,3 +81,5 @@ TEST_CASE("an SPSC ring between two threads loses nothing")
     writer.join();
     CHECK(ordered);
 }
+
+} // namespace queue_test

@@ -1,5 +1,7 @@
 #include "filasofia/core/suggestion.h"
 
+namespace suggestion_test {
+
 using namespace filasofia;
 
 TEST_CASE("the distance of two words counts letters that are missing, added, wrong or swapped")
@@ -19,3 +21,5 @@ TEST_CASE("a slip is told the nearest known word, another word none")
     CHECK(didYouMean("xyz", {"abc"}).empty());
     CHECK(didYouMean("bump", {}).empty());
 }
+
+} // namespace suggestion_test

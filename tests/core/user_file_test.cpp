@@ -9,6 +9,8 @@
 #include <fstream>
 #include <thread>
 
+namespace user_file_test {
+
 using namespace filasofia;
 
 namespace {
@@ -89,3 +91,5 @@ TEST_CASE("a pipe is read to its end, and one that sends nothing is given up")
     CHECK_THROWS_WITH(linesOf(pipe.path, {.bytes = 100'000}), "file: must have at most 100000 bytes, got more");
     endless.join();
 }
+
+} // namespace user_file_test

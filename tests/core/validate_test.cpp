@@ -2,6 +2,8 @@
 
 #include <limits>
 
+namespace validate_test {
+
 using namespace filasofia;
 
 namespace {
@@ -72,3 +74,5 @@ TEST_CASE("bounds read as people write them")
     CHECK(positiveOrInfinite().contains(std::numeric_limits<double>::infinity()));
     CHECK(!finite().contains(std::numeric_limits<double>::quiet_NaN()));
 }
+
+} // namespace validate_test

@@ -2,6 +2,8 @@
 
 #include "filasofia/core/error.h"
 
+namespace word_test {
+
 using namespace filasofia;
 
 namespace {
@@ -70,3 +72,5 @@ TEST_CASE("an endless word is shown by its beginning and a usual one whole")
     CHECK(withShortWords(text("run: '", many(1000), " is long ")) == text("run: '", many(39), "… is long "));
     CHECK(withShortWords("").empty());
 }
+
+} // namespace word_test

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <thread>
 
+namespace worker_pool_test {
+
 using namespace filasofia;
 
 namespace {
@@ -212,3 +214,5 @@ TEST_CASE("a worker takes part if there is a core for it")
 }
 
 TEST_CASE("a thread may run on one core at least") { CHECK(usableCores() >= 1); }
+
+} // namespace worker_pool_test

@@ -6,6 +6,8 @@
 #include <functional>
 #include <thread>
 
+namespace haptic_servo_test {
+
 using namespace filasofia;
 using namespace filasofia::device;
 
@@ -235,3 +237,5 @@ TEST_CASE("the newest of a value is read whole while it is written")
     stop = true;
     writer.join();
 }
+
+} // namespace haptic_servo_test

@@ -1,12 +1,15 @@
 #include "filasofia/device/devices.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/text.h"
 
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+
+namespace motion_test {
 
 using namespace filasofia;
 using namespace filasofia::device;
@@ -118,9 +121,9 @@ TEST_CASE("a motion file that never ends, or would make the reader wait, is refu
 {
     CHECK_THROWS_WITH(readMotion("/dev/zero"), "motion file '/dev/zero': must be a regular file or a pipe");
     CHECK_THROWS_WITH(readMotion("/tmp"), "motion file '/tmp': must be a file, got a directory");
-    CHECK(refusal(std::string(5000, '#') + "\n" + kHeader) ==
+    CHECK(refusal(text(std::string(5000, '#'), "\n", kHeader)) ==
           "motion file 'FILE': line 1: must have at most 4096 bytes, got more");
-    CHECK(refusal(std::string(kHeader) + "0,0,0,0,1,0,0,0,0\n" + std::string(1 << 20, '\0')) ==
+    CHECK(refusal(text(kHeader, "0,0,0,0,1,0,0,0,0\n", std::string(1 << 20, '\0'))) ==
           "motion file 'FILE': line 3: must have at most 4096 bytes, got more");
 }
 
@@ -140,3 +143,5 @@ TEST_CASE("devices are made by name, and invalid Defs are refused")
     CHECK_THROWS_WITH(makeDevice(OpenHapticsDevice{}, "/nowhere/libHD.so"),
                       Catch::Contains("device openhaptics: library '/nowhere/libHD.so' cannot be opened: "));
 }
+
+} // namespace motion_test

@@ -1,5 +1,7 @@
 #include "filasofia/device/devices.h"
 
+namespace person_device_test {
+
 using namespace filasofia;
 using namespace filasofia::device;
 
@@ -44,3 +46,5 @@ TEST_CASE("a cap that is turned turns the hand, and one that is held for hours d
     sample = cap.read(1e9); // a longer time counts as a pause
     CHECK(isFinite(sample.hand.pose));
 }
+
+} // namespace person_device_test

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <random>
 
+namespace servo_loop_test {
+
 using namespace filasofia;
 using namespace filasofia::device;
 
@@ -362,3 +364,5 @@ TEST_CASE("a servo that cannot be is refused")
     def.scale = kNan;
     CHECK_THROWS_AS(ServoLoop(def), Error);
 }
+
+} // namespace servo_loop_test

@@ -9,6 +9,8 @@
 #include <chrono>
 #include <thread>
 
+namespace vendors_test {
+
 using namespace filasofia;
 using namespace filasofia::device;
 
@@ -251,3 +253,5 @@ TEST_CASE("a servo on its thread survives a vendor's device that blocks, reports
         vendor.with([](Standin& all) { CHECK_FALSE(all.open[0]); });
     }
 }
+
+} // namespace vendors_test

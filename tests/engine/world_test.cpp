@@ -5,6 +5,8 @@
 
 #include <set>
 
+namespace world_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -219,3 +221,5 @@ TEST_CASE("a removed body is missing from frame and log")
     server.popRecord();
     CHECK(server.nextRecord()->rigidPoses.empty());
 }
+
+} // namespace world_test

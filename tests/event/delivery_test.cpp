@@ -5,6 +5,8 @@
 
 #include <thread>
 
+namespace delivery_test {
+
 using namespace filasofia;
 using namespace filasofia::event;
 
@@ -263,3 +265,5 @@ TEST_CASE("a dispatcher that goes while its thread is busy waits for the callbac
     CHECK(heard >= 1);
     CHECK(heard < 100);
 }
+
+} // namespace delivery_test

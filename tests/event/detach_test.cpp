@@ -5,6 +5,8 @@
 #include <latch>
 #include <thread>
 
+namespace detach_test {
+
 using namespace filasofia;
 using namespace filasofia::event;
 
@@ -153,3 +155,5 @@ TEST_CASE("two observers of one dispatcher that detach each other: the first to 
     CHECK(firstCalls == 2);
     CHECK(secondCalls == 0);
 }
+
+} // namespace detach_test

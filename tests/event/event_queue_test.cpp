@@ -5,6 +5,8 @@
 #include <latch>
 #include <thread>
 
+namespace event_queue_test {
+
 using namespace filasofia;
 using namespace filasofia::event;
 
@@ -140,3 +142,5 @@ TEST_CASE("each thread's events keep their order while a reader collects, mergea
     CHECK(touches == kWriters * merging); // each counts those that it replaced: none is lost
     CHECK(queue.merged() > 0);
 }
+
+} // namespace event_queue_test

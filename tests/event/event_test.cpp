@@ -6,6 +6,8 @@
 
 #include <set>
 
+namespace event_test {
+
 using namespace filasofia;
 using namespace filasofia::event;
 
@@ -61,3 +63,5 @@ TEST_CASE("a dispatcher's fields are checked against their ranges")
     CHECK_THROWS_AS(EventDispatcher({.mergePlaces = 0}), Error);
     CHECK_THROWS_AS(EventDispatcher({.maximumRounds = 0}), Error);
 }
+
+} // namespace event_test

@@ -5,6 +5,8 @@
 #include <latch>
 #include <thread>
 
+namespace stress_test {
+
 using namespace filasofia;
 using namespace filasofia::event;
 
@@ -166,3 +168,5 @@ TEST_CASE("callbacks that post, attach, detach themselves and throw, from a stor
     CHECK(thrown == 20);
     CHECK(log.lines().size() == 20);
 }
+
+} // namespace stress_test

@@ -3,6 +3,8 @@
 #include <array>
 #include <thread>
 
+namespace frame_pool_test {
+
 using namespace filasofia;
 using namespace filasofia::frame;
 
@@ -168,3 +170,5 @@ TEST_CASE("one writer and three readers: no frame is torn, no reader goes back i
     }
     CHECK(skipped == 0); // two frames held by each of three readers are within the pool's promise
 }
+
+} // namespace frame_pool_test

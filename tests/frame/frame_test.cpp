@@ -1,5 +1,7 @@
 #include "filasofia/frame/frame.h"
 
+namespace frame_test {
+
 using namespace filasofia;
 using namespace filasofia::frame;
 
@@ -45,3 +47,5 @@ TEST_CASE("attachments between bodies exert a force on both, and attachments to 
     CHECK(frame::forceOn({5}, attachments) == Vec3{0, 0, -7});
     CHECK(frame::forceOn({6}, attachments) == Vec3{});
 }
+
+} // namespace frame_test

@@ -3,6 +3,8 @@
 
 #include <set>
 
+namespace adjacency_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 
@@ -123,3 +125,5 @@ TEST_CASE("the surface lists its triangles in the order of the tetrahedra")
     CHECK(surface.nodes == std::vector<int>{0, 1, 2, 3});
     CHECK(surface.mesh.triangles == std::vector<Triangle>(kTetrahedronFaces.begin(), kTetrahedronFaces.end()));
 }
+
+} // namespace adjacency_test

@@ -3,6 +3,8 @@
 #include "filasofia/geometry/mesh_file.h"
 #include "geometry/sample_meshes.h"
 
+namespace bunny_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 
@@ -49,3 +51,5 @@ TEST_CASE("the bunny's skin has 1839 vertices and can be embedded in every bunny
         CHECK(worst < 1e-12);
     }
 }
+
+} // namespace bunny_test

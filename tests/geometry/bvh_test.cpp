@@ -4,6 +4,8 @@
 
 #include <limits>
 
+namespace bvh_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 
@@ -183,3 +185,5 @@ TEST_CASE("a primitive whose box became empty or NaN is not found, and hides no 
     static_cast<void>(tree.nearest({}, [&](int i) { return asked.push_back(i), Box::kFar; }));
     CHECK(asked.size() == 38);
 }
+
+} // namespace bvh_test

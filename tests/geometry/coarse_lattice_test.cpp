@@ -9,6 +9,8 @@
 #include <numeric>
 #include <set>
 
+namespace coarse_lattice_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 
@@ -353,3 +355,5 @@ TEST_CASE("several bodies in one mesh share the coarse nodes, each with enough t
     CHECK(scarce.nodeCount <= 25);
     CHECK(scarce.nodeCount >= 18);
 }
+
+} // namespace coarse_lattice_test

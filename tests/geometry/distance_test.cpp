@@ -2,6 +2,8 @@
 #include "filasofia/geometry/tet_mesh.h"
 #include "geometry/sample_meshes.h"
 
+namespace distance_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 
@@ -116,3 +118,5 @@ TEST_CASE("a ray hits a triangle where a walk along it arrives, and misses besid
     }
     CHECK(std::isinf(rayTriangle({-1, 0.2, 0}, {1, 0, 0}, {}, {1, 0, 0}, {0, 1, 0})));
 }
+
+} // namespace distance_test

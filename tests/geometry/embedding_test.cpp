@@ -2,6 +2,8 @@
 #include "filasofia/geometry/embedding.h"
 #include "geometry/sample_meshes.h"
 
+namespace embedding_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 
@@ -82,3 +84,5 @@ TEST_CASE("a point so far away that its distance overflows is embedded too")
 }
 
 TEST_CASE("no points make an empty embedding") { CHECK(embed(unitTetrahedron(), {}).nodes.empty()); }
+
+} // namespace embedding_test

@@ -2,6 +2,8 @@
 #include "geometry/gmsh_writer.h"
 #include "geometry/sample_meshes.h"
 
+namespace gmsh_reader_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 using Catch::Matchers::Contains;
@@ -185,3 +187,5 @@ TEST_CASE("a Gmsh file cut off anywhere is refused, and any byte may be wrong: n
             }
         }
 }
+
+} // namespace gmsh_reader_test

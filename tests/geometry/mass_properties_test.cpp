@@ -7,6 +7,8 @@
 #include <map>
 #include <numbers>
 
+namespace mass_properties_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 
@@ -202,3 +204,5 @@ TEST_CASE("a mesh turned inside out, a flat one, and one of parts that cannot be
     const TriangleMesh other = placed(insideOut(box({0.9, 0.9, 0.9})), {}, {5, 0, 0});
     checkRefused(together(box({1, 1, 1}), other), {"mesh 'm'", "a part of it is inside out"});
 }
+
+} // namespace mass_properties_test

@@ -5,6 +5,8 @@
 
 #include <sys/stat.h>
 
+namespace mesh_file_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 using Catch::Matchers::Contains;
@@ -307,3 +309,5 @@ TEST_CASE("a file in another unit is read in metres, and a scale that is no leng
         CHECK_THAT(errorOf([&] { loadTriangleMesh(surface.path(), scale); }), Contains("t.obj: scale must be in"));
     }
 }
+
+} // namespace mesh_file_test

@@ -4,6 +4,8 @@
 #include "filasofia/geometry/mesh_file.h"
 #include "geometry/sample_meshes.h"
 
+namespace refine_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 
@@ -67,3 +69,5 @@ TEST_CASE("refining again and again does not flatten the elements")
     CHECK(worstQuality(once) > 0.5 * worstQuality(bunny()));
     CHECK(worstQuality(twice) > 0.5 * worstQuality(bunny()));
 }
+
+} // namespace refine_test

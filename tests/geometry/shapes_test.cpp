@@ -6,6 +6,8 @@
 
 #include <numbers>
 
+namespace shapes_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 
@@ -123,3 +125,5 @@ TEST_CASE("a shape that cannot be names its argument, the bound and the value")
     CHECK_THROWS_WITH(shapes::block({1, 1, -1}), "block: size.z must be > 0 m, got -1");
     CHECK_THROWS_WITH(shapes::block({1, 1, 1}, {201, 1, 1}), "block: cells[0] must be in [1, 200], got 201");
 }
+
+} // namespace shapes_test

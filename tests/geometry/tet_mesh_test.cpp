@@ -4,6 +4,8 @@
 
 #include <limits>
 
+namespace tet_mesh_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 using Catch::Matchers::Contains;
@@ -140,3 +142,5 @@ TEST_CASE("the check of a triangle mesh names what is wrong")
         CHECK_THAT(message(), Contains("skin: uv of vertex 2 must be finite"));
     }
 }
+
+} // namespace tet_mesh_test

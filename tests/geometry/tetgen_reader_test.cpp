@@ -2,6 +2,8 @@
 #include "filasofia/geometry/tetgen_reader.h"
 #include "geometry/sample_meshes.h"
 
+namespace tetgen_reader_test {
+
 using namespace filasofia;
 using namespace filasofia::geometry;
 using Catch::Matchers::Contains;
@@ -123,3 +125,5 @@ TEST_CASE("a TetGen file with any byte wrong or its end missing gives a mesh tha
         }
     }
 }
+
+} // namespace tetgen_reader_test

@@ -1,5 +1,7 @@
 #include "linalg/random_matrix.h"
 
+namespace block_sparse_matrix_test {
+
 using namespace filasofia;
 using namespace filasofia::linalg;
 
@@ -30,3 +32,5 @@ TEST_CASE("a block matrix times a vector equals the dense product")
     a.diagonal(diagonal);
     for (int r = 0; r < 12; ++r) CHECK(diagonal[r] == a.block(a.find(r, r)));
 }
+
+} // namespace block_sparse_matrix_test

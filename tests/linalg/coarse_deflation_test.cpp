@@ -4,6 +4,8 @@
 
 #include "linalg/preconditioner_problem.h"
 
+namespace coarse_deflation_test {
+
 using namespace filasofia;
 using namespace filasofia::linalg;
 using Problem = PreconditionerProblem;
@@ -55,3 +57,5 @@ TEST_CASE("deflation columns have the products and projections of the coarse lev
         CHECK((dense(z, unknowns) - exact).norm() <= 1e-5 * exact.norm());
     }
 }
+
+} // namespace coarse_deflation_test

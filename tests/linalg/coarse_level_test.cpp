@@ -4,6 +4,8 @@
 
 #include "linalg/preconditioner_problem.h"
 
+namespace coarse_level_test {
+
 using namespace filasofia;
 using namespace filasofia::linalg;
 using Problem = PreconditionerProblem;
@@ -67,3 +69,5 @@ TEST_CASE("a node follows the coarse nodes as it was last told to, and M^-1 stay
           1e-6 * dense(a, 40).norm() * dense(zb, 40).norm());
     CHECK(m.takeCoarseLevel(CoarseLevel(problem.input(), blocksFor(40))));
 }
+
+} // namespace coarse_level_test

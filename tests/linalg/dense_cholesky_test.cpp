@@ -4,6 +4,8 @@
 
 #include <random>
 
+namespace dense_cholesky_test {
+
 using filasofia::linalg::DenseCholesky;
 
 TEST_CASE("a dense factor solves, and reports a matrix that has none")
@@ -26,3 +28,5 @@ TEST_CASE("a dense factor solves, and reports a matrix that has none")
         CHECK_FALSE(factor.factorise(matrix, n));
     }
 }
+
+} // namespace dense_cholesky_test

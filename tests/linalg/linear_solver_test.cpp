@@ -4,6 +4,8 @@
 
 #include <limits>
 
+namespace linear_solver_test {
+
 using namespace filasofia;
 using namespace filasofia::linalg;
 
@@ -115,3 +117,5 @@ TEST_CASE("a right-hand side whose norm overflows gives no answer, and is report
     CHECK(std::isfinite(report.residual));
     CHECK(x[0] == Vec3{});
 }
+
+} // namespace linear_solver_test

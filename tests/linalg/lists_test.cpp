@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace filasofia::linalg {
+namespace filasofia::linalg::lists_test {
 
 TEST_CASE("lists that grow and shrink hold what vectors hold, in their order")
 {
@@ -32,4 +32,4 @@ TEST_CASE("lists that grow and shrink hold what vectors hold, in their order")
     for (std::size_t i = 0; i < plain.size(); ++i) CHECK(std::vector<int>(lists.begin(i), lists.end(i)) == plain[i]);
 }
 
-} // namespace filasofia::linalg
+} // namespace filasofia::linalg::lists_test

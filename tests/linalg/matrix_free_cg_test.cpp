@@ -8,6 +8,8 @@
 #include <cstring>
 #include <numeric>
 
+namespace matrix_free_cg_test {
+
 using namespace filasofia;
 using namespace filasofia::linalg;
 
@@ -310,3 +312,5 @@ TEST_CASE("any number of threads gives the same bits of the solution")
         CHECK(std::memcmp(problem.x.data(), expected.data(), 256 * static_cast<std::size_t>(expected.blocks())) == 0);
     }
 }
+
+} // namespace matrix_free_cg_test

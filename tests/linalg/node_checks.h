@@ -76,6 +76,11 @@ inline std::vector<float> randomFloats(std::mt19937& random, std::size_t count)
 }
 
 inline Vec3 absolute(Vec3 v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+inline Mat3 absolute(Mat3 m)
+{
+    for (int k = 0; k < 9; ++k) m[k / 3][k % 3] = std::abs(m[k / 3][k % 3]);
+    return m;
+}
 
 inline void compare(WorstError& worst, const float* value, Vec3 exact, Vec3 size)
 {

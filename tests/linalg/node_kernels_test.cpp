@@ -2,6 +2,8 @@
 
 #include "linalg/node_checks.h"
 
+namespace node_kernels_test {
+
 using namespace filasofia;
 using namespace filasofia::linalg;
 
@@ -254,3 +256,5 @@ TEST_CASE("a dense matrix times many vectors is its product with each")
         }
     });
 }
+
+} // namespace node_kernels_test

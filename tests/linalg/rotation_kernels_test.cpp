@@ -2,6 +2,8 @@
 
 #include "linalg/node_checks.h"
 
+namespace rotation_kernels_test {
+
 using namespace filasofia;
 using namespace filasofia::linalg;
 
@@ -33,12 +35,6 @@ std::vector<SymmetricBlock> randomSymmetric(std::mt19937& random, int blocks)
         for (auto& entry : block.m)
             for (float& each : entry) each = randomFloat(random);
     return matrices;
-}
-
-Mat3 absolute(Mat3 m)
-{
-    for (int k = 0; k < 9; ++k) m[k / 3][k % 3] = std::abs(m[k / 3][k % 3]);
-    return m;
 }
 
 } // namespace
@@ -183,3 +179,5 @@ TEST_CASE("rotations and rotated vectors have the same bits on instruction sets 
         return found.bits;
     });
 }
+
+} // namespace rotation_kernels_test

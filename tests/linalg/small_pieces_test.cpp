@@ -4,6 +4,8 @@
 
 #include "linalg/preconditioner_problem.h"
 
+namespace small_pieces_test {
+
 using namespace filasofia;
 using namespace filasofia::linalg;
 using Problem = PreconditionerProblem;
@@ -74,3 +76,5 @@ TEST_CASE("a small piece that nothing holds moves rigidly in the coarse level")
     m.apply(r, z, pool);
     CHECK((dense(z, unknowns) - exact).norm() <= 1e-5 * exact.norm());
 }
+
+} // namespace small_pieces_test

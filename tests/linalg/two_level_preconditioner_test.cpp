@@ -7,6 +7,8 @@
 #include <cstring>
 #include <optional>
 
+namespace two_level_preconditioner_test {
+
 using namespace filasofia;
 using namespace filasofia::linalg;
 using Problem = PreconditionerProblem;
@@ -115,3 +117,5 @@ TEST_CASE("any number of threads gives the same bits")
         }
     }
 }
+
+} // namespace two_level_preconditioner_test

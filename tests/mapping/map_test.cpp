@@ -3,6 +3,8 @@
 #include "filasofia/mapping/map.h"
 #include "filasofia/math/mat3.h"
 
+namespace map_test {
+
 using namespace filasofia;
 using namespace filasofia::mapping;
 
@@ -85,3 +87,5 @@ TEST_CASE("creases get a vertex for each side, and only creases do")
         for (int corner : {0, 1, 2})
             CHECK(both.uv[both.triangles[t][corner]] == pictured.uv[pictured.triangles[t][corner]]);
 }
+
+} // namespace map_test

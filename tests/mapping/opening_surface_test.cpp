@@ -7,6 +7,8 @@
 #include <map>
 #include <set>
 
+namespace opening_surface_test {
+
 using namespace filasofia;
 using namespace filasofia::mapping;
 using geometry::TetMesh;
@@ -209,3 +211,5 @@ TEST_CASE("a surface inside a body is not its skin")
     const auto inside = std::make_shared<const MappedSurface>(mapSurface(block.rest, *geometry::shapes::sphere(0.005)));
     CHECK(OpeningSurface::make(inside, block.rest) == nullptr);
 }
+
+} // namespace opening_surface_test

@@ -1,6 +1,8 @@
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/mapping/surface_point.h"
 
+namespace surface_point_test {
+
 using namespace filasofia;
 using namespace filasofia::mapping;
 
@@ -140,3 +142,5 @@ TEST_CASE("a triangle that does not exist, one without area and wrong weights ar
     CHECK_THROWS_WITH(nearestPoint(boundary, {}, "follow"),
                       "follow: the surface must have a triangle with an area, got none");
 }
+
+} // namespace surface_point_test

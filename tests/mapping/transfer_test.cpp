@@ -1,6 +1,8 @@
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/mapping/transfer.h"
 
+namespace transfer_test {
+
 using namespace filasofia;
 using namespace filasofia::mapping;
 
@@ -40,3 +42,5 @@ TEST_CASE("a surface gives itself every value, and an old one without triangles 
     CHECK(carry(transferBetween(*sphere, *sphere), values) == values);
     CHECK(carry(transferBetween({}, square()), std::vector<double>{}) == std::vector<double>(4, 0.0));
 }
+
+} // namespace transfer_test

@@ -3,6 +3,8 @@
 
 #include <random>
 
+namespace decomposition_test {
+
 using namespace filasofia;
 
 namespace {
@@ -88,3 +90,5 @@ TEST_CASE("the polar rotation of a zero or a point-like matrix is some rotation"
         CHECK(dot(q, q) == Approx(1.0));
     }
 }
+
+} // namespace decomposition_test

@@ -1,6 +1,8 @@
 #include "filasofia/core/units.h"
 #include "filasofia/math/pose.h"
 
+namespace pose_test {
+
 using namespace filasofia;
 
 TEST_CASE("a rotation by its quaternion and by its matrix agree")
@@ -42,3 +44,5 @@ TEST_CASE("inverse matrix times matrix is the identity")
     const Mat3 a{{{2, 1, 0}, {0.3, -1, 4}, {1, 1, 1}}};
     CHECK(frobeniusNorm(inverse(a) * a - Mat3::identity()) < 1e-14);
 }
+
+} // namespace pose_test

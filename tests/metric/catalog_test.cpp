@@ -5,6 +5,8 @@
 #include <fstream>
 #include <set>
 
+namespace catalog_test {
+
 using namespace filasofia;
 using namespace filasofia::metric;
 
@@ -63,3 +65,5 @@ TEST_CASE("few others, others all alike, or no number: no z, and a reason")
     CHECK(compare({.reason = "no tool"}, std::vector{1.0, 2.0, 3.0}).reason == "no tool");
     CHECK_FALSE(compare({.reason = "no tool"}, std::vector{1.0, 2.0, 3.0}).z);
 }
+
+} // namespace catalog_test

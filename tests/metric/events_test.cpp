@@ -1,5 +1,7 @@
 #include "trajectories.h"
 
+namespace events_test {
+
 using namespace filasofia;
 using namespace filasofia::metric;
 
@@ -124,3 +126,5 @@ TEST_CASE("only a contact near the lens is one of the lens")
     CHECK(number("lens_contact", session) == exactly(0.75));
     CHECK(*measured("lens_contact", session).moment == exactly(0.5));
 }
+
+} // namespace events_test

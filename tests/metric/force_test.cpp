@@ -1,5 +1,7 @@
 #include "trajectories.h"
 
+namespace force_test {
+
 using namespace filasofia;
 using namespace filasofia::metric;
 
@@ -119,3 +121,5 @@ TEST_CASE("a hit of one step counts as its mean over 5 ms, whatever the step was
     const Session slow = pushes({3.0}, 200);
     CHECK(number("force_max", slow, {}) == exactly(3.0));
 }
+
+} // namespace force_test

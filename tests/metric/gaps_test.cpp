@@ -4,6 +4,8 @@
 
 #include <limits>
 
+namespace gaps_test {
+
 using namespace filasofia;
 using namespace filasofia::metric;
 
@@ -132,3 +134,5 @@ TEST_CASE("a jump of the tool is not motion")
     CHECK(number("depth_path", session) == exactly(0.05 * 3.999));
     CHECK(number("speed_peak", session) == exactly(0.05));
 }
+
+} // namespace gaps_test

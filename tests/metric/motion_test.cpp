@@ -4,6 +4,8 @@
 #include "filasofia/metric/motion.h"
 #include "filasofia/metric/signal.h"
 
+namespace motion_test {
+
 using namespace filasofia;
 using namespace filasofia::metric;
 
@@ -274,3 +276,5 @@ TEST_CASE("the hull of scattered points, and of a nearly straight path, is that 
             CHECK(hullVolume(points) == exactly(volumeByTriangles(points)));
         }
 }
+
+} // namespace motion_test

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <limits>
 
+namespace session_file_test {
+
 using namespace filasofia;
 using namespace filasofia::metric;
 
@@ -283,3 +285,5 @@ TEST_CASE("bytes changed at random are a session or an error, and whatever is re
     CHECK(refused > 100);
     CHECK(refused < 1450);
 }
+
+} // namespace session_file_test

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+namespace articulation_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -170,3 +172,5 @@ TEST_CASE("joints follow commands, and a wrong command is an error at the caller
     server.step(0.1);
     CHECK(calls.commands.size() == 3); // refused commands have not arrived
 }
+
+} // namespace articulation_test

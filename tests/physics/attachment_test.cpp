@@ -2,6 +2,8 @@
 
 #include <limits>
 
+namespace attachment_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -115,6 +117,12 @@ TEST_CASE_METHOD(Fixture, "an attachment to no body, to itself or to no element 
     refused({.nodes = {0}, .within = 0.1, .to = tool}, {".within", "rigid body 'tool'", "mesh"});
     const BodyId second = server.add(SoftBodyDef{.mesh = oneTetrahedron()});
     refused({.nodes = {0}, .to = second, .element = 1}, {".element must be 0", "soft"});
+    refused({.nodes = {0, 1}, .to = second, .toNodes = {0}}, {".toNodes must have as many nodes", "2, got 1"});
+    refused({.nodes = {0}, .to = second, .toNodes = {4}}, {".toNodes must be in [0, 4), got 4"});
+    refused({.nodes = {0}, .to = second, .toNodes = {-1}}, {"toNodes[0]", ">= 0", "got -1"});
+    refused({.nodes = {0}, .within = 0.1, .to = second, .toNodes = {0}}, {".toNodes", "within must be empty"});
+    refused({.nodes = {0}, .to = box, .toNodes = {0}}, {".toNodes needs a soft body"});
+    refused({.nodes = {0}, .toNodes = {0}}, {".toNodes needs a soft body"});
     server.remove(second);
     refused({.nodes = {0}, .to = second}, {"no such body"});
     checkError([&] { server.attach(box, AttachmentDef{.nodes = {0}}); }, {"rigid body 'box'", "RigidAttachmentDef"});
@@ -184,3 +192,5 @@ TEST_CASE_METHOD(Fixture, "a Def's attachments are checked in the same way when 
         {"rigid body 'clip': attachments[0].to: body 5", "no such body"}); // the body itself is not there yet
     checkNothingCame();
 }
+
+} // namespace attachment_test

@@ -2,6 +2,8 @@
 
 #include <thread>
 
+namespace commands_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -181,3 +183,5 @@ TEST_CASE("whatever other threads do, no command follows the removal of its body
         if (const auto* press = std::get_if<SetPressure>(&each)) REQUIRE_FALSE(removed[press->id.value]);
     }
 }
+
+} // namespace commands_test

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+namespace defs_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -128,3 +130,5 @@ TEST_CASE("infinite stiffness is legal for an attachment and means a hard pin")
 {
     CHECK(refusal([](SoftBodyDef& d) { d.attachments = {{.nodes = {1}, .stiffness = kHard}}; }) == "accepted");
 }
+
+} // namespace defs_test

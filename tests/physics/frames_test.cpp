@@ -1,5 +1,7 @@
 #include "physics/fake_engine.h"
 
+namespace frames_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -30,3 +32,5 @@ TEST_CASE("readers that hold every frame cost the engine nothing and lose nothin
     server.step(0.1);
     CHECK(server.latest()->step == 21);
 }
+
+} // namespace frames_test

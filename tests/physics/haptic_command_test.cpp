@@ -2,6 +2,8 @@
 
 #include <limits>
 
+namespace haptic_command_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -66,3 +68,5 @@ TEST_CASE("a base that follows another body cannot be held by a hand until that 
     server.step(0.1);
     CHECK(command<SetHaptic>(calls, 4).id == forceps);
 }
+
+} // namespace haptic_command_test

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <thread>
 
+namespace log_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -140,3 +142,5 @@ TEST_CASE("flags of a report are set one by one")
     CHECK(report.has(StepFlag::Late));
     CHECK_FALSE(report.has(StepFlag::NotConverged));
 }
+
+} // namespace log_test

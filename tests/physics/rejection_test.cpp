@@ -2,6 +2,8 @@
 
 #include <limits>
 
+namespace rejection_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -141,3 +143,5 @@ TEST_CASE_METHOD(
     REQUIRE(calls.commands.size() == 2); // the body was added and removed
     calls.commands.clear();
 }
+
+} // namespace rejection_test

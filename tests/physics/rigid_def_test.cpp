@@ -2,6 +2,8 @@
 
 #include <limits>
 
+namespace rigid_def_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -214,3 +216,5 @@ TEST_CASE(
     server.step(0.1);
     CHECK(calls.commands.empty());
 }
+
+} // namespace rigid_def_test

@@ -8,6 +8,8 @@
 #include <future>
 #include <thread>
 
+namespace stepping_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 using namespace std::chrono_literals;
@@ -184,3 +186,5 @@ TEST_CASE("two threads that attach at the same time get ids of their own, and ev
     }
     CHECK(attached == all.size());
 }
+
+} // namespace stepping_test

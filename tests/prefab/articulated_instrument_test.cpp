@@ -7,6 +7,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace articulated_instrument_test {
+
 using namespace filasofia;
 using prefab::ArticulatedInstrument;
 using prefab::ArticulatedInstrumentDef;
@@ -177,3 +179,5 @@ TEST_CASE("a wrong instrument Def is refused with its name, the field and the bo
     CHECK_THROWS_WITH(tool.open(-0.1), Catch::Contains("open must be in [0, 1], got -0.1"));
     CHECK_THROWS_WITH(tool.close(0.0), Catch::Contains("torque must be > 0 N m, got 0"));
 }
+
+} // namespace articulated_instrument_test

@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace endoscope_test {
+
 using namespace filasofia;
 using prefab::Endoscope;
 using prefab::EndoscopeDef;
@@ -104,3 +106,5 @@ TEST_CASE("a wrong endoscope Def is refused with its name, the field and the bou
     CHECK_THROWS_WITH(scope.roll(NAN), Catch::Contains("endoscope 'scope': roll must be finite"));
     CHECK_THROWS_WITH(scope.cameraRoll(INFINITY), Catch::Contains("cameraRoll must be finite"));
 }
+
+} // namespace endoscope_test

@@ -12,6 +12,8 @@
 #include <mutex>
 #include <thread>
 
+namespace metric_tracker_test {
+
 using namespace filasofia;
 
 namespace {
@@ -333,3 +335,5 @@ TEST_CASE("a wrong tracker Def is refused with its field")
     MetricTracker tracker(sim, {.bodies = bodies});
     CHECK_THROWS_WITH(tracker.session(), "metric tracker: session() needs keep");
 }
+
+} // namespace metric_tracker_test

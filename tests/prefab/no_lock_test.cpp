@@ -17,6 +17,8 @@
 #include <chrono>
 #include <thread>
 
+namespace no_lock_test {
+
 using namespace filasofia;
 using namespace filasofia::prefab;
 
@@ -125,3 +127,5 @@ TEST_CASE("steps go on with prefabs, a script and a haptic interface while other
     CHECK_FALSE(forceps.holding());
     CHECK(tracker.lost() == 0);
 }
+
+} // namespace no_lock_test

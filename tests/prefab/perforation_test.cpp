@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace perforation_test {
+
 using namespace filasofia;
 using namespace filasofia::prefab;
 using runtime::Simulation;
@@ -112,3 +114,5 @@ TEST_CASE("a wrong perforation Def is refused with its field")
     CHECK_THROWS_WITH(make({.wall = scene.wall, .tools = {{.body = scene.rod}}, .force = 0.0}),
                       Catch::Contains("force must be > 0 N"));
 }
+
+} // namespace perforation_test

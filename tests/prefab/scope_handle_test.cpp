@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace scope_handle_test {
+
 using namespace filasofia;
 using namespace filasofia::prefab;
 using runtime::Simulation;
@@ -94,3 +96,5 @@ TEST_CASE("a hand feels along the shaft what tissue does to the scope, and acros
     const runtime::HapticState state = scene.sim.haptic({1});
     CHECK(-state.onHand.force.y == Approx(force).epsilon(0.05)); // it pushes the hand back
 }
+
+} // namespace scope_handle_test

@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace scope_hands_test {
+
 using namespace filasofia;
 using namespace filasofia::prefab;
 using runtime::Simulation;
@@ -157,3 +159,5 @@ TEST_CASE("hands pull on what they hold no harder than their strength")
     CHECK(pullWith(2.0) < 2.5);
     CHECK(pullWith(2.0) > 1.5);
 }
+
+} // namespace scope_hands_test

@@ -11,6 +11,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace task_test {
+
 using namespace filasofia;
 using namespace filasofia::prefab;
 using runtime::Simulation;
@@ -223,3 +225,5 @@ TEST_CASE("a start screen holds the simulation until Start is pressed, and an en
     CHECK(chosen[0].caseIndex == 1);      // the last case
     CHECK(chosen[0].seed == 5);
 }
+
+} // namespace task_test

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <iostream>
 
+namespace trainer_test {
+
 using namespace filasofia;
 using namespace filasofia::prefab;
 using runtime::Simulation;
@@ -160,3 +162,5 @@ TEST_CASE("no session is overwritten")
     CHECK(unusedSessionFile(stem) == stem + "_2.jsonl");
     std::filesystem::remove_all(folder);
 }
+
+} // namespace trainer_test

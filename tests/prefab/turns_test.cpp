@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+namespace turns_test {
+
 using namespace filasofia;
 using prefab::Turns;
 
@@ -104,3 +106,5 @@ TEST_CASE("published values are read whole and never go back, with any number of
     CHECK(wrong == 0);
     CHECK(published.read().a.front() == 20'000);
 }
+
+} // namespace turns_test

@@ -8,6 +8,8 @@
 
 #include <sys/stat.h>
 
+namespace damaged_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -242,3 +244,5 @@ TEST_CASE("whatever the bytes of a recording, it is read and replayed or refused
     }
     CHECK(refused > 500);
 }
+
+} // namespace damaged_test

@@ -1,5 +1,7 @@
 #include "record/round_trip.h"
 
+namespace recorded_bodies_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 using namespace filasofia::record_test;
@@ -48,7 +50,8 @@ const AttachmentDef kAttachment{.nodes = {2, 0},
                                 .to = {7},
                                 .element = 3,
                                 .mode = AttachMode::Nearest,
-                                .breakForce = kLarge};
+                                .breakForce = kLarge,
+                                .toNodes = {1, 5}};
 
 void checkSame(const AttachmentDef& a, const AttachmentDef& b)
 {
@@ -57,6 +60,7 @@ void checkSame(const AttachmentDef& a, const AttachmentDef& b)
     CHECK((sameBits(a.ball->centre, b.ball->centre) && sameBits(a.ball->radius, b.ball->radius)));
     CHECK((sameBits(*a.within, *b.within) && sameBits(a.stiffness, b.stiffness)));
     CHECK(sameBits(a.breakForce, b.breakForce));
+    CHECK(a.toNodes == b.toNodes);
 }
 
 const RigidAttachmentDef kRigidAttachment{
@@ -138,3 +142,5 @@ TEST_CASE("commands that attach and release come back bit for bit")
     CHECK((grasp.id == AttachmentId{6} && grasp.rigid == BodyId{7} && grasp.target == BodyId{8}));
     CHECK((sameBits(grasp.def.stiffness, kThird) && sameBits(grasp.def.breakForce, kLarge)));
 }
+
+} // namespace recorded_bodies_test

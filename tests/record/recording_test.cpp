@@ -3,6 +3,8 @@
 #include "filasofia/core/log.h"
 #include "record/round_trip.h"
 
+namespace recording_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 using namespace filasofia::record_test;
@@ -252,3 +254,5 @@ TEST_CASE("a recording that cannot be replayed to its end is logged once")
     REQUIRE(warnings.size() == 1);
     CHECK(warnings[0] == file.name() + ": a replay will stop at step 12: tune() ran before it");
 }
+
+} // namespace recording_test

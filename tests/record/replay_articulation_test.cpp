@@ -7,6 +7,8 @@
 #include "record/round_trip.h"
 #include "record/runs.h"
 
+namespace replay_articulation_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -125,3 +127,5 @@ TEST_CASE("joints and their commands come back from a file bit for bit")
     CHECK(sameBits(joint.mass.value().mass, kThird));
     CHECK_FALSE(back.joints[1].command.has_value());
 }
+
+} // namespace replay_articulation_test

@@ -6,6 +6,8 @@
 #include "filasofia/record/replay.h"
 #include "record/runs.h"
 
+namespace replay_attachments_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -80,3 +82,5 @@ TEST_CASE("contacts, attachments, grasps and releases are replayed with the same
     CHECK(recording.steps.size() == 120);
     CHECK_FALSE(record::replay(recording.steps, *engine::makeNativeEngine({.threads = 2})));
 }
+
+} // namespace replay_attachments_test

@@ -6,6 +6,8 @@
 #include "filasofia/record/replay.h"
 #include "record/round_trip.h"
 
+namespace replay_cutting_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 using namespace filasofia::record_test;
@@ -107,3 +109,5 @@ TEST_CASE("a body's parameters of cutting and tearing survive a file, infinity t
     CHECK(blade.collision.front().cutting);
     CHECK(blade.collision.front().proximity == 0.0);
 }
+
+} // namespace replay_cutting_test

@@ -6,6 +6,8 @@
 #include "physics/fake_engine.h"
 #include "record/runs.h"
 
+namespace replay_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 
@@ -147,3 +149,5 @@ TEST_CASE("a recording's commands get the same checks as those of a server's cal
     endless.report.dt = kInf;
     checkRefused(endless, {"step 1", "dt", ">= 0 s", "inf"});
 }
+
+} // namespace replay_test

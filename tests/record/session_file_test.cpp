@@ -10,6 +10,8 @@
 
 #include <iostream>
 
+namespace session_file_test {
+
 using namespace filasofia;
 using namespace filasofia::physics;
 using namespace filasofia::record_test;
@@ -300,3 +302,5 @@ TEST_CASE("a minute of a moving tool at 1 kHz takes less than a tenth of 50 MB")
         CHECK(record::readRecording(file.path()).steps.size() == kMinute);
     }
 }
+
+} // namespace session_file_test

@@ -6,6 +6,8 @@
 #include "filasofia/record/replay.h"
 #include "record/runs.h"
 
+namespace step_log_test {
+
 using namespace filasofia;
 
 namespace {
@@ -119,3 +121,5 @@ TEST_CASE("a paused step has no iterations")
     CHECK_THROWS_WITH(record::replay(steps, *engine::makeNativeEngine()),
                       Catch::Contains("a number of entries in [0, 0], one per solve, got 1"));
 }
+
+} // namespace step_log_test

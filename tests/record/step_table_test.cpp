@@ -3,6 +3,8 @@
 #include "filasofia/core/error.h"
 #include "record/runs.h"
 
+namespace step_table_test {
+
 using namespace filasofia;
 
 TEST_CASE("the step table has a line per step")
@@ -34,3 +36,5 @@ TEST_CASE("a step table says when it cannot be written")
     CHECK_THROWS_WITH(full.flush(), "/dev/full: cannot be written (disk full?)");
     CHECK_THROWS_WITH(record::StepTable("/dev/full").close(), "/dev/full: cannot be written (disk full?)");
 }
+
+} // namespace step_table_test

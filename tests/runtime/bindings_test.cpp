@@ -10,6 +10,8 @@
 #include "filasofia/runtime/assets.h"
 #include "filasofia/visual/visual_server.h"
 
+namespace bindings_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -168,3 +170,5 @@ TEST_CASE("a rigid body that has no mesh, or an element that is asked for withou
                       "show rigid body 'boxes': element needs a surface (without one every element is drawn), got 1");
     CHECK_THROWS_WITH(stage.bindings.show(boxes, {.element = 2}, stage.physics), Catch::Contains("must be in [0, 2)"));
 }
+
+} // namespace bindings_test

@@ -2,6 +2,8 @@
 
 #include <thread>
 
+namespace contact_test {
+
 using namespace filasofia;
 
 namespace {
@@ -139,3 +141,5 @@ TEST_CASE("in a live run begins and ends alternate and none is missing, however 
     REQUIRE(report.contacts.size() == 1);
     CHECK(steps.size() < report.contacts[0].steps); // some Persist events were merged
 }
+
+} // namespace contact_test

@@ -4,6 +4,8 @@
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/physics_server.h"
 
+namespace contact_watch_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -172,3 +174,5 @@ TEST_CASE("the summary has a line per pair that touched, the largest force first
     for (int i = 0; i < 11; ++i) report.contacts.push_back({.first = "x", .second = "y", .steps = 1});
     CHECK_THAT(summary(report), Catch::Contains("and 1 pair with smaller forces\n"));
 }
+
+} // namespace contact_watch_test

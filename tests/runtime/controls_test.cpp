@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
+namespace controls_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 using window::NullWindow;
@@ -340,3 +342,5 @@ TEST_CASE("the page about showing and the help name every key")
         CHECK_THAT(keyHelp(), Catch::Contains(std::string(meaning)));
     }
 }
+
+} // namespace controls_test

@@ -3,6 +3,8 @@
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/surface.h"
 
+namespace cut_drawn_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -150,3 +152,5 @@ TEST_CASE("the inside of a textured surface has no textures, neither its own nor
         CHECK(inside.roughnessTexture == visual::TextureMap{});
     }
 }
+
+} // namespace cut_drawn_test

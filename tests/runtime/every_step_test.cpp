@@ -10,6 +10,8 @@
 
 #include <filesystem>
 
+namespace every_step_test {
+
 using namespace filasofia;
 
 namespace {
@@ -157,3 +159,5 @@ TEST_CASE("an orientation of any length is made unit where a body goes")
         CHECK(q.z == Approx(0.8).epsilon(1e-12));
     }
 }
+
+} // namespace every_step_test

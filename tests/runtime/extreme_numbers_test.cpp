@@ -1,5 +1,7 @@
 #include "filasofia/filasofia.h"
 
+namespace extreme_numbers_test {
+
 using namespace filasofia;
 
 namespace {
@@ -83,3 +85,5 @@ TEST_CASE("a look around coordinates of any size is drawn or refused, and no mes
         CHECK_THAT(said, !Catch::Contains("inf") && !Catch::Contains("nan"));
     }
 }
+
+} // namespace extreme_numbers_test

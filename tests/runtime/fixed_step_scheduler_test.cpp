@@ -1,5 +1,7 @@
 #include "filasofia/runtime/fixed_step_scheduler.h"
 
+namespace fixed_step_scheduler_test {
+
 using namespace filasofia::runtime;
 
 namespace {
@@ -68,3 +70,5 @@ TEST_CASE("after a wake-up more than a period late the schedule restarts, withou
     CHECK_FALSE(next.late);
     CHECK(next.dt == kMs);
 }
+
+} // namespace fixed_step_scheduler_test

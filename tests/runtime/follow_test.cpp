@@ -2,6 +2,8 @@
 
 #include "filasofia/filasofia.h"
 
+namespace follow_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -162,3 +164,5 @@ TEST_CASE("a dressed scene follows bodies through a whole run, and again in the 
     CHECK(seen == std::vector<Vec3>{{1, 0, 0}, {}, {1, 0, 0}});
     CHECK_THROWS_AS(sim.follow(*light, box), Error); // the run is over, and the light with it
 }
+
+} // namespace follow_test

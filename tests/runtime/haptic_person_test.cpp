@@ -3,6 +3,8 @@
 #include "filasofia/event/controller_event.h"
 #include "filasofia/window/null_window.h"
 
+namespace haptic_person_test {
+
 using namespace filasofia;
 using filasofia::event::ControllerEvent;
 using filasofia::window::NullWindow;
@@ -91,3 +93,5 @@ TEST_CASE("in a live run a controller's sticks push the tool that its own device
     reach(GamepadDevice{}, by(ControllerEvent::Kind::Gamepad), up);
     reach(SpaceMouseDevice{}, by(ControllerEvent::Kind::SpaceMouse), up);
 }
+
+} // namespace haptic_person_test

@@ -6,6 +6,8 @@
 
 #include <numbers>
 
+namespace haptic_poke_test {
+
 using namespace filasofia;
 using namespace filasofia::device;
 
@@ -133,3 +135,5 @@ TEST_CASE("a hand that pokes the soft bunny feels the engine's quasi-static forc
         }
     }
 }
+
+} // namespace haptic_poke_test

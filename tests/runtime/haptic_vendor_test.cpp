@@ -6,6 +6,8 @@
 
 #include <dlfcn.h>
 
+namespace haptic_vendor_test {
+
 using namespace filasofia;
 using device::DeviceNotice;
 
@@ -59,3 +61,5 @@ TEST_CASE("a run opens a vendor's device by its name, and survives unplugging it
                                             "error; it gets no force until it works again"});
     with(STANDIN_DHD, [](Standin& all) { CHECK_FALSE(all.open[0]); });
 }
+
+} // namespace haptic_vendor_test

@@ -15,6 +15,8 @@
 #include <numbers>
 #include <thread>
 
+namespace haptics_test {
+
 using namespace filasofia;
 using device::DeviceNotice;
 using device::DeviceSample;
@@ -125,6 +127,37 @@ TEST_CASE("a scripted hand moves the tool it holds, feels the tissue, and is rep
         CHECK_FALSE(record::replay(recording.steps, *engine));
         CHECK(engine->hash() == hash);
     }
+}
+
+TEST_CASE("without a body the user's own code reads the hand, which feels nothing")
+{
+    Simulation sim;
+    const Vec3 origin{0.1, 0.2, 0.3};
+    const HapticId hand = sim.add(HapticInterfaceDef{
+        .device = device::ScriptedDevice{.motion = dip()}, .scale = 2.0, .origin = Pose{origin, {}}});
+    std::vector<DeviceNotice::Kind> notices;
+    sim.on<DeviceEvent>([&](const DeviceEvent& event) { notices.push_back(event.notice.kind); });
+    double lowest = 1.0, felt = 0.0;
+    bool pressed = false;
+    sim.everyStep([&](double) {
+        const HapticState state = sim.haptic(hand);
+        lowest = std::min(lowest, state.hand.pose.position.y);
+        felt = std::max(felt, length(state.onHand.force) + length(state.onBody.force));
+        pressed = pressed || state.buttons == 1;
+        const Vec3 p = state.hand.pose.position;
+        if (state.state == ServoState::Running) CHECK((p.x == Approx(0.1) && p.z == Approx(0.3)));
+    });
+    sim.run({.headless = true, .steps = 700});
+    CHECK(lowest == Approx(0.2 - 2.0 * 0.02));
+    CHECK(felt == 0.0);
+    CHECK(pressed);
+    CHECK(sim.haptic(hand).state == ServoState::Running);
+    CHECK(std::ranges::none_of(notices, [](DeviceNotice::Kind kind) {
+        return kind == DeviceNotice::Kind::Lost || kind == DeviceNotice::Kind::Error;
+    }));
+    sim.add(HapticInterfaceDef{.name = "second"}); // any number without a body
+    CHECK_THROWS_WITH(sim.add(HapticInterfaceDef{.name = "third", .element = 1}),
+                      "haptic interface 'third': element must be 0 without a body, got 1");
 }
 
 TEST_CASE("over time the forces on hand and body are opposite and equal")
@@ -380,3 +413,5 @@ TEST_CASE("haptic interfaces that cannot be are refused, and so are runs that as
     CHECK(sim.run({.headless = true, .steps = 1}).steps == 1); // nothing is left of the failed runs
     CHECK_THROWS_WITH(sim.placeHaptic(HapticId{1}, 0.0, {}), Catch::Contains("scale must be in [0.001, 1000]"));
 }
+
+} // namespace haptics_test

@@ -7,6 +7,8 @@
 
 #include <imgui.h>
 
+namespace inspector_hands_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -60,3 +62,5 @@ TEST_CASE("the inspector shows a hand, and its button puts the hand where the bo
     CHECK(distance(impl.haptics.state(hand).hand.pose.position, before) < 1e-12);
     impl.haptics.end();
 }
+
+} // namespace inspector_hands_test

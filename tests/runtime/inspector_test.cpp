@@ -7,6 +7,8 @@
 
 #include <filesystem>
 
+namespace inspector_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 using visual::GuiPerson;
@@ -297,3 +299,5 @@ TEST_CASE("a window that is closed while a Gui is in use ends the run")
     }});
     CHECK(sim.run({.backend = Backend::Null, .seconds = 60}).finished == "window closed");
 }
+
+} // namespace inspector_test

@@ -5,6 +5,8 @@
 #include <iostream>
 #include <sstream>
 
+namespace options_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -80,3 +82,5 @@ TEST_CASE("the help of a run leaves out the program's own options")
     CHECK_THAT(rest, !Catch::Contains("--seed N"));
     CHECK_THAT(rest, Catch::Contains("--steps N"));
 }
+
+} // namespace options_test

@@ -2,6 +2,8 @@
 
 #include "filasofia/filasofia.h"
 
+namespace paint_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 using visual::SurfaceState;
@@ -187,3 +189,5 @@ TEST_CASE("an observer of contacts marks where a body was touched, from its own 
     SECTION("live") { sim.run({.backend = visual::Backend::Null, .steps = 150, .freeRunning = true}); }
     CHECK(reached > 0);
 }
+
+} // namespace paint_test

@@ -1,5 +1,7 @@
 #include "filasofia/runtime/person_input.h"
 
+namespace person_input_test {
+
 using namespace filasofia;
 using namespace filasofia::event;
 using filasofia::runtime::PersonInputReader;
@@ -56,3 +58,5 @@ TEST_CASE("keys push as long as they are held, and a window that is left lets go
     CHECK(reader.read(left)->push == Vec3{});
     CHECK_FALSE(reader.read(left));
 }
+
+} // namespace person_input_test

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
+namespace person_test {
+
 using namespace filasofia;
 namespace fs = std::filesystem;
 
@@ -91,3 +93,5 @@ TEST_CASE("a person at a real window turns the camera, takes a picture by key an
     fs::current_path(before);
     fs::remove_all(folder);
 }
+
+} // namespace person_test

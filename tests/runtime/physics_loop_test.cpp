@@ -5,6 +5,8 @@
 #include "filasofia/physics/physics_server.h"
 #include "physics/fake_engine.h"
 
+namespace physics_loop_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -206,3 +208,5 @@ TEST_CASE("a callback before a step gets the length that the step then has")
     CHECK(announced.size() == 50);
     CHECK(announced == made);
 }
+
+} // namespace physics_loop_test

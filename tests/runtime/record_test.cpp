@@ -18,6 +18,8 @@
 #include <mutex>
 #include <thread>
 
+namespace record_test {
+
 using namespace filasofia;
 
 namespace {
@@ -267,3 +269,5 @@ TEST_CASE("a run that begins paused is replayed from its recording")
     CHECK(report.steps == 6);
     CHECK(madeAgain(folder / "run.rec", 10) == report.hash);
 }
+
+} // namespace record_test

@@ -11,6 +11,8 @@
 #include <filesystem>
 #include <fstream>
 
+namespace replay_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -240,3 +242,5 @@ TEST_CASE("a replay draws what the run has drawn: own lights, materials by name,
                       Catch::Contains("red.png', which the scene needs, is missing: recorded with "));
     CHECK(replay({.file = folder / "run.rec", .check = true}).made == 20); // nothing is drawn
 }
+
+} // namespace replay_test

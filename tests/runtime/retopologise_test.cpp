@@ -7,6 +7,8 @@
 #include <atomic>
 #include <latch>
 
+namespace retopologise_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -318,3 +320,5 @@ TEST_CASE("bindings may end while triangles are being made")
     CHECK(jobsBegun.load() >= 1);
     CHECK(jobsEnded.load() == jobsBegun.load()); // no job was running when its bindings had ended
 }
+
+} // namespace retopologise_test

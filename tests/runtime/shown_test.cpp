@@ -2,6 +2,8 @@
 
 #include "filasofia/core/error.h"
 
+namespace shown_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -121,3 +123,5 @@ TEST_CASE("the box around what is seen now is where the bodies are now")
     stage.step();
     CHECK(geometry::isEmpty(stage.bindings.boundsNow()));
 }
+
+} // namespace shown_test

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <thread>
 
+namespace simulation_test {
+
 using namespace filasofia;
 
 namespace {
@@ -333,3 +335,5 @@ TEST_CASE("bodies that were shown and removed before a run are not drawn, howeve
     const RunReport report = sim.run({.backend = Backend::Null, .steps = 5});
     CHECK(report.visual.bodies == 1);
 }
+
+} // namespace simulation_test

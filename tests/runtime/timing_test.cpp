@@ -1,5 +1,7 @@
 #include "filasofia/runtime/timing.h"
 
+namespace timing_test {
+
 using namespace filasofia::runtime;
 
 TEST_CASE("percentiles are by nearest rank")
@@ -25,3 +27,5 @@ TEST_CASE("the rate is one over the time between wake-ups")
     timing.simulatedSeconds = 1.0;
     CHECK(timing.realTimeFactor() == 0.5);
 }
+
+} // namespace timing_test

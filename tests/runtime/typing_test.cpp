@@ -4,6 +4,8 @@
 
 #include <imgui.h>
 
+namespace typing_test {
+
 using namespace filasofia;
 using window::Person;
 using window::VirtualDisplay;
@@ -59,3 +61,5 @@ TEST_CASE("a person clicks into a Gui of a real window, types")
     CHECK(keys == 0);
     CHECK(clicks == 0);
 }
+
+} // namespace typing_test

@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <fstream>
 
+namespace video_test {
+
 using namespace filasofia;
 using namespace filasofia::runtime;
 
@@ -199,3 +201,5 @@ TEST_CASE("a replay films what the run has filmed, picture by picture")
     CHECK(again.pictures == std::vector<std::string>{ffmpeg.file("again.mp4")});
     CHECK(ffmpeg.read("input") == filmed);
 }
+
+} // namespace video_test

@@ -2,6 +2,8 @@
 
 #include "filasofia/window/null_window.h"
 
+namespace window_test {
+
 using namespace filasofia;
 using window::NullWindow;
 
@@ -92,3 +94,5 @@ TEST_CASE("a posted event carries the simulation's time and step, and any payloa
     CHECK(seen[1] == 3);
     CHECK(seen[2] == 1e-6);
 }
+
+} // namespace window_test

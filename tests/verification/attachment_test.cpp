@@ -1,5 +1,7 @@
 #include "verification/attached.h"
 
+namespace attachment_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -241,3 +243,5 @@ TEST_CASE("attachments come out the same for any number of threads")
     }
     for (std::uint64_t hash : hashes) CHECK(hash == hashes.front());
 }
+
+} // namespace attachment_test

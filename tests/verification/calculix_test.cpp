@@ -1,6 +1,8 @@
 #include "verification/calculix/deck.h"
 #include "verification/verification.h"
 
+namespace calculix_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -126,3 +128,5 @@ TEST_CASE("a slender beam with large bending deforms as in CalculiX")
     }
     verifyWithin("beam bent far, difference at the whole load over that at half", gaps[1] / gaps[0], 1.5, 2.5);
 }
+
+} // namespace calculix_test

@@ -1,5 +1,7 @@
 #include "verification/verification.h"
 
+namespace cantilever_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -101,3 +103,5 @@ TEST_CASE("a cantilever stepped to rest agrees with the static solution")
     verify("cantilever, stepped to rest against static, relative",
            std::abs(bar.deflection(bar.stage.soft().x) / expected - 1), 1e-6);
 }
+
+} // namespace cantilever_test

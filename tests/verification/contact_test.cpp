@@ -2,6 +2,8 @@
 
 #include "verification/verification.h"
 
+namespace contact_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -322,3 +324,5 @@ TEST_CASE("contacts and friction come out the same for any number of threads")
     }
     for (std::uint64_t hash : hashes) CHECK(hash == hashes.front());
 }
+
+} // namespace contact_test

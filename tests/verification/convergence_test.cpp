@@ -1,5 +1,7 @@
 #include "verification/bunny.h"
 
+namespace convergence_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -22,3 +24,5 @@ TEST_CASE("implicit Euler has first order in dt")
     // The reference has the same order: its own error moves the ratio from 2 to (1/50 - 1/2400) / (1/100 - 1/2400).
     verifyWithin("bunny 756, implicit Euler, ratio of errors at dt and dt / 2", errors[0] / errors[1], 1.8, 2.2);
 }
+
+} // namespace convergence_test

@@ -1,5 +1,7 @@
 #include "verification/verification.h"
 
+namespace cut_cantilever_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -101,3 +103,5 @@ TEST_CASE("a cantilever whose lower half was cut off bends as one of half the he
                std::abs(deflection(cut, half) / expected - 1.0), 0.05);
     }
 }
+
+} // namespace cut_cantilever_test

@@ -4,6 +4,8 @@
 
 #include <numeric>
 
+namespace cutting_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -240,3 +242,5 @@ TEST_CASE("a piece cut free keeps its momentum during the edits, and falls freel
     }
     verify("cutting, acceleration of the free piece against g, relative", error, 1e-9);
 }
+
+} // namespace cutting_test

@@ -3,6 +3,8 @@
 
 #include "verification/bunny.h"
 
+namespace determinism_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -114,3 +116,5 @@ TEST_CASE("after 50 steps of 1 ms every bunny has the hash that it had on any ma
         CHECK(reference == inDouble);
     }
 }
+
+} // namespace determinism_test

@@ -1,5 +1,7 @@
 #include "verification/verification.h"
 
+namespace gradient_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -77,3 +79,5 @@ TEST_CASE("a spring's force is the negative gradient of its energy, and its stif
     verify("spring force against -dW/dx", force, 1e-6);
     verify("spring stiffness in extension against -df/dx", stiffness, 1e-6);
 }
+
+} // namespace gradient_test

@@ -1,5 +1,7 @@
 #include "verification/attached.h"
 
+namespace grasp_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -95,3 +97,5 @@ TEST_CASE("a block squeezed and grasped by two jaws is held for long without gro
     verify("block held by two jaws: sum of the forces over its weight, minus one",
            length(sum - Vec3{0, weightOf(stage, 0), 0}) / weightOf(stage, 0), 0.02);
 }
+
+} // namespace grasp_test

@@ -1,5 +1,7 @@
 #include "verification/verification.h"
 
+namespace momentum_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -188,3 +190,5 @@ TEST_CASE("a few stiff elements that hang by one node gain no energy in long ste
                energyFromNowhere({.cells = {30, 1, 1}, .cell = 0.002, .youngModulus = 1e6, .dt = dt}), 0.1);
     }
 }
+
+} // namespace momentum_test

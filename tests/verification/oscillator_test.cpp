@@ -4,6 +4,8 @@
 #include <functional>
 #include <numbers>
 
+namespace oscillator_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -143,3 +145,5 @@ TEST_CASE("symplectic Euler converges to the true oscillation with first order i
     verifyWithin("pin oscillator, symplectic Euler, frequency error over (dt w)^2 / 24",
                  near / (0.002 * 0.002 * w * w / 24.0), 0.98, 1.02);
 }
+
+} // namespace oscillator_test

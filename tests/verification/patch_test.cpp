@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+namespace patch_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -93,3 +95,5 @@ TEST_CASE("a rigid motion, however large, causes no force")
         verify(text("forces of a rigid motion, sum of |f| over E A, ", name), worst, bound);
     }
 }
+
+} // namespace patch_test

@@ -3,6 +3,8 @@
 
 #include <numbers>
 
+namespace rigid_verification_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -204,3 +206,5 @@ TEST_CASE("every number of threads yields the same hash of rigid bodies")
     const std::uint64_t one = hashWith(1);
     for (const int threads : {2, 3, 8}) CHECK(hashWith(threads) == one);
 }
+
+} // namespace rigid_verification_test

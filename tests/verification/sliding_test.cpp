@@ -3,6 +3,8 @@
 
 #include "verification/verification.h"
 
+namespace sliding_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -221,3 +223,5 @@ TEST_CASE("a plate scraped over tissue at 1 m/s feels the same forces as if ever
         "plate scraped at 1 m/s: force minus that of the same step solved to convergence, over the largest N, any step",
         size / largest);
 }
+
+} // namespace sliding_test

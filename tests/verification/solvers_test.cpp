@@ -1,5 +1,7 @@
 #include "verification/bunny.h"
 
+namespace solvers_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -31,3 +33,5 @@ TEST_CASE("the default tolerance of conjugate gradients is accurate to a thousan
                    relativeDistance(fast.soft().x, exact.soft().x, displacement(exact)), 1e-3);
         }
 }
+
+} // namespace solvers_test

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+namespace space_order_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -130,3 +132,5 @@ TEST_CASE("linear tetrahedra have second order in the cell size")
         verifyWithin(text("manufactured solution, order of its gradient, pair ", i), slope, 0.9, 1.1);
     }
 }
+
+} // namespace space_order_test

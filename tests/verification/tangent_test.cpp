@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 
+namespace tangent_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -162,3 +164,5 @@ TEST_CASE("away from the rest shape the warped tangent is off by about the strai
         CHECK(mean < 10.0 * size); // first order in the strain
     }
 }
+
+} // namespace tangent_test

@@ -6,6 +6,8 @@
 
 #include <limits>
 
+namespace debug_draw_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 
@@ -121,3 +123,5 @@ TEST_CASE("wrong debug drawings are Errors")
     CHECK_THROWS_WITH(debug.line({}, {1, 0, 0}, {.color = {nan, 0, 0}}), Catch::Contains("color.red"));
     CHECK(debug.counts().vertices == 0);
 }
+
+} // namespace debug_draw_test

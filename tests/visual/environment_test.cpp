@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+namespace environment_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 
@@ -77,3 +79,5 @@ TEST_CASE("a rough surface mirrors the lamp wider and dimmer, but not less of it
         CHECK(sent == Approx(2 * std::numbers::pi * peak * def.lampSize * def.lampSize).epsilon(0.02));
     }
 }
+
+} // namespace environment_test

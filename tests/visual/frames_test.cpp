@@ -4,6 +4,8 @@
 
 #include <random>
 
+namespace frames_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 
@@ -54,3 +56,5 @@ TEST_CASE("the normals of a sphere point outwards, and its box holds it")
     CHECK(data.low == Float3{-0.05F, -0.05F, -0.05F});
     CHECK(data.high == Float3{0.05F, 0.05F, 0.05F});
 }
+
+} // namespace frames_test

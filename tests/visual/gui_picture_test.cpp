@@ -1,8 +1,10 @@
 #include "gui_person.h"
 #include "little_scene.h"
-#include "visual/picture_check.h"
+#include "pictures.h"
 
 #include <imgui.h>
+
+namespace gui_picture_test {
 
 using namespace filasofia;
 using namespace filasofia::visual;
@@ -223,3 +225,5 @@ TEST_CASE("Guis, Canvases and debug drawings come and go, and servers with them"
         CHECK(scene.server.capture() != before);
     }
 }
+
+} // namespace gui_picture_test

@@ -1,6 +1,8 @@
 #include "filasofia/core/error.h"
 #include "gui_scene.h"
 
+namespace gui_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 using event::KeyCode;
@@ -212,3 +214,5 @@ TEST_CASE("wrong Guis are Errors")
     scene.server.render();                        // drawing goes on
     CHECK(ImGui::GetCurrentContext() == nullptr); // no context is left behind
 }
+
+} // namespace gui_test

@@ -5,6 +5,8 @@
 
 #include "filasofia/core/error.h"
 
+namespace headless_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 
@@ -238,3 +240,5 @@ TEST_CASE("native.h gives access to the library's objects")
     CHECK(native::scene(scene.server) != nullptr);
     CHECK(native::view(*scene.look.view) != nullptr);
 }
+
+} // namespace headless_test

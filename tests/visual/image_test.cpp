@@ -4,6 +4,8 @@
 
 #include <stb/stb_image.h>
 
+namespace image_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 
@@ -46,3 +48,5 @@ TEST_CASE("a picture that cannot be written is an error that names the file")
     CHECK_THROWS_WITH(savePng(torn, "torn.png"), Contains("torn.png"));
     CHECK_THROWS_AS(savePng(Image{-1, -1, {}}, "negative.png"), Error);
 }
+
+} // namespace image_test

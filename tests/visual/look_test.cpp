@@ -2,6 +2,8 @@
 
 #include "filasofia/geometry/mesh_file.h"
 
+namespace look_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 
@@ -77,3 +79,5 @@ TEST_CASE("a box of any size is framed and exposed alike")
         CHECK(now == Approx(expected).epsilon(0.05));
     }
 }
+
+} // namespace look_test

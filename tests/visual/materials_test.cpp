@@ -9,6 +9,8 @@
 
 #include <fstream>
 
+namespace materials_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 using Catch::Contains;
@@ -297,3 +299,5 @@ TEST_CASE("a material file cut anywhere is an error, never the end of the proces
 }
 
 #endif
+
+} // namespace materials_test

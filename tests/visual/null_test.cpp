@@ -8,6 +8,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+namespace null_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 
@@ -170,3 +172,5 @@ TEST_CASE("a server stops the program when another thread draws")
     REQUIRE(WIFSIGNALED(status));
     CHECK(WTERMSIG(status) == SIGABRT);
 }
+
+} // namespace null_test

@@ -2,6 +2,8 @@
 #include "filasofia/visual/orbit_camera.h"
 #include "filasofia/visual/transform.h"
 
+namespace orbit_camera_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 using namespace filasofia::event;
@@ -220,3 +222,5 @@ TEST_CASE("an orbit camera refuses an empty scene and limits in the wrong order"
     def.start.position.x = NAN;
     CHECK_THROWS_WITH(OrbitCamera(def), Catch::Contains("start.position"));
 }
+
+} // namespace orbit_camera_test

@@ -6,6 +6,8 @@
 #include "filasofia/visual/null_backend.h"
 #include "filasofia/visual/scene.h"
 
+namespace overrides_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 using Catch::Contains;
@@ -158,3 +160,5 @@ TEST_CASE("a picture shows the overrides of one body only")
 }
 
 #endif
+
+} // namespace overrides_test

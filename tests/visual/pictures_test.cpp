@@ -5,6 +5,8 @@
 
 #include "filasofia/core/text.h"
 
+namespace pictures_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 
@@ -414,3 +416,5 @@ TEST_CASE("picture: subdivision 0, 1 and 2")
         checkPicture(scene.server.capture(), text("subdivision_", level));
     }
 }
+
+} // namespace pictures_test

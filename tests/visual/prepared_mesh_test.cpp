@@ -7,6 +7,8 @@
 #include <optional>
 #include <thread>
 
+namespace prepared_mesh_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 
@@ -113,3 +115,5 @@ TEST_CASE("a server knows its own entities, and a transform's life expires with 
     server.remove(rig);
     CHECK(life.expired());
 }
+
+} // namespace prepared_mesh_test

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <thread>
 
+namespace render_callback_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 
@@ -130,3 +132,5 @@ TEST_CASE("a callback may not draw or remove its caller, and can add more")
     CHECK(log.lines[0].find("render() must not be called from a renderCallback") != std::string::npos);
     CHECK(log.lines[1].find("remove() must not be called from a renderCallback") != std::string::npos);
 }
+
+} // namespace render_callback_test

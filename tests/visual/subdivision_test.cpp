@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <random>
 
+namespace subdivision_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 using Catch::Contains;
@@ -151,3 +153,5 @@ TEST_CASE("vertices without triangles, and triangles that meet in a point, are s
         }
     }
 }
+
+} // namespace subdivision_test

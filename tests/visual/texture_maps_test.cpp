@@ -9,6 +9,8 @@
 
 #include <fstream>
 
+namespace texture_maps_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 using Catch::Contains;
@@ -202,3 +204,5 @@ TEST_CASE("a wrong map or strength is an error that names body, field and file")
         CHECK(server.render());
     }
 }
+
+} // namespace texture_maps_test

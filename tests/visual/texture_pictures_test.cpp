@@ -4,6 +4,8 @@
 #include "pictures.h"
 #include "relief_maps.h"
 
+namespace texture_pictures_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 
@@ -147,3 +149,5 @@ TEST_CASE("picture: mucosa without and with normal, roughness and occlusion text
     mapped.roughnessTexture = mapped.occlusionTexture = maps.occlusionRoughness;
     checkPicture(beside(insideStomach(plain, 320, 240), insideStomach(mapped, 320, 240)), "texture_maps");
 }
+
+} // namespace texture_pictures_test

@@ -2,6 +2,8 @@
 
 #include "filasofia/core/error.h"
 
+namespace transform_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 using Catch::Contains;
@@ -103,3 +105,5 @@ TEST_CASE("looking at a point turns -Z there and keeps +Y up")
     CHECK_THROWS_AS(lookAt({1, 1, 1}, {1, 1, 1}), Error);
     CHECK_THROWS_AS(lookAt({1, 1, std::numeric_limits<double>::infinity()}, {}), Error);
 }
+
+} // namespace transform_test

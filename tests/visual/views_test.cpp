@@ -8,6 +8,8 @@
 
 #include "skip.h"
 
+namespace views_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 using Catch::Contains;
@@ -382,3 +384,5 @@ TEST_CASE("a body whose mesh, material or view changes very often does not exhau
         CHECK(scene.server.render());
     }
 }
+
+} // namespace views_test

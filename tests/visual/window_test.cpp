@@ -9,6 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+namespace window_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 using Catch::Contains;
@@ -103,3 +105,5 @@ TEST_CASE("without a display or a window, the window backend is an Error and doe
     CHECK_THROWS_WITH(VisualServer({.backend = Backend::Window, .nativeWindow = nowhere}), Contains("12345"));
     CHECK_THROWS_WITH(VisualServer({.backend = Backend::Window, .nativeWindow = nullptr}), Contains("nativeWindow"));
 }
+
+} // namespace window_test

@@ -3,6 +3,8 @@
 
 #include "filasofia/core/error.h"
 
+namespace wrong_use_test {
+
 using namespace filasofia;
 using namespace filasofia::visual;
 using Catch::Contains;
@@ -150,3 +152,5 @@ TEST_CASE("a backend that this build or this machine does not have is an error")
     CHECK(hasBackend(Backend::Null));
     CHECK_THROWS_AS(VisualServer({.backend = Backend::Window, .nativeWindow = nullptr}), Error);
 }
+
+} // namespace wrong_use_test

@@ -8,6 +8,8 @@
 
 #include "../examples/13_glfw/glfw_window.h"
 
+namespace glfw_window_test {
+
 using namespace filasofia;
 using namespace filasofia::event;
 using filasofia::window::Person;
@@ -89,3 +91,5 @@ TEST_CASE("without a display a window of GLFW is an error of one line")
     const ScopedVariable none("DISPLAY", nullptr);
     CHECK_THROWS_WITH(GlfwWindow({.title = "lost"}), "window 'lost': GLFW finds no X display");
 }
+
+} // namespace glfw_window_test

@@ -4,6 +4,8 @@
 #include "filasofia/event/event_dispatcher.h"
 #include "filasofia/event/input_events.h"
 
+namespace null_window_test {
+
 using namespace filasofia;
 using namespace filasofia::window;
 
@@ -61,3 +63,5 @@ TEST_CASE("a window's size is checked against its range")
     CHECK_THROWS_WITH(openWindow({.title = "huge", .height = 10000}),
                       "window 'huge': height must be in [1, 8192] px, got 10000");
 }
+
+} // namespace null_window_test

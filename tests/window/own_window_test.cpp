@@ -6,6 +6,8 @@
 #include <chrono>
 #include <thread>
 
+namespace own_window_test {
+
 using namespace filasofia;
 using namespace filasofia::window;
 
@@ -52,3 +54,5 @@ TEST_CASE("the size of a window that is gone, or without a display, is an error 
     const ScopedVariable none("DISPLAY", nullptr);
     CHECK_THROWS_WITH(OwnWindow(nullptr).size(), "window: size: no X display can be opened (DISPLAY)");
 }
+
+} // namespace own_window_test

@@ -1,5 +1,7 @@
 #include "filasofia/window/sdl_controllers.h"
 
+namespace sdl_controllers_test {
+
 using namespace filasofia;
 using namespace filasofia::window;
 using filasofia::event::ControllerEvent;
@@ -69,3 +71,5 @@ TEST_CASE("six-axis caps are recognised by their vendor or their name")
     CHECK_FALSE(isSpaceMouse(0x046d, "Logitech Dual Action"));
     CHECK_FALSE(isSpaceMouse(0, nullptr));
 }
+
+} // namespace sdl_controllers_test

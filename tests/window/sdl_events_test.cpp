@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <set>
 
+namespace sdl_events_test {
+
 using namespace filasofia;
 using namespace filasofia::window;
 using event::KeyCode;
@@ -114,3 +116,5 @@ TEST_CASE("a sixth mouse button and a text being composed are none of our events
     REQUIRE(close);
     CHECK(close->kind == event::WindowEvent::Kind::CloseRequested);
 }
+
+} // namespace sdl_events_test

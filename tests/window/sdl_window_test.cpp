@@ -8,6 +8,8 @@
 #include <functional>
 #include <thread>
 
+namespace sdl_window_test {
+
 using namespace filasofia;
 using namespace filasofia::event;
 using namespace filasofia::window;
@@ -248,3 +250,5 @@ TEST_CASE("an open window leaves Ctrl-C to the program")
     CHECK(handler() == SIG_DFL);
     std::signal(SIGINT, before);
 }
+
+} // namespace sdl_window_test

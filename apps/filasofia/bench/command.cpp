@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-struct Options {
+struct BenchCommandOptions {
     std::string scene;
     std::string file;
     double seconds = std::numeric_limits<double>::quiet_NaN(); ///< NaN if not given
@@ -25,7 +25,7 @@ constexpr double kSeconds = 10.0;     ///< [s] wall time per cell
 constexpr double kQuickSeconds = 2.0; ///< [s] wall time per run of haptics if --quick is given
 
 /// Rejects options that do not fit the scene.
-void checkOptions(const Options& options)
+void checkOptions(const BenchCommandOptions& options)
 {
     if (options.scene != "bunny" && options.scene != "solver" && options.scene != "contact" && options.scene != "cut" &&
         options.scene != "haptics" && options.scene != "visual")
@@ -37,7 +37,7 @@ void checkOptions(const Options& options)
     if (!std::isnan(options.soak) && options.quick) fail("bench: --soak and --quick exclude each other");
 }
 
-json measure(const Options& options)
+json measure(const BenchCommandOptions& options)
 {
     if (options.scene == "solver") return benchSolver(options.quick);
     if (options.scene == "cut") return benchCut(options.quick);
@@ -49,7 +49,7 @@ json measure(const Options& options)
     return std::isnan(options.soak) ? benchContact(options.quick) : soakContact(options.soak, options.seed);
 }
 
-int bench(const Options& options)
+int bench(const BenchCommandOptions& options)
 {
     checkOptions(options);
     JsonFile file(options.file);
@@ -82,7 +82,7 @@ double rounded(double value, double digits) { return std::round(value * digits) 
 
 Command benchCommand()
 {
-    static Options options; // static: there is one command line, and its targets must outlive this function
+    static BenchCommandOptions options; // static: there is one command line, and its targets must outlive this function
     return {
         .name = "bench",
         .meaning = "Measure, print a table and write JSON",

@@ -11,18 +11,11 @@ namespace filasofia::app {
 namespace {
 
 /// A run and its results so far.
-struct Worker {
+struct ContactWorker {
     ContactTimes times = {};
     std::unique_ptr<ContactRun> run = {};
     double iterations = 0.0;
 };
-
-int iterationsOf(const physics::StepReport& report)
-{
-    int highest = 0; // bodies in contact are solved together: each reports the same number
-    for (const physics::BodySolve& solve : report.solves) highest = std::max(highest, solve.iterations);
-    return highest;
-}
 
 void look(const physics::StepReport& report, ContactRun& run, ContactCell& cell)
 {
@@ -36,7 +29,7 @@ void look(const physics::StepReport& report, ContactRun& run, ContactCell& cell)
 }
 
 /// If `cell` is given, the contacts of the run are recorded there too.
-void repeat(int steps, Worker& worker, ContactCell* cell)
+void repeat(int steps, ContactWorker& worker, ContactCell* cell)
 {
     const auto now = runtime::steadyClock().now;
     const physics::StepBudget budget{.now = now};
@@ -73,21 +66,22 @@ runtime::Spread ContactCell::overFree() const
 ContactCell timeContact(const ContactScene& scene, const ContactEffort& effort)
 {
     ContactCell cell{.scene = scene, .elements = scene.elements()};
-    std::vector<Worker> workers;
+    std::vector<ContactWorker> workers;
     const int cores = usableCores();
     for (const auto& [threads, contacts] : {std::pair{1, true}, {1, false}, {cores, true}})
         if (threads > 1 || workers.size() < 2)
             workers.push_back(
                 {{.threads = threads, .contacts = contacts}, std::make_unique<ContactRun>(scene, threads, contacts)});
-    for (Worker& worker : workers)
+    for (ContactWorker& worker : workers)
         for (int i = 0; i < static_cast<int>(std::lround(scene.settle / kContactStep)); ++i) {
             const physics::StepReport report = worker.run->step();
             worker.times.flags |= report.flags;
             if (&worker == &workers.front()) cell.penetration = std::max(cell.penetration, report.contacts.penetration);
         }
     for (int r = 0; r < effort.repetitions; ++r)
-        for (Worker& worker : workers) repeat(effort.steps, worker, &worker == &workers.front() ? &cell : nullptr);
-    for (Worker& worker : workers) cell.runs.push_back(std::move(worker.times));
+        for (ContactWorker& worker : workers)
+            repeat(effort.steps, worker, &worker == &workers.front() ? &cell : nullptr);
+    for (ContactWorker& worker : workers) cell.runs.push_back(std::move(worker.times));
     return cell;
 }
 

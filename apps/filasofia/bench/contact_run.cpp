@@ -146,6 +146,13 @@ const frame::Frame& ContactRun::capture()
     return frame_;
 }
 
+int iterationsOf(const physics::StepReport& report)
+{
+    int highest = 0;
+    for (const physics::BodySolve& solve : report.solves) highest = std::max(highest, solve.iterations);
+    return highest;
+}
+
 physics::SoftBodyDef contactBunny(int tets, bool pinned)
 {
     auto mesh = std::make_shared<const geometry::TetMesh>(

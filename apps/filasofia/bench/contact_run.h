@@ -46,6 +46,9 @@ private:
     double time_ = 0.0;
 };
 
+/// [-] Iterations of the solver in a step: bodies in contact are solved together, and each reports the same number.
+int iterationsOf(const physics::StepReport& report);
+
 /// The Stanford bunny of `tets` tetrahedra, pinned at its feet or free on the floor; 10 kPa, friction 0.5.
 physics::SoftBodyDef contactBunny(int tets, bool pinned);
 /// A floor whose top is at height 0, friction 0.5.

@@ -42,7 +42,7 @@ std::shared_ptr<const geometry::TetMesh> shaken(const geometry::TetMesh& block, 
 }
 
 /// A blade in the plane x = 0, upright, with its lower edge at the origin.
-std::shared_ptr<const geometry::TriangleMesh> bladeMesh()
+std::shared_ptr<const geometry::TriangleMesh> wideBlade()
 {
     return std::make_shared<const geometry::TriangleMesh>(
         geometry::TriangleMesh{.vertices = {{0, 0, 0}, {0, 0, kWide}, {0, kTall, kWide}, {0, kTall, 0}},
@@ -63,13 +63,6 @@ std::int64_t threadTime()
 double timeOfCut(double speed) { return kWay / speed; }
 
 /// The largest number of iterations of any body: every other body of this scene is alone or solved together with it.
-double iterationsOf(const physics::StepReport& report)
-{
-    int highest = 0;
-    for (const physics::BodySolve& solve : report.solves) highest = std::max(highest, solve.iterations);
-    return highest;
-}
-
 void count(const physics::StepReport& report, double wall, CutTimes& times)
 {
     times.topology.push_back(report.times.topology);
@@ -119,7 +112,7 @@ ContactScene CutScene::make() const
 
     const Vec3 start{kAside, (0.5 - share) * kHeight, -0.5 * kEdge - kWait - kWide};
     physics::RigidBodyDef blade{.name = "blade", .elements = {{start, {}}}};
-    blade.collision = {{.mesh = bladeMesh(), .proximity = 0, .cutting = true}};
+    blade.collision = {{.mesh = wideBlade(), .proximity = 0, .cutting = true}};
     ContactScene scene{.name = name, .body = "block", .bodies = {tissue, blade}};
     scene.path = [start, way = speed](double time) {
         const double gone = std::clamp(way * (time - kStart), 0.0, kWay);

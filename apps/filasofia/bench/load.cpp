@@ -15,13 +15,6 @@
 namespace filasofia::app {
 namespace {
 
-double secondsOf(clockid_t clock)
-{
-    timespec time{};
-    clock_gettime(clock, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 /// [s] processor time of all cores used by all programs, including the time that the host took: proc_stat(5), in ticks.
 double allCores()
 {
@@ -33,6 +26,13 @@ double allCores()
 }
 
 } // namespace
+
+double secondsOf(clockid_t clock)
+{
+    timespec time{};
+    clock_gettime(clock, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
 
 OthersLoad::OthersLoad()
     : wall_(secondsOf(CLOCK_MONOTONIC)), own_(secondsOf(CLOCK_PROCESS_CPUTIME_ID)), all_(allCores())

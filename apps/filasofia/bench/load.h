@@ -1,5 +1,7 @@
 #pragma once
 
+#include <time.h>
+
 namespace filasofia::app {
 
 /// The number of cores that other programs kept busy since construction.
@@ -11,6 +13,9 @@ public:
 private:
     double wall_, own_, all_; ///< [s] at construction
 };
+
+/// [s] What a clock of clock_gettime() shows.
+double secondsOf(clockid_t clock);
 
 /// [s] Time of a signal from a thread on one core to a thread on another core and back. A virtual machine's cores may
 /// be near each other at one time and far apart at another, which threads that share short loops feel.

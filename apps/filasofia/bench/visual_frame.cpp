@@ -1,5 +1,6 @@
 #include "apps/filasofia/bench/visual_frame.h"
 
+#include "apps/filasofia/bench/load.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/mapping/map.h"
 #include "filasofia/visual/endoscope_look.h"
@@ -15,12 +16,6 @@ namespace {
 
 constexpr double kRing = 0.04, kTube = 0.015; ///< [m] radii of the surface, a torus
 
-double secondsOf(clockid_t clock)
-{
-    timespec time{};
-    clock_gettime(clock, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 double threadSeconds() { return secondsOf(CLOCK_THREAD_CPUTIME_ID); }
 double processSeconds() { return secondsOf(CLOCK_PROCESS_CPUTIME_ID); }
 

@@ -19,6 +19,8 @@ inline constexpr double kNever = std::numeric_limits<double>::infinity();
 struct Ball {
     Vec3 centre = {};     ///< [m], finite, in the world
     double radius = 1e-2; ///< [m], > 0
+
+    friend bool operator==(const Ball&, const Ball&) = default;
 };
 
 /// The point of another soft body that a node is attached to.
@@ -44,6 +46,9 @@ struct AttachmentDef {
     int element = 0;          ///< [-], in [0, elements of `to`) if `to` is rigid; otherwise 0
     AttachMode mode = AttachMode::Barycentric; ///< the point of `to` that each node is attached to, if `to` is soft
     double breakForce = kNever; ///< [N], in (0, inf]: the attachment breaks if the sum of its nodes' forces is larger
+    /// [-], each in [0, nodes of the mesh of `to`): a seam, nodes[i] is drawn to toNodes[i]. If given: as many as
+    /// `nodes`, `to` is soft, and box, ball and within are empty
+    std::vector<int> toNodes = {};
 };
 
 /// Attaches a rigid element to its current pose in space, or to another body.
@@ -85,8 +90,11 @@ constexpr auto fields(const AttachmentDef*)
                     field("element", &T::element, "-", nonNegative(), "element of `to`, if that is rigid"),
                     field("mode", &T::mode, "point of `to` that each node is attached to, if `to` is soft"),
                     field("breakForce", &T::breakForce, "N", positiveOrInfinite(),
-                          "the attachment breaks if the sum of its nodes' forces is larger"));
+                          "the attachment breaks if the sum of its nodes' forces is larger"),
+                    field("toNodes", &T::toNodes, "-", nonNegative(),
+                          "nodes of the soft body `to`, one for each of `nodes`, to which those are drawn"));
 }
+constexpr std::size_t addedFields(const AttachmentDef*) { return 1; }
 constexpr auto fields(const RigidAttachmentDef*)
 {
     using T = RigidAttachmentDef;

@@ -10,7 +10,8 @@
 namespace filasofia::runtime {
 
 /// A haptic device, and the rigid element that it controls. A dynamic body is pulled along by the virtual coupling, and
-/// the hand feels what holds it back. A kinematic body goes where the hand is, and the hand feels nothing.
+/// the hand feels what holds it back. A kinematic body goes where the hand is, and the hand feels nothing. Without a
+/// body, Simulation::haptic() tells where the hand is and what it presses, for code of the user's own.
 struct HapticInterfaceDef {
     std::string name = "haptic interface";
     device::DeviceDef device = device::MouseDevice{};
@@ -18,8 +19,8 @@ struct HapticInterfaceDef {
     /// Pose of the device's axes in the scene; the body is where the hand is. If it is not given, the axes are the
     /// scene's, and the hand's first place is where the body was added.
     std::optional<Pose> origin = {};
-    BodyId body = {};              ///< a rigid body
-    int element = 0;               ///< [-], >= 0, index in the body
+    BodyId body = {};              ///< a rigid body; none: the hand moves nothing and feels nothing
+    int element = 0;               ///< [-], >= 0, index in the body; 0 without a body
     VirtualCoupling coupling = {}; ///< in the scene
     double forceScale = 1.0;       ///< [-], in [0, 1e3], newtons on the hand per newton in the scene
     /// [N], > 0, on the hand; divided by the force scale, on the body; the device's own limit holds too
@@ -36,7 +37,8 @@ constexpr auto fields(const HapticInterfaceDef*)
         "HapticInterfaceDef", field("name", &T::name, "what errors and the log call it"),
         field("device", &T::device, "what the hand holds"),
         field("scale", &T::scale, "-", closed(1e-3, 1e3), "metres in the scene per metre of the device"),
-        field("origin", &T::origin, "pose of the device's axes in the scene"), field("body", &T::body, "a rigid body"),
+        field("origin", &T::origin, "pose of the device's axes in the scene"),
+        field("body", &T::body, "a rigid body; none: the hand moves nothing"),
         field("element", &T::element, "-", nonNegative(), "index in the body"),
         field("coupling", &T::coupling, "spring and damper, in the scene"),
         field("forceScale", &T::forceScale, "-", closed(0, 1e3), "newtons on the hand per newton in the scene"),

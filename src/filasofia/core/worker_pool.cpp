@@ -62,7 +62,7 @@ inline void relax()
 // and the loop cannot end before the part is done. So call and context, read after the claim, belong to the part, even
 // if the word was read in one loop and exchanged in another. The range's owner claims from the front and all others
 // from the back, so that an owner that is a little late loses the same parts each time.
-struct alignas(kApart) Range {
+struct alignas(kApart) ClaimRange {
     std::atomic<std::uint64_t> unclaimed = 0;
 
     void publish(int begin, int end)
@@ -149,8 +149,8 @@ struct WorkerPool::Impl {
 
     const int threads;
     bool started = false;
-    std::vector<Worker> workers; // threads - 1, or fewer if the system granted fewer
-    std::vector<Range> ranges;   // thread i prefers range i; range 0 is the caller's
+    std::vector<Worker> workers;    // threads - 1, or fewer if the system granted fewer
+    std::vector<ClaimRange> ranges; // thread i prefers range i; range 0 is the caller's
     std::atomic<bool> inUse = false;
 
     // What workers read about a loop; the caller writes it.

@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/guarded_call.h"
 #include "filasofia/core/real_time.h"
+#include "filasofia/device/limits.h"
 
 #include <time.h>
 
@@ -16,8 +17,6 @@ namespace {
 
 constexpr Nanoseconds kSecond = 1'000'000'000;
 constexpr Nanoseconds kLongCall = 20'000'000; ///< a call that takes longer means trouble
-
-double seconds(Nanoseconds time) { return 1e-9 * static_cast<double>(time); }
 
 template <class T> void storeMax(std::atomic<T>& maximum, T value) // one writer only
 {

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/user_file.h"
+#include "filasofia/device/limits.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +13,6 @@ namespace filasofia::device {
 namespace {
 
 constexpr std::string_view kHeader = "time,x,y,z,qw,qx,qy,qz,buttons";
-constexpr double kMaxHandDistance = 10.0; ///< [m]
 
 /// The slope at a sample between two intervals with slopes `before` and `after`: zero if the path turns back, otherwise
 /// between the two, nearer to the smaller one.

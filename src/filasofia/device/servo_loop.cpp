@@ -1,6 +1,7 @@
 #include "filasofia/device/servo_loop.h"
 
 #include "filasofia/core/validate.h"
+#include "filasofia/device/limits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +9,6 @@
 namespace filasofia::device {
 namespace {
 
-constexpr double kMaxHandDistance = 10.0;   ///< [m] from the device's origin: no arm is that long
 constexpr double kMaxHandSpeed = 50.0;      ///< [m/s]: no hand is that fast
 constexpr double kMaxAngularSpeed = 500.0;  ///< [rad/s]
 constexpr double kSettle = 0.1;             ///< [s] for which a device must work after a fault before it gets a force
@@ -16,8 +16,6 @@ constexpr double kMargin = 1.5;             ///< [-] the next force may last for
 constexpr double kAcceleration = 20.0;      ///< [m/s^2] largest assumed acceleration of a hand within a tick
 constexpr double kMaxDamping = 5.0;         ///< [N s/m] damping that takes excess energy back
 constexpr double kMaxAngularDamping = 5e-3; ///< [N m s/rad] the same for rotation
-
-double seconds(Nanoseconds time) { return 1e-9 * static_cast<double>(time); }
 
 bool isFinite(const CouplingForce& f) { return filasofia::isFinite(f.force) && filasofia::isFinite(f.torque); }
 bool isFinite(const MotionState& m)

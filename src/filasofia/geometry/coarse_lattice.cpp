@@ -13,7 +13,7 @@ namespace {
 constexpr double kMinSupport = 0.05;   // a coarse node with a smaller fraction of the median node's support is dropped
 constexpr double kMinKeptWeight = 0.2; // dropping must leave a node at least this fraction of its weight
 constexpr double kMinWeight = 1e-6;    // below it a corner counts as not used
-constexpr double kMaxCoordinate = 1e100; // [m]
+constexpr double kMaxLatticeCoordinate = 1e100; // [m]
 
 // A lattice point's three coordinates, or a cell (the coordinates of its lowest corner and the order of its steps), in
 // one number. A piece spans less than 2^18 cells, so no coordinate overflows into the next. Different pieces may have
@@ -246,7 +246,7 @@ private:
     void bisect()
     {
         double large = 2.0 * extent_, small = extent_;
-        const double smallest = std::max(large * std::exp2(-kHalvings), 1.0 / kMaxCoordinate);
+        const double smallest = std::max(large * std::exp2(-kHalvings), 1.0 / kMaxLatticeCoordinate);
         while (small > smallest && fits(small)) {
             large = small;
             small *= 0.5;
@@ -291,7 +291,7 @@ CoarseLattice coarseLattice(std::span<const Vec3> nodes, std::span<const std::ar
                           std::vector<std::array<float, 4>>(nodes.size())};
     Graph graph = subgraph(nodes, edges, [&](int i) { return active[i]; });
     const auto isUsable = [](Vec3 p) {
-        return isFinite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kMaxCoordinate;
+        return isFinite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kMaxLatticeCoordinate;
     };
     if (graph.nodes.empty() || target < 4 || !std::ranges::all_of(graph.nodes, isUsable)) return lattice;
     findPieces(graph);

@@ -20,11 +20,6 @@ std::array<double, 3> inPlane(Vec3 p, const std::array<Vec3, 3>& corners)
     return {1.0 - b - c, b, c};
 }
 
-Vec3 mean(const std::array<Vec3, 3>& corners, const std::array<double, 3>& weights)
-{
-    return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
-}
-
 /// The same cyclic order, with the smallest node first.
 geometry::Triangle turned(geometry::Triangle nodes)
 {

@@ -10,6 +10,11 @@
 
 namespace filasofia::mapping {
 
+inline Vec3 mean(const std::array<Vec3, 3>& corners, const std::array<double, 3>& weights)
+{
+    return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+}
+
 /// A position on the outside of a body, at rest.
 struct OutsidePlace {
     int triangle = -1; ///< index of a triangle of Outside

@@ -69,11 +69,6 @@ geometry::Embedding onNodes(const SoftMap& map, const geometry::Triangle& triang
     return corners;
 }
 
-Vec3 mean(const Corners& corners, const std::array<double, 3>& weights)
-{
-    return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
-}
-
 SurfacePoint make(const MappedSurface& mapped, int triangle, const std::array<double, 3>& weights)
 {
     const Corners corners = cornersOf(mapped, triangle);

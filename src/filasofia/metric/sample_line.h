@@ -2,11 +2,14 @@
 
 #include "filasofia/metric/session.h"
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
 
 namespace filasofia::metric {
+
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN(); ///< what a sample lacks
 
 /// The possible sizes of a sample: its pose; with force and contacts; with the point of the strongest contact too.
 inline constexpr std::size_t kNumbersOfPose = 7, kNumbersWithForce = 11, kNumbers = 14;

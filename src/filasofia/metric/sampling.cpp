@@ -1,13 +1,13 @@
 #include "filasofia/metric/sampling.h"
 
+#include "filasofia/metric/sample_line.h"
+
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace filasofia::metric {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr Vec3 kNowhere = {kNan, kNan, kNan};
 
 void findPose(const frame::Frame& frame, const Observed& observed, Sample& sample)

@@ -30,6 +30,21 @@ bool isKinematic(const BodyDef& def)
     return rigid && !rigid->dynamic;
 }
 
+/// Checks pairs of nodes of two soft bodies.
+void checkPairs(const AttachmentDef& def, const Registry::Body* target, const std::string& object)
+{
+    if (def.toNodes.empty()) return;
+    if (!target || std::holds_alternative<RigidBodyDef>(*target->def))
+        fail(object, ".toNodes needs a soft body `to`, whose nodes they are");
+    if (def.toNodes.size() != def.nodes.size())
+        fail(object, ".toNodes must have as many nodes as .nodes, which has ", def.nodes.size(), ", got ",
+             def.toNodes.size());
+    if (def.box || def.ball || def.within)
+        fail(object, ".toNodes pairs the nodes of .nodes; box, ball and within must be empty");
+    for (int node : def.toNodes)
+        if (node >= target->nodeCount) fail(object, ".toNodes must be in [0, ", target->nodeCount, "), got ", node);
+}
+
 } // namespace
 
 void checkAttachment(const Registry& registry, const Attaching& body, const AttachmentDef& def,
@@ -40,6 +55,7 @@ void checkAttachment(const Registry& registry, const Attaching& body, const Atta
         if (node >= body.nodeCount) fail(object, ".nodes must be in [0, ", body.nodeCount, "), got ", node);
     if (def.box && geometry::isEmpty(*def.box)) fail(object, ".box.high must be >= low on every axis");
     if (!def.to) {
+        checkPairs(def, nullptr, object);
         if (def.within)
             fail(object, ".within needs another body, to which it is a distance; `to` must name one, got none");
         if (!hasRegion(def)) fail(object, " must name nodes, a box, a ball or another body, got none");
@@ -48,6 +64,7 @@ void checkAttachment(const Registry& registry, const Attaching& body, const Atta
     }
     const Registry::Body& target = targetOf(registry, body, def.to, object);
     checkTargetElement(target, def.element, object + ".element");
+    checkPairs(def, &target, object);
     const auto* rigid = std::get_if<RigidBodyDef>(target.def.get());
     if (rigid && !isGiven(rigid->mesh) && (def.within || !hasRegion(def)))
         fail(object, def.within ? ".within" : "", " needs a mesh of rigid body '", rigid->name,

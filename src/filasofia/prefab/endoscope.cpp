@@ -15,7 +15,10 @@ namespace {
 constexpr Vec3 kSideways = {1.0, 0.0, 0.0};
 constexpr Vec3 kBackwards = {0.0, 0.0, 1.0};
 
-std::string part(std::string_view name) { return runtime::asset(text("meshes/hysteroscopy/hysteroscope_", name)); }
+std::string hysteroscopeMesh(std::string_view name)
+{
+    return runtime::asset(text("meshes/hysteroscopy/hysteroscope_", name));
+}
 
 EndoscopeDef completed(EndoscopeDef def)
 {
@@ -23,9 +26,10 @@ EndoscopeDef completed(EndoscopeDef def)
     validate(def, object);
     def.pose = physics::unitPose(def.pose, text(object, ": pose"));
     def.channel = physics::unitPose(def.channel, text(object, ": channel"));
-    if (def.surfaces.empty()) def.surfaces = {part("sheath.obj"), part("optic.obj"), part("handle.obj")};
+    if (def.surfaces.empty())
+        def.surfaces = {hysteroscopeMesh("sheath.obj"), hysteroscopeMesh("optic.obj"), hysteroscopeMesh("handle.obj")};
     if (const auto* file = std::get_if<std::string>(&def.collision); file && file->empty())
-        def.collision = part("collision.obj");
+        def.collision = hysteroscopeMesh("collision.obj");
     return def;
 }
 

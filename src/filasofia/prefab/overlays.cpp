@@ -15,8 +15,6 @@ namespace {
 
 constexpr double kCalm = 0.8; ///< [-], fraction of the warning below which the warning is over
 
-void line(const std::string& text) { ImGui::TextUnformatted(text.c_str(), text.c_str() + text.size()); }
-
 } // namespace
 
 struct Guidance::Impl {

@@ -1,5 +1,6 @@
 #include "filasofia/prefab/screens.h"
 
+#include "filasofia/prefab/plain_window.h"
 #include "filasofia/prefab/task.h"
 #include "filasofia/prefab/turns.h"
 
@@ -14,8 +15,6 @@ namespace {
 
 constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
                                     ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings;
-
-void line(const std::string& text) { ImGui::TextUnformatted(text.c_str(), text.c_str() + text.size()); }
 
 /// In the middle of the picture. Typed text is never a title, because ImGui reads ids from titles.
 bool beginPanel(const char* id)

@@ -48,6 +48,22 @@ void logNotice(const std::string& who, const DeviceNotice& notice, bool wasWrong
         logInfo(who, ": it works again");
 }
 
+/// The body that the Def names; nullopt if it names none. Throws an Error if there is no such rigid element.
+std::optional<physics::RigidBodyDef> controlledBody(const HapticInterfaceDef& def,
+                                                    const physics::PhysicsServer& physics, const std::string& object)
+{
+    if (!def.body) {
+        if (def.element != 0) fail(object, ": element must be 0 without a body, got ", def.element);
+        return {};
+    }
+    const auto body = physics.def(def.body);
+    const auto* rigid = std::get_if<physics::RigidBodyDef>(body.get());
+    if (!rigid) fail(object, ": body must be a rigid one, got '", std::get<physics::SoftBodyDef>(*body).name, "'");
+    if (def.element >= static_cast<int>(rigid->elements.size()))
+        fail(object, ": element must be in [0, ", rigid->elements.size(), "), got ", def.element);
+    return *rigid;
+}
+
 } // namespace
 
 struct Haptics::Interface {
@@ -115,27 +131,23 @@ HapticId Haptics::add(const HapticInterfaceDef& def, std::unique_ptr<device::Hap
     const std::string object = text("haptic interface '", def.name, "'");
     validate(def, object);
     if (def.origin) static_cast<void>(physics::unitPose(*def.origin, object + ": origin"));
-    const auto body = physics.def(def.body);
-    const auto* rigid = std::get_if<physics::RigidBodyDef>(body.get());
-    if (!rigid) fail(object, ": body must be a rigid one, got '", std::get<physics::SoftBodyDef>(*body).name, "'");
-    if (def.element >= static_cast<int>(rigid->elements.size()))
-        fail(object, ": element must be in [0, ", rigid->elements.size(), "), got ", def.element);
+    const std::optional<physics::RigidBodyDef> rigid = controlledBody(def, physics, object);
 
     const std::lock_guard lock(mutex_);
     if (running_) fail(object, ": must be added before a run, but one is going on");
     for (const auto& other : interfaces_)
-        if (other->def.body == def.body)
+        if (rigid && other->def.body == def.body)
             fail(object, ": body '", rigid->name, "' is already controlled by '", other->def.name, "'");
     auto made = std::make_unique<Interface>();
     made->device = own ? std::move(own) : device::makeDevice(def.device);
     made->id = {static_cast<std::uint32_t>(interfaces_.size()) + 1};
     made->def = def;
-    made->dynamic = rigid->dynamic;
-    if (rigid->dynamic) made->centre = physics::inertiaOf(*rigid).centre;
+    made->dynamic = rigid && rigid->dynamic;
+    if (made->dynamic) made->centre = physics::inertiaOf(*rigid).centre;
     made->scale = def.scale;
     made->origin = def.origin.value_or(Pose{});
     made->origin.orientation = normalized(made->origin.orientation);
-    made->placed = def.origin.has_value();
+    made->placed = def.origin || !rigid;
     static_cast<void>(device::ServoLoop(made->servoDef(def.rate, 1e-3)));
     interfaces_.push_back(std::move(made));
     return interfaces_.back()->id;
@@ -232,7 +244,7 @@ void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& c
         Interface& each = *held;
         each.servo.reset();
         each.other = std::exchange(asked, nullptr); // the first interface gets it
-        each.placed = each.def.origin.has_value();
+        each.placed = each.def.origin || !each.def.body;
         each.aligns.store(!each.placed);
         each.holding = false;
         // In a headless run each step has a whole number of ticks, so that the last tick is at its end.
@@ -331,6 +343,11 @@ void Haptics::afterStep(const physics::StepReport& report, physics::PhysicsServe
     if (!frame || frame->step != report.step) return;
     for (auto& held : interfaces_) {
         Interface& each = *held;
+        if (!each.def.body) { // the servo waits for a body: it gets the hand, from which no force follows
+            device::ServoSnapshot seen;
+            if (each.servo->latest(seen)) each.servo->setBody({++each.states, wake_, seen.tick.hand, {}});
+            continue;
+        }
         const frame::RigidBodyFrame* body = frame->rigidBody(each.def.body);
         if (!body || !each.placed) continue;
         const auto e = static_cast<std::size_t>(each.def.element);

@@ -21,7 +21,7 @@ std::string numbered(const std::string& picture, double time)
     return (path.parent_path() / text(path.stem().string(), "_", milliseconds, "ms.png")).string();
 }
 
-constexpr double kRounding = 1e-9; // [s]; 250 steps of 5 ms sum to a little less than 1.25 s
+constexpr double kTimeRounding = 1e-9; // [s]; 250 steps of 5 ms sum to a little less than 1.25 s
 
 /// Pictures of a run that has no window. Makes a visual server of its own, but only if there is something to draw.
 class Pictures {
@@ -33,8 +33,8 @@ public:
     }
     void afterStep(double time)
     {
-        if (def_.pictureEvery > 0.0 && time + kRounding >= next_) {
-            next_ = (std::floor((time + kRounding) / def_.pictureEvery) + 1.0) * def_.pictureEvery;
+        if (def_.pictureEvery > 0.0 && time + kTimeRounding >= next_) {
+            next_ = (std::floor((time + kTimeRounding) / def_.pictureEvery) + 1.0) * def_.pictureEvery;
             impl_.takePicture(*visual_, numbered(def_.picture, time));
         }
         const bool film = video_ && video_->due(time - start_);

@@ -74,7 +74,7 @@ void InspectorHands::drawPlace(HapticId id, const HapticState& state)
     for (int k = 0; k < 3; ++k) at[static_cast<std::size_t>(k)] = static_cast<float>(1e3 * origin.position[k]);
     if (ImGui::DragFloat3("origin [mm]", at.data(), 0.1F))
         place(id, def.scale, {1e-3 * Vec3{at[0], at[1], at[2]}, origin.orientation});
-    if (!ImGui::Button("Place the hand at the body")) return;
+    if (!def.body || !ImGui::Button("Place the hand at the body")) return;
     const frame::FrameRef frame = impl_.physics.latest();
     const frame::RigidBodyFrame* body = frame ? frame->rigidBody(def.body) : nullptr;
     if (!body) return;

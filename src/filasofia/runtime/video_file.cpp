@@ -7,8 +7,8 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr double kFinishTimeout = 120.0; ///< [s] to encode the last pictures
-constexpr double kRounding = 1e-6;       ///< [pictures]; 250 steps of 5 ms sum to a little less than 1.25 s
+constexpr double kFinishTimeout = 120.0;  ///< [s] to encode the last pictures
+constexpr double kPictureRounding = 1e-6; ///< [pictures]; 250 steps of 5 ms sum to a little less than 1.25 s
 
 /// ffmpeg's file, after a test that it runs.
 std::string workingFfmpeg()
@@ -56,7 +56,7 @@ VideoFile::VideoFile(const std::string& file, int width, int height, double fps)
     ffmpeg_.emplace(workingFfmpeg(), arguments(file, width, height, fps));
 }
 
-bool VideoFile::due(double time) const { return static_cast<double>(written_ + 1) <= time * fps_ + kRounding; }
+bool VideoFile::due(double time) const { return static_cast<double>(written_ + 1) <= time * fps_ + kPictureRounding; }
 
 void VideoFile::show(const visual::Image& image, double time)
 {

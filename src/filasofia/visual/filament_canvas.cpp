@@ -13,7 +13,7 @@
 namespace filasofia::visual {
 namespace {
 
-struct Corner {
+struct SheetCorner {
     float x, y, z, u, v;
 };
 
@@ -71,12 +71,12 @@ void FilamentCanvas::makeSheet(double width, double height)
     corners_ = filament::VertexBuffer::Builder()
                    .vertexCount(4)
                    .bufferCount(1)
-                   .attribute(Attribute::POSITION, 0, Type::FLOAT3, 0, sizeof(Corner))
-                   .attribute(Attribute::UV0, 0, Type::FLOAT2, 3 * sizeof(float), sizeof(Corner))
+                   .attribute(Attribute::POSITION, 0, Type::FLOAT3, 0, sizeof(SheetCorner))
+                   .attribute(Attribute::UV0, 0, Type::FLOAT2, 3 * sizeof(float), sizeof(SheetCorner))
                    .build(engine_);
     corners_->setBufferAt(
         engine_, 0,
-        ownedBuffer(std::vector<Corner>{{-x, -y, 0, 0, 0}, {x, -y, 0, 1, 0}, {-x, y, 0, 0, 1}, {x, y, 0, 1, 1}}));
+        ownedBuffer(std::vector<SheetCorner>{{-x, -y, 0, 0, 0}, {x, -y, 0, 1, 0}, {-x, y, 0, 0, 1}, {x, y, 0, 1, 1}}));
     indices_ = filament::IndexBuffer::Builder()
                    .indexCount(6)
                    .bufferType(filament::IndexBuffer::IndexType::UINT)

@@ -19,8 +19,6 @@ struct Packed {
     std::array<std::uint8_t, 4> color;
 };
 
-std::size_t roomFor(std::size_t count) { return count + count / 2 + 256; }
-
 } // namespace
 
 FilamentDebug::FilamentDebug(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool, bool onTop)

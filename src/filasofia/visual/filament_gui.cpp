@@ -15,11 +15,6 @@ using Renderable = filament::RenderableManager;
 
 constexpr std::size_t kMaxCommands = 4096; // limit of a renderable, and more than anybody could read
 
-std::size_t roomFor(std::size_t count)
-{
-    return count + count / 2 + 256;
-} // with reserve, because a Gui grows and shrinks all the time
-
 } // namespace
 
 FilamentGui::FilamentGui(filament::Engine& engine, MaterialPool& pool)

@@ -10,11 +10,11 @@
 namespace filasofia::visual {
 namespace {
 
-struct Corner {
+struct ScreenCorner {
     float x, y, u, v;
 };
 // One triangle that covers the whole picture, in device coordinates.
-constexpr Corner kCorners[3] = {{-1, -1, 0, 0}, {3, -1, 2, 0}, {-1, 3, 0, 2}};
+constexpr ScreenCorner kScreenCorners[3] = {{-1, -1, 0, 0}, {3, -1, 2, 0}, {-1, 3, 0, 2}};
 constexpr std::uint16_t kIndices[3] = {0, 1, 2};
 
 } // namespace
@@ -47,14 +47,14 @@ OpticsPass::OpticsPass(filament::Engine& engine, MaterialPool& pool)
 {
     using filament::VertexAttribute;
     using filament::VertexBuffer;
-    constexpr std::uint8_t kStride = sizeof(Corner);
+    constexpr std::uint8_t kStride = sizeof(ScreenCorner);
     vertices_ = VertexBuffer::Builder()
                     .vertexCount(3)
                     .bufferCount(1)
                     .attribute(VertexAttribute::POSITION, 0, VertexBuffer::AttributeType::FLOAT2, 0, kStride)
                     .attribute(VertexAttribute::UV0, 0, VertexBuffer::AttributeType::FLOAT2, 8, kStride)
                     .build(engine);
-    vertices_->setBufferAt(engine, 0, {kCorners, sizeof(kCorners)});
+    vertices_->setBufferAt(engine, 0, {kScreenCorners, sizeof(kScreenCorners)});
     indices_ = filament::IndexBuffer::Builder()
                    .indexCount(3)
                    .bufferType(filament::IndexBuffer::IndexType::USHORT)

@@ -13,7 +13,7 @@
 namespace filasofia::visual {
 namespace {
 
-constexpr int kLargest = 8192; ///< [px] per side; every card supports it
+constexpr int kMaxSide = 8192; ///< [px] per side; every card supports it
 
 /// Width and height from a PNG's first chunk; zero if it is not a PNG. stb refuses large ones without reporting their
 /// size.
@@ -34,8 +34,8 @@ std::array<std::uint64_t, 2> pngSize(const std::filesystem::path& file)
 
 void checkSize(const std::filesystem::path& file, std::uint64_t width, std::uint64_t height)
 {
-    if (width > kLargest || height > kLargest)
-        fail("picture '", file.string(), "': must be at most ", kLargest, " x ", kLargest, " pixels, got ", width,
+    if (width > kMaxSide || height > kMaxSide)
+        fail("picture '", file.string(), "': must be at most ", kMaxSide, " x ", kMaxSide, " pixels, got ", width,
              " x ", height);
 }
 

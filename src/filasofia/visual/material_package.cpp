@@ -16,7 +16,7 @@ constexpr std::uint32_t kVersion = 10;                          // filament::MAT
 constexpr std::uint8_t kDesktop = 2;                            // filament::backend::ShaderModel
 constexpr std::uint32_t kUv0 = 1U << 3U;                        // filament::VertexAttribute, as bits
 constexpr std::uint32_t kAttributes = 0x7U | kUv0 | (1U << 8U); // position, tangents, color, uv0, custom0
-constexpr std::uintmax_t kLargest = 64U << 20U;                 // [byte]; an ordinary package has less than 1 MiB
+constexpr std::uintmax_t kMaxPackage = 64U << 20U;              // [byte]; an ordinary package has less than 1 MiB
 
 /// Reads little-endian numbers and texts from a span; a read beyond its end is an Error.
 class Reader {
@@ -195,7 +195,7 @@ MaterialPackage parseMaterialPackage(std::span<const std::uint8_t> bytes, const 
 
 MaterialPackage readMaterialPackage(const std::string& file)
 {
-    const std::string bytes = readFile(file, text("material file '", file, "'"), kLargest);
+    const std::string bytes = readFile(file, text("material file '", file, "'"), kMaxPackage);
     return parseMaterialPackage({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, file);
 }
 

@@ -121,15 +121,15 @@ struct CustomSetter {
 /// Sets all parameters to 0, or white: earlier values must not stay.
 void clear(filament::MaterialInstance& instance, const MaterialPackage& package)
 {
-    using Kind = MaterialPackage::Kind;
+    using ParameterKind = MaterialPackage::Kind;
     for (const MaterialPackage::Parameter& each : package.parameters) {
         const char* name = each.name.c_str();
         if (each.name.starts_with('_')) continue; // the compiler's own
-        if (each.kind == Kind::Float) setParameter(instance, name, 0.0F);
-        if (each.kind == Kind::Float3) setParameter(instance, name, float3{});
-        if (each.kind == Kind::Float4) setParameter(instance, name, float4{});
-        if (each.kind == Kind::Int) setParameter(instance, name, 0);
-        if (each.kind == Kind::Bool) setParameter(instance, name, false);
+        if (each.kind == ParameterKind::Float) setParameter(instance, name, 0.0F);
+        if (each.kind == ParameterKind::Float3) setParameter(instance, name, float3{});
+        if (each.kind == ParameterKind::Float4) setParameter(instance, name, float4{});
+        if (each.kind == ParameterKind::Int) setParameter(instance, name, 0);
+        if (each.kind == ParameterKind::Bool) setParameter(instance, name, false);
     }
 }
 

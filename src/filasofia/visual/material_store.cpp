@@ -27,8 +27,8 @@ Kind kindOf(const ParameterValue& value)
 
 bool fitsFloat(const ParameterValue& value)
 {
-    constexpr double kLargest = 3.4e38; // a larger double is infinite as a float
-    const auto fits = [](double number) { return std::abs(number) < kLargest; };
+    constexpr double kMaxFloat = 3.4e38; // a larger double is infinite as a float
+    const auto fits = [](double number) { return std::abs(number) < kMaxFloat; };
     if (const auto* number = std::get_if<double>(&value)) return fits(*number);
     if (const auto* three = std::get_if<Vec3>(&value)) return fits(three->x) && fits(three->y) && fits(three->z);
     if (const auto* four = std::get_if<std::array<double, 4>>(&value))

@@ -5,6 +5,7 @@
 #include "filasofia/visual/pixel_area.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -12,6 +13,9 @@
 namespace filasofia::visual {
 
 using Slot = std::uint32_t; // as in render_backend.h
+
+/// Number of elements to allocate for `count`: with reserve, because overlays grow and shrink all the time.
+constexpr std::size_t roomFor(std::size_t count) { return count + count / 2 + 256; }
 
 /// The glyphs of a Gui or Canvas: the coverage of each pixel of the sheet, in 255ths.
 struct GlyphSheet {

@@ -9,7 +9,7 @@
 namespace filasofia::visual {
 namespace {
 
-constexpr double kSmallest = 0.5, kLargest = 8.0; // scales of text
+constexpr double kMinTextScale = 0.5, kMaxTextScale = 8.0; // scales of text
 
 bool isMouse(const event::Event& event)
 {
@@ -48,7 +48,7 @@ Gui& Overlays::add(const GuiDef& def, View* view, Slot slot, OverlayBackend& bac
         new Gui::Impl{backend, slot, def, view, ImguiSurface({.object = object}), areaOf(view, width, height)}));
     ImguiSurface& surface = gui->impl().surface;
     surface.callback.set(def.renderCallback);
-    surface.setScale(std::clamp(def.scale * guiScale_, kSmallest, kLargest));
+    surface.setScale(std::clamp(def.scale * guiScale_, kMinTextScale, kMaxTextScale));
     backend.putGui(slot, surface.glyphs());
     guis_.push_back(std::move(gui));
     return *guis_.back();
@@ -107,7 +107,8 @@ void Overlays::checkNotCalled(const char* function) const
 
 void Overlays::setGuiScale(double scale)
 {
-    if (!(scale >= kSmallest && scale <= kLargest)) fail("visual server: guiScale must be in [0.5, 8], got ", scale);
+    if (!(scale >= kMinTextScale && scale <= kMaxTextScale))
+        fail("visual server: guiScale must be in [0.5, 8], got ", scale);
     guiScale_ = scale; // each Gui applies it in its next frame
 }
 
@@ -134,7 +135,7 @@ void Overlays::drawGui(Gui& gui, int width, int height, double seconds)
 {
     Gui::Impl& impl = gui.impl();
     impl.area = areaOf(impl.view, width, height);
-    if (impl.surface.setScale(std::clamp(impl.def.scale * guiScale_, kSmallest, kLargest)))
+    if (impl.surface.setScale(std::clamp(impl.def.scale * guiScale_, kMinTextScale, kMaxTextScale)))
         impl.backend.putGui(impl.slot, impl.surface.glyphs());
     GuiPicture picture;
     if (impl.visible) picture = impl.surface.frame(impl.area.width(), impl.area.height(), seconds);

@@ -2,6 +2,8 @@
 
 #include <iostream>
 
+namespace jaw_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using physics::JointForce;
@@ -286,3 +288,5 @@ TEST_CASE("a free tool, the body that it is attached to and the box that its jaw
                      Vec3{-0.02, 0, 0}) < 1e-4); // attached all the time
     }
 }
+
+} // namespace jaw_test

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+namespace joints_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using physics::JointForce;
@@ -377,3 +379,5 @@ TEST_CASE("the rotation of a free body with joints is damped as that of one with
     CHECK(std::abs(joint(stage).now.velocity) < 1e-9);
     CHECK(state.velocities[0].x == Approx(0.1).epsilon(1e-9)); // only the rotation is damped
 }
+
+} // namespace joints_test

@@ -7,6 +7,8 @@
 #include <array>
 #include <numbers>
 
+namespace link_motion_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -204,8 +206,9 @@ TEST_CASE("inverse dynamics matches the Newton-Euler equations of every link")
         return Links(tree, there, q);
     };
     const Links now = at(0.0);
-    const std::vector<double> forces = inverseDynamics(tree, now.axes, now.poses, massesAt(all, now.poses), kRate, gain,
-                                                       {going, gaining}, gravity, kAll);
+    const std::vector<LinkMass> masses = massesAt(all, now.poses);
+    const std::vector<double> forces =
+        inverseDynamics({tree, now.axes, now.poses, masses, kRate, gain, going, gaining}, gravity, kAll);
 
     // Momentum by finite differences of positions over h, its change by finite differences of momentum.
     constexpr double h = 1e-4;
@@ -249,3 +252,5 @@ TEST_CASE("joints that form no tree are refused, and a tree is accepted in any o
     tie(1, 1, 2); // 1, 2 and 3 in a ring
     CHECK_THROWS_WITH(checkTree("tool", linkTree(joints)), Catch::Contains("tool: joints must form a tree"));
 }
+
+} // namespace link_motion_test

@@ -1,5 +1,7 @@
 #include "filasofia/engine/body/pins.h"
 
+namespace pins_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -21,3 +23,5 @@ TEST_CASE("several pin springs on one node add up")
     addPinForces(pins, x, forces);
     CHECK(forces[0] == Vec3{3, 0, 0});
 }
+
+} // namespace pins_test

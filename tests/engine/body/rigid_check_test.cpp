@@ -3,6 +3,8 @@
 #include <functional>
 #include <limits>
 
+namespace rigid_check_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -120,3 +122,5 @@ TEST_CASE("a changed rigid model or state is checked as if it had just been buil
         CHECK_THAT(checkOf(stage), Catch::Contains("rigid body 'box'") && Catch::Contains(says));
     }
 }
+
+} // namespace rigid_check_test

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numeric>
 
+namespace build_body_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -235,3 +237,5 @@ TEST_CASE("a separate collision mesh on a body that may be cut logs a warning, s
     CHECK_THAT(warningsFor(true, true),
                Catch::Contains("soft body 'liver': collision[0].mesh: deforms with the body but does not"));
 }
+
+} // namespace build_body_test

@@ -2,7 +2,7 @@
 
 #include <set>
 
-namespace filasofia::engine {
+namespace filasofia::engine::brute_force_test {
 namespace {
 
 geometry::TriangleMesh bentSheet(std::mt19937& random)
@@ -126,4 +126,4 @@ TEST_CASE("feature numbers are unique within a pair of surfaces, and the list is
     }
 }
 
-} // namespace filasofia::engine
+} // namespace filasofia::engine::brute_force_test

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-namespace filasofia::engine {
+namespace filasofia::engine::contacts_test {
 namespace {
 
 constexpr CollisionOptions kPlain{.proximity = 0.5e-3};
@@ -267,4 +267,4 @@ TEST_CASE("surfaces in other collision groups or of the same body do not collide
     CHECK(contacts(0, 1) == 0);
 }
 
-} // namespace filasofia::engine
+} // namespace filasofia::engine::contacts_test

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-namespace filasofia::engine {
+namespace filasofia::engine::edit_test {
 namespace {
 
 /// A solid that loses tetrahedra, with the edits of its surface.
@@ -260,4 +260,4 @@ TEST_CASE("the opposite wall of a cut does not reduce the inset")
     for (const double depth : inset.depth) CHECK(depth == Approx(1e-4));
 }
 
-} // namespace filasofia::engine
+} // namespace filasofia::engine::edit_test

@@ -5,6 +5,8 @@
 
 #include "filasofia/geometry/surface.h"
 
+namespace inset_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -85,3 +87,5 @@ TEST_CASE("needles and triangles without area have a finite inset")
     for (Vec3& p : flat.vertices) p.y = 0.0;
     for (Vec3 p : inset(flat, 1e-3).x) CHECK(isFinite(p));
 }
+
+} // namespace inset_test

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace filasofia::engine {
+namespace filasofia::engine::robustness_test {
 namespace {
 
 constexpr CollisionOptions kPlain{.proximity = 0.5e-3};
@@ -133,4 +133,4 @@ TEST_CASE("contacts far from the origin match those at the origin")
     CHECK(contacts({1000, -2000, 500}) == contacts({}));
 }
 
-} // namespace filasofia::engine
+} // namespace filasofia::engine::robustness_test

@@ -1,6 +1,6 @@
 #include "engine/collision/scene.h"
 
-namespace filasofia::engine {
+namespace filasofia::engine::shape_test {
 
 TEST_CASE("a shape lists each edge once with its neighbouring triangles, and knows whether it is closed")
 {
@@ -85,4 +85,4 @@ TEST_CASE("boxes contain their vertices within their reach, in spite of rounding
     }
 }
 
-} // namespace filasofia::engine
+} // namespace filasofia::engine::shape_test

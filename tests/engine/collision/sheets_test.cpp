@@ -1,6 +1,6 @@
 #include "engine/collision/scene.h"
 
-namespace filasofia::engine {
+namespace filasofia::engine::sheets_test {
 namespace {
 
 constexpr CollisionOptions kPlain{.proximity = 0.5e-3};
@@ -183,4 +183,4 @@ TEST_CASE("a thin body that folds collides with itself from outside, and not thr
     for (const Proximity& p : scene.found) CHECK(p.gap > 0.0);
 }
 
-} // namespace filasofia::engine
+} // namespace filasofia::engine::sheets_test

@@ -4,6 +4,8 @@
 
 #include <random>
 
+namespace coupled_solve_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -211,3 +213,5 @@ TEST_CASE("the filter prevents stiff contacts from costing iterations")
     }
     CHECK(iterations[1] <= 3 * iterations[0]);
 }
+
+} // namespace coupled_solve_test

@@ -4,6 +4,8 @@
 
 #include <random>
 
+namespace patch_correction_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -163,3 +165,5 @@ TEST_CASE("without active constraints there is no correction")
     CHECK(patches.empty());
     CHECK(patches.shares(1).empty());
 }
+
+} // namespace patch_correction_test

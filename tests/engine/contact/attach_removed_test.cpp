@@ -1,5 +1,7 @@
 #include "engine/contact/attachment_scene.h"
 
+namespace attach_removed_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -75,3 +77,5 @@ TEST_CASE("no body is attached to a removed piece: the nearest remaining one is 
         for (const auto& pair : scene.state().attachments[1].pairs) CHECK(length(pair[0].place) < 0.02);
     }
 }
+
+} // namespace attach_removed_test

@@ -1,5 +1,7 @@
 #include "engine/contact/attachment_scene.h"
 
+namespace attachments_end_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using physics::AttachmentDef;
@@ -138,3 +140,5 @@ TEST_CASE("a reset keeps attachments and clears their forces")
     CHECK(scene.stage.world.hash() == first);
     CHECK(scene.state().attachmentReports.size() == 2);
 }
+
+} // namespace attachments_end_test

@@ -1,5 +1,7 @@
 #include "engine/contact/attachment_scene.h"
 
+namespace attachments_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -86,6 +88,25 @@ TEST_CASE("nodes attached by Nearest are drawn to the other body's nodes, and by
                 CHECK(apart == Approx(0.4e-3).epsilon(0.02));
         }
     }
+}
+
+TEST_CASE("a seam draws each node to its partner, and no other")
+{
+    // Across the gap, but not to the nearest: the corners of the right side, each to the corner diagonally opposite.
+    const auto right = nodesOfCube([](Vec3 p) { return p.x > 0.0199; });
+    const auto left = nodesOfCube([](Vec3 p) { return p.x < 1e-6; });
+    AttachmentScene scene;
+    scene.stage.add(cube(0.0204));
+    const std::vector<int> nodes = {right[0], right[2], right[0]}, toNodes = {left[2], left[0], left[2]};
+    scene.attach({.nodes = nodes, .to = {2}, .toNodes = toNodes});
+    scene.stage.run(1000, 1e-3);
+    CHECK(scene.nodes() == std::vector<int>{right[0], right[2]}); // the pair that was named twice is one
+    for (int i : {0, 1})
+        CHECK(distance(scene.stage.soft(0).x[static_cast<std::size_t>(nodes[i])],
+                       scene.stage.soft(1).x[static_cast<std::size_t>(toNodes[i])]) < 1e-6);
+    CHECK(distance(scene.stage.soft(0).x[static_cast<std::size_t>(right[0])],
+                   scene.stage.soft(1).x[static_cast<std::size_t>(left[0])]) >
+          0.01); // its nearest when it was attached
 }
 
 TEST_CASE("an element without points is attached as a whole and follows the other body")
@@ -220,3 +241,5 @@ TEST_CASE("a tune that leaves attachments that cannot be stepped is rejected and
     CHECK_FALSE(tuned([](Scene& s) { s.attachmentForces.clear(); }));
     CHECK(scene.state().attachments[0].stiffness == 10.0);
 }
+
+} // namespace attachments_test

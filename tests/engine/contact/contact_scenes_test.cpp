@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+namespace contact_scenes_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -177,3 +179,5 @@ TEST_CASE("there is no force between two kinematic bodies, whatever force acted 
     CHECK_FALSE(stage.world.scene().contactReports.empty());
     CHECK(force() == 0.0);
 }
+
+} // namespace contact_scenes_test

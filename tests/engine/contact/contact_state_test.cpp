@@ -6,6 +6,8 @@
 
 #include <functional>
 
+namespace contact_state_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -256,3 +258,5 @@ TEST_CASE("a deadline also stops rigid bodies in contact with each other, and th
     CHECK(most > 50);
     CHECK(cut > 10);
 }
+
+} // namespace contact_state_test

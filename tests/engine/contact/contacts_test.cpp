@@ -4,6 +4,8 @@
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/geometry/surface.h"
 
+namespace contacts_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -310,3 +312,5 @@ TEST_CASE("a coupled solve that a deadline cuts short stays finite and can be re
     }
     CHECK(hashes[0] == hashes[1]);
 }
+
+} // namespace contacts_test

@@ -1,5 +1,7 @@
 #include "filasofia/engine/contact/islands.h"
 
+namespace islands_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -49,3 +51,5 @@ TEST_CASE("constraints between elements that cannot move belong to no island")
     CHECK(findIslands(0, plan, constraints).empty());
     CHECK(findIslands(0, {}, {}).empty());
 }
+
+} // namespace islands_test

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace warm_start_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -62,3 +64,5 @@ TEST_CASE("contacts that push opposite ways at one place, deeper than their dist
     CHECK(judged([&](Contacts& c) { c[2].contact.cached.point = near + Vec3{0, -800e-6, 0}; }) == none);
     CHECK(contradicted({}).empty());
 }
+
+} // namespace warm_start_test

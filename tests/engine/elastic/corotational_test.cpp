@@ -4,6 +4,8 @@
 
 #include "engine/meshes.h"
 
+namespace corotational_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -116,3 +118,5 @@ TEST_CASE("the geometric stiffness of an element under uniform tension has a clo
     CHECK(geometricStiffness(material, needle, Mat3::identity()) ==
           Approx(material.mu * (1.0 + (ratio * 7.0 - 2.0) / (10.0 * kFlattest))).epsilon(1e-5));
 }
+
+} // namespace corotational_test

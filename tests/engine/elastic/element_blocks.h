@@ -79,10 +79,10 @@ struct Elements {
 
     void run()
     {
-        updateElements(elementBlocks, x, v, kWeights, rotations, warped, floats(corners), floats(quaternions), 0,
-                       blocks);
-        multiplyElements(warped, p, floats(products), 0, blocks);
+        updateElements(elementBlocks, {x, v, kWeights}, output(), {0, blocks});
+        multiplyElements(warped, p, floats(products), {0, blocks});
     }
+    [[nodiscard]] ElementOutput output() { return {rotations, warped, floats(corners), floats(quaternions)}; }
 
     static std::span<float> floats(NodeArray& a) { return {a.data(), 64 * static_cast<std::size_t>(a.blocks())}; }
     [[nodiscard]] int count() const { return static_cast<int>(elements.size()); }

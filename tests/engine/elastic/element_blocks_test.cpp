@@ -5,6 +5,8 @@
 
 #include "engine/elastic/element_blocks.h"
 
+namespace element_blocks_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -156,9 +158,8 @@ TEST_CASE("a run over a range of blocks changes these blocks only")
         randomMotion(random, all);
         Elements some = all;
         all.run();
-        updateElements(some.elementBlocks, some.x, some.v, kWeights, some.rotations, some.warped,
-                       Elements::floats(some.corners), Elements::floats(some.quaternions), 1, 4);
-        multiplyElements(some.warped, some.p, Elements::floats(some.products), 2, 3);
+        updateElements(some.elementBlocks, {some.x, some.v, kWeights}, some.output(), {1, 4});
+        multiplyElements(some.warped, some.p, Elements::floats(some.products), {2, 3});
         for (int lane = 0; lane < 16 * 5; ++lane) {
             const bool updated = lane / 16 >= 1 && lane / 16 < 4, multiplied = lane / 16 == 2;
             const auto say = [&](const NodeArray& a) { return vectorOf(Elements::corner(a, lane, 1)); };
@@ -307,7 +308,7 @@ TEST_CASE("the product of elements equals their assembled warped stiffness, symm
         randomMotion(random, all);
         all.run();
         const NodeArray p = all.p, q = all.v, kp = all.products;
-        multiplyElements(all.warped, q, Elements::floats(all.products), 0, all.blocks);
+        multiplyElements(all.warped, q, Elements::floats(all.products), {0, all.blocks});
         WorstError blocks, symmetry;
         for (int e = 0; e < all.count(); ++e) {
             const FemElement& element = all.elements[static_cast<std::size_t>(e)];
@@ -342,3 +343,5 @@ TEST_CASE("the product of elements equals their assembled warped stiffness, symm
         CHECK(symmetry.roundings() <= 10);
     });
 }
+
+} // namespace element_blocks_test

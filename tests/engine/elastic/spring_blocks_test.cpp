@@ -2,6 +2,8 @@
 
 #include "engine/elastic/element_blocks.h"
 
+namespace spring_blocks_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -37,8 +39,8 @@ struct Springs {
     }
     void run(int begin, int end)
     {
-        updateSprings(springBlocks, x, v, kWeights, matrices, Elements::floats(corners), begin, end);
-        multiplySprings(matrices, p, Elements::floats(products), begin, end);
+        updateSprings(springBlocks, {x, v, kWeights}, {matrices, Elements::floats(corners)}, {begin, end});
+        multiplySprings(matrices, p, Elements::floats(products), {begin, end});
     }
     static const float* corner(const NodeArray& array, int lane, int i)
     {
@@ -106,3 +108,5 @@ TEST_CASE("blocks of springs outside the range stay, and targets with fused mult
         return bits;
     });
 }
+
+} // namespace spring_blocks_test

@@ -2,6 +2,8 @@
 
 #include "engine/meshes.h"
 
+namespace spring_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -51,3 +53,5 @@ TEST_CASE("a spring's stiffness is positive semi-definite in extension and in co
         CHECK(dot(b, stiffness * b) == Approx(5.0 * dot(b, b))); // always Hooke's stiffness along the spring
     }
 }
+
+} // namespace spring_test

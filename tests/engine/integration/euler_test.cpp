@@ -1,5 +1,7 @@
 #include "filasofia/engine/integration/euler.h"
 
+namespace euler_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -17,7 +19,7 @@ TEST_CASE("explicit Euler moves with the old velocity, symplectic Euler with the
     for (bool symplectic : {false, true}) {
         std::vector<Vec3> x(2), v(2, {0, 0, 1}), dv(2, {9, 9, 9});
         v[1] = {};
-        explicitChange(0.5, kDamping, 1.0, kMasses, forces, stiffnessTimesVelocity, v, kFixed, dv);
+        explicitChange(0.5, kDamping, 1.0, {kMasses, forces, stiffnessTimesVelocity, v, kFixed}, dv);
         move(0.5, !symplectic, dv, x, v);
         // (f - a M v - b K v) / m = (4, -1, -1) / 2
         CHECK(v[0] == Vec3{1.0, -0.25, 0.75});
@@ -45,7 +47,9 @@ TEST_CASE("the weights and the right-hand side of the implicit step match the fo
     CHECK(w.damping == 0.5);
     const std::vector<Vec3> forces(2, {4, 0, 0}), stiffnessTimesVelocity(2, {0, 10, 0}), v{{0, 0, 1}, {}};
     std::vector<Vec3> b(2, {9, 9, 9});
-    implicitRightHandSide(h, kDamping, kMasses, forces, stiffnessTimesVelocity, v, kFixed, b);
+    implicitRightHandSide(h, kDamping, {kMasses, forces, stiffnessTimesVelocity, v, kFixed}, b);
     CHECK(distance(b[0], {2.0, -0.3 * 10, -0.5}) < 1e-14); // h (f - a M v - b K v) - h^2 K v
     CHECK(b[1] == Vec3{});
 }
+
+} // namespace euler_test

@@ -11,6 +11,8 @@
 
 #include <limits>
 
+namespace native_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -257,3 +259,5 @@ TEST_CASE("tune on another engine is an error")
     CHECK_THROWS_WITH(tune(server, [](Native&) {}), "tune: the native engine is not in use");
     CHECK_FALSE(server.step(0.01).has(StepFlag::Tuned));
 }
+
+} // namespace native_test

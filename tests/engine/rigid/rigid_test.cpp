@@ -5,6 +5,8 @@
 
 #include <numbers>
 
+namespace rigid_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -313,3 +315,5 @@ TEST_CASE("frames show the velocities of the centres of mass")
     REQUIRE(frame->rigidBody(box)->angularVelocities.size() == 2);
     CHECK(frame->rigidBody(box)->angularVelocities[0].z == Approx(4.0));
 }
+
+} // namespace rigid_test

@@ -1,5 +1,7 @@
 #include "engine/rigid/rigid_bodies.h"
 
+namespace virtual_coupling_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using physics::HapticTarget;
@@ -152,3 +154,5 @@ TEST_CASE("a coupling is part of the state: the hash covers it, a reset keeps it
     state.couplings[0] = {0, {.velocity = {std::numeric_limits<double>::quiet_NaN(), 0, 0}}};
     CHECK_THROWS_WITH(check(model, state), Catch::Contains("velocity"));
 }
+
+} // namespace virtual_coupling_test

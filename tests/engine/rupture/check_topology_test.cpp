@@ -3,6 +3,8 @@
 #include <functional>
 #include <set>
 
+namespace check_topology_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -111,3 +113,5 @@ TEST_CASE("a mirror that missed an edit is detected")
     CHECK(found[1].fault == TopologyFault::MirrorPositions);
     CHECK(found[2].fault == TopologyFault::MirrorBoundary);
 }
+
+} // namespace check_topology_test

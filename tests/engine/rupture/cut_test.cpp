@@ -4,6 +4,8 @@
 
 #include <random>
 
+namespace cut_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -333,3 +335,5 @@ TEST_CASE("elements, boundary, positions and embedded points can be followed fro
         if (moveNodes) CHECK(lowest < 0.0);
     }
 }
+
+} // namespace cut_test

@@ -5,6 +5,8 @@
 
 #include <random>
 
+namespace editable_mesh_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -200,3 +202,5 @@ TEST_CASE("a slide moves rest and current positions by the same fraction, and th
     CHECK(values == mesh.data().rest);
     CHECK(mesh.takeEdit({7}).empty());
 }
+
+} // namespace editable_mesh_test

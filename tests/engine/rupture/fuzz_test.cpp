@@ -1,6 +1,9 @@
 #include "filasofia/testing/fuzz_cuts.h"
 
+#include "effort.h"
 #include "filasofia/geometry/mesh_file.h"
+
+namespace fuzz_test {
 
 using namespace filasofia;
 using namespace filasofia::testing;
@@ -18,20 +21,20 @@ testing::CutFuzzDef fuzzOf(int cuts, std::uint64_t seed)
 
 } // namespace
 
-TEST_CASE("two thousand random cuts and tears keep meshes valid, leave hardly any bridge, and repeat bit-identically")
+TEST_CASE("thousands of random cuts and tears keep meshes valid, leave hardly any bridge, and repeat bit-identically")
 {
-    const testing::CutFuzzReport report = testing::fuzzCuts(fuzzOf(2000, 1));
-    CHECK(report.cuts == 2000);
+    const testing::CutFuzzReport report = testing::fuzzCuts(fuzzOf(cases(2000), 1));
+    CHECK(report.cuts == cases(2000));
     for (const testing::CutFuzzCount& fault : report.faults) FAIL_CHECK(fault.name << ": " << fault.count);
     for (const std::string& example : report.examples) WARN(example);
     CHECK(report.hashesThatDiffer == 0);
     CHECK(report.worstQualityShare >= 1.0 - 1e-9);
     CHECK(report.volumeDrift < 1e-3);
-    CHECK(report.full > 150);
-    CHECK(report.progressive > 500);
+    CHECK(report.full > cases(150));
+    CHECK(report.progressive > cases(500));
     CHECK(report.incompleteFull <= 0.001 * report.full);
     CHECK(report.incompleteProgressive <= 0.003 * report.progressive);
-    for (const testing::CutFuzzKind& kind : report.kinds) CHECK(kind.cuts > 150);
+    for (const testing::CutFuzzKind& kind : report.kinds) CHECK(kind.cuts > cases(150));
 }
 
 TEST_CASE("a body that is cut twenty times stays valid")
@@ -44,3 +47,5 @@ TEST_CASE("a body that is cut twenty times stays valid")
     CHECK(report.bodies == 5);
     CHECK(report.worstQualityShare >= 1.0 - 1e-9);
 }
+
+} // namespace fuzz_test

@@ -10,6 +10,8 @@
 
 #include <random>
 
+namespace tear_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -243,3 +245,5 @@ TEST_CASE("a node that cannot open is counted, and the next one is tried")
     CHECK(opened + report.refused[static_cast<int>(RuptureRefusal::TearClosed)] == 400);
     CHECK(mesh.tetrahedra() == 96);
 }
+
+} // namespace tear_test

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <set>
 
+namespace coarse_rebuild_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -177,3 +179,5 @@ TEST_CASE("the motion of a cut body is the same for any number of threads, while
     CHECK(hashes[0] == hashes[1]);
     CHECK(hashes[0] == hashes[2]);
 }
+
+} // namespace coarse_rebuild_test

@@ -6,6 +6,8 @@
 
 #include <iostream>
 
+namespace matrix_free_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -424,3 +426,5 @@ TEST_CASE("one step of an absurd force does not freeze a body for ever")
     CHECK(stage.run(100, 0.005).flags == 0);
     CHECK(relativeDistance(stage.soft().x, stage.model().rest, 1.0) > 0.01);
 }
+
+} // namespace matrix_free_test

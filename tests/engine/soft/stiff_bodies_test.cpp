@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+namespace stiff_bodies_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -134,3 +136,5 @@ TEST_CASE("a light soft body pinned by springs and pulled by jaws takes few iter
     }
     CHECK(most <= 20);
 }
+
+} // namespace stiff_bodies_test

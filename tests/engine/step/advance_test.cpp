@@ -2,6 +2,8 @@
 
 #include <numeric>
 
+namespace advance_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -239,3 +241,5 @@ TEST_CASE("a body in two pieces moves as two bodies")
     CHECK(relativeDistance(first, alone.soft().x, 0.2) < 1e-10);
     for (int i = 0; i < n; ++i) CHECK(together.soft().v[n + i].y < -3.0); // the second piece falls
 }
+
+} // namespace advance_test

@@ -2,6 +2,8 @@
 
 #include "engine/stage.h"
 
+namespace apply_commands_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -198,3 +200,5 @@ TEST_CASE("however many commands change a body in a step, its solver is rebuilt 
     rebuildSystems(1e-3, scene);
     CHECK(system.matrixFree.get() == before);
 }
+
+} // namespace apply_commands_test

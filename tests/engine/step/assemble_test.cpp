@@ -2,6 +2,8 @@
 
 #include <numeric>
 
+namespace assemble_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -143,3 +145,5 @@ TEST_CASE("a spring pin on a node that is also hard-pinned changes nothing")
     }
     CHECK(a.soft().x == b.soft().x);
 }
+
+} // namespace assemble_test

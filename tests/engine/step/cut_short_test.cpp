@@ -3,6 +3,8 @@
 
 #include "filasofia/geometry/shapes.h"
 
+namespace cut_short_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -45,3 +47,5 @@ TEST_CASE("a contact that runs out of time in every step keeps its force")
     CHECK(largest > 0.2);
     for (std::size_t i = 0; i < whole.size(); ++i) CHECK(std::abs(cut[i] - whole[i]) < 0.05 * largest);
 }
+
+} // namespace cut_short_test

@@ -1,5 +1,7 @@
 #include "engine/stage.h"
 
+namespace recovery_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -86,3 +88,5 @@ TEST_CASE("a bunny with every node anywhere in its box recovers in double precis
         CHECK(stepsToRecover(scramble, 1000, {}, {.tolerance = 1e-4, .assembled = true}) < 1000);
     }
 }
+
+} // namespace recovery_test

@@ -7,6 +7,8 @@
 
 #include <thread>
 
+namespace set_material_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -216,3 +218,5 @@ TEST_CASE("materials set by several threads during steps are replayed from the l
     for (std::thread& thread : threads) thread.join();
     CHECK(materials == 90);
 }
+
+} // namespace set_material_test

@@ -8,6 +8,8 @@
 #include <functional>
 #include <limits>
 
+namespace tune_contact_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -168,3 +170,5 @@ TEST_CASE("a surface that a tune replaces has no history")
         CHECK((each.first != BodyId{1} && each.second != BodyId{1}));
     CHECK_FALSE(scene.stage.step(1e-3).has(physics::StepFlag::Undone));
 }
+
+} // namespace tune_contact_test

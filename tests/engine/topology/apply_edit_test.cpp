@@ -9,6 +9,8 @@
 #include <map>
 #include <numeric>
 
+namespace apply_edit_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -233,3 +235,5 @@ TEST_CASE("a mass-spring body has a spring on every edge after an edit too")
         }
     }
 }
+
+} // namespace apply_edit_test

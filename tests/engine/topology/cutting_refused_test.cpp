@@ -6,6 +6,8 @@
 
 #include <limits>
 
+namespace cutting_refused_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -193,3 +195,5 @@ TEST_CASE("a tearing threshold of zero or without dynamicTopology is refused")
     CHECK_THROWS_WITH(built(1000.0, false), Catch::Contains("dynamicTopology"));
     CHECK_NOTHROW(built(1000.0, true));
 }
+
+} // namespace cutting_refused_test

@@ -1,5 +1,7 @@
 #include "engine/stage.h"
 
+namespace cutting_reset_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -59,3 +61,5 @@ TEST_CASE("a tune that moves tissue over a blade cuts nothing, and tissue that m
         CHECK(slab.isWhole() == tuned);
     }
 }
+
+} // namespace cutting_reset_test

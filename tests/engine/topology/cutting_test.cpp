@@ -7,6 +7,8 @@
 #include <numbers>
 #include <numeric>
 
+namespace cutting_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -369,3 +371,5 @@ TEST_CASE("a piece that fell out of the scene is removed once, and the rest goes
     CHECK(all.topology.lost == 1);
     check(scene.stage.model(), scene.stage.soft());
 }
+
+} // namespace cutting_test

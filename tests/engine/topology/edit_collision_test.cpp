@@ -9,6 +9,8 @@
 #include <map>
 #include <set>
 
+namespace edit_collision_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -165,3 +167,5 @@ TEST_CASE("contacts on features that an edit leaves keep their forces, and the o
     CHECK_FALSE(stage.step(1e-3).has(physics::StepFlag::Undone));
     CHECK(!scene.contactReports.empty());
 }
+
+} // namespace edit_collision_test

@@ -4,6 +4,8 @@
 
 #include "filasofia/geometry/shapes.h"
 
+namespace loose_pieces_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 
@@ -228,3 +230,5 @@ TEST_CASE("loose pieces side by side between two plates take few iterations")
     INFO(one << " and " << twelve);
     CHECK(twelve < 2.0 * one);
 }
+
+} // namespace loose_pieces_test

@@ -3,6 +3,8 @@
 
 #include "engine/stage.h"
 
+namespace tearing_test {
+
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
@@ -169,3 +171,5 @@ TEST_CASE("a threshold without dynamicTopology is an error that names body and v
     zero.material = FemMaterial{.tearingThreshold = 0.0};
     CHECK_THROWS_WITH(stage.add(zero), Catch::Contains("tearingThreshold") && Catch::Contains("> 0"));
 }
+
+} // namespace tearing_test

@@ -25,12 +25,14 @@ LinkMotion childMotion(const LinkJoint& joint, const JointAxis& axis, std::span<
     return {parent.linear + cross(parent.angular, axis.origin - from) + cross(spin, to - axis.origin), spin};
 }
 
-/// The same for accelerations. `velocity` is the parent's.
-LinkMotion childAcceleration(const LinkJoint& joint, const JointAxis& axis, std::span<const Pose> poses,
-                             const LinkMotion& velocity, const LinkMotion& parent, double speed, double acceleration)
+/// The acceleration of a joint's child link from the velocity and the acceleration of its parent link.
+LinkMotion childAcceleration(const MovingTree& all, int number, const LinkMotion& velocity, const LinkMotion& parent)
 {
-    const Vec3 from = poses[at(joint.parent)].position, to = poses[at(joint.child)].position, w = velocity.angular;
-    const Vec3 moving = speed * axis.direction, gaining = acceleration * axis.direction;
+    const LinkJoint& joint = all.tree.joints[at(number)];
+    const JointAxis& axis = all.axes[at(number)];
+    const Vec3 from = all.poses[at(joint.parent)].position, to = all.poses[at(joint.child)].position;
+    const Vec3 w = velocity.angular, moving = all.velocities[at(number)] * axis.direction;
+    const Vec3 gaining = all.accelerations[at(number)] * axis.direction;
     const auto carried = [](const LinkMotion& a, Vec3 spin, Vec3 arm) {
         return cross(a.angular, arm) + cross(spin, cross(spin, arm));
     };
@@ -157,34 +159,32 @@ JointMatrix massMatrix(const LinkTree& tree, std::span<const JointAxis> axes, st
     return matrix;
 }
 
-std::vector<double> inverseDynamics(const LinkTree& tree, std::span<const JointAxis> axes, std::span<const Pose> poses,
-                                    std::span<const LinkMass> masses, std::span<const double> velocities,
-                                    std::span<const double> accelerations, const std::array<LinkMotion, 2>& base,
-                                    Vec3 gravity, std::span<const int> joints)
+std::vector<double> inverseDynamics(const MovingTree& moving, Vec3 gravity, std::span<const int> joints)
 {
-    std::vector<LinkMotion> velocity(masses.size()), acceleration(masses.size());
-    velocity[0] = base[0];
-    acceleration[0] = base[1];
-    moveLinks(tree, axes, poses, velocities, velocity);
+    const LinkTree& tree = moving.tree;
+    std::vector<LinkMotion> velocity(moving.masses.size()), acceleration(moving.masses.size());
+    velocity[0] = moving.baseVelocity;
+    acceleration[0] = moving.baseAcceleration;
+    moveLinks(tree, moving.axes, moving.poses, moving.velocities, velocity);
     for (int j : tree.order) {
-        const LinkJoint& joint = tree.joints[at(j)];
-        acceleration[at(joint.child)] =
-            childAcceleration(joint, axes[at(j)], poses, velocity[at(joint.parent)], acceleration[at(joint.parent)],
-                              velocities[at(j)], accelerations[at(j)]);
+        const std::size_t parent = at(tree.joints[at(j)].parent), child = at(tree.joints[at(j)].child);
+        acceleration[child] = childAcceleration(moving, j, velocity[parent], acceleration[parent]);
     }
     std::vector<double> forces;
     for (int joint : joints)
-        forces.push_back(isOfBase(tree, joint) ? 0.0 : tree.joints[at(joint)].inertia * accelerations[at(joint)]);
-    for (std::size_t link = 0; link < masses.size(); ++link) {
-        const LinkMass& body = masses[link];
+        forces.push_back(isOfBase(tree, joint) ? 0.0
+                                               : tree.joints[at(joint)].inertia * moving.accelerations[at(joint)]);
+    for (std::size_t link = 0; link < moving.masses.size(); ++link) {
+        const LinkMass& body = moving.masses[link];
         if (body.mass == 0.0) continue;
-        const Vec3 arm = body.centre - poses[link].position, w = velocity[link].angular, a = acceleration[link].angular;
+        const Vec3 arm = body.centre - moving.poses[link].position, w = velocity[link].angular,
+                   a = acceleration[link].angular;
         const Vec3 ofCentre = acceleration[link].linear + cross(a, arm) + cross(w, cross(w, arm));
         const Vec3 force = body.mass * (ofCentre - gravity);
         const Vec3 torque = body.inertia * a + cross(w, body.inertia * w);
         for (std::size_t r = 0; r < joints.size(); ++r) {
             if (!moves(tree, joints[r], static_cast<int>(link))) continue;
-            const LinkMotion column = columnAt(tree, axes, joints[r], body.centre);
+            const LinkMotion column = columnAt(tree, moving.axes, joints[r], body.centre);
             forces[r] += dot(column.linear, force) + dot(column.angular, torque);
         }
     }

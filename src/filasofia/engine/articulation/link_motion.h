@@ -3,7 +3,6 @@
 #include "filasofia/engine/articulation/link_tree.h"
 #include "filasofia/math/mat3.h"
 
-#include <array>
 #include <span>
 #include <vector>
 
@@ -70,12 +69,19 @@ JointMatrix inverse(const JointMatrix& a);
 JointMatrix massMatrix(const LinkTree& tree, std::span<const JointAxis> axes, std::span<const LinkMass> masses,
                        std::span<const int> joints);
 
-/// The forces at the listed joints [N m] or [N] that produce the given accelerations, against gravity,
-/// velocity-dependent terms and the motion of the base (recursive Newton-Euler). `accelerations` [rad/s^2] or [m/s^2]
-/// of all joints; `base` holds the base's velocity and acceleration.
-std::vector<double> inverseDynamics(const LinkTree& tree, std::span<const JointAxis> axes, std::span<const Pose> poses,
-                                    std::span<const LinkMass> masses, std::span<const double> velocities,
-                                    std::span<const double> accelerations, const std::array<LinkMotion, 2>& base,
-                                    Vec3 gravity, std::span<const int> joints);
+/// Where the links of a tree are and how they move.
+struct MovingTree {
+    const LinkTree& tree;
+    std::span<const JointAxis> axes;
+    std::span<const Pose> poses;
+    std::span<const LinkMass> masses;
+    std::span<const double> velocities;    ///< [rad/s] or [m/s] of all joints
+    std::span<const double> accelerations; ///< [rad/s^2] or [m/s^2] of all joints
+    LinkMotion baseVelocity, baseAcceleration;
+};
+
+/// The forces at the listed joints [N m] or [N] that produce the tree's accelerations, against gravity,
+/// velocity-dependent terms and the motion of the base (recursive Newton-Euler).
+std::vector<double> inverseDynamics(const MovingTree& moving, Vec3 gravity, std::span<const int> joints);
 
 } // namespace filasofia::engine

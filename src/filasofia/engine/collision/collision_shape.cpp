@@ -193,4 +193,11 @@ CollisionShape makeCollisionShape(const geometry::TriangleMesh& mesh, const Coll
     return shape;
 }
 
+geometry::Box boxOf(const CollisionShape& shape, int triangle)
+{
+    geometry::Box box;
+    for (const int vertex : shape.triangles[static_cast<std::size_t>(triangle)]) box = merged(box, shape.rest[vertex]);
+    return box;
+}
+
 } // namespace filasofia::engine

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/geometry/adjacency.h"
+#include "filasofia/geometry/box.h"
 #include "filasofia/geometry/triangle_mesh.h"
 
 #include <array>
@@ -84,5 +85,11 @@ struct CollisionShape {
 /// and, without segments, every vertex is a point of its own. Otherwise vertices of no triangle and no line are left
 /// out. The same input gives the same shape.
 CollisionShape makeCollisionShape(const geometry::TriangleMesh& mesh, const CollisionOptions& options);
+
+/// [-] (twice the area)^2 / (longest side)^4 below which a triangle has no face.
+inline constexpr double kSliver = 1e-18;
+
+/// [m] box around a triangle at rest.
+geometry::Box boxOf(const CollisionShape& shape, int triangle);
 
 } // namespace filasofia::engine

@@ -12,13 +12,6 @@ namespace {
 
 constexpr int kLargestLeaf = 8; // elements; a larger leaf is split
 
-geometry::Box boxOf(const CollisionShape& shape, int triangle)
-{
-    geometry::Box box;
-    for (const int vertex : shape.triangles[triangle]) box = merged(box, shape.rest[vertex]);
-    return box;
-}
-
 void checkEdit(const CollisionShape& before, const SurfaceEdit& edit)
 {
     const int count = static_cast<int>(before.triangles.size());

@@ -15,7 +15,6 @@ namespace {
 constexpr double kMaxOfThickness = 0.25; // a quarter from each side
 constexpr double kMaxOfEdge = 0.25;
 constexpr double kMaxWay = 2.0;    // in depths, if triangles meet in a sharp point
-constexpr double kSliver = 1e-18;  // [-] as in point_feature.cpp: has no face
 constexpr double kTouching = 1e-3; // relative to the depth
 constexpr double kRidge = 1e-3;    // regularisation: how different two normals must be to count as distinct
 
@@ -62,13 +61,6 @@ struct Probe {
         return way > nearest ? way : none;
     }
 };
-
-geometry::Box boxOf(const CollisionShape& shape, int triangle)
-{
-    geometry::Box box;
-    for (const int vertex : shape.triangles[static_cast<std::size_t>(triangle)]) box = merged(box, shape.rest[vertex]);
-    return box;
-}
 
 /// [m] distance from which on another wall does not reduce the inset.
 double reachOf(double depth) { return depth / kMaxOfThickness; }

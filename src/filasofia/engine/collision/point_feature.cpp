@@ -13,7 +13,6 @@ namespace {
 // is less than this inside an end of an edge (relative to its length), it is on the end. So a foot on the line between
 // two flat triangles is found once, whatever the rounding.
 constexpr double kSide = 1e-9;
-constexpr double kSliver = 1e-18; // [-] (twice the area)^2 / (longest side)^4 below which a triangle has no face
 constexpr double kAbove = 0.7071; // [-] cosine of 45 degrees
 constexpr double kLeading = 0.02; // [-] sine of a degree: how far a surface in use deviates from flat
 

@@ -21,7 +21,7 @@ struct Motion {
     std::vector<Vec3> impulse; ///< [N s] M u
 };
 
-Vec3 placeOf(const ConstraintRow& row) { return row.constraint->sides[0].position; }
+Vec3 positionOf(const ConstraintRow& row) { return row.constraint->sides[0].position; }
 
 std::size_t bodyOf(std::span<const int> first, int point)
 {
@@ -60,8 +60,8 @@ void addMotions(const Patch& patch, const ConstraintRows& rows, std::span<const 
     Vec3 middle;
     double radius = 0.0;
     for (std::size_t c : patch.members)
-        middle += 1.0 / static_cast<double>(patch.members.size()) * placeOf(rows.list[c]);
-    for (std::size_t c : patch.members) radius = std::max(radius, length(placeOf(rows.list[c]) - middle));
+        middle += 1.0 / static_cast<double>(patch.members.size()) * positionOf(rows.list[c]);
+    for (std::size_t c : patch.members) radius = std::max(radius, length(positionOf(rows.list[c]) - middle));
     for (int k = 0; k < (radius > 0.0 ? 6 : 3); ++k) {
         Motion motion;
         motion.patch = &patch;
@@ -69,7 +69,7 @@ void addMotions(const Patch& patch, const ConstraintRows& rows, std::span<const 
         axis[k % 3] = 1.0;
         double resisted = 0.0;
         for (std::size_t c : patch.members) {
-            const Vec3 u = k < 3 ? axis : 1.0 / radius * cross(axis, placeOf(rows.list[c]) - middle);
+            const Vec3 u = k < 3 ? axis : 1.0 / radius * cross(axis, positionOf(rows.list[c]) - middle);
             motion.u.push_back(inFrame(rows.list[c].constraint->frame, u));
             motion.impulse.push_back(filters[c] * motion.u.back());
             resisted += dot(motion.u.back(), motion.impulse.back());

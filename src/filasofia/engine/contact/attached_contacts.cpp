@@ -27,7 +27,7 @@ AttachedPoint attachedPoint(const BodyPoint& side, Vec3 position, const Scene& s
 }
 
 /// The actual position of a body's point: contacts see surfaces a little inside the real ones.
-Vec3 placeOf(const BodyPoint& point, const Scene& scene)
+Vec3 positionOf(const BodyPoint& point, const Scene& scene)
 {
     if (point.of != BodyPoint::Of::Soft) return point.position;
     Vec3 place;
@@ -48,7 +48,7 @@ void grasp(const PendingGrasp& wanted, const Coupling& coupling, Scene& scene, p
         // Both are attached at the target's place: the gap is kept, they are not drawn together.
         const BodyPoint& target = constraint.sides[targetFirst ? 0 : 1];
         const BodyPoint& rigid = constraint.sides[targetFirst ? 1 : 0];
-        const Vec3 place = placeOf(target, scene);
+        const Vec3 place = positionOf(target, scene);
         attachment.pairs.push_back(
             {attachedPoint(target, place, scene, coupling.rigid), attachedPoint(rigid, place, scene, coupling.rigid)});
         forces.push_back(targetFirst ? contact.force : -contact.force);

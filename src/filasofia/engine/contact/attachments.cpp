@@ -13,13 +13,13 @@
 namespace filasofia::engine {
 namespace {
 
-// Points that have drifted apart approach by this fraction of the gap per step, at kRecoverySpeed at most. At that
+// Points that have drifted apart approach by this fraction of the gap per step, at kAttachmentSpeed at most. At that
 // speed they are still pulled, but the impulse is not carried to the next step: if they cannot come together, it would
 // grow without bound.
-constexpr double kRecovery = 0.1;
-constexpr double kRecoverySpeed = 1.0; ///< [m/s]
+constexpr double kAttachmentRecovery = 0.1;
+constexpr double kAttachmentSpeed = 1.0; ///< [m/s]
 /// [m] how far a hard pair may move apart in a step before its multiplier is updated
-constexpr double kTolerance = 1e-5;
+constexpr double kAttachmentTolerance = 1e-5;
 constexpr double kFailedRecovery = 0.05; ///< a recovery below this fraction of the requested one counts as failed
 
 constexpr std::array<Vec3, 3> kWorldAxes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
@@ -41,6 +41,7 @@ std::string regionsOf(const physics::AttachmentDef& def)
     for (const auto& [name, given] :
          {std::pair{"box", def.box.has_value()}, {"ball", def.ball.has_value()}, {"within", def.within.has_value()}})
         if (given) names += text(names.empty() ? "" : ", ", name);
+    if (names.empty() && !def.toNodes.empty()) return "toNodes";
     return names.empty() ? "to" : names;
 }
 
@@ -85,9 +86,9 @@ private:
 /// The speed [m/s] at which a hard pair closes its gap.
 Vec3 recovery(Vec3 gap, double dt)
 {
-    const Vec3 bias = kRecovery / dt * gap;
+    const Vec3 bias = kAttachmentRecovery / dt * gap;
     const double speed = length(bias);
-    return speed > kRecoverySpeed ? kRecoverySpeed / speed * bias : bias;
+    return speed > kAttachmentSpeed ? kAttachmentSpeed / speed * bias : bias;
 }
 
 Constraint weldOf(const Attachment& attachment, double dt, Vec3 carried, const std::array<BodyPoint, 2>& sides)
@@ -97,7 +98,7 @@ Constraint weldOf(const Attachment& attachment, double dt, Vec3 carried, const s
     if (isHard(attachment)) {
         weld.bias = recovery(gap, dt);
         weld.impulse = dt * carried;
-        weld.tolerance = kTolerance / dt;
+        weld.tolerance = kAttachmentTolerance / dt;
     } else {
         weld.softness = dt * dt * attachment.stiffness;
         weld.bias = 1.0 / dt * gap;
@@ -112,7 +113,7 @@ Vec3 nextStart(const Constraint& weld, double dt, Vec3 carried, Vec3 gapAfter)
     const double speed = length(weld.bias);
     const Vec3 before = weld.sides[0].position - weld.sides[1].position, u = 1.0 / dt * (gapAfter - before);
     const double missed = length(weld.bias + u);
-    if (speed > 0.999 * kRecoverySpeed) return {};
+    if (speed > 0.999 * kAttachmentSpeed) return {};
     if (speed == 0.0 || missed == 0.0) return weld.multiplier;
     const double recovered = std::clamp(-dot(u, weld.bias) / (kFailedRecovery * speed * speed), 0.0, 1.0);
     const double stiffness = length(weld.multiplier - dt * carried) / missed;

@@ -168,7 +168,7 @@ BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, 
 // that it is clear which side is outside: if the skin were 0, half of them would be inside.
 constexpr double kSkin = 0.01;
 
-constexpr double kTolerance = 1e-6; ///< [m] how much too far a surface may go in a step, whatever its proximity
+constexpr double kContactTolerance = 1e-6; ///< [m] how much too far a surface may go in a step, whatever its proximity
 /// Relative to the proximity: tissue may go this much farther, and comes back in the next step.
 constexpr double kSoftTolerance = 0.02;
 
@@ -195,7 +195,7 @@ void setLaw(const physics::ContactMethod& method, double dt, Constraint& constra
     constraint.bias.x = (recovery + std::max(0.0, gap - resting)) / dt;
     const double soft = anySoft ? kSoftTolerance * contact.proximity : 0.0;
     constraint.tolerance =
-        std::max({kSkinRecovery * contact.skin, contact.gap - dt * constraint.bias.x, soft, kTolerance}) / dt;
+        std::max({kSkinRecovery * contact.skin, contact.gap - dt * constraint.bias.x, soft, kContactTolerance}) / dt;
 }
 
 double frictionOf(const Scene& scene, const Owner& owner)

@@ -6,7 +6,7 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+constexpr std::size_t kNoIsland = static_cast<std::size_t>(-1);
 
 /// Disjoint sets; each is represented by its least member.
 class Sets {
@@ -43,23 +43,23 @@ std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, s
     const auto unitOf = [&](const BodyPoint& point) { // soft bodies, then the plan's elements
         if (point.of == BodyPoint::Of::Soft && point.count > 0) return point.body;
         const auto place = planPlace(plan, point);
-        return place ? soft + *place : kNone;
+        return place ? soft + *place : kNoIsland;
     };
     Sets sets(soft + plan.size());
     std::vector<bool> constrained(soft + plan.size());
     for (const Constraint& each : constraints) {
         const std::size_t a = unitOf(each.sides[0]), b = unitOf(each.sides[1]);
         for (std::size_t unit : {a, b})
-            if (unit != kNone) constrained[unit] = true;
-        if (a != kNone && b != kNone) sets.merge(a, b);
+            if (unit != kNoIsland) constrained[unit] = true;
+        if (a != kNoIsland && b != kNoIsland) sets.merge(a, b);
     }
 
     std::vector<Island> islands;
-    std::vector<std::size_t> islandOf(soft + plan.size(), kNone);
+    std::vector<std::size_t> islandOf(soft + plan.size(), kNoIsland);
     for (std::size_t unit = 0; unit < constrained.size(); ++unit) {
         if (!constrained[unit]) continue;
         std::size_t& island = islandOf[sets.find(unit)]; // the least member comes first
-        if (island == kNone) {
+        if (island == kNoIsland) {
             island = islands.size();
             islands.emplace_back();
         }
@@ -70,8 +70,8 @@ std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, s
     }
     for (std::size_t c = 0; c < constraints.size(); ++c) {
         std::size_t unit = unitOf(constraints[c].sides[0]);
-        if (unit == kNone) unit = unitOf(constraints[c].sides[1]);
-        if (unit != kNone) islands[islandOf[sets.find(unit)]].constraints.push_back(c);
+        if (unit == kNoIsland) unit = unitOf(constraints[c].sides[1]);
+        if (unit != kNoIsland) islands[islandOf[sets.find(unit)]].constraints.push_back(c);
     }
     return islands;
 }

@@ -7,8 +7,8 @@ namespace {
 
 // If a limit pushed in the last step, only a part of its gap is closed per step, as for contacts: it then comes to rest
 // (find_contacts.cpp).
-constexpr double kRecovery = 0.05;
-constexpr double kTolerance = 1e-6; ///< [m] at the arm's length: how far a joint may pass a limit in a step
+constexpr double kJointRecovery = 0.05;
+constexpr double kJointTolerance = 1e-6; ///< [m] at the arm's length: how far a joint may pass a limit in a step
 
 // [N] at the arm's length: maximum force of a limit. If a kinematic body pushes a joint against its limit, both cannot
 // be satisfied, and the multipliers would grow without bound. So the limit yields in the solve, and the joint's
@@ -42,8 +42,8 @@ Constraint jointConstraint(ConstraintKind kind, const JointInfo& info, const Art
 Constraint limitOf(const JointInfo& info, const ArticulationPlan& plan, double gap, double carried, double dt)
 {
     Constraint limit = jointConstraint(ConstraintKind::JointLimit, info, plan, dt * carried / info.arm);
-    limit.bias.x = (carried > 0.0 ? kRecovery : 1.0) * info.arm * gap / dt;
-    limit.tolerance = kTolerance / dt;
+    limit.bias.x = (carried > 0.0 ? kJointRecovery : 1.0) * info.arm * gap / dt;
+    limit.tolerance = kJointTolerance / dt;
     limit.maxImpulse = dt * kMaxLimitForce;
     return limit;
 }

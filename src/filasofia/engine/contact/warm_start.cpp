@@ -97,7 +97,7 @@ double agreement(const Constraint& a, const Constraint& b)
 constexpr double kOpposite = -0.9; ///< [-] cosine between normals
 /// [-] maximum distance of contacts that push opposite ways, relative to their depth
 constexpr double kNearBy = 10.0;
-constexpr double kSamePlace = 1e-3; ///< [m] besides the distance that both sides may have moved since
+constexpr double kSameContact = 1e-3; ///< [m] besides the distance that both sides may have moved since
 
 } // namespace
 
@@ -109,7 +109,7 @@ void inheritForces(double dt, const std::vector<CachedContact>& cache, std::span
     inheritance.buildTrees();
     for (Constraint& each : contacts) {
         const double way = dt * (length(each.sides[0].velocity) + length(each.sides[1].velocity));
-        if (each.contact.cached.force == Vec3{}) inheritance.byPlace(kSamePlace + way, each.contact.cached);
+        if (each.contact.cached.force == Vec3{}) inheritance.byPlace(kSameContact + way, each.contact.cached);
     }
 }
 

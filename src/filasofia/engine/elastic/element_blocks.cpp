@@ -146,15 +146,18 @@ HWY_INLINE void warpedStress(const M3& h, V ratio, V turning, const V3 (&b)[3], 
     for (int k = 0; k < 3; ++k) out[k] = {dot({xx, xy, xz}, b[k]), dot({yx, yy, yz}, b[k]), dot({zx, zy, zz}, b[k])};
 }
 
-HWY_ATTR void updateElementBlocks(const ElementBlock* HWY_RESTRICT elements, const float* HWY_RESTRICT x,
-                                  const float* HWY_RESTRICT v, BlockWeights weights,
-                                  ElementRotations* HWY_RESTRICT rotations, WarpedBlock* HWY_RESTRICT warped,
-                                  float* HWY_RESTRICT corners, float* HWY_RESTRICT quaternions, int begin, int end)
+HWY_ATTR void updateElementBlocks(std::span<const ElementBlock> all, const BlockInput& input,
+                                  const ElementOutput& output, linalg::Blocks blocks)
 {
+    const ElementBlock* HWY_RESTRICT elements = all.data();
+    const float *HWY_RESTRICT x = input.x.data(), *HWY_RESTRICT v = input.v.data();
+    ElementRotations* HWY_RESTRICT rotations = output.rotations.data();
+    WarpedBlock* HWY_RESTRICT warped = output.warped.data();
+    float *HWY_RESTRICT corners = output.corners.data(), *HWY_RESTRICT quaternions = output.quaternions.data();
     const Lanes d;
-    const V force = hn::Set(d, weights.force), stiffness = hn::Set(d, weights.stiffness), two = hn::Set(d, 2.0f);
-    const V turningWeight = hn::Set(d, weights.turning);
-    for (int block = begin; block < end; ++block)
+    const V force = hn::Set(d, input.weights.force), stiffness = hn::Set(d, input.weights.stiffness);
+    const V turningWeight = hn::Set(d, input.weights.turning), two = hn::Set(d, 2.0f);
+    for (int block = blocks.begin; block < blocks.end; ++block)
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             const ElementBlock& element = elements[block];
             V3 edges[3], g[3];
@@ -216,10 +219,10 @@ HWY_ATTR void updateElementBlocks(const ElementBlock* HWY_RESTRICT elements, con
 }
 
 HWY_ATTR void multiplyElementBlocks(const WarpedBlock* HWY_RESTRICT warped, const float* HWY_RESTRICT p,
-                                    float* HWY_RESTRICT corners, int begin, int end)
+                                    float* HWY_RESTRICT corners, linalg::Blocks blocks)
 {
     const Lanes d;
-    for (int block = begin; block < end; ++block)
+    for (int block = blocks.begin; block < blocks.end; ++block)
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             V3 edges[3], b[3], out[3];
             loadEdges(p, warped[block].nodes, part, edges);
@@ -236,15 +239,17 @@ HWY_INLINE V3 symmetricTimes(const V (&m)[6], V3 a)
     return {dot({m[0], m[1], m[2]}, a), dot({m[1], m[3], m[4]}, a), dot({m[2], m[4], m[5]}, a)};
 }
 
-HWY_ATTR void updateSpringBlocks(const SpringBlock* HWY_RESTRICT springs, const float* HWY_RESTRICT x,
-                                 const float* HWY_RESTRICT v, BlockWeights weights,
-                                 SpringMatrixBlock* HWY_RESTRICT matrices, float* HWY_RESTRICT corners, int begin,
-                                 int end)
+HWY_ATTR void updateSpringBlocks(std::span<const SpringBlock> all, const BlockInput& input, const SpringOutput& output,
+                                 linalg::Blocks blocks)
 {
+    const SpringBlock* HWY_RESTRICT springs = all.data();
+    const float *HWY_RESTRICT x = input.x.data(), *HWY_RESTRICT v = input.v.data();
+    SpringMatrixBlock* HWY_RESTRICT matrices = output.matrices.data();
+    float* HWY_RESTRICT corners = output.corners.data();
     const Lanes d;
-    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), force = hn::Set(d, weights.force);
-    const V stiffness = hn::Set(d, weights.stiffness), damping = hn::Set(d, weights.damping);
-    for (int block = begin; block < end; ++block)
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), force = hn::Set(d, input.weights.force);
+    const V stiffness = hn::Set(d, input.weights.stiffness), damping = hn::Set(d, input.weights.damping);
+    for (int block = blocks.begin; block < blocks.end; ++block)
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             const SpringBlock& spring = springs[block];
             const V3 edge = gatherNodes(x, spring.nodes[1] + part) - gatherNodes(x, spring.nodes[0] + part);
@@ -276,10 +281,10 @@ HWY_ATTR void updateSpringBlocks(const SpringBlock* HWY_RESTRICT springs, const 
 }
 
 HWY_ATTR void multiplySpringBlocks(const SpringMatrixBlock* HWY_RESTRICT matrices, const float* HWY_RESTRICT p,
-                                   float* HWY_RESTRICT corners, int begin, int end)
+                                   float* HWY_RESTRICT corners, linalg::Blocks blocks)
 {
     const Lanes d;
-    for (int block = begin; block < end; ++block)
+    for (int block = blocks.begin; block < blocks.end; ++block)
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             const SpringMatrixBlock& spring = matrices[block];
             V m[6];
@@ -303,33 +308,28 @@ HWY_EXPORT(multiplyElementBlocks);
 HWY_EXPORT(updateSpringBlocks);
 HWY_EXPORT(multiplySpringBlocks);
 
-void updateElements(std::span<const ElementBlock> elements, const linalg::NodeArray& x, const linalg::NodeArray& v,
-                    BlockWeights weights, std::span<ElementRotations> rotations, std::span<WarpedBlock> warped,
-                    std::span<float> corners, std::span<float> quaternions, int begin, int end)
+void updateElements(std::span<const ElementBlock> elements, const BlockInput& input, const ElementOutput& output,
+                    linalg::Blocks blocks)
 {
-    HWY_DYNAMIC_DISPATCH(updateElementBlocks)
-    (elements.data(), x.data(), v.data(), weights, rotations.data(), warped.data(), corners.data(), quaternions.data(),
-     begin, end);
+    HWY_DYNAMIC_DISPATCH(updateElementBlocks)(elements, input, output, blocks);
 }
 
 void multiplyElements(std::span<const WarpedBlock> warped, const linalg::NodeArray& p, std::span<float> corners,
-                      int begin, int end)
+                      linalg::Blocks blocks)
 {
-    HWY_DYNAMIC_DISPATCH(multiplyElementBlocks)(warped.data(), p.data(), corners.data(), begin, end);
+    HWY_DYNAMIC_DISPATCH(multiplyElementBlocks)(warped.data(), p.data(), corners.data(), blocks);
 }
 
-void updateSprings(std::span<const SpringBlock> springs, const linalg::NodeArray& x, const linalg::NodeArray& v,
-                   BlockWeights weights, std::span<SpringMatrixBlock> matrices, std::span<float> corners, int begin,
-                   int end)
+void updateSprings(std::span<const SpringBlock> springs, const BlockInput& input, const SpringOutput& output,
+                   linalg::Blocks blocks)
 {
-    HWY_DYNAMIC_DISPATCH(updateSpringBlocks)
-    (springs.data(), x.data(), v.data(), weights, matrices.data(), corners.data(), begin, end);
+    HWY_DYNAMIC_DISPATCH(updateSpringBlocks)(springs, input, output, blocks);
 }
 
 void multiplySprings(std::span<const SpringMatrixBlock> matrices, const linalg::NodeArray& p, std::span<float> corners,
-                     int begin, int end)
+                     linalg::Blocks blocks)
 {
-    HWY_DYNAMIC_DISPATCH(multiplySpringBlocks)(matrices.data(), p.data(), corners.data(), begin, end);
+    HWY_DYNAMIC_DISPATCH(multiplySpringBlocks)(matrices.data(), p.data(), corners.data(), blocks);
 }
 
 } // namespace filasofia::engine

@@ -58,23 +58,37 @@ struct BlockWeights {
     float turning = 0.0f;   ///< [-] weight of the geometric stiffness, relative to that of K
 };
 
-/// One pass over blocks [begin, end): updates the rotations to the positions x, and writes
-///     corners      force * f(x) - stiffness * K v
-///     quaternions  one per element, a group of sixteen per block
-///     warped       the input of multiplyElements
-void updateElements(std::span<const ElementBlock> elements, const linalg::NodeArray& x, const linalg::NodeArray& v,
-                    BlockWeights weights, std::span<ElementRotations> rotations, std::span<WarpedBlock> warped,
-                    std::span<float> corners, std::span<float> quaternions, int begin, int end);
+/// The state at the start of a step.
+struct BlockInput {
+    const linalg::NodeArray& x; ///< [m]
+    const linalg::NodeArray& v; ///< [m/s]
+    BlockWeights weights = {};
+};
+
+/// What a pass over the elements writes, one entry per block but for the corners and quaternions.
+struct ElementOutput {
+    std::span<ElementRotations> rotations; ///< updated to the positions
+    std::span<WarpedBlock> warped;         ///< the input of multiplyElements
+    std::span<float> corners;              ///< force * f(x) - stiffness * K v
+    std::span<float> quaternions;          ///< one per element, a group of sixteen per block
+};
+struct SpringOutput {
+    std::span<SpringMatrixBlock> matrices;
+    std::span<float> corners; ///< the same, less D v
+};
+
+/// One pass over these blocks.
+void updateElements(std::span<const ElementBlock> elements, const BlockInput& input, const ElementOutput& output,
+                    linalg::Blocks blocks);
 
 /// corners = stiffness * K p, with the stiffness weight that updateElements was given.
 void multiplyElements(std::span<const WarpedBlock> warped, const linalg::NodeArray& p, std::span<float> corners,
-                      int begin, int end);
+                      linalg::Blocks blocks);
 
-/// The same for springs; updateSprings subtracts D v as well.
-void updateSprings(std::span<const SpringBlock> springs, const linalg::NodeArray& x, const linalg::NodeArray& v,
-                   BlockWeights weights, std::span<SpringMatrixBlock> matrices, std::span<float> corners, int begin,
-                   int end);
+/// The same for springs.
+void updateSprings(std::span<const SpringBlock> springs, const BlockInput& input, const SpringOutput& output,
+                   linalg::Blocks blocks);
 void multiplySprings(std::span<const SpringMatrixBlock> matrices, const linalg::NodeArray& p, std::span<float> corners,
-                     int begin, int end);
+                     linalg::Blocks blocks);
 
 } // namespace filasofia::engine

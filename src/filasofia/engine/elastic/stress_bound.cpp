@@ -28,16 +28,18 @@ HWY_INLINE V roundingOf(const float* HWY_RESTRICT x, const ElementBlock& element
     return hn::MulAdd(hn::Set(d, 32.0f * kUnit), hn::Mul(far, gradients), hn::Set(d, 64.0f * kUnit));
 }
 
-HWY_ATTR void findStressedBlocks(const ElementBlock* HWY_RESTRICT elements, const float* HWY_RESTRICT x,
-                                 const ElementRotations* HWY_RESTRICT rotations, StressLimit limit,
-                                 std::uint16_t* HWY_RESTRICT stressed, int begin, int end)
+HWY_ATTR void findStressedBlocks(const PlacedElements& body, StressLimit limit, std::uint16_t* HWY_RESTRICT stressed,
+                                 linalg::Blocks blocks)
 {
+    const ElementBlock* HWY_RESTRICT elements = body.elements.data();
+    const ElementRotations* HWY_RESTRICT rotations = body.rotations.data();
+    const float* HWY_RESTRICT x = body.x.data();
     const Lanes d;
     const V one = hn::Set(d, 1.0f);
     // 1e-3 more for the relative rounding errors: those of the norms, of quantities computed from them, and of the unit
     // quaternions.
     const V shear = hn::Set(d, 1.001f * 2.0f * limit.mu), bulk = hn::Set(d, 1.001f * 1.7320509f * limit.lambda);
-    for (int block = begin; block < end; ++block) {
+    for (int block = blocks.begin; block < blocks.end; ++block) {
         std::uint32_t bits = 0;
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             const ElementBlock& element = elements[block];
@@ -79,12 +81,10 @@ namespace filasofia::engine {
 
 HWY_EXPORT(findStressedBlocks);
 
-void findStressed(std::span<const ElementBlock> elements, const linalg::NodeArray& x,
-                  std::span<const ElementRotations> rotations, StressLimit limit, std::span<std::uint16_t> stressed,
-                  int begin, int end)
+void findStressed(const PlacedElements& body, StressLimit limit, std::span<std::uint16_t> stressed,
+                  linalg::Blocks blocks)
 {
-    HWY_DYNAMIC_DISPATCH(findStressedBlocks)
-    (elements.data(), x.data(), rotations.data(), limit, stressed.data(), begin, end);
+    HWY_DYNAMIC_DISPATCH(findStressedBlocks)(body, limit, stressed.data(), blocks);
 }
 
 } // namespace filasofia::engine

@@ -13,13 +13,19 @@ struct StressLimit {
     float lambda = 0.0f; ///< [Pa]
 };
 
-/// For each of blocks [begin, end), marks the elements that may have a principal stress at or above the limit at the
+/// The elements of a body, and where they are.
+struct PlacedElements {
+    std::span<const ElementBlock> elements;
+    const linalg::NodeArray& x; ///< [m]
+    std::span<const ElementRotations> rotations;
+};
+
+/// For each of these blocks, marks the elements that may have a principal stress at or above the limit at the
 /// positions x: one bit per element, the first element the lowest. If an element's bit is 0, it certainly has no such
 /// stress, whatever rounding does. To that end the bound, with the rotations as given and E = F - R,
 ///     |sigma| <= |P| |F| / det F <= (2 mu |E| + sqrt(3) lambda |tr(R^T F) - 3|) (1 + |E|) / det F
 /// in Frobenius norms, which no principal value exceeds, is evaluated with all of its rounding error added.
-void findStressed(std::span<const ElementBlock> elements, const linalg::NodeArray& x,
-                  std::span<const ElementRotations> rotations, StressLimit limit, std::span<std::uint16_t> stressed,
-                  int begin, int end);
+void findStressed(const PlacedElements& body, StressLimit limit, std::span<std::uint16_t> stressed,
+                  linalg::Blocks blocks);
 
 } // namespace filasofia::engine

@@ -2,20 +2,18 @@
 
 namespace filasofia::engine {
 
-void implicitRightHandSide(double dt, RayleighDamping rayleigh, std::span<const double> masses,
-                           std::span<const Vec3> forces, std::span<const Vec3> stiffnessTimesVelocity,
-                           std::span<const Vec3> v, const std::vector<bool>& fixed, std::span<Vec3> b)
+void implicitRightHandSide(double dt, RayleighDamping rayleigh, const NodeState& nodes, std::span<Vec3> b)
 {
+    const auto& [masses, forces, stiffnessTimesVelocity, v, fixed] = nodes;
     const double stiffness = implicitWeights(dt, rayleigh).stiffness;
     for (std::size_t i = 0; i < b.size(); ++i)
         b[i] = fixed[i] ? Vec3{}
                         : dt * (forces[i] - rayleigh.mass * masses[i] * v[i]) - stiffness * stiffnessTimesVelocity[i];
 }
 
-void explicitChange(double dt, RayleighDamping rayleigh, double inertia, std::span<const double> masses,
-                    std::span<const Vec3> forces, std::span<const Vec3> stiffnessTimesVelocity, std::span<const Vec3> v,
-                    const std::vector<bool>& fixed, std::span<Vec3> dv)
+void explicitChange(double dt, RayleighDamping rayleigh, double inertia, const NodeState& nodes, std::span<Vec3> dv)
 {
+    const auto& [masses, forces, stiffnessTimesVelocity, v, fixed] = nodes;
     for (std::size_t i = 0; i < dv.size(); ++i) {
         const Vec3 force =
             forces[i] - rayleigh.mass * masses[i] * v[i] - rayleigh.stiffness * stiffnessTimesVelocity[i];

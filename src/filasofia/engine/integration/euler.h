@@ -40,15 +40,20 @@ constexpr ImplicitWeights explicitWeights(double dt, RayleighDamping rayleigh)
     return {1.0, dt * rayleigh.stiffness, dt, 0.0};
 }
 
-/// Computes the right-hand side above; `forces` holds f - D v. Zero on fixed nodes.
-void implicitRightHandSide(double dt, RayleighDamping rayleigh, std::span<const double> masses,
-                           std::span<const Vec3> forces, std::span<const Vec3> stiffnessTimesVelocity,
-                           std::span<const Vec3> v, const std::vector<bool>& fixed, std::span<Vec3> b);
+/// The nodes at the start of a step.
+struct NodeState {
+    std::span<const double> masses;               ///< [kg]
+    std::span<const Vec3> forces;                 ///< [N] f - D v
+    std::span<const Vec3> stiffnessTimesVelocity; ///< [N/s] K v
+    std::span<const Vec3> v;                      ///< [m/s]
+    const std::vector<bool>& fixed;
+};
+
+/// Computes the right-hand side above. Zero on fixed nodes.
+void implicitRightHandSide(double dt, RayleighDamping rayleigh, const NodeState& nodes, std::span<Vec3> b);
 
 /// dv = dt M^-1 (f - a M v - b K v). Only the masses in M^-1 are multiplied by `inertia`.
-void explicitChange(double dt, RayleighDamping rayleigh, double inertia, std::span<const double> masses,
-                    std::span<const Vec3> forces, std::span<const Vec3> stiffnessTimesVelocity, std::span<const Vec3> v,
-                    const std::vector<bool>& fixed, std::span<Vec3> dv);
+void explicitChange(double dt, RayleighDamping rayleigh, double inertia, const NodeState& nodes, std::span<Vec3> dv);
 
 /// v' = v + dv, and x' = x + dt v', or x' = x + dt v for the plain explicit step.
 void move(double dt, bool withOldVelocity, std::span<const Vec3> dv, std::span<Vec3> x, std::span<Vec3> v);

@@ -116,7 +116,7 @@ void planFree(const RigidModel& model, const RigidState& state, const RigidPlanE
     const LinkMotion gaining{1.0 / dt * (base.velocity - state.velocities[0]), // zero if the base is free
                              1.0 / dt * (base.angularVelocity - state.angularVelocities[0])};
     const std::vector<double> needed =
-        inverseDynamics(tree, out.axes, state.poses, masses, out.velocities, accelerations, {moving, gaining},
+        inverseDynamics({tree, out.axes, state.poses, masses, out.velocities, accelerations, moving, gaining},
                         model.gravity ? gravity : Vec3{}, out.free);
     out.matrix = massMatrix(tree, out.axes, masses, out.free);
     const JointMatrix damping = dampingOf(model, masses, out);

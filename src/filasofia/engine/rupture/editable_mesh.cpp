@@ -13,8 +13,6 @@ namespace {
 
 using geometry::Tetrahedron;
 
-constexpr std::uint8_t bit(int face) { return static_cast<std::uint8_t>(1u << static_cast<unsigned>(face)); }
-constexpr bool has(std::uint8_t mask, int face) { return (mask & bit(face)) != 0; }
 void clear(std::uint8_t& mask, int face) { mask = static_cast<std::uint8_t>(mask & ~bit(face)); }
 void set(std::uint8_t& mask, int face) { mask = static_cast<std::uint8_t>(mask | bit(face)); }
 

@@ -16,8 +16,6 @@ using Edge = std::array<int, 2>;
 /// Rounds after which each of the gentler repairs is given up.
 constexpr int kBisectRounds = 20, kFlipRounds = 25, kLoopRounds = 30;
 
-bool has(std::uint8_t mask, int face) { return (mask >> face & 1) != 0; }
-
 /// A node that is not manifold after the splits, by node numbers before the transaction.
 struct BadVertex {
     int node;

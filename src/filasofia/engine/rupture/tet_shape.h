@@ -3,6 +3,7 @@
 #include "filasofia/geometry/tet_mesh.h"
 
 #include <cmath>
+#include <cstdint>
 
 namespace filasofia::engine {
 
@@ -31,6 +32,10 @@ constexpr int placeOf(const geometry::Tetrahedron& t, int node)
         if (t[i] == node) return i;
     return -1;
 }
+
+/// Faces of an element as a mask: bit f is face f.
+constexpr std::uint8_t bit(int face) { return static_cast<std::uint8_t>(1u << static_cast<unsigned>(face)); }
+constexpr bool has(std::uint8_t mask, int face) { return (mask & bit(face)) != 0; }
 
 /// The face's three nodes, oriented outwards.
 constexpr std::array<int, 3> faceNodes(const geometry::Tetrahedron& t, int face)

@@ -163,16 +163,16 @@ void assembleMatrix(const SoftModel& model, std::span<const Vec3> given, double 
     addPins(model, weights, state, system);
     if (!system.solver) return;
     addMassesToMatrix(model, inertia * weights.mass, system);
-    implicitRightHandSide(dt, damping(model), model.masses, system.forces, system.stiffnessTimesVelocity, state.v,
-                          model.pins.hard, system.rightHandSide);
+    const NodeState nodes{model.masses, system.forces, system.stiffnessTimesVelocity, state.v, model.pins.hard};
+    implicitRightHandSide(dt, damping(model), nodes, system.rightHandSide);
 }
 
 linalg::SolveReport solve(const SoftModel& model, double dt, double inertia, std::span<const Vec3> v,
                           AssembledSystem& system, std::span<Vec3> dv)
 {
     if (system.solver) return system.solver->solve(system.matrix, system.rightHandSide, dv);
-    explicitChange(dt, damping(model), inertia, model.masses, system.forces, system.stiffnessTimesVelocity, v,
-                   model.pins.hard, dv);
+    const NodeState nodes{model.masses, system.forces, system.stiffnessTimesVelocity, v, model.pins.hard};
+    explicitChange(dt, damping(model), inertia, nodes, dv);
     return {};
 }
 

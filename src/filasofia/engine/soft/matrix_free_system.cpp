@@ -95,14 +95,11 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
     const std::span<float> elementCorners = corners.first(kElementCorners * elements_.size());
     const std::span<float> springCorners = corners.subspan(elementCorners.size());
     const Parts elements = elementParts(elements_.size()), springs = elementParts(springs_.size());
-    pool.run(elements.count(), [&](int part) {
-        updateElements(elements_, x_, v_, blockWeights, state.rotations, warped_, elementCorners, quaternions,
-                       elements[part].begin, elements[part].end);
-    });
-    pool.run(springs.count(), [&](int part) {
-        updateSprings(springs_, x_, v_, blockWeights, springMatrices_, springCorners, springs[part].begin,
-                      springs[part].end);
-    });
+    const BlockInput input{x_, v_, blockWeights};
+    const ElementOutput elementOutput{state.rotations, warped_, elementCorners, quaternions};
+    const SpringOutput springOutput{springMatrices_, springCorners};
+    pool.run(elements.count(), [&](int part) { updateElements(elements_, input, elementOutput, elements[part]); });
+    pool.run(springs.count(), [&](int part) { updateSprings(springs_, input, springOutput, springs[part]); });
     size_ = linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
         if (implicit && !elements_.empty()) averageRotations(turns_, quaternions, preconditioner_.rotations(), blocks);
         return gatherForces({gather_, corners, asFloat(dt * rayleigh.mass), masses_, diagonal_}, v_, residual_, blocks);
@@ -115,12 +112,10 @@ double MatrixFreeSystem::multiply(const NodeArray& p, NodeArray& q, WorkerPool& 
     const std::span<float> corners = floats(corners_);
     const Parts elements = elementParts(warped_.size()), springs = elementParts(springMatrices_.size());
     pool.run(elements.count(), [&](int part) {
-        multiplyElements(warped_, p, corners.first(kElementCorners * elements_.size()), elements[part].begin,
-                         elements[part].end);
+        multiplyElements(warped_, p, corners.first(kElementCorners * elements_.size()), elements[part]);
     });
     pool.run(springs.count(), [&](int part) {
-        multiplySprings(springMatrices_, p, corners.subspan(kElementCorners * elements_.size()), springs[part].begin,
-                        springs[part].end);
+        multiplySprings(springMatrices_, p, corners.subspan(kElementCorners * elements_.size()), springs[part]);
     });
     return linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
         return gatherAndAdd({gather_, corners, asFloat(massWeight_), masses_, diagonal_}, p, q, blocks);
@@ -177,7 +172,7 @@ bool MatrixFreeSystem::findStressed(const SoftState& state, double limit, Worker
     const StressLimit at{asFloat(limit), asFloat(stiffest_.mu), asFloat(stiffest_.lambda)};
     const Parts parts = elementParts(elements_.size());
     pool.run(parts.count(), [&](int part) {
-        engine::findStressed(elements_, scratch_, state.rotations, at, stressed, parts[part].begin, parts[part].end);
+        engine::findStressed({elements_, scratch_, state.rotations}, at, stressed, parts[part]);
     });
     return std::ranges::any_of(stressed, [](std::uint16_t bits) { return bits != 0; });
 }

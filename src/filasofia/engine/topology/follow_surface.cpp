@@ -22,7 +22,7 @@ template <class Value> void eraseAt(const std::vector<int>& places, std::vector<
     list.resize(kept);
 }
 
-int& placeOf(int element, int face, BodyTopology& topology)
+int& faceIndex(int element, int face, BodyTopology& topology)
 {
     return topology.boundaryPlaces[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)];
 }
@@ -42,7 +42,7 @@ public:
     {
         for (int place : places) {
             const auto [element, face] = topology_.boundaryFaces[static_cast<std::size_t>(place)];
-            placeOf(element, face, topology_) = -1;
+            faceIndex(element, face, topology_) = -1;
         }
         if (!places.empty()) firstMoved_ = std::min(firstMoved_, static_cast<std::size_t>(places.front()));
         eraseAt(places, model_.surface);
@@ -59,7 +59,7 @@ public:
     {
         for (std::size_t t = firstMoved_; t < topology_.boundaryFaces.size(); ++t) {
             const auto [element, face] = topology_.boundaryFaces[t];
-            placeOf(element, face, topology_) = static_cast<int>(t);
+            faceIndex(element, face, topology_) = static_cast<int>(t);
         }
         ++topology_.revision;
         topology_.published.reset();
@@ -93,7 +93,7 @@ OwnSurfaceEdit followSurface(const frame::TopologyEdit& edit, BodyTopology& topo
     OwnSurfaceEdit out;
     std::vector<std::pair<int, const BoundaryChange*>> changed;
     for (const BoundaryChange& change : edit.boundary) {
-        const int place = placeOf(change.tetrahedron, change.face, topology);
+        const int place = faceIndex(change.tetrahedron, change.face, topology);
         if (change.kind == Kind::Removed) out.surface.removed.push_back(place);
         if (change.kind == Kind::Changed) changed.emplace_back(place, &change);
     }

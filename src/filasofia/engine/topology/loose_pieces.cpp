@@ -72,10 +72,10 @@ void add(double s, const std::vector<Vec3>& from, std::vector<Vec3>& to)
 /// Conjugate gradients in double precision. With so few unknowns they converge in about as many iterations.
 std::vector<Vec3> solve(const FragmentMatrix& a, std::vector<Vec3> r)
 {
-    constexpr double kTolerance = 1e-6; // [-] relative to the first residual
+    constexpr double kRelativeResidual = 1e-6; // [-] relative to the first residual
     std::vector<Vec3> x(r.size()), p = r;
     double rr = dot(r, r);
-    const double enough = kTolerance * kTolerance * rr;
+    const double enough = kRelativeResidual * kRelativeResidual * rr;
     for (std::size_t i = 0; i < 6 * r.size() && rr > enough; ++i) {
         const std::vector<Vec3> q = a.times(p);
         const double curvature = dot(p, q);

@@ -1,0 +1,12 @@
+#pragma once
+
+/// Random cases that a test makes: all of them, but a fifth in the sanitized build of scripts/test.sh (preset asan).
+/// scripts/check.sh makes all of them under the sanitizers too.
+constexpr int cases(int all)
+{
+#ifdef FILASOFIA_FEWER_CASES
+    return all / 5;
+#else
+    return all;
+#endif
+}
