@@ -129,6 +129,39 @@ TEST_CASE("a scripted hand moves the tool it holds, feels the tissue, and is rep
     }
 }
 
+TEST_CASE("a hand holds a dynamic body with joints by a handle that its base hangs on, and bears its weight")
+{
+    Simulation sim;
+    const BodyId handle = sim.add(RigidBodyDef{
+        .name = "handle", .dynamic = true, .mass = physics::GivenInertia{.mass = 0.03, .moments = {1e-5, 1e-5, 1e-5}}});
+    RigidBodyDef gripper{.name = "gripper", .dynamic = true};
+    gripper.mass = physics::GivenInertia{.mass = 0.02, .moments = {1e-5, 1e-5, 1e-5}};
+    gripper.articulation.joints = {{.axis = {0, 0, 1}, .parent = 0, .child = 1, .command = physics::JointForce{}}};
+    gripper.articulation.joints[0].mass = physics::GivenInertia{.mass = 0.01, .moments = {1e-6, 1e-6, 1e-6}};
+    gripper.articulation.joints[0].inertia = 1e-4;
+    gripper.attachments = {{.to = handle}};
+    const BodyId tool = sim.add(gripper);
+    const HapticId hand = sim.add(
+        HapticInterfaceDef{.device = device::ScriptedDevice{.motion = dip()}, .origin = Pose{}, .body = handle});
+    CHECK_THROWS_WITH(
+        sim.add(HapticInterfaceDef{.name = "second", .body = tool}),
+        Catch::StartsWith("haptic interface 'second': body must not be a dynamic one with joints, got 'gripper'"));
+    double apart = 0.0, lowest = 0.0;
+    sim.everyStep([&](double) {
+        const auto frame = sim.physics().latest();
+        if (!frame) return;
+        const Vec3 held = frame->rigidBody(handle)->poses[0].position, base = frame->rigidBody(tool)->poses[0].position;
+        apart = std::max(apart, distance(held, base));
+        lowest = std::min(lowest, base.y);
+    });
+    sim.run({.headless = true, .steps = 3000}); // the motion ends at 0.6 s
+    CHECK(apart < 1e-4);
+    CHECK(lowest < -0.015);
+    // At rest the hand bears all three masses.
+    CHECK(sim.haptic(hand).onBody.force.y == Approx(0.06 * 9.81).epsilon(0.02));
+    CHECK(sim.haptic(hand).onHand.force.y == Approx(-0.06 * 9.81).epsilon(0.02));
+}
+
 TEST_CASE("without a body the user's own code reads the hand, which feels nothing")
 {
     Simulation sim;
@@ -147,7 +180,12 @@ TEST_CASE("without a body the user's own code reads the hand, which feels nothin
         const Vec3 p = state.hand.pose.position;
         if (state.state == ServoState::Running) CHECK((p.x == Approx(0.1) && p.z == Approx(0.3)));
     });
+    const HapticId plain =
+        sim.add(HapticInterfaceDef{.name = "plain", .device = device::ScriptedDevice{.motion = dip()}});
+    double plainLowest = 1.0;
+    sim.everyStep([&](double) { plainLowest = std::min(plainLowest, sim.haptic(plain).hand.pose.position.y); });
     sim.run({.headless = true, .steps = 700});
+    CHECK(plainLowest == Approx(-0.02)); // without an origin the device's axes are the scene's
     CHECK(lowest == Approx(0.2 - 2.0 * 0.02));
     CHECK(felt == 0.0);
     CHECK(pressed);

@@ -62,7 +62,6 @@ std::int64_t threadTime()
 
 double timeOfCut(double speed) { return kWay / speed; }
 
-/// The largest number of iterations of any body: every other body of this scene is alone or solved together with it.
 void count(const physics::StepReport& report, double wall, CutTimes& times)
 {
     times.topology.push_back(report.times.topology);

@@ -46,8 +46,8 @@ struct AttachmentDef {
     int element = 0;          ///< [-], in [0, elements of `to`) if `to` is rigid; otherwise 0
     AttachMode mode = AttachMode::Barycentric; ///< the point of `to` that each node is attached to, if `to` is soft
     double breakForce = kNever; ///< [N], in (0, inf]: the attachment breaks if the sum of its nodes' forces is larger
-    /// [-], each in [0, nodes of the mesh of `to`): a seam, nodes[i] is drawn to toNodes[i]. If given: as many as
-    /// `nodes`, `to` is soft, and box, ball and within are empty
+    /// [-], each in [0, nodes of the mesh of `to`): pairs of nodes, nodes[i] is drawn to toNodes[i]. If given: as many
+    /// as `nodes`, `to` is soft, box, ball and within are empty, and the mode does not matter
     std::vector<int> toNodes = {};
 };
 

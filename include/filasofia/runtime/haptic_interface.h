@@ -17,10 +17,10 @@ struct HapticInterfaceDef {
     device::DeviceDef device = device::MouseDevice{};
     double scale = 1.0; ///< [-], in [1e-3, 1e3], metres in the scene per metre of the device
     /// Pose of the device's axes in the scene; the body is where the hand is. If it is not given, the axes are the
-    /// scene's, and the hand's first place is where the body was added.
+    /// scene's, and the hand's first place is where the body was added (without a body: where the device says).
     std::optional<Pose> origin = {};
-    BodyId body = {};              ///< a rigid body; none: the hand moves nothing and feels nothing
-    int element = 0;               ///< [-], >= 0, index in the body; 0 without a body
+    BodyId body = {}; ///< a rigid body, without joints if it is dynamic; none: the hand moves and feels nothing
+    int element = 0;  ///< [-], >= 0, index in the body; 0 without a body
     VirtualCoupling coupling = {}; ///< in the scene
     double forceScale = 1.0;       ///< [-], in [0, 1e3], newtons on the hand per newton in the scene
     /// [N], > 0, on the hand; divided by the force scale, on the body; the device's own limit holds too

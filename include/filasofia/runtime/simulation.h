@@ -105,8 +105,8 @@ public:
 
     BodyId add(physics::SoftBodyDef def);
     BodyId add(physics::RigidBodyDef def);
-    /// Lets a haptic device control a rigid element; call it before a run. The second form takes a driver of the
-    /// caller's in place of the Def's device.
+    /// Lets a haptic device control a rigid element, or only be read; call it before a run. The second form takes a
+    /// driver of the caller's in place of the Def's device.
     HapticId add(const HapticInterfaceDef& def);
     HapticId add(const HapticInterfaceDef& def, std::unique_ptr<device::HapticDevice> own);
     /// The state of a haptic interface now, or at the end of the last run.

@@ -3,7 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/guarded_call.h"
 #include "filasofia/core/real_time.h"
-#include "filasofia/device/limits.h"
+#include "filasofia/device/hand_limits.h"
 
 #include <time.h>
 

@@ -2,7 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/user_file.h"
-#include "filasofia/device/limits.h"
+#include "filasofia/device/hand_limits.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #include "filasofia/device/servo_loop.h"
 
 #include "filasofia/core/validate.h"
-#include "filasofia/device/limits.h"
+#include "filasofia/device/hand_limits.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,6 +10,7 @@
 
 namespace filasofia::mapping {
 
+/// The mean of three vectors with weights of sum 1.
 inline Vec3 mean(const std::array<Vec3, 3>& corners, const std::array<double, 3>& weights)
 {
     return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];

@@ -48,7 +48,7 @@ void logNotice(const std::string& who, const DeviceNotice& notice, bool wasWrong
         logInfo(who, ": it works again");
 }
 
-/// The body that the Def names; nullopt if it names none. Throws an Error if there is no such rigid element.
+/// The body that the Def names; nullopt if it names none. Throws an Error if no hand can hold it.
 std::optional<physics::RigidBodyDef> controlledBody(const HapticInterfaceDef& def,
                                                     const physics::PhysicsServer& physics, const std::string& object)
 {
@@ -61,6 +61,9 @@ std::optional<physics::RigidBodyDef> controlledBody(const HapticInterfaceDef& de
     if (!rigid) fail(object, ": body must be a rigid one, got '", std::get<physics::SoftBodyDef>(*body).name, "'");
     if (def.element >= static_cast<int>(rigid->elements.size()))
         fail(object, ": element must be in [0, ", rigid->elements.size(), "), got ", def.element);
+    if (rigid->dynamic && !rigid->articulation.joints.empty())
+        fail(object, ": body must not be a dynamic one with joints, got '", rigid->name,
+             "'; let the hand hold another body, and attach the base to that");
     return *rigid;
 }
 

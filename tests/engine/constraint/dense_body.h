@@ -10,7 +10,7 @@ namespace filasofia::engine {
 
 /// A body given by any symmetric positive definite matrix over its nodes; contact points are nodes. D is its diagonal
 /// in blocks of three, B is zero or half of the true inverse.
-class DenseBody final : public BodyOperator, public BodyPreconditioner, private CoarseDeflation {
+class DenseBody final : public BodyOperator, public BodyPreconditioner, private DeflationOperator {
 public:
     DenseBody(Eigen::MatrixXd matrix, Eigen::VectorXd right, bool coarse)
         : a(std::move(matrix)), b(std::move(right)), inverse_(a.inverse()), coarse_(coarse)
@@ -56,7 +56,7 @@ public:
         return r_.dot(z_);
     }
     void subtractSmoothed(std::span<const Vec3> impulses) override { z_ -= smoothed(scattered(impulses)); }
-    [[nodiscard]] CoarseDeflation* deflation() override { return coarse_ ? this : nullptr; }
+    [[nodiscard]] DeflationOperator* deflation() override { return coarse_ ? this : nullptr; }
     void read(SolveVector from, std::span<Vec3> out) const override
     {
         const Eigen::VectorXd& vector = from == SolveVector::Direction ? p_ : from == SolveVector::Smoothed ? w_ : z_;

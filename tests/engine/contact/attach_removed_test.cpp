@@ -54,6 +54,29 @@ TEST_CASE("a removed piece is not attached by node numbers, by a region or by th
     CHECK_FALSE(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
 }
 
+TEST_CASE("a pair of nodes of which one is gone is left out, on either side")
+{
+    RemovedScene scene;
+    scene.stage.add(cube(0.03));
+    scene.stage.step(0.0);
+    const int gone = scene.fragmentNode();
+    const auto attach = [&](BodyId body, const physics::AttachmentDef& def) {
+        scene.stage.post(physics::Attach{{++scene.stage.lastAttachment}, body, def});
+        return scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached);
+    };
+    CHECK_FALSE(attach({1}, {.nodes = {gone, 8}, .to = {2}, .toNodes = {0, 1}}));
+    CHECK_FALSE(attach({2}, {.nodes = {0, 1}, .to = {1}, .toNodes = {gone, 8}}));
+    REQUIRE(scene.state().attachments.size() == 2);
+    for (const Attachment& each : scene.state().attachments) REQUIRE(each.pairs.size() == 1);
+    CHECK(scene.state().attachments[0].pairs[0][0].nodes[0].node == 8);
+    CHECK(scene.state().attachments[1].pairs[0][1].nodes[0].node == 8);
+    CHECK(attach({1}, {.nodes = {gone}, .to = {2}, .toNodes = {0}}));
+    CHECK(attach({2}, {.nodes = {0}, .to = {1}, .toNodes = {gone}}));
+    CHECK(scene.state().attachments.size() == 2);
+    REQUIRE(scene.warnings.size() == 2);
+    CHECK_THAT(scene.warnings[0], Catch::Contains("attachment.toNodes: no node is there"));
+}
+
 TEST_CASE("no body is attached to a removed piece: the nearest remaining one is used")
 {
     for (const bool far : {false, true}) {

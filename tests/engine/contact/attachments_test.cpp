@@ -90,23 +90,26 @@ TEST_CASE("nodes attached by Nearest are drawn to the other body's nodes, and by
     }
 }
 
-TEST_CASE("a seam draws each node to its partner, and no other")
+TEST_CASE("pairs of nodes are drawn together, hard or by springs, each node to its partner and no other")
 {
     // Across the gap, but not to the nearest: the corners of the right side, each to the corner diagonally opposite.
     const auto right = nodesOfCube([](Vec3 p) { return p.x > 0.0199; });
     const auto left = nodesOfCube([](Vec3 p) { return p.x < 1e-6; });
-    AttachmentScene scene;
-    scene.stage.add(cube(0.0204));
     const std::vector<int> nodes = {right[0], right[2], right[0]}, toNodes = {left[2], left[0], left[2]};
-    scene.attach({.nodes = nodes, .to = {2}, .toNodes = toNodes});
-    scene.stage.run(1000, 1e-3);
-    CHECK(scene.nodes() == std::vector<int>{right[0], right[2]}); // the pair that was named twice is one
-    for (int i : {0, 1})
-        CHECK(distance(scene.stage.soft(0).x[static_cast<std::size_t>(nodes[i])],
-                       scene.stage.soft(1).x[static_cast<std::size_t>(toNodes[i])]) < 1e-6);
-    CHECK(distance(scene.stage.soft(0).x[static_cast<std::size_t>(right[0])],
-                   scene.stage.soft(1).x[static_cast<std::size_t>(left[0])]) >
-          0.01); // its nearest when it was attached
+    for (const double stiffness : {physics::kHard, 50.0}) {
+        AttachmentScene scene;
+        scene.stage.add(cube(0.0204));
+        scene.attach({.nodes = nodes, .stiffness = stiffness, .to = {2}, .toNodes = toNodes});
+        scene.stage.run(1000, 1e-3);
+        CHECK(scene.nodes() == std::vector<int>{right[0], right[2]}); // the pair that was named twice is one
+        for (int i : {0, 1})
+            CHECK(distance(scene.stage.soft(0).x[static_cast<std::size_t>(nodes[i])],
+                           scene.stage.soft(1).x[static_cast<std::size_t>(toNodes[i])]) <
+                  (stiffness == physics::kHard ? 1e-6 : 1e-3));
+        CHECK(distance(scene.stage.soft(0).x[static_cast<std::size_t>(right[0])],
+                       scene.stage.soft(1).x[static_cast<std::size_t>(left[0])]) >
+              0.01); // its nearest when it was attached
+    }
 }
 
 TEST_CASE("an element without points is attached as a whole and follows the other body")

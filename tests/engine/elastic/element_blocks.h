@@ -79,7 +79,7 @@ struct Elements {
 
     void run()
     {
-        updateElements(elementBlocks, {x, v, kWeights}, output(), {0, blocks});
+        updateElements(elementBlocks, {x, v, kWeights}, {0, blocks}, output());
         multiplyElements(warped, p, floats(products), {0, blocks});
     }
     [[nodiscard]] ElementOutput output() { return {rotations, warped, floats(corners), floats(quaternions)}; }

@@ -158,7 +158,7 @@ TEST_CASE("a run over a range of blocks changes these blocks only")
         randomMotion(random, all);
         Elements some = all;
         all.run();
-        updateElements(some.elementBlocks, {some.x, some.v, kWeights}, some.output(), {1, 4});
+        updateElements(some.elementBlocks, {some.x, some.v, kWeights}, {1, 4}, some.output());
         multiplyElements(some.warped, some.p, Elements::floats(some.products), {2, 3});
         for (int lane = 0; lane < 16 * 5; ++lane) {
             const bool updated = lane / 16 >= 1 && lane / 16 < 4, multiplied = lane / 16 == 2;

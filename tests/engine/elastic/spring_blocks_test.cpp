@@ -39,7 +39,7 @@ struct Springs {
     }
     void run(int begin, int end)
     {
-        updateSprings(springBlocks, {x, v, kWeights}, {matrices, Elements::floats(corners)}, {begin, end});
+        updateSprings(springBlocks, {x, v, kWeights}, {begin, end}, {matrices, Elements::floats(corners)});
         multiplySprings(matrices, p, Elements::floats(products), {begin, end});
     }
     static const float* corner(const NodeArray& array, int lane, int i)

@@ -17,7 +17,7 @@ void checkIndices(const std::string& object, const char* list, std::span<const i
             fail(object, ": ", list, " must be in [", minimum, ", ", count, "), got ", each);
 }
 
-void checkFinite(const std::string& object, const char* list, std::span<const Vec3> values)
+void checkUsable(const std::string& object, const char* list, std::span<const Vec3> values)
 {
     if (!usable(values))
         fail(object, ": ", list, " must be finite and within ", physics::kFarthest, " m of the origin");
@@ -59,7 +59,7 @@ void checkShape(const std::string& object, const CollisionShape& shape)
 {
     if (shape.rest.size() + shape.edges.size() + shape.triangles.size() >= kMaxFeatures)
         fail(object, ": must have < ", kMaxFeatures, " vertices, edges and triangles");
-    checkFinite(object, "rest", shape.rest);
+    checkUsable(object, "rest", shape.rest);
     for (const auto& triangle : shape.triangles) checkIndices(object, "triangles", triangle, shape.rest.size());
     for (const auto& edge : shape.edges) checkIndices(object, "edges", edge, shape.rest.size());
     checkRows(object, "edgeTriangles", shape.edgeTriangles, shape.edges.size(), shape.triangles.size());
@@ -124,7 +124,7 @@ void checkCollision(const std::string& object, const RigidModel& body)
         const std::string field = text(object, ": collision[", m, "]");
         const CollisionShape& shape = checkSurface(field, model);
         checkSize(field, "core", model.core.size(), shape.rest.size());
-        checkFinite(field, "core", model.core);
+        checkUsable(field, "core", model.core);
         checkIndices(field, "element", {&model.element, 1}, body.rest.size());
     }
 }

@@ -47,9 +47,9 @@ public:
 };
 
 /// Columns F of impulses at a body's contact points, which deflate its coarse level B (PatchCorrection).
-class CoarseDeflation {
+class DeflationOperator {
 public:
-    virtual ~CoarseDeflation() = default;
+    virtual ~DeflationOperator() = default;
     virtual void clear() = 0;
     virtual void addColumn(std::span<const Vec3> impulses) = 0;         ///< [N s] at the contact points
     virtual void finish() = 0;                                          ///< computes B F from all columns
@@ -67,8 +67,8 @@ public:
     /// z = w + B (s - F shares), with the coefficients `shares` of the deflation columns, if there are any. Returns r .
     /// z.
     virtual double applyCoarse(std::span<const double> shares) = 0;
-    virtual void subtractSmoothed(std::span<const Vec3> impulses) = 0;     ///< z -= D^-1 impulses
-    [[nodiscard]] virtual CoarseDeflation* deflation() { return nullptr; } ///< null if B cannot be deflated
+    virtual void subtractSmoothed(std::span<const Vec3> impulses) = 0;       ///< z -= D^-1 impulses
+    [[nodiscard]] virtual DeflationOperator* deflation() { return nullptr; } ///< null if B cannot be deflated
 };
 
 /// A body of a coupled solve.

@@ -21,14 +21,14 @@ struct Motion {
     std::vector<Vec3> impulse; ///< [N s] M u
 };
 
-Vec3 positionOf(const ConstraintRow& row) { return row.constraint->sides[0].position; }
+Vec3 rowPosition(const ConstraintRow& row) { return row.constraint->sides[0].position; }
 
 std::size_t bodyOf(std::span<const int> first, int point)
 {
     return static_cast<std::size_t>(std::ranges::upper_bound(first, point) - first.begin()) - 1;
 }
 
-CoarseDeflation* deflationOf(const CoupledBody& body) { return body.preconditioner->deflation(); }
+DeflationOperator* deflationOf(const CoupledBody& body) { return body.preconditioner->deflation(); }
 
 std::vector<Patch> findPatches(std::span<const CoupledBody> bodies, std::span<const int> first,
                                const ConstraintRows& rows, std::span<const Mat3> filters)
@@ -60,8 +60,8 @@ void addMotions(const Patch& patch, const ConstraintRows& rows, std::span<const 
     Vec3 middle;
     double radius = 0.0;
     for (std::size_t c : patch.members)
-        middle += 1.0 / static_cast<double>(patch.members.size()) * positionOf(rows.list[c]);
-    for (std::size_t c : patch.members) radius = std::max(radius, length(positionOf(rows.list[c]) - middle));
+        middle += 1.0 / static_cast<double>(patch.members.size()) * rowPosition(rows.list[c]);
+    for (std::size_t c : patch.members) radius = std::max(radius, length(rowPosition(rows.list[c]) - middle));
     for (int k = 0; k < (radius > 0.0 ? 6 : 3); ++k) {
         Motion motion;
         motion.patch = &patch;
@@ -69,7 +69,7 @@ void addMotions(const Patch& patch, const ConstraintRows& rows, std::span<const 
         axis[k % 3] = 1.0;
         double resisted = 0.0;
         for (std::size_t c : patch.members) {
-            const Vec3 u = k < 3 ? axis : 1.0 / radius * cross(axis, positionOf(rows.list[c]) - middle);
+            const Vec3 u = k < 3 ? axis : 1.0 / radius * cross(axis, rowPosition(rows.list[c]) - middle);
             motion.u.push_back(inFrame(rows.list[c].constraint->frame, u));
             motion.impulse.push_back(filters[c] * motion.u.back());
             resisted += dot(motion.u.back(), motion.impulse.back());
@@ -105,7 +105,7 @@ void PatchCorrection::make(std::span<const CoupledBody> bodies, std::span<const 
 {
     clear();
     for (const CoupledBody& body : bodies)
-        if (CoarseDeflation* deflation = deflationOf(body)) deflation->clear();
+        if (DeflationOperator* deflation = deflationOf(body)) deflation->clear();
     const std::vector<Patch> patches = findPatches(bodies, first, rows, filters);
     std::vector<Motion> motions;
     for (const Patch& patch : patches) addMotions(patch, rows, filters, motions);
@@ -122,7 +122,7 @@ void PatchCorrection::make(std::span<const CoupledBody> bodies, std::span<const 
                 matrix[i * size + j] += dot(motions[i].u[m], motions[j].impulse[m]);
         columnOf(motions[i], rows, column);
         const auto addTo = [&](std::size_t b) {
-            CoarseDeflation* deflation = deflationOf(bodies[b]);
+            DeflationOperator* deflation = deflationOf(bodies[b]);
             if (!deflation) return;
             deflation->addColumn(std::span(column).subspan(static_cast<std::size_t>(first[b]),
                                                            static_cast<std::size_t>(first[b + 1] - first[b])));

@@ -213,19 +213,19 @@ AttachedPairs paired(std::vector<AttachedPoint> first, std::vector<AttachedPoint
 }
 
 /// Pairs of nodes, without those of removed pieces.
-AttachedPairs seamOf(const physics::AttachmentDef& def, std::size_t body, const Scene& scene)
+AttachedPairs nodePairsOf(const physics::AttachmentDef& def, std::size_t body, const Scene& scene)
 {
     const std::vector<char> there = nodesThere(scene.soft[body].model);
     const std::vector<char> toThere = nodesThere(scene.soft[findBody(scene, def.to)->index].model);
-    std::vector<std::pair<int, int>> seam;
+    std::vector<std::pair<int, int>> numbers;
     for (std::size_t i = 0; i < def.nodes.size(); ++i) {
         const int node = def.nodes[i], other = def.toNodes[i];
         if (there[static_cast<std::size_t>(node)] && toThere[static_cast<std::size_t>(other)])
-            seam.emplace_back(node, other);
+            numbers.emplace_back(node, other);
     }
-    sortUnique(seam);
+    sortUnique(numbers);
     AttachedPairs pairs;
-    for (const auto& [node, other] : seam)
+    for (const auto& [node, other] : numbers)
         pairs.push_back({{{.nodes = {{node, 1.0}}, .place = {}}, {.nodes = {{other, 1.0}}, .place = {}}}});
     return pairs;
 }
@@ -246,7 +246,7 @@ std::vector<int> nodesOf(const physics::AttachmentDef& def, std::span<const Vec3
 
 AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const Scene& scene)
 {
-    if (!def.toNodes.empty()) return seamOf(def, body, scene);
+    if (!def.toNodes.empty()) return nodePairsOf(def, body, scene);
     const std::vector<Vec3>& x = scene.soft[body].state.x;
     std::vector<int> nodes = nodesOf(def, x);
     if (def.within || (def.nodes.empty() && !def.box && !def.ball)) {

@@ -146,8 +146,8 @@ HWY_INLINE void warpedStress(const M3& h, V ratio, V turning, const V3 (&b)[3], 
     for (int k = 0; k < 3; ++k) out[k] = {dot({xx, xy, xz}, b[k]), dot({yx, yy, yz}, b[k]), dot({zx, zy, zz}, b[k])};
 }
 
-HWY_ATTR void updateElementBlocks(std::span<const ElementBlock> all, const BlockInput& input,
-                                  const ElementOutput& output, linalg::Blocks blocks)
+HWY_ATTR void updateElementBlocks(std::span<const ElementBlock> all, const BlockInput& input, linalg::Blocks blocks,
+                                  const ElementOutput& output)
 {
     const ElementBlock* HWY_RESTRICT elements = all.data();
     const float *HWY_RESTRICT x = input.x.data(), *HWY_RESTRICT v = input.v.data();
@@ -239,8 +239,8 @@ HWY_INLINE V3 symmetricTimes(const V (&m)[6], V3 a)
     return {dot({m[0], m[1], m[2]}, a), dot({m[1], m[3], m[4]}, a), dot({m[2], m[4], m[5]}, a)};
 }
 
-HWY_ATTR void updateSpringBlocks(std::span<const SpringBlock> all, const BlockInput& input, const SpringOutput& output,
-                                 linalg::Blocks blocks)
+HWY_ATTR void updateSpringBlocks(std::span<const SpringBlock> all, const BlockInput& input, linalg::Blocks blocks,
+                                 const SpringOutput& output)
 {
     const SpringBlock* HWY_RESTRICT springs = all.data();
     const float *HWY_RESTRICT x = input.x.data(), *HWY_RESTRICT v = input.v.data();
@@ -308,10 +308,10 @@ HWY_EXPORT(multiplyElementBlocks);
 HWY_EXPORT(updateSpringBlocks);
 HWY_EXPORT(multiplySpringBlocks);
 
-void updateElements(std::span<const ElementBlock> elements, const BlockInput& input, const ElementOutput& output,
-                    linalg::Blocks blocks)
+void updateElements(std::span<const ElementBlock> elements, const BlockInput& input, linalg::Blocks blocks,
+                    const ElementOutput& output)
 {
-    HWY_DYNAMIC_DISPATCH(updateElementBlocks)(elements, input, output, blocks);
+    HWY_DYNAMIC_DISPATCH(updateElementBlocks)(elements, input, blocks, output);
 }
 
 void multiplyElements(std::span<const WarpedBlock> warped, const linalg::NodeArray& p, std::span<float> corners,
@@ -320,10 +320,10 @@ void multiplyElements(std::span<const WarpedBlock> warped, const linalg::NodeArr
     HWY_DYNAMIC_DISPATCH(multiplyElementBlocks)(warped.data(), p.data(), corners.data(), blocks);
 }
 
-void updateSprings(std::span<const SpringBlock> springs, const BlockInput& input, const SpringOutput& output,
-                   linalg::Blocks blocks)
+void updateSprings(std::span<const SpringBlock> springs, const BlockInput& input, linalg::Blocks blocks,
+                   const SpringOutput& output)
 {
-    HWY_DYNAMIC_DISPATCH(updateSpringBlocks)(springs, input, output, blocks);
+    HWY_DYNAMIC_DISPATCH(updateSpringBlocks)(springs, input, blocks, output);
 }
 
 void multiplySprings(std::span<const SpringMatrixBlock> matrices, const linalg::NodeArray& p, std::span<float> corners,

@@ -78,16 +78,16 @@ struct SpringOutput {
 };
 
 /// One pass over these blocks.
-void updateElements(std::span<const ElementBlock> elements, const BlockInput& input, const ElementOutput& output,
-                    linalg::Blocks blocks);
+void updateElements(std::span<const ElementBlock> elements, const BlockInput& input, linalg::Blocks blocks,
+                    const ElementOutput& output);
 
 /// corners = stiffness * K p, with the stiffness weight that updateElements was given.
 void multiplyElements(std::span<const WarpedBlock> warped, const linalg::NodeArray& p, std::span<float> corners,
                       linalg::Blocks blocks);
 
 /// The same for springs.
-void updateSprings(std::span<const SpringBlock> springs, const BlockInput& input, const SpringOutput& output,
-                   linalg::Blocks blocks);
+void updateSprings(std::span<const SpringBlock> springs, const BlockInput& input, linalg::Blocks blocks,
+                   const SpringOutput& output);
 void multiplySprings(std::span<const SpringMatrixBlock> matrices, const linalg::NodeArray& p, std::span<float> corners,
                      linalg::Blocks blocks);
 

@@ -6,7 +6,7 @@
 namespace filasofia::engine {
 
 /// The body operator of a matrix-free body, for coupled solves.
-class MatrixFreeOperator final : public BodyOperator, public BodyPreconditioner, private CoarseDeflation {
+class MatrixFreeOperator final : public BodyOperator, public BodyPreconditioner, private DeflationOperator {
 public:
     explicit MatrixFreeOperator(MatrixFreeSystem& system);
 
@@ -25,7 +25,7 @@ public:
     void smooth() override;
     double applyCoarse(std::span<const double> shares) override;
     void subtractSmoothed(std::span<const Vec3> impulses) override;
-    [[nodiscard]] CoarseDeflation* deflation() override { return system_.coarseNodes() > 0 ? this : nullptr; }
+    [[nodiscard]] DeflationOperator* deflation() override { return system_.coarseNodes() > 0 ? this : nullptr; }
 
 private:
     void clear() override { system_.preconditioner_.clearColumns(); }

@@ -98,8 +98,8 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
     const BlockInput input{x_, v_, blockWeights};
     const ElementOutput elementOutput{state.rotations, warped_, elementCorners, quaternions};
     const SpringOutput springOutput{springMatrices_, springCorners};
-    pool.run(elements.count(), [&](int part) { updateElements(elements_, input, elementOutput, elements[part]); });
-    pool.run(springs.count(), [&](int part) { updateSprings(springs_, input, springOutput, springs[part]); });
+    pool.run(elements.count(), [&](int part) { updateElements(elements_, input, elements[part], elementOutput); });
+    pool.run(springs.count(), [&](int part) { updateSprings(springs_, input, springs[part], springOutput); });
     size_ = linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
         if (implicit && !elements_.empty()) averageRotations(turns_, quaternions, preconditioner_.rotations(), blocks);
         return gatherForces({gather_, corners, asFloat(dt * rayleigh.mass), masses_, diagonal_}, v_, residual_, blocks);
