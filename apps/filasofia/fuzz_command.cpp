@@ -108,7 +108,8 @@ int fuzz(const FuzzCommandOptions& options)
 
 Command fuzzCommand()
 {
-    static FuzzCommandOptions options; // static: there is one command line, and its targets must outlive this function
+    // Static: there is one command line, and its targets must outlive this function.
+    static FuzzCommandOptions options;
     return {.name = "fuzz",
             .meaning = "Make random changes and check all invariants after each",
             .options = {{"WHAT", &options.what, "cut: cuts and tears of small bodies", "", {}, true},

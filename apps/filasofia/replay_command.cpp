@@ -85,8 +85,8 @@ int replayFile(ReplayCommandOptions& options)
 
 Command replayCommand()
 {
-    static ReplayCommandOptions
-        options; // static: there is one command line, and its targets must outlive this function
+    // Static: there is one command line, and its targets must outlive this function.
+    static ReplayCommandOptions options;
     return {.name = "replay",
             .meaning = "Replay a recorded run as fast as possible",
             .options = {{"RECORDING", &options.replay.file, "A file written by run --record FILE", "FILE", {}, true},

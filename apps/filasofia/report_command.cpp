@@ -107,8 +107,8 @@ int report(ReportCommandOptions options)
 
 Command reportCommand()
 {
-    static ReportCommandOptions
-        options; // static: there is one command line, and its targets must outlive this function
+    // Static: there is one command line, and its targets must outlive this function.
+    static ReportCommandOptions options;
     return {
         .name = "report",
         .meaning = "Measure a session and write an instructor's report: a page, JSON, CSV",

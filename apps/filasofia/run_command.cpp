@@ -72,7 +72,8 @@ int runScene(RunCommandOptions& options)
 
 Command runCommand()
 {
-    static RunCommandOptions options; // static: there is one command line, and its targets must outlive this function
+    // Static: there is one command line, and its targets must outlive this function.
+    static RunCommandOptions options;
     return {.name = "run",
             .meaning = "Run a scene in a window (Space pauses, Escape ends; more below), or headless",
             .options =

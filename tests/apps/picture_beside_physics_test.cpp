@@ -69,8 +69,8 @@ Ratios measure(int steps, std::mutex* shared = nullptr)
                               if (!frame || !isHeavy(frame->step)) return;
                               std::unique_lock<std::mutex> lock;
                               if (shared) lock = std::unique_lock<std::mutex>(*shared);
-                              burn(
-                                  std::chrono::milliseconds(100)); // with 25 ms a loaded machine measured 2.97, not > 3
+                              // With 25 ms a loaded machine once measured a ratio of 2.97, not > 3.
+                              burn(std::chrono::milliseconds(100));
                           }});
     });
     if (shared) sim.everyStep([&](double) { const std::lock_guard<std::mutex> lock(*shared); });

@@ -82,7 +82,8 @@ double rounded(double value, double digits) { return std::round(value * digits) 
 
 Command benchCommand()
 {
-    static BenchCommandOptions options; // static: there is one command line, and its targets must outlive this function
+    // Static: there is one command line, and its targets must outlive this function.
+    static BenchCommandOptions options;
     return {
         .name = "bench",
         .meaning = "Measure, print a table and write JSON",

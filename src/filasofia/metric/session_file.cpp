@@ -9,7 +9,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <span>
 
 namespace filasofia::metric {
@@ -263,8 +262,7 @@ private:
     {
         double numbers[kNumbers];
         if (!json.is_array() || json.size() > kNumbers) wrong("a sample must have 7, 11 or 14 numbers");
-        for (std::size_t i = 0; i < json.size(); ++i)
-            numbers[i] = json[i].is_null() ? std::numeric_limits<double>::quiet_NaN() : number(json[i], "s");
+        for (std::size_t i = 0; i < json.size(); ++i) numbers[i] = json[i].is_null() ? kNan : number(json[i], "s");
         const auto sample = sampleOf(when, std::span(numbers, json.size()));
         if (!sample) wrong("a sample must have 7, 11 or 14 numbers, of which the eleventh is the number of contacts");
         return *sample;

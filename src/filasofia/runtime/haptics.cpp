@@ -150,7 +150,6 @@ HapticId Haptics::add(const HapticInterfaceDef& def, std::unique_ptr<device::Hap
     made->scale = def.scale;
     made->origin = def.origin.value_or(Pose{});
     made->origin.orientation = normalized(made->origin.orientation);
-    made->placed = def.origin || !rigid;
     static_cast<void>(device::ServoLoop(made->servoDef(def.rate, 1e-3)));
     interfaces_.push_back(std::move(made));
     return interfaces_.back()->id;

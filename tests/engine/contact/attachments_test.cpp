@@ -106,9 +106,9 @@ TEST_CASE("pairs of nodes are drawn together, hard or by springs, each node to i
             CHECK(distance(scene.stage.soft(0).x[static_cast<std::size_t>(nodes[i])],
                            scene.stage.soft(1).x[static_cast<std::size_t>(toNodes[i])]) <
                   (stiffness == physics::kHard ? 1e-6 : 1e-3));
+        // left[0] was the nearest node to right[0] when that was attached.
         CHECK(distance(scene.stage.soft(0).x[static_cast<std::size_t>(right[0])],
-                       scene.stage.soft(1).x[static_cast<std::size_t>(left[0])]) >
-              0.01); // its nearest when it was attached
+                       scene.stage.soft(1).x[static_cast<std::size_t>(left[0])]) > 0.01);
     }
 }
 

@@ -177,8 +177,8 @@ std::vector<double> inverseDynamics(const MovingTree& moving, Vec3 gravity, std:
     for (std::size_t link = 0; link < moving.masses.size(); ++link) {
         const LinkMass& body = moving.masses[link];
         if (body.mass == 0.0) continue;
-        const Vec3 arm = body.centre - moving.poses[link].position, w = velocity[link].angular,
-                   a = acceleration[link].angular;
+        const Vec3 arm = body.centre - moving.poses[link].position;
+        const Vec3 w = velocity[link].angular, a = acceleration[link].angular;
         const Vec3 ofCentre = acceleration[link].linear + cross(a, arm) + cross(w, cross(w, arm));
         const Vec3 force = body.mass * (ofCentre - gravity);
         const Vec3 torque = body.inertia * a + cross(w, body.inertia * w);
