@@ -94,7 +94,7 @@ TEST_CASE("a file that is not a recording is refused as such")
     CHECK(refusal("") == ": must be a recording, got an empty file");
     for (const char* bytes :
          {"\n", "step,time\n1,2\n", "[1]\n", "{}\n", "{\"format\":\"something else\",\"version\":1}\n",
-          "filasofia recording, version x\n", "filasofia recording, version 5", "{{{{{{{{"})
+          "filasofia recording, version x\n", "filasofia recording, version 6", "{{{{{{{{"})
         CHECK_THAT(refusal(bytes),
                    Catch::StartsWith(": this is not a Filasofia recording") || Catch::StartsWith(": cut off at byte "));
     CHECK(refusal("filasofia rec") == ": cut off at byte 13, before the header of the recording");
@@ -110,9 +110,9 @@ TEST_CASE("a file that is not a recording is refused as such")
 TEST_CASE("a recording of another version is refused with that version and, if known, the program that wrote it")
 {
     CHECK(refusal("filasofia recording, version 12\n???") ==
-          ": the recording has version 12, but this Filasofia reads version 5");
+          ": the recording has version 12, but this Filasofia reads version 6");
     CHECK(refusal(R"({"format":"filasofia recording","version":3,"filasofia":"0.1.0","revision":"abc"})"
-                  "\n") == ": the recording has version 3, but this Filasofia reads version 5; Filasofia "
+                  "\n") == ": the recording has version 3, but this Filasofia reads version 6; Filasofia "
                            "0.1.0, revision abc, wrote it and can replay it");
 }
 

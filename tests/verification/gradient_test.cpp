@@ -4,14 +4,11 @@ namespace gradient_test {
 
 using namespace filasofia;
 using namespace filasofia::engine;
+using namespace filasofia::physics;
 
 namespace {
 
-double elementEnergy(const FemElement& element, const Corners& x)
-{
-    const Mat3 f = gradient(element, x);
-    return corotationalEnergy(element, f, nearestRotation(f));
-}
+double elementEnergy(const FemElement& element, const Corners& x) { return energyOf(Corotational{}, element, x); }
 
 /// The largest error of the element's forces against central differences of its energy, relative to the forces, over
 /// random deformations; if `inverted`, only over those that invert it.

@@ -27,15 +27,15 @@ template <class Map> Matrix12 matrixOf(Map&& map)
 Matrix12 exactTangent(const FemElement& element, const Mat3& f)
 {
     const Mat3 r = nearestRotation(f);
-    return -matrixOf([&](const Corners& dx) { return exactForceChange(element, f, r, dx); });
+    return matrixOf([&](const Corners& dx) {
+        return internalForces(element, exactCorotationalChange(lameOf(element), {f, r}, gradient(element, dx)));
+    });
 }
 
 Matrix12 warpedTangent(const FemElement& element, const Mat3& f)
 {
     const Mat3 r = nearestRotation(f);
-    return matrixOf([&](const Corners& dx) {
-        return warpedStiffnessTimes(element, {lame(element.youngModulus, element.poissonRatio)}, r, dx);
-    });
+    return matrixOf([&](const Corners& dx) { return stiffnessTimes(WarpedTangent{lameOf(element), r}, element, dx); });
 }
 
 Matrix12 differences(const FemElement& element, const Corners& x)
@@ -109,7 +109,7 @@ TEST_CASE("in tension the warped tangent with its geometric part is never less t
         const Lame material = lame(element.youngModulus, element.poissonRatio);
         const Mat3 f = toMat3(randomRotation(random)) * (Mat3::identity() + randomMat3(random, 1.0));
         const Mat3 r = nearestRotation(f), s = transposeTimes(r, f);
-        const double turning = geometricStiffness(material, f, r);
+        const double turning = geometricStiffness(material, {f, r});
         if (!(determinant(f) > 0.0 && trace(s) - 3.0 > kTense &&
               material.lambda * (trace(s) - 3.0) > 2.0 * material.mu)) {
             CHECK((turning == 0.0 || determinant(f) < 0.0));
@@ -118,7 +118,7 @@ TEST_CASE("in tension the warped tangent with its geometric part is never less t
         ++tense;
         const Matrix12 exact = exactTangent(element, f), warped = warpedTangent(element, f);
         const Matrix12 whole = matrixOf([&](const Corners& dx) {
-            return warpedStiffnessTimes(element, {material, turning}, r, dx);
+            return stiffnessTimes(WarpedTangent{material, r, turning}, element, dx);
         });
         const auto least = [&](const Matrix12& m) {
             return Eigen::SelfAdjointEigenSolver<Matrix12>(m).eigenvalues()[0] / exact.norm();

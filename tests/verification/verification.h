@@ -4,6 +4,7 @@
 #include "filasofia/engine/scene/each_body.h"
 #include "filasofia/math/polar.h"
 
+#include "engine/elastic/laws.h"
 #include "engine/stage.h"
 
 #include <iostream>
@@ -59,12 +60,11 @@ inline Mat3 nearestRotation(const Mat3& f) { return toMat3(polarRotation(f, {}))
 
 inline Corners elementForces(const FemElement& element, const Corners& x)
 {
-    const Mat3 f = gradient(element, x);
-    return corotationalForces(element, f, nearestRotation(f));
+    return forcesOf(physics::Corotational{}, element, x);
 }
 
 /// Finds where a body of elements is at rest under `loads` [N]; pinned nodes stay where x has them. Newton's method on
-/// the forces with the warped stiffness, each step solved by Cholesky, until a correction is computed from a residual
+/// the forces with the step's tangent, each step solved by Cholesky, until a correction is computed from a residual
 /// below `tolerance` times the first.
 inline void solveStatic(const SoftModel& model, std::span<const Vec3> loads, std::vector<Vec3>& x,
                         double tolerance = 1e-13)
@@ -81,21 +81,19 @@ inline void solveStatic(const SoftModel& model, std::span<const Vec3> loads, std
         system.matrix.setZero();
         for (std::size_t e = 0; e < model.elements.size(); ++e) {
             const FemElement& element = model.elements[e];
-            Corners corners, rotated;
+            Corners corners;
             for (std::size_t i = 0; i < 4; ++i) corners[i] = x[element.nodes[i]];
             const Mat3 f = gradient(element, corners);
             rotations[e] = polarRotation(f, rotations[e]);
-            const Mat3 r = toMat3(rotations[e]);
-            const Corners forces = corotationalForces(element, f, r);
-            for (std::size_t i = 0; i < 4; ++i) {
-                residual[element.nodes[i]] += forces[i];
-                rotated[i] = r * element.gradients[i];
-            }
-            const Lame material = lame(element.youngModulus, element.poissonRatio);
+            const Deformation at{f, toMat3(rotations[e])};
+            const Corners forces = internalForces(element, stressAt(model.law, lameOf(element), at));
+            for (std::size_t i = 0; i < 4; ++i) residual[element.nodes[i]] -= forces[i];
+            const ElementTangent tangent = tangentAt(model.law, lameOf(element), at, 0.0);
             for (int i = 0; i < 4; ++i)
                 for (int j = 0; j < 4; ++j)
                     if (const int p = system.elementBlocks[e][4 * i + j]; p >= 0)
-                        system.matrix.block(p) += warpedStiffnessBlock(rotated, {material}, element.volume, i, j);
+                        system.matrix.block(p) +=
+                            element.volume * stiffnessBlock(tangent, element.gradients[i], element.gradients[j]);
         }
         double size = 0.0;
         for (std::size_t i = 0; i < x.size(); ++i) {

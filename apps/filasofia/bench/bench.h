@@ -35,6 +35,10 @@ nlohmann::json benchBunny(double seconds, bool quick);
 /// double-precision reference solver. If `quick`, only the small meshes are measured, with fewer steps.
 nlohmann::json benchSolver(bool quick);
 
+/// A step's cost by elastic law and mesh size, each law relative to the corotational one, with the error. If `quick`,
+/// only the small meshes are measured, with fewer repetitions.
+nlohmann::json benchLaws(bool quick);
+
 /// A step's cost with bodies in contact, detection and response apart, relative to a step of the same bodies without
 /// contact. If `quick`, only the smallest meshes are measured, with fewer steps.
 nlohmann::json benchContact(bool quick);

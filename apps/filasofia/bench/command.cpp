@@ -27,10 +27,10 @@ constexpr double kQuickSeconds = 2.0; ///< [s] wall time per run of haptics if -
 /// Rejects options that do not fit the scene.
 void checkOptions(const BenchCommandOptions& options)
 {
-    if (options.scene != "bunny" && options.scene != "solver" && options.scene != "contact" && options.scene != "cut" &&
-        options.scene != "haptics" && options.scene != "visual")
+    if (options.scene != "bunny" && options.scene != "solver" && options.scene != "laws" &&
+        options.scene != "contact" && options.scene != "cut" && options.scene != "haptics" && options.scene != "visual")
         fail("bench: unknown scene '", shortened(options.scene),
-             "'; known are bunny, solver, contact, cut, haptics and visual");
+             "'; known are bunny, solver, laws, contact, cut, haptics and visual");
     if (!std::isnan(options.seconds) && options.scene != "bunny" && options.scene != "haptics")
         fail("bench: --seconds applies to bunny and haptics only; ", options.scene, " makes a fixed number of steps");
     if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak applies to contact only");
@@ -40,6 +40,7 @@ void checkOptions(const BenchCommandOptions& options)
 json measure(const BenchCommandOptions& options)
 {
     if (options.scene == "solver") return benchSolver(options.quick);
+    if (options.scene == "laws") return benchLaws(options.quick);
     if (options.scene == "cut") return benchCut(options.quick);
     if (options.scene == "visual") return benchVisual(options.quick);
     const double seconds = std::isnan(options.seconds) ? kSeconds : options.seconds;
@@ -87,34 +88,35 @@ Command benchCommand()
     return {
         .name = "bench",
         .meaning = "Measure, print a table and write JSON",
-        .options =
-            {{"SCENE",
-              &options.scene,
-              "bunny: the paper's table of tetrahedra x subdivision; solver: cost of a step; contact: cost of a step "
-              "with bodies in contact; cut: cost of a step while a blade cuts; haptics: evenness of the haptic "
-              "servo; visual: cost of a picture",
-              "",
-              {},
-              true},
-             {"--json", &options.file, "Write every figure to this file", "FILE"},
-             {.name = "--seconds",
-              .target = &options.seconds,
-              .meaning = "Wall time of each cell of bunny and of each run of haptics",
-              .type = "S",
-              .bound = {openClosed(0, 3600), "s"},
-              .standard = text(kSeconds)},
-             {.name = "--soak",
-              .target = &options.soak,
-              .meaning = "contact only: instead of the costs, run random tool motions for this many simulated minutes",
-              .type = "MIN",
-              .bound = {openClosed(0, 600), "min"},
-              .standard = "none"},
-             {.name = "--seed",
-              .target = &options.seed,
-              .meaning = "Seed of the random tool motions of --soak",
-              .type = "N",
-              .bound = {closed(0, 1000000), "-"}},
-             {"--quick", &options.quick, "Measure only the smallest meshes"}},
+        .options = {{"SCENE",
+                     &options.scene,
+                     "bunny: the paper's table of tetrahedra x subdivision; solver: cost of a step; laws: the same by "
+                     "elastic law; contact: cost of a step "
+                     "with bodies in contact; cut: cost of a step while a blade cuts; haptics: evenness of the haptic "
+                     "servo; visual: cost of a picture",
+                     "",
+                     {},
+                     true},
+                    {"--json", &options.file, "Write every figure to this file", "FILE"},
+                    {.name = "--seconds",
+                     .target = &options.seconds,
+                     .meaning = "Wall time of each cell of bunny and of each run of haptics",
+                     .type = "S",
+                     .bound = {openClosed(0, 3600), "s"},
+                     .standard = text(kSeconds)},
+                    {.name = "--soak",
+                     .target = &options.soak,
+                     .meaning =
+                         "contact only: instead of the costs, run random tool motions for this many simulated minutes",
+                     .type = "MIN",
+                     .bound = {openClosed(0, 600), "min"},
+                     .standard = "none"},
+                    {.name = "--seed",
+                     .target = &options.seed,
+                     .meaning = "Seed of the random tool motions of --soak",
+                     .type = "N",
+                     .bound = {closed(0, 1000000), "-"}},
+                    {"--quick", &options.quick, "Measure only the smallest meshes"}},
         .run = [] { return bench(options); }};
 }
 

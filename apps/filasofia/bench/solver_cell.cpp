@@ -253,7 +253,9 @@ std::vector<SolverErrors> solverErrors(const SolverMesh& mesh, int steps)
 
 std::vector<StiffRun> stiffRuns(const SolverMesh& mesh, int steps)
 {
-    constexpr std::array<physics::FemMaterial, 3> materials{{{1e6, 0.45}, {10e3, 0.49}, {1e6, 0.49}}};
+    const std::array<physics::FemMaterial, 3> materials{{{.youngModulus = 1e6, .poissonRatio = 0.45},
+                                                         {.youngModulus = 10e3, .poissonRatio = 0.49},
+                                                         {.youngModulus = 1e6, .poissonRatio = 0.49}}};
     std::vector<Job> jobs;
     std::vector<StiffRun> all;
     for (double dt : kSolverSteps)

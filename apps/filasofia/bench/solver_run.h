@@ -15,7 +15,7 @@ inline constexpr Vec3 kSolverGravity{0.0, -9.81, 0.0};
 
 physics::SoftBodyDef solverBunny(std::shared_ptr<const geometry::TetMesh> mesh, Hold hold,
                                  const physics::Solver& solver = physics::ConjugateGradient{},
-                                 const physics::FemMaterial& material = {10e3, 0.45});
+                                 const physics::FemMaterial& material = {.youngModulus = 10e3, .poissonRatio = 0.45});
 
 /// Makes steps of `dt` [s] from rest.
 class SolverRun {

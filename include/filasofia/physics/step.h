@@ -25,6 +25,7 @@ enum class StepFlag : std::uint32_t {
     Damped = 1u << 8,       ///< a restored body repeated its step from rest, heavily damped, and the result was finite
     OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance: the body lost some speed
     NothingAttached = 1u << 10, ///< an attachment found no node, or a grasp no contact: the log says which
+    Inverted = 1u << 11,        ///< elements were inside out at the start of the step (StepReport::inverted)
 };
 
 /// How one body's step was solved. Bodies that are in contact or attached to each other are solved together: they have
@@ -44,6 +45,15 @@ struct StageTimes {
     double assemble = 0.0; ///< rotations, forces, stiffness
     double advance = 0.0;  ///< the solve, and moving the nodes
     double topology = 0.0; ///< cuts and tears, and the updates that follow
+};
+
+/// The elements that were inside out (det F <= 0) at the start of a step, in all FEM bodies.
+struct InvertedElements {
+    int count = 0;
+    BodyId body = {};    ///< the body of the worst of them
+    int element = -1;    ///< the worst, an index of that body's elements in the frame
+    double volume = 1.0; ///< [-] det F of the worst: its volume over that at rest
+    Vec3 place = {};     ///< [m] its centre
 };
 
 /// Statistics of the contacts of a step.
@@ -117,6 +127,7 @@ struct StepReport {
     /// Per soft body, in the order of their ids; then per group of rigid bodies solved among themselves.
     std::vector<BodySolve> solves = {};
     ContactReport contacts = {};
+    InvertedElements inverted = {};
     TopologyReport topology = {};
     StageTimes times = {};
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/core/fields.h"
+#include "filasofia/physics/step.h"
 #include "filasofia/runtime/timing.h"
 #include "filasofia/visual/visual_server.h"
 
@@ -77,11 +78,14 @@ struct RunReport {
     std::uint64_t damped = 0;
     std::uint64_t notConverged = 0; ///< [-], steps in which a solver reached its iteration limit
     std::uint64_t outOfTime = 0;    ///< [-], steps in which a solver stopped at the deadline (StepFlag::OutOfTime)
-    bool realTime = false;          ///< physics was scheduled before ordinary threads
-    std::string finished;           ///< why it ended
-    std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
-    std::vector<std::string> bluntBlades;    ///< one line per blade that touched a soft body without dynamicTopology
-    std::vector<std::string> pictures;       ///< files written, including the video
+    std::uint64_t inverted = 0;     ///< [-], steps that began with elements inside out (StepFlag::Inverted)
+    physics::InvertedElements worstInverted = {}; ///< of the step with the most of them
+    std::string worstInvertedBody = {};           ///< the name of its body
+    bool realTime = false;                        ///< physics was scheduled before ordinary threads
+    std::string finished;                         ///< why it ended
+    std::vector<ContactPairReport> contacts;      ///< one per pair of bodies that touched, ascending by their ids
+    std::vector<std::string> bluntBlades; ///< one line per blade that touched a soft body without dynamicTopology
+    std::vector<std::string> pictures;    ///< files written, including the video
     /// why log or recording end before the run, or a screenshot is missing; empty: all are complete
     std::vector<std::string> fileProblems;
 };

@@ -48,6 +48,7 @@ void check(const SoftBodyDef& def)
     const double threshold = std::visit([](const auto& each) { return each.tearingThreshold; }, def.material);
     if (threshold < std::numeric_limits<double>::infinity() && !def.dynamicTopology)
         fail(object, ": material.tearingThreshold must be infinite without dynamicTopology, got ", threshold, " Pa");
+    if (const auto* fem = std::get_if<FemMaterial>(&def.material)) check(fem->law, object + ": material.law");
 }
 
 void check(const RigidBodyDef& def)

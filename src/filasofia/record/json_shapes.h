@@ -25,7 +25,7 @@ using Mesh = std::variant<TetMesh, TriangleMesh>; ///< on a line of its own, ref
 template <class T>
 concept IsMeshSource = std::is_same_v<T, physics::TetMeshSource> || std::is_same_v<T, physics::TriangleMeshSource>;
 
-inline constexpr int kVersion = 5;
+inline constexpr int kVersion = 6;
 inline constexpr const char* kInfinite = "infinite";
 inline constexpr const char* kMinusInfinite = "-infinite";
 

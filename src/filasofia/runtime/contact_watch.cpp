@@ -6,7 +6,6 @@
 #include <algorithm>
 
 namespace filasofia::runtime {
-namespace {
 
 std::string nameOf(BodyId id, const physics::PhysicsServer& physics)
 {
@@ -17,8 +16,6 @@ std::string nameOf(BodyId id, const physics::PhysicsServer& physics)
         return text("body ", id.value, " (removed)");
     }
 }
-
-} // namespace
 
 std::optional<event::MergeKey> ContactEvent::mergeKey() const
 {

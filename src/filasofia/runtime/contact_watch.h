@@ -15,6 +15,9 @@ class PhysicsServer;
 
 namespace filasofia::runtime {
 
+/// The name of a body, for reports; also if it has been removed.
+std::string nameOf(BodyId id, const physics::PhysicsServer& physics);
+
 /// Watches which bodies touch, from step to step. Used by the stepping thread, and by others after it has ended.
 class ContactWatch {
 public:

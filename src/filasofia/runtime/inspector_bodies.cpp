@@ -26,11 +26,38 @@ bool editVector(const char* name, Vec3& value, double speed, const char* format)
     return ImGui::IsItemDeactivatedAfterEdit();
 }
 
+/// The law at an index of the variant, with its defaults.
+template <std::size_t i = 0> physics::ElasticLaw lawAt(std::size_t index)
+{
+    if constexpr (i + 1 < std::variant_size_v<physics::ElasticLaw>)
+        if (index > i) return lawAt<i + 1>(index);
+    return std::variant_alternative_t<i, physics::ElasticLaw>{};
+}
+std::string nameOf(const physics::ElasticLaw& law)
+{
+    return std::string(
+        std::visit([](const auto& each) { return fields(static_cast<decltype(&each)>(nullptr)).typeName; }, law));
+}
+
+bool editLaw(physics::ElasticLaw& law)
+{
+    bool changed = false;
+    if (!ImGui::BeginCombo("law", nameOf(law).c_str())) return false;
+    for (std::size_t i = 0; i < std::variant_size_v<physics::ElasticLaw>; ++i)
+        if (ImGui::Selectable(nameOf(lawAt(i)).c_str(), i == law.index()) && i != law.index()) {
+            law = lawAt(i);
+            changed = true;
+        }
+    ImGui::EndCombo();
+    return changed;
+}
+
 bool editMaterial(physics::FemMaterial& material)
 {
+    const bool law = editLaw(material.law);
     const bool young = editNumber("E [Pa]", material.youngModulus, 0.005 * material.youngModulus, "%.0f", 1.0, 1e9);
     const bool poisson = editNumber("nu", material.poissonRatio, 0.001, "%.3f", 0.0, 0.499);
-    return young || poisson;
+    return law || young || poisson;
 }
 
 bool editMaterial(physics::MassSpringMaterial& material)

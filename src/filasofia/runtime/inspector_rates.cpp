@@ -57,6 +57,8 @@ void InspectorRates::add(const physics::StepReport& report)
     undone_ += report.has(StepFlag::Undone);
     notConverged_ += report.has(StepFlag::NotConverged);
     outOfTime_ += report.has(StepFlag::OutOfTime);
+    inverted_ = report.inverted.count;
+    mostInverted_ = std::max(mostInverted_, inverted_);
     paused_ = report.dt == 0.0;
     time_ = report.time;
     step_ = report.step;
@@ -92,6 +94,7 @@ void InspectorRates::draw()
     const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
     ImGui::Text("late %llu   clamped %llu   rolled back %llu", count(late_), count(clamped_), count(undone_));
     ImGui::Text("not converged %llu   out of time %llu", count(notConverged_), count(outOfTime_));
+    if (mostInverted_ > 0) ImGui::Text("elements inside out %d   at most %d", inverted_, mostInverted_);
     if (const std::uint64_t lost = impl_.feed.lost()) ImGui::Text("%llu step reports dropped", count(lost));
     drawStages();
     drawSolvers();

@@ -73,7 +73,8 @@ private:
     double time_ = 0.0, guiSeconds_ = 0.0;
     std::uint64_t step_ = 0;
     std::uint64_t late_ = 0, clamped_ = 0, undone_ = 0, notConverged_ = 0,
-                  outOfTime_ = 0; ///< steps since the panel was opened
+                  outOfTime_ = 0;         ///< steps since the panel was opened
+    int inverted_ = 0, mostInverted_ = 0; ///< elements inside out in the newest step, and at most since then
     std::vector<physics::BodySolve> solves_;
     physics::ContactReport contacts_;
 };

@@ -11,7 +11,11 @@ namespace filasofia::runtime {
 class RunCounters {
 public:
     /// Begins a run: all counts but stepsEver() return to zero.
-    void begin() { undone_ = damped_ = notConverged_ = outOfTime_ = 0; }
+    void begin()
+    {
+        undone_ = damped_ = notConverged_ = outOfTime_ = inverted_ = 0;
+        worst_ = {};
+    }
     void count(const physics::StepReport& report)
     {
         ++stepsEver_;
@@ -19,6 +23,8 @@ public:
         damped_ += report.has(physics::StepFlag::Damped);
         notConverged_ += report.has(physics::StepFlag::NotConverged);
         outOfTime_ += report.has(physics::StepFlag::OutOfTime);
+        inverted_ += report.inverted.count > 0;
+        if (report.inverted.count > worst_.count) worst_ = report.inverted;
     }
     /// The steps of all runs, paused ones included.
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
@@ -28,11 +34,14 @@ public:
         report.damped = damped_;
         report.notConverged = notConverged_;
         report.outOfTime = outOfTime_;
+        report.inverted = inverted_;
+        report.worstInverted = worst_;
     }
 
 private:
     std::uint64_t stepsEver_ = 0;
-    std::uint64_t undone_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0; ///< [-] steps of this run
+    std::uint64_t undone_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0, inverted_ = 0; ///< [-] steps of this run
+    physics::InvertedElements worst_; ///< of the step with the most of them
 };
 
 } // namespace filasofia::runtime

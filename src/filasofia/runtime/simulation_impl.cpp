@@ -164,6 +164,7 @@ void Simulation::Impl::fill(RunReport& report) const
     report.steps = now.step();
     report.hash = physics.hash();
     counters.fill(report);
+    if (report.inverted > 0) report.worstInvertedBody = nameOf(report.worstInverted.body, physics);
     report.contacts = contacts.report(physics);
     report.bluntBlades = blades.lines();
     files.fill(report);

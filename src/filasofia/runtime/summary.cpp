@@ -46,6 +46,16 @@ std::string contactTable(std::vector<ContactPairReport> pairs)
     return out;
 }
 
+/// Elements inside out mean that something was asked of the tissue that it cannot do.
+std::string invertedLine(const RunReport& report)
+{
+    const physics::InvertedElements& worst = report.worstInverted;
+    const Vec3 at = 1e3 * worst.place;
+    const auto place = line("(%.1f %.1f %.1f) mm", at.x, at.y, at.z);
+    return text("elements inside out in ", report.inverted, report.inverted == 1 ? " step" : " steps", ", at most ",
+                worst.count, " at once; then the worst was in '", report.worstInvertedBody, "' at ", place);
+}
+
 } // namespace
 
 std::string summary(const RunReport& report)
@@ -62,6 +72,7 @@ std::string summary(const RunReport& report)
     out += text("late steps ", report.timing.late, ", clamped to period + slack ", report.timing.clamped,
                 ", rolled back ", report.undone, again, ", solver at its iteration limit ", report.notConverged,
                 ", at the deadline ", report.outOfTime, "\n");
+    if (report.inverted > 0) out += invertedLine(report);
     out += contactTable(report.contacts);
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)

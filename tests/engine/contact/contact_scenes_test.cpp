@@ -88,7 +88,7 @@ TEST_CASE("tissue too soft for its own weight stays on a floor, even if it is in
     stage.add(floorOf({1, 1, 1}));
     physics::SoftBodyDef cube{.mesh = geometry::shapes::block({0.1, 0.1, 0.1}, {4, 4, 4})};
     cube.pose.position = {0, 0.0505, 0};
-    cube.material = physics::FemMaterial{500.0, 0.45};
+    cube.material = physics::FemMaterial{.youngModulus = 500.0, .poissonRatio = 0.45, .law = physics::Corotational{}};
     cube.collision = {{}};
     stage.add(cube);
     const std::vector<Vec3>& rest = std::get<std::shared_ptr<const geometry::TetMesh>>(cube.mesh)->nodes;

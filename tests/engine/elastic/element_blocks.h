@@ -1,9 +1,10 @@
 #pragma once
 
 #include "filasofia/core/hash.h"
-#include "filasofia/engine/elastic/corotational.h"
 #include "filasofia/engine/elastic/element_blocks.h"
+#include "filasofia/engine/elastic/spring_blocks.h"
 
+#include "engine/elastic/laws.h"
 #include "engine/meshes.h"
 #include "linalg/random_matrix.h"
 
@@ -48,21 +49,21 @@ inline FemElement randomElement(std::mt19937& random, double poissonRatio)
 
 /// Elements without common nodes: element e has nodes 4 e ... 4 e + 3.
 struct Elements {
-    explicit Elements(const std::vector<FemElement>& all)
-        : elements(all), blocks(linalg::blocksFor(static_cast<int>(all.size()))), x(4 * blocks), v(x), p(x),
-          elementBlocks(static_cast<std::size_t>(blocks)), rotations(elementBlocks.size()),
-          warped(elementBlocks.size()), corners(4 * blocks), products(4 * blocks), quaternions(blocks)
+    explicit Elements(const std::vector<FemElement>& all, const physics::ElasticLaw& chosen = physics::Corotational{})
+        : law(chosen), elements(all), blocks(linalg::blocksFor(static_cast<int>(all.size()))), x(4 * blocks), v(x),
+          p(x), elementBlocks(static_cast<std::size_t>(blocks)), rotations(elementBlocks.size()),
+          tangents(makeTangents(law, elementBlocks.size())), inverted(elementBlocks.size()), corners(4 * blocks),
+          products(4 * blocks), quaternions(blocks)
     {
         const int count = static_cast<int>(all.size());
         for (int lane = 0; lane < kBlock * blocks; ++lane) {
             const int element = std::min(lane, count - 1), l = lane % kBlock;
             const FemElement& e = all[static_cast<std::size_t>(element)];
             ElementBlock& block = elementBlocks[static_cast<std::size_t>(lane / kBlock)];
-            WarpedBlock& out = warped[static_cast<std::size_t>(lane / kBlock)];
-            for (int i = 0; i < 4; ++i) block.nodes[i][l] = out.nodes[i][l] = 4 * (4 * element + i);
+            for (int i = 0; i < 4; ++i) block.nodes[i][l] = 4 * (4 * element + i);
             for (int k = 0; k < 9; ++k)
                 block.gradients[k][l] = static_cast<float>(e.gradients[static_cast<std::size_t>(1 + k / 3)][k % 3]);
-            const auto [mu, lambda] = lame(e.youngModulus, e.poissonRatio);
+            const auto [mu, lambda] = lameOf(e);
             block.mu[l] = lane < count ? static_cast<float>(e.volume * mu) : 0.0f;
             block.ratio[l] = static_cast<float>(lambda / mu);
         }
@@ -79,10 +80,13 @@ struct Elements {
 
     void run()
     {
-        updateElements(elementBlocks, {x, v, kWeights}, {0, blocks}, output());
-        multiplyElements(warped, p, floats(products), {0, blocks});
+        updateElements(law, elementBlocks, {x, v, kWeights}, {0, blocks}, output());
+        multiplyElements(tangents, p, floats(products), {0, blocks});
     }
-    [[nodiscard]] ElementOutput output() { return {rotations, warped, floats(corners), floats(quaternions)}; }
+    [[nodiscard]] ElementOutput output()
+    {
+        return {rotations, tangents, inverted, floats(corners), floats(quaternions)};
+    }
 
     static std::span<float> floats(NodeArray& a) { return {a.data(), 64 * static_cast<std::size_t>(a.blocks())}; }
     [[nodiscard]] int count() const { return static_cast<int>(elements.size()); }
@@ -104,12 +108,14 @@ struct Elements {
         return all;
     }
 
+    physics::ElasticLaw law;
     std::vector<FemElement> elements;
     int blocks;
     NodeArray x, v, p;
     std::vector<ElementBlock> elementBlocks;
     std::vector<ElementRotations> rotations;
-    std::vector<WarpedBlock> warped;
+    ElementTangents tangents;
+    std::vector<std::uint16_t> inverted;
     NodeArray corners, products, quaternions;
 };
 

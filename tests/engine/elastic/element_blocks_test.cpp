@@ -58,19 +58,19 @@ void deformInManyWays(std::mt19937& random, Elements& all)
 void compareElement(const Elements& all, int e, WorstError& forces, WorstError& products)
 {
     const FemElement& element = all.elements[static_cast<std::size_t>(e)];
-    const Mat3 f = gradient(element, Elements::nodes(all.x, e)), r = toMat3(normalized(all.rotation(e)));
-    const Lame material = lameAt(element, f);
-    const Tangent tangent{material, kWeights.turning * geometricStiffness(material, f, r)};
-    const Corners force = corotationalForces(element, f, r);
-    const Corners kv = warpedStiffnessTimes(element, tangent, r, Elements::nodes(all.v, e));
-    const Corners kp = warpedStiffnessTimes(element, tangent, r, Elements::nodes(all.p, e));
+    const Deformation at{gradient(element, Elements::nodes(all.x, e)), toMat3(normalized(all.rotation(e)))};
+    const Lame material = lameAt(lameOf(element), at.f);
+    const WarpedTangent tangent = corotationalTangent(material, at, static_cast<double>(kWeights.turning));
+    const Corners force = internalForces(element, corotationalStress(material, at));
+    const Corners kv = stiffnessTimes(tangent, element, Elements::nodes(all.v, e));
+    const Corners kp = stiffnessTimes(tangent, element, Elements::nodes(all.p, e));
 
     // The lengths of the gradients and of the edges bound every term.
     double steepest = 0.0, edge = 0.0, rate = 0.0, direction = 0.0;
     for (std::size_t k = 1; k < 4; ++k) {
         const auto longest = [&](const NodeArray& array) {
-            const Corners at = Elements::nodes(array, e);
-            return length(at[k] - at[0]);
+            const Corners nodes = Elements::nodes(array, e);
+            return length(nodes[k] - nodes[0]);
         };
         steepest += length(element.gradients[k]);
         edge = std::max(edge, longest(all.x));
@@ -80,9 +80,9 @@ void compareElement(const Elements& all, int e, WorstError& forces, WorstError& 
     const double stiff = element.volume * (2.0 * material.mu + 3.0 * material.lambda) * steepest;
     const double warpedSize = (stiff + element.volume * tangent.turning * steepest) * steepest * kWeights.stiffness;
     for (int i = 0; i < 4; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        const Vec3 expected = kWeights.force * force[at] - kWeights.stiffness * kv[at];
-        const Vec3 product = kWeights.stiffness * kp[at];
+        const auto corner = static_cast<std::size_t>(i);
+        const Vec3 expected = -kWeights.force * force[corner] - kWeights.stiffness * kv[corner];
+        const Vec3 product = kWeights.stiffness * kp[corner];
         const double size = kWeights.force * stiff * (edge * steepest + 3.0) + warpedSize * rate;
         for (int c = 0; c < 3; ++c) {
             forces.compare(Elements::corner(all.corners, e, i)[c], expected[c], size);
@@ -96,7 +96,8 @@ void compareElement(const Elements& all, int e, WorstError& forces, WorstError& 
 /// Hashes of a run's results: rotations, warped elements, corners, products, quaternions.
 std::vector<std::uint64_t> bitsOf(const Elements& all)
 {
-    return {hashOf(all.rotations.data(), all.rotations.size()), hashOf(all.warped.data(), all.warped.size()),
+    return {hashOf(all.rotations.data(), all.rotations.size()),
+            std::visit([](const auto& each) { return hashOf(each.data(), each.size()); }, all.tangents),
             hashOf(all.corners), hashOf(all.products), hashOf(all.quaternions)};
 }
 
@@ -158,8 +159,8 @@ TEST_CASE("a run over a range of blocks changes these blocks only")
         randomMotion(random, all);
         Elements some = all;
         all.run();
-        updateElements(some.elementBlocks, {some.x, some.v, kWeights}, {1, 4}, some.output());
-        multiplyElements(some.warped, some.p, Elements::floats(some.products), {2, 3});
+        updateElements(some.law, some.elementBlocks, {some.x, some.v, kWeights}, {1, 4}, some.output());
+        multiplyElements(some.tangents, some.p, Elements::floats(some.products), {2, 3});
         for (int lane = 0; lane < 16 * 5; ++lane) {
             const bool updated = lane / 16 >= 1 && lane / 16 < 4, multiplied = lane / 16 == 2;
             const auto say = [&](const NodeArray& a) { return vectorOf(Elements::corner(a, lane, 1)); };
@@ -280,10 +281,7 @@ TEST_CASE("forces are minus the gradient of the energy, also in inverted element
         all.run();
         for (int e = 0; e < all.count(); ++e) {
             const FemElement& element = all.elements[static_cast<std::size_t>(e)];
-            const auto energy = [&](const Corners& x) {
-                const Mat3 f = gradient(element, x);
-                return corotationalEnergy(element, f, toMat3(polarRotation(f, {})));
-            };
+            const auto energy = [&](const Corners& x) { return energyOf(all.law, element, x); };
             const double h = 1e-5; // error h^2 plus double rounding over h, far below float rounding
             double error = 0.0, size = 0.0;
             for (int k = 0; k < 12; ++k) {
@@ -308,23 +306,22 @@ TEST_CASE("the product of elements equals their assembled warped stiffness, symm
         randomMotion(random, all);
         all.run();
         const NodeArray p = all.p, q = all.v, kp = all.products;
-        multiplyElements(all.warped, q, Elements::floats(all.products), {0, all.blocks});
+        multiplyElements(all.tangents, q, Elements::floats(all.products), {0, all.blocks});
         WorstError blocks, symmetry;
         for (int e = 0; e < all.count(); ++e) {
             const FemElement& element = all.elements[static_cast<std::size_t>(e)];
-            const Mat3 r = toMat3(normalized(all.rotation(e)));
-            const Mat3 f = gradient(element, Elements::nodes(all.x, e));
-            const Lame material = lameAt(element, f);
-            const Tangent tangent{material, kWeights.turning * geometricStiffness(material, f, r)};
-            Corners rotated;
-            for (std::size_t i = 0; i < 4; ++i) rotated[i] = r * element.gradients[i];
+            const Deformation at{gradient(element, Elements::nodes(all.x, e)), toMat3(normalized(all.rotation(e)))};
+            const WarpedTangent tangent =
+                corotationalTangent(lameOf(element), at, static_cast<double>(kWeights.turning));
+            const Corners& g = element.gradients;
             double pkq = 0.0, qkp = 0.0, pkp = 0.0, energy = 0.0, largest = 0.0;
             for (int i = 0; i < 4; ++i) {
                 Vec3 product;
                 double size = 0.0;
                 for (int j = 0; j < 4; ++j) {
                     const Mat3 block =
-                        kWeights.stiffness * warpedStiffnessBlock(rotated, tangent, element.volume, i, j);
+                        kWeights.stiffness * element.volume *
+                        stiffnessBlock(tangent, g[static_cast<std::size_t>(i)], g[static_cast<std::size_t>(j)]);
                     product += block * vectorOf(p[4 * e + j]);
                     size += frobeniusNorm(block) * length(vectorOf(p[4 * e + j]));
                 }

@@ -1,3 +1,4 @@
+#include "engine/elastic/laws.h"
 #include "engine/stage.h"
 
 #include <numeric>
@@ -26,8 +27,8 @@ double energy(Stage& stage)
         const FemElement& element = stage.model().elements[e];
         Corners x;
         for (std::size_t i = 0; i < 4; ++i) x[i] = stage.soft().x[element.nodes[i]];
-        sum += corotationalEnergy(element, gradient(element, x),
-                                  toMat3(normalized(rotationOf(stage.soft().rotations, e))));
+        const Deformation at{gradient(element, x), toMat3(normalized(rotationOf(stage.soft().rotations, e)))};
+        sum += element.volume * energyDensity(stage.model().law, lameOf(element), at);
     }
     for (std::size_t i = 0; i < stage.soft().v.size(); ++i) {
         const Vec3 v = stage.soft().v[i];

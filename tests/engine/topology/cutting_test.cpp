@@ -359,8 +359,9 @@ TEST_CASE("a piece that fell out of the scene is removed once, and the rest goes
     CutScene scene(def, 0.0262);
     CHECK(detachedOf(scene.move(0.04, -0.01)) == 1);
     scene.stage.post(SetPose{scene.blade, 0, scene.poseAt(1.0)});
-    for (std::size_t i = 0; i < scene.stage.soft().x.size(); ++i)
-        if (scene.stage.model().rest[i].x > 0.03) scene.stage.soft().v[i] = {0, 0, -300.0};
+    REQUIRE(scene.stage.model().pieces.size() == 2);
+    for (const int node : scene.stage.model().pieces[1].nodes)
+        scene.stage.soft().v[static_cast<std::size_t>(node)] = {0, 0, -300.0};
     StepReport all;
     for (int i = 0; i < 600; ++i) {
         const StepReport report = scene.stage.step(1e-3);

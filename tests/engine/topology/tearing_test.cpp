@@ -141,7 +141,7 @@ TEST_CASE("a search limited to elements near the threshold finds bit-identical s
                 const SoftState& state = strip.stage.soft();
                 MatrixFreeSystem system(model, 1e-3);
                 const bool torn = findStresses(model, state, {kThreshold, {}}, pool, all);
-                const bool any = system.findStressed(state, kStressNear * kThreshold, pool, stressed);
+                const bool any = system.findStressed(model, state, kStressNear * kThreshold, pool, stressed);
                 const bool found = findStresses(model, state, {kThreshold, {}, stressed}, pool, some);
                 REQUIRE(found == torn);
                 REQUIRE((any || !torn));

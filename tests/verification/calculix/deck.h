@@ -9,8 +9,9 @@ namespace filasofia::engine {
 
 /// A deck of CalculiX with the keywords that regenerate.py writes; any other keyword is an Error.
 struct Deck {
-    physics::SoftBodyDef def = {}; ///< the whole body except its solver and damping
-    Vec3 gravity = {};             ///< [m/s^2]
+    /// The whole body except its solver and damping, and except its material if that is hyperelastic.
+    physics::SoftBodyDef def = {};
+    Vec3 gravity = {}; ///< [m/s^2]
 };
 
 /// Splits a row at its commas.
@@ -46,7 +47,8 @@ inline void addDeckLine(const std::string& keyword, const std::vector<std::strin
         deck.gravity = number(2) * vec3(3);
     } else if (keyword == "*DLOAD") {
         deck.def.pressure = number(2); // CalculiX loads single faces; the engine's pressure acts on the whole surface
-    } else if (keyword != "*HEADING" && keyword != "*STATIC" && keyword != "*CONTROLS" && keyword != "*NODE PRINT") {
+    } else if (keyword != "*HYPERELASTIC" && keyword != "*HEADING" && keyword != "*STATIC" && keyword != "*CONTROLS" &&
+               keyword != "*NODE PRINT") {
         fail("deck: no rule for ", keyword);
     }
 }

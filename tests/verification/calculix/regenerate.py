@@ -49,7 +49,7 @@ def outer_faces(tetrahedra, wanted):
     return [on[0] for face, on in faces.items() if len(on) == 1 and all(map(wanted, face))]
 
 
-def deck(title, mesh, young, poisson, held, density=None, dload=(), cload=(), nonlinear=False):
+def deck(title, mesh, material, held, density=None, dload=(), cload=(), nonlinear=False):
     nodes, tetrahedra = mesh
     worst = min(volume(nodes, t) / max(math.dist(nodes[i], nodes[j]) for i in t for j in t) ** 3 for t in tetrahedra)
     assert worst > 1e-3, f"{title}: an element is too flat: {worst}"
@@ -57,7 +57,7 @@ def deck(title, mesh, young, poisson, held, density=None, dload=(), cload=(), no
     lines += ["%d, %.13g, %.13g, %.13g" % (i, *p) for i, p in enumerate(nodes, 1)]
     lines += ["*ELEMENT, TYPE=C3D4, ELSET=Eall"]
     lines += ["%d, %d, %d, %d, %d" % (e, *(i + 1 for i in t)) for e, t in enumerate(tetrahedra, 1)]
-    lines += ["*MATERIAL, NAME=tissue", "*ELASTIC", f"{young}, {poisson}"]
+    lines += ["*MATERIAL, NAME=tissue", *material]
     lines += ["*DENSITY", f"{density}"] if density else []
     lines += ["*SOLID SECTION, ELSET=Eall, MATERIAL=tissue"]
     lines += ["*BOUNDARY"] + [f"{i}, 1, 3" for i, p in enumerate(nodes, 1) if held(p)]
@@ -70,11 +70,15 @@ def deck(title, mesh, young, poisson, held, density=None, dload=(), cload=(), no
     return "\n".join(lines + ["*NODE PRINT, NSET=Nall, FREQUENCY=5", "U", "*END STEP"]) + "\n"
 
 
+def elastic(young, poisson):
+    return ["*ELASTIC", f"{young}, {poisson}"]
+
+
 def sagging_beam():
     """Clamped at x = 0, under oblique gravity, so that no component is zero."""
     mesh = box((16, 4, 3), (1.0, 0.25, 0.2))
     down = (0.48, -0.64, 0.6)
-    return deck("clamped beam under its weight", mesh, 1e10, 0.3, lambda p: p[0] == 0.0, density=1000.0,
+    return deck("clamped beam under its weight", mesh, elastic(1e10, 0.3), lambda p: p[0] == 0.0, density=1000.0,
                 dload=["Eall, GRAV, 10., %g, %g, %g" % down])
 
 
@@ -83,7 +87,7 @@ def pressed_ball():
     mesh = ball(6, 0.03)
     outside = lambda i: math.hypot(*mesh[0][i]) > 0.0299
     faces = outer_faces(mesh[1], outside)
-    return deck("ball around a rigid core under pressure", mesh, 1e4, 0.45, lambda p: math.hypot(*p) < 0.0101,
+    return deck("ball around a rigid core under pressure", mesh, elastic(1e4, 0.45), lambda p: math.hypot(*p) < 0.0101,
                 dload=[f"{e + 1}, P{number}, 1." for e, number in faces])
 
 
@@ -91,8 +95,32 @@ def bent_beam():
     """A slender beam clamped at x = 0, its end pushed sideways by a quarter of its length: large rotation, small strain."""
     mesh = box((50, 2, 2), (1.0, 0.04, 0.04))
     end = [i for i, p in enumerate(mesh[0], 1) if p[0] == 1.0]
-    return deck("slender beam under an end load", mesh, 1e6, 0.3, lambda p: p[0] == 0.0, nonlinear=True,
+    return deck("slender beam under an end load", mesh, elastic(1e6, 0.3), lambda p: p[0] == 0.0, nonlinear=True,
                 cload=[f"{i}, 2, {-0.3 / len(end):.13g}" for i in end])  # 0.3 N in total
+
+
+SHEAR, BULK = 1e4, 1.4e5 / 3  # Pa: Poisson's ratio 0.4
+
+
+def pulled_block(law, *constants):
+    """A block clamped at x = 0, its end pulled along and across: strains of a half. The last constant is D1 = 2 / K."""
+    mesh = box((10, 4, 4), (0.1, 0.04, 0.04))
+    end = [i for i, p in enumerate(mesh[0], 1) if p[0] == 0.1]
+    material = [f"*HYPERELASTIC, {law}", ", ".join("%.13g" % c for c in (*constants, 2.0 / BULK))]
+    return deck(f"block pulled and bent, {law}", mesh, material, lambda p: p[0] == 0.0, nonlinear=True,
+                cload=[f"{i}, {axis}, {force / len(end):.13g}" for i in end for axis, force in ((1, 12.0), (2, -4.0))])
+
+
+def neo_hooke_block():
+    return pulled_block("NEO HOOKE", SHEAR / 2)
+
+
+def mooney_rivlin_block():
+    return pulled_block("MOONEY-RIVLIN", 0.35 * SHEAR, 0.15 * SHEAR)
+
+
+def ogden_block():
+    return pulled_block("OGDEN, N=1", SHEAR, 4.0)
 
 
 def run(ccx, name, text):
@@ -112,5 +140,5 @@ def run(ccx, name, text):
         print(table, "largest displacement", max(math.hypot(*map(float, row[1:])) for row in of_one), "m")
 
 
-for make in (sagging_beam, pressed_ball, bent_beam):
+for make in (sagging_beam, pressed_ball, bent_beam, neo_hooke_block, mooney_rivlin_block, ogden_block):
     run(sys.argv[1] if len(sys.argv) > 1 else "ccx", make.__name__, make())

@@ -35,7 +35,8 @@ void checkElements(const SoftModel& model, const std::string& object)
         const std::string name = text(object, ": elements[", e, "]");
         checkNodes(name, element.nodes, model.rest.size());
         if (!positive().contains(element.volume)) fail(name, ".volume must be > 0 m^3, got ", element.volume);
-        validate(physics::FemMaterial{element.youngModulus, element.poissonRatio}, name);
+        validate(physics::FemMaterial{.youngModulus = element.youngModulus, .poissonRatio = element.poissonRatio},
+                 name);
         for (const Vec3& g : element.gradients)
             if (!isFinite(g)) fail(name, ".gradients must be finite");
     }
@@ -160,6 +161,7 @@ void setMaterial(const physics::SoftMaterial& material, SoftModel& model)
 {
     model.tearingThreshold = std::visit([](const auto& each) { return each.tearingThreshold; }, material);
     if (const auto* fem = std::get_if<physics::FemMaterial>(&material)) {
+        model.law = fem->law;
         for (FemElement& element : model.elements) {
             element.youngModulus = fem->youngModulus;
             element.poissonRatio = fem->poissonRatio;

@@ -3,7 +3,7 @@
 #include "filasofia/core/body_id.h"
 #include "filasofia/engine/body/collision_model.h"
 #include "filasofia/engine/body/pins.h"
-#include "filasofia/engine/elastic/corotational.h"
+#include "filasofia/engine/elastic/element.h"
 #include "filasofia/engine/elastic/element_rotations.h"
 #include "filasofia/engine/elastic/spring.h"
 #include "filasofia/physics/defs.h"
@@ -30,6 +30,7 @@ struct SoftModel {
     std::string name;
     std::vector<Vec3> rest;                        ///< [m] nodes at the start, in world coordinates
     std::vector<double> masses;                    ///< [kg] lumped, a quarter of each tetrahedron to each node
+    physics::ElasticLaw law;                       ///< FEM bodies only
     std::vector<FemElement> elements;              ///< FEM bodies only; neighbours are near each other in the list
     std::vector<Spring> springs;                   ///< mass-spring bodies only
     std::vector<geometry::Tetrahedron> tetrahedra; ///< mass-spring bodies only; a FEM body has elements

@@ -1,6 +1,7 @@
 #include "filasofia/engine/contact/pin_reactions.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/elastic/law.h"
 
 #include <algorithm>
 
@@ -15,11 +16,12 @@ void addOwnForces(const SoftModel& model, const PinnedParts& held, const SoftSta
     for (int e : held.elements) {
         const FemElement& element = model.elements[e];
         const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
-        const Mat3 rotation = toMat3(rotationOf(state.rotations, static_cast<std::size_t>(e)));
-        const Corners elastic = corotationalForces(element, f, rotation);
+        const Deformation at{f, toMat3(rotationOf(state.rotations, static_cast<std::size_t>(e)))};
+        const Lame material = lameOf(element);
+        const Corners elastic = internalForces(element, stressAt(model.law, material, at));
         const Corners damping =
-            warpedStiffnessTimes(element, {lameAt(element, f)}, rotation, cornersOf(element.nodes, state.v));
-        for (int i = 0; i < 4; ++i) forces[element.nodes[i]] += elastic[i] - beta * damping[i];
+            stiffnessTimes(tangentAt(model.law, material, at, 0.0), element, cornersOf(element.nodes, state.v));
+        for (int i = 0; i < 4; ++i) forces[element.nodes[i]] += -elastic[i] - beta * damping[i];
     }
     for (int s : held.springs) {
         const Spring& spring = model.springs[s];

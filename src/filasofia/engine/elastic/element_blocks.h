@@ -2,8 +2,11 @@
 
 #include "filasofia/engine/elastic/element_rotations.h"
 #include "filasofia/linalg/node_array.h"
+#include "filasofia/physics/elastic_law.h"
 
+#include <cstdint>
 #include <span>
+#include <variant>
 #include <vector>
 
 /// Blocks of sixteen elements side by side, in floats: the data of the engine's inner loops. A node is given by the
@@ -24,38 +27,43 @@ struct alignas(64) ElementBlock {
     float ratio[kBlock];        ///< lambda / mu
 };
 
-/// What a step's matrix products need of an element: its shape gradients, rotated by its rotation and scaled by the
-/// root of its shear stiffness, so that sixteen elements take fifteen cache lines.
+/// The tangents of sixteen elements, as a step's matrix products need them, times volume, scale and the weight of the
+/// stiffness. Only updateElements() writes them.
+///
+/// Corotational (corotational.h): the shape gradients, rotated by the element's rotation and scaled by the root of its
+/// shear stiffness, so that sixteen elements take fifteen cache lines.
 struct alignas(64) WarpedBlock {
     int nodes[4][kBlock];
     float gradients[9][kBlock];
     float ratio[kBlock];   ///< lambda / mu; zero if the element is inverted
     float turning[kBlock]; ///< geometric stiffness / mu, times its weight in the step (BlockWeights::turning)
 };
-
-/// The constants of sixteen springs.
-struct alignas(64) SpringBlock {
-    int nodes[2][kBlock];
-    float restLength[kBlock]; ///< [m]
-    float stiffness[kBlock];  ///< [N/m], times the system's scale
-    float damping[kBlock];    ///< [N s/m], times the system's scale
+/// Neo-Hookean (neo_hookean.h).
+struct alignas(64) NeoHookeanBlock {
+    int nodes[4][kBlock];
+    float edges[9][kBlock]; ///< [-] from node 0 to nodes 1, 2, 3, times the steepness of the shape gradients
+    float gram[6][kBlock];  ///< shear times products of the shape gradients: 11 12 13 22 23 33
+    float bulk[kBlock];
+    float twist[kBlock];
 };
-
-/// The 3 x 3 block of each spring in a step's matrix.
-struct alignas(64) SpringMatrixBlock {
-    int nodes[2][kBlock];
-    float m[6][kBlock]; ///< xx xy xz yy yz zz
+/// Laws of the principal stretches (stretch_law.h).
+struct alignas(64) StretchBlock {
+    int nodes[4][kBlock];
+    float gradients[9][kBlock]; ///< along the axes of the stretches at rest, scaled by the root of the shear stiffness
+    float axes[9][kBlock];      ///< of the stretches in the world
+    float stretch[6][kBlock];   ///< a / mu: 00 01 02 11 12 22
+    float ahead[3][kBlock], across[3][kBlock]; ///< / mu
 };
+using ElementTangents = std::variant<std::vector<WarpedBlock>, std::vector<NeoHookeanBlock>, std::vector<StretchBlock>>;
 
 constexpr int kElementCorners = 256; ///< floats that a block of elements writes: four groups of sixteen vectors
-constexpr int kSpringCorners = 128;
 
 /// The weights of the terms of a step.
 struct BlockWeights {
     float force = 0.0f;     ///< weight of f
     float stiffness = 0.0f; ///< weight of K in the matrix, and of K v in the right-hand side
     float damping = 0.0f;   ///< weight of D in the matrix, and of D v in the right-hand side
-    float turning = 0.0f;   ///< [-] weight of the geometric stiffness, relative to that of K
+    float turning = 0.0f;   ///< [-] weight of the geometric stiffness, which stress adds, relative to that of K
 };
 
 /// The state at the start of a step.
@@ -68,27 +76,21 @@ struct BlockInput {
 /// What a pass over the elements writes, one entry per block but for the corners and quaternions.
 struct ElementOutput {
     std::span<ElementRotations> rotations; ///< updated to the positions
-    std::span<WarpedBlock> warped;         ///< the input of multiplyElements
+    ElementTangents& tangents;             ///< the input of multiplyElements
+    std::span<std::uint16_t> inverted;     ///< one bit per element, the first the lowest: 1 if det F <= 0 or not finite
     std::span<float> corners;              ///< force * f(x) - stiffness * K v
     std::span<float> quaternions;          ///< one per element, a group of sixteen per block
 };
-struct SpringOutput {
-    std::span<SpringMatrixBlock> matrices;
-    std::span<float> corners; ///< the same, less D v
-};
 
-/// One pass over these blocks.
-void updateElements(std::span<const ElementBlock> elements, const BlockInput& input, linalg::Blocks blocks,
-                    const ElementOutput& output);
+/// The tangents of so many blocks of elements of a law.
+ElementTangents makeTangents(const physics::ElasticLaw& law, std::size_t blocks);
+
+/// One pass over these blocks. `tangents` must be of makeTangents() for the law.
+void updateElements(const physics::ElasticLaw& law, std::span<const ElementBlock> elements, const BlockInput& input,
+                    linalg::Blocks blocks, const ElementOutput& output);
 
 /// corners = stiffness * K p, with the stiffness weight that updateElements was given.
-void multiplyElements(std::span<const WarpedBlock> warped, const linalg::NodeArray& p, std::span<float> corners,
+void multiplyElements(const ElementTangents& tangents, const linalg::NodeArray& p, std::span<float> corners,
                       linalg::Blocks blocks);
-
-/// The same for springs.
-void updateSprings(std::span<const SpringBlock> springs, const BlockInput& input, linalg::Blocks blocks,
-                   const SpringOutput& output);
-void multiplySprings(std::span<const SpringMatrixBlock> matrices, const linalg::NodeArray& p, std::span<float> corners,
-                     linalg::Blocks blocks);
 
 } // namespace filasofia::engine

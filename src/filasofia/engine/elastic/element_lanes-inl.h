@@ -45,6 +45,13 @@ HWY_INLINE M3 transposeTimes(const M3& a, const M3& b)
             product.m[i][j] = sumOfProducts(a.m[0][i], b.m[0][j], a.m[1][i], b.m[1][j], a.m[2][i], b.m[2][j]);
     return product;
 }
+/// One bit per lane, the first the lowest.
+HWY_INLINE std::uint32_t bitsOf(hn::Mask<Lanes> mask)
+{
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(Lanes(), mask, bytes);
+    return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
+}
 HWY_INLINE V twice(V a) { return hn::Add(a, a); }
 
 HWY_INLINE M3 matrixOf(const Q4& q)

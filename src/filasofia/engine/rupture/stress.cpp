@@ -54,15 +54,6 @@ double principalStressBound(const Mat3& stress)
     return mean + std::sqrt(2.0 / 3.0) * frobeniusNorm(stress - Mat3::diagonal({mean, mean, mean}));
 }
 
-Mat3 cauchyStress(const Mat3& f, const Mat3& rotation, double mu, double lambda)
-{
-    const double det = determinant(f);
-    if (!(det > 1e-9)) return {};
-    const Mat3 p = 2.0 * mu * (f - rotation) + lambda * (contract(rotation, f) - 3.0) * rotation;
-    const Mat3 sigma = (1.0 / det) * (p * transpose(f));
-    return 0.5 * (sigma + transpose(sigma)); // symmetric up to the rotation's rounding
-}
-
 Mat3 virialStress(const std::array<Vec3, 4>& corners, const std::array<double, 6>& tensions)
 {
     const double volume = geometry::signedVolume(corners[0], corners[1], corners[2], corners[3]);

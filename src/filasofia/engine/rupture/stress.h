@@ -20,11 +20,6 @@ PrincipalStress principalStress(const Mat3& stress);
 /// costs a twentieth of principalStress().
 double principalStressBound(const Mat3& stress);
 
-/// Cauchy stress [Pa] of linear corotational elasticity. With P = 2 mu (F - R) + lambda tr(R^T F - I) R, the gradient
-/// of its energy, sigma = P F^T / det F. `rotation` is the rotation nearest to f. Zero if f is flat or inverted:
-/// crushed tissue does not tear.
-Mat3 cauchyStress(const Mat3& f, const Mat3& rotation, double mu, double lambda);
-
 /// Virial stress [Pa] of a tetrahedron of springs: sigma = 1/V sum T d d^T / |d| over its six edges (in the order of
 /// geometry::kTetrahedronEdges). d is the edge, V the current volume, and T [N] the element's part of the spring's
 /// tension (divided equally among the elements around the edge). Under uniform strain a network of many equal elements

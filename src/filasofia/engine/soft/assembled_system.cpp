@@ -2,6 +2,7 @@
 
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/elastic/law.h"
 #include "filasofia/math/polar.h"
 
 #include <algorithm>
@@ -11,9 +12,9 @@ namespace {
 
 RayleighDamping damping(const SoftModel& model) { return {model.rayleigh.mass, model.rayleigh.stiffness}; }
 
-void scatterAdd(const Corners& from, const std::array<int, 4>& nodes, std::vector<Vec3>& to)
+void scatterAdd(double factor, const Corners& from, const std::array<int, 4>& nodes, std::vector<Vec3>& to)
 {
-    for (int i = 0; i < 4; ++i) to[nodes[i]] += from[i];
+    for (int i = 0; i < 4; ++i) to[nodes[i]] += factor * from[i];
 }
 
 void addElements(const SoftModel& model, ImplicitWeights weights, SoftState& state, AssembledSystem& system)
@@ -24,22 +25,20 @@ void addElements(const SoftModel& model, ImplicitWeights weights, SoftState& sta
         const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
         const Quat turned = polarRotation(f, rotationOf(state.rotations, e));
         setRotation(state.rotations, e, turned);
-        const Mat3 rotation = toMat3(turned);
-        const Lame material = lameAt(element, f);
-        const Tangent tangent{material, implicit ? weights.turning * geometricStiffness(material, f, rotation) : 0.0};
-        scatterAdd(corotationalForces(element, f, rotation), element.nodes, system.forces);
-        scatterAdd(warpedStiffnessTimes(element, tangent, rotation, cornersOf(element.nodes, state.v)), element.nodes,
+        const Deformation at{f, toMat3(turned)};
+        const Lame material = lameOf(element);
+        const ElementTangent tangent = tangentAt(model.law, material, at, implicit ? weights.turning : 0.0);
+        scatterAdd(-1.0, internalForces(element, stressAt(model.law, material, at)), element.nodes, system.forces);
+        scatterAdd(1.0, stiffnessTimes(tangent, element, cornersOf(element.nodes, state.v)), element.nodes,
                    system.stiffnessTimesVelocity);
         if (!implicit) continue;
 
-        Corners rotated;
-        for (int i = 0; i < 4; ++i) rotated[i] = rotation * element.gradients[i];
         const double scale = weights.stiffness * element.volume;
         const std::array<int, 16>& positions = system.elementBlocks[e];
         for (int i = 0; i < 4; ++i)
             for (int j = i; j < 4; ++j) {
                 if (positions[4 * i + j] < 0) continue;
-                const Mat3 block = warpedStiffnessBlock(rotated, tangent, scale, i, j);
+                const Mat3 block = scale * stiffnessBlock(tangent, element.gradients[i], element.gradients[j]);
                 system.matrix.block(positions[4 * i + j]) += block;
                 if (j != i) system.matrix.block(positions[4 * j + i]) += transpose(block);
             }
@@ -133,7 +132,7 @@ std::unique_ptr<linalg::LinearSolver> makeSolver(const SoftModel& model)
 bool nearlyIncompressible(const SoftModel& model)
 {
     return std::any_of(model.elements.begin(), model.elements.end(), [](const FemElement& e) {
-        const auto [mu, lambda] = lame(e.youngModulus, e.poissonRatio);
+        const auto [mu, lambda] = lameOf(e);
         return lambda > kMaxLameRatio * mu;
     });
 }

@@ -61,7 +61,7 @@ bool MatrixFreeSystem::fits(const SoftModel& model, double period)
     for (double mass : model.masses)
         if (!usual(mass * scale)) return false;
     for (const FemElement& e : model.elements) {
-        const auto [mu, lambda] = lame(e.youngModulus, e.poissonRatio);
+        const auto [mu, lambda] = lameOf(e);
         const double steepest = std::max({lengthSquared(e.gradients[0]), lengthSquared(e.gradients[1]),
                                           lengthSquared(e.gradients[2]), lengthSquared(e.gradients[3])});
         const double volume = e.volume * scale * steepest;
@@ -114,7 +114,8 @@ void MatrixFreeSystem::makeElements(const SoftModel& model)
     elementCount_ = static_cast<int>(model.elements.size());
     const int blocks = linalg::blocksFor(elementCount_);
     elements_.resize(static_cast<std::size_t>(blocks));
-    warped_.resize(static_cast<std::size_t>(blocks));
+    tangents_ = makeTangents(model.law, elements_.size());
+    inverted_.resize(elements_.size());
     quaternions_.resize(static_cast<std::size_t>(blocks));
     for (int lane = 0; lane < blocks * kBlock; ++lane)
         writeElement(model.elements[std::min(lane, elementCount_ - 1)], lane, lane < elementCount_);
@@ -123,11 +124,10 @@ void MatrixFreeSystem::makeElements(const SoftModel& model)
 void MatrixFreeSystem::writeElement(const FemElement& e, int element, bool real)
 {
     ElementBlock& block = elements_[element / kBlock];
-    WarpedBlock& warped = warped_[element / kBlock];
     const int l = element % kBlock;
-    for (int i = 0; i < 4; ++i) block.nodes[i][l] = warped.nodes[i][l] = 4 * slotOf_[e.nodes[i]];
+    for (int i = 0; i < 4; ++i) block.nodes[i][l] = 4 * slotOf_[e.nodes[i]];
     for (int k = 0; k < 9; ++k) block.gradients[k][l] = asFloat(e.gradients[1 + k / 3][k % 3]);
-    const auto [mu, lambda] = lame(e.youngModulus, e.poissonRatio);
+    const auto [mu, lambda] = lameOf(e);
     const double weight = real ? scale_ * e.volume : 0.0;
     block.mu[l] = asFloat(weight * mu);
     block.ratio[l] = asFloat(lambda / mu);

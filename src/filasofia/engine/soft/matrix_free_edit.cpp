@@ -75,7 +75,8 @@ bool MatrixFreeSystem::reserve(const SoftModel& model, const MeshEdit& edit)
 {
     const std::size_t blocks = static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size())));
     elements_.resize(blocks);
-    warped_.resize(blocks);
+    std::visit([&](auto& each) { each.resize(blocks); }, tangents_);
+    inverted_.resize(blocks);
     quaternions_.resize(blocks);
     corners_.resize(4 * blocks);
 
@@ -98,7 +99,6 @@ bool MatrixFreeSystem::reserve(const SoftModel& model, const MeshEdit& edit)
                 if (node >= 4 * oldEnd) node += 4 * shift;
     };
     for (ElementBlock& block : elements_) moveBack(block.nodes);
-    for (WarpedBlock& block : warped_) moveBack(block.nodes);
     freeBlocks_ += more;
     makeVectors(heldBlocks);
     const auto slots = static_cast<std::size_t>(kBlock) * static_cast<std::size_t>(freeBlocks_);
@@ -197,8 +197,8 @@ void MatrixFreeSystem::refreshNode(const SoftModel& model, int slot)
         }
         const FemElement& element = model.elements[static_cast<std::size_t>(elementAt(*place, 4))];
         const int corner = *place / 64 % 4;
-        diagonal += warpedStiffnessBlock(element.gradients, {lame(element.youngModulus, element.poissonRatio)},
-                                         scale_ * weights.stiffness * element.volume, corner, corner);
+        const Vec3 g = element.gradients[static_cast<std::size_t>(corner)];
+        diagonal += scale_ * weights.stiffness * element.volume * hookeBlock(lameOf(element), g, g);
     }
     preconditioner_.setDiagonal(slot, diagonal);
 }

@@ -96,9 +96,10 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
     const std::span<float> springCorners = corners.subspan(elementCorners.size());
     const Parts elements = elementParts(elements_.size()), springs = elementParts(springs_.size());
     const BlockInput input{x_, v_, blockWeights};
-    const ElementOutput elementOutput{state.rotations, warped_, elementCorners, quaternions};
+    const ElementOutput elementOutput{state.rotations, tangents_, inverted_, elementCorners, quaternions};
     const SpringOutput springOutput{springMatrices_, springCorners};
-    pool.run(elements.count(), [&](int part) { updateElements(elements_, input, elements[part], elementOutput); });
+    pool.run(elements.count(),
+             [&](int part) { updateElements(model.law, elements_, input, elements[part], elementOutput); });
     pool.run(springs.count(), [&](int part) { updateSprings(springs_, input, springs[part], springOutput); });
     size_ = linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
         if (implicit && !elements_.empty()) averageRotations(turns_, quaternions, preconditioner_.rotations(), blocks);
@@ -110,9 +111,9 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
 double MatrixFreeSystem::multiply(const NodeArray& p, NodeArray& q, WorkerPool& pool)
 {
     const std::span<float> corners = floats(corners_);
-    const Parts elements = elementParts(warped_.size()), springs = elementParts(springMatrices_.size());
+    const Parts elements = elementParts(elements_.size()), springs = elementParts(springMatrices_.size());
     pool.run(elements.count(), [&](int part) {
-        multiplyElements(warped_, p, corners.first(kElementCorners * elements_.size()), elements[part]);
+        multiplyElements(tangents_, p, corners.first(kElementCorners * elements_.size()), elements[part]);
     });
     pool.run(springs.count(), [&](int part) {
         multiplySprings(springMatrices_, p, corners.subspan(kElementCorners * elements_.size()), springs[part]);
@@ -164,12 +165,12 @@ void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, const Rigid
     });
 }
 
-bool MatrixFreeSystem::findStressed(const SoftState& state, double limit, WorkerPool& pool,
+bool MatrixFreeSystem::findStressed(const SoftModel& model, const SoftState& state, double limit, WorkerPool& pool,
                                     std::vector<std::uint16_t>& stressed)
 {
     load(state.x, state.x[static_cast<std::size_t>(std::max(nodeOf_.front(), 0))], scratch_, pool);
     stressed.resize(elements_.size());
-    const StressLimit at{asFloat(limit), asFloat(stiffest_.mu), asFloat(stiffest_.lambda)};
+    const StressLimit at{model.law, asFloat(limit), asFloat(stiffest_.mu), asFloat(stiffest_.lambda)};
     const Parts parts = elementParts(elements_.size());
     pool.run(parts.count(), [&](int part) {
         engine::findStressed({elements_, scratch_, state.rotations}, at, stressed, parts[part]);

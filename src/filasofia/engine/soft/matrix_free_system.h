@@ -1,8 +1,8 @@
 #pragma once
 
 #include "filasofia/engine/body/soft_model.h"
-#include "filasofia/engine/elastic/corotational.h"
 #include "filasofia/engine/elastic/element_blocks.h"
+#include "filasofia/engine/elastic/spring_blocks.h"
 #include "filasofia/engine/integration/euler.h"
 #include "filasofia/engine/soft/mesh_edit.h"
 #include "filasofia/engine/soft/rigid_motion.h"
@@ -52,7 +52,10 @@ public:
     void finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> residual, WorkerPool& pool);
     /// Per block of sixteen elements: bits of the elements that may have a principal stress of `limit` [Pa] or more,
     /// with the rotations of the step's start. Returns false if there is no such element.
-    bool findStressed(const SoftState& state, double limit, WorkerPool& pool, std::vector<std::uint16_t>& stressed);
+    bool findStressed(const SoftModel& model, const SoftState& state, double limit, WorkerPool& pool,
+                      std::vector<std::uint16_t>& stressed);
+    /// Per block of sixteen elements: bits of the elements that were inside out at the state of the last assemble().
+    [[nodiscard]] std::span<const std::uint16_t> inverted() const { return inverted_; }
     /// [m/s] The solution of the last solve at a node, before finish() corrected the motion of the whole body; zero if
     /// the node is pinned.
     [[nodiscard]] Vec3 solved(int node) const;
@@ -135,13 +138,14 @@ private:
     std::vector<float> diagonal_; ///< per free slot: the pin springs' part of the step's matrix
 
     std::vector<ElementBlock> elements_;
-    std::vector<WarpedBlock> warped_;
+    ElementTangents tangents_;
     std::vector<SpringBlock> springs_;
     std::vector<SpringMatrixBlock> springMatrices_;
     linalg::Gather gather_; ///< the corners of elements and springs around each free slot
     linalg::Gather turns_;  ///< some of the element corners, for the rotations of nodes
     /// Contributions of elements and springs to their nodes, in blocks of sixteen.
     std::vector<linalg::NodeBlock> corners_;
+    std::vector<std::uint16_t> inverted_;        ///< bits of the elements that were inside out in assemble()
     std::vector<linalg::NodeBlock> quaternions_; ///< rotations of the elements
 
     double massWeight_ = 1.0;  ///< [-] factor on the masses in the step's matrix

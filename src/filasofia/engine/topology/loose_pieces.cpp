@@ -1,6 +1,7 @@
 #include "filasofia/engine/topology/loose_pieces.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/elastic/law.h"
 #include "filasofia/engine/soft/rigid_motion.h"
 
 #include <algorithm>
@@ -22,10 +23,9 @@ public:
             const FemElement& element = model.elements[e];
             Part& part = parts_.emplace_back();
             part.element = &element;
-            part.rotation = toMat3(rotationOf(state.rotations, e));
             const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
-            const Lame material = lameAt(element, f);
-            part.tangent = {material, weights.turning * geometricStiffness(material, f, part.rotation)};
+            part.tangent =
+                tangentAt(model.law, lameOf(element), {f, toMat3(rotationOf(state.rotations, e))}, weights.turning);
             for (std::size_t k = 0; k < 4; ++k)
                 part.places[k] = static_cast<std::size_t>(std::ranges::lower_bound(piece.nodes, element.nodes[k]) -
                                                           piece.nodes.begin());
@@ -39,7 +39,7 @@ public:
         for (const Part& part : parts_) {
             Corners corners;
             for (std::size_t k = 0; k < 4; ++k) corners[k] = p[part.places[k]];
-            const Corners forces = warpedStiffnessTimes(*part.element, part.tangent, part.rotation, corners);
+            const Corners forces = stiffnessTimes(part.tangent, *part.element, corners);
             for (std::size_t k = 0; k < 4; ++k) q[part.places[k]] += stiffness_ * forces[k];
         }
         return q;
@@ -48,8 +48,7 @@ public:
 private:
     struct Part {
         const FemElement* element = nullptr;
-        Tangent tangent;
-        Mat3 rotation;
+        ElementTangent tangent;
         std::array<std::size_t, 4> places{};
     };
     double stiffness_;

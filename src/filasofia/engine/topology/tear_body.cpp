@@ -2,6 +2,7 @@
 
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/elastic/law.h"
 #include "filasofia/engine/rupture/stress.h"
 #include "filasofia/engine/topology/apply_edit.h"
 #include "filasofia/math/polar.h"
@@ -14,14 +15,15 @@ namespace {
 
 constexpr int kElementsPerPart = 256;
 
-Mat3 stressOf(const FemElement& element, const SoftState& state, std::size_t e, double threshold)
+Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, double threshold)
 {
+    const FemElement& element = model.elements[e];
     const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
-    const auto [mu, lambda] = lame(element.youngModulus, element.poissonRatio);
+    const Lame material = lameOf(element);
     const Quat before = rotationOf(state.rotations, e);
-    const Mat3 withOldRotation = cauchyStress(f, toMat3(before), mu, lambda);
+    const Mat3 withOldRotation = cauchyStress(model.law, material, {f, toMat3(before)});
     if (principalStressBound(withOldRotation) < kStressNear * threshold) return {};
-    return cauchyStress(f, toMat3(polarRotation(f, before)), mu, lambda);
+    return cauchyStress(model.law, material, {f, toMat3(polarRotation(f, before))});
 }
 
 Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, const SpringsOfElements& springs)
@@ -62,7 +64,7 @@ bool findStresses(const SoftModel& model, const SoftState& state, const StressSe
                 stresses[e] = {};
                 continue;
             }
-            stresses[e] = fem ? stressOf(model.elements[e], state, e, threshold) : stressOf(model, state, e, springs);
+            stresses[e] = fem ? stressOf(model, state, e, threshold) : stressOf(model, state, e, springs);
             if (principalStressBound(stresses[e]) > threshold) above[static_cast<std::size_t>(part)] = 1;
         }
     });
@@ -96,7 +98,7 @@ void tearBody(SoftBody& body, WorkerPool& pool, physics::TopologyReport& report)
     std::vector<std::uint16_t>& stressed = topology.stressed;
     stressed.clear();
     if (body.system.matrixFree && !model.elements.empty() &&
-        !body.system.matrixFree->findStressed(state, kStressNear * threshold, pool, stressed))
+        !body.system.matrixFree->findStressed(model, state, kStressNear * threshold, pool, stressed))
         return;
     if (model.elements.empty() && topology.springs.ofElement.empty()) topology.springs = springsOfElements(model);
     if (!findStresses(model, state, {threshold, topology.springs, stressed}, pool, topology.stresses)) return;

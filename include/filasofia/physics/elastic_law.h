@@ -1,0 +1,96 @@
+#pragma once
+
+#include "filasofia/core/fields.h"
+
+#include <string>
+#include <variant>
+#include <vector>
+
+/// Elastic laws of tissue. All are isotropic, and all are Hooke's law at small strain: the material's Young's modulus E
+/// and Poisson's ratio nu belong to that limit, whatever the law, and a law's own fields say how it departs from it.
+///
+/// F is the deformation gradient, s1, s2, s3 its singular values (the principal stretches), J = det F,
+/// C = F^T F, I1 = tr C, I2 = (I1^2 - tr C^2) / 2. The shear modulus is mu = E / (2 (1 + nu)), Lame's second constant
+/// lambda = E nu / ((1 + nu)(1 - 2 nu)), the bulk modulus K = lambda + 2/3 mu. An energy W is per volume at rest.
+///
+/// The laws that split the energy into a part of shape and K/2 (J - 1)^2 measure shape by the stretches at constant
+/// volume, t = J^(-1/3) s, and their invariants i1 = J^(-2/3) I1 and i2 = J^(-4/3) I2. For an element squeezed below a
+/// fifth of its volume, or inside out, J is replaced in these powers by a smooth function that stays positive
+/// (engine/elastic/laws), so that every law has finite forces in every state.
+namespace filasofia::physics {
+
+/// W = mu/2 (I1 - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2: the stable neo-Hookean law (Smith, de Goes and Kim 2018,
+/// equation 13 without the logarithm). Stable in every deformation, also flat and inside out: the usual choice.
+struct NeoHookean {};
+
+/// W = mu |F - R|^2 + lambda/2 (s1 + s2 + s3 - 3)^2 with the rotation R nearest to F (Mueller and Gross 2004): Hooke's
+/// law under large rotation. Wrong beyond a strain of a tenth or two: an element that is squeezed flat resists little
+/// and may stay inside out, and one that is pulled loses its volume.
+struct Corotational {};
+
+/// W = mu tr E^2 + lambda/2 (tr E)^2 with E = (C - 1)/2: what many engines compute. Stiffens in tension; in compression
+/// it softens, and pushes back less and less below 58 % of its length.
+struct StVenantKirchhoff {};
+
+/// W = mu/2 ((1 - share) (i1 - 3) + share (i2 - 3)) + K/2 (J - 1)^2. With the constants of the literature,
+/// mu = 2 (c10 + c01) and share = c01 / (c10 + c01).
+struct MooneyRivlin {
+    double share = 0.2; ///< [-], in [0, 1], part of i2 in the shear modulus
+};
+
+/// One term of Ogden's law.
+struct OgdenTerm {
+    double exponent = 2.0; ///< [-] alpha, in [-60, 60], not 0
+    double share = 1.0;    ///< [-], in (0, 1], part of the shear modulus; those of all terms add up to 1
+};
+/// W = sum of 2 mu share / alpha^2 (t1^alpha + t2^alpha + t3^alpha - 3) over the terms, + K/2 (J - 1)^2 (Ogden 1972, in
+/// the form of Abaqus and CalculiX, whose mu_i is mu share).
+struct Ogden {
+    std::vector<OgdenTerm> terms = {{}}; ///< 1 to 4
+};
+
+/// W = mu ((exp(c (i1 - 3)) - 1) / c - (i2 - 3) / 2) + K/2 (J - 1)^2 (Veronda and Westmann 1970: skin). With the
+/// constants of the literature, mu = c1 c2 and c = c2.
+struct VerondaWestmann {
+    double exponent = 1.0; ///< [-] c, in (0, 100]
+};
+
+/// W = mu/2 (exp(b (i1 - 3)) - 1) / b + K/2 (J - 1)^2: Fung's exponential law, isotropic (Demiray 1972).
+struct Fung {
+    double exponent = 1.0; ///< [-] b, in (0, 100]
+};
+
+using ElasticLaw =
+    std::variant<NeoHookean, Corotational, StVenantKirchhoff, MooneyRivlin, Ogden, VerondaWestmann, Fung>;
+
+constexpr auto fields(const NeoHookean*) { return describe("NeoHookean"); }
+constexpr auto fields(const Corotational*) { return describe("Corotational"); }
+constexpr auto fields(const StVenantKirchhoff*) { return describe("StVenantKirchhoff"); }
+constexpr auto fields(const MooneyRivlin*)
+{
+    return describe("MooneyRivlin", field("share", &MooneyRivlin::share, "-", closed(0, 1),
+                                          "part of the second invariant in the shear modulus"));
+}
+constexpr auto fields(const OgdenTerm*)
+{
+    return describe("OgdenTerm", field("exponent", &OgdenTerm::exponent, "-", closed(-60, 60), "exponent, not 0"),
+                    field("share", &OgdenTerm::share, "-", openClosed(0, 1), "part of the shear modulus"));
+}
+constexpr auto fields(const Ogden*)
+{
+    return describe("Ogden", field("terms", &Ogden::terms, "its 1 to 4 terms; their shares add up to 1"));
+}
+constexpr auto fields(const VerondaWestmann*)
+{
+    return describe("VerondaWestmann",
+                    field("exponent", &VerondaWestmann::exponent, "-", openClosed(0, 100), "how fast it stiffens"));
+}
+constexpr auto fields(const Fung*)
+{
+    return describe("Fung", field("exponent", &Fung::exponent, "-", openClosed(0, 100), "how fast it stiffens"));
+}
+
+/// Throws an Error that begins with `object` for what a range cannot express: the terms of Ogden's law.
+void check(const ElasticLaw& law, const std::string& object);
+
+} // namespace filasofia::physics

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "filasofia/engine/elastic/element.h"
+
+/// The stable neo-Hookean law (Smith, de Goes and Kim 2018, "Stable Neo-Hookean flesh simulation", without the
+/// logarithm of equation 13; the constants make the rest shape the minimum):
+///     W = mu/2 (i(|F|^2) - 3) - mu (J - 1) + k/2 (J - 1)^2, J = det F, k = lambda + mu
+///     P = mu i' F + p C, C = cof F = dJ/dF, p = k (J - 1) - mu
+///     dP = mu i' dF + k (C : dF) C + p dC
+/// At small strain it is Hooke's law. Nothing in it is singular, also if the element is flat or inside out. i(I) = I
+/// down to I = 1, which is 3 at rest; below, i = (I^2 + 1) / 2, so that an element that is shrunk in all directions
+/// grows again: with i = I a point would be a minimum of the energy.
+namespace filasofia::engine {
+
+/// [J/m^3]
+double neoHookeanEnergy(Lame material, const Mat3& f);
+
+/// [Pa] first Piola-Kirchhoff stress
+Mat3 neoHookeanStress(Lame material, const Mat3& f);
+
+/// dP = shear dF + bulk (C : dF) C + twist dC.
+struct NeoHookeanTangent {
+    Mat3 f, cofactor;
+    double shear = 0.0; ///< [Pa]
+    double bulk = 0.0;  ///< [Pa]
+    double twist = 0.0; ///< [Pa]
+};
+
+/// The energy's second derivative. Indefinite under pressure and in tension.
+NeoHookeanTangent exactNeoHookeanTangent(Lame material, const Mat3& f);
+
+/// [-] By how much shear must outweigh the twist of an element in tension.
+constexpr double kTwistCovered = 1.4142136;
+
+/// A positive semi-definite tangent: exact at every rotated rest shape, and in tension (J - 1 > kTense) never below the
+/// exact one. With the largest stretch s, bounded from R^T F, the twist of pressure is limited to -mu / s, and that of
+/// tension is covered by more shear. `turning` [-] weighs what exceeds the least twist: the part by which stress
+/// resists rotation.
+NeoHookeanTangent neoHookeanTangent(Lame material, const Deformation& at, double turning);
+
+/// dP for a change dF [Pa].
+Mat3 stressChange(const NeoHookeanTangent& tangent, const Mat3& df);
+/// dP g_i as a matrix times dx_j, for dF = dx_j g_j^T [Pa/m^2].
+Mat3 stiffnessBlock(const NeoHookeanTangent& tangent, Vec3 gi, Vec3 gj);
+
+} // namespace filasofia::engine

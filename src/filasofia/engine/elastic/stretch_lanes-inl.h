@@ -1,0 +1,107 @@
+// The laws of the principal stretches (stretch_law.h) in lanes. Compiled once per target (Highway's foreach_target),
+// which is why the guard is unusual.
+#if defined(FILASOFIA_ENGINE_STRETCH_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FILASOFIA_ENGINE_STRETCH_LANES_INL_H
+#undef FILASOFIA_ENGINE_STRETCH_LANES_INL_H
+#else
+#define FILASOFIA_ENGINE_STRETCH_LANES_INL_H
+#endif
+
+#include "filasofia/engine/elastic/law_lanes-inl.h"
+#include "filasofia/engine/elastic/laws/all-inl.h"
+#include "filasofia/engine/elastic/stretch_modes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace filasofia::engine::HWY_NAMESPACE {
+
+/// a^T b, column by column: the components of a vector along the columns of an orthonormal matrix.
+HWY_INLINE V3 along(const M3& axes, V3 a)
+{
+    return {dot({axes.m[0][0], axes.m[1][0], axes.m[2][0]}, a), dot({axes.m[0][1], axes.m[1][1], axes.m[2][1]}, a),
+            dot({axes.m[0][2], axes.m[1][2], axes.m[2][2]}, a)};
+}
+HWY_INLINE M3 product(const M3& a, const M3& b)
+{
+    M3 out;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            out.m[i][j] = sumOfProducts(a.m[i][0], b.m[0][j], a.m[i][1], b.m[1][j], a.m[i][2], b.m[2][j]);
+    return out;
+}
+
+/// StretchTangent of sixteen elements.
+struct StretchLanes {
+    using Block = StretchBlock;
+    M3 u;    ///< axes of the stretches in the world
+    V3 b[3]; ///< gradients along the axes at rest, scaled by the root of mu
+    StretchModes<Lane> modes;
+
+    static HWY_INLINE StretchLanes load(const Block& block, std::size_t part)
+    {
+        const Lanes d;
+        StretchLanes lanes;
+        loadGradients(block.gradients, part, lanes.b);
+        for (int k = 0; k < 9; ++k) lanes.u.m[k / 3][k % 3] = hn::Load(d, block.axes[k] + part);
+        for (int i = 0, at = 0; i < 3; ++i)
+            for (int j = i; j < 3; ++j, ++at)
+                lanes.modes.a[i][j] = lanes.modes.a[j][i] = Lane(hn::Load(d, block.stretch[at] + part));
+        for (int k = 0; k < 3; ++k) {
+            lanes.modes.ahead[k] = Lane(hn::Load(d, block.ahead[k] + part));
+            lanes.modes.across[k] = Lane(hn::Load(d, block.across[k] + part));
+        }
+        return lanes;
+    }
+    HWY_INLINE void store(Block& block, std::size_t part) const
+    {
+        const Lanes d;
+        storeRows(b, block.gradients, part);
+        for (int k = 0; k < 9; ++k) hn::Store(u.m[k / 3][k % 3], d, block.axes[k] + part);
+        for (int i = 0, at = 0; i < 3; ++i)
+            for (int j = i; j < 3; ++j, ++at) hn::Store(modes.a[i][j].v, d, block.stretch[at] + part);
+        for (int k = 0; k < 3; ++k) {
+            hn::Store(modes.ahead[k].v, d, block.ahead[k] + part);
+            hn::Store(modes.across[k].v, d, block.across[k] + part);
+        }
+    }
+    HWY_INLINE void times(const V3 (&edges)[3], V3 (&out)[3]) const
+    {
+        const M3 inAxes = transposeTimes(u, gradientOf(edges, b));
+        Lane h[3][3], p[3][3];
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) h[i][j] = Lane(inAxes.m[i][j]);
+        modesTimes(modes, h, p);
+        M3 stress;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) stress.m[i][j] = p[i][j].v;
+        for (int k = 0; k < 3; ++k) out[k] = HWY_NAMESPACE::times(u, HWY_NAMESPACE::times(stress, b[k]));
+    }
+};
+
+HWY_INLINE StretchLanes linearise(const physics::ElasticLaw& law, const LaneElement& at, V3 (&forces)[3])
+{
+    const M3 sym = transposeTimes(at.r, at.f);
+    Lane s[3][3];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) s[i][j] = Lane(sym.m[i][j]);
+    const Stretches<Lane> axes = stretchesOf(s);
+    const StretchResponse<Lane> w = responseOf(law, axes.s, Lane(at.ratio));
+    M3 v;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) v.m[i][j] = axes.v[i][j].v;
+
+    StretchLanes tangent;
+    tangent.u = product(at.r, v);
+    tangent.modes = modesOf(w, axes.s, Lane(at.turning));
+    const V scaled = hn::Mul(at.mu, at.force), root = hn::Sqrt(hn::Mul(at.mu, at.stiffness));
+    for (int k = 0; k < 3; ++k) { // P = u diag(dW/ds) v^T
+        const V3 g = along(v, at.g[k]);
+        forces[k] = scaled * times(tangent.u, {hn::Mul(w.d[0].v, g.x), hn::Mul(w.d[1].v, g.y), hn::Mul(w.d[2].v, g.z)});
+        tangent.b[k] = root * g;
+    }
+    return tangent;
+}
+
+} // namespace filasofia::engine::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
