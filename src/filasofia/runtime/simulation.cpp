@@ -40,7 +40,7 @@ void warn(const RunReport& report)
     if (report.notConverged > 0) logWarning(steps(report.notConverged), " a solver stopped at its iteration limit");
     if (report.inverted > 0)
         logWarning(steps(report.inverted), " elements were inside out, at most ", report.worstInverted.count,
-                   " at once, in '", report.worstInvertedBody, "'");
+                   " at once; then the worst was in '", report.worstInvertedBody, "'");
     if (report.outOfTime > 0) logWarning(steps(report.outOfTime), " a solver stopped at the deadline");
 }
 

@@ -15,7 +15,10 @@ void deform(std::mt19937& random, Elements& all)
 {
     for (int e = 0; e < all.count(); ++e) {
         const Mat3 turn = toMat3(randomRotation(random)), any = randomMat3(random, 1.0);
-        switch (e % 5) {
+        switch (e % 6) {
+        case 5:
+            all.deform(e, turn * (Mat3::identity() + std::pow(10.0, -2.0 - e % 7) * any));
+            break; // hardly strained
         case 0:
             all.deform(e, turn, randomVec3(random, 1.0));
             break;
@@ -103,6 +106,30 @@ TEST_CASE("every law: instruction sets with fused multiply-add give the same bit
             randomMotion(random, all);
             all.run();
             return std::vector<std::uint64_t>{hashOf(all.corners), hashOf(all.products), hashOf(all.quaternions)};
+        });
+}
+
+TEST_CASE("every law: a position that is not finite affects only its own element")
+{
+    for (const auto& named : everyLaw())
+        onEveryTarget([&](const std::string&) {
+            std::mt19937 random(5);
+            Elements all(randomElements(random, 16 * 3, 0.4), named.law);
+            deform(random, all);
+            randomMotion(random, all);
+            Elements spoiled = all;
+            const int lane = 21;
+            spoiled.x[4 * lane + 2][1] = std::numeric_limits<float>::quiet_NaN();
+            all.run();
+            spoiled.run();
+            for (int e = 0; e < all.count(); ++e) {
+                bool same = true;
+                for (int i = 0; i < 4; ++i)
+                    for (const auto& array : {&Elements::corners, &Elements::products})
+                        same = same && std::memcmp(Elements::corner(spoiled.*array, e, i),
+                                                   Elements::corner(all.*array, e, i), 16) == 0;
+                CHECK(same == (e != lane));
+            }
         });
 }
 

@@ -106,6 +106,8 @@ void check(const SoftModel& model, const SoftState& state)
     checkSize(object, "masses", model.masses.size(), n);
     for (double mass : model.masses)
         if (!positive().contains(mass)) fail(object, ": masses must be > 0 kg, got ", mass);
+    std::visit([&](const auto& each) { validate(each, object + ": law"); }, model.law);
+    physics::check(model.law, object + ": law");
     checkElements(model, object);
     checkSprings(model, object);
     checkPins(model, object);

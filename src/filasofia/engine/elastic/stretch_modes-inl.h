@@ -12,35 +12,42 @@
 HWY_BEFORE_NAMESPACE();
 namespace filasofia::engine::HWY_NAMESPACE {
 
-/// True if a rotation by so small an off-diagonal entry changes nothing.
-HWY_INLINE bool isDiagonal(double off, double size) { return off <= 1e-32 * size; }
-HWY_INLINE bool isDiagonal(Lane off, Lane size)
+/// The squared size of the off-diagonal entries, relative to the diagonal, up to which a matrix counts as diagonal.
+HWY_INLINE double negligible(double) { return 1e-32; }
+HWY_INLINE Lane negligible(Lane) { return Lane(1e-15); }
+/// True if a <= 0 in every lane.
+HWY_INLINE bool nonePositive(double a) { return a <= 0.0; }
+HWY_INLINE bool nonePositive(Lane a)
 {
     const linalg::HWY_NAMESPACE::Lanes d;
-    return hn::AllTrue(d, hn::Le(off.v, hn::Mul(hn::Set(d, 1e-15f), size.v)));
+    return hn::AllFalse(d, hn::Gt(a.v, hn::Zero(d)));
 }
 
 /// One rotation of Jacobi's method in the plane of axes p and q (Golub and Van Loan 2013, section 8.5): a = J^T a J,
-/// v = v J.
-template <int p, int q, class S> HWY_INLINE void rotateJacobi(S (&a)[3][3], S (&v)[3][3])
+/// v = v J. A lane whose `left` is not positive keeps its matrices: what it computes does not depend on its neighbours.
+template <int p, int q, class S> HWY_INLINE void rotateJacobi(S left, S (&a)[3][3], S (&v)[3][3])
 {
     constexpr int r = 3 - p - q;
+    const auto set = [&](S now, S& entry) HWY_ATTR { entry = ifLess(S(0.0), left, now, entry); };
     const S d = a[q][q] - a[p][p], two = S(2.0) * a[p][q];
     const S root = squareRoot(d * d + two * two);
     const S size = magnitude(d) + root;
     const S tangent = ifLess(d, S(0.0), -two, two) / ifLess(S(0.0), size, size, S(1.0));
     const S c = S(1.0) / squareRoot(tangent * tangent + S(1.0)), s = tangent * c;
     const S shift = tangent * a[p][q];
-    a[p][p] = a[p][p] - shift;
-    a[q][q] = a[q][q] + shift;
-    a[p][q] = a[q][p] = S(0.0);
+    set(a[p][p] - shift, a[p][p]);
+    set(a[q][q] + shift, a[q][q]);
+    set(S(0.0), a[p][q]);
     const S rp = a[r][p], rq = a[r][q];
-    a[r][p] = a[p][r] = c * rp - s * rq;
-    a[r][q] = a[q][r] = s * rp + c * rq;
+    set(c * rp - s * rq, a[r][p]);
+    set(s * rp + c * rq, a[r][q]);
+    a[q][p] = a[p][q];
+    a[p][r] = a[r][p];
+    a[q][r] = a[r][q];
     for (int k = 0; k < 3; ++k) {
         const S x = v[k][p], y = v[k][q];
-        v[k][p] = c * x - s * y;
-        v[k][q] = s * x + c * y;
+        set(c * x - s * y, v[k][p]);
+        set(s * x + c * y, v[k][q]);
     }
 }
 
@@ -51,10 +58,11 @@ template <class S> HWY_NOINLINE HWY_ATTR void diagonalise(S (&a)[3][3], S (&v)[3
         for (int j = 0; j < 3; ++j) v[i][j] = i == j ? 1.0 : 0.0;
     for (int sweep = 0; sweep < 12; ++sweep) { // in floats three to five are enough
         const S off = a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2];
-        if (isDiagonal(off, a[0][0] * a[0][0] + a[1][1] * a[1][1] + a[2][2] * a[2][2])) return;
-        rotateJacobi<0, 1>(a, v);
-        rotateJacobi<0, 2>(a, v);
-        rotateJacobi<1, 2>(a, v);
+        const S left = off - negligible(off) * (a[0][0] * a[0][0] + a[1][1] * a[1][1] + a[2][2] * a[2][2]);
+        if (nonePositive(left)) return;
+        rotateJacobi<0, 1>(left, a, v);
+        rotateJacobi<0, 2>(left, a, v);
+        rotateJacobi<1, 2>(left, a, v);
     }
 }
 

@@ -3,6 +3,8 @@
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/scene/each_body.h"
 
+#include <algorithm>
+
 namespace filasofia::engine {
 namespace {
 
@@ -20,7 +22,8 @@ void addExternalForces(const SoftModel& model, Vec3 gravity, const SoftState& st
     }
 }
 
-/// Reports the inverted elements of a body. If none of the bits says that there may be one, nothing is computed.
+/// Reports the inverted elements of a body. Those of which every node is fixed, for example in a removed piece, are
+/// left out: nothing will ever change them. If none of the bits says that there may be one, nothing is computed.
 void findInverted(const SoftBody& body, physics::InvertedElements& report)
 {
     const SoftModel& model = body.model;
@@ -28,7 +31,7 @@ void findInverted(const SoftBody& body, physics::InvertedElements& report)
         const FemElement& element = model.elements[e];
         const Corners corners = cornersOf(element.nodes, body.state.x);
         const double volume = determinant(gradient(element, corners));
-        if (volume > 0.0) return;
+        if (volume > 0.0 || std::ranges::all_of(element.nodes, [&](int node) { return model.pins.hard[node]; })) return;
         ++report.count;
         if (!(volume < report.volume)) return;
         report.body = model.id;
