@@ -1,5 +1,4 @@
 #include "apps/filasofia/bench/bench.h"
-#include "apps/filasofia/bench/load.h"
 #include "apps/filasofia/bench/solver_run.h"
 #include "filasofia/core/text.h"
 #include "filasofia/engine/native_engine.h"
@@ -7,8 +6,6 @@
 #include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/clock.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 namespace filasofia::app {
@@ -59,13 +56,6 @@ std::vector<Vec3> endOf(const Mesh& mesh, const ElasticLaw& law, const physics::
     return run.state().positions;
 }
 
-double distanceBetween(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
-{
-    double sum = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += lengthSquared(a[i] - b[i]);
-    return std::sqrt(sum);
-}
-
 void repeat(SolverRun& run, LawTimes& times)
 {
     const auto now = runtime::steadyClock().now;
@@ -93,7 +83,7 @@ std::vector<LawTimes> measure(const Mesh& mesh, int repetitions)
         LawTimes times{.law = nameOf(law), .tetrahedra = static_cast<int>(mesh->tetrahedra.size())};
         const std::vector<Vec3> exact = endOf(mesh, law, physics::ConjugateGradient{.tolerance = 1e-5});
         const std::vector<Vec3> found = endOf(mesh, law, physics::ConjugateGradient{});
-        times.error = distanceBetween(found, exact) / distanceBetween(exact, mesh->nodes);
+        times.error = distanceOf(found, exact) / distanceOf(exact, mesh->nodes);
         all.push_back(std::move(times));
         runs.push_back(std::make_unique<SolverRun>(bunny(mesh, law, physics::ConjugateGradient{}), kStep, 1));
     }

@@ -133,14 +133,6 @@ Spread ratios(const std::vector<double>& above, const std::vector<double>& below
     return runtime::spreadOf(all);
 }
 
-/// [m] Distance between two states: the root of the sum of squares over the nodes.
-double distanceOf(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
-{
-    double sum = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += lengthSquared(a[i] - b[i]);
-    return std::sqrt(sum);
-}
-
 /// A run of which only the final state is used.
 struct Job {
     std::unique_ptr<SolverRun> run = {};

@@ -5,6 +5,7 @@
 #include "filasofia/runtime/clock.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace filasofia::app {
 
@@ -44,6 +45,13 @@ frame::SoftBodyFrame SolverRun::state() const
     frame::Frame frame;
     engine_->capture(frame);
     return std::move(frame.softBodies.front());
+}
+
+double distanceOf(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
+{
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += lengthSquared(a[i] - b[i]);
+    return std::sqrt(sum);
 }
 
 ColdReference::ColdReference(std::shared_ptr<const geometry::TetMesh> mesh, double dt)

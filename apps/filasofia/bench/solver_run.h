@@ -30,6 +30,9 @@ private:
     double dt_;
 };
 
+/// [m] Distance between two states: the root of the sum of squares over the nodes.
+double distanceOf(const std::vector<Vec3>& a, const std::vector<Vec3>& b);
+
 /// The assembled solver at a tolerance of 1e-6, which starts every solve from zero.
 class ColdReference {
 public:

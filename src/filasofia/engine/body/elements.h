@@ -4,6 +4,8 @@
 #include "filasofia/engine/integration/euler.h"
 #include "filasofia/engine/rupture/tet_shape.h"
 
+#include <algorithm>
+
 namespace filasofia::engine {
 
 inline std::size_t elementCount(const SoftModel& model) { return model.elements.size() + model.tetrahedra.size(); }
@@ -16,6 +18,13 @@ inline const geometry::Tetrahedron& elementNodes(const SoftModel& model, std::si
 inline geometry::Tetrahedron& elementNodes(SoftModel& model, std::size_t e)
 {
     return model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
+}
+
+/// True if every node of a tetrahedron is pinned hard, for example in a removed piece: nothing will change it.
+inline bool allHeld(const SoftModel& model, std::size_t e)
+{
+    return std::ranges::all_of(elementNodes(model, e),
+                               [&](int node) { return model.pins.hard[static_cast<std::size_t>(node)]; });
 }
 
 /// Sets volume and gradients of an element from its nodes at rest.

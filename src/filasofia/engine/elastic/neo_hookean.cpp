@@ -42,15 +42,11 @@ Mat3 neoHookeanStress(Lame material, const Mat3& f)
     return material.mu * shearFactor(f) * f + twistAt(material, determinant(f)) * cofactor(f);
 }
 
-NeoHookeanTangent exactNeoHookeanTangent(Lame material, const Mat3& f)
-{
-    return {f, cofactor(f), material.mu * shearFactor(f), bulkOf(material), twistAt(material, determinant(f))};
-}
-
 NeoHookeanTangent neoHookeanTangent(Lame material, const Deformation& at, double turning)
 {
     constexpr double kSmallest = 1e-6; // [-] stretch
-    NeoHookeanTangent tangent = exactNeoHookeanTangent(material, at.f);
+    NeoHookeanTangent tangent{at.f, cofactor(at.f), material.mu * shearFactor(at.f), bulkOf(material),
+                              twistAt(material, determinant(at.f))};
     if (determinant(at.f) - 1.0 < kTense) tangent.twist = std::min(tangent.twist, -material.mu);
     const double s = std::max(largestStretch(transposeTimes(at.rotation, at.f)), kSmallest);
     // If the element is small in all directions at once, bulk does not lift the mode in which all three change alike.

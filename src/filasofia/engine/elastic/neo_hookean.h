@@ -26,9 +26,6 @@ struct NeoHookeanTangent {
     double twist = 0.0; ///< [Pa]
 };
 
-/// The energy's second derivative. Indefinite under pressure and in tension.
-NeoHookeanTangent exactNeoHookeanTangent(Lame material, const Mat3& f);
-
 /// [-] By how much shear must outweigh the twist of an element in tension.
 constexpr double kTwistCovered = 1.4142136;
 

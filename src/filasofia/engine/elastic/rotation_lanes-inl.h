@@ -16,9 +16,8 @@ inline void rotateAlone(const float (&f)[9][kBlock], int lane, ElementRotations&
     Mat3 m;
     for (int r = 0; r < 3; ++r) m[r] = {f[3 * r][lane], f[3 * r + 1][lane], f[3 * r + 2][lane]};
     const Quat old{q.w[lane], q.x[lane], q.y[lane], q.z[lane]};
-    if (!isFinite(m[0]) || !isFinite(m[1]) || !isFinite(m[2]))
-        return; // the step will be rolled back: keep the old
-                // rotation
+    // If the positions are not finite, the step will be rolled back: keep the old rotation.
+    if (!isFinite(m[0]) || !isFinite(m[1]) || !isFinite(m[2])) return;
     Quat found = polarRotation(m, normalized(old));
     if (dot(found, old) < 0.0) found = {-found.w, -found.x, -found.y, -found.z}; // nodes sum these: no sign flips
     q.w[lane] = static_cast<float>(found.w);

@@ -3,8 +3,6 @@
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/scene/each_body.h"
 
-#include <algorithm>
-
 namespace filasofia::engine {
 namespace {
 
@@ -31,7 +29,7 @@ void findInverted(const SoftBody& body, physics::InvertedElements& report)
         const FemElement& element = model.elements[e];
         const Corners corners = cornersOf(element.nodes, body.state.x);
         const double volume = determinant(gradient(element, corners));
-        if (volume > 0.0 || std::ranges::all_of(element.nodes, [&](int node) { return model.pins.hard[node]; })) return;
+        if (volume > 0.0 || allHeld(model, e)) return;
         ++report.count;
         if (!(volume < report.volume)) return;
         report.body = model.id;

@@ -47,12 +47,6 @@ Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, con
     return virialStress(corners, tensions);
 }
 
-bool allHeld(const SoftModel& model, std::size_t e)
-{
-    return std::ranges::all_of(elementNodes(model, e),
-                               [&](int node) { return model.pins.hard[static_cast<std::size_t>(node)]; });
-}
-
 } // namespace
 
 bool findStresses(const SoftModel& model, const SoftState& state, const StressSearch& search, WorkerPool& pool,
