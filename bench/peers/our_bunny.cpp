@@ -15,7 +15,8 @@ Run runOurs(const Problem& problem, const physics::Solver& solver)
                                   {.gravity = {0.0, -kGravity, 0.0}});
     const BodyId bunny = server.add(physics::SoftBodyDef{.name = "bunny",
                                                          .mesh = problem.mesh,
-                                                         .material = physics::FemMaterial{kYoungModulus, kPoissonRatio},
+                                                         .material = physics::FemMaterial{kYoungModulus, kPoissonRatio,
+                                                                                           physics::Corotational{}},
                                                          .mass = physics::Density{kDensity},
                                                          .rayleigh = {problem.rayleighMass, problem.rayleighStiffness},
                                                          .solver = solver,
