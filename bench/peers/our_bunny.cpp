@@ -13,14 +13,14 @@ Run runOurs(const Problem& problem, const physics::Solver& solver)
     using Clock = std::chrono::steady_clock;
     physics::PhysicsServer server(engine::makeNativeEngine({.period = problem.dt, .threads = 1}),
                                   {.gravity = {0.0, -kGravity, 0.0}});
-    const BodyId bunny = server.add(physics::SoftBodyDef{.name = "bunny",
-                                                         .mesh = problem.mesh,
-                                                         .material = physics::FemMaterial{kYoungModulus, kPoissonRatio,
-                                                                                           physics::Corotational{}},
-                                                         .mass = physics::Density{kDensity},
-                                                         .rayleigh = {problem.rayleighMass, problem.rayleighStiffness},
-                                                         .solver = solver,
-                                                         .attachments = {{.nodes = problem.pinned}}});
+    const BodyId bunny = server.add(
+        physics::SoftBodyDef{.name = "bunny",
+                             .mesh = problem.mesh,
+                             .material = physics::FemMaterial{kYoungModulus, kPoissonRatio, physics::Corotational{}},
+                             .mass = physics::Density{kDensity},
+                             .rayleigh = {problem.rayleighMass, problem.rayleighStiffness},
+                             .solver = solver,
+                             .attachments = {{.nodes = problem.pinned}}});
     Run run;
     for (int step = 0; step < problem.steps; ++step) {
         const Clock::time_point before = Clock::now();
