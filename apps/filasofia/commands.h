@@ -35,12 +35,13 @@ struct Command {
     std::string footer = {};       ///< printed after the options in the help
 };
 
-Command runCommand();    ///< runs a scene in a window, or headless
-Command replayCommand(); ///< replays a recorded run
-Command benchCommand();  ///< measures and writes tables and JSON
-Command reportCommand(); ///< writes an instructor's report of a session
-Command fuzzCommand();   ///< makes random cuts and checks everything after each
-Command doctorCommand(); ///< reports what this machine offers for the simulation, and what is missing
+Command runCommand();     ///< runs a scene in a window, or headless
+Command replayCommand();  ///< replays a recorded run
+Command benchCommand();   ///< measures and writes tables and JSON
+Command reportCommand();  ///< writes an instructor's report of a session
+Command fuzzCommand();    ///< makes random cuts and checks everything after each
+Command tissuesCommand(); ///< lists the tissue library
+Command doctorCommand();  ///< reports what this machine offers for the simulation, and what is missing
 
 /// Legal range of --threads; 0 leaves the choice to the engine.
 inline constexpr Bound kThreads = {closed(0, 256), "-"};

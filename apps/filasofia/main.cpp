@@ -4,6 +4,7 @@
 int main(int argc, char** argv)
 {
     using namespace filasofia::app;
-    return runCommandLine(
-        argc, argv, {runCommand(), replayCommand(), reportCommand(), benchCommand(), fuzzCommand(), doctorCommand()});
+    return runCommandLine(argc, argv,
+                          {runCommand(), replayCommand(), reportCommand(), benchCommand(), fuzzCommand(),
+                           tissuesCommand(), doctorCommand()});
 }

@@ -125,6 +125,14 @@ class Words(Program):
             for option, default in defaults.items():
                 self.assertRegex(said, rf"(?m)^ +{option} \w+={default} ")
 
+    def test_the_tissue_library_is_listed_with_sources(self):
+        said = self.output("tissues")
+        names = [line.split()[0] for line in said.splitlines()[1:] if line and not line.startswith("With a name")]
+        self.assertGreaterEqual(len(names), 12)
+        for name in names:
+            self.assertRegex(self.output("tissues", name), r"(?m)^source +\S.*\n^caveat +\S")
+        self.refused("tissues", "lver", says=["must be one of", "liver", "got 'lver'"])
+
     def test_an_endless_word_is_shortened(self):
         endless = "7" * 1000
         shown = "7" * 40 + "…"

@@ -42,6 +42,40 @@ TEST_CASE("a mesh comes back from every version, form and byte order, bit for bi
             }
 }
 
+TEST_CASE("physical groups become labels with names, in every version, form and byte order")
+{
+    TetMesh mesh = cubeMesh(3, 1);
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) mesh.labels.push_back(t % 3 == 0 ? 12 : 5);
+    mesh.labelNames = {{5, "wall of the gut"}, {12, "tumour"}};
+    for (bool version4 : {false, true})
+        for (GmshForm form : {GmshForm::Ascii, GmshForm::Binary, GmshForm::SwappedBinary}) {
+            const TetMesh read = parseGmsh(writeGmsh(mesh, {version4, form}), "a.msh");
+            CHECK(read.labels == mesh.labels);
+            CHECK(read.labelNames == mesh.labelNames);
+            CHECK(read.tetrahedra == mesh.tetrahedra);
+        }
+    CHECK(parseGmsh(kAscii2, "a.msh").labels.empty());
+    CHECK(parseGmsh(kAscii4, "a.msh").labels.empty());
+}
+
+TEST_CASE("without physical groups, several geometric entities are the labels")
+{
+    const std::string two = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+                            "5 1 1 1\n$EndNodes\n$Elements\n2\n7 4 2 0 1 1 2 3 4\n8 4 2 0 3 2 5 3 4\n$EndElements\n";
+    CHECK(parseGmsh(two, "a.msh").labels == std::vector{1, 3});
+}
+
+TEST_CASE("what is wrong with names and groups is named with its line")
+{
+    const auto with = [](std::string_view names) {
+        return errorIn(replaced(kAscii2, "$Nodes\n", text("$PhysicalNames\n", names, "$EndPhysicalNames\n$Nodes\n")));
+    };
+    CHECK_THAT(with("1\n3 1 liver\n"), Contains("a.msh:6: a physical group's name must stand between quotation marks"));
+    CHECK_THAT(with("2\n3 1 \"a\"\n3 2 \"a\"\n"), Contains("'a' is given twice"));
+    CHECK_THAT(with("1\n3 99999999999 \"a\"\n"), Contains("must fit into 32 bits"));
+    CHECK_THAT(with("99\n"), Contains("physical names"));
+}
+
 TEST_CASE("other sections are skipped, and lines may end as they do elsewhere")
 {
     const std::string text =

@@ -27,7 +27,11 @@ public:
     {
         out_ = text("$MeshFormat\n", options_.version4 ? "4.1 " : "2.2 ", ascii() ? 0 : 1, " 8\n");
         if (!ascii()) put(std::int32_t{1}), out_ += '\n';
-        out_ += "$EndMeshFormat\n$Nodes\n";
+        out_ += "$EndMeshFormat\n";
+        labels_ = mesh.labels;
+        if (!mesh.labelNames.empty()) names(mesh);
+        if (options_.version4 && !labels_.empty()) entities();
+        out_ += "$Nodes\n";
         options_.version4 ? nodes4(mesh) : nodes2(mesh);
         out_ += "\n$EndNodes\n$Elements\n";
         options_.version4 ? elements4(mesh) : elements2(mesh);
@@ -52,6 +56,32 @@ private:
     }
     void putInt(std::int64_t number) { put(static_cast<std::int32_t>(number)); }
     void putSize(std::int64_t number) { put(number); }
+
+    void names(const TetMesh& mesh)
+    {
+        out_ += text("$PhysicalNames\n", mesh.labelNames.size() + 1, "\n2 1 \"a surface\"\n");
+        for (const MeshLabel& each : mesh.labelNames) out_ += text("3 ", each.label, " \"", each.name, "\"\n");
+        out_ += "$EndPhysicalNames\n";
+    }
+    /// A point, a surface and a volume per label; the volume with number 10 + i is in the group of the i-th label.
+    void entities()
+    {
+        volumes_ = labels_;
+        std::ranges::sort(volumes_);
+        volumes_.erase(std::ranges::unique(volumes_).begin(), volumes_.end());
+        out_ += "$Entities\n";
+        putSize(1), putSize(0), putSize(1), putSize(std::int64_t(volumes_.size()));
+        putInt(1), bounds(3), putSize(0);
+        putInt(1), bounds(6), putSize(1), putInt(77), putSize(0);
+        for (std::size_t i = 0; i < volumes_.size(); ++i)
+            putInt(10 + std::int64_t(i)), bounds(6), putSize(2), putInt(volumes_[i]), putInt(99), putSize(1),
+                putInt(-1);
+        out_ += "\n$EndEntities\n";
+    }
+    void bounds(int count)
+    {
+        for (int k = 0; k < count; ++k) put(0.5);
+    }
 
     void nodes2(const TetMesh& mesh)
     {
@@ -81,11 +111,13 @@ private:
         const std::int64_t count = std::int64_t(mesh.tetrahedra.size());
         out_ += text(count + 1, "\n");
         const auto head = [&](std::int64_t number, int type, std::int64_t run) {
+            const bool solid = type == 4 && !labels_.empty();
+            const std::int64_t group = solid ? labels_[static_cast<std::size_t>(number - 1)] : 0;
             if (ascii())
-                putInt(number), putInt(type), putInt(2), putInt(0), putInt(1);
+                putInt(number), putInt(type), putInt(2), putInt(group), putInt(1);
             else if (run > 0)
                 putInt(type), putInt(run), putInt(2);
-            if (!ascii()) putInt(number), putInt(0), putInt(1);
+            if (!ascii()) putInt(number), putInt(group), putInt(1);
         };
         head(count + 1, 2, 1);
         for (std::size_t i = 0; i < 3; ++i) putInt(tag(i));
@@ -97,17 +129,25 @@ private:
     void elements4(const TetMesh& mesh)
     {
         const std::int64_t count = std::int64_t(mesh.tetrahedra.size());
-        putSize(2), putSize(count + 1), putSize(1), putSize(count + 1);
+        // Without labels all tetrahedra are in one block; with labels each is in one of its own.
+        putSize(labels_.empty() ? 2 : 1 + count), putSize(count + 1), putSize(1), putSize(count + 1);
         putInt(2), putInt(1), putInt(2), putSize(1), putSize(count + 1);
         for (std::size_t i = 0; i < 3; ++i) putSize(tag(i));
-        putInt(3), putInt(1), putInt(4), putSize(count);
         for (std::int64_t t = 0; t < count; ++t) {
+            if (t == 0 || !labels_.empty())
+                putInt(3), putInt(volumeOf(t)), putInt(4), putSize(labels_.empty() ? count : 1);
             putSize(t + 1);
             for (int node : mesh.tetrahedra[t]) putSize(tag(node));
         }
     }
+    [[nodiscard]] std::int64_t volumeOf(std::int64_t t) const
+    {
+        if (labels_.empty()) return 1;
+        return 10 + (std::ranges::find(volumes_, labels_[static_cast<std::size_t>(t)]) - volumes_.begin());
+    }
 
     GmshOptions options_;
+    std::vector<int> labels_, volumes_; ///< per tetrahedron; of the volumes
     std::string out_;
 };
 

@@ -135,11 +135,51 @@ TEST_CASE("every other kind of command comes back bit for bit")
     CHECK(sameBits(std::get<FemMaterial>(std::get<SoftBodyDef>(*soft.def).material).tearingThreshold, kThird));
     const auto whole = roundTrip(adding(11, SoftBodyDef{.mesh = oneTetrahedron(), .material = MassSpringMaterial{}}));
     CHECK(std::isinf(std::get<MassSpringMaterial>(std::get<SoftBodyDef>(*whole.def).material).tearingThreshold));
+    const TissueRegion region{.where = Ball{kVec, kThird}, .poissonRatio = 0.1, .restScale = kThird + 0.5};
+    const auto tissue = roundTrip(SetTissue{BodyId{3}, region});
+    CHECK((tissue.id == BodyId{3} && tissue.region == region));
+    const auto active = roundTrip(SetFibreStress{BodyId{3}, 1, kThird});
+    CHECK((active.id == BodyId{3} && active.family == 1 && sameBits(active.stress, kThird)));
     roundTrip(Reset{});
     CHECK(roundTrip(Pause{true}).paused);
     CHECK_FALSE(roundTrip(Pause{false}).paused);
     CHECK_FALSE(roundTrip(Tune{[](PhysicsEngine&) {}}).change); // only the fact that there was one can be kept
-    STATIC_REQUIRE(std::variant_size_v<Command> == 18);
+    STATIC_REQUIRE(std::variant_size_v<Command> == 20);
+}
+
+TEST_CASE("every law and all that a material may say come back bit for bit")
+{
+    for (const ElasticLaw& law : {ElasticLaw{NeoHookean{}}, ElasticLaw{Corotational{}}, ElasticLaw{StVenantKirchhoff{}},
+                                  ElasticLaw{MooneyRivlin{kThird}}, ElasticLaw{Ogden{{{-kThird, 0.25}, {3.0, 0.75}}}},
+                                  ElasticLaw{VerondaWestmann{kThird}}, ElasticLaw{Fung{kThird}}}) {
+        FemMaterial material{.law = law};
+        material.regions = {{.where = Labelled{.label = -3}, .youngModulus = kThird},
+                            {.where = geometry::Box{{0, 0, 0}, kVec}, .tearingThreshold = 1.0},
+                            {.where = NearSurface{kThird}, .density = 2.0},
+                            {.where = AtInterface{{.label = 1}, {.label = 2}}, .restScale = 0.75},
+                            {.where = Listed{{4, 7}}}};
+        material.fibres = {{.stiffness = kThird, .direction = Around{kVec, {0, 1, 0}, 0.25}},
+                           {.direction = DirectionField{{kVec, {}}}, .where = Labelled{.label = 4}},
+                           {.activeStress = kThird, .direction = HarmonicField{Listed{{1}}, Listed{{2}}}}};
+        material.relaxation = {{.share = kThird, .time = 2.0}};
+        material.stiffnessField = {kThird, 1.0};
+        material.validStrain = kThird;
+        const auto back = std::get<FemMaterial>(roundTrip(SetMaterial{BodyId{3}, material}).material);
+        CHECK(back.law == material.law);
+        CHECK(back.regions == material.regions);
+        CHECK(back.fibres == material.fibres);
+        CHECK(back.relaxation == material.relaxation);
+        CHECK(back.stiffnessField == material.stiffnessField);
+        CHECK(back.validStrain == kThird);
+    }
+}
+
+TEST_CASE("a mesh keeps its labels")
+{
+    auto labelled = *oneTetrahedron();
+    labelled.labels = {42};
+    const auto back = roundTrip(SoftBodyDef{.mesh = std::make_shared<const geometry::TetMesh>(labelled)});
+    CHECK(std::get<std::shared_ptr<const geometry::TetMesh>>(back.mesh)->labels == labelled.labels);
 }
 
 TEST_CASE("a name that is not valid text does not end the recording")

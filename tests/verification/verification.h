@@ -86,9 +86,9 @@ inline void solveStatic(const SoftModel& model, std::span<const Vec3> loads, std
             const Mat3 f = gradient(element, corners);
             rotations[e] = polarRotation(f, rotations[e]);
             const Deformation at{f, toMat3(rotations[e])};
-            const Corners forces = internalForces(element, stressAt(model.law, lameOf(element), at));
+            const Corners forces = internalForces(element, stressAt(model.material.law, lameOf(element), at));
             for (std::size_t i = 0; i < 4; ++i) residual[element.nodes[i]] -= forces[i];
-            const ElementTangent tangent = tangentAt(model.law, lameOf(element), at, 0.0);
+            const ElementTangent tangent = tangentAt(model.material.law, lameOf(element), at, 0.0);
             for (int i = 0; i < 4; ++i)
                 for (int j = 0; j < 4; ++j)
                     if (const int p = system.elementBlocks[e][4 * i + j]; p >= 0)

@@ -26,12 +26,6 @@ std::vector<ElasticLaw> laws()
             physics::Ogden{},        physics::Fung{},       physics::VerondaWestmann{}};
 }
 
-std::string nameOf(const ElasticLaw& law)
-{
-    return std::string(
-        std::visit([](const auto& each) { return fields(static_cast<decltype(&each)>(nullptr)).typeName; }, law));
-}
-
 physics::SoftBodyDef bunny(const Mesh& mesh, const ElasticLaw& law, const physics::Solver& solver)
 {
     return solverBunny(mesh, Hold::Head, solver, {.youngModulus = 10e3, .poissonRatio = 0.45, .law = law});
@@ -80,7 +74,8 @@ std::vector<LawTimes> measure(const Mesh& mesh, int repetitions)
     std::vector<LawTimes> all;
     std::vector<std::unique_ptr<SolverRun>> runs;
     for (const ElasticLaw& law : laws()) {
-        LawTimes times{.law = nameOf(law), .tetrahedra = static_cast<int>(mesh->tetrahedra.size())};
+        LawTimes times{.law = std::string(physics::nameOf(law)),
+                       .tetrahedra = static_cast<int>(mesh->tetrahedra.size())};
         const std::vector<Vec3> exact = endOf(mesh, law, physics::ConjugateGradient{.tolerance = 1e-5});
         const std::vector<Vec3> found = endOf(mesh, law, physics::ConjugateGradient{});
         times.error = distanceOf(found, exact) / distanceOf(exact, mesh->nodes);

@@ -3,6 +3,7 @@
 #include "filasofia/math/vec3.h"
 
 #include <array>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -17,10 +18,22 @@ inline constexpr std::array<std::array<int, 3>, 4> kTetrahedronFaces{{{1, 2, 3},
 /// The six edges of a tetrahedron as local indices of its four nodes.
 inline constexpr std::array<std::array<int, 2>, 6> kTetrahedronEdges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
+/// The name of a label of a mesh.
+struct MeshLabel {
+    int label = 0; ///< [-]
+    std::string name = {};
+
+    friend bool operator==(const MeshLabel&, const MeshLabel&) = default;
+};
+
 /// A volume mesh of tetrahedra.
 struct TetMesh {
     std::vector<Vec3> nodes;             ///< [m]
     std::vector<Tetrahedron> tetrahedra; ///< indices into nodes
+    /// [-] One per tetrahedron, the part of the body that it belongs to: the physical group of a Gmsh file, the first
+    /// attribute of a TetGen file. Empty: none.
+    std::vector<int> labels = {};
+    std::vector<MeshLabel> labelNames = {}; ///< the names of some labels, each name once
 };
 
 /// Volume [m^3], negative if the tetrahedron is inverted.
@@ -34,7 +47,8 @@ double quality(const TetMesh& mesh, int tetrahedron);
 /// Throws an Error naming `name`, the element or node, and the bound, unless the mesh has a tetrahedron, every number
 /// is finite, every index names a node, no tetrahedron names a node twice, and every volume is positive (more than
 /// 1e-12 of the cube of its longest edge). A node in no tetrahedron is an Error too, and so is a face that two
-/// tetrahedra have on the same side (one listed twice, or two that overlap).
+/// tetrahedra have on the same side (one listed twice, or two that overlap). Labels, if there are any, are one per
+/// tetrahedron.
 void check(const TetMesh& mesh, std::string_view name);
 
 } // namespace filasofia::geometry

@@ -71,6 +71,19 @@ struct SetMaterial {
     /// former data in it. If it is missing (in a replay), the step builds it.
     std::unique_ptr<BuiltBody> body = {};
 };
+/// Changes the tissue of a part of a soft FEM body: coagulation stiffens and shrinks it. A box or a ball has the
+/// elements whose centre is there now, in the world; all other shapes are those of the body's mesh at rest. Lasts until
+/// the next SetMaterial or Reset. The density stays.
+struct SetTissue {
+    BodyId id = {};
+    TissueRegion region = {};
+};
+/// Sets the stress by which a family of fibres contracts (FibreFamily::activeStress).
+struct SetFibreStress {
+    BodyId id = {};
+    int family = 0;      ///< [-], index in FemMaterial::fibres
+    double stress = 0.0; ///< [Pa], >= 0
+};
 /// Replaces all nodal forces of a soft body.
 struct SetForces {
     BodyId id = {};
@@ -166,6 +179,18 @@ constexpr auto fields(const SetMaterial*)
     return describe("SetMaterial", field("id", &SetMaterial::id, "the soft body"),
                     field("material", &SetMaterial::material, "new material, of the kind it was made with"));
 }
+constexpr auto fields(const SetTissue*)
+{
+    return describe("SetTissue", field("id", &SetTissue::id, "the soft body"),
+                    field("region", &SetTissue::region, "what differs, and where"));
+}
+constexpr auto fields(const SetFibreStress*)
+{
+    using T = SetFibreStress;
+    return describe("SetFibreStress", field("id", &T::id, "the soft body"),
+                    field("family", &T::family, "-", nonNegative(), "index of the family of fibres"),
+                    field("stress", &T::stress, "Pa", nonNegative(), "stress by which they contract"));
+}
 constexpr auto fields(const SetForces*)
 {
     return describe("SetForces", field("id", &SetForces::id, "the soft body"),
@@ -212,6 +237,7 @@ constexpr auto fields(const Pause*)
 constexpr auto fields(const Tune*) { return describe("Tune"); } // a function cannot be stored
 
 using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench,
-                             Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune, SetJoint, SetHaptic>;
+                             Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune, SetJoint, SetHaptic,
+                             SetTissue, SetFibreStress>;
 
 } // namespace filasofia::physics

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/physics/elastic_law.h"
+#include "filasofia/physics/fem_material.h"
 #include "filasofia/physics/rigid_body_def.h"
 
 #include "filasofia/geometry/tet_mesh.h"
@@ -10,16 +10,6 @@
 /// The Defs of soft bodies. Every member has a default, a unit and a legal range; the fields() lists give them to
 /// programs. Building a body checks all of them.
 namespace filasofia::physics {
-
-/// Elastic tissue: linear tetrahedra with an elastic law.
-struct FemMaterial {
-    double youngModulus = 10e3;    ///< [Pa], > 0, at small strain
-    double poissonRatio = 0.45;    ///< [-], in [0, 0.5), at small strain
-    ElasticLaw law = NeoHookean{}; ///< how it departs from Hooke's law at large strain
-    /// [Pa], > 0 or infinite: elements separate if the largest principal Cauchy stress exceeds it. Needs
-    /// dynamicTopology.
-    double tearingThreshold = std::numeric_limits<double>::infinity();
-};
 
 /// Equal springs with dashpots on all edges of the mesh.
 struct MassSpringMaterial {
@@ -93,17 +83,6 @@ struct SoftBodyDef {
 
 using BodyDef = std::variant<SoftBodyDef, RigidBodyDef>;
 
-constexpr auto fields(const FemMaterial*)
-{
-    using T = FemMaterial;
-    return describe("FemMaterial",
-                    field("youngModulus", &T::youngModulus, "Pa", positive(), "Young's modulus of the tissue"),
-                    field("poissonRatio", &T::poissonRatio, "-", closedOpen(0, 0.5),
-                          "Poisson's ratio; 0.5 would be incompressible"),
-                    field("law", &T::law, "elastic law"),
-                    field("tearingThreshold", &T::tearingThreshold, "Pa", positiveOrInfinite(),
-                          "largest principal stress beyond which it tears"));
-}
 constexpr auto fields(const MassSpringMaterial*)
 {
     using T = MassSpringMaterial;

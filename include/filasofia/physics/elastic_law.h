@@ -3,6 +3,7 @@
 #include "filasofia/core/fields.h"
 
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -20,44 +21,61 @@
 namespace filasofia::physics {
 
 /// W = mu/2 (I1 - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2: the stable neo-Hookean law (Smith, de Goes and Kim 2018,
-/// equation 13 without the logarithm). Stable in every deformation, also flat and inside out: the usual choice.
-struct NeoHookean {};
+/// equation 13 without the logarithm). Stable in every deformation, also flat and inside out: the usual choice. Below
+/// I1 = 1, where tissue is crushed in all directions, I1 is replaced by (1 + I1^2) / 2, so that a point is no minimum.
+struct NeoHookean {
+    friend bool operator==(const NeoHookean&, const NeoHookean&) = default;
+};
 
 /// W = mu |F - R|^2 + lambda/2 (s1 + s2 + s3 - 3)^2 with the rotation R nearest to F (Mueller and Gross 2004): Hooke's
 /// law under large rotation. Wrong beyond a strain of a tenth or two: an element that is squeezed flat resists little
 /// and may stay inside out, and one that is pulled loses its volume.
-struct Corotational {};
+struct Corotational {
+    friend bool operator==(const Corotational&, const Corotational&) = default;
+};
 
 /// W = mu tr E^2 + lambda/2 (tr E)^2 with E = (C - 1)/2: what many engines compute. Stiffens in tension; in compression
 /// it softens, and pushes back less and less below 58 % of its length.
-struct StVenantKirchhoff {};
+struct StVenantKirchhoff {
+    friend bool operator==(const StVenantKirchhoff&, const StVenantKirchhoff&) = default;
+};
 
 /// W = mu/2 ((1 - share) (i1 - 3) + share (i2 - 3)) + K/2 (J - 1)^2. With the constants of the literature,
 /// mu = 2 (c10 + c01) and share = c01 / (c10 + c01).
 struct MooneyRivlin {
     double share = 0.2; ///< [-], in [0, 1], part of i2 in the shear modulus
+
+    friend bool operator==(const MooneyRivlin&, const MooneyRivlin&) = default;
 };
 
 /// One term of Ogden's law.
 struct OgdenTerm {
     double exponent = 2.0; ///< [-] alpha, in [-60, 60], not 0
     double share = 1.0;    ///< [-], in (0, 1], part of the shear modulus; those of all terms add up to 1
+
+    friend bool operator==(const OgdenTerm&, const OgdenTerm&) = default;
 };
 /// W = sum of 2 mu share / alpha^2 (t1^alpha + t2^alpha + t3^alpha - 3) over the terms, + K/2 (J - 1)^2 (Ogden 1972, in
 /// the form of Abaqus and CalculiX, whose mu_i is mu share).
 struct Ogden {
     std::vector<OgdenTerm> terms = {{}}; ///< 1 to 4
+
+    friend bool operator==(const Ogden&, const Ogden&) = default;
 };
 
 /// W = mu ((exp(c (i1 - 3)) - 1) / c - (i2 - 3) / 2) + K/2 (J - 1)^2 (Veronda and Westmann 1970: skin). With the
 /// constants of the literature, mu = c1 c2 and c = c2.
 struct VerondaWestmann {
-    double exponent = 1.0; ///< [-] c, in (0, 100]
+    double exponent = 1.0; ///< [-] c, in [0.2, 100]
+
+    friend bool operator==(const VerondaWestmann&, const VerondaWestmann&) = default;
 };
 
 /// W = mu/2 (exp(b (i1 - 3)) - 1) / b + K/2 (J - 1)^2: Fung's exponential law, isotropic (Demiray 1972).
 struct Fung {
     double exponent = 1.0; ///< [-] b, in (0, 100]
+
+    friend bool operator==(const Fung&, const Fung&) = default;
 };
 
 using ElasticLaw =
@@ -89,6 +107,9 @@ constexpr auto fields(const Fung*)
 {
     return describe("Fung", field("exponent", &Fung::exponent, "-", openClosed(0, 100), "how fast it stiffens"));
 }
+
+/// The name of a law in files, errors and tables: that of its type.
+std::string_view nameOf(const ElasticLaw& law);
 
 /// Throws an Error that begins with `object` for what a range cannot express: the terms of Ogden's law.
 void check(const ElasticLaw& law, const std::string& object);

@@ -26,6 +26,8 @@ enum class StepFlag : std::uint32_t {
     OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance: the body lost some speed
     NothingAttached = 1u << 10, ///< an attachment found no node, or a grasp no contact: the log says which
     Inverted = 1u << 11,        ///< elements were inside out at the start of the step (StepReport::inverted)
+    NothingChanged = 1u << 13,  ///< a SetTissue found no element: the log says which
+    BeyondStrain = 1u << 12,    ///< elements were strained beyond FemMaterial::validStrain (StepReport::beyondStrain)
 };
 
 /// How one body's step was solved. Bodies that are in contact or attached to each other are solved together: they have
@@ -49,10 +51,21 @@ struct StageTimes {
 
 /// The elements that were inside out (det F <= 0) at the start of a step, in all FEM bodies.
 struct InvertedElements {
-    int count = 0;
+    int count = 0;       ///< [-]
     BodyId body = {};    ///< the body of the worst of them
-    int element = -1;    ///< the worst, an index of that body's elements in the frame
+    int element = -1;    ///< [-] the worst, an index of that body's elements in the frame
     double volume = 1.0; ///< [-] det F of the worst: its volume over that at rest
+    Vec3 place = {};     ///< [m] its centre
+};
+
+/// The elements that were strained beyond the range of their material (FemMaterial::validStrain) at the start of a
+/// step.
+struct StrainedElements {
+    int count = 0;       ///< [-]
+    BodyId body = {};    ///< the body of the worst of them
+    int element = -1;    ///< [-] the worst, an index of that body's elements in the frame
+    double strain = 0.0; ///< [-] of the worst: the largest difference of a principal stretch from 1
+    double valid = 0.0;  ///< [-] its material's validStrain
     Vec3 place = {};     ///< [m] its centre
 };
 
@@ -128,6 +141,7 @@ struct StepReport {
     std::vector<BodySolve> solves = {};
     ContactReport contacts = {};
     InvertedElements inverted = {};
+    StrainedElements beyondStrain = {};
     TopologyReport topology = {};
     StageTimes times = {};
 

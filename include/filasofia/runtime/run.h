@@ -81,6 +81,10 @@ struct RunReport {
     std::uint64_t inverted = 0;     ///< [-], steps that began with elements inside out (StepFlag::Inverted)
     physics::InvertedElements worstInverted = {}; ///< of the step with the most of them
     std::string worstInvertedBody = {};           ///< the name of its body
+    /// [-], steps that began with elements beyond the range of their material (StepFlag::BeyondStrain)
+    std::uint64_t beyondStrain = 0;
+    physics::StrainedElements worstStrained = {}; ///< of the step with the largest strain in relation to its range
+    std::string worstStrainedBody = {};           ///< the name of its body
     bool realTime = false;                        ///< physics was scheduled before ordinary threads
     std::string finished;                         ///< why it ended
     std::vector<ContactPairReport> contacts;      ///< one per pair of bodies that touched, ascending by their ids

@@ -2,6 +2,9 @@
 
 #include "filasofia/geometry/raw_tet_mesh.h"
 
+#include <algorithm>
+#include <limits>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -72,17 +75,26 @@ public:
                 beginOnly(section, haveNodes), version4_ ? readNodes4() : readNodes2(), endSection(section);
             else if (section == "$Elements")
                 beginOnly(section, haveElements), version4_ ? readElements4() : readElements2(), endSection(section);
+            else if (section == "$PhysicalNames")
+                readNames(), endSection(section);
+            else if (section == "$Entities" && version4_)
+                readEntities(), endSection(section);
             else
                 skip(section);
         }
         if (!haveNodes) fail(name_, ": must have a $Nodes section, found none");
         if (!haveElements) fail(name_, ": must have an $Elements section, found none");
+        label();
         return resolve(mesh_, in_, in_, name_);
     }
 
 private:
     void readFormat();
     void readByteOrder();
+    void readNames();
+    void readEntities();
+    void readEntity(int dimension);
+    void label();
     void readNodes2();
     void readNodes4();
     void readElements2();
@@ -92,6 +104,7 @@ private:
     void skip(std::string_view section);
     ElementType checkedType(std::int64_t type) const;
     void readElement(std::int64_t number, std::size_t place, const ElementType& type, int rawSize);
+    int labelIn(std::int64_t number, std::string_view what) const;
     std::size_t readTextCount(std::string_view what, std::size_t numbers, std::size_t rawBytes);
     void beginRaw();
     Vec3 readPosition();
@@ -100,6 +113,8 @@ private:
     std::string_view name_;
     bool version4_ = false;
     RawTetMesh mesh_;
+    std::vector<int> groups_, entities_;  ///< per tetrahedron: physical group, 0 for none, and geometric entity
+    std::map<std::int64_t, int> groupOf_; ///< of a volume of version 4: its first physical group
 };
 
 void GmshReader::readFormat()
@@ -160,6 +175,68 @@ void GmshReader::skip(std::string_view section)
         in_.failHere("a section name of 1 to 98 letters must begin here, got $End or a longer name");
     if (!in_.skipPast("\n$End" + std::string(section.substr(1))))
         in_.failHere("the file ends before $End", section.substr(1).substr(0, 40));
+}
+
+int GmshReader::labelIn(std::int64_t number, std::string_view what) const
+{
+    if (number < std::numeric_limits<int>::min() || number > std::numeric_limits<int>::max())
+        in_.failHere(what, " must fit into 32 bits, got ", number);
+    return static_cast<int>(number);
+}
+
+// The names of physical groups, as text even in a binary file. Only those of volumes name tetrahedra.
+void GmshReader::readNames()
+{
+    const std::int64_t count = in_.integerIn(in_.word(), "the number of physical names");
+    in_.boundCount(count, "the number of physical names", 3, 5);
+    for (std::int64_t i = 0; i < count; ++i) {
+        const std::int64_t dimension = in_.integerIn(in_.word(), "a physical name's dimension");
+        const int group = labelIn(in_.integerIn(in_.word(), "a physical group"), "a physical group");
+        const std::string name(in_.textInQuotes("a physical group's name"));
+        if (dimension != 3) continue;
+        if (std::ranges::find(mesh_.labelNames, name, &MeshLabel::name) != mesh_.labelNames.end())
+            in_.failHere("the physical name '", name.substr(0, 40), "' is given twice");
+        mesh_.labelNames.push_back({group, name});
+    }
+}
+
+// Notes the first physical group of a volume.
+void GmshReader::readEntity(int dimension)
+{
+    const std::int64_t tag = in_.integer("an entity's number");
+    for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) in_.real("an entity's bounds");
+    const std::size_t groups = in_.count("the number of an entity's physical groups", 1, 4, 8);
+    for (std::size_t k = 0; k < groups; ++k) {
+        const int group = labelIn(in_.integer("a physical group"), "a physical group");
+        if (dimension == 3 && k == 0) groupOf_[tag] = group;
+    }
+    if (dimension == 0) return;
+    const std::size_t bounding = in_.count("the number of an entity's bounding entities", 1, 4, 8);
+    for (std::size_t k = 0; k < bounding; ++k) in_.integer("a bounding entity");
+}
+
+void GmshReader::readEntities()
+{
+    beginRaw();
+    std::array<std::size_t, 4> counts{};
+    for (std::size_t dimension = 0; dimension < 4; ++dimension)
+        counts[dimension] = in_.count("the number of entities", dimension == 0 ? 5 : 9, dimension == 0 ? 36 : 68, 8);
+    for (int dimension = 0; dimension < 4; ++dimension)
+        for (std::size_t i = 0; i < counts[static_cast<std::size_t>(dimension)]; ++i) readEntity(dimension);
+}
+
+// Tetrahedra are labelled by their physical groups; in a file without any, by their geometric entities, if these are
+// more than one.
+void GmshReader::label()
+{
+    const auto differ = [](const std::vector<int>& list) {
+        return std::ranges::any_of(list, [&](int each) { return each != list.front(); });
+    };
+    const bool grouped = std::ranges::any_of(groups_, [](int group) { return group != 0; });
+    mesh_.labelled = grouped || differ(entities_);
+    if (!grouped) mesh_.labelNames.clear();
+    for (std::size_t i = 0; i < mesh_.elements.size(); ++i)
+        mesh_.elements[i].label = (grouped ? groups_ : entities_)[i];
 }
 
 Vec3 GmshReader::readPosition()
@@ -256,8 +333,15 @@ void GmshReader::readElements2()
         const std::size_t tags = in_.count("the number of tags", 1, 4, 4);
         for (std::int64_t k = 0; k < run; ++k) {
             if (in_.isBinary()) number = in_.integer("an element's number"), place = in_.place();
-            for (std::size_t tag = 0; tag < tags; ++tag) in_.integer("an element's tag");
+            std::array<std::int64_t, 2> groupAndEntity{};
+            for (std::size_t tag = 0; tag < tags; ++tag) {
+                const std::int64_t value = in_.integer("an element's tag");
+                if (tag < 2) groupAndEntity[tag] = value;
+            }
             readElement(number, place, type, 4);
+            if (type.dimension < 3) continue;
+            groups_.push_back(labelIn(groupAndEntity[0], "a physical group"));
+            entities_.push_back(labelIn(groupAndEntity[1], "an entity's number"));
         }
         i += static_cast<std::size_t>(run);
     }
@@ -273,12 +357,16 @@ void GmshReader::readElements4()
     std::size_t held = 0;
     for (std::size_t block = 0; block < blocks; ++block) {
         in_.integer("an element block's dimension");
-        in_.integer("an element block's entity");
+        const int entity = labelIn(in_.integer("an element block's entity"), "an entity's number");
+        const auto group = groupOf_.find(entity);
         const ElementType type = checkedType(in_.integer("an element block's type"));
         const std::size_t here = in_.count("the number of elements in a block", 2, 16, 8);
         for (std::size_t i = 0; i < here; ++i) {
             const std::int64_t number = in_.integer("an element's number", 8);
             readElement(number, in_.place(), type, 8);
+            if (type.dimension < 3) continue;
+            groups_.push_back(group == groupOf_.end() ? 0 : group->second);
+            entities_.push_back(entity);
         }
         held += here;
     }

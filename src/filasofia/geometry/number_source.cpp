@@ -74,6 +74,17 @@ void NumberSource::skipBytes(std::size_t count, std::string_view what)
     at_ += count;
 }
 
+std::string_view NumberSource::textInQuotes(std::string_view what)
+{
+    skipSpace();
+    lastLine_ = line_;
+    const std::size_t end = at_ < bytes_.size() && bytes_[at_] == '"' ? bytes_.find('"', at_ + 1) : bytes_.npos;
+    const std::string_view out = bytes_.substr(std::min(at_ + 1, bytes_.size()), end - at_ - 1);
+    if (end == bytes_.npos || out.find('\n') != out.npos) failHere(what, " must stand between quotation marks");
+    at_ = end + 1;
+    return out;
+}
+
 bool NumberSource::skipPast(std::string_view text)
 {
     const std::size_t found = bytes_.find(text, at_);

@@ -27,6 +27,8 @@ public:
     std::string_view word();
     /// The next word if it stands on the same line as the last one; otherwise empty, and nothing is consumed.
     std::string_view wordOnThisLine();
+    /// The next text between quotation marks; `what` names it in an Error.
+    std::string_view textInQuotes(std::string_view what);
     /// Takes one byte, such as the end of the line before binary data.
     char byte();
     /// Skips this many bytes, which hold `what`.

@@ -70,6 +70,10 @@ TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const Numbe
         if (const std::string fault = elementFault(mesh, t); !fault.empty())
             elementFile.failAt(element.place, "tetrahedron ", element.number, fault);
     }
+    if (raw.labelled) {
+        for (const RawTetMesh::Element& element : raw.elements) mesh.labels.push_back(element.label);
+        mesh.labelNames = raw.labelNames;
+    }
     if (const auto pair = sameSidePair(mesh)) {
         const RawTetMesh::Element &a = raw.elements[(*pair)[0]], &b = raw.elements[(*pair)[1]];
         elementFile.failAt(b.place, "tetrahedra ", a.number, " and ", b.number,

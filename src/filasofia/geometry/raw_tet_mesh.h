@@ -17,9 +17,12 @@ struct RawTetMesh {
         std::int64_t number = 0;
         std::size_t place = 0; ///< as NumberSource::place()
         std::array<std::int64_t, 4> nodes{};
+        int label = 0;
     };
     std::vector<Node> nodes;
     std::vector<Element> elements;
+    bool labelled = false; ///< the elements' labels mean something
+    std::vector<MeshLabel> labelNames;
 };
 
 /// Finds each element's nodes by their numbers, checks every element against the bounds of check(), drops unused nodes,

@@ -23,6 +23,12 @@ void checkEveryNodeIsUsed(const TetMesh& mesh, std::string_view name)
         fail(name, ": node ", unused - used.begin(), " must be in at least one tetrahedron, got none");
 }
 
+void checkLabels(const TetMesh& mesh, std::string_view name)
+{
+    if (!mesh.labels.empty() && mesh.labels.size() != mesh.tetrahedra.size())
+        fail(name, ": labels must be one per tetrahedron (", mesh.tetrahedra.size(), "), got ", mesh.labels.size());
+}
+
 } // namespace
 
 double signedVolume(const TetMesh& mesh, int tetrahedron)
@@ -75,6 +81,7 @@ void check(const TetMesh& mesh, std::string_view name)
         if (const std::string fault = elementFault(mesh, mesh.tetrahedra[i]); !fault.empty())
             fail(name, ": tetrahedron ", i, fault);
     checkEveryNodeIsUsed(mesh, name);
+    checkLabels(mesh, name);
     if (const auto pair = sameSidePair(mesh))
         fail(name, ": tetrahedra ", (*pair)[0], " and ", (*pair)[1],
              " lie on the same side of their common face; they must lie on opposite sides");

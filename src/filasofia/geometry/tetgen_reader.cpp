@@ -2,6 +2,9 @@
 
 #include "filasofia/geometry/raw_tet_mesh.h"
 
+#include <cmath>
+#include <limits>
+
 // The format: Si 2020, TetGen user's manual 1.6, sections 5.2.1 (.node) and 5.2.3 (.ele). Each line is a record.
 namespace filasofia::geometry {
 namespace {
@@ -19,14 +22,17 @@ void endLine(NumberSource& in, std::string_view record)
         in.failHere(record, " has more numbers than the first line of the file announces");
 }
 
+double attribute(NumberSource& in)
+{
+    const std::string_view word = in.wordOnThisLine();
+    if (word.empty()) in.failHere("the line ends before an attribute or marker that the first line announces");
+    return in.realIn(word, "an attribute or marker");
+}
+
 // Skips attributes and markers, which are not used.
 void passOver(NumberSource& in, std::int64_t numbers)
 {
-    for (std::int64_t i = 0; i < numbers; ++i) {
-        const std::string_view word = in.wordOnThisLine();
-        if (word.empty()) in.failHere("the line ends before an attribute or marker that the first line announces");
-        in.realIn(word, "an attribute or marker");
-    }
+    for (std::int64_t i = 0; i < numbers; ++i) attribute(in);
 }
 
 // The number of values of one kind per record; the bound keeps their sum far from overflow.
@@ -76,12 +82,19 @@ void readElements(NumberSource& in, RawTetMesh& mesh)
     const std::int64_t extra = announced(in, "the number of attributes", kMaxAttributes);
     endLine(in, "the first line");
     mesh.elements.reserve(count);
+    mesh.labelled = extra > 0;
     for (std::size_t i = 0; i < count; ++i) {
         RawTetMesh::Element& element = mesh.elements.emplace_back();
         element.number = in.integer("a tetrahedron's number");
         element.place = in.place();
         for (std::int64_t& node : element.nodes) node = integerOnLine(in, "a tetrahedron's four nodes");
-        passOver(in, extra);
+        if (extra > 0) { // the first attribute is the region, a whole number; any other makes no labels
+            const double region = attribute(in);
+            const bool isLabel = region == std::floor(region) && std::abs(region) < std::numeric_limits<int>::max();
+            mesh.labelled = mesh.labelled && isLabel;
+            element.label = isLabel ? static_cast<int>(region) : 0;
+            passOver(in, extra - 1);
+        }
         endLine(in, "a tetrahedron");
     }
 }

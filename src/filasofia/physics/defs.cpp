@@ -39,6 +39,12 @@ void check(const GivenInertia& given, const std::string& object)
 
 namespace {
 
+void checkTearing(double threshold, bool dynamicTopology, const std::string& object)
+{
+    if (threshold < kNever && !dynamicTopology)
+        fail(object, ".tearingThreshold must be infinite without dynamicTopology, got ", threshold, " Pa");
+}
+
 void check(const SoftBodyDef& def)
 {
     const std::string object = text("soft body '", def.name, "'");
@@ -46,9 +52,17 @@ void check(const SoftBodyDef& def)
         if (def.collision[i].element != 0)
             fail(object, ": collision[", i, "].element must be 0 for a soft body, got ", def.collision[i].element);
     const double threshold = std::visit([](const auto& each) { return each.tearingThreshold; }, def.material);
-    if (threshold < std::numeric_limits<double>::infinity() && !def.dynamicTopology)
-        fail(object, ": material.tearingThreshold must be infinite without dynamicTopology, got ", threshold, " Pa");
-    if (const auto* fem = std::get_if<FemMaterial>(&def.material)) check(fem->law, object + ": material.law");
+    checkTearing(threshold, def.dynamicTopology, object + ": material");
+    const auto* fem = std::get_if<FemMaterial>(&def.material);
+    if (!fem) return;
+    check(*fem, object + ": material");
+    for (std::size_t i = 0; i < fem->regions.size(); ++i) {
+        const TissueRegion& region = fem->regions[i];
+        const std::string name = text(object, ": material.regions[", i, "]");
+        checkTearing(region.tearingThreshold.value_or(kNever), def.dynamicTopology, name);
+        if (region.density && !std::holds_alternative<Density>(def.mass))
+            fail(name, ".density needs a mass of the body that is a Density, got a TotalMass");
+    }
 }
 
 void check(const RigidBodyDef& def)
@@ -135,7 +149,10 @@ std::shared_ptr<const geometry::TriangleMesh> loadMesh(const TriangleMeshSource&
 
 SoftBodyDef loaded(SoftBodyDef def)
 {
-    def.mesh = loadMesh(def);
+    const std::shared_ptr<const geometry::TetMesh> mesh = loadMesh(def);
+    def.mesh = mesh;
+    if (auto* fem = std::get_if<FemMaterial>(&def.material))
+        resolveNames(*mesh, text("soft body '", def.name, "': material"), *fem);
     load(def.collision, text("soft body '", def.name, "'"));
     return def;
 }

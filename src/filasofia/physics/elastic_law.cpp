@@ -6,6 +6,11 @@
 
 namespace filasofia::physics {
 
+std::string_view nameOf(const ElasticLaw& law)
+{
+    return std::visit([](const auto& each) { return fields(&each).typeName; }, law);
+}
+
 void check(const ElasticLaw& law, const std::string& object)
 {
     constexpr double kLeastStiffening = 0.2; // below, skin that is pulled in two directions loses all stress

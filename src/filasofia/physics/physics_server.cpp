@@ -137,7 +137,21 @@ struct PhysicsServer::Impl {
             return *bodies.find(id).def;
         });
         std::get<SoftBodyDef>(def).material = material;
-        post(SetMaterial{id, material, engine->build(def)}); // checked again: the body may have been removed meanwhile
+        def = loaded(std::get<SoftBodyDef>(std::move(def))); // names of labels become numbers
+        const SoftMaterial& numbered = std::get<SoftBodyDef>(def).material;
+        post(SetMaterial{id, numbered, engine->build(def)}); // checked again: the body may have been removed meanwhile
+    }
+
+    void setTissue(BodyId id, TissueRegion region)
+    {
+        const BodyDef def = ask([&](const Registry& bodies) {
+            bodies.check(SetTissue{id, region});
+            return *bodies.find(id).def;
+        });
+        const auto& soft = std::get<SoftBodyDef>(def);
+        if (const auto* mesh = std::get_if<std::shared_ptr<const geometry::TetMesh>>(&soft.mesh))
+            resolveNames(**mesh, "soft body '" + soft.name + "': region.where", region.where);
+        post(SetTissue{id, std::move(region)});
     }
 
     /// Returns the attachment that the command makes, if it makes one. Throws an Error if it is invalid.
@@ -304,6 +318,11 @@ void PhysicsServer::remove(BodyId id) { impl_->post(RemoveBody{id}); }
 void PhysicsServer::setPose(BodyId id, const Pose& pose, int element) { impl_->post(SetPose{id, element, pose}); }
 void PhysicsServer::setGravity(Vec3 gravity) { impl_->post(SetGravity{gravity}); }
 void PhysicsServer::setMaterial(BodyId id, const SoftMaterial& material) { impl_->setMaterial(id, material); }
+void PhysicsServer::setTissue(BodyId id, const TissueRegion& region) { impl_->setTissue(id, region); }
+void PhysicsServer::setFibreStress(BodyId id, int family, double stress)
+{
+    impl_->post(SetFibreStress{id, family, stress});
+}
 void PhysicsServer::setForces(BodyId id, std::vector<NodalForce> forces)
 {
     impl_->post(SetForces{id, std::move(forces)});

@@ -12,6 +12,22 @@
 
 namespace filasofia::physics {
 
+namespace {
+
+/// The mesh of a loaded Def.
+const geometry::TetMesh& meshOf(const SoftBodyDef& def)
+{
+    return *std::get<std::shared_ptr<const geometry::TetMesh>>(def.mesh);
+}
+
+std::size_t familiesOf(const SoftMaterial& material)
+{
+    const auto* fem = std::get_if<FemMaterial>(&material);
+    return fem ? fem->fibres.size() : 0;
+}
+
+} // namespace
+
 /// One function per kind of command.
 struct Registry::Check {
     const Registry& registry;
@@ -82,7 +98,34 @@ struct Registry::Check {
             fail(object, ": material must be of the kind that the body was made with");
         SoftBodyDef def = std::get<SoftBodyDef>(*body.def);
         def.material = set.material;
+        if (const auto* fem = std::get_if<FemMaterial>(&set.material))
+            physics::check(*fem, meshOf(def), object + ": material");
         physics::check(BodyDef{std::move(def)});
+    }
+    void operator()(const SetTissue& set) const
+    {
+        const Body& body = find<SoftBodyDef>(set.id, "must be a soft body to have its tissue changed");
+        const std::string object = describeBody(*body.def) + ": region";
+        validate(set.region, object);
+        const auto& def = std::get<SoftBodyDef>(*body.def);
+        if (!std::holds_alternative<FemMaterial>(def.material))
+            fail(object, ": the body's material must be a FemMaterial, is a MassSpringMaterial");
+        if (set.region.tearingThreshold && !def.dynamicTopology)
+            fail(object, ".tearingThreshold needs a body with dynamicTopology");
+        if (set.region.density) fail(object, ".density cannot change during a run, got ", *set.region.density);
+        const auto* box = std::get_if<geometry::Box>(&set.region.where);
+        if (box && geometry::isEmpty(*box)) fail(object, ".where: high must be >= low in every axis of a box");
+        if (!box && !std::holds_alternative<Ball>(set.region.where))
+            static_cast<void>(tetrahedraOf(set.region.where, meshOf(def), object + ".where"));
+    }
+    void operator()(const SetFibreStress& set) const
+    {
+        const Body& body = find<SoftBodyDef>(set.id, "must be a soft body to have the stress of its fibres set");
+        const std::string object = describeBody(*body.def);
+        validate(set, object);
+        if (static_cast<std::size_t>(set.family) >= body.families)
+            fail(object, ": family must be in [0, ", body.families, "), the number of its families of fibres, got ",
+                 set.family);
     }
     void operator()(const SetForces& set) const
     {
@@ -174,7 +217,12 @@ void Registry::check(const Command& command) const { std::visit(Check{*this}, co
 
 std::shared_ptr<Registry::Body> Registry::bodyOf(const AddBody& add)
 {
-    return std::make_shared<Body>(Body{add.def, add.body->nodeCount(), add.attachments, forceable(*add.def)});
+    const auto* soft = std::get_if<SoftBodyDef>(add.def.get());
+    return std::make_shared<Body>(Body{.def = add.def,
+                                       .nodeCount = add.body->nodeCount(),
+                                       .firstAttachment = add.attachments,
+                                       .takesForce = forceable(*add.def),
+                                       .families = soft ? familiesOf(soft->material) : 0});
 }
 
 bool Registry::areFree(AttachmentId first, std::uint32_t count) const
@@ -207,6 +255,10 @@ void Registry::note(const Command& command, std::shared_ptr<const Body> added)
         bodies_[add->id] = added ? std::move(added) : bodyOf(*add);
         last_ = add->id;
         if (const std::uint32_t count = attachmentCount(*add->def); count > 0) noteAttachments(add->attachments, count);
+    } else if (const auto* set = std::get_if<SetMaterial>(&command)) {
+        auto changed = std::make_shared<Body>(find(set->id));
+        changed->families = familiesOf(set->material);
+        bodies_[set->id] = std::move(changed);
     } else if (const auto* remove = std::get_if<RemoveBody>(&command)) {
         bodies_.erase(remove->id);
     } else if (const auto* attach = std::get_if<Attach>(&command)) {

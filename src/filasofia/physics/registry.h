@@ -20,6 +20,7 @@ public:
         int nodeCount = 0;
         AttachmentId firstAttachment = {}; ///< first of its Def's attachments; the others follow
         std::vector<bool> takesForce = {}; ///< for an articulated body, per joint
+        std::size_t families = 0;          ///< of fibres, in the present material
     };
 
     /// Throws an Error naming body, field, bound and value unless the command can be applied.

@@ -88,7 +88,7 @@ private:
     }
     static bool sameBits(const geometry::TetMesh& a, const geometry::TetMesh& b)
     {
-        return a.tetrahedra == b.tetrahedra && sameBits(a.nodes, b.nodes);
+        return a.tetrahedra == b.tetrahedra && a.labels == b.labels && sameBits(a.nodes, b.nodes);
     }
     static bool sameBits(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b)
     {

@@ -167,7 +167,9 @@ struct RecordingReader::Impl {
         std::size_t members = 2;
         std::vector<std::size_t> counts;
         forEachList(mesh, [&](const char* name, const auto&) {
-            reader.member(json, name, counts.emplace_back());
+            counts.push_back(0);
+            if (kLabels == name && !json.contains(name)) return;
+            reader.member(json, name, counts.back());
             if (counts.back() > kMaxListLength)
                 Place{nullptr, name}.refuse(text("must be <= ", kMaxListLength), json[name]);
             ++members;

@@ -56,7 +56,9 @@ struct RecordingWriter::Impl {
     template <class T> void appendMesh(const T& mesh)
     {
         Json line = {{"mesh", meshes++}};
-        forEachList(mesh, [&](const char* name, const auto& list) { line[name] = list.size(); });
+        forEachList(mesh, [&](const char* name, const auto& list) {
+            if (kLabels != name || !list.empty()) line[name] = list.size();
+        });
         line["digest"] = hexadecimal(digestOf(mesh));
         append(lineOf(line));
         forEachList(mesh, [&](const char*, const auto& list) { append(bytesOf(list)); });

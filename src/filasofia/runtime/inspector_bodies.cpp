@@ -26,6 +26,19 @@ bool editVector(const char* name, Vec3& value, double speed, const char* format)
     return ImGui::IsItemDeactivatedAfterEdit();
 }
 
+/// All numbers of a Def, within their ranges.
+template <class T> bool editNumbers(T& def)
+{
+    bool changed = false;
+    forEachField<T>([&](const auto& each) {
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(def.*(each.member))>, double>)
+            changed = editNumber(std::string(each.name).c_str(), def.*(each.member), 0.01, "%.3g", each.range.low,
+                                 each.range.high) ||
+                      changed;
+    });
+    return changed;
+}
+
 /// The law at an index of the variant, with its defaults.
 template <std::size_t i = 0> physics::ElasticLaw lawAt(std::size_t index)
 {
@@ -33,18 +46,15 @@ template <std::size_t i = 0> physics::ElasticLaw lawAt(std::size_t index)
         if (index > i) return lawAt<i + 1>(index);
     return std::variant_alternative_t<i, physics::ElasticLaw>{};
 }
-std::string nameOf(const physics::ElasticLaw& law)
-{
-    return std::string(
-        std::visit([](const auto& each) { return fields(static_cast<decltype(&each)>(nullptr)).typeName; }, law));
-}
 
 bool editLaw(physics::ElasticLaw& law)
 {
     bool changed = false;
-    if (!ImGui::BeginCombo("law", nameOf(law).c_str())) return false;
+    std::visit([&](auto& each) { changed = editNumbers(each); }, law);
+    const auto name = [](const physics::ElasticLaw& each) { return std::string(physics::nameOf(each)); };
+    if (!ImGui::BeginCombo("law", name(law).c_str())) return changed;
     for (std::size_t i = 0; i < std::variant_size_v<physics::ElasticLaw>; ++i)
-        if (ImGui::Selectable(nameOf(lawAt(i)).c_str(), i == law.index()) && i != law.index()) {
+        if (ImGui::Selectable(name(lawAt(i)).c_str(), i == law.index()) && i != law.index()) {
             law = lawAt(i);
             changed = true;
         }

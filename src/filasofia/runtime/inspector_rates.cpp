@@ -59,6 +59,8 @@ void InspectorRates::add(const physics::StepReport& report)
     outOfTime_ += report.has(StepFlag::OutOfTime);
     inverted_ = report.inverted.count;
     mostInverted_ = std::max(mostInverted_, inverted_);
+    beyondStrain_ = report.beyondStrain.count;
+    mostBeyondStrain_ = std::max(mostBeyondStrain_, beyondStrain_);
     paused_ = report.dt == 0.0;
     time_ = report.time;
     step_ = report.step;
@@ -95,6 +97,8 @@ void InspectorRates::draw()
     ImGui::Text("late %llu   clamped %llu   rolled back %llu", count(late_), count(clamped_), count(undone_));
     ImGui::Text("not converged %llu   out of time %llu", count(notConverged_), count(outOfTime_));
     if (mostInverted_ > 0) ImGui::Text("elements inside out %d   at most %d", inverted_, mostInverted_);
+    if (mostBeyondStrain_ > 0)
+        ImGui::Text("elements beyond their range %d   at most %d", beyondStrain_, mostBeyondStrain_);
     if (const std::uint64_t lost = impl_.feed.lost()) ImGui::Text("%llu step reports dropped", count(lost));
     drawStages();
     drawSolvers();

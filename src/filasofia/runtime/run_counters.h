@@ -13,8 +13,9 @@ public:
     /// Begins a run: all counts but stepsEver() return to zero.
     void begin()
     {
-        undone_ = damped_ = notConverged_ = outOfTime_ = inverted_ = 0;
+        undone_ = damped_ = notConverged_ = outOfTime_ = inverted_ = beyondStrain_ = 0;
         worst_ = {};
+        mostStrained_ = {};
     }
     void count(const physics::StepReport& report)
     {
@@ -25,6 +26,11 @@ public:
         outOfTime_ += report.has(physics::StepFlag::OutOfTime);
         inverted_ += report.inverted.count > 0;
         if (report.inverted.count > worst_.count) worst_ = report.inverted;
+        const physics::StrainedElements& strained = report.beyondStrain;
+        beyondStrain_ += strained.count > 0;
+        if (strained.count > 0 &&
+            (mostStrained_.count == 0 || strained.strain * mostStrained_.valid > mostStrained_.strain * strained.valid))
+            mostStrained_ = strained;
     }
     /// The steps of all runs, paused ones included.
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
@@ -36,12 +42,16 @@ public:
         report.outOfTime = outOfTime_;
         report.inverted = inverted_;
         report.worstInverted = worst_;
+        report.beyondStrain = beyondStrain_;
+        report.worstStrained = mostStrained_;
     }
 
 private:
     std::uint64_t stepsEver_ = 0;
-    std::uint64_t undone_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0, inverted_ = 0; ///< [-] steps of this run
-    physics::InvertedElements worst_; ///< of the step with the most of them
+    /// [-] steps of this run
+    std::uint64_t undone_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0, inverted_ = 0, beyondStrain_ = 0;
+    physics::InvertedElements worst_;        ///< of the step with the most of them
+    physics::StrainedElements mostStrained_; ///< of the step with the largest strain in relation to its range
 };
 
 } // namespace filasofia::runtime

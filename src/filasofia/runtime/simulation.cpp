@@ -41,6 +41,10 @@ void warn(const RunReport& report)
     if (report.inverted > 0)
         logWarning(steps(report.inverted), " elements were inside out, at most ", report.worstInverted.count,
                    " at once; then the worst was in '", report.worstInvertedBody, "'");
+    if (report.beyondStrain > 0)
+        logWarning(steps(report.beyondStrain), " tissue was strained beyond the range of its material, at most by ",
+                   report.worstStrained.strain, " in '", report.worstStrainedBody, "', whose range is ",
+                   report.worstStrained.valid, " (FemMaterial::validStrain)");
     if (report.outOfTime > 0) logWarning(steps(report.outOfTime), " a solver stopped at the deadline");
 }
 

@@ -165,6 +165,7 @@ void Simulation::Impl::fill(RunReport& report) const
     report.hash = physics.hash();
     counters.fill(report);
     if (report.inverted > 0) report.worstInvertedBody = nameOf(report.worstInverted.body, physics);
+    if (report.beyondStrain > 0) report.worstStrainedBody = nameOf(report.worstStrained.body, physics);
     report.contacts = contacts.report(physics);
     report.bluntBlades = blades.lines();
     files.fill(report);

@@ -4,6 +4,7 @@
 #include "filasofia/core/word.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace filasofia::runtime {
@@ -46,14 +47,29 @@ std::string contactTable(std::vector<ContactPairReport> pairs)
     return out;
 }
 
+std::string millimetres(Vec3 place)
+{
+    const Vec3 at = 1e3 * place;
+    return line("(%.1f %.1f %.1f) mm", at.x, at.y, at.z);
+}
+
 /// Elements inside out mean that something was asked of the tissue that it cannot do.
 std::string invertedLine(const RunReport& report)
 {
     const physics::InvertedElements& worst = report.worstInverted;
-    const Vec3 at = 1e3 * worst.place;
-    const auto place = line("(%.1f %.1f %.1f) mm", at.x, at.y, at.z);
     return text("elements inside out in ", report.inverted, report.inverted == 1 ? " step" : " steps", ", at most ",
-                worst.count, " at once; then the worst was in '", report.worstInvertedBody, "' at ", place);
+                worst.count, " at once; then the worst was in '", report.worstInvertedBody, "' at ",
+                millimetres(worst.place));
+}
+
+/// Beyond the range in which its constants were measured, tissue is a guess.
+std::string strainedLine(const RunReport& report)
+{
+    const physics::StrainedElements& worst = report.worstStrained;
+    return text("tissue beyond the range of its material in ", report.beyondStrain,
+                report.beyondStrain == 1 ? " step" : " steps", ": strain ", std::round(100.0 * worst.strain) / 100.0,
+                " in '", report.worstStrainedBody, "', measured up to ", worst.valid, ", at ",
+                millimetres(worst.place));
 }
 
 } // namespace
@@ -73,6 +89,7 @@ std::string summary(const RunReport& report)
                 ", rolled back ", report.undone, again, ", solver at its iteration limit ", report.notConverged,
                 ", at the deadline ", report.outOfTime, "\n");
     if (report.inverted > 0) out += invertedLine(report);
+    if (report.beyondStrain > 0) out += strainedLine(report);
     out += contactTable(report.contacts);
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)

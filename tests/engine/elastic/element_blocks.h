@@ -2,6 +2,7 @@
 
 #include "filasofia/core/hash.h"
 #include "filasofia/engine/elastic/element_blocks.h"
+#include "filasofia/engine/elastic/fibre.h"
 #include "filasofia/engine/elastic/spring_blocks.h"
 
 #include "engine/elastic/laws.h"
@@ -9,6 +10,7 @@
 #include "linalg/random_matrix.h"
 
 #include <cstring>
+#include <optional>
 
 /// Helpers of the tests of element and spring kernels. Tolerances are counts of float roundings (WorstError). The
 /// references start from the same floats and compute in double.
@@ -19,7 +21,8 @@ using linalg::onEveryTarget;
 using linalg::vectorOf;
 using linalg::WorstError;
 
-constexpr BlockWeights kWeights{.force = 0.8f, .stiffness = 0.03f, .damping = 0.5f, .turning = 0.7f};
+constexpr BlockWeights kWeights{
+    .force = 0.8f, .stiffness = 0.03f, .damping = 0.5f, .turning = 0.7f, .fibreStiffness = 0.05f, .fibreTurning = 0.6f};
 
 inline double inFloat(double value) { return static_cast<double>(static_cast<float>(value)); }
 inline Vec3 inFloat(Vec3 v) { return {inFloat(v.x), inFloat(v.y), inFloat(v.z)}; }
@@ -52,8 +55,8 @@ struct Elements {
     explicit Elements(const std::vector<FemElement>& all, const physics::ElasticLaw& chosen = physics::Corotational{})
         : law(chosen), elements(all), blocks(linalg::blocksFor(static_cast<int>(all.size()))), x(4 * blocks), v(x),
           p(x), elementBlocks(static_cast<std::size_t>(blocks)), rotations(elementBlocks.size()),
-          tangents(makeTangents(law, elementBlocks.size())), inverted(elementBlocks.size()), corners(4 * blocks),
-          products(4 * blocks), quaternions(blocks)
+          tangents(makeTangents(law, elementBlocks.size())), inverted(elementBlocks.size()), strained(inverted.size()),
+          corners(4 * blocks), products(4 * blocks), quaternions(blocks)
     {
         const int count = static_cast<int>(all.size());
         for (int lane = 0; lane < kBlock * blocks; ++lane) {
@@ -69,6 +72,28 @@ struct Elements {
         }
     }
 
+    /// Adds a family of fibres with a random direction in most elements.
+    void addFibres(const physics::FibreFamily& family, std::mt19937& random)
+    {
+        families.push_back(family);
+        fibreBlocks.resize(families.size() * elementBlocks.size());
+        fibreTangents.resize(fibreBlocks.size());
+        std::vector<Vec3>& along = directions.emplace_back();
+        for (int e = 0; e < count(); ++e) {
+            const Vec3 d = randomVec3(random, 1.0);
+            along.push_back(e % 7 == 3 ? Vec3{} : 1.0 / length(d) * d);
+            const FemElement& element = elements[static_cast<std::size_t>(e)];
+            const Mat3 h = structureTensor(family.dispersion, along.back());
+            FibreBlock& block =
+                fibreBlocks[fibreBlocks.size() - elementBlocks.size() + static_cast<std::size_t>(e / kBlock)];
+            for (std::size_t i = 1, k = 0; i < 4; ++i)
+                for (std::size_t j = i; j < 4; ++j, ++k)
+                    block.structure[k][e % kBlock] =
+                        static_cast<float>(dot(element.gradients[i], h * element.gradients[j]));
+            block.volume[e % kBlock] = along.back() == Vec3{} ? 0.0f : static_cast<float>(element.volume);
+        }
+    }
+
     /// Moves nodes 1, 2, 3 by f around node 0.
     void deform(int element, const Mat3& f, Vec3 origin = {})
     {
@@ -80,12 +105,19 @@ struct Elements {
 
     void run()
     {
-        updateElements(law, elementBlocks, {x, v, kWeights}, {0, blocks}, output());
-        multiplyElements(tangents, p, floats(products), {0, blocks});
+        updateElements(law, elementBlocks, {x, v, kWeights, step ? &*step : nullptr}, {0, blocks}, output());
+        multiplyElements(tangents, fibreTangents, p, floats(products), {0, blocks});
     }
     [[nodiscard]] ElementOutput output()
     {
-        return {rotations, tangents, inverted, floats(corners), floats(quaternions)};
+        return {.rotations = rotations,
+                .tangents = tangents,
+                .inverted = inverted,
+                .strained = strained,
+                .corners = floats(corners),
+                .quaternions = floats(quaternions),
+                .relaxation = relaxation,
+                .fibres = {families, fibreBlocks, fibreTangents}};
     }
 
     static std::span<float> floats(NodeArray& a) { return {a.data(), 64 * static_cast<std::size_t>(a.blocks())}; }
@@ -115,8 +147,14 @@ struct Elements {
     std::vector<ElementBlock> elementBlocks;
     std::vector<ElementRotations> rotations;
     ElementTangents tangents;
-    std::vector<std::uint16_t> inverted;
+    std::vector<std::uint16_t> inverted, strained;
     NodeArray corners, products, quaternions;
+    std::vector<physics::FibreFamily> families;
+    std::vector<std::vector<Vec3>> directions; ///< per family and element
+    std::vector<FibreBlock> fibreBlocks;
+    std::vector<FibreTangentBlock> fibreTangents;
+    std::optional<RelaxationStep> step;
+    std::vector<ElementRelaxation> relaxation;
 };
 
 inline std::vector<FemElement> randomElements(std::mt19937& random, int count, double poissonRatio)

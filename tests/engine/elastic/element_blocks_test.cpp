@@ -160,7 +160,7 @@ TEST_CASE("a run over a range of blocks changes these blocks only")
         Elements some = all;
         all.run();
         updateElements(some.law, some.elementBlocks, {some.x, some.v, kWeights}, {1, 4}, some.output());
-        multiplyElements(some.tangents, some.p, Elements::floats(some.products), {2, 3});
+        multiplyElements(some.tangents, {}, some.p, Elements::floats(some.products), {2, 3});
         for (int lane = 0; lane < 16 * 5; ++lane) {
             const bool updated = lane / 16 >= 1 && lane / 16 < 4, multiplied = lane / 16 == 2;
             const auto say = [&](const NodeArray& a) { return vectorOf(Elements::corner(a, lane, 1)); };
@@ -306,7 +306,7 @@ TEST_CASE("the product of elements equals their assembled warped stiffness, symm
         randomMotion(random, all);
         all.run();
         const NodeArray p = all.p, q = all.v, kp = all.products;
-        multiplyElements(all.tangents, q, Elements::floats(all.products), {0, all.blocks});
+        multiplyElements(all.tangents, {}, q, Elements::floats(all.products), {0, all.blocks});
         WorstError blocks, symmetry;
         for (int e = 0; e < all.count(); ++e) {
             const FemElement& element = all.elements[static_cast<std::size_t>(e)];

@@ -65,7 +65,7 @@ double energyOf(Stage& stage, double gravity = 9.81)
     for (const FemElement& element : stage.model().elements) {
         Corners x;
         for (std::size_t i = 0; i < 4; ++i) x[i] = state.x[element.nodes[i]];
-        sum += engine::energyOf(stage.model().law, element, x);
+        sum += engine::energyOf(stage.model().material.law, element, x);
     }
     for (std::size_t i = 0; i < state.v.size(); ++i)
         sum += stage.model().masses[i] * (0.5 * lengthSquared(state.v[i]) + gravity * state.x[i].y);

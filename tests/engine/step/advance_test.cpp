@@ -28,7 +28,7 @@ double energy(Stage& stage)
         Corners x;
         for (std::size_t i = 0; i < 4; ++i) x[i] = stage.soft().x[element.nodes[i]];
         const Deformation at{gradient(element, x), toMat3(normalized(rotationOf(stage.soft().rotations, e)))};
-        sum += element.volume * energyDensity(stage.model().law, lameOf(element), at);
+        sum += element.volume * energyDensity(stage.model().material.law, lameOf(element), at);
     }
     for (std::size_t i = 0; i < stage.soft().v.size(); ++i) {
         const Vec3 v = stage.soft().v[i];

@@ -1,11 +1,13 @@
 #include "filasofia/engine/rupture/check_topology.h"
 #include "filasofia/engine/scene/check_scene.h"
 
+#include "engine/elastic/laws.h"
 #include "engine/stage.h"
 
 #include <iostream>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 namespace cutting_test {
 
@@ -371,6 +373,45 @@ TEST_CASE("a piece that fell out of the scene is removed once, and the rest goes
     CHECK(all.flags == 0);
     CHECK(all.topology.lost == 1);
     check(scene.stage.model(), scene.stage.soft());
+}
+
+TEST_CASE(
+    "every law, with fibres, relaxation and regions: a cut passes on what its elements are made of, with the same "
+    "bits for 1, 2 and 8 threads")
+{
+    geometry::TetMesh mesh = boxMesh({6, 5, 4}, {0.05, 0.04, 0.03}, 0.2);
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) mesh.labels.push_back(static_cast<int>(t % 3));
+    for (const auto& [name, law] : everyLaw()) {
+        FemMaterial material{.youngModulus = 5e3, .law = law};
+        material.fibres = {
+            {.stiffness = 2e3, .activeStress = 100.0, .direction = Along{{1, 0, 1}}, .where = Labelled{.label = 1}}};
+        material.relaxation = {{.share = 0.5, .time = 0.02}};
+        material.regions = {{.where = Labelled{.label = 2}, .youngModulus = 9e3, .restScale = 0.98}};
+        SoftBodyDef def = tissueBlock();
+        def.mesh = shared(mesh);
+        def.material = material;
+        std::set<std::uint64_t> hashes;
+        for (int threads : {1, 2, 8}) {
+            INFO(name << ", " << threads << " threads");
+            CutScene scene(def, 0.023, 0.1, {.threads = threads});
+            const StepReport report = scene.move(0.035, 0.012, 0.2);
+            CHECK(!report.has(StepFlag::Undone));
+            CHECK(!report.topology.ruptures.empty());
+            const SoftModel& model = scene.stage.model();
+            CHECK(model.elements.size() > mesh.tetrahedra.size());
+            check(model, scene.stage.soft());
+            int different = 0;
+            for (std::size_t e = 0; e < model.elements.size(); ++e) {
+                const int label = mesh.labels[static_cast<std::size_t>(model.elements[e].tetrahedron)];
+                different += (model.fibres[0][e] != Vec3{}) != (label == 1);
+                different += model.elements[e].youngModulus != (label == 2 ? 9e3 : 5e3);
+                different += model.elements[e].restScale != (label == 2 ? 0.98 : 1.0);
+            }
+            CHECK(different == 0);
+            hashes.insert(scene.stage.world.hash());
+        }
+        CHECK(hashes.size() == 1);
+    }
 }
 
 } // namespace cutting_test

@@ -27,12 +27,15 @@ inline bool allHeld(const SoftModel& model, std::size_t e)
                                [&](int node) { return model.pins.hard[static_cast<std::size_t>(node)]; });
 }
 
-/// Sets volume and gradients of an element from its nodes at rest.
+/// Sets volume and gradients of an element from its nodes at rest and its scale.
 inline void shapeElement(const std::vector<Vec3>& rest, FemElement& element)
 {
     const Corners corners = cornersOf(element.nodes, rest);
     element.gradients = shapeGradients(corners);
     element.volume = volumeOf(corners);
+    if (element.restScale == 1.0) return;
+    for (Vec3& each : element.gradients) each = 1.0 / element.restScale * each;
+    element.volume *= element.restScale * element.restScale * element.restScale;
 }
 
 /// [kg] A spring's block of the implicit step's matrix, with its nodes at `x`.

@@ -4,6 +4,7 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/engine/body/check_collision.h"
 #include "filasofia/engine/body/check_size.h"
+#include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/elastic/element_blocks.h"
 
@@ -74,6 +75,54 @@ void checkPins(const SoftModel& model, const std::string& object)
     }
 }
 
+/// Writes the material of its region into every element.
+void setTissue(SoftModel& model)
+{
+    const physics::FemMaterial& material = model.material;
+    const std::string object = text("soft body '", model.name, "': material");
+    const std::size_t count = model.mesh->tetrahedra.size();
+    if (const std::size_t given = material.stiffnessField.size(); given != 0 && given != count)
+        fail(object, ".stiffnessField must have one entry per tetrahedron (", count, "), got ", given);
+    std::vector<std::vector<int>> where; // per region
+    for (std::size_t r = 0; r < material.regions.size(); ++r)
+        where.push_back(
+            physics::tetrahedraOf(material.regions[r].where, *model.mesh, text(object, ".regions[", r, "].where")));
+    model.tearingThreshold = material.tearingThreshold;
+    for (FemElement& element : model.elements) {
+        element.youngModulus = material.youngModulus;
+        if (!material.stiffnessField.empty())
+            element.youngModulus *= material.stiffnessField[static_cast<std::size_t>(element.tetrahedron)];
+        element.poissonRatio = material.poissonRatio;
+        element.tearingThreshold = material.tearingThreshold;
+        element.density = model.density;
+        const double scale = std::exchange(element.restScale, 1.0);
+        for (std::size_t r = 0; r < where.size(); ++r) {
+            if (!std::ranges::binary_search(where[r], element.tetrahedron)) continue;
+            const physics::TissueRegion& region = material.regions[r];
+            element.youngModulus = region.youngModulus.value_or(element.youngModulus);
+            element.poissonRatio = region.poissonRatio.value_or(element.poissonRatio);
+            element.tearingThreshold = region.tearingThreshold.value_or(element.tearingThreshold);
+            element.density = region.density.value_or(element.density);
+            element.restScale = region.restScale;
+        }
+        model.tearingThreshold = std::min(model.tearingThreshold, element.tearingThreshold);
+        if (element.restScale != scale) shapeElement(model.rest, element);
+    }
+}
+
+/// Gives every element the directions of its fibres.
+void setFibres(SoftModel& model)
+{
+    model.fibres.clear();
+    for (std::size_t k = 0; k < model.material.fibres.size(); ++k) {
+        const std::vector<Vec3> directions = physics::directionsOf(
+            model.material.fibres[k], *model.mesh, text("soft body '", model.name, "': material.fibres[", k, "]"));
+        std::vector<Vec3>& of = model.fibres.emplace_back();
+        for (const FemElement& element : model.elements)
+            of.push_back(rotate(model.orientation, directions[static_cast<std::size_t>(element.tetrahedron)]));
+    }
+}
+
 } // namespace
 
 SoftState stateAtRest(const SoftModel& model)
@@ -85,6 +134,7 @@ SoftState stateAtRest(const SoftModel& model)
     state.residual.resize(model.rest.size());
     state.forces.resize(model.rest.size());
     state.rotations.resize(static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size()))));
+    followMaterial(model, state);
     return state;
 }
 
@@ -106,8 +156,8 @@ void check(const SoftModel& model, const SoftState& state)
     checkSize(object, "masses", model.masses.size(), n);
     for (double mass : model.masses)
         if (!positive().contains(mass)) fail(object, ": masses must be > 0 kg, got ", mass);
-    std::visit([&](const auto& each) { validate(each, object + ": law"); }, model.law);
-    physics::check(model.law, object + ": law");
+    validate(model.material, object + ": material");
+    physics::check(model.material, object + ": material");
     checkElements(model, object);
     checkSprings(model, object);
     checkPins(model, object);
@@ -139,6 +189,8 @@ void check(const SoftModel& model, const SoftState& state)
     for (std::size_t e = 0; e < state.rotations.size() * kBlock; ++e)
         if (const Quat q = rotationOf(state.rotations, e); !(std::abs(dot(q, q) - 1.0) < 1e-5))
             fail(object, ": rotations must be unit quaternions");
+    checkSize(object, "relaxation", state.relaxation.size(),
+              model.material.relaxation.empty() ? 0 : static_cast<std::size_t>(blocks));
     if (!std::isfinite(state.pressure)) fail(object, ": pressure must be finite, got ", state.pressure);
 }
 
@@ -161,20 +213,27 @@ void setRotation(std::vector<ElementRotations>& rotations, std::size_t element, 
 
 void setMaterial(const physics::SoftMaterial& material, SoftModel& model)
 {
-    model.tearingThreshold = std::visit([](const auto& each) { return each.tearingThreshold; }, material);
+    model.patched = false;
     if (const auto* fem = std::get_if<physics::FemMaterial>(&material)) {
-        model.law = fem->law;
-        for (FemElement& element : model.elements) {
-            element.youngModulus = fem->youngModulus;
-            element.poissonRatio = fem->poissonRatio;
-        }
-    } else {
-        const auto& springs = std::get<physics::MassSpringMaterial>(material);
-        for (Spring& spring : model.springs) {
-            spring.stiffness = springs.stiffness;
-            spring.damping = springs.damping;
-        }
+        model.material = *fem;
+        setTissue(model);
+        setFibres(model);
+        return;
     }
+    const auto& springs = std::get<physics::MassSpringMaterial>(material);
+    model.tearingThreshold = springs.tearingThreshold;
+    for (Spring& spring : model.springs) {
+        spring.stiffness = springs.stiffness;
+        spring.damping = springs.damping;
+    }
+}
+
+void followMaterial(const SoftModel& model, SoftState& state)
+{
+    const std::size_t blocks = model.material.relaxation.empty() ? 0 : state.rotations.size();
+    if (state.relaxation.size() == blocks) return;
+    state.relaxation.assign(blocks, {});
+    state.unrelaxed = 0.0;
 }
 
 void setForces(const std::vector<physics::NodalForce>& forces, SoftState& state)

@@ -5,10 +5,12 @@
 #include "filasofia/engine/body/pins.h"
 #include "filasofia/engine/elastic/element.h"
 #include "filasofia/engine/elastic/element_rotations.h"
+#include "filasofia/engine/elastic/relaxation.h"
 #include "filasofia/engine/elastic/spring.h"
 #include "filasofia/physics/defs.h"
 
 #include <limits>
+#include <memory>
 #include <set>
 #include <span>
 #include <string>
@@ -30,7 +32,7 @@ struct SoftModel {
     std::string name;
     std::vector<Vec3> rest;                        ///< [m] nodes at the start, in world coordinates
     std::vector<double> masses;                    ///< [kg] lumped, a quarter of each tetrahedron to each node
-    physics::ElasticLaw law;                       ///< FEM bodies only
+    physics::FemMaterial material;                 ///< FEM bodies only; what it says of parts is in the elements
     std::vector<FemElement> elements;              ///< FEM bodies only; neighbours are near each other in the list
     std::vector<Spring> springs;                   ///< mass-spring bodies only
     std::vector<geometry::Tetrahedron> tetrahedra; ///< mass-spring bodies only; a FEM body has elements
@@ -45,9 +47,20 @@ struct SoftModel {
     bool dynamicTopology = false;  ///< the body may be cut or torn
     std::vector<BodyPiece> pieces; ///< ascending by number; empty while the body is whole
     std::set<int> removed;         ///< removed pieces: their nodes are pinned and have no surface
-    double density = 0.0;          ///< [kg/m^3] gives edited elements their mass
-    double tearingThreshold = std::numeric_limits<double>::infinity(); ///< [Pa]; infinite: never tears
+    double density = 0.0;          ///< [kg/m^3] of elements for which no region says another
+    /// [Pa] the smallest of all elements; infinite: never tears
+    double tearingThreshold = std::numeric_limits<double>::infinity();
+    /// FEM bodies only: the mesh of the Def, in which regions and fibres are looked up, and its orientation in the
+    /// world
+    std::shared_ptr<const geometry::TetMesh> mesh;
+    Quat orientation;
+    /// Per family of fibres and element: the direction at rest, in the world; zero: no fibre
+    std::vector<std::vector<Vec3>> fibres;
+    bool patched = false; ///< the tissue of some elements was changed after the material was set
 };
+
+/// True if the stress of an element is that of the elastic law: no fibres, no relaxation.
+inline bool hasLawAlone(const SoftModel& model) { return model.fibres.empty() && model.material.relaxation.empty(); }
 
 /// True if blades of a collision group may cut the body.
 bool mayBeCut(const SoftModel& model, int group);
@@ -59,6 +72,8 @@ struct SoftState {
     std::vector<Vec3> dv; ///< [m/s] the last step's change of velocity: first guess of the next solve
     /// Per block of sixteen elements, from the last step: the next polar decomposition starts there.
     std::vector<ElementRotations> rotations;
+    std::vector<ElementRelaxation> relaxation; ///< the same; empty if the tissue does not relax
+    double unrelaxed = 0.0;     ///< [s] duration of the last step, if the relaxation has not followed it yet
     std::vector<Vec3> residual; ///< [N s] the residual impulse of the last solve that the next step takes over
     std::vector<Vec3> forces;   ///< [N] set by the user
     double pressure = 0.0;      ///< [Pa] set by the user
@@ -74,8 +89,11 @@ SoftState stateAtRest(const SoftModel& model);
 /// Throws an Error that names the body if a size, an index or a number is invalid.
 void check(const SoftModel& model, const SoftState& state);
 
-/// Writes a material into every element or spring of a body that was built with a material of the same kind.
+/// Writes a material into every element or spring of a body that was built with a material of the same kind. Throws an
+/// Error that names the body if a region or a direction of fibres does not fit its mesh.
 void setMaterial(const physics::SoftMaterial& material, SoftModel& model);
+/// After a new material: terms that relax begin with the present stress, as if it had just come about.
+void followMaterial(const SoftModel& model, SoftState& state);
 
 /// Replaces the nodal forces.
 void setForces(const std::vector<physics::NodalForce>& forces, SoftState& state);

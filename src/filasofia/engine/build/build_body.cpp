@@ -28,22 +28,39 @@ void addElements(const TetMesh& mesh, SoftModel& model)
         centres.push_back(0.25 * (mesh.nodes[t[0]] + mesh.nodes[t[1]] + mesh.nodes[t[2]] + mesh.nodes[t[3]]));
     for (int each : geometry::orderAlongCurve(centres)) {
         FemElement& element = model.elements.emplace_back();
+        element.tetrahedron = each;
         element.nodes = mesh.tetrahedra[each];
         shapeElement(mesh.nodes, element);
     }
 }
 
-void addMasses(const TetMesh& mesh, const physics::Mass& mass, SoftModel& model)
+/// [-] Per tetrahedron, the density of its region relative to that of the body.
+std::vector<double> relativeDensities(const physics::SoftBodyDef& def, const TetMesh& mesh)
 {
+    std::vector<double> out(mesh.tetrahedra.size(), 1.0);
+    const auto* fem = std::get_if<physics::FemMaterial>(&def.material);
+    for (std::size_t r = 0; fem && r < fem->regions.size(); ++r) {
+        const physics::TissueRegion& region = fem->regions[r];
+        if (!region.density) continue; // a region has one only if the body has a density too
+        const std::string object = text("soft body '", def.name, "': material.regions[", r, "].where");
+        for (int t : physics::tetrahedraOf(region.where, *physics::loadMesh(def), object))
+            out[static_cast<std::size_t>(t)] = *region.density / std::get<physics::Density>(def.mass).value;
+    }
+    return out;
+}
+
+void addMasses(const TetMesh& mesh, const physics::SoftBodyDef& def, SoftModel& model)
+{
+    const std::vector<double> relative = relativeDensities(def, mesh);
     double total = 0.0;
     model.masses.assign(mesh.nodes.size(), 0.0);
     for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
         const double volume = geometry::signedVolume(mesh, static_cast<int>(t));
         total += volume;
-        for (int node : mesh.tetrahedra[t]) model.masses[node] += volume / 4.0;
+        for (int node : mesh.tetrahedra[t]) model.masses[node] += relative[t] * volume / 4.0;
     }
-    const auto* density = std::get_if<physics::Density>(&mass);
-    const double perVolume = density ? density->value : std::get<physics::TotalMass>(mass).value / total;
+    const auto* density = std::get_if<physics::Density>(&def.mass);
+    const double perVolume = density ? density->value : std::get<physics::TotalMass>(def.mass).value / total;
     for (double& each : model.masses) each *= perVolume;
     model.density = perVolume;
 }
@@ -122,8 +139,10 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     model.friction = def.friction;
     model.dynamicTopology = def.dynamicTopology;
     model.collision = buildCollision(def, mesh);
-    addMasses(mesh, def.mass, model);
+    addMasses(mesh, def, model);
     if (std::holds_alternative<physics::FemMaterial>(def.material)) {
+        model.mesh = physics::loadMesh(def);
+        model.orientation = physics::unitPose(def.pose, object).orientation;
         addElements(mesh, model);
     } else {
         model.tetrahedra = mesh.tetrahedra;

@@ -1,7 +1,7 @@
 #include "filasofia/engine/contact/pin_reactions.h"
 
 #include "filasofia/engine/body/elements.h"
-#include "filasofia/engine/elastic/law.h"
+#include "filasofia/engine/body/tissue.h"
 
 #include <algorithm>
 
@@ -10,17 +10,19 @@ namespace {
 
 /// Adds the forces of the body's own elements and springs on its nodes at the end of the step, as the step saw them:
 /// with the rotations at its start. They are correct only for nodes held by a hard pin.
-void addOwnForces(const SoftModel& model, const PinnedParts& held, const SoftState& state, std::vector<Vec3>& forces)
+void addOwnForces(const SoftModel& model, const PinnedParts& held, double dt, const SoftState& state,
+                  std::vector<Vec3>& forces)
 {
     const double beta = model.rayleigh.stiffness;
+    const RelaxationStep relaxation = relaxationWithin(model, dt);
     for (int e : held.elements) {
         const FemElement& element = model.elements[e];
         const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
         const Deformation at{f, toMat3(rotationOf(state.rotations, static_cast<std::size_t>(e)))};
-        const Lame material = lameOf(element);
-        const Corners elastic = internalForces(element, stressAt(model.law, material, at));
-        const Corners damping =
-            stiffnessTimes(tangentAt(model.law, material, at, 0.0), element, cornersOf(element.nodes, state.v));
+        const Corners elastic =
+            internalForces(element, tissueStress(model, state, relaxation, static_cast<std::size_t>(e), at));
+        const Corners damping = stiffnessTimes(dampingTangent(model, static_cast<std::size_t>(e), at), element,
+                                               cornersOf(element.nodes, state.v));
         for (int i = 0; i < 4; ++i) forces[element.nodes[i]] += -elastic[i] - beta * damping[i];
     }
     for (int s : held.springs) {
@@ -76,7 +78,7 @@ void addPinReactions(double dt, std::span<const Constraint> constraints, Scene& 
         std::vector<Vec3> forces;
         if (!scene.soft[b].system.held.holders.empty()) {
             forces = scene.soft[b].system.forces; // external forces, weight, pressure, springs
-            addOwnForces(body, scene.soft[b].system.held, now, forces);
+            addOwnForces(body, scene.soft[b].system.held, dt, now, forces);
             addConstraintForces(b, dt, constraints, forces);
         }
         for (const PinGroup& group : body.pins.groups) {

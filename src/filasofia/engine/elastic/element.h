@@ -3,6 +3,7 @@
 #include "filasofia/math/mat3.h"
 
 #include <array>
+#include <limits>
 
 /// A linear tetrahedron: what every elastic law (law.h) needs of it.
 namespace filasofia::engine {
@@ -14,6 +15,10 @@ struct FemElement {
     double volume = 0.0;             ///< [m^3] at rest
     double youngModulus = 0.0;       ///< [Pa]
     double poissonRatio = 0.0;       ///< [-]
+    double restScale = 1.0;          ///< [-] lengths at rest, relative to those of the mesh
+    double density = 0.0;            ///< [kg/m^3] of the mesh at rest
+    double tearingThreshold = std::numeric_limits<double>::infinity(); ///< [Pa]
+    int tetrahedron = 0; ///< of the Def's mesh: the element itself, or the one from which cuts have made it
 };
 
 /// Lame's parameters.

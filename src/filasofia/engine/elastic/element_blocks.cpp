@@ -7,7 +7,9 @@
 #include <hwy/foreach_target.h>
 
 #include "filasofia/engine/elastic/corotational_lanes-inl.h"
+#include "filasofia/engine/elastic/fibre_lanes-inl.h"
 #include "filasofia/engine/elastic/neo_hookean_lanes-inl.h"
+#include "filasofia/engine/elastic/relaxation_lanes-inl.h"
 #include "filasofia/engine/elastic/stretch_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -20,6 +22,29 @@ HWY_INLINE void storeCorners(const V3 (&c)[3], float* HWY_RESTRICT corners, std:
     const V zero = hn::Zero(Lanes());
     storeGroup(negative(c[0] + c[1] + c[2]), zero, corners, part);
     for (int k = 0; k < 3; ++k) storeGroup(c[k], zero, corners + 64 * (k + 1), part);
+}
+
+/// The elements of which a principal stretch differs from 1 by more than `most`. The stretches are computed only if a
+/// bound of them does: the eigenvalues of a symmetric matrix lie within mean +- sqrt(2/3) |deviator|.
+HWY_INLINE hn::Mask<Lanes> strainedBeyond(V most, const LaneElement& at)
+{
+    const M3 sym = transposeTimes(at.r, at.f);
+    const V mean = hn::Mul(lane(1.0f / 3.0f), hn::Add(hn::Add(sym.m[0][0], sym.m[1][1]), sym.m[2][2]));
+    V square = hn::Zero(Lanes());
+    for (int k = 0; k < 9; ++k) {
+        const V entry = k % 4 == 0 ? hn::Sub(sym.m[k / 3][k % 3], mean) : sym.m[k / 3][k % 3];
+        square = hn::MulAdd(entry, entry, square);
+    }
+    const V bound = hn::MulAdd(lane(0.81649658f), hn::Sqrt(square), hn::Abs(hn::Sub(mean, lane(1.0f))));
+    const auto mayBe = hn::Gt(bound, most);
+    if (hn::AllFalse(Lanes(), mayBe)) return mayBe;
+    Lane a[3][3], axes[3][3];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) a[i][j] = Lane(sym.m[i][j]);
+    diagonalise(a, axes);
+    Lane strain = 0.0;
+    for (int i = 0; i < 3; ++i) strain = larger(strain, magnitude(a[i][i] - Lane(1.0)));
+    return hn::Gt(strain.v, most);
 }
 
 /// `Law` is a law with a form of its own, or any law by its response to the principal stretches.
@@ -35,6 +60,7 @@ template <class Law> HWY_ATTR void updateBlocks(const Law& law, std::span<const 
     Block* HWY_RESTRICT tangents = std::get<std::vector<Block>>(output.tangents).data();
     float *HWY_RESTRICT corners = output.corners.data(), *HWY_RESTRICT quaternions = output.quaternions.data();
     const Lanes d;
+    const bool limited = input.validStrain < std::numeric_limits<float>::infinity();
     LaneElement at;
     at.force = lane(input.weights.force);
     at.stiffness = lane(input.weights.stiffness);
@@ -43,7 +69,7 @@ template <class Law> HWY_ATTR void updateBlocks(const Law& law, std::span<const 
         const ElementBlock& element = elements[block];
         Block& out = tangents[block];
         std::copy_n(element.nodes[0], 4 * kBlock, out.nodes[0]);
-        std::uint32_t inverted = 0;
+        std::uint32_t inverted = 0, strained = 0;
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             loadEdges(x, element.nodes, part, at.edges);
             loadGradients(element.gradients, part, at.g);
@@ -56,23 +82,37 @@ template <class Law> HWY_ATTR void updateBlocks(const Law& law, std::span<const 
             tangent.store(out, part);
             loadEdges(v, element.nodes, part, rates);
             tangent.times(rates, damping);
+            if (input.relaxation)
+                relax(*input.relaxation, at, part, output.relaxation[static_cast<std::size_t>(block)], forces);
+            for (std::size_t family = 0; family < output.fibres.families.size(); ++family) {
+                const std::size_t place = family * all.size() + static_cast<std::size_t>(block);
+                const FibreLanes fibres = lineariseFibres(output.fibres.families[family], output.fibres.blocks[place],
+                                                          part, at, input.weights, forces);
+                fibres.store(output.fibres.tangents[place], part);
+                fibres.addTimes(rates, damping);
+            }
             for (int k = 0; k < 3; ++k) total[k] = negative(forces[k] + damping[k]);
             storeCorners(total, corners + static_cast<long>(kElementCorners) * block, part);
             inverted |= bitsOf(hn::Not(hn::Gt(determinant(at.f), hn::Zero(d)))) << part;
+            if (limited) strained |= bitsOf(strainedBeyond(lane(input.validStrain), at)) << part;
         }
+        output.strained[static_cast<std::size_t>(block)] = static_cast<std::uint16_t>(strained);
         output.inverted[static_cast<std::size_t>(block)] = static_cast<std::uint16_t>(inverted);
     }
 }
 
-template <class Tangent> HWY_ATTR void multiplyBlocks(const typename Tangent::Block* HWY_RESTRICT tangents,
-                                                      const float* HWY_RESTRICT p, float* HWY_RESTRICT corners,
-                                                      linalg::Blocks blocks)
+template <class Tangent>
+HWY_ATTR void multiplyBlocks(const std::vector<typename Tangent::Block>& all, std::span<const FibreTangentBlock> fibres,
+                             const float* HWY_RESTRICT p, float* HWY_RESTRICT corners, linalg::Blocks blocks)
 {
+    const typename Tangent::Block* HWY_RESTRICT tangents = all.data();
     for (int block = blocks.begin; block < blocks.end; ++block)
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             V3 edges[3], out[3];
             loadEdges(p, tangents[block].nodes, part, edges);
             Tangent::load(tangents[block], part).times(edges, out);
+            for (auto place = static_cast<std::size_t>(block); place < fibres.size(); place += all.size())
+                FibreLanes::load(fibres[place], part).addTimes(edges, out);
             storeCorners(out, corners + static_cast<long>(kElementCorners) * block, part);
         }
 }
@@ -88,15 +128,15 @@ HWY_ATTR void updateElementBlocks(const physics::ElasticLaw& law, std::span<cons
         updateBlocks(law, elements, input, blocks, output);
 }
 
-HWY_ATTR void multiplyElementBlocks(const ElementTangents& tangents, const float* p, float* corners,
-                                    linalg::Blocks blocks)
+HWY_ATTR void multiplyElementBlocks(const ElementTangents& tangents, std::span<const FibreTangentBlock> fibres,
+                                    const float* p, float* corners, linalg::Blocks blocks)
 {
     if (const auto* warped = std::get_if<std::vector<WarpedBlock>>(&tangents))
-        multiplyBlocks<WarpedLanes>(warped->data(), p, corners, blocks);
+        multiplyBlocks<WarpedLanes>(*warped, fibres, p, corners, blocks);
     else if (const auto* neoHookean = std::get_if<std::vector<NeoHookeanBlock>>(&tangents))
-        multiplyBlocks<NeoHookeanLanes>(neoHookean->data(), p, corners, blocks);
+        multiplyBlocks<NeoHookeanLanes>(*neoHookean, fibres, p, corners, blocks);
     else
-        multiplyBlocks<StretchLanes>(std::get<std::vector<StretchBlock>>(tangents).data(), p, corners, blocks);
+        multiplyBlocks<StretchLanes>(std::get<std::vector<StretchBlock>>(tangents), fibres, p, corners, blocks);
 }
 
 } // namespace filasofia::engine::HWY_NAMESPACE
@@ -121,10 +161,10 @@ void updateElements(const physics::ElasticLaw& law, std::span<const ElementBlock
     HWY_DYNAMIC_DISPATCH(updateElementBlocks)(law, elements, input, blocks, output);
 }
 
-void multiplyElements(const ElementTangents& tangents, const linalg::NodeArray& p, std::span<float> corners,
-                      linalg::Blocks blocks)
+void multiplyElements(const ElementTangents& tangents, std::span<const FibreTangentBlock> fibres,
+                      const linalg::NodeArray& p, std::span<float> corners, linalg::Blocks blocks)
 {
-    HWY_DYNAMIC_DISPATCH(multiplyElementBlocks)(tangents, p.data(), corners.data(), blocks);
+    HWY_DYNAMIC_DISPATCH(multiplyElementBlocks)(tangents, fibres, p.data(), corners.data(), blocks);
 }
 
 } // namespace filasofia::engine

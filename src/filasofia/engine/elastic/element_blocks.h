@@ -1,10 +1,11 @@
 #pragma once
 
-#include "filasofia/engine/elastic/element_rotations.h"
+#include "filasofia/engine/elastic/relaxation.h"
 #include "filasofia/linalg/node_array.h"
 #include "filasofia/physics/elastic_law.h"
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <variant>
 #include <vector>
@@ -56,14 +57,27 @@ struct alignas(64) StretchBlock {
 };
 using ElementTangents = std::variant<std::vector<WarpedBlock>, std::vector<NeoHookeanBlock>, std::vector<StretchBlock>>;
 
+/// The constants of one family of fibres in sixteen elements; zero where it has none.
+struct alignas(64) FibreBlock {
+    float structure[6][kBlock]; ///< [1/m^2] g_i . H g_j: 11 12 13 22 23 33
+    float volume[kBlock];       ///< times the system's scale
+};
+/// Its tangent (fibre.h), times volume, scale and the weight of the stiffness.
+struct alignas(64) FibreTangentBlock {
+    float turning[6][kBlock]; ///< as FibreBlock::structure
+    float along[9][kBlock];   ///< S g_1, S g_2, S g_3, times the root of the stiffness
+};
+
 constexpr int kElementCorners = 256; ///< floats that a block of elements writes: four groups of sixteen vectors
 
 /// The weights of the terms of a step.
 struct BlockWeights {
-    float force = 0.0f;     ///< weight of f
-    float stiffness = 0.0f; ///< weight of K in the matrix, and of K v in the right-hand side
-    float damping = 0.0f;   ///< weight of D in the matrix, and of D v in the right-hand side
-    float turning = 0.0f;   ///< [-] weight of the geometric stiffness, which stress adds, relative to that of K
+    float force = 0.0f;          ///< weight of f
+    float stiffness = 0.0f;      ///< weight of K in the matrix, and of K v in the right-hand side
+    float damping = 0.0f;        ///< weight of D in the matrix, and of D v in the right-hand side
+    float turning = 0.0f;        ///< [-] weight of the geometric stiffness, which stress adds, relative to that of K
+    float fibreStiffness = 0.0f; ///< as `stiffness`, of fibres
+    float fibreTurning = 0.0f;   ///< as `turning`, of fibres
 };
 
 /// The state at the start of a step.
@@ -71,6 +85,15 @@ struct BlockInput {
     const linalg::NodeArray& x; ///< [m]
     const linalg::NodeArray& v; ///< [m/s]
     BlockWeights weights = {};
+    const RelaxationStep* relaxation = nullptr;                 ///< null: the tissue does not relax
+    float validStrain = std::numeric_limits<float>::infinity(); ///< [-] physics::FemMaterial::validStrain
+};
+
+/// The families of fibres of a body: one list of blocks per family, one after another.
+struct FibreBlocks {
+    std::span<const physics::FibreFamily> families;
+    std::span<const FibreBlock> blocks;
+    std::span<FibreTangentBlock> tangents; ///< written
 };
 
 /// What a pass over the elements writes, one entry per block but for the corners and quaternions.
@@ -78,8 +101,11 @@ struct ElementOutput {
     std::span<ElementRotations> rotations; ///< updated to the positions
     ElementTangents& tangents;             ///< the input of multiplyElements
     std::span<std::uint16_t> inverted;     ///< one bit per element, the first the lowest: 1 if det F <= 0 or not finite
-    std::span<float> corners;              ///< force * f(x) - stiffness * K v
-    std::span<float> quaternions;          ///< one per element, a group of sixteen per block
+    std::span<std::uint16_t> strained; ///< the same: 1 if a principal stretch differs from 1 by more than validStrain
+    std::span<float> corners;          ///< force * f(x) - stiffness * K v
+    std::span<float> quaternions;      ///< one per element, a group of sixteen per block
+    std::span<ElementRelaxation> relaxation = {}; ///< updated; only if the tissue relaxes
+    FibreBlocks fibres = {};
 };
 
 /// The tangents of so many blocks of elements of a law.
@@ -89,8 +115,9 @@ ElementTangents makeTangents(const physics::ElasticLaw& law, std::size_t blocks)
 void updateElements(const physics::ElasticLaw& law, std::span<const ElementBlock> elements, const BlockInput& input,
                     linalg::Blocks blocks, const ElementOutput& output);
 
-/// corners = stiffness * K p, with the stiffness weight that updateElements was given.
-void multiplyElements(const ElementTangents& tangents, const linalg::NodeArray& p, std::span<float> corners,
-                      linalg::Blocks blocks);
+/// corners = stiffness * K p, with the stiffness weight that updateElements was given. `fibres`: one list of blocks per
+/// family, one after another.
+void multiplyElements(const ElementTangents& tangents, std::span<const FibreTangentBlock> fibres,
+                      const linalg::NodeArray& p, std::span<float> corners, linalg::Blocks blocks);
 
 } // namespace filasofia::engine

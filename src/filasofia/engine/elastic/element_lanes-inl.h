@@ -32,10 +32,21 @@ HWY_INLINE V3 operator+(V3 a, V3 b) { return {hn::Add(a.x, b.x), hn::Add(a.y, b.
 HWY_INLINE V3 negative(V3 a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)}; }
 HWY_INLINE V3 operator*(V s, V3 a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
 HWY_INLINE V dot(V3 a, V3 b) { return sumOfProducts(a.x, b.x, a.y, b.y, a.z, b.z); }
+HWY_INLINE V3 cross(V3 a, V3 b)
+{
+    return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
+            hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+
 HWY_INLINE V3 times(const M3& a, V3 b)
 {
     return {dot({a.m[0][0], a.m[0][1], a.m[0][2]}, b), dot({a.m[1][0], a.m[1][1], a.m[1][2]}, b),
             dot({a.m[2][0], a.m[2][1], a.m[2][2]}, b)};
+}
+HWY_INLINE V3 timesTransposed(const M3& a, V3 b) ///< a^T b
+{
+    return {dot({a.m[0][0], a.m[1][0], a.m[2][0]}, b), dot({a.m[0][1], a.m[1][1], a.m[2][1]}, b),
+            dot({a.m[0][2], a.m[1][2], a.m[2][2]}, b)};
 }
 HWY_INLINE M3 transposeTimes(const M3& a, const M3& b)
 {

@@ -16,12 +16,17 @@ Mat3 stressAt(const physics::ElasticLaw& law, Lame material, const Deformation& 
     return stretchStress(law, material, at);
 }
 
+Mat3 cauchyStress(const Mat3& stress, const Mat3& f)
+{
+    const double det = determinant(f);
+    if (!(det > 1e-9)) return {};
+    const Mat3 sigma = (1.0 / det) * (stress * transpose(f));
+    return 0.5 * (sigma + transpose(sigma)); // symmetric up to the rotation's rounding
+}
+
 Mat3 cauchyStress(const physics::ElasticLaw& law, Lame material, const Deformation& at)
 {
-    const double det = determinant(at.f);
-    if (!(det > 1e-9)) return {};
-    const Mat3 sigma = (1.0 / det) * (stressAt(law, material, at) * transpose(at.f));
-    return 0.5 * (sigma + transpose(sigma)); // symmetric up to the rotation's rounding
+    return cauchyStress(stressAt(law, material, at), at.f);
 }
 
 ElementTangent tangentAt(const physics::ElasticLaw& law, Lame material, const Deformation& at, double turning)

@@ -17,6 +17,7 @@ double energyDensity(const physics::ElasticLaw& law, Lame material, const Deform
 Mat3 stressAt(const physics::ElasticLaw& law, Lame material, const Deformation& at);
 
 /// Cauchy stress [Pa], P F^T / det F. Zero if f is flat or inverted: crushed tissue does not tear.
+Mat3 cauchyStress(const Mat3& stress, const Mat3& f);
 Mat3 cauchyStress(const physics::ElasticLaw& law, Lame material, const Deformation& at);
 
 /// The derivative of the stress by F as a step uses it: positive semi-definite, and exact at every rotated rest shape.

@@ -14,12 +14,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace filasofia::engine::HWY_NAMESPACE {
 
-HWY_INLINE V3 cross(V3 a, V3 b)
-{
-    return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
-            hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
-}
-
 /// largestStretch() of neo_hookean.cpp, but not zero.
 HWY_INLINE V largestStretch(const M3& f, const M3& r)
 {

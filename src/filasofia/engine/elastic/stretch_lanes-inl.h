@@ -14,12 +14,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace filasofia::engine::HWY_NAMESPACE {
 
-/// a^T b, column by column: the components of a vector along the columns of an orthonormal matrix.
-HWY_INLINE V3 along(const M3& axes, V3 a)
-{
-    return {dot({axes.m[0][0], axes.m[1][0], axes.m[2][0]}, a), dot({axes.m[0][1], axes.m[1][1], axes.m[2][1]}, a),
-            dot({axes.m[0][2], axes.m[1][2], axes.m[2][2]}, a)};
-}
 HWY_INLINE M3 product(const M3& a, const M3& b)
 {
     M3 out;
@@ -94,7 +88,7 @@ HWY_INLINE StretchLanes linearise(const physics::ElasticLaw& law, const LaneElem
     tangent.modes = modesOf(w, axes.s, Lane(at.turning));
     const V scaled = hn::Mul(at.mu, at.force), root = hn::Sqrt(hn::Mul(at.mu, at.stiffness));
     for (int k = 0; k < 3; ++k) { // P = u diag(dW/ds) v^T
-        const V3 g = along(v, at.g[k]);
+        const V3 g = timesTransposed(v, at.g[k]);
         forces[k] = scaled * times(tangent.u, {hn::Mul(w.d[0].v, g.x), hn::Mul(w.d[1].v, g.y), hn::Mul(w.d[2].v, g.z)});
         tangent.b[k] = root * g;
     }

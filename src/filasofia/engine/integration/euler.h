@@ -21,23 +21,34 @@ struct RayleighDamping {
 ///     f     [N] forces without damping
 ///     K, D  [N/m] -df/dx, [N s/m] -df/dv of dashpots
 ///     a, b  [1/s], [s] Rayleigh's coefficients
-/// The geometric part of K takes no part in damping: a body in tension may turn freely.
+/// The geometric part of K takes no part in damping: a body in tension may turn freely. If the tissue relaxes, the
+/// stress of its law changes by a share A of K within a step, and its part of the matrix is (A h^2 + h b) K.
 struct ImplicitWeights {
-    double mass = 1.0;      ///< weight of M in the matrix
-    double stiffness = 0.0; ///< weight of K in the matrix, and of K v on the right-hand side
-    double damping = 0.0;   ///< weight of D in the matrix
-    double turning = 0.0;   ///< [-] weight of the geometric part of K, relative to `stiffness`
+    double mass = 1.0;       ///< weight of M in the matrix
+    double stiffness = 0.0;  ///< weight of K in the matrix, and of K v on the right-hand side
+    double damping = 0.0;    ///< weight of D in the matrix
+    double turning = 0.0;    ///< [-] weight of the geometric part of K, relative to `stiffness`
+    double law = 0.0;        ///< weight of the K of an elastic law, in place of `stiffness`
+    double lawTurning = 0.0; ///< [-] weight of its geometric part, relative to `law`
 };
-constexpr ImplicitWeights implicitWeights(double dt, RayleighDamping rayleigh)
+/// `relaxing` [-]: A.
+constexpr ImplicitWeights implicitWeights(double dt, RayleighDamping rayleigh, double relaxing = 1.0)
 {
-    const double stiffness = dt * dt + dt * rayleigh.stiffness;
-    return {1.0 + dt * rayleigh.mass, stiffness, dt, stiffness > 0.0 ? dt * dt / stiffness : 0.0};
+    const double square = dt * dt, damped = dt * rayleigh.stiffness;
+    const double stiffness = square + damped, law = relaxing * square + damped;
+    return {.mass = 1.0 + dt * rayleigh.mass,
+            .stiffness = stiffness,
+            .damping = dt,
+            .turning = stiffness > 0.0 ? square / stiffness : 0.0,
+            .law = law,
+            .lawTurning = law > 0.0 ? relaxing * square / law : 0.0};
 }
 
 /// The weights of the explicit step, whose matrix is the masses alone: M dv = h (f - a M v - b K v - D v).
 constexpr ImplicitWeights explicitWeights(double dt, RayleighDamping rayleigh)
 {
-    return {1.0, dt * rayleigh.stiffness, dt, 0.0};
+    const double damped = dt * rayleigh.stiffness;
+    return {.mass = 1.0, .stiffness = damped, .damping = dt, .turning = 0.0, .law = damped, .lawTurning = 0.0};
 }
 
 /// The nodes at the start of a step.

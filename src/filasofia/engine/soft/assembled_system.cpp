@@ -2,7 +2,7 @@
 
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/body/elements.h"
-#include "filasofia/engine/elastic/law.h"
+#include "filasofia/engine/body/tissue.h"
 #include "filasofia/math/polar.h"
 
 #include <algorithm>
@@ -17,7 +17,8 @@ void scatterAdd(double factor, const Corners& from, const std::array<int, 4>& no
     for (int i = 0; i < 4; ++i) to[nodes[i]] += factor * from[i];
 }
 
-void addElements(const SoftModel& model, ImplicitWeights weights, SoftState& state, AssembledSystem& system)
+void addElements(const SoftModel& model, ImplicitWeights weights, const RelaxationStep& relaxation, SoftState& state,
+                 AssembledSystem& system)
 {
     const bool implicit = system.solver != nullptr;
     for (std::size_t e = 0; e < model.elements.size(); ++e) {
@@ -26,9 +27,9 @@ void addElements(const SoftModel& model, ImplicitWeights weights, SoftState& sta
         const Quat turned = polarRotation(f, rotationOf(state.rotations, e));
         setRotation(state.rotations, e, turned);
         const Deformation at{f, toMat3(turned)};
-        const Lame material = lameOf(element);
-        const ElementTangent tangent = tangentAt(model.law, material, at, implicit ? weights.turning : 0.0);
-        scatterAdd(-1.0, internalForces(element, stressAt(model.law, material, at)), element.nodes, system.forces);
+        const TissueTangent tangent = implicit ? stepTangent(model, e, at, weights) : dampingTangent(model, e, at);
+        scatterAdd(-1.0, internalForces(element, startStress(model, relaxation, e, at, state)), element.nodes,
+                   system.forces);
         scatterAdd(1.0, stiffnessTimes(tangent, element, cornersOf(element.nodes, state.v)), element.nodes,
                    system.stiffnessTimesVelocity);
         if (!implicit) continue;
@@ -153,11 +154,12 @@ AssembledSystem::AssembledSystem(const SoftModel& model)
 void assembleMatrix(const SoftModel& model, std::span<const Vec3> given, double dt, double inertia, SoftState& state,
                     AssembledSystem& system)
 {
-    const ImplicitWeights weights = implicitWeights(dt, damping(model));
+    const RelaxationStep relaxation = nextRelaxation(model, dt, state);
+    const ImplicitWeights weights = implicitWeights(dt, damping(model), relaxation.tangent);
     system.matrix.setZero();
     system.forces.assign(given.begin(), given.end());
     std::fill(system.stiffnessTimesVelocity.begin(), system.stiffnessTimesVelocity.end(), Vec3{});
-    addElements(model, weights, state, system);
+    addElements(model, weights, relaxation, state, system);
     addSprings(model, weights, state, system);
     addPins(model, weights, state, system);
     if (!system.solver) return;

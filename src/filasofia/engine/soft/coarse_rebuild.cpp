@@ -237,7 +237,8 @@ struct CoarseRebuild::Work {
 
     Work(const SoftModel& model, const PreconditionerPlan& plan)
         : nodes(plan.nodes.begin(), plan.nodes.end()), scale(plan.scale),
-          weights(implicitWeights(plan.period, {model.rayleigh.mass, model.rayleigh.stiffness})),
+          weights(implicitWeights(plan.period, {model.rayleigh.mass, model.rayleigh.stiffness},
+                                  relaxationTangent(model.material.relaxation, plan.period))),
           springs(model.springs), rest(model.rest), masses(model.masses), held(model.pins.hard),
           pins(model.pins.springs)
     {
@@ -286,7 +287,8 @@ std::vector<std::array<int, 2>> CoarseRebuild::Work::edges() const
 }
 
 /// P^T A P without A: the stiffness of an element is bilinear in the gradients of its shape functions, and the
-/// gradients of the coarse nodes are weighted sums of them. Only the lower half is computed.
+/// gradients of the coarse nodes are weighted sums of them. Only the lower half is computed. Fibres and scales at rest
+/// are left out: the coarse level only has to be near.
 CoarseMatrix CoarseRebuild::Work::coarseMatrix(const geometry::CoarseLattice& lattice) const
 {
     CoarseMatrix matrix(lattice);
@@ -295,7 +297,7 @@ CoarseMatrix CoarseRebuild::Work::coarseMatrix(const geometry::CoarseLattice& la
         const Corners corners = cornersOf(each.nodes, rest), gradients = shapeGradients(corners);
         sum.clear();
         for (std::size_t i = 0; i < 4; ++i) sum.add(lattice, static_cast<std::size_t>(each.nodes[i]), gradients[i]);
-        const double weight = scale * weights.stiffness * volumeOf(corners);
+        const double weight = scale * weights.law * volumeOf(corners);
         const double mu = weight * each.material.mu, lambda = weight * each.material.lambda;
         for (std::size_t i = 0; i < sum.count(); ++i)
             for (std::size_t j = 0; j < sum.count(); ++j) {

@@ -1,6 +1,7 @@
 // Builds a MatrixFreeSystem from a model.
 #include "filasofia/engine/soft/matrix_free_system.h"
 
+#include "filasofia/engine/elastic/fibre.h"
 #include "filasofia/engine/soft/assembled_system.h"
 #include "filasofia/engine/soft/coarse_rebuild.h"
 #include "filasofia/geometry/space_order.h"
@@ -68,6 +69,9 @@ bool MatrixFreeSystem::fits(const SoftModel& model, double period)
         if (!usual(weights.stiffness * volume * mu) || !usual(weights.stiffness * volume * lambda)) return false;
         if (!usual(steepest) || !usual(volume * mu / std::sqrt(steepest))) return false;
     }
+    for (const physics::FibreFamily& family : model.material.fibres)
+        for (double stress : {family.stiffness, family.activeStress})
+            if (!usual(weights.stiffness * scale * stress)) return false;
     for (const Spring& s : model.springs)
         if (!usual(weights.stiffness * scale * s.stiffness) || !usual(weights.damping * scale * s.damping) ||
             !usual(s.restLength))
@@ -114,11 +118,17 @@ void MatrixFreeSystem::makeElements(const SoftModel& model)
     elementCount_ = static_cast<int>(model.elements.size());
     const int blocks = linalg::blocksFor(elementCount_);
     elements_.resize(static_cast<std::size_t>(blocks));
-    tangents_ = makeTangents(model.law, elements_.size());
+    tangents_ = makeTangents(model.material.law, elements_.size());
+    fibres_.resize(model.fibres.size() * elements_.size());
+    fibreTangents_.resize(fibres_.size());
     inverted_.resize(elements_.size());
+    strained_.resize(elements_.size());
     quaternions_.resize(static_cast<std::size_t>(blocks));
-    for (int lane = 0; lane < blocks * kBlock; ++lane)
-        writeElement(model.elements[std::min(lane, elementCount_ - 1)], lane, lane < elementCount_);
+    for (int lane = 0; lane < blocks * kBlock; ++lane) {
+        const int source = std::min(lane, elementCount_ - 1);
+        writeElement(model.elements[source], lane, lane < elementCount_);
+        writeFibres(model, source, lane, lane < elementCount_);
+    }
 }
 
 void MatrixFreeSystem::writeElement(const FemElement& e, int element, bool real)
@@ -132,6 +142,21 @@ void MatrixFreeSystem::writeElement(const FemElement& e, int element, bool real)
     block.mu[l] = asFloat(weight * mu);
     block.ratio[l] = asFloat(lambda / mu);
     stiffest_ = {std::max(stiffest_.mu, mu), std::max(stiffest_.lambda, std::abs(lambda))};
+}
+
+void MatrixFreeSystem::writeFibres(const SoftModel& model, int source, int element, bool real)
+{
+    const FemElement& e = model.elements[source];
+    for (std::size_t family = 0; family < model.fibres.size(); ++family) {
+        const Vec3 direction = model.fibres[family][source];
+        const Mat3 h = structureTensor(model.material.fibres[family].dispersion, direction);
+        FibreBlock& block = fibres_[family * elements_.size() + static_cast<std::size_t>(element / kBlock)];
+        const int l = element % kBlock;
+        for (std::size_t i = 1, k = 0; i < 4; ++i)
+            for (std::size_t j = i; j < 4; ++j, ++k)
+                block.structure[k][l] = asFloat(dot(e.gradients[i], h * e.gradients[j]));
+        block.volume[l] = real && direction != Vec3{} ? asFloat(scale_ * e.volume) : 0.0f;
+    }
 }
 
 void MatrixFreeSystem::makeSprings(const SoftModel& model)

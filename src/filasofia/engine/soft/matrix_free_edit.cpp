@@ -1,7 +1,9 @@
 // Updates a MatrixFreeSystem after an edit of its body's mesh, only where the edit has changed the mesh.
 #include "filasofia/engine/soft/matrix_free_system.h"
 
+#include "filasofia/core/sorted.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/tissue.h"
 #include "filasofia/engine/soft/coarse_rebuild.h"
 
 #include <algorithm>
@@ -51,6 +53,18 @@ linalg::Interpolation interpolateBetween(const linalg::Interpolation& a, const l
     return how;
 }
 
+/// Resizes each of `count` lists that follow one another.
+template <class Block> void resizeLists(std::vector<Block>& lists, std::size_t count, std::size_t size)
+{
+    if (lists.size() == count * size) return;
+    std::vector<Block> out(count * size);
+    const std::size_t before = lists.size() / count;
+    for (std::size_t k = 0; k < count; ++k)
+        std::copy_n(lists.begin() + static_cast<std::ptrdiff_t>(k * before), std::min(before, size),
+                    out.begin() + static_cast<std::ptrdiff_t>(k * size));
+    lists = std::move(out);
+}
+
 } // namespace
 
 bool MatrixFreeSystem::edit(const SoftModel& model, const MeshEdit& edit)
@@ -77,6 +91,9 @@ bool MatrixFreeSystem::reserve(const SoftModel& model, const MeshEdit& edit)
     elements_.resize(blocks);
     std::visit([&](auto& each) { each.resize(blocks); }, tangents_);
     inverted_.resize(blocks);
+    strained_.resize(blocks);
+    resizeLists(fibres_, model.fibres.size(), blocks);
+    resizeLists(fibreTangents_, model.fibres.size(), blocks);
     quaternions_.resize(blocks);
     corners_.resize(4 * blocks);
 
@@ -176,7 +193,23 @@ void MatrixFreeSystem::moveElement(const SoftModel& model, int element)
         }
     }
     writeElement(now, element, true);
-    for (int filler = element + 1; isNew && filler % kBlock != 0; ++filler) writeElement(now, filler, false);
+    writeFibres(model, element, element, true);
+    for (int filler = element + 1; isNew && filler % kBlock != 0; ++filler) {
+        writeElement(now, filler, false);
+        writeFibres(model, element, filler, false);
+    }
+}
+
+bool MatrixFreeSystem::editTissue(const SoftModel& model, const std::vector<int>& elements)
+{
+    if (!fits(model, period_)) return false;
+    MeshEdit changed{.nodes = {}, .elements = elements, .reached = {}};
+    for (int e : elements)
+        for (int node : model.elements[static_cast<std::size_t>(e)].nodes) changed.reached.push_back(node);
+    sortUnique(changed.reached);
+    edit(model, changed);
+    parted_ = true; // the coarse level is that of the former tissue
+    return true;
 }
 
 void MatrixFreeSystem::refreshNode(const SoftModel& model, int slot)
@@ -185,7 +218,8 @@ void MatrixFreeSystem::refreshNode(const SoftModel& model, int slot)
     const double mass = model.masses[static_cast<std::size_t>(node)];
     masses_[static_cast<std::size_t>(slot)] = static_cast<float>(scale_ * mass);
     if (!preconditioned_) return;
-    const ImplicitWeights weights = implicitWeights(period_, {model.rayleigh.mass, model.rayleigh.stiffness});
+    const ImplicitWeights weights = implicitWeights(period_, {model.rayleigh.mass, model.rayleigh.stiffness},
+                                                    relaxationTangent(model.material.relaxation, period_));
     Mat3 diagonal =
         (scale_ * weights.mass * mass + weights.stiffness * pins_[static_cast<std::size_t>(slot)]) * Mat3::identity();
     const auto list = static_cast<std::size_t>(slot);
@@ -195,10 +229,10 @@ void MatrixFreeSystem::refreshNode(const SoftModel& model, int slot)
             diagonal += scale_ * springMatrix(spring, weights, model.rest);
             continue;
         }
-        const FemElement& element = model.elements[static_cast<std::size_t>(elementAt(*place, 4))];
+        const auto e = static_cast<std::size_t>(elementAt(*place, 4));
         const int corner = *place / 64 % 4;
-        const Vec3 g = element.gradients[static_cast<std::size_t>(corner)];
-        diagonal += scale_ * weights.stiffness * element.volume * hookeBlock(lameOf(element), g, g);
+        const Vec3 g = model.elements[e].gradients[static_cast<std::size_t>(corner)];
+        diagonal += scale_ * model.elements[e].volume * blockAtRest(model, e, weights, g, g);
     }
     preconditioner_.setDiagonal(slot, diagonal);
 }

@@ -1,6 +1,7 @@
 #include "filasofia/engine/soft/matrix_free_system.h"
 
 #include "filasofia/core/worker_pool.h"
+#include "filasofia/engine/body/tissue.h"
 #include "filasofia/engine/elastic/stress_bound.h"
 #include "filasofia/linalg/node_parts.h"
 
@@ -79,27 +80,38 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
 {
     const RayleighDamping rayleigh{model.rayleigh.mass, model.rayleigh.stiffness};
     const bool implicit = std::holds_alternative<physics::ImplicitEuler>(model.integrator);
-    const ImplicitWeights weights = implicit ? implicitWeights(dt, rayleigh) : explicitWeights(dt, rayleigh);
+    const RelaxationStep relaxation = nextRelaxation(model, dt, state);
+    const ImplicitWeights weights =
+        implicit ? implicitWeights(dt, rayleigh, relaxation.tangent) : explicitWeights(dt, rayleigh);
     massWeight_ = inertia * weights.mass;
     massLoss_ = dt * rayleigh.mass;
-    elasticLoss_ = weights.stiffness > 0.0 ? 1.0 - 0.5 * dt * dt / weights.stiffness : 0.0;
+    elasticLoss_ = 1.0 - 0.5 * weights.lawTurning;
     for (std::size_t i = 0; i < pins_.size(); ++i) diagonal_[i] = asFloat(weights.stiffness) * pins_[i];
 
     load(state.x, state.x[static_cast<std::size_t>(std::max(nodeOf_.front(), 0))], x_, pool);
     load(state.v, {}, v_, pool);
     loadImpulses(given, state.residual, dt, pool);
 
-    const BlockWeights blockWeights{asFloat(dt), asFloat(weights.stiffness), asFloat(weights.damping),
-                                    asFloat(weights.turning)};
+    // Springs have no law, and their matrix has the weight of what does not relax.
+    const bool fem = !elements_.empty();
+    const BlockWeights blockWeights{.force = asFloat(dt),
+                                    .stiffness = asFloat(fem ? weights.law : weights.stiffness),
+                                    .damping = asFloat(weights.damping),
+                                    .turning = asFloat(fem ? weights.lawTurning : weights.turning),
+                                    .fibreStiffness = asFloat(weights.stiffness),
+                                    .fibreTurning = asFloat(weights.turning)};
     const std::span<float> corners = floats(corners_), quaternions = floats(quaternions_);
     const std::span<float> elementCorners = corners.first(kElementCorners * elements_.size());
     const std::span<float> springCorners = corners.subspan(elementCorners.size());
     const Parts elements = elementParts(elements_.size()), springs = elementParts(springs_.size());
-    const BlockInput input{x_, v_, blockWeights};
-    const ElementOutput elementOutput{state.rotations, tangents_, inverted_, elementCorners, quaternions};
+    const BlockInput input{x_, v_, blockWeights, relaxation.terms > 0 ? &relaxation : nullptr,
+                           asFloat(model.material.validStrain)};
+    const ElementOutput elementOutput{
+        state.rotations, tangents_,   inverted_,        strained_,
+        elementCorners,  quaternions, state.relaxation, {model.material.fibres, fibres_, fibreTangents_}};
     const SpringOutput springOutput{springMatrices_, springCorners};
     pool.run(elements.count(),
-             [&](int part) { updateElements(model.law, elements_, input, elements[part], elementOutput); });
+             [&](int part) { updateElements(model.material.law, elements_, input, elements[part], elementOutput); });
     pool.run(springs.count(), [&](int part) { updateSprings(springs_, input, springs[part], springOutput); });
     size_ = linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
         if (implicit && !elements_.empty()) averageRotations(turns_, quaternions, preconditioner_.rotations(), blocks);
@@ -113,7 +125,8 @@ double MatrixFreeSystem::multiply(const NodeArray& p, NodeArray& q, WorkerPool& 
     const std::span<float> corners = floats(corners_);
     const Parts elements = elementParts(elements_.size()), springs = elementParts(springMatrices_.size());
     pool.run(elements.count(), [&](int part) {
-        multiplyElements(tangents_, p, corners.first(kElementCorners * elements_.size()), elements[part]);
+        multiplyElements(tangents_, fibreTangents_, p, corners.first(kElementCorners * elements_.size()),
+                         elements[part]);
     });
     pool.run(springs.count(), [&](int part) {
         multiplySprings(springMatrices_, p, corners.subspan(kElementCorners * elements_.size()), springs[part]);
@@ -168,9 +181,13 @@ void MatrixFreeSystem::finish(const linalg::NodeSolveReport& report, const Rigid
 bool MatrixFreeSystem::findStressed(const SoftModel& model, const SoftState& state, double limit, WorkerPool& pool,
                                     std::vector<std::uint16_t>& stressed)
 {
+    if (!hasLawAlone(model)) { // the bound is one of the law's stress
+        stressed.clear();
+        return true;
+    }
     load(state.x, state.x[static_cast<std::size_t>(std::max(nodeOf_.front(), 0))], scratch_, pool);
     stressed.resize(elements_.size());
-    const StressLimit at{model.law, asFloat(limit), asFloat(stiffest_.mu), asFloat(stiffest_.lambda)};
+    const StressLimit at{model.material.law, asFloat(limit), asFloat(stiffest_.mu), asFloat(stiffest_.lambda)};
     const Parts parts = elementParts(elements_.size());
     pool.run(parts.count(), [&](int part) {
         engine::findStressed({elements_, scratch_, state.rotations}, at, stressed, parts[part]);

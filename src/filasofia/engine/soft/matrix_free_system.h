@@ -51,11 +51,13 @@ public:
     /// motion is not corrected here as in solve(): it depends on the bodies in contact.
     void finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> residual, WorkerPool& pool);
     /// Per block of sixteen elements: bits of the elements that may have a principal stress of `limit` [Pa] or more,
-    /// with the rotations of the step's start. Returns false if there is no such element.
+    /// with the rotations of the step's start. Empty if any element may. Returns false if there is no such element.
     bool findStressed(const SoftModel& model, const SoftState& state, double limit, WorkerPool& pool,
                       std::vector<std::uint16_t>& stressed);
     /// Per block of sixteen elements: bits of the elements that were inside out at the state of the last assemble().
     [[nodiscard]] std::span<const std::uint16_t> inverted() const { return inverted_; }
+    /// The same: bits of the elements that were strained beyond FemMaterial::validStrain.
+    [[nodiscard]] std::span<const std::uint16_t> strained() const { return strained_; }
     /// [m/s] The solution of the last solve at a node, before finish() corrected the motion of the whole body; zero if
     /// the node is pinned.
     [[nodiscard]] Vec3 solved(int node) const;
@@ -67,6 +69,9 @@ public:
     /// Updates the system after an edit of the mesh; the model is up to date already. Returns true if vectors of
     /// unknowns have another size from now on.
     bool edit(const SoftModel& model, const MeshEdit& edit);
+    /// Updates the system after a change of the tissue of these elements, ascending. Returns false, and changes
+    /// nothing, if float cannot represent the model any more.
+    bool editTissue(const SoftModel& model, const std::vector<int>& elements);
     /// Called once per step, after the edits. If an edit has parted tissue, the coarse level is rebuilt in the
     /// background from the present mesh, and taken over some steps later.
     void followParting(const SoftModel& model, BackgroundThread& meanwhile);
@@ -87,6 +92,8 @@ private:
     void makeVectors(int heldBlocks);
     /// Writes lane `element` from an element; without stiffness if not `real`, to fill up the last block.
     void writeElement(const FemElement& e, int element, bool real);
+    /// The same for the fibres of `source`, an element of the model.
+    void writeFibres(const SoftModel& model, int source, int element, bool real);
     void makeElements(const SoftModel& model);
     void makeSprings(const SoftModel& model);
     void makeGather(const SoftModel& model);
@@ -139,6 +146,8 @@ private:
 
     std::vector<ElementBlock> elements_;
     ElementTangents tangents_;
+    std::vector<FibreBlock> fibres_; ///< one list of blocks per family of fibres, one after another
+    std::vector<FibreTangentBlock> fibreTangents_;
     std::vector<SpringBlock> springs_;
     std::vector<SpringMatrixBlock> springMatrices_;
     linalg::Gather gather_; ///< the corners of elements and springs around each free slot
@@ -146,6 +155,7 @@ private:
     /// Contributions of elements and springs to their nodes, in blocks of sixteen.
     std::vector<linalg::NodeBlock> corners_;
     std::vector<std::uint16_t> inverted_;        ///< bits of the elements that were inside out in assemble()
+    std::vector<std::uint16_t> strained_;        ///< bits of those strained beyond FemMaterial::validStrain
     std::vector<linalg::NodeBlock> quaternions_; ///< rotations of the elements
 
     double massWeight_ = 1.0;  ///< [-] factor on the masses in the step's matrix

@@ -81,7 +81,8 @@ void finishPieces(std::size_t index, double dt, const std::vector<Constraint>& c
     if (std::ranges::none_of(model.pieces, isFragment) || !system.matrixFree || model.elements.empty() ||
         !std::holds_alternative<physics::ImplicitEuler>(model.integrator))
         return;
-    const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness});
+    const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness},
+                                                    relaxationTangent(model.material.relaxation, dt));
     const auto solved = [&](int node) {
         return NodeSolve{system.matrixFree->solved(node), system.matrixFree->residualImpulse(node)};
     };
@@ -128,6 +129,7 @@ void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOu
         std::swap(system.v, state.v);
         std::swap(system.dv, state.dv);
         std::swap(system.residual, state.residual);
+        state.unrelaxed = dt;
         limitSpin(body.model, kMaxTurn, dt, state);
     }
 }

@@ -1,6 +1,8 @@
 #include "filasofia/engine/step/apply_commands.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/core/log.h"
+#include "filasofia/engine/body/tissue.h"
 #include "filasofia/engine/build/build_body.h"
 #include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/rigid/articulation_step.h"
@@ -63,6 +65,7 @@ struct ApplyCommand {
     {
         SoftBody& body = soft(set.id);
         setMaterial(set.material, body.model);
+        followMaterial(body.model, body.state);
         if (SoftModel* start = body.topology.start.get()) setMaterial(set.material, *start);
         // The server built a system for the new material in advance. It depends on the model alone, and the model on
         // Def and material, so the order of commands does not matter. The old system is returned with the command, as
@@ -71,6 +74,26 @@ struct ApplyCommand {
             std::swap(body.system, built->body.system);
         else
             body.system.outdated = true;
+    }
+    void operator()(const physics::SetTissue& set) const
+    {
+        SoftBody& body = soft(set.id);
+        const std::vector<int> elements = changeTissue(set.region, body.state, body.model);
+        if (elements.empty()) {
+            report.set(physics::StepFlag::NothingChanged);
+            logWarning("soft body '", body.model.name, "': a change of tissue reached no element");
+            return;
+        }
+        body.system.tuned = true;
+        if (body.system.matrixFree && !body.system.outdated)
+            body.system.outdated = !body.system.matrixFree->editTissue(body.model, elements);
+    }
+    void operator()(const physics::SetFibreStress& set) const
+    {
+        SoftBody& body = soft(set.id);
+        const auto family = static_cast<std::size_t>(set.family);
+        for (SoftModel* model : {&body.model, body.topology.start.get()})
+            if (model) model->material.fibres[family].activeStress = set.stress;
     }
     void operator()(const physics::SetForces& set) const { setForces(set.forces, soft(set.id).state); }
     void operator()(const physics::SetPressure& set) const { soft(set.id).state.pressure = set.pressure; }

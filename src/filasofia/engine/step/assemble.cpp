@@ -2,6 +2,10 @@
 
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/scene/each_body.h"
+#include "filasofia/math/svd.h"
+
+#include <algorithm>
+#include <cmath>
 
 namespace filasofia::engine {
 namespace {
@@ -20,33 +24,64 @@ void addExternalForces(const SoftModel& model, Vec3 gravity, const SoftState& st
     }
 }
 
+/// Calls look(element) for the elements of a body that its system has marked; for all if that does not mark any.
+template <class Look> void
+forEachMarked(const SoftBody& body, std::span<const std::uint16_t> (MatrixFreeSystem::*marks)() const, const Look& look)
+{
+    const std::size_t count = body.model.elements.size();
+    if (!body.system.matrixFree) {
+        for (std::size_t e = 0; e < count; ++e) look(e);
+        return;
+    }
+    const std::span<const std::uint16_t> bits = ((*body.system.matrixFree).*marks)();
+    for (std::size_t block = 0; block < bits.size(); ++block)
+        for (std::size_t lane = 0; lane < kBlock && bits[block] != 0; ++lane)
+            if (const std::size_t e = kBlock * block + lane; (bits[block] >> lane & 1u) != 0 && e < count) look(e);
+}
+
+Vec3 middle(const Corners& x) { return 0.25 * (x[0] + x[1] + x[2] + x[3]); }
+
 /// Reports the inverted elements of a body. Those of which every node is fixed, for example in a removed piece, are
-/// left out: nothing will ever change them. If none of the bits says that there may be one, nothing is computed.
+/// left out: nothing will ever change them.
 void findInverted(const SoftBody& body, physics::InvertedElements& report)
 {
     const SoftModel& model = body.model;
-    const auto look = [&](std::size_t e) {
-        const FemElement& element = model.elements[e];
-        const Corners corners = cornersOf(element.nodes, body.state.x);
-        const double volume = determinant(gradient(element, corners));
+    forEachMarked(body, &MatrixFreeSystem::inverted, [&](std::size_t e) {
+        const Corners corners = cornersOf(model.elements[e].nodes, body.state.x);
+        const double volume = determinant(gradient(model.elements[e], corners));
         if (volume > 0.0 || allHeld(model, e)) return;
         ++report.count;
         if (!(volume < report.volume)) return;
         report.body = model.id;
         report.element = static_cast<int>(e);
         report.volume = volume;
-        report.place = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
-    };
-    if (!body.system.matrixFree) {
-        for (std::size_t e = 0; e < model.elements.size(); ++e) look(e);
-        return;
-    }
-    const std::span<const std::uint16_t> bits = body.system.matrixFree->inverted();
-    for (std::size_t block = 0; block < bits.size(); ++block)
-        for (std::size_t lane = 0; lane < kBlock && bits[block] != 0; ++lane)
-            if (const std::size_t e = kBlock * block + lane;
-                (bits[block] >> lane & 1u) != 0 && e < model.elements.size())
-                look(e);
+        report.place = middle(corners);
+    });
+}
+
+/// Reports the elements that are strained beyond the range of their material. The worst is that of the largest strain
+/// in relation to its range.
+void findStrained(const SoftBody& body, physics::StrainedElements& report)
+{
+    const SoftModel& model = body.model;
+    const double valid = model.material.validStrain;
+    if (!(valid < std::numeric_limits<double>::infinity())) return;
+    double worst = report.count > 0 ? report.strain / report.valid : 0.0;
+    forEachMarked(body, &MatrixFreeSystem::strained, [&](std::size_t e) {
+        const Corners corners = cornersOf(model.elements[e].nodes, body.state.x);
+        const Vec3 stretches = svd(gradient(model.elements[e], corners)).sigma;
+        const double strain =
+            std::max({std::abs(stretches.x - 1.0), std::abs(stretches.y - 1.0), std::abs(stretches.z - 1.0)});
+        if (!(strain > valid) || allHeld(model, e)) return;
+        ++report.count;
+        if (!(strain / valid > worst)) return;
+        worst = strain / valid;
+        report.body = model.id;
+        report.element = static_cast<int>(e);
+        report.strain = strain;
+        report.valid = valid;
+        report.place = middle(corners);
+    });
 }
 
 } // namespace
@@ -67,8 +102,13 @@ void assemble(const StepContext& context, Scene& scene)
     forEachBody(scene, context.pool, [&](SoftBody& body, std::size_t) {
         assembleBody({scene.gravity, context.dt, 1.0}, body, context.pool);
     });
-    for (const SoftBody& body : scene.soft) findInverted(body, context.report.inverted);
-    if (context.report.inverted.count > 0) context.report.set(physics::StepFlag::Inverted);
+    physics::StepReport& report = context.report;
+    for (const SoftBody& body : scene.soft) {
+        findInverted(body, report.inverted);
+        findStrained(body, report.beyondStrain);
+    }
+    if (report.inverted.count > 0) report.set(physics::StepFlag::Inverted);
+    if (report.beyondStrain.count > 0) report.set(physics::StepFlag::BeyondStrain);
 }
 
 } // namespace filasofia::engine

@@ -54,7 +54,12 @@ void restoreMesh(SoftBody& body, Scene& scene)
 
 void resetScene(Scene& scene)
 {
-    for (SoftBody& body : scene.soft) restoreMesh(body, scene);
+    for (SoftBody& body : scene.soft) {
+        restoreMesh(body, scene);
+        if (!body.model.patched) continue;
+        setMaterial(physics::FemMaterial(body.model.material), body.model);
+        outdate(body.system.tuned, body.system);
+    }
     for (SoftBody& body : scene.soft) {
         SoftState fresh = stateAtRest(body.model);
         fresh.forces = std::move(body.state.forces);

@@ -121,11 +121,12 @@ void followState(const TopologyEdit& edit, const MeshTopology& mesh, SoftModel& 
 void addMass(const SoftModel& model, std::size_t element, double sign, std::vector<double>& masses)
 {
     const geometry::Tetrahedron& nodes = elementNodes(model, element);
-    const double massPerNode = 0.25 * model.density * volumeOf(cornersOf(nodes, model.rest));
+    const double density = model.elements.empty() ? model.density : model.elements[element].density;
+    const double massPerNode = 0.25 * density * volumeOf(cornersOf(nodes, model.rest));
     for (int node : nodes) masses[static_cast<std::size_t>(node)] += sign * massPerNode;
 }
 
-/// Appends the children of divided elements, which inherit their parents' material and rotation.
+/// Appends the children of divided elements, which inherit their parents' material, rotation and relaxation.
 void addElements(const TopologyEdit& edit, SoftModel& model, SoftState& state)
 {
     const bool fem = !model.elements.empty();
@@ -136,10 +137,15 @@ void addElements(const TopologyEdit& edit, SoftModel& model, SoftState& state)
             model.tetrahedra.emplace_back();
             continue;
         }
-        model.elements.push_back(FemElement(model.elements[static_cast<std::size_t>(split->parent)]));
-        state.rotations.resize(static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size()))));
-        setRotation(state.rotations, static_cast<std::size_t>(split->child),
-                    rotationOf(state.rotations, static_cast<std::size_t>(split->parent)));
+        const auto parent = static_cast<std::size_t>(split->parent), child = static_cast<std::size_t>(split->child);
+        model.elements.push_back(FemElement(model.elements[parent]));
+        for (std::vector<Vec3>& directions : model.fibres) directions.push_back(Vec3(directions[parent]));
+        const auto blocks = static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size())));
+        state.rotations.resize(blocks);
+        setRotation(state.rotations, child, rotationOf(state.rotations, parent));
+        if (state.relaxation.empty()) continue;
+        state.relaxation.resize(blocks);
+        copyRelaxation(parent, child, state.relaxation);
     }
 }
 

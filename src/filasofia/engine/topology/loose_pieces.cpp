@@ -1,7 +1,7 @@
 #include "filasofia/engine/topology/loose_pieces.h"
 
 #include "filasofia/engine/body/elements.h"
-#include "filasofia/engine/elastic/law.h"
+#include "filasofia/engine/body/tissue.h"
 #include "filasofia/engine/soft/rigid_motion.h"
 
 #include <algorithm>
@@ -24,8 +24,7 @@ public:
             Part& part = parts_.emplace_back();
             part.element = &element;
             const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
-            part.tangent =
-                tangentAt(model.law, lameOf(element), {f, toMat3(rotationOf(state.rotations, e))}, weights.turning);
+            part.tangent = stepTangent(model, e, {f, toMat3(rotationOf(state.rotations, e))}, weights);
             for (std::size_t k = 0; k < 4; ++k)
                 part.places[k] = static_cast<std::size_t>(std::ranges::lower_bound(piece.nodes, element.nodes[k]) -
                                                           piece.nodes.begin());
@@ -48,7 +47,7 @@ public:
 private:
     struct Part {
         const FemElement* element = nullptr;
-        ElementTangent tangent;
+        TissueTangent tangent;
         std::array<std::size_t, 4> places{};
     };
     double stiffness_;

@@ -2,7 +2,7 @@
 
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/body/elements.h"
-#include "filasofia/engine/elastic/law.h"
+#include "filasofia/engine/body/tissue.h"
 #include "filasofia/engine/rupture/stress.h"
 #include "filasofia/engine/topology/apply_edit.h"
 #include "filasofia/math/polar.h"
@@ -15,22 +15,31 @@ namespace {
 
 constexpr int kElementsPerPart = 256;
 
+/// The Cauchy stress of an element, with fibres or relaxation.
+Mat3 fullStressOf(const SoftModel& model, const SoftState& state, std::size_t e, const Mat3& f)
+{
+    const Quat rotation = polarRotation(f, rotationOf(state.rotations, e));
+    const RelaxationStep relaxation = relaxationWithin(model, state.unrelaxed);
+    return cauchyStress(tissueStress(model, state, relaxation, e, {f, toMat3(rotation)}), f);
+}
+
 Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, double threshold)
 {
     const FemElement& element = model.elements[e];
     const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
+    if (!hasLawAlone(model)) return fullStressOf(model, state, e, f);
     const Lame material = lameOf(element);
     const Quat before = rotationOf(state.rotations, e);
     // Only the corotational stress with the last step's rotation is near the true one, however far the element turned.
-    if (std::holds_alternative<physics::Corotational>(model.law)) {
-        const Mat3 withOldRotation = cauchyStress(model.law, material, {f, toMat3(before)});
+    if (std::holds_alternative<physics::Corotational>(model.material.law)) {
+        const Mat3 withOldRotation = cauchyStress(model.material.law, material, {f, toMat3(before)});
         if (principalStressBound(withOldRotation) < kStressNear * threshold) return {};
     }
-    const Mat3 stress = cauchyStress(model.law, material, {f, toMat3(polarRotation(f, before))});
+    const Mat3 stress = cauchyStress(model.material.law, material, {f, toMat3(polarRotation(f, before))});
     // The default solver's search leaves out elements below this: so does this one.
     const double near = kStressNear * threshold;
     const bool isBelow = principalStressBound(stress) < near || principalStress(stress).value < near;
-    return isBelow && !std::holds_alternative<physics::Corotational>(model.law) ? Mat3{} : stress;
+    return isBelow && !std::holds_alternative<physics::Corotational>(model.material.law) ? Mat3{} : stress;
 }
 
 Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, const SpringsOfElements& springs)
@@ -66,6 +75,8 @@ bool findStresses(const SoftModel& model, const SoftState& state, const StressSe
                 continue;
             }
             stresses[e] = fem ? stressOf(model, state, e, threshold) : stressOf(model, state, e, springs);
+            if (fem && model.elements[e].tearingThreshold != threshold) // relative to what this element bears
+                stresses[e] = threshold / model.elements[e].tearingThreshold * stresses[e];
             if (principalStressBound(stresses[e]) > threshold) above[static_cast<std::size_t>(part)] = 1;
         }
     });
