@@ -95,6 +95,49 @@ TEST_CASE(
     }
 }
 
+/// M P C^-1 P^T r, with equal weights for each component.
+Eigen::VectorXd denseCarried(const Problem& problem, const std::vector<float>& masses, const Eigen::VectorXd& r)
+{
+    const Eigen::MatrixXd p = denseInterpolation(problem);
+    Eigen::VectorXd m(r.size());
+    for (Eigen::Index i = 0; i < m.size(); ++i) m[i] = static_cast<double>(masses[static_cast<std::size_t>(i / 3)]);
+    const Eigen::VectorXd c = p.transpose() * m;
+    return m.cwiseProduct(p * (p.transpose() * r).cwiseQuotient(c));
+}
+
+TEST_CASE("coarse nodes carry impulses by their definition, and with their total, also after an edit")
+{
+    std::mt19937 random(6);
+    WorkerPool pool(1);
+    Problem problem(random, 300, 280, 9);
+    for (std::array<float, 4>& weights : problem.weights) weights = {0.5f, 0.375f, 0.125f, 0.0f};
+    TwoLevelPreconditioner m = rotatedPreconditioner(problem, random);
+    const NodeArray r = randomNodes(random, 280);
+    NodeArray carried(r.blocks());
+    std::vector<float> masses(static_cast<std::size_t>(r.blocks()) * kBlock, 1.0f);
+    for (const bool edited : {false, true}) {
+        if (edited) {
+            const Interpolation how{{1, 2, 3, 4}, {0.25f, 0.25f, 0.25f, 0.25f}};
+            m.interpolate(17, how);
+            problem.corners[static_cast<std::size_t>(problem.rows[17])] = how.corners;
+            problem.weights[static_cast<std::size_t>(problem.rows[17])] = how.weights;
+        }
+        for (int node = 0; node < 280; ++node) {
+            masses[static_cast<std::size_t>(node)] = 1.0f + 0.5f * randomFloat(random);
+            m.setDiagonal(node, Mat3::identity()); // says that the mass may have changed
+        }
+        m.carry(masses, r, carried, pool);
+        const Eigen::VectorXd found = dense(carried, 280), exact = denseCarried(problem, masses, dense(r, 280));
+        CHECK((found - exact).norm() <= 1e-5 * exact.norm());
+        for (Eigen::Index k = 0; k < 3; ++k) {
+            double lost = 0.0;
+            for (Eigen::Index i = k; i < found.size(); i += 3) lost += dense(r, 280)[i] - found[i];
+            CHECK(std::abs(lost) <= 1e-5 * dense(r, 280).norm());
+        }
+        for (int node = 280; node < kBlock * r.blocks(); ++node) CHECK(vectorOf(carried[node]) == Vec3{});
+    }
+}
+
 TEST_CASE("any number of threads gives the same bits")
 {
     std::mt19937 random(5);

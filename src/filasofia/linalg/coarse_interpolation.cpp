@@ -65,6 +65,15 @@ void CoarseInterpolation::addRestricted(int node, Vec3 value, std::span<float> c
                 block.weights[node % kBlock][k] * static_cast<float>(value[i]);
 }
 
+std::vector<float> CoarseInterpolation::restrictNumbers(std::span<const float> m) const
+{
+    std::vector<float> sums(restriction_.ranges.size());
+    for (std::size_t c = 0; c < sums.size(); ++c)
+        for (const RestrictionEntry* each = restriction_.begin(c); each != restriction_.end(c); ++each)
+            sums[c] += each->weight * m[static_cast<std::size_t>(each->node)];
+    return sums;
+}
+
 int CoarseInterpolation::firstNode(std::size_t coarse) const
 {
     return restriction_.size(coarse) == 0 ? -1 : restriction_.begin(coarse)->node;

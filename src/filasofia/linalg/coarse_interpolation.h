@@ -35,6 +35,8 @@ public:
     void restrictTo(std::span<float> coarse, const NodeArray& s, WorkerPool& pool) const;
     /// coarse += P^T of a vector that is zero but for `value` at one node.
     void addRestricted(int node, Vec3 value, std::span<float> coarse) const;
+    /// P^T m for a number per node.
+    [[nodiscard]] std::vector<float> restrictNumbers(std::span<const float> m) const;
     /// The first node that follows a coarse node, or -1.
     [[nodiscard]] int firstNode(std::size_t coarse) const;
 

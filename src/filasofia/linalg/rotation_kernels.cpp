@@ -32,6 +32,15 @@ HWY_ATTR void warpAndSmoothBlocks(const RotationBlock* HWY_RESTRICT rotations,
         }
 }
 
+/// The sum with what one node follows of the coarse nodes: sum + (P x_c)_i
+HWY_INLINE V4 addProlonged(V4 sum, const InterpolationBlock& from, int node, const float* HWY_RESTRICT values)
+{
+    const Four four;
+    for (int k = 0; k < 4; ++k) // the fourth float belongs to a neighbour and is never used
+        sum = hn::MulAdd(hn::Set(four, from.weights[node][k]), hn::LoadU(four, values + from.at[node][k]), sum);
+    return sum;
+}
+
 HWY_ATTR double prolongAndUnwarpBlocks(const RotationBlock* HWY_RESTRICT rotations, const CoarseCorrection& correction,
                                        const float* HWY_RESTRICT w, const float* HWY_RESTRICT r, float* HWY_RESTRICT z,
                                        Blocks blocks)
@@ -47,11 +56,8 @@ HWY_ATTR double prolongAndUnwarpBlocks(const RotationBlock* HWY_RESTRICT rotatio
         const float* source = w + 64ul * b;
         if (coarse) {
             for (int node = 0; node < kBlock; ++node) {
-                V4 sum = hn::Load(four, source + 4 * node);
-                for (int k = 0; k < 4; ++k) // the fourth float belongs to a neighbour and is never used
-                    sum = hn::MulAdd(hn::Set(four, from[b].weights[node][k]),
-                                     hn::LoadU(four, values + from[b].at[node][k]), sum);
-                hn::Store(sum, four, rest + 4 * node);
+                const V4 own = hn::Load(four, source + 4 * node);
+                hn::Store(addProlonged(own, from[b], node, values), four, rest + 4 * node);
             }
             source = rest;
         }
@@ -67,6 +73,19 @@ HWY_ATTR double prolongAndUnwarpBlocks(const RotationBlock* HWY_RESTRICT rotatio
         }
     }
     return sums.total();
+}
+
+HWY_ATTR void prolongByMassBlocks(const InterpolationBlock* HWY_RESTRICT from, const float* HWY_RESTRICT values,
+                                  const float* HWY_RESTRICT masses, float* HWY_RESTRICT y, Blocks blocks)
+{
+    const Four four;
+    for (int b = blocks.begin; b < blocks.end; ++b)
+        for (int node = 0; node < kBlock; ++node) {
+            const V4 sum = addProlonged(hn::Zero(four), from[b], node, values);
+            float* at = y + 64ul * b + 4ul * node;
+            hn::Store(hn::Mul(hn::Set(four, masses[16ul * b + node]), sum), four, at);
+            at[3] = 0.0f;
+        }
 }
 
 /// Where the quaternion of an element lies, given where one of its corners lies: a block of sixteen elements has one
@@ -140,6 +159,7 @@ namespace filasofia::linalg {
 
 HWY_EXPORT(warpAndSmoothBlocks);
 HWY_EXPORT(prolongAndUnwarpBlocks);
+HWY_EXPORT(prolongByMassBlocks);
 HWY_EXPORT(averageRotationBlocks);
 
 void warpAndSmooth(const std::vector<RotationBlock>& rotations, const std::vector<SymmetricBlock>& inverseDiagonal,
@@ -153,6 +173,12 @@ double prolongAndUnwarp(const std::vector<RotationBlock>& rotations, const Coars
                         const NodeArray& r, NodeArray& z, Blocks blocks)
 {
     return HWY_DYNAMIC_DISPATCH(prolongAndUnwarpBlocks)(rotations.data(), coarse, w.data(), r.data(), z.data(), blocks);
+}
+
+void prolongByMass(const CoarseCorrection& coarse, std::span<const float> masses, NodeArray& y, Blocks blocks)
+{
+    HWY_DYNAMIC_DISPATCH(prolongByMassBlocks)
+    (coarse.interpolation.data(), coarse.values.data(), masses.data(), y.data(), blocks);
 }
 
 void averageRotations(const Gather& gather, std::span<const float> quaternions, std::vector<RotationBlock>& rotations,

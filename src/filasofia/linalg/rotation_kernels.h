@@ -3,8 +3,8 @@
 #include "filasofia/linalg/node_kernels.h"
 #include "filasofia/math/mat3.h"
 
-/// The inner loops over nodes that rotate vectors or find the rotations of nodes. What node_kernels.h says about bits
-/// and sums holds here too.
+/// The inner loops over nodes that rotate vectors, find the rotations of nodes or interpolate from coarse nodes. What
+/// node_kernels.h says about bits and sums holds here too.
 namespace filasofia::linalg {
 
 struct alignas(64) RotationBlock {
@@ -41,6 +41,9 @@ struct CoarseCorrection {
 /// z = R (w + P x_c); returns r . z
 double prolongAndUnwarp(const std::vector<RotationBlock>& rotations, const CoarseCorrection& coarse, const NodeArray& w,
                         const NodeArray& r, NodeArray& z, Blocks blocks);
+
+/// y = M P x_c with the masses M of the nodes. There must be coarse nodes.
+void prolongByMass(const CoarseCorrection& coarse, std::span<const float> masses, NodeArray& y, Blocks blocks);
 
 /// Sets each node's rotation to the mean of the quaternions (x y z w) of the elements around it, or to the identity if
 /// there are none. `quaternions` holds a group of sixteen for every four groups of corners.

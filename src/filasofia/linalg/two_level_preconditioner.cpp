@@ -27,13 +27,24 @@ void TwoLevelPreconditioner::grow(int blocks)
     sums_.resize(static_cast<std::size_t>(nodeParts(blocks).count()));
 }
 
-void TwoLevelPreconditioner::setDiagonal(int node, const Mat3& block) { smoother_.set(node, block); }
+void TwoLevelPreconditioner::setDiagonal(int node, const Mat3& block)
+{
+    smoother_.set(node, block);
+    coarseMasses_.clear(); // the node's mass may have changed as well
+}
+
+void TwoLevelPreconditioner::interpolate(int node, const Interpolation& how)
+{
+    coarse_.interpolate(node, how);
+    coarseMasses_.clear();
+}
 
 bool TwoLevelPreconditioner::takeCoarseLevel(CoarseLevel&& from)
 {
     if (from.coarseNodes() == 0) return false;
     coarse_ = std::move(from);
     coarse_.resize(smoother_.blocks());
+    coarseMasses_.clear();
     return true;
 }
 
@@ -64,6 +75,21 @@ double TwoLevelPreconditioner::applyCoarse(const NodeArray& r, NodeArray& z, Wor
     return sumOfParts(pool, nodeParts(r.blocks()), sums_, [&](Blocks blocks) {
         return prolongAndUnwarp(rotations_, {coarse_.interpolation().blocks(), coarse_.correction()}, smoothed_, r, z,
                                 blocks);
+    });
+}
+
+void TwoLevelPreconditioner::carry(std::span<const float> masses, const NodeArray& r, NodeArray& carried,
+                                   WorkerPool& pool)
+{
+    if (coarseMasses_.empty()) coarseMasses_ = coarse_.interpolation().restrictNumbers(masses);
+    coarse_.restrictResidual(r, pool);
+    const std::span<float> velocities = coarse_.correction();
+    for (std::size_t c = 0; c < coarseMasses_.size(); ++c)
+        for (std::size_t k = 3 * c; k < 3 * c + 3; ++k)
+            velocities[k] = coarseMasses_[c] > 0.0f ? coarse_.residual()[k] / coarseMasses_[c] : 0.0f;
+    const Parts parts = nodeParts(r.blocks());
+    pool.run(parts.count(), [&](int part) {
+        prolongByMass({coarse_.interpolation().blocks(), velocities}, masses, carried, parts[part]);
     });
 }
 

@@ -44,12 +44,20 @@ public:
     void addToCoarseResidual(int node, Vec3 change);    ///< to the r that B is applied to
     [[nodiscard]] Mat3 inverseDiagonal(int node) const; ///< R D^-1 R^T
 
+    /// The part of the impulses r that the coarse nodes can carry: each of them gets its share P^T r and moves the
+    /// nodes that follow it by their masses M. The total momentum is that of r, if every node follows a coarse node.
+    ///
+    ///     carried = M P C^-1 P^T r,   C = diag(P^T M 1), the masses of the coarse nodes
+    ///
+    /// There must be coarse nodes.
+    void carry(std::span<const float> masses, const NodeArray& r, NodeArray& carried, WorkerPool& pool);
+
     // After an edit of the mesh. A_c stays what it was: M^-1 is symmetric and positive definite all the same, and as
     // good as the new body is similar to the old.
     void grow(int blocks);                         ///< more blocks of nodes, none of which follows coarse nodes yet
     void setDiagonal(int node, const Mat3& block); ///< the node's block of D, scaled as the matrix
     [[nodiscard]] Interpolation interpolation(int node) const { return coarse_.interpolation(node); }
-    void interpolate(int node, const Interpolation& how) { coarse_.interpolate(node, how); }
+    void interpolate(int node, const Interpolation& how);
     /// Takes over another coarse level, of as many blocks of nodes or fewer; nodes that it does not have follow no
     /// coarse node from then on. Returns false, and changes nothing, if it has no coarse nodes.
     bool takeCoarseLevel(CoarseLevel&& from);
@@ -67,7 +75,8 @@ private:
     BlockJacobi smoother_;
     CoarseLevel coarse_;
     CoarseDeflation deflation_;
-    NodeArray rest_, smoothed_; ///< R^T r, and D^-1 of it
+    NodeArray rest_, smoothed_;       ///< R^T r, and D^-1 of it
+    std::vector<float> coarseMasses_; ///< C; empty until carry() needs it after an edit
     std::vector<double> sums_;
 };
 

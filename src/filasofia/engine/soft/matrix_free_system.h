@@ -118,7 +118,8 @@ private:
     /// r + t A w. If the body is not pinned, its rigid motion is not slowed down: w is then relative to that.
     double heldBack(WorkerPool& pool);
 
-    void finish(const linalg::NodeSolveReport& report, const RigidMotion& push, std::span<Vec3> dv,
+    /// `share` [-] of what the coarse nodes can carry of the residual impulse is written to `residual`.
+    void finish(const linalg::NodeSolveReport& report, const RigidMotion& push, double share, std::span<Vec3> dv,
                 std::span<Vec3> residual, WorkerPool& pool);
 
     /// The rigid motion with the momentum and the angular momentum of the velocities v + dv; zero if the body is
