@@ -102,9 +102,9 @@ TEST_CASE("every instruction set with fused multiply-add makes the same hash, ot
 // too.
 TEST_CASE("after 50 steps of 1 ms every bunny has the hash that it had on any machine")
 {
-    const std::tuple<int, std::uint64_t, std::uint64_t> goldens[] = {{756, 0xa28f5289402e127b, 0xeb41bf92953960ab},
-                                                                     {1492, 0x8239113f1f05b604, 0x6b69b6332fe68716},
-                                                                     {3004, 0xa730e5133083a8cc, 0x3251f59a33e71659}};
+    const std::tuple<int, std::uint64_t, std::uint64_t> goldens[] = {{756, 0x9f1fc3f64329d82d, 0xeb41bf92953960ab},
+                                                                     {1492, 0x8489a1a666a0893f, 0x6b69b6332fe68716},
+                                                                     {3004, 0xc58b5df727b4cc43, 0x3251f59a33e71659}};
     const bool same = fused(linalg::simdTarget());
     if (!same) WARN("no fused multiply-add on this machine: the default solver's hashes are not checked");
     for (const auto& [elements, inFloat, inDouble] : goldens) {
@@ -121,7 +121,8 @@ TEST_CASE("after 50 steps of 1 ms every bunny has the hash that it had on any ma
 TEST_CASE("a corotational bunny has the hash that it had on any machine")
 {
     const ElasticLaw law = Corotational{};
-    if (fused(linalg::simdTarget())) CHECK(hashAfter(756, 1, 50, 0.001, ConjugateGradient{}, law) == 0x44e7fac1fff6ffd);
+    if (fused(linalg::simdTarget()))
+        CHECK(hashAfter(756, 1, 50, 0.001, ConjugateGradient{}, law) == 0x41a0bc87836ea726);
     CHECK(hashAfter(756, 1, 50, 0.001, ConjugateGradient{.assembled = true}, law) == 0xa185c6649d73720e);
 }
 
