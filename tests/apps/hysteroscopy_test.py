@@ -13,6 +13,7 @@ from pathlib import Path
 PROGRAM = sys.argv[1]
 STEPS = os.environ.get("TRAINER_STEPS")
 SEEDS = ("1",) if STEPS else ("1", "2", "3")
+CLUMSY_SEEDS = ("1",) if STEPS else ("1", "2", "6")  # the last one perforates the uterus
 
 
 def run(*words, timeout=500):
@@ -102,7 +103,7 @@ class Clumsy(Trainer):
 
     def test_clumsy_hands_press_harder_and_nothing_breaks(self):
         pierced = torn = 0
-        for seed in SEEDS:
+        for seed in CLUMSY_SEEDS:
             done = run("--motion", "clumsy", "--seed", seed, "--headless", "--session", self.session,
                        *(["--steps", STEPS] if STEPS else []))
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
@@ -115,9 +116,9 @@ class Clumsy(Trainer):
             if STEPS:
                 continue
             force, warnings, perforations = float(found[1]), int(found[2]), int(found[3])
-            self.assertGreater(force, 3.0)  # the expert's is 1.5; 4.4 to 17.8 were measured with seeds 1 to 4
+            self.assertGreater(force, 3.0)  # the expert's is 1.5; 4.3 to 17.5 were measured with seeds 1 to 6
             self.assertLess(force, 25.0)
-            self.assertGreater(warnings, 0)  # 6 to 8 were measured
+            self.assertGreater(warnings, 0)  # 5 to 7 were measured
             self.assertLess(warnings, 20)
             events = [line["event"] for line in self.lines() if "event" in line]
             self.assertEqual(events.count("perforation"), perforations)

@@ -74,6 +74,11 @@ TEST_CASE("what is wrong with names and groups is named with its line")
     CHECK_THAT(with("2\n3 1 \"a\"\n3 2 \"a\"\n"), Contains("'a' is given twice"));
     CHECK_THAT(with("1\n3 99999999999 \"a\"\n"), Contains("must fit into 32 bits"));
     CHECK_THAT(with("99\n"), Contains("physical names"));
+    const std::string parts = "$PartitionedEntities\n$EndPartitionedEntities\n";
+    CHECK_THAT(errorIn(replaced(kAscii4, "$Nodes\n", parts + "$Nodes\n")), Contains("a partitioned mesh is not read"));
+    const std::string volumes = "$Entities\n0 0 0 0\n$EndEntities\n";
+    CHECK_THAT(errorIn(std::string(kAscii4) + volumes), Contains("$Entities must stand before $Elements"));
+    CHECK_THAT(errorIn(replaced(kAscii4, "$Nodes\n", volumes + volumes + "$Nodes\n")), Contains("second $Entities"));
 }
 
 TEST_CASE("other sections are skipped, and lines may end as they do elsewhere")

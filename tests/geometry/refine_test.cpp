@@ -36,6 +36,7 @@ TEST_CASE("a refined tetrahedron is eight of an eighth of its volume, around its
         const TetMesh mesh{nodes, {{0, 1, 2, 3}}}, fine = refined(mesh);
         REQUIRE(fine.nodes.size() == 10);
         REQUIRE(fine.tetrahedra.size() == 8);
+        CHECK(fine.labels.empty());
         CHECK(distance(fine.nodes[middles[0]], fine.nodes[middles[1]]) == Approx(0.3));
         CHECK_NOTHROW(check(fine, "fine"));
         for (int t = 0; t < 8; ++t) CHECK(signedVolume(fine, t) == Approx(volumeOf(mesh) / 8).epsilon(1e-12));
@@ -68,6 +69,21 @@ TEST_CASE("refining again and again does not flatten the elements")
     CHECK_NOTHROW(check(twice, "twice"));
     CHECK(worstQuality(once) > 0.5 * worstQuality(bunny()));
     CHECK(worstQuality(twice) > 0.5 * worstQuality(bunny()));
+}
+
+TEST_CASE("the parts of a refined mesh keep their labels")
+{
+    TetMesh mesh = cubeMesh(2, 1);
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) mesh.labels.push_back(static_cast<int>(t));
+    mesh.labelNames = {{3, "tumour"}};
+    const TetMesh fine = refined(mesh);
+    CHECK(fine.labelNames == mesh.labelNames);
+    REQUIRE(fine.labels.size() == fine.tetrahedra.size());
+    std::vector<double> volumes(mesh.tetrahedra.size());
+    for (std::size_t t = 0; t < fine.labels.size(); ++t)
+        volumes[static_cast<std::size_t>(fine.labels[t])] += signedVolume(fine, static_cast<int>(t));
+    for (std::size_t t = 0; t < volumes.size(); ++t)
+        CHECK(volumes[t] == Approx(signedVolume(mesh, static_cast<int>(t))));
 }
 
 } // namespace refine_test

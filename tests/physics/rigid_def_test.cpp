@@ -119,6 +119,8 @@ TEST_CASE("an element that does not exist is refused wherever it is named")
             def.collision = {{}, {.element = 1}};
         },
         {"rigid body 'forceps': collision[1].element", "[0, 1)", "got 1"});
+    checkRefused([](RigidBodyDef& def) { def.collision = {{.self = true}}; },
+                 {"rigid body 'forceps': collision[0].self must be false", "one element"});
     checkRefused(
         [](RigidBodyDef& def) {
             def.elements.resize(2);

@@ -30,7 +30,10 @@ struct CollisionDef {
     double proximity =
         0.5e-3;    ///< [m], >= 0; contacts are found where surfaces are nearer than the sum of both bodies' proximities
     int group = 0; ///< only models of the same group collide
-    bool self = false; ///< whether the body collides with itself where it folds
+    /// Whether the body collides with itself: a soft body's model where it folds, and all models of one body and group
+    /// that have it with each other. Models of one rigid element never meet, nor do those of two links with a joint
+    /// between them, which overlap there.
+    bool self = false;
     /// On a rigid body, a blade: its lines (the mesh's edges, or those of its segments) cut soft bodies of its group
     /// that have dynamicTopology and pass through them; it pushes everything else of the group. On a soft body: the
     /// groups whose blades may cut it, if these are not all groups of its other models; nothing collides with such a

@@ -78,11 +78,12 @@ struct SetTissue {
     BodyId id = {};
     TissueRegion region = {};
 };
-/// Sets the stress by which a family of fibres contracts (FibreFamily::activeStress).
+/// Sets the stress by which a family of fibres contracts (FibreFamily::activeStress). Lasts until the next SetMaterial;
+/// a Reset keeps it.
 struct SetFibreStress {
     BodyId id = {};
     int family = 0;      ///< [-], index in FemMaterial::fibres
-    double stress = 0.0; ///< [Pa], >= 0
+    double stress = 0.0; ///< [Pa], in [0, 1e9]
 };
 /// Replaces all nodal forces of a soft body.
 struct SetForces {
@@ -189,7 +190,7 @@ constexpr auto fields(const SetFibreStress*)
     using T = SetFibreStress;
     return describe("SetFibreStress", field("id", &T::id, "the soft body"),
                     field("family", &T::family, "-", nonNegative(), "index of the family of fibres"),
-                    field("stress", &T::stress, "Pa", nonNegative(), "stress by which they contract"));
+                    field("stress", &T::stress, "Pa", closed(0, 1e9), "stress by which they contract"));
 }
 constexpr auto fields(const SetForces*)
 {

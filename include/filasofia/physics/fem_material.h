@@ -7,6 +7,9 @@
 
 namespace filasofia::physics {
 
+/// The largest numbers of families of fibres, and of terms that relax.
+inline constexpr std::size_t kMostFamilies = 4, kMostPronyTerms = 4;
+
 /// One term of a Prony series.
 struct PronyTerm {
     double share = 0.5; ///< [-], in (0, 1), part of the stress that relaxes; those of all terms add up to less than 1
@@ -28,8 +31,8 @@ struct FemMaterial {
     /// dynamicTopology.
     double tearingThreshold = std::numeric_limits<double>::infinity();
     std::vector<TissueRegion> regions = {};  ///< parts that differ; where several overlap, the last one counts
-    std::vector<FibreFamily> fibres = {};    ///< at most 4 families
-    std::vector<PronyTerm> relaxation = {};  ///< at most 4 terms; none: it does not relax
+    std::vector<FibreFamily> fibres = {};    ///< at most kMostFamilies
+    std::vector<PronyTerm> relaxation = {};  ///< at most kMostPronyTerms; none: it does not relax
     std::vector<double> stiffnessField = {}; ///< [-], > 0, per tetrahedron of the mesh: factors of Young's modulus
     /// [-], > 0 or infinite: the strain up to which the constants were measured. If a principal stretch differs from 1
     /// by more, the step sets StepFlag::BeyondStrain.
@@ -66,7 +69,10 @@ constexpr std::size_t addedFields(const FemMaterial*) { return 5; }
 /// series. Does not look into a mesh.
 void check(const FemMaterial& material, const std::string& object);
 
-/// Throws an Error that begins with `object` if a region, a direction of fibres or the stiffness field does not fit the
+/// Throws an Error that begins with `object` if the stiffness field does not have one entry per tetrahedron.
+void checkStiffnessField(const FemMaterial& material, const geometry::TetMesh& mesh, const std::string& object);
+
+/// Throws an Error that begins with `object` if the stiffness field, a region or a direction of fibres does not fit the
 /// mesh.
 void check(const FemMaterial& material, const geometry::TetMesh& mesh, const std::string& object);
 

@@ -63,9 +63,10 @@ public:
     /// Sets a material of the kind that the body was made with. Like add() it builds on the calling thread, and the
     /// step only moves in the result: 9 ms at 3000 tetrahedra, 0.1 s at 30000. After a tune() the step builds it.
     void setMaterial(BodyId soft, const SoftMaterial& material);
-    /// Changes the tissue of a part of a FEM body from the next step on: see SetTissue. Costs about 1 us per element.
+    /// Changes the tissue of a part of a FEM body from the next step on: see SetTissue. The step takes about 1 us per
+    /// element that changes.
     void setTissue(BodyId soft, const TissueRegion& region);
-    /// [Pa], >= 0: the stress by which a family of fibres contracts from the next step on.
+    /// [Pa], in [0, 1e9]: the stress by which a family of fibres contracts from the next step on: see SetFibreStress.
     void setFibreStress(BodyId soft, int family, double stress);
     void setForces(BodyId soft, std::vector<NodalForce> forces);
     void setPressure(BodyId soft, double pressure); ///< [Pa]

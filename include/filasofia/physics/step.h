@@ -26,8 +26,8 @@ enum class StepFlag : std::uint32_t {
     OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance: the body lost some speed
     NothingAttached = 1u << 10, ///< an attachment found no node, or a grasp no contact: the log says which
     Inverted = 1u << 11,        ///< elements were inside out at the start of the step (StepReport::inverted)
-    NothingChanged = 1u << 13,  ///< a SetTissue found no element: the log says which
     BeyondStrain = 1u << 12,    ///< elements were strained beyond FemMaterial::validStrain (StepReport::beyondStrain)
+    NothingChanged = 1u << 13,  ///< a SetTissue found no element: the log says which
 };
 
 /// How one body's step was solved. Bodies that are in contact or attached to each other are solved together: they have

@@ -46,14 +46,14 @@ using RegionShape = std::variant<Labelled, geometry::Box, Ball, NearSurface, AtI
 
 /// Tissue that differs in a part of the body. What is not given stays.
 struct TissueRegion {
-    RegionShape where = Labelled{};
+    RegionShape where = Listed{};                ///< must be given: an empty list has no tetrahedra
     std::optional<double> youngModulus = {};     ///< [Pa], > 0
     std::optional<double> poissonRatio = {};     ///< [-], in [0, 0.5)
     std::optional<double> tearingThreshold = {}; ///< [Pa], > 0 or infinite; needs dynamicTopology
     std::optional<double> density = {};          ///< [kg/m^3], > 0; needs a body whose mass is a Density
     /// [-], in [0.5, 2]: lengths at rest, relative to those of the mesh: less than 1 for tissue that heat has shrunk,
     /// more for tissue that is swollen. The mass stays.
-    double restScale = 1.0;
+    std::optional<double> restScale = {};
 
     friend bool operator==(const TissueRegion&, const TissueRegion&) = default;
 };
@@ -103,10 +103,11 @@ using FibreDirection = std::variant<Along, Around, DirectionField, HarmonicField
 /// per volume at rest to that of the law. E is the square of the stretch along the fibres, less 1, if they are all
 /// parallel. C is not split into shape and volume (Helfenstein et al. 2010).
 struct FibreFamily {
-    double stiffness = 10e3;   ///< [Pa], >= 0: k1; four times it is added to Young's modulus along the fibres
-    double exponent = 1.0;     ///< [-], in (0, 100]: k2
-    double dispersion = 0.0;   ///< [-], in [0, 1/3]: kappa; 0: all parallel, 1/3: in all directions alike
-    double activeStress = 0.0; ///< [Pa], >= 0: T, by which a muscle contracts, a second Piola-Kirchhoff stress along H
+    double stiffness = 10e3; ///< [Pa], >= 0: k1; four times it is added to Young's modulus along the fibres
+    double exponent = 1.0;   ///< [-], in (0, 100]: k2
+    double dispersion = 0.0; ///< [-], in [0, 1/3]: kappa; 0: all parallel, 1/3: in all directions alike
+    /// [Pa], in [0, 1e9]: T, by which a muscle contracts, a second Piola-Kirchhoff stress along H
+    double activeStress = 0.0;
     FibreDirection direction = Along{};
     std::optional<RegionShape> where = {}; ///< none: in the whole body
 
@@ -175,7 +176,7 @@ constexpr auto fields(const FibreFamily*)
                     field("stiffness", &T::stiffness, "Pa", nonNegative(), "stiffness of the fibres, k1"),
                     field("exponent", &T::exponent, "-", openClosed(0, 100), "how fast they stiffen, k2"),
                     field("dispersion", &T::dispersion, "-", closed(0, 1.0 / 3.0), "spread of their directions, kappa"),
-                    field("activeStress", &T::activeStress, "Pa", nonNegative(), "stress by which they contract"),
+                    field("activeStress", &T::activeStress, "Pa", closed(0, 1e9), "stress by which they contract"),
                     field("direction", &T::direction, "their direction"), field("where", &T::where, "where they are"));
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 // The format: Gmsh reference manual, "MSH file format" (4.1) and "MSH file format version 2 (Legacy)".
@@ -69,7 +70,7 @@ public:
     TetMesh read()
     {
         readFormat();
-        bool haveNodes = false, haveElements = false;
+        bool haveNodes = false, haveElements = false, haveEntities = false;
         for (std::string_view section = in_.word(); !section.empty(); section = in_.word()) {
             if (section == "$Nodes")
                 beginOnly(section, haveNodes), version4_ ? readNodes4() : readNodes2(), endSection(section);
@@ -78,7 +79,9 @@ public:
             else if (section == "$PhysicalNames")
                 readNames(), endSection(section);
             else if (section == "$Entities" && version4_)
-                readEntities(), endSection(section);
+                beginOnly(section, haveEntities), readEntities(), endSection(section);
+            else if (section == "$PartitionedEntities")
+                in_.failHere("a partitioned mesh is not read; save it without partitions");
             else
                 skip(section);
         }
@@ -189,13 +192,13 @@ void GmshReader::readNames()
 {
     const std::int64_t count = in_.integerIn(in_.word(), "the number of physical names");
     in_.boundCount(count, "the number of physical names", 3, 5);
+    std::set<std::string> names;
     for (std::int64_t i = 0; i < count; ++i) {
         const std::int64_t dimension = in_.integerIn(in_.word(), "a physical name's dimension");
         const int group = labelIn(in_.integerIn(in_.word(), "a physical group"), "a physical group");
         const std::string name(in_.textInQuotes("a physical group's name"));
         if (dimension != 3) continue;
-        if (std::ranges::find(mesh_.labelNames, name, &MeshLabel::name) != mesh_.labelNames.end())
-            in_.failHere("the physical name '", name.substr(0, 40), "' is given twice");
+        if (!names.insert(name).second) in_.failHere("the physical name '", name.substr(0, 40), "' is given twice");
         mesh_.labelNames.push_back({group, name});
     }
 }
@@ -217,6 +220,7 @@ void GmshReader::readEntity(int dimension)
 
 void GmshReader::readEntities()
 {
+    if (!mesh_.elements.empty()) in_.failHere("$Entities must stand before $Elements");
     beginRaw();
     std::array<std::size_t, 4> counts{};
     for (std::size_t dimension = 0; dimension < 4; ++dimension)

@@ -49,7 +49,8 @@ const Diagonal& shortestDiagonal(const std::vector<Vec3>& nodes, const Corners& 
 TetMesh refined(const TetMesh& mesh)
 {
     const Edges all = edges(mesh);
-    TetMesh fine{mesh.nodes, {}};
+    TetMesh fine{.nodes = mesh.nodes, .tetrahedra = {}, .labels = {}, .labelNames = mesh.labelNames};
+    for (int label : mesh.labels) fine.labels.insert(fine.labels.end(), 8, label);
     for (auto [a, b] : all) fine.nodes.push_back(0.5 * mesh.nodes[a] + 0.5 * mesh.nodes[b]);
 
     fine.tetrahedra.reserve(8 * mesh.tetrahedra.size());

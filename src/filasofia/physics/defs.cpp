@@ -82,6 +82,8 @@ void check(const RigidBodyDef& def)
     for (std::size_t i = 0; i < def.collision.size(); ++i) {
         const std::string field = text(object, ": collision[", i, "]");
         checkElement(def.collision[i].element, elementCount(def), field + ".element");
+        if (def.collision[i].self && elementCount(def) == 1)
+            fail(field, ".self must be false for a rigid body of one element, which cannot collide with itself");
         if (!isGiven(def.collision[i].mesh) && !isGiven(def.mesh))
             fail(field, ".mesh must name a file or be a mesh, because the body has no mesh of its own; got nothing");
     }

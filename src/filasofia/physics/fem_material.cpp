@@ -6,22 +6,26 @@ namespace filasofia::physics {
 
 void check(const FemMaterial& material, const std::string& object)
 {
-    constexpr std::size_t kMostFamilies = 4, kMostTerms = 4;
     check(material.law, object + ".law");
     if (material.fibres.size() > kMostFamilies)
         fail(object, ".fibres must have at most ", kMostFamilies, " entries, got ", material.fibres.size());
-    if (material.relaxation.size() > kMostTerms)
-        fail(object, ".relaxation must have at most ", kMostTerms, " entries, got ", material.relaxation.size());
+    if (material.relaxation.size() > kMostPronyTerms)
+        fail(object, ".relaxation must have at most ", kMostPronyTerms, " entries, got ", material.relaxation.size());
     double sum = 0.0;
     for (const PronyTerm& term : material.relaxation) sum += term.share;
     if (!(sum < 1.0)) fail(object, ".relaxation: the shares must add up to less than 1, got ", sum);
 }
 
-void check(const FemMaterial& material, const geometry::TetMesh& mesh, const std::string& object)
+void checkStiffnessField(const FemMaterial& material, const geometry::TetMesh& mesh, const std::string& object)
 {
     const std::size_t given = material.stiffnessField.size(), count = mesh.tetrahedra.size();
     if (given != 0 && given != count)
         fail(object, ".stiffnessField must have one entry per tetrahedron (", count, "), got ", given);
+}
+
+void check(const FemMaterial& material, const geometry::TetMesh& mesh, const std::string& object)
+{
+    checkStiffnessField(material, mesh, object);
     for (std::size_t i = 0; i < material.regions.size(); ++i)
         static_cast<void>(tetrahedraOf(material.regions[i].where, mesh, text(object, ".regions[", i, "].where")));
     for (std::size_t i = 0; i < material.fibres.size(); ++i)

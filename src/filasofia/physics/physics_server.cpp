@@ -85,8 +85,12 @@ struct PhysicsServer::Impl {
     mutable std::mutex registryMutex;
     Registry registry;
     MpscQueue<Posted> inbox;
-    /// Bodies that the stepping thread removed, on their way to `registry`. Read under the lock.
-    MpscQueue<BodyId> gone;
+    /// What the stepping thread did to a body, on its way to `registry`: it removed it, or set its material.
+    struct News {
+        BodyId id;
+        std::optional<std::size_t> families; ///< of fibres; none: the body is gone
+    };
+    MpscQueue<News> news; ///< read under the lock
     std::atomic<std::uint32_t> lastAttachment = 0;
 
     // The members below are used only by the stepping thread.
@@ -122,7 +126,7 @@ struct PhysicsServer::Impl {
             return answer(known);
         }
         const std::lock_guard lock(registryMutex);
-        takeGone();
+        takeNews();
         return answer(registry);
     }
 
@@ -131,7 +135,7 @@ struct PhysicsServer::Impl {
     {
         std::vector<std::unique_ptr<BuiltBody>> ends; // freed here, and not under the lock
         BodyDef def = ask([&](const Registry& bodies) {
-            bodies.check(SetMaterial{id, material});
+            bodies.checkMaterial(id, material);
             if (!isStepping()) // the stepping thread fills the ring
                 for (; auto* body = spent.beginRead(); spent.release()) ends.push_back(std::move(*body));
             return *bodies.find(id).def;
@@ -142,15 +146,17 @@ struct PhysicsServer::Impl {
         post(SetMaterial{id, numbered, engine->build(def)}); // checked again: the body may have been removed meanwhile
     }
 
+    /// Looks for the tetrahedra here, unless they depend on where the body is in the step.
     void setTissue(BodyId id, TissueRegion region)
     {
-        const BodyDef def = ask([&](const Registry& bodies) {
-            bodies.check(SetTissue{id, region});
-            return *bodies.find(id).def;
-        });
-        const auto& soft = std::get<SoftBodyDef>(def);
-        if (const auto* mesh = std::get_if<std::shared_ptr<const geometry::TetMesh>>(&soft.mesh))
-            resolveNames(**mesh, "soft body '" + soft.name + "': region.where", region.where);
+        const auto def = ask([&](const Registry& bodies) { return bodies.find(id).def; });
+        const auto* soft = std::get_if<SoftBodyDef>(def.get());
+        const bool now =
+            std::holds_alternative<geometry::Box>(region.where) || std::holds_alternative<Ball>(region.where);
+        if (soft && !now) {
+            validate(region, describeBody(*def) + ": region");
+            region.where = Listed{tetrahedraOf(region.where, *loadMesh(*soft), describeBody(*def) + ": region.where")};
+        }
         post(SetTissue{id, std::move(region)});
     }
 
@@ -166,7 +172,9 @@ struct PhysicsServer::Impl {
         known.note(command);
         if (const auto* remove = std::get_if<RemoveBody>(&command)) {
             removes = true;
-            gone.push(remove->id);
+            news.push({remove->id, {}});
+        } else if (const auto* set = std::get_if<SetMaterial>(&command)) {
+            news.push({set->id, familiesOf(set->material)});
         }
         arrived.push_back({std::move(command)});
         return made;
@@ -175,7 +183,7 @@ struct PhysicsServer::Impl {
     /// Called under the lock.
     AttachmentId push(Command command, std::shared_ptr<Registry::Body> added = {})
     {
-        takeGone();
+        takeNews();
         const AttachmentId made = checkAndNumber(registry, command);
         if (added) added->firstAttachment = made;
         registry.note(command, added);
@@ -195,23 +203,30 @@ struct PhysicsServer::Impl {
     }
 
     /// Called under the lock.
-    void takeGone()
+    void takeNews()
     {
-        while (const auto id = gone.pop())
-            if (registry.has(*id)) registry.note(RemoveBody{*id});
+        while (const auto each = news.pop())
+            if (!registry.has(each->id))
+                continue;
+            else if (each->families)
+                registry.noteFamilies(each->id, *each->families);
+            else
+                registry.note(RemoveBody{each->id});
     }
 
     /// Called by the stepping thread.
     void takeArrived()
     {
         while (auto posted = inbox.pop()) {
-            if (removes && comesTooLate(posted->command)) continue;
+            const bool late = removes || std::holds_alternative<SetFibreStress>(posted->command);
+            if (late && comesTooLate(posted->command)) continue;
             known.note(posted->command, posted->added);
             arrived.push_back(std::move(*posted));
         }
     }
 
-    /// Whether the stepping thread has removed a body that the command names since the command was checked.
+    /// Whether the stepping thread has removed a body that the command names, or its fibres, since the command was
+    /// checked.
     bool comesTooLate(const Command& command)
     {
         try {
@@ -221,7 +236,8 @@ struct PhysicsServer::Impl {
         } catch (const Error& problem) {
             logWarning("physics: a command came too late: ", problem.what());
         }
-        if (const auto* add = std::get_if<AddBody>(&command)) gone.push(add->id); // it was attached to a removed body
+        if (const auto* add = std::get_if<AddBody>(&command))
+            news.push({add->id, {}}); // it was attached to a removed body
         return true;
     }
 

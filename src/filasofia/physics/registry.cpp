@@ -14,19 +14,34 @@ namespace filasofia::physics {
 
 namespace {
 
-/// The mesh of a loaded Def.
-const geometry::TetMesh& meshOf(const SoftBodyDef& def)
+/// The mesh of a soft body. Only in a recording that was tampered with it is the name of a file.
+const geometry::TetMesh& meshOf(const BodyDef& def)
 {
-    return *std::get<std::shared_ptr<const geometry::TetMesh>>(def.mesh);
+    const auto* mesh = std::get_if<std::shared_ptr<const geometry::TetMesh>>(&std::get<SoftBodyDef>(def).mesh);
+    if (!mesh) fail(describeBody(def), ": mesh must be a mesh to have its tissue changed, is the name of a file");
+    return **mesh;
 }
+
+/// The regions of a material that have a density of their own, with labels by number.
+std::vector<TissueRegion> densities(const FemMaterial& material, const BodyDef& def)
+{
+    std::vector<TissueRegion> out;
+    for (std::size_t i = 0; i < material.regions.size(); ++i) {
+        if (!material.regions[i].density) continue;
+        TissueRegion& each =
+            out.emplace_back(TissueRegion{.where = material.regions[i].where, .density = material.regions[i].density});
+        resolveNames(meshOf(def), text(describeBody(def), ": material.regions[", i, "].where"), each.where);
+    }
+    return out;
+}
+
+} // namespace
 
 std::size_t familiesOf(const SoftMaterial& material)
 {
     const auto* fem = std::get_if<FemMaterial>(&material);
     return fem ? fem->fibres.size() : 0;
 }
-
-} // namespace
 
 /// One function per kind of command.
 struct Registry::Check {
@@ -91,16 +106,11 @@ struct Registry::Check {
     }
     void operator()(const SetMaterial& set) const
     {
-        const Body& body = find<SoftBodyDef>(set.id, "must be a soft body to have its material set");
-        const std::string object = describeBody(*body.def);
-        std::visit([&](const auto& each) { validate(each, object); }, set.material);
-        if (set.material.index() != std::get<SoftBodyDef>(*body.def).material.index())
-            fail(object, ": material must be of the kind that the body was made with");
-        SoftBodyDef def = std::get<SoftBodyDef>(*body.def);
-        def.material = set.material;
+        registry.checkMaterial(set.id, set.material);
+        if (set.body) return; // building it has looked everything up in the mesh
+        const Body& body = registry.find(set.id);
         if (const auto* fem = std::get_if<FemMaterial>(&set.material))
-            physics::check(*fem, meshOf(def), object + ": material");
-        physics::check(BodyDef{std::move(def)});
+            physics::check(*fem, meshOf(*body.def), describeBody(*body.def) + ": material");
     }
     void operator()(const SetTissue& set) const
     {
@@ -116,7 +126,7 @@ struct Registry::Check {
         const auto* box = std::get_if<geometry::Box>(&set.region.where);
         if (box && geometry::isEmpty(*box)) fail(object, ".where: high must be >= low in every axis of a box");
         if (!box && !std::holds_alternative<Ball>(set.region.where))
-            static_cast<void>(tetrahedraOf(set.region.where, meshOf(def), object + ".where"));
+            static_cast<void>(tetrahedraOf(set.region.where, meshOf(*body.def), object + ".where"));
     }
     void operator()(const SetFibreStress& set) const
     {
@@ -215,6 +225,23 @@ private:
 
 void Registry::check(const Command& command) const { std::visit(Check{*this}, command); }
 
+void Registry::checkMaterial(BodyId id, const SoftMaterial& material) const
+{
+    const Body& body = find(id);
+    const std::string object = describeBody(*body.def);
+    const auto* soft = std::get_if<SoftBodyDef>(body.def.get());
+    if (!soft) fail(object, ": must be a soft body to have its material set");
+    std::visit([&](const auto& each) { validate(each, object); }, material);
+    if (material.index() != soft->material.index())
+        fail(object, ": material must be of the kind that the body was made with");
+    const auto* fem = std::get_if<FemMaterial>(&material);
+    if (fem && densities(*fem, *body.def) != densities(std::get<FemMaterial>(soft->material), *body.def))
+        fail(object, ": material.regions must give the densities that the body was made with: mass cannot change");
+    SoftBodyDef def = *soft;
+    def.material = material;
+    physics::check(BodyDef{std::move(def)});
+}
+
 std::shared_ptr<Registry::Body> Registry::bodyOf(const AddBody& add)
 {
     const auto* soft = std::get_if<SoftBodyDef>(add.def.get());
@@ -256,9 +283,7 @@ void Registry::note(const Command& command, std::shared_ptr<const Body> added)
         last_ = add->id;
         if (const std::uint32_t count = attachmentCount(*add->def); count > 0) noteAttachments(add->attachments, count);
     } else if (const auto* set = std::get_if<SetMaterial>(&command)) {
-        auto changed = std::make_shared<Body>(find(set->id));
-        changed->families = familiesOf(set->material);
-        bodies_[set->id] = std::move(changed);
+        noteFamilies(set->id, familiesOf(set->material));
     } else if (const auto* remove = std::get_if<RemoveBody>(&command)) {
         bodies_.erase(remove->id);
     } else if (const auto* attach = std::get_if<Attach>(&command)) {
@@ -268,6 +293,13 @@ void Registry::note(const Command& command, std::shared_ptr<const Body> added)
     } else if (const auto* grasp = std::get_if<Grasp>(&command)) {
         noteAttachments(grasp->id, 1);
     }
+}
+
+void Registry::noteFamilies(BodyId id, std::size_t families)
+{
+    auto changed = std::make_shared<Body>(find(id));
+    changed->families = families;
+    bodies_[id] = std::move(changed);
 }
 
 std::uint32_t attachmentCount(const BodyDef& def)

@@ -11,6 +11,9 @@ namespace filasofia::physics {
 /// The number of attachments that a body's Def makes.
 std::uint32_t attachmentCount(const BodyDef& def);
 
+/// The number of families of fibres in a material.
+std::size_t familiesOf(const SoftMaterial& material);
+
 /// What the server knows of the bodies outside the engine, so that an invalid command fails at its caller and never
 /// inside a step.
 class Registry {
@@ -25,11 +28,15 @@ public:
 
     /// Throws an Error naming body, field, bound and value unless the command can be applied.
     void check(const Command& command) const;
+    /// The part of the check of a SetMaterial that does not look into the mesh.
+    void checkMaterial(BodyId id, const SoftMaterial& material) const;
     /// Returns the data kept for a body. It may compute mass properties, so call it before a lock is taken.
     [[nodiscard]] static std::shared_ptr<Body> bodyOf(const AddBody& add);
     /// Updates the registry: to be called with every checked command, in order, before its built body is moved out.
     /// `added`: the result of bodyOf() for an AddBody; if empty, it is made here.
     void note(const Command& command, std::shared_ptr<const Body> added = {});
+    /// Records how many families of fibres a body has now, if note() was not called for its material here.
+    void noteFamilies(BodyId id, std::size_t families);
     /// Records that attachments up to this id were made, even if note() was not called for them here.
     void knowAttachments(AttachmentId last) { known_ = std::max(known_, last); }
 

@@ -79,6 +79,7 @@ struct Find {
     [[nodiscard]] std::vector<int> operator()(const AtInterface& interface) const
     {
         const int first = numberOf(interface.first), second = numberOf(interface.second);
+        if (first == second) fail(object, ": second must be another label than first, got ", second, " for both");
         std::vector<std::array<bool, 2>> touches(mesh.nodes.size());
         for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
             for (int node : mesh.tetrahedra[t]) {
@@ -169,10 +170,12 @@ struct Direct {
                 given[node] = 1.0;
             }
         const std::vector<Vec3> slopes = geometry::gradients(mesh, geometry::harmonicFunction(mesh, given));
-        double steepest = 0.0;
-        for (int t : where) steepest = std::max(steepest, length(slopes[t]));
-        for (int t : where) // inside the two regions the function is constant: no fibre
-            if (const double size = length(slopes[t]); size > kShortest * steepest) out[t] = 1.0 / size * slopes[t];
+        // Inside the two regions, and in pieces of the mesh with only one of them, the function is constant but for
+        // rounding: no fibre. On the way from one to the other it rises by 1 within the size of the mesh.
+        const geometry::Box box = geometry::boxAround(mesh.nodes);
+        const double flat = kShortest / length(box.high - box.low);
+        for (int t : where)
+            if (const double size = length(slopes[t]); size > flat) out[t] = 1.0 / size * slopes[t];
     }
 };
 

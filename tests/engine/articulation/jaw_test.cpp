@@ -289,4 +289,71 @@ TEST_CASE("a free tool, the body that it is attached to and the box that its jaw
     }
 }
 
+namespace {
+
+/// Two jaws on hinges of one base, which a torque closes; the base's model overlaps both.
+physics::RigidBodyDef scissorsJaws(bool self)
+{
+    physics::RigidBodyDef def = jawBody(JointForce{-0.02});
+    def.articulation.joints[0].parentOffset = {{0, 0.005, 0}, {}};
+    def.articulation.joints[0].start = 0.2;
+    def.articulation.joints[0].damping = 1e-4;
+    def.articulation.joints.push_back(def.articulation.joints[0]);
+    physics::JointDef& lower = def.articulation.joints[1];
+    lower.child = 2;
+    lower.parentOffset.position.y = -0.005;
+    lower.start = -0.2;
+    lower.command = JointForce{0.02};
+    const auto plate = geometry::shapes::box({0.04, 0.004, 0.02});
+    def.collision = {{.mesh = geometry::shapes::box({0.03, 0.02, 0.02}), .element = 0, .self = self},
+                     {.mesh = plate, .element = 1, .self = self},
+                     {.mesh = plate, .element = 2, .self = self}};
+    return def;
+}
+
+} // namespace
+
+TEST_CASE("links with self meet each other, but not the link that a joint connects them to")
+{
+    for (const bool self : {false, true}) {
+        Stage stage;
+        const BodyId id = stage.add(scissorsJaws(self));
+        stage.run(1000, 1e-3);
+        const frame::Joint upper = joint(stage, 0, 0).now, lower = joint(stage, 0, 1).now;
+        if (!self) {
+            CHECK(stage.world.scene().contactReports.empty());
+            CHECK(upper.position < -1.0); // it went through
+            continue;
+        }
+        CHECK(upper.position == Approx(-lower.position).margin(1e-3));
+        CHECK(upper.position > -0.2);
+        double torque = 0.0; // on the upper jaw, about its hinge
+        for (const frame::Contact& each : stage.world.scene().contactReports) {
+            CHECK((each.first == id && each.second == id));
+            const Vec3 force = each.normalForce * each.normal + each.friction;
+            const double up = force.y > 0.0 ? 1.0 : -1.0; // towards the upper jaw, whichever is first
+            torque += cross(each.point - Vec3{0, 0.005, 0}, up * force).z;
+        }
+        CHECK(torque == Approx(0.02).epsilon(0.02));
+        CHECK(upper.load == Approx(0.02).epsilon(0.02));
+    }
+}
+
+TEST_CASE("elements of one body that no joint connects meet if they have self")
+{
+    for (const bool self : {false, true}) {
+        Stage stage;
+        stage.post(physics::SetGravity{{0, -9.81, 0}});
+        stage.add(physics::RigidBodyDef{
+            .elements = {{{0, -0.01, 0}}}, .mesh = geometry::shapes::box({0.1, 0.02, 0.1}), .collision = {{}}});
+        stage.add(physics::RigidBodyDef{.elements = {{{0, 0.012, 0}}, {{0, 0.035, 0}}},
+                                        .mesh = geometry::shapes::box({0.02, 0.02, 0.02}),
+                                        .dynamic = true,
+                                        .collision = {{.self = self}, {.element = 1, .self = self}}});
+        stage.run(800, 1e-3);
+        const double height = stage.world.scene().rigid[1].state.poses[1].position.y;
+        CHECK(height == Approx(self ? 0.03 : 0.01).margin(2e-3)); // on the other, or in it
+    }
+}
+
 } // namespace jaw_test

@@ -1,5 +1,7 @@
 #include "filasofia/engine/body/tissue.h"
 
+#include "filasofia/engine/body/elements.h"
+
 #include "filasofia/geometry/shapes.h"
 
 #include "engine/elastic/laws.h"
@@ -138,6 +140,11 @@ TEST_CASE("tissue: a burn changes the elements that are in it now, shrinks them,
         for (std::size_t i = 0; i < rest.size(); ++i) lowered = std::max(lowered, rest[i].z - stage.soft().x[i].z);
         CHECK(lowered > 1e-3);
         CHECK(largestSpeed(stage.soft()) < 1e-4);
+        stage.post(SetTissue{id, {.where = burn.where, .youngModulus = 70e3}}); // what is not given stays
+        stage.step(0.005);
+        int stillShrunk = 0;
+        for (const FemElement& e : stage.model().elements) stillShrunk += e.restScale == 0.8;
+        CHECK(stillShrunk == burnt);
         stage.post(Reset{});
         stage.run(2, 0.005);
         for (const FemElement& e : stage.model().elements) {
@@ -145,6 +152,42 @@ TEST_CASE("tissue: a burn changes the elements that are in it now, shrinks them,
             CHECK(e.restScale == 1.0);
         }
         for (std::size_t i = 0; i < rest.size(); ++i) CHECK(distance(stage.soft().x[i], rest[i]) < 1e-9);
+    }
+}
+
+TEST_CASE("tissue: if the terms that relax change, the new ones begin with the present stress")
+{
+    const auto with = [](const std::vector<PronyTerm>& terms) {
+        return FemMaterial{.youngModulus = 10e3, .poissonRatio = 0.4, .relaxation = terms};
+    };
+    const PronyTerm little{.share = 0.2, .time = 0.05}, much{.share = 0.8, .time = 0.05};
+    Stage stage;
+    SoftBodyDef def = body(with({little}));
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, 1}}}}; // it is held as it is
+    const BodyId id = stage.add(def);
+    stage.step(0.0);
+    for (Vec3& x : stage.soft().x) x.z *= 1.2;
+    const auto part = [&] { // of the stress of sudden strain
+        const Corners x = cornersOf(stage.model().elements[0].nodes, stage.soft().x);
+        const Deformation at{gradient(stage.model().elements[0], x), toMat3(rotationOf(stage.soft().rotations, 0))};
+        const Mat3 all = stressAt(NeoHookean{}, lameOf(stage.model().elements[0]), at);
+        return tissueStress(stage.model(), stage.soft(), relaxationWithin(stage.model(), 0.0), 0, at)[2][2] / all[2][2];
+    };
+    const auto change = [&](const FemMaterial& material) {
+        stage.post(SetMaterial{id, material});
+        stage.step(0.005);
+    };
+    stage.run(200, 0.005);
+    CHECK(part() == Approx(0.8).margin(1e-3));
+    FemMaterial same = with({little});
+    same.validStrain = 0.5;
+    change(same); // the terms go on
+    CHECK(part() == Approx(0.8).margin(1e-3));
+    for (const auto& terms : {std::vector{much}, {little, little}, {much}}) {
+        change(with(terms));
+        CHECK(part() == Approx(1.0).margin(1e-3));
+        stage.run(200, 0.005);
+        CHECK(part() == Approx(terms.size() == 2 ? 0.6 : 0.2).margin(1e-3));
     }
 }
 

@@ -55,8 +55,8 @@ struct Elements {
     explicit Elements(const std::vector<FemElement>& all, const physics::ElasticLaw& chosen = physics::Corotational{})
         : law(chosen), elements(all), blocks(linalg::blocksFor(static_cast<int>(all.size()))), x(4 * blocks), v(x),
           p(x), elementBlocks(static_cast<std::size_t>(blocks)), rotations(elementBlocks.size()),
-          tangents(makeTangents(law, elementBlocks.size())), inverted(elementBlocks.size()), strained(inverted.size()),
-          corners(4 * blocks), products(4 * blocks), quaternions(blocks)
+          tangents(makeTangents(law, elementBlocks.size())), inverted(elementBlocks.size()),
+          strains(kBlock * inverted.size()), corners(4 * blocks), products(4 * blocks), quaternions(blocks)
     {
         const int count = static_cast<int>(all.size());
         for (int lane = 0; lane < kBlock * blocks; ++lane) {
@@ -113,7 +113,7 @@ struct Elements {
         return {.rotations = rotations,
                 .tangents = tangents,
                 .inverted = inverted,
-                .strained = strained,
+                .strains = strains,
                 .corners = floats(corners),
                 .quaternions = floats(quaternions),
                 .relaxation = relaxation,
@@ -147,7 +147,8 @@ struct Elements {
     std::vector<ElementBlock> elementBlocks;
     std::vector<ElementRotations> rotations;
     ElementTangents tangents;
-    std::vector<std::uint16_t> inverted, strained;
+    std::vector<std::uint16_t> inverted;
+    std::vector<float> strains;
     NodeArray corners, products, quaternions;
     std::vector<physics::FibreFamily> families;
     std::vector<std::vector<Vec3>> directions; ///< per family and element

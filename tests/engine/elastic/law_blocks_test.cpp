@@ -96,6 +96,38 @@ TEST_CASE("every law: blocks of elements match the double-precision element on e
         });
 }
 
+TEST_CASE("strains beyond a limit match the singular values, and others stay below it")
+{
+    constexpr float limit = 0.15f;
+    onEveryTarget([&](const std::string&) {
+        std::mt19937 random(2);
+        Elements all(randomElements(random, 16 * 20 - 5, 0.45), physics::NeoHookean{});
+        deform(random, all);
+        for (int pass = 0; pass < 8; ++pass) // until the rotations are those of the polar decomposition
+            updateElements(all.law, all.elementBlocks,
+                           {.x = all.x, .v = all.v, .weights = kWeights, .validStrain = limit}, {0, all.blocks},
+                           all.output());
+        int beyond = 0, below = 0;
+        for (int e = 0; e < all.count(); ++e) {
+            const auto at = static_cast<std::size_t>(e);
+            const Mat3 f = gradient(all.elements[at], Elements::nodes(all.x, e));
+            if (!(determinant(f) > 1e-3)) continue; // the rotation of a flat element is not unique
+            const Vec3 sigma = svd(f).sigma;
+            const double strain = std::max({std::abs(sigma.x - 1), std::abs(sigma.y - 1), std::abs(sigma.z - 1)});
+            const auto found = static_cast<double>(all.strains[at]);
+            if (strain > limit + 1e-4) {
+                CHECK(std::abs(found - strain) < 1e-4 * (1.0 + strain));
+                ++beyond;
+            } else if (strain < limit - 1e-4) {
+                CHECK(found < limit);
+                ++below;
+            }
+        }
+        CHECK(beyond > 50);
+        CHECK(below > 50);
+    });
+}
+
 TEST_CASE("every law: instruction sets with fused multiply-add give the same bits")
 {
     for (const auto& named : everyLaw())

@@ -75,38 +75,17 @@ void checkPins(const SoftModel& model, const std::string& object)
     }
 }
 
-/// Writes the material of its region into every element.
+/// Writes what the map says of its tetrahedron into every element. The density stays: mass does not change.
 void setTissue(SoftModel& model)
 {
-    const physics::FemMaterial& material = model.material;
-    const std::string object = text("soft body '", model.name, "': material");
-    const std::size_t count = model.mesh->tetrahedra.size();
-    if (const std::size_t given = material.stiffnessField.size(); given != 0 && given != count)
-        fail(object, ".stiffnessField must have one entry per tetrahedron (", count, "), got ", given);
-    std::vector<std::vector<int>> where; // per region
-    for (std::size_t r = 0; r < material.regions.size(); ++r)
-        where.push_back(
-            physics::tetrahedraOf(material.regions[r].where, *model.mesh, text(object, ".regions[", r, "].where")));
-    model.tearingThreshold = material.tearingThreshold;
+    model.tearingThreshold = model.material.tearingThreshold;
     for (FemElement& element : model.elements) {
-        element.youngModulus = material.youngModulus;
-        if (!material.stiffnessField.empty())
-            element.youngModulus *= material.stiffnessField[static_cast<std::size_t>(element.tetrahedron)];
-        element.poissonRatio = material.poissonRatio;
-        element.tearingThreshold = material.tearingThreshold;
-        element.density = model.density;
-        const double scale = std::exchange(element.restScale, 1.0);
-        for (std::size_t r = 0; r < where.size(); ++r) {
-            if (!std::ranges::binary_search(where[r], element.tetrahedron)) continue;
-            const physics::TissueRegion& region = material.regions[r];
-            element.youngModulus = region.youngModulus.value_or(element.youngModulus);
-            element.poissonRatio = region.poissonRatio.value_or(element.poissonRatio);
-            element.tearingThreshold = region.tearingThreshold.value_or(element.tearingThreshold);
-            element.density = region.density.value_or(element.density);
-            element.restScale = region.restScale;
-        }
+        const TetrahedronTissue& tissue = model.tissue->of[static_cast<std::size_t>(element.tetrahedron)];
+        element.youngModulus = tissue.youngModulus;
+        element.poissonRatio = tissue.poissonRatio;
+        element.tearingThreshold = tissue.tearingThreshold;
         model.tearingThreshold = std::min(model.tearingThreshold, element.tearingThreshold);
-        if (element.restScale != scale) shapeElement(model.rest, element);
+        if (std::exchange(element.restScale, tissue.restScale) != tissue.restScale) shapeElement(model.rest, element);
     }
 }
 
@@ -114,12 +93,10 @@ void setTissue(SoftModel& model)
 void setFibres(SoftModel& model)
 {
     model.fibres.clear();
-    for (std::size_t k = 0; k < model.material.fibres.size(); ++k) {
-        const std::vector<Vec3> directions = physics::directionsOf(
-            model.material.fibres[k], *model.mesh, text("soft body '", model.name, "': material.fibres[", k, "]"));
+    for (const std::vector<Vec3>& directions : model.tissue->fibres) {
         std::vector<Vec3>& of = model.fibres.emplace_back();
         for (const FemElement& element : model.elements)
-            of.push_back(rotate(model.orientation, directions[static_cast<std::size_t>(element.tetrahedron)]));
+            of.push_back(directions[static_cast<std::size_t>(element.tetrahedron)]);
     }
 }
 
@@ -134,7 +111,7 @@ SoftState stateAtRest(const SoftModel& model)
     state.residual.resize(model.rest.size());
     state.forces.resize(model.rest.size());
     state.rotations.resize(static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size()))));
-    followMaterial(model, state);
+    restartRelaxation(model, state);
     return state;
 }
 
@@ -211,11 +188,20 @@ void setRotation(std::vector<ElementRotations>& rotations, std::size_t element, 
     block.z[lane] = static_cast<float>(q.z);
 }
 
-void setMaterial(const physics::SoftMaterial& material, SoftModel& model)
+std::shared_ptr<const TissueMap> mapTissue(const physics::SoftMaterial& material, const SoftModel& model)
+{
+    const auto* fem = std::get_if<physics::FemMaterial>(&material);
+    if (!fem) return nullptr;
+    return mapTissue(*fem, *model.mesh, model.orientation, model.density,
+                     text("soft body '", model.name, "': material"));
+}
+
+void setMaterial(const physics::SoftMaterial& material, const std::shared_ptr<const TissueMap>& map, SoftModel& model)
 {
     model.patched = false;
     if (const auto* fem = std::get_if<physics::FemMaterial>(&material)) {
         model.material = *fem;
+        model.tissue = map;
         setTissue(model);
         setFibres(model);
         return;
@@ -228,11 +214,15 @@ void setMaterial(const physics::SoftMaterial& material, SoftModel& model)
     }
 }
 
-void followMaterial(const SoftModel& model, SoftState& state)
+void healTissue(SoftModel& model)
 {
-    const std::size_t blocks = model.material.relaxation.empty() ? 0 : state.rotations.size();
-    if (state.relaxation.size() == blocks) return;
-    state.relaxation.assign(blocks, {});
+    model.patched = false;
+    setTissue(model);
+}
+
+void restartRelaxation(const SoftModel& model, SoftState& state)
+{
+    state.relaxation.assign(model.material.relaxation.empty() ? 0 : state.rotations.size(), {});
     state.unrelaxed = 0.0;
 }
 

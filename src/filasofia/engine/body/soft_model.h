@@ -3,6 +3,7 @@
 #include "filasofia/core/body_id.h"
 #include "filasofia/engine/body/collision_model.h"
 #include "filasofia/engine/body/pins.h"
+#include "filasofia/engine/body/tissue_map.h"
 #include "filasofia/engine/elastic/element.h"
 #include "filasofia/engine/elastic/element_rotations.h"
 #include "filasofia/engine/elastic/relaxation.h"
@@ -54,6 +55,7 @@ struct SoftModel {
     /// world
     std::shared_ptr<const geometry::TetMesh> mesh;
     Quat orientation;
+    std::shared_ptr<const TissueMap> tissue; ///< FEM bodies only: the material in that mesh
     /// Per family of fibres and element: the direction at rest, in the world; zero: no fibre
     std::vector<std::vector<Vec3>> fibres;
     bool patched = false; ///< the tissue of some elements was changed after the material was set
@@ -89,11 +91,16 @@ SoftState stateAtRest(const SoftModel& model);
 /// Throws an Error that names the body if a size, an index or a number is invalid.
 void check(const SoftModel& model, const SoftState& state);
 
-/// Writes a material into every element or spring of a body that was built with a material of the same kind. Throws an
-/// Error that names the body if a region or a direction of fibres does not fit its mesh.
-void setMaterial(const physics::SoftMaterial& material, SoftModel& model);
-/// After a new material: terms that relax begin with the present stress, as if it had just come about.
-void followMaterial(const SoftModel& model, SoftState& state);
+/// What a material says of the tetrahedra of a body; null for mass and springs. Throws an Error that names the body if
+/// a region or a direction of fibres does not fit its mesh.
+std::shared_ptr<const TissueMap> mapTissue(const physics::SoftMaterial& material, const SoftModel& model);
+/// Writes a material, and its map in the body's mesh, into every element or spring of a body that was built with a
+/// material of the same kind.
+void setMaterial(const physics::SoftMaterial& material, const std::shared_ptr<const TissueMap>& map, SoftModel& model);
+/// Takes changes of single elements back.
+void healTissue(SoftModel& model);
+/// The terms that relax begin with the present stress, as if it had just come about.
+void restartRelaxation(const SoftModel& model, SoftState& state);
 
 /// Replaces the nodal forces.
 void setForces(const std::vector<physics::NodalForce>& forces, SoftState& state);

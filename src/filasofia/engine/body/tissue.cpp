@@ -131,7 +131,7 @@ std::vector<int> changeTissue(const physics::TissueRegion& region, const SoftSta
         element.youngModulus = region.youngModulus.value_or(element.youngModulus);
         element.poissonRatio = region.poissonRatio.value_or(element.poissonRatio);
         element.tearingThreshold = region.tearingThreshold.value_or(element.tearingThreshold);
-        element.restScale = region.restScale;
+        element.restScale = region.restScale.value_or(element.restScale);
         model.tearingThreshold = std::min(model.tearingThreshold, element.tearingThreshold);
         shapeElement(model.rest, element);
     }

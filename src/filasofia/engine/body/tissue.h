@@ -9,8 +9,6 @@
 /// changes of tissue that commands make.
 namespace filasofia::engine {
 
-constexpr std::size_t kMostFamilies = 4;
-
 /// The relaxation within a step of `dt` [s] of a body whose terms are up to date, as they are after assembly.
 RelaxationStep relaxationWithin(const SoftModel& model, double dt);
 
@@ -28,7 +26,7 @@ Mat3 startStress(const SoftModel& model, const RelaxationStep& relaxation, std::
 struct TissueTangent {
     double share = 1.0; ///< [-] weight of the law's tangent relative to that of the fibres
     ElementTangent law;
-    std::array<FibreTangent, kMostFamilies> fibres{};
+    std::array<FibreTangent, physics::kMostFamilies> fibres{};
     std::size_t families = 0;
 };
 /// The tangent that Rayleigh damping uses: without the geometric stiffness, and as if nothing relaxed.

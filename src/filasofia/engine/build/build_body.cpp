@@ -34,35 +34,29 @@ void addElements(const TetMesh& mesh, SoftModel& model)
     }
 }
 
-/// [-] Per tetrahedron, the density of its region relative to that of the body.
-std::vector<double> relativeDensities(const physics::SoftBodyDef& def, const TetMesh& mesh)
+/// [kg/m^3] where no region says another.
+double densityOf(const physics::SoftBodyDef& def, const TetMesh& mesh)
 {
-    std::vector<double> out(mesh.tetrahedra.size(), 1.0);
-    const auto* fem = std::get_if<physics::FemMaterial>(&def.material);
-    for (std::size_t r = 0; fem && r < fem->regions.size(); ++r) {
-        const physics::TissueRegion& region = fem->regions[r];
-        if (!region.density) continue; // a region has one only if the body has a density too
-        const std::string object = text("soft body '", def.name, "': material.regions[", r, "].where");
-        for (int t : physics::tetrahedraOf(region.where, *physics::loadMesh(def), object))
-            out[static_cast<std::size_t>(t)] = *region.density / std::get<physics::Density>(def.mass).value;
-    }
-    return out;
+    if (const auto* density = std::get_if<physics::Density>(&def.mass)) return density->value;
+    double volume = 0.0;
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
+        volume += geometry::signedVolume(mesh, static_cast<int>(t));
+    return std::get<physics::TotalMass>(def.mass).value / volume;
 }
 
-void addMasses(const TetMesh& mesh, const physics::SoftBodyDef& def, SoftModel& model)
+/// Gives nodes their masses and elements their densities.
+void addMasses(const TetMesh& mesh, SoftModel& model)
 {
-    const std::vector<double> relative = relativeDensities(def, mesh);
-    double total = 0.0;
+    std::vector<double> relative(mesh.tetrahedra.size(), 1.0); // densities, to that of the body
+    for (std::size_t t = 0; model.tissue && t < relative.size(); ++t)
+        relative[t] = model.tissue->of[t].density / model.density;
+    for (FemElement& element : model.elements)
+        element.density = model.tissue->of[static_cast<std::size_t>(element.tetrahedron)].density;
     model.masses.assign(mesh.nodes.size(), 0.0);
-    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
-        const double volume = geometry::signedVolume(mesh, static_cast<int>(t));
-        total += volume;
-        for (int node : mesh.tetrahedra[t]) model.masses[node] += relative[t] * volume / 4.0;
-    }
-    const auto* density = std::get_if<physics::Density>(&def.mass);
-    const double perVolume = density ? density->value : std::get<physics::TotalMass>(def.mass).value / total;
-    for (double& each : model.masses) each *= perVolume;
-    model.density = perVolume;
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
+        for (int node : mesh.tetrahedra[t])
+            model.masses[node] += relative[t] * geometry::signedVolume(mesh, static_cast<int>(t)) / 4.0;
+    for (double& each : model.masses) each *= model.density;
 }
 
 /// Turns an attachment to space that cannot break into pins, which are exact and cheap. If the attachment is to another
@@ -139,7 +133,7 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     model.friction = def.friction;
     model.dynamicTopology = def.dynamicTopology;
     model.collision = buildCollision(def, mesh);
-    addMasses(mesh, def, model);
+    model.density = densityOf(def, mesh);
     if (std::holds_alternative<physics::FemMaterial>(def.material)) {
         model.mesh = physics::loadMesh(def);
         model.orientation = physics::unitPose(def.pose, object).orientation;
@@ -149,7 +143,8 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
         for (const std::array<int, 2>& edge : geometry::edges(mesh))
             model.springs.push_back(springOn(edge, {}, model.rest));
     }
-    setMaterial(def.material, model);
+    setMaterial(def.material, mapTissue(def.material, model), model);
+    addMasses(mesh, model);
     const geometry::Surface surface = geometry::extractSurface(mesh);
     for (const geometry::Triangle& t : surface.mesh.triangles)
         model.surface.push_back({surface.nodes[t[0]], surface.nodes[t[1]], surface.nodes[t[2]]});

@@ -11,8 +11,12 @@ namespace filasofia::engine {
 
 /// A shape in its current state.
 struct CollisionSurface {
-    /// Surfaces of one body do not collide with each other. A surface whose shape has `self` set collides with itself.
+    /// Surfaces of one body collide with each other only if both shapes have `self` set, and a soft one then also with
+    /// itself.
     SurfaceName name;
+    /// The element of a rigid body, and the one that a joint connects it to (-1: none): they do not collide. -1 for a
+    /// soft body.
+    int element = -1, parent = -1;
     std::shared_ptr<const CollisionShape> shape;
     bool cuttable = false; ///< surfaces that cut pass through it
     /// [m] current vertices. Elements with a vertex that is not finite or beyond 1e9 m are not found.

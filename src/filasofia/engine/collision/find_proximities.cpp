@@ -14,11 +14,17 @@ namespace {
 
 constexpr int kPartSize = 64; // pairs of elements: some 10 µs
 
+bool movesRelativeTo(const CollisionSurface& a, const CollisionSurface& b) // of the same body
+{
+    const bool soft = a.element < 0;
+    return soft || (a.element != b.element && a.element != b.parent && a.parent != b.element);
+}
+
 bool mayCollide(const CollisionSurface& a, const CollisionSurface& b)
 {
-    if (&a == &b) return a.shape->self;
     if ((a.shape->cutting && b.cuttable) || (b.shape->cutting && a.cuttable)) return false; // a blade passes through
-    return a.name.body != b.name.body && a.shape->group == b.shape->group && meet(a.whole, b.whole);
+    if (a.name.body == b.name.body && !(a.shape->self && b.shape->self && movesRelativeTo(a, b))) return false;
+    return a.shape->group == b.shape->group && meet(a.whole, b.whole);
 }
 
 // Tests the boxes around all vertices first: most surfaces are near no other, and need no tree.

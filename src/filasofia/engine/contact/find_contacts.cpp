@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 #include <utility>
 
 namespace filasofia::engine {
@@ -297,6 +298,16 @@ void addDeepPoints(const std::vector<Owner>& owners, ContactDetection& detection
     }
 }
 
+/// The element of a rigid body that a surface belongs to, and the one that a joint connects it to; -1: none.
+std::pair<int, int> linkOf(const Owner& owner, const Scene& scene)
+{
+    if (owner.soft) return {-1, -1};
+    const int element = owner.collision->element;
+    const LinkTree& tree = scene.rigid[owner.body].model.articulation.tree;
+    const int joint = tree.joints.empty() ? -1 : tree.jointOf[static_cast<std::size_t>(element)];
+    return {element, joint < 0 ? -1 : tree.joints[static_cast<std::size_t>(joint)].parent};
+}
+
 /// Updates every surface to its body's state, and warns of models that cannot work. Returns per surface whether it is
 /// new; empty if none is.
 std::vector<bool> placeSurfaces(const Scene& scene, const std::vector<Owner>& owners, Coupling& coupling)
@@ -316,6 +327,7 @@ std::vector<bool> placeSurfaces(const Scene& scene, const std::vector<Owner>& ow
         const Owner& owner = owners[s];
         CollisionSurface& surface = detection.surfaces[s];
         surface.name = owner.name;
+        std::tie(surface.element, surface.parent) = linkOf(owner, scene);
         surface.cuttable = owner.soft && mayBeCut(scene.soft[owner.body].model, owner.collision->shape->group);
         placeSurface(owner, scene, coupling.rigid, detection.normals, surface);
     }

@@ -24,9 +24,10 @@ HWY_INLINE void storeCorners(const V3 (&c)[3], float* HWY_RESTRICT corners, std:
     for (int k = 0; k < 3; ++k) storeGroup(c[k], zero, corners + 64 * (k + 1), part);
 }
 
-/// The elements of which a principal stretch differs from 1 by more than `most`. The stretches are computed only if a
-/// bound of them does: the eigenvalues of a symmetric matrix lie within mean +- sqrt(2/3) |deviator|.
-HWY_INLINE hn::Mask<Lanes> strainedBeyond(V most, const LaneElement& at)
+/// By how much a principal stretch differs from 1 at most. The stretches are computed only if a bound of them does by
+/// more than `limit`, otherwise the bound is returned: the eigenvalues of a symmetric matrix lie within
+/// mean +- sqrt(2/3) |deviator|.
+HWY_INLINE V strainOf(V limit, const LaneElement& at)
 {
     const M3 sym = transposeTimes(at.r, at.f);
     const V mean = hn::Mul(lane(1.0f / 3.0f), hn::Add(hn::Add(sym.m[0][0], sym.m[1][1]), sym.m[2][2]));
@@ -36,15 +37,14 @@ HWY_INLINE hn::Mask<Lanes> strainedBeyond(V most, const LaneElement& at)
         square = hn::MulAdd(entry, entry, square);
     }
     const V bound = hn::MulAdd(lane(0.81649658f), hn::Sqrt(square), hn::Abs(hn::Sub(mean, lane(1.0f))));
-    const auto mayBe = hn::Gt(bound, most);
-    if (hn::AllFalse(Lanes(), mayBe)) return mayBe;
+    if (hn::AllTrue(Lanes(), hn::Le(bound, limit))) return bound;
     Lane a[3][3], axes[3][3];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) a[i][j] = Lane(sym.m[i][j]);
     diagonalise(a, axes);
     Lane strain = 0.0;
     for (int i = 0; i < 3; ++i) strain = larger(strain, magnitude(a[i][i] - Lane(1.0)));
-    return hn::Gt(strain.v, most);
+    return strain.v;
 }
 
 /// `Law` is a law with a form of its own, or any law by its response to the principal stretches.
@@ -59,6 +59,7 @@ template <class Law> HWY_ATTR void updateBlocks(const Law& law, std::span<const 
     ElementRotations* HWY_RESTRICT rotations = output.rotations.data();
     Block* HWY_RESTRICT tangents = std::get<std::vector<Block>>(output.tangents).data();
     float *HWY_RESTRICT corners = output.corners.data(), *HWY_RESTRICT quaternions = output.quaternions.data();
+    float* HWY_RESTRICT strains = output.strains.data();
     const Lanes d;
     const bool limited = input.validStrain < std::numeric_limits<float>::infinity();
     LaneElement at;
@@ -69,7 +70,7 @@ template <class Law> HWY_ATTR void updateBlocks(const Law& law, std::span<const 
         const ElementBlock& element = elements[block];
         Block& out = tangents[block];
         std::copy_n(element.nodes[0], 4 * kBlock, out.nodes[0]);
-        std::uint32_t inverted = 0, strained = 0;
+        std::uint32_t inverted = 0;
         for (std::size_t part = 0; part < kBlock; part += kLanes) {
             loadEdges(x, element.nodes, part, at.edges);
             loadGradients(element.gradients, part, at.g);
@@ -94,9 +95,8 @@ template <class Law> HWY_ATTR void updateBlocks(const Law& law, std::span<const 
             for (int k = 0; k < 3; ++k) total[k] = negative(forces[k] + damping[k]);
             storeCorners(total, corners + static_cast<long>(kElementCorners) * block, part);
             inverted |= bitsOf(hn::Not(hn::Gt(determinant(at.f), hn::Zero(d)))) << part;
-            if (limited) strained |= bitsOf(strainedBeyond(lane(input.validStrain), at)) << part;
+            if (limited) hn::StoreU(strainOf(lane(input.validStrain), at), d, strains + block * kBlock + part);
         }
-        output.strained[static_cast<std::size_t>(block)] = static_cast<std::uint16_t>(strained);
         output.inverted[static_cast<std::size_t>(block)] = static_cast<std::uint16_t>(inverted);
     }
 }

@@ -101,9 +101,11 @@ struct ElementOutput {
     std::span<ElementRotations> rotations; ///< updated to the positions
     ElementTangents& tangents;             ///< the input of multiplyElements
     std::span<std::uint16_t> inverted;     ///< one bit per element, the first the lowest: 1 if det F <= 0 or not finite
-    std::span<std::uint16_t> strained; ///< the same: 1 if a principal stretch differs from 1 by more than validStrain
-    std::span<float> corners;          ///< force * f(x) - stiffness * K v
-    std::span<float> quaternions;      ///< one per element, a group of sixteen per block
+    /// [-] One per element: by how much a principal stretch differs from 1 at most, or a bound of that which is at most
+    /// validStrain. Written only if that is finite.
+    std::span<float> strains;
+    std::span<float> corners;                     ///< force * f(x) - stiffness * K v
+    std::span<float> quaternions;                 ///< one per element, a group of sixteen per block
     std::span<ElementRelaxation> relaxation = {}; ///< updated; only if the tissue relaxes
     FibreBlocks fibres = {};
 };

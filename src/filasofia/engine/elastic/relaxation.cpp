@@ -79,7 +79,7 @@ void copyRelaxation(std::size_t from, std::size_t to, std::span<ElementRelaxatio
     const std::size_t a = from % kElementsPerBlock, b = to % kElementsPerBlock;
     for (std::size_t k = 0; k < kSymmetric; ++k) {
         target.stress[k][b] = source.stress[k][a];
-        for (std::size_t i = 0; i < kMostTerms; ++i) target.terms[i][k][b] = source.terms[i][k][a];
+        for (std::size_t i = 0; i < kMostPronyTerms; ++i) target.terms[i][k][b] = source.terms[i][k][a];
     }
 }
 

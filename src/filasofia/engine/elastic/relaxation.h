@@ -15,18 +15,18 @@
 /// The stress is share_0 T + sum Q_i, where share_0 is what never relaxes. T is Biot's stress, relative to mu.
 namespace filasofia::engine {
 
-constexpr std::size_t kMostTerms = 4;
+using physics::kMostPronyTerms;
 constexpr std::size_t kSymmetric = 6; ///< entries of a symmetric matrix: 00 01 02 11 12 22
 
 /// The stresses of sixteen elements side by side. State: it persists from step to step.
 struct alignas(64) ElementRelaxation {
-    float stress[kSymmetric][kElementsPerBlock] = {};            ///< [-] T / mu at the last update
-    float terms[kMostTerms][kSymmetric][kElementsPerBlock] = {}; ///< [-] Q_i / mu
+    float stress[kSymmetric][kElementsPerBlock] = {};                 ///< [-] T / mu at the last update
+    float terms[kMostPronyTerms][kSymmetric][kElementsPerBlock] = {}; ///< [-] Q_i / mu
 };
 
 /// d_i and c_i of a step.
 struct PronyFactors {
-    std::array<double, kMostTerms> decay{}, gain{};
+    std::array<double, kMostPronyTerms> decay{}, gain{};
 };
 PronyFactors pronyFactors(std::span<const physics::PronyTerm> terms, double dt);
 

@@ -122,7 +122,7 @@ void MatrixFreeSystem::makeElements(const SoftModel& model)
     fibres_.resize(model.fibres.size() * elements_.size());
     fibreTangents_.resize(fibres_.size());
     inverted_.resize(elements_.size());
-    strained_.resize(elements_.size());
+    strains_.resize(kBlock * elements_.size());
     quaternions_.resize(static_cast<std::size_t>(blocks));
     for (int lane = 0; lane < blocks * kBlock; ++lane) {
         const int source = std::min(lane, elementCount_ - 1);

@@ -91,7 +91,7 @@ bool MatrixFreeSystem::reserve(const SoftModel& model, const MeshEdit& edit)
     elements_.resize(blocks);
     std::visit([&](auto& each) { each.resize(blocks); }, tangents_);
     inverted_.resize(blocks);
-    strained_.resize(blocks);
+    strains_.resize(kBlock * blocks);
     resizeLists(fibres_, model.fibres.size(), blocks);
     resizeLists(fibreTangents_, model.fibres.size(), blocks);
     quaternions_.resize(blocks);

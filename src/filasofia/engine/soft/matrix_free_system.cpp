@@ -112,7 +112,7 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
     const BlockInput input{x_, v_, blockWeights, relaxation.terms > 0 ? &relaxation : nullptr,
                            asFloat(model.material.validStrain)};
     const ElementOutput elementOutput{
-        state.rotations, tangents_,   inverted_,        strained_,
+        state.rotations, tangents_,   inverted_,        strains_,
         elementCorners,  quaternions, state.relaxation, {model.material.fibres, fibres_, fibreTangents_}};
     const SpringOutput springOutput{springMatrices_, springCorners};
     pool.run(elements.count(),

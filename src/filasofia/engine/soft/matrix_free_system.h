@@ -56,8 +56,9 @@ public:
                       std::vector<std::uint16_t>& stressed);
     /// Per block of sixteen elements: bits of the elements that were inside out at the state of the last assemble().
     [[nodiscard]] std::span<const std::uint16_t> inverted() const { return inverted_; }
-    /// The same: bits of the elements that were strained beyond FemMaterial::validStrain.
-    [[nodiscard]] std::span<const std::uint16_t> strained() const { return strained_; }
+    /// [-] One per element, if FemMaterial::validStrain is finite: by how much a principal stretch differed from 1, or
+    /// a bound of that which is at most validStrain.
+    [[nodiscard]] std::span<const float> strains() const { return strains_; }
     /// [m/s] The solution of the last solve at a node, before finish() corrected the motion of the whole body; zero if
     /// the node is pinned.
     [[nodiscard]] Vec3 solved(int node) const;
@@ -156,7 +157,7 @@ private:
     /// Contributions of elements and springs to their nodes, in blocks of sixteen.
     std::vector<linalg::NodeBlock> corners_;
     std::vector<std::uint16_t> inverted_;        ///< bits of the elements that were inside out in assemble()
-    std::vector<std::uint16_t> strained_;        ///< bits of those strained beyond FemMaterial::validStrain
+    std::vector<float> strains_;                 ///< see strains()
     std::vector<linalg::NodeBlock> quaternions_; ///< rotations of the elements
 
     double massWeight_ = 1.0;  ///< [-] factor on the masses in the step's matrix

@@ -64,13 +64,18 @@ struct ApplyCommand {
     void operator()(physics::SetMaterial& set) const
     {
         SoftBody& body = soft(set.id);
-        setMaterial(set.material, body.model);
-        followMaterial(body.model, body.state);
-        if (SoftModel* start = body.topology.start.get()) setMaterial(set.material, *start);
-        // The server built a system for the new material in advance. It depends on the model alone, and the model on
-        // Def and material, so the order of commands does not matter. The old system is returned with the command, as
-        // freeing it would take too long in a step.
-        if (auto* built = dynamic_cast<BuiltSoftBody*>(set.body.get()); built && !body.system.tuned)
+        // The server looked the new material up in the mesh and built a system for it in advance. Both depend on Def
+        // and material alone, so the order of commands does not matter. The old ones are returned with the command, as
+        // freeing them would take too long in a step.
+        auto* built = dynamic_cast<BuiltSoftBody*>(set.body.get());
+        std::shared_ptr<const TissueMap> map = built ? built->body.model.tissue : mapTissue(set.material, body.model);
+        const auto* fem = std::get_if<physics::FemMaterial>(&set.material);
+        const bool relaxes = fem && fem->relaxation != body.model.material.relaxation;
+        if (built) built->body.model.tissue = body.model.tissue;
+        setMaterial(set.material, map, body.model);
+        if (relaxes) restartRelaxation(body.model, body.state);
+        if (SoftModel* start = body.topology.start.get()) setMaterial(set.material, map, *start);
+        if (built && !body.system.tuned)
             std::swap(body.system, built->body.system);
         else
             body.system.outdated = true;
@@ -85,8 +90,8 @@ struct ApplyCommand {
             return;
         }
         body.system.tuned = true;
-        if (body.system.matrixFree && !body.system.outdated)
-            body.system.outdated = !body.system.matrixFree->editTissue(body.model, elements);
+        if (!body.system.outdated)
+            body.system.outdated = !body.system.matrixFree || !body.system.matrixFree->editTissue(body.model, elements);
     }
     void operator()(const physics::SetFibreStress& set) const
     {

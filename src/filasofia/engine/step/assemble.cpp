@@ -24,16 +24,15 @@ void addExternalForces(const SoftModel& model, Vec3 gravity, const SoftState& st
     }
 }
 
-/// Calls look(element) for the elements of a body that its system has marked; for all if that does not mark any.
-template <class Look> void
-forEachMarked(const SoftBody& body, std::span<const std::uint16_t> (MatrixFreeSystem::*marks)() const, const Look& look)
+/// Calls look(element) for the elements of a body that its system has marked as inverted; for all if that marks none.
+template <class Look> void forEachMarked(const SoftBody& body, const Look& look)
 {
     const std::size_t count = body.model.elements.size();
     if (!body.system.matrixFree) {
         for (std::size_t e = 0; e < count; ++e) look(e);
         return;
     }
-    const std::span<const std::uint16_t> bits = ((*body.system.matrixFree).*marks)();
+    const std::span<const std::uint16_t> bits = body.system.matrixFree->inverted();
     for (std::size_t block = 0; block < bits.size(); ++block)
         for (std::size_t lane = 0; lane < kBlock && bits[block] != 0; ++lane)
             if (const std::size_t e = kBlock * block + lane; (bits[block] >> lane & 1u) != 0 && e < count) look(e);
@@ -46,7 +45,7 @@ Vec3 middle(const Corners& x) { return 0.25 * (x[0] + x[1] + x[2] + x[3]); }
 void findInverted(const SoftBody& body, physics::InvertedElements& report)
 {
     const SoftModel& model = body.model;
-    forEachMarked(body, &MatrixFreeSystem::inverted, [&](std::size_t e) {
+    forEachMarked(body, [&](std::size_t e) {
         const Corners corners = cornersOf(model.elements[e].nodes, body.state.x);
         const double volume = determinant(gradient(model.elements[e], corners));
         if (volume > 0.0 || allHeld(model, e)) return;
@@ -59,6 +58,14 @@ void findInverted(const SoftBody& body, physics::InvertedElements& report)
     });
 }
 
+/// [-] By how much a principal stretch of an element differs from 1 at most.
+double strainOf(const SoftBody& body, std::size_t e)
+{
+    const FemElement& element = body.model.elements[e];
+    const Vec3 stretches = svd(gradient(element, cornersOf(element.nodes, body.state.x))).sigma;
+    return std::max({std::abs(stretches.x - 1.0), std::abs(stretches.y - 1.0), std::abs(stretches.z - 1.0)});
+}
+
 /// Reports the elements that are strained beyond the range of their material. The worst is that of the largest strain
 /// in relation to its range.
 void findStrained(const SoftBody& body, physics::StrainedElements& report)
@@ -66,22 +73,21 @@ void findStrained(const SoftBody& body, physics::StrainedElements& report)
     const SoftModel& model = body.model;
     const double valid = model.material.validStrain;
     if (!(valid < std::numeric_limits<double>::infinity())) return;
-    double worst = report.count > 0 ? report.strain / report.valid : 0.0;
-    forEachMarked(body, &MatrixFreeSystem::strained, [&](std::size_t e) {
-        const Corners corners = cornersOf(model.elements[e].nodes, body.state.x);
-        const Vec3 stretches = svd(gradient(model.elements[e], corners)).sigma;
-        const double strain =
-            std::max({std::abs(stretches.x - 1.0), std::abs(stretches.y - 1.0), std::abs(stretches.z - 1.0)});
-        if (!(strain > valid) || allHeld(model, e)) return;
+    const MatrixFreeSystem* system = body.system.matrixFree.get();
+    std::size_t worst = model.elements.size();
+    double most = valid;
+    for (std::size_t e = 0; e < model.elements.size(); ++e) {
+        const double strain = system ? static_cast<double>(system->strains()[e]) : strainOf(body, e);
+        if (!(strain > valid) || allHeld(model, e)) continue;
         ++report.count;
-        if (!(strain / valid > worst)) return;
-        worst = strain / valid;
-        report.body = model.id;
-        report.element = static_cast<int>(e);
-        report.strain = strain;
-        report.valid = valid;
-        report.place = middle(corners);
-    });
+        if (strain > most) most = strain, worst = e;
+    }
+    if (worst == model.elements.size() || (report.body && !(most / valid > report.strain / report.valid))) return;
+    report.body = model.id;
+    report.element = static_cast<int>(worst);
+    report.strain = strainOf(body, worst);
+    report.valid = valid;
+    report.place = middle(cornersOf(model.elements[worst].nodes, body.state.x));
 }
 
 } // namespace

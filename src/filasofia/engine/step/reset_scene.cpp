@@ -57,7 +57,7 @@ void resetScene(Scene& scene)
     for (SoftBody& body : scene.soft) {
         restoreMesh(body, scene);
         if (!body.model.patched) continue;
-        setMaterial(physics::FemMaterial(body.model.material), body.model);
+        healTissue(body.model);
         outdate(body.system.tuned, body.system);
     }
     for (SoftBody& body : scene.soft) {

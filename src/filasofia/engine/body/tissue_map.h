@@ -1,0 +1,34 @@
+#pragma once
+
+#include "filasofia/geometry/tet_mesh.h"
+#include "filasofia/math/quat.h"
+#include "filasofia/physics/fem_material.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// What a material says of one tetrahedron of the Def's mesh.
+struct TetrahedronTissue {
+    double youngModulus = 0.0;     ///< [Pa]
+    double poissonRatio = 0.0;     ///< [-]
+    double tearingThreshold = 0.0; ///< [Pa]
+    double density = 0.0;          ///< [kg/m^3]
+    double restScale = 1.0;        ///< [-]
+};
+
+/// A material looked up in a mesh, which takes too long for a step: it is made where a body is built.
+struct TissueMap {
+    std::vector<TetrahedronTissue> of; ///< per tetrahedron
+    /// Per family of fibres and tetrahedron: the direction at rest, in the world; zero: no fibre
+    std::vector<std::vector<Vec3>> fibres;
+};
+
+/// `density` [kg/m^3]: where no region says another. `orientation`: of the mesh in the world. Throws an Error that
+/// begins with `object` if a region, a direction of fibres or the stiffness field does not fit the mesh.
+std::shared_ptr<const TissueMap> mapTissue(const physics::FemMaterial& material, const geometry::TetMesh& mesh,
+                                           Quat orientation, double density, const std::string& object);
+
+} // namespace filasofia::engine
