@@ -2,6 +2,8 @@
 #include "geometry/gmsh_writer.h"
 #include "geometry/sample_meshes.h"
 
+#include <map>
+
 namespace gmsh_reader_test {
 
 using namespace filasofia;
@@ -13,13 +15,6 @@ namespace {
 std::string errorIn(std::string_view bytes)
 {
     return errorOf([&] { parseGmsh(bytes, "a.msh"); });
-}
-
-std::string replaced(std::string text, std::string_view from, std::string_view to)
-{
-    const std::size_t at = text.find(from);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, from.size(), to);
 }
 
 const std::string kAscii2 = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
@@ -122,14 +117,45 @@ TEST_CASE("a wrong header is named")
     CHECK_THAT(errorIn(binary), Contains("a.msh: byte 20: the byte order's number must be 1"));
 }
 
-TEST_CASE("solids that are no plain tetrahedra are refused by name")
+TEST_CASE("hexahedra, prisms and pyramids are split into tetrahedra with their labels")
 {
-    CHECK(errorIn(replaced(kAscii2, "7 4 2 0 1 1 2 3 4", "7 11 2 0 1 1 2 3 4 1 2 3 4 1 2")) ==
-          "a.msh:13: a solid element must be a tetrahedron of 4 nodes (type 4), got a second-order "
-          "tetrahedron (type 11)");
+    // A cube, a prism on its right side, and a pyramid on its top.
+    const std::string file =
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 6 \"tip\"\n$EndPhysicalNames\n$Nodes\n11\n"
+        "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n9 2 0 0\n10 2 0 1\n11 .5 .5 2\n"
+        "$EndNodes\n$Elements\n3\n1 5 2 4 1 1 2 3 4 5 6 7 8\n2 6 2 5 1 2 9 3 6 10 7\n3 7 2 6 1 5 6 7 8 11\n"
+        "$EndElements\n";
+    const TetMesh mesh = parseGmsh(file, "a.msh");
+    CHECK_NOTHROW(check(mesh, "a.msh"));
+    std::map<int, double> volumes, counts;
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+        volumes[mesh.labels[t]] += signedVolume(mesh, static_cast<int>(t));
+        ++counts[mesh.labels[t]];
+    }
+    CHECK((counts == std::map<int, double>{{4, 6}, {5, 3}, {6, 2}}));
+    CHECK(volumes[4] == Approx(1.0));
+    CHECK(volumes[5] == Approx(0.5));
+    CHECK(volumes[6] == Approx(1.0 / 3.0));
+    // Nothing is left open between them: the surface is 4 sides of the cube, 4 of the prism, 4 of the pyramid.
+    double area = 0.0;
+    const TriangleMesh surface = extractSurface(mesh).mesh;
+    for (const Triangle& t : surface.triangles)
+        area += 0.5 * length(cross(surface.vertices[t[1]] - surface.vertices[t[0]],
+                                   surface.vertices[t[2]] - surface.vertices[t[0]]));
+    CHECK(area == Approx(4.0 + 2.0 * 0.5 + 1.0 + std::sqrt(2.0) + 4.0 * 0.5 * std::sqrt(1.25)));
+    CHECK_THAT(errorIn(replaced(file, "5 6 7 8\n2 6", "6 5 7 8\n2 6")), Contains("a tetrahedron of hexahedron 1 is "));
+    CHECK_THAT(errorIn(replaced(file, "5 6 7 8 11", "5 6 7 5 11")), Contains("pyramid 3 names node 5 twice"));
+}
+
+TEST_CASE("solids of a higher order are refused by name")
+{
+    CHECK(
+        errorIn(replaced(kAscii2, "7 4 2 0 1 1 2 3 4", "7 11 2 0 1 1 2 3 4 1 2 3 4 1 2")) ==
+        "a.msh:13: a solid element must be of first order: a tetrahedron, hexahedron, prism or pyramid (type 4 to 7), "
+        "got a second-order tetrahedron (type 11)");
     CHECK_THAT(errorIn(replaced(kAscii4, "3 1 4 1", "3 1 11 1")),
                Contains("a.msh:18: ") && Contains("second-order tetrahedron"));
-    CHECK_THAT(errorIn(replaced(kAscii2, "7 4", "7 5")), Contains("got a hexahedron (type 5)"));
+    CHECK_THAT(errorIn(replaced(kAscii2, "7 4", "7 12")), Contains("got a second-order hexahedron (type 12)"));
     CHECK_THAT(errorIn(replaced(kAscii2, "7 4", "7 99")),
                Contains("the element type must be one of Gmsh's 1 to 31, got 99"));
 }

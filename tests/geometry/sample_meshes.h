@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <stdexcept>
 #include <string>
 
 namespace filasofia::geometry {
@@ -83,6 +84,14 @@ inline Vec3 randomPoint(std::mt19937& random, double low, double high)
     std::uniform_real_distribution<double> number(low, high);
     const double x = number(random), y = number(random);
     return {x, y, number(random)};
+}
+
+/// The text with its first `from`, which must be in it, replaced.
+inline std::string replaced(std::string text, std::string_view from, std::string_view to)
+{
+    const std::size_t at = text.find(from);
+    if (at == std::string::npos) throw std::logic_error("nothing to replace");
+    return text.replace(at, from.size(), to);
 }
 
 /// The message of the Error that `action` throws; empty if it throws none.

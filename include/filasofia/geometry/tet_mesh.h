@@ -31,7 +31,7 @@ struct TetMesh {
     std::vector<Vec3> nodes;             ///< [m]
     std::vector<Tetrahedron> tetrahedra; ///< indices into nodes
     /// [-] One per tetrahedron, the part of the body that it belongs to: the physical group of a Gmsh file, the first
-    /// attribute of a TetGen file. Empty: none.
+    /// attribute of a TetGen file, the first list of whole numbers per cell of a VTK file. Empty: none.
     std::vector<int> labels = {};
     std::vector<MeshLabel> labelNames = {}; ///< the names of some labels, each name once
 };

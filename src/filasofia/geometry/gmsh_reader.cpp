@@ -7,19 +7,19 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 
 // The format: Gmsh reference manual, "MSH file format" (4.1) and "MSH file format version 2 (Legacy)".
 namespace filasofia::geometry {
 namespace {
 
-constexpr int kTetrahedronType = 4;
-
 // Gmsh's element types by number; an element of dimension 3 must not be skipped.
 struct ElementType {
     std::string_view name;
     int dimension = 0;
     int nodes = 0;
+    std::optional<Solid> solid = {}; ///< none: it is not read
 };
 
 std::optional<ElementType> elementType(std::int64_t type)
@@ -29,10 +29,10 @@ std::optional<ElementType> elementType(std::int64_t type)
         {"line", 1, 2},
         {"triangle", 2, 3},
         {"quadrangle", 2, 4},
-        {"tetrahedron", 3, 4},
-        {"hexahedron", 3, 8},
-        {"prism", 3, 6},
-        {"pyramid", 3, 5},
+        {"tetrahedron", 3, 4, Solid::Simplex},
+        {"hexahedron", 3, 8, Solid::Hexahedron},
+        {"prism", 3, 6, Solid::Prism},
+        {"pyramid", 3, 5, Solid::Pyramid},
         {"second-order line", 1, 3},
         {"second-order triangle", 2, 6},
         {"second-order quadrangle", 2, 9},
@@ -92,6 +92,13 @@ public:
     }
 
 private:
+    /// What a file says of an element besides its nodes.
+    struct Tags {
+        std::int64_t number = 0;
+        std::size_t place = 0;
+        int group = 0, entity = 0;
+    };
+
     void readFormat();
     void readByteOrder();
     void readNames();
@@ -106,7 +113,7 @@ private:
     void endSection(std::string_view section);
     void skip(std::string_view section);
     ElementType checkedType(std::int64_t type) const;
-    void readElement(std::int64_t number, std::size_t place, const ElementType& type, int rawSize);
+    void readElement(const Tags& tags, const ElementType& type, int rawSize);
     int labelIn(std::int64_t number, std::string_view what) const;
     std::size_t readTextCount(std::string_view what, std::size_t numbers, std::size_t rawBytes);
     void beginRaw();
@@ -300,26 +307,28 @@ void GmshReader::readNodes4()
         in_.failHere("$Nodes announces ", count, " nodes, its blocks hold ", mesh_.nodes.size());
 }
 
-// Dropping a solid element that is not a tetrahedron would leave a hole; points, lines and surfaces have no volume.
+// Dropping a solid element would leave a hole; points, lines and surfaces have no volume.
 ElementType GmshReader::checkedType(std::int64_t type) const
 {
     const std::optional<ElementType> known = elementType(type);
     if (!known) in_.failHere("the element type must be one of Gmsh's 1 to 31, got ", type);
-    if (known->dimension == 3 && type != kTetrahedronType)
-        in_.failHere("a solid element must be a tetrahedron of 4 nodes (type 4), got a ", known->name, " (type ", type,
-                     ")");
+    if (known->dimension == 3 && !known->solid)
+        in_.failHere(
+            "a solid element must be of first order: a tetrahedron, hexahedron, prism or pyramid (type 4 to 7), "
+            "got a ",
+            known->name, " (type ", type, ")");
     return *known;
 }
 
-void GmshReader::readElement(std::int64_t number, std::size_t place, const ElementType& type, int rawSize)
+void GmshReader::readElement(const Tags& tags, const ElementType& type, int rawSize)
 {
-    if (type.dimension < 3) {
-        for (int i = 0; i < type.nodes; ++i) in_.integer("an element's node", rawSize);
-        return;
-    }
-    RawTetMesh::Element& element = mesh_.elements.emplace_back();
-    element.number = number, element.place = place;
-    for (std::int64_t& node : element.nodes) node = in_.integer("an element's node", rawSize);
+    std::array<std::int64_t, 56> nodes{}; // as many as any type has
+    for (int i = 0; i < type.nodes; ++i) nodes[static_cast<std::size_t>(i)] = in_.integer("an element's node", rawSize);
+    if (type.dimension < 3) return;
+    addSolid(std::span(nodes).first(static_cast<std::size_t>(type.nodes)),
+             {.number = tags.number, .place = tags.place, .partOf = *type.solid}, in_, mesh_);
+    groups_.resize(mesh_.elements.size(), tags.group);
+    entities_.resize(mesh_.elements.size(), tags.entity);
 }
 
 void GmshReader::readElements2()
@@ -342,10 +351,12 @@ void GmshReader::readElements2()
                 const std::int64_t value = in_.integer("an element's tag");
                 if (tag < 2) groupAndEntity[tag] = value;
             }
-            readElement(number, place, type, 4);
-            if (type.dimension < 3) continue;
-            groups_.push_back(labelIn(groupAndEntity[0], "a physical group"));
-            entities_.push_back(labelIn(groupAndEntity[1], "an entity's number"));
+            Tags each{.number = number, .place = place};
+            if (type.dimension == 3) {
+                each.group = labelIn(groupAndEntity[0], "a physical group");
+                each.entity = labelIn(groupAndEntity[1], "an entity's number");
+            }
+            readElement(each, type, 4);
         }
         i += static_cast<std::size_t>(run);
     }
@@ -367,10 +378,11 @@ void GmshReader::readElements4()
         const std::size_t here = in_.count("the number of elements in a block", 2, 16, 8);
         for (std::size_t i = 0; i < here; ++i) {
             const std::int64_t number = in_.integer("an element's number", 8);
-            readElement(number, in_.place(), type, 8);
-            if (type.dimension < 3) continue;
-            groups_.push_back(group == groupOf_.end() ? 0 : group->second);
-            entities_.push_back(entity);
+            readElement({.number = number,
+                         .place = in_.place(),
+                         .group = group == groupOf_.end() ? 0 : group->second,
+                         .entity = entity},
+                        type, 8);
         }
         held += here;
     }

@@ -6,6 +6,7 @@
 #include "filasofia/geometry/assimp_reader.h"
 #include "filasofia/geometry/gmsh_reader.h"
 #include "filasofia/geometry/tetgen_reader.h"
+#include "filasofia/geometry/vtk_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +43,8 @@ TetMesh readTetMesh(const std::filesystem::path& file)
     const std::string extension = extensionOf(file);
     if (extension == ".msh") return parseGmsh(bytesOf(file), file.string());
     if (extension == ".node" || extension == ".ele") return loadTetGen(file);
-    fail(file.string(), ": a tetrahedral mesh must be a .msh, .node or .ele file, got '", extension, "'");
+    if (extension == ".vtk") return parseVtk(bytesOf(file), file.string());
+    fail(file.string(), ": a tetrahedral mesh must be a .msh, .vtk, .node or .ele file, got '", extension, "'");
 }
 
 TriangleMesh readTriangleMesh(const std::filesystem::path& file)

@@ -85,6 +85,16 @@ std::string_view NumberSource::textInQuotes(std::string_view what)
     return out;
 }
 
+std::string_view NumberSource::restOfLine()
+{
+    const std::size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
+    const std::string_view out = bytes_.substr(at_, end - at_);
+    lastAt_ = at_, lastLine_ = line_;
+    at_ = std::min(end + 1, bytes_.size());
+    if (end < bytes_.size()) ++line_;
+    return out;
+}
+
 bool NumberSource::skipPast(std::string_view text)
 {
     const std::size_t found = bytes_.find(text, at_);
@@ -136,13 +146,22 @@ double NumberSource::realIn(std::string_view word, std::string_view what) const
 std::int64_t NumberSource::integer(std::string_view what, int rawSize)
 {
     if (!binary_) return integerIn(word(), what);
-    return rawSize == 4 ? raw<std::int32_t>(what) : raw<std::int64_t>(what);
+    switch (rawSize) {
+    case 1:
+        return raw<std::int8_t>(what);
+    case 2:
+        return raw<std::int16_t>(what);
+    case 4:
+        return raw<std::int32_t>(what);
+    default:
+        return raw<std::int64_t>(what);
+    }
 }
 
-double NumberSource::real(std::string_view what)
+double NumberSource::real(std::string_view what, int rawSize)
 {
     if (!binary_) return realIn(word(), what);
-    const double value = raw<double>(what);
+    const double value = rawSize == 4 ? static_cast<double>(raw<float>(what)) : raw<double>(what);
     if (!std::isfinite(value)) failHere(what, " must be finite, got ", value);
     return value;
 }

@@ -33,13 +33,15 @@ public:
     char byte();
     /// Skips this many bytes, which hold `what`.
     void skipBytes(std::size_t count, std::string_view what);
+    /// Takes the rest of the line.
+    std::string_view restOfLine();
     /// Skips to behind the next `text`; false, without moving, if there is none.
     bool skipPast(std::string_view text);
 
-    /// A whole number: text, or 4 (int) or 8 (size_t) binary bytes. `what` names it in an Error.
+    /// A whole number: text, or 1, 2, 4 or 8 binary bytes with a sign. `what` names it in an Error.
     std::int64_t integer(std::string_view what, int rawSize = 4);
-    /// A finite number: text, or a binary double.
-    double real(std::string_view what);
+    /// A finite number: text, or 4 (float) or 8 (double) binary bytes.
+    double real(std::string_view what, int rawSize = 8);
     /// The number of items that follow, each of at least `numbers` numbers (text) or `rawBytes` bytes (binary): never
     /// more than the rest of the file can hold, whatever the file announces.
     std::size_t count(std::string_view what, std::size_t numbers, std::size_t rawBytes, int rawSize);

@@ -22,6 +22,13 @@ std::vector<int> orderByNumber(const RawTetMesh& raw, const NumberSource& nodeFi
     return order;
 }
 
+/// How errors name a tetrahedron.
+std::string solidName(const RawTetMesh::Element& element)
+{
+    const bool whole = element.partOf == Solid::Simplex;
+    return text(whole ? "" : "a tetrahedron of ", nameOf(element.partOf), " ", element.number);
+}
+
 TetMesh dropUnusedNodes(TetMesh mesh, std::string_view name)
 {
     std::vector<int> renumbered(mesh.nodes.size(), -1);
@@ -43,9 +50,29 @@ TetMesh dropUnusedNodes(TetMesh mesh, std::string_view name)
 
 } // namespace
 
+std::string_view nameOf(Solid solid)
+{
+    constexpr std::string_view kNames[] = {"tetrahedron", "hexahedron", "prism", "pyramid"};
+    return kNames[static_cast<std::size_t>(solid)];
+}
+
+void addSolid(std::span<const std::int64_t> nodes, const RawTetMesh::Element& about, const NumberSource& file,
+              RawTetMesh& mesh)
+{
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (std::ranges::find(nodes.first(i), nodes[i]) != nodes.first(i).end())
+            file.failAt(about.place, nameOf(about.partOf), " ", about.number, " names node ", nodes[i],
+                        " twice; its nodes must differ");
+    std::vector<std::array<std::int64_t, 4>> parts;
+    splitSolid(about.partOf, nodes, parts);
+    for (const std::array<std::int64_t, 4>& part : parts) mesh.elements.emplace_back(about).nodes = part;
+    mesh.split += parts.size() > 1 ? 1 : 0;
+}
+
 TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const NumberSource& elementFile,
                 std::string_view name)
 {
+    if (raw.split > 0) logInfo(name, ": ", raw.split, " hexahedra, prisms and pyramids were split into tetrahedra");
     if (raw.elements.empty()) fail(name, ": must have at least 1 tetrahedron, got 0");
     const std::vector<int> order = orderByNumber(raw, nodeFile);
     const auto numberOf = [&](int i) { return raw.nodes[i].number; };
@@ -58,17 +85,17 @@ TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const Numbe
         for (int i = 0; i < 4; ++i) {
             const auto found = std::ranges::lower_bound(order, element.nodes[i], {}, numberOf);
             if (found == order.end() || numberOf(*found) != element.nodes[i])
-                elementFile.failAt(element.place, "tetrahedron ", element.number, " names node ", element.nodes[i],
-                                   ", which the file does not define; ", raw.nodes.size(), " nodes are defined, from ",
-                                   order.empty() ? 0 : numberOf(order.front()), " to ",
+                elementFile.failAt(element.place, nameOf(element.partOf), " ", element.number, " names node ",
+                                   element.nodes[i], ", which the file does not define; ", raw.nodes.size(),
+                                   " nodes are defined, from ", order.empty() ? 0 : numberOf(order.front()), " to ",
                                    order.empty() ? 0 : numberOf(order.back()));
             t[i] = *found;
             if (std::find(t.begin(), t.begin() + i, t[i]) != t.begin() + i)
-                elementFile.failAt(element.place, "tetrahedron ", element.number, " names node ", element.nodes[i],
-                                   " twice; its four nodes must differ");
+                elementFile.failAt(element.place, nameOf(element.partOf), " ", element.number, " names node ",
+                                   element.nodes[i], " twice; its nodes must differ");
         }
         if (const std::string fault = elementFault(mesh, t); !fault.empty())
-            elementFile.failAt(element.place, "tetrahedron ", element.number, fault);
+            elementFile.failAt(element.place, solidName(element), fault);
     }
     if (raw.labelled) {
         for (const RawTetMesh::Element& element : raw.elements) mesh.labels.push_back(element.label);
@@ -76,7 +103,8 @@ TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const Numbe
     }
     if (const auto pair = sameSidePair(mesh)) {
         const RawTetMesh::Element &a = raw.elements[(*pair)[0]], &b = raw.elements[(*pair)[1]];
-        elementFile.failAt(b.place, "tetrahedra ", a.number, " and ", b.number,
+        const bool whole = a.partOf == Solid::Simplex && b.partOf == Solid::Simplex;
+        elementFile.failAt(b.place, whole ? "tetrahedra " : "elements ", a.number, " and ", b.number,
                            " lie on the same side of their common face; they must lie on opposite sides");
     }
     return dropUnusedNodes(std::move(mesh), name);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/geometry/number_source.h"
+#include "filasofia/geometry/split_solid.h"
 #include "filasofia/geometry/tet_mesh.h"
 
 namespace filasofia::geometry {
@@ -18,12 +19,21 @@ struct RawTetMesh {
         std::size_t place = 0; ///< as NumberSource::place()
         std::array<std::int64_t, 4> nodes{};
         int label = 0;
+        Solid partOf = Solid::Simplex; ///< what the file has in its place
     };
     std::vector<Node> nodes;
     std::vector<Element> elements;
+    std::size_t split = 0; ///< solids that were no tetrahedra
     bool labelled = false; ///< the elements' labels mean something
     std::vector<MeshLabel> labelNames;
 };
+
+/// The name of a solid.
+std::string_view nameOf(Solid solid);
+
+/// Adds the tetrahedra of a solid; `about` has all but its nodes. Throws an Error if it names a node twice.
+void addSolid(std::span<const std::int64_t> nodes, const RawTetMesh::Element& about, const NumberSource& file,
+              RawTetMesh& mesh);
 
 /// Finds each element's nodes by their numbers, checks every element against the bounds of check(), drops unused nodes,
 /// and checks the whole mesh. Errors name the line or byte in `elementFile` (in `nodeFile` for a node defined twice).

@@ -1,0 +1,188 @@
+#include "filasofia/geometry/vtk_reader.h"
+
+#include "geometry/sample_meshes.h"
+
+#include <bit>
+#include <cstring>
+
+namespace vtk_reader_test {
+
+using namespace filasofia;
+using namespace filasofia::geometry;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string errorIn(std::string_view bytes)
+{
+    return errorOf([&] { parseVtk(bytes, "a.vtk"); });
+}
+
+struct VtkForm {
+    bool version5 = false, binary = false;
+};
+constexpr VtkForm kForms[] = {{false, false}, {false, true}, {true, false}, {true, true}};
+
+/// Writes what VTK would write: a triangle, then the tetrahedra, with two lists of values before the labels.
+class VtkWriter {
+public:
+    explicit VtkWriter(VtkForm form) : form_(form) {}
+
+    std::string write(const TetMesh& mesh)
+    {
+        const std::size_t cells = mesh.tetrahedra.size() + 1, nodes = 4 * mesh.tetrahedra.size() + 3;
+        out_ = text("# vtk DataFile Version ", form_.version5 ? "5.1" : "3.0", "\na title with POINTS in it\n",
+                    form_.binary ? "BINARY" : "ASCII", "\nDATASET UNSTRUCTURED_GRID\nPOINTS ", mesh.nodes.size(),
+                    " double\n");
+        for (const Vec3& p : mesh.nodes) put(p.x), put(p.y), put(p.z);
+        out_ += "\nMETADATA\nINFORMATION 1\nNAME x LOCATION y\nDATA 1 2 3\n\n";
+        if (form_.version5) {
+            out_ += text("CELLS ", cells + 1, " ", nodes, "\nOFFSETS vtktypeint64\n");
+            put(std::int64_t{0});
+            for (std::size_t i = 0; i < cells; ++i) put(static_cast<std::int64_t>(3 + 4 * i));
+            out_ += "\nCONNECTIVITY vtktypeint64\n";
+            cellsOf<std::int64_t>(mesh, false);
+        } else {
+            out_ += text("CELLS ", cells, " ", nodes + cells, "\n");
+            cellsOf<std::int32_t>(mesh, true);
+        }
+        out_ += text("\nCELL_TYPES ", cells, "\n");
+        put(std::int32_t{5});
+        for (std::size_t i = 1; i < cells; ++i) put(std::int32_t{10});
+        out_ += text("\nPOINT_DATA ", mesh.nodes.size(), "\nVECTORS v float\n");
+        for (std::size_t i = 0; i < 3 * mesh.nodes.size(); ++i) put(0.5f);
+        out_ += text("\nCELL_DATA ", cells, "\nFIELD FieldData 1\nquality 1 ", cells, " float\n");
+        for (std::size_t i = 0; i < cells; ++i) put(0.25f);
+        out_ += "\nSCALARS part int 1\nLOOKUP_TABLE default\n";
+        put(std::int32_t{-1});
+        for (int label : mesh.labels) put(std::int32_t{label});
+        return out_ + "\n";
+    }
+
+private:
+    template <class Number> void put(Number number)
+    {
+        if (!form_.binary) {
+            out_ += text(number, '\n');
+            return;
+        }
+        char raw[sizeof number];
+        std::memcpy(raw, &number, sizeof number);
+        if (std::endian::native == std::endian::little) std::reverse(raw, raw + sizeof number);
+        out_.append(raw, sizeof number);
+    }
+    template <class Number> void cellsOf(const TetMesh& mesh, bool counts)
+    {
+        if (counts) put(Number{3});
+        for (int node : {0, 1, 2}) put(static_cast<Number>(node));
+        for (const Tetrahedron& t : mesh.tetrahedra) {
+            if (counts) put(Number{4});
+            for (int node : t) put(static_cast<Number>(node));
+        }
+    }
+
+    VtkForm form_;
+    std::string out_;
+};
+
+TetMesh labelledCube(int n)
+{
+    TetMesh mesh = cubeMesh(n, 1);
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) mesh.labels.push_back(t % 3 == 0 ? 12 : 5);
+    return mesh;
+}
+
+const std::string kHead = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\n";
+const std::string kFile = kHead + "POINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n";
+
+} // namespace
+
+TEST_CASE("a mesh with labels comes back from every version and form of VTK's files, bit for bit")
+{
+    const TetMesh mesh = labelledCube(3);
+    for (const VtkForm form : kForms) {
+        const TetMesh read = parseVtk(VtkWriter(form).write(mesh), "a.vtk");
+        CHECK(read.nodes == mesh.nodes);
+        CHECK(read.tetrahedra == mesh.tetrahedra);
+        CHECK(read.labels == mesh.labels);
+    }
+    CHECK(parseVtk(kFile, "a.vtk").labels.empty());
+    CHECK(parseVtk(kFile, "a.vtk").tetrahedra == unitTetrahedron().tetrahedra);
+    const std::string broken = kFile + "CELL_DATA 1\nSCALARS e float\nLOOKUP_TABLE default\n0.5\n";
+    CHECK(parseVtk(broken, "a.vtk").labels.empty()); // no whole number
+}
+
+TEST_CASE("the solids of VTK's files are split, however a wedge is turned")
+{
+    // A voxel, a hexahedron above it, and beside each of them a wedge, one as VTK has it and one as others do.
+    const std::string points = "POINTS 16 float\n0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1\n"
+                               "0 0 2 1 0 2 1 1 2 0 1 2 2 0 0 2 0 1 2 0 2 .5 .5 3\n";
+    const std::string cells = "CELLS 5 38\n8 0 1 2 3 4 5 6 7\n8 4 5 7 6 8 9 10 11\n6 1 12 3 5 13 7\n6 5 7 13 9 10 14\n"
+                              "5 8 9 10 11 15\nCELL_TYPES 5\n11 12 13 13 14\n";
+    const TetMesh mesh = parseVtk(kHead + points + cells, "a.vtk");
+    CHECK_NOTHROW(check(mesh, "a.vtk"));
+    CHECK(mesh.tetrahedra.size() == 6 + 6 + 3 + 3 + 2);
+    CHECK(volumeOf(mesh) == Approx(1.0 + 1.0 + 0.5 + 0.5 + 1.0 / 3.0));
+    CHECK(volumeInside(extractSurface(mesh).mesh) == Approx(volumeOf(mesh))); // nothing is open between them
+    CHECK_THAT(errorIn(kHead + points + replaced(cells, "11 12", "11 25")),
+               Contains("cell 1 must be a tetrahedron, hexahedron, voxel, wedge or pyramid") &&
+                   Contains("got VTK's type 25 with 8 nodes"));
+    CHECK_THAT(errorIn(kHead + points + replaced(cells, "5 8 9 10 11 15", "5 8 9 10 8 15")),
+               Contains("a.vtk:13: pyramid 4 names node 8 twice"));
+}
+
+TEST_CASE("what is wrong in a VTK file is named with its line or byte")
+{
+    CHECK_THAT(errorIn("solid cube"), Contains("a.vtk:1: a legacy VTK file must begin with '# vtk DataFile Version '"));
+    CHECK_THAT(errorIn(replaced(kFile, "ASCII", "TEXT")), Contains("a.vtk:3: the third line must be ASCII or BINARY"));
+    CHECK_THAT(errorIn(replaced(kFile, "UNSTRUCTURED_GRID", "POLYDATA")),
+               Contains("a.vtk:4: the file must hold a DATASET UNSTRUCTURED_GRID"));
+    CHECK_THAT(errorIn(replaced(kFile, "float", "string")),
+               Contains("a.vtk:5: a type of numbers must be char to double, got 'string'"));
+    CHECK_THAT(errorIn(replaced(kFile, "0 0 0 1", "0 nan 0 1")), Contains("a.vtk:6: a point's y must be finite"));
+    CHECK_THAT(errorIn(replaced(kFile, "POINTS 4", "POINTS 400000000000")),
+               Contains("the number of points must be in [0, "));
+    CHECK_THAT(errorIn(replaced(kFile, "CELLS 1 5", "CELLS 1 4")),
+               Contains("a.vtk:8: a cell's number of nodes must be in [0, 3]"));
+    CHECK_THAT(errorIn(replaced(kFile, "4 0 1 2 3", "4 0 1 2 9")), Contains("a.vtk:8: tetrahedron 0 names node 9"));
+    CHECK_THAT(errorIn(replaced(kFile, "4 0 1 2 3", "4 1 0 2 3")), Contains("a.vtk:8: tetrahedron 0 is inverted"));
+    CHECK_THAT(errorIn(replaced(kFile, "CELL_TYPES 1\n10", "CELL_TYPES 2\n10 10")),
+               Contains("CELL_TYPES must have one type per cell (1), got 2"));
+    CHECK_THAT(errorIn(kHead), Contains("a.vtk: must have a POINTS section with points"));
+    CHECK_THAT(errorIn(replaced(kFile, "CELL_TYPES 1\n10\n", "")), Contains("must have CELLS and CELL_TYPES"));
+    CHECK_THAT(errorIn(kFile + kFile.substr(kHead.size())), Contains("second POINTS section"));
+    CHECK_THAT(errorIn(kFile + "CELL_DATA 2\n"), Contains("CELL_DATA must have one value per cell (1), got 2"));
+    CHECK_THAT(errorIn(kFile + "WOBBLE x\n"), Contains("a section must be one of VTK's, got 'wobble'"));
+    CHECK_THAT(errorIn(kFile + "CELL_DATA 1\nVECTORS v float\n1 2\n"),
+               Contains("a.vtk:14: the file ends before a value"));
+    CHECK_THAT(errorIn(kFile + "FIELD f 1\nx 99999999999 99999999999 int\n"), Contains("must be in [0, "));
+    TetMesh mesh = unitTetrahedron();
+    mesh.labels = {1};
+    std::swap(mesh.tetrahedra[0][0], mesh.tetrahedra[0][1]);
+    for (const VtkForm form : {VtkForm{false, true}, VtkForm{true, true}})
+        CHECK_THAT(errorIn(VtkWriter(form).write(mesh)),
+                   Contains("a.vtk: byte ") && Contains("tetrahedron 1 is inverted"));
+}
+
+TEST_CASE("a VTK file may be cut off anywhere and any byte may be wrong: nothing but a mesh or an Error comes out")
+{
+    std::mt19937 random(1);
+    const auto attempt = [](const std::string& bytes) {
+        try {
+            check(parseVtk(bytes, "a.vtk"), "what was read");
+        } catch (const Error& error) {
+            if (!Catch::contains(error.what(), "a.vtk")) FAIL(error.what());
+        }
+    };
+    for (const VtkForm form : kForms) {
+        const std::string whole = VtkWriter(form).write(labelledCube(1));
+        for (std::size_t length = 0; length < whole.size(); ++length) attempt(whole.substr(0, length));
+        for (int i = 0; i < 2000; ++i) {
+            std::string wrong = whole;
+            wrong[random() % wrong.size()] = static_cast<char>(random());
+            attempt(wrong);
+        }
+    }
+}
+
+} // namespace vtk_reader_test
