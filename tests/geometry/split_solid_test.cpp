@@ -37,7 +37,7 @@ TEST_CASE("every numbering of a solid gives tetrahedra of positive volume that f
         for (int pass = 0; pass < 300; ++pass) {
             std::shuffle(numbers.begin(), numbers.end(), random);
             std::vector<std::array<std::int64_t, 4>> out;
-            splitSolid(kind, numbers, out);
+            splitSolid(kind, numbers, [&](const auto& part) { out.push_back(part); });
             CHECK(out.size() == parts);
             TetMesh mesh;
             mesh.nodes.resize(at.size());

@@ -44,6 +44,12 @@ struct Listed {
 /// Which tetrahedra. A box or a ball has those whose centre lies in it.
 using RegionShape = std::variant<Labelled, geometry::Box, Ball, NearSurface, AtInterface, Listed>;
 
+/// Whether it is a place, where the tetrahedra are looked for when a command comes; otherwise they are always the same.
+constexpr bool isPlace(const RegionShape& where)
+{
+    return std::holds_alternative<geometry::Box>(where) || std::holds_alternative<Ball>(where);
+}
+
 /// Tissue that differs in a part of the body. What is not given stays.
 struct TissueRegion {
     RegionShape where = Listed{};                ///< must be given: an empty list has no tetrahedra

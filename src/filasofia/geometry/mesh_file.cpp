@@ -5,6 +5,7 @@
 #include "filasofia/geometry/announced_size.h"
 #include "filasofia/geometry/assimp_reader.h"
 #include "filasofia/geometry/gmsh_reader.h"
+#include "filasofia/geometry/number_source.h"
 #include "filasofia/geometry/tetgen_reader.h"
 #include "filasofia/geometry/vtk_reader.h"
 
@@ -14,12 +15,7 @@
 namespace filasofia::geometry {
 namespace {
 
-std::string extensionOf(const std::filesystem::path& file)
-{
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
-    return extension;
-}
+std::string extensionOf(const std::filesystem::path& file) { return lowered(file.extension().string()); }
 
 std::string bytesOf(const std::filesystem::path& file)
 {

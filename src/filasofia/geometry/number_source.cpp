@@ -23,6 +23,14 @@ std::string quoted(std::string_view word)
 
 } // namespace
 
+std::string lowered(std::string_view word)
+{
+    std::string out(word);
+    for (char& c : out)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
+    return out;
+}
+
 void NumberSource::skipSpace()
 {
     while (at_ < bytes_.size()) {

@@ -3,9 +3,13 @@
 #include "filasofia/core/error.h"
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace filasofia::geometry {
+
+/// The word with A to Z in lower case, whatever the locale.
+std::string lowered(std::string_view word);
 
 /// Reads the bytes of a mesh file: words and numbers as text, or raw numbers of either byte order. Every failure is an
 /// Error that names the file and the position: the line while the file is text, otherwise the byte.

@@ -63,10 +63,9 @@ void addSolid(std::span<const std::int64_t> nodes, const RawTetMesh::Element& ab
         if (std::ranges::find(nodes.first(i), nodes[i]) != nodes.first(i).end())
             file.failAt(about.place, nameOf(about.partOf), " ", about.number, " names node ", nodes[i],
                         " twice; its nodes must differ");
-    std::vector<std::array<std::int64_t, 4>> parts;
-    splitSolid(about.partOf, nodes, parts);
-    for (const std::array<std::int64_t, 4>& part : parts) mesh.elements.emplace_back(about).nodes = part;
-    mesh.split += parts.size() > 1 ? 1 : 0;
+    splitSolid(about.partOf, nodes,
+               [&](const std::array<std::int64_t, 4>& part) { mesh.elements.emplace_back(about).nodes = part; });
+    mesh.split += about.partOf != Solid::Simplex ? 1 : 0;
 }
 
 TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const NumberSource& elementFile,
@@ -90,9 +89,6 @@ TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const Numbe
                                    " nodes are defined, from ", order.empty() ? 0 : numberOf(order.front()), " to ",
                                    order.empty() ? 0 : numberOf(order.back()));
             t[i] = *found;
-            if (std::find(t.begin(), t.begin() + i, t[i]) != t.begin() + i)
-                elementFile.failAt(element.place, nameOf(element.partOf), " ", element.number, " names node ",
-                                   element.nodes[i], " twice; its nodes must differ");
         }
         if (const std::string fault = elementFault(mesh, t); !fault.empty())
             elementFile.failAt(element.place, solidName(element), fault);

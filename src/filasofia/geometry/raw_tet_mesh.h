@@ -31,7 +31,8 @@ struct RawTetMesh {
 /// The name of a solid.
 std::string_view nameOf(Solid solid);
 
-/// Adds the tetrahedra of a solid; `about` has all but its nodes. Throws an Error if it names a node twice.
+/// Adds the tetrahedra of a solid; `about` has all but its nodes. Throws an Error if it names a node twice. Every
+/// element is added by this.
 void addSolid(std::span<const std::int64_t> nodes, const RawTetMesh::Element& about, const NumberSource& file,
               RawTetMesh& mesh);
 

@@ -20,10 +20,11 @@ std::span<const SolidFace> facesOf(Solid kind)
 
 } // namespace
 
-void splitSolid(Solid kind, std::span<const std::int64_t> nodes, std::vector<std::array<std::int64_t, 4>>& out)
+void splitSolid(Solid kind, std::span<const std::int64_t> nodes,
+                const std::function<void(const std::array<std::int64_t, 4>&)>& add)
 {
     if (kind == Solid::Simplex) {
-        out.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
+        add({nodes[0], nodes[1], nodes[2], nodes[3]});
         return;
     }
     // The node of the lowest number is a corner of every tetrahedron. The faces that it lies on are thereby cut along
@@ -36,7 +37,7 @@ void splitSolid(Solid kind, std::span<const std::int64_t> nodes, std::vector<std
         const auto end = at.begin() + static_cast<std::ptrdiff_t>(count);
         if (std::find(at.begin(), end, apex) != end) continue;
         std::rotate(at.begin(), std::min_element(at.begin(), end), end);
-        for (std::size_t k = 2; k < count; ++k) out.push_back({at[0], at[k], at[k - 1], apex});
+        for (std::size_t k = 2; k < count; ++k) add({at[0], at[k], at[k - 1], apex});
     }
 }
 

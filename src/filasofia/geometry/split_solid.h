@@ -2,8 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
-#include <vector>
 
 namespace filasofia::geometry {
 
@@ -13,7 +13,9 @@ enum class Solid { Simplex, Hexahedron, Prism, Pyramid };
 
 /// Splits a convex solid, given by the numbers of its nodes, into tetrahedra of positive volume. Every quadrilateral
 /// face is cut along the diagonal through its lowest number, so that two solids fit together at their common face
-/// (Dompierre et al. 1999, "How to subdivide pyramids, prisms and hexahedra into tetrahedra").
-void splitSolid(Solid kind, std::span<const std::int64_t> nodes, std::vector<std::array<std::int64_t, 4>>& out);
+/// (Dompierre et al. 1999, "How to subdivide pyramids, prisms and hexahedra into tetrahedra"). Calls `add` with the
+/// nodes of each.
+void splitSolid(Solid kind, std::span<const std::int64_t> nodes,
+                const std::function<void(const std::array<std::int64_t, 4>&)>& add);
 
 } // namespace filasofia::geometry

@@ -84,10 +84,11 @@ void readElements(NumberSource& in, RawTetMesh& mesh)
     mesh.elements.reserve(count);
     mesh.labelled = extra > 0;
     for (std::size_t i = 0; i < count; ++i) {
-        RawTetMesh::Element& element = mesh.elements.emplace_back();
+        RawTetMesh::Element element;
         element.number = in.integer("a tetrahedron's number");
         element.place = in.place();
-        for (std::int64_t& node : element.nodes) node = integerOnLine(in, "a tetrahedron's four nodes");
+        std::array<std::int64_t, 4> nodes{};
+        for (std::int64_t& node : nodes) node = integerOnLine(in, "a tetrahedron's four nodes");
         if (extra > 0) { // the first attribute is the region, a whole number; any other makes no labels
             const double region = attribute(in);
             const bool isLabel = region == std::floor(region) && std::abs(region) < std::numeric_limits<int>::max();
@@ -96,6 +97,7 @@ void readElements(NumberSource& in, RawTetMesh& mesh)
             passOver(in, extra - 1);
         }
         endLine(in, "a tetrahedron");
+        addSolid(nodes, element, in, mesh);
     }
 }
 

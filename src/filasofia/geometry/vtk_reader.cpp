@@ -12,7 +12,7 @@
 namespace filasofia::geometry {
 namespace {
 
-/// A type of numbers in the file.
+/// A type of numbers in the file, whose name may be in any case.
 struct NumberType {
     std::string_view name;
     int bytes = 0;
@@ -20,17 +20,10 @@ struct NumberType {
 };
 constexpr NumberType kNumberTypes[] = {
     {"char", 1},          {"unsigned_char", 1}, {"short", 2},         {"unsigned_short", 2},
-    {"int", 4},           {"unsigned_int", 4},  {"long", 8},          {"vtkIdType", 4}, // written as int
+    {"int", 4},           {"unsigned_int", 4},  {"long", 8},          {"vtkidtype", 4}, // written as int
     {"unsigned_long", 8}, {"vtktypeint64", 8},  {"vtktypeuint64", 8}, {"vtktypeint32", 4},
     {"vtktypeuint32", 4}, {"float", 4, true},   {"double", 8, true},
 };
-
-std::string lowered(std::string_view word)
-{
-    std::string out(word);
-    std::ranges::transform(out, out.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
-    return out;
-}
 
 /// VTK's types of cells: points, lines and surfaces have no volume.
 bool isFlat(std::int64_t type)
@@ -85,6 +78,8 @@ private:
     void readTypes();
     void readAttribute(const std::string& keyword);
     void readArray(std::int64_t components, std::int64_t tuples, const NumberType& type);
+    void passOver(std::size_t count, const NumberType& type);
+    void readLabels(const NumberType& type);
     void addCells();
     [[nodiscard]] NumberType type();
     std::int64_t textCount(std::string_view what, std::size_t numbers, std::size_t rawBytes);
@@ -142,8 +137,7 @@ void VtkReader::readSection(const std::string& keyword)
 NumberType VtkReader::type()
 {
     const std::string_view word = in_.word();
-    const auto found =
-        std::ranges::find(kNumberTypes, lowered(word), [](const NumberType& each) { return lowered(each.name); });
+    const auto* found = std::ranges::find(kNumberTypes, lowered(word), &NumberType::name);
     if (found == std::end(kNumberTypes))
         in_.failHere("a type of numbers must be char to double, got '", word.substr(0, 40), "'");
     return *found;
@@ -281,15 +275,25 @@ void VtkReader::readArray(std::int64_t components, std::int64_t tuples, const Nu
     in_.boundCount(components * tuples, "a number of values", 1, static_cast<std::size_t>(of.bytes));
     const auto count = static_cast<std::size_t>(components * tuples);
     beginRaw();
-    const bool wanted = ofCells_ && labels_.empty() && components == 1 && count == types_.size();
+    if (ofCells_ && labels_.empty() && components == 1 && count == types_.size())
+        readLabels(of);
+    else
+        passOver(count, of);
+}
+
+void VtkReader::passOver(std::size_t count, const NumberType& of)
+{
+    if (in_.isBinary()) return in_.skipBytes(static_cast<std::size_t>(of.bytes) * count, "values");
+    for (std::size_t i = 0; i < count; ++i)
+        if (in_.word().empty()) in_.failHere("the file ends before a value");
+}
+
+// Values that are no whole numbers make no labels.
+void VtkReader::readLabels(const NumberType& of)
+{
     std::vector<int> found;
-    bool whole = wanted;
-    for (std::size_t i = 0; i < count; ++i) {
-        if (!wanted) {
-            if (in_.isBinary()) return in_.skipBytes(static_cast<std::size_t>(of.bytes) * count, "values");
-            if (in_.word().empty()) in_.failHere("the file ends before a value");
-            continue;
-        }
+    bool whole = true;
+    for (std::size_t i = 0; i < types_.size(); ++i) {
         const double value = of.real ? in_.real("a cell's value", of.bytes)
                                      : static_cast<double>(in_.integer("a cell's value", of.bytes));
         whole = whole && value == std::floor(value) && std::abs(value) <= std::numeric_limits<int>::max();

@@ -143,7 +143,7 @@ struct PhysicsServer::Impl {
         std::get<SoftBodyDef>(def).material = material;
         def = loaded(std::get<SoftBodyDef>(std::move(def))); // names of labels become numbers
         const SoftMaterial& numbered = std::get<SoftBodyDef>(def).material;
-        post(SetMaterial{id, numbered, engine->build(def)}); // checked again: the body may have been removed meanwhile
+        post(SetMaterial{id, numbered, engine->build(def)});
     }
 
     /// Looks for the tetrahedra here, unless they depend on where the body is in the step.
@@ -151,9 +151,7 @@ struct PhysicsServer::Impl {
     {
         const auto def = ask([&](const Registry& bodies) { return bodies.find(id).def; });
         const auto* soft = std::get_if<SoftBodyDef>(def.get());
-        const bool now =
-            std::holds_alternative<geometry::Box>(region.where) || std::holds_alternative<Ball>(region.where);
-        if (soft && !now) {
+        if (soft && !isPlace(region.where)) {
             validate(region, describeBody(*def) + ": region");
             region.where = Listed{tetrahedraOf(region.where, *loadMesh(*soft), describeBody(*def) + ": region.where")};
         }

@@ -106,9 +106,9 @@ struct Registry::Check {
     }
     void operator()(const SetMaterial& set) const
     {
-        registry.checkMaterial(set.id, set.material);
-        if (set.body) return; // building it has looked everything up in the mesh
         const Body& body = registry.find(set.id);
+        if (set.body) return; // it was checked before it was built
+        registry.checkMaterial(set.id, set.material);
         if (const auto* fem = std::get_if<FemMaterial>(&set.material))
             physics::check(*fem, meshOf(*body.def), describeBody(*body.def) + ": material");
     }
@@ -125,7 +125,7 @@ struct Registry::Check {
         if (set.region.density) fail(object, ".density cannot change during a run, got ", *set.region.density);
         const auto* box = std::get_if<geometry::Box>(&set.region.where);
         if (box && geometry::isEmpty(*box)) fail(object, ".where: high must be >= low in every axis of a box");
-        if (!box && !std::holds_alternative<Ball>(set.region.where))
+        if (!isPlace(set.region.where))
             static_cast<void>(tetrahedraOf(set.region.where, meshOf(*body.def), object + ".where"));
     }
     void operator()(const SetFibreStress& set) const

@@ -1,6 +1,7 @@
 #include "filasofia/engine/body/tissue.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/tissue_map.h"
 
 #include <algorithm>
 #include <utility>
@@ -32,15 +33,17 @@ template <class Relax> Mat3 stressOf(const SoftModel& model, const RelaxationSte
 /// Def's mesh from which they come.
 std::vector<int> elementsIn(const physics::RegionShape& where, const SoftState& state, const SoftModel& model)
 {
-    const auto* box = std::get_if<geometry::Box>(&where);
-    const auto* ball = std::get_if<physics::Ball>(&where);
+    const bool moves = physics::isPlace(where);
     std::vector<int> tetrahedra;
-    if (!box && !ball) tetrahedra = physics::tetrahedraOf(where, *model.mesh, "soft body '" + model.name + "': region");
+    if (!moves) tetrahedra = physics::tetrahedraOf(where, *model.mesh, "soft body '" + model.name + "': region");
     const auto isIn = [&](const FemElement& element) {
-        if (!box && !ball) return std::ranges::binary_search(tetrahedra, element.tetrahedron);
+        if (!moves) return std::ranges::binary_search(tetrahedra, element.tetrahedron);
         const Corners x = cornersOf(element.nodes, state.x);
         const Vec3 centre = 0.25 * (x[0] + x[1] + x[2] + x[3]);
-        return box ? geometry::squaredDistance(*box, centre) == 0.0 : distance(centre, ball->centre) <= ball->radius;
+        const auto* box = std::get_if<geometry::Box>(&where);
+        if (box) return geometry::squaredDistance(*box, centre) == 0.0;
+        const auto& ball = std::get<physics::Ball>(where);
+        return distance(centre, ball.centre) <= ball.radius;
     };
     std::vector<int> out;
     for (std::size_t e = 0; e < model.elements.size(); ++e)
@@ -128,10 +131,7 @@ std::vector<int> changeTissue(const physics::TissueRegion& region, const SoftSta
     const std::vector<int> elements = elementsIn(region.where, state, model);
     for (int e : elements) {
         FemElement& element = model.elements[static_cast<std::size_t>(e)];
-        element.youngModulus = region.youngModulus.value_or(element.youngModulus);
-        element.poissonRatio = region.poissonRatio.value_or(element.poissonRatio);
-        element.tearingThreshold = region.tearingThreshold.value_or(element.tearingThreshold);
-        element.restScale = region.restScale.value_or(element.restScale);
+        apply(region, element);
         model.tearingThreshold = std::min(model.tearingThreshold, element.tearingThreshold);
         shapeElement(model.rest, element);
     }

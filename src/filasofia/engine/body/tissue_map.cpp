@@ -19,11 +19,8 @@ std::shared_ptr<const TissueMap> mapTissue(const physics::FemMaterial& material,
         const physics::TissueRegion& region = material.regions[r];
         for (int t : physics::tetrahedraOf(region.where, mesh, text(object, ".regions[", r, "].where"))) {
             TetrahedronTissue& tissue = map->of[static_cast<std::size_t>(t)];
-            tissue.youngModulus = region.youngModulus.value_or(tissue.youngModulus);
-            tissue.poissonRatio = region.poissonRatio.value_or(tissue.poissonRatio);
-            tissue.tearingThreshold = region.tearingThreshold.value_or(tissue.tearingThreshold);
+            apply(region, tissue);
             tissue.density = region.density.value_or(tissue.density);
-            tissue.restScale = region.restScale.value_or(tissue.restScale);
         }
     }
     for (std::size_t k = 0; k < material.fibres.size(); ++k) {

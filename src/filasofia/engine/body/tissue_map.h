@@ -19,6 +19,15 @@ struct TetrahedronTissue {
     double restScale = 1.0;        ///< [-]
 };
 
+/// Sets what the region gives, but for the density, of a tetrahedron or an element.
+template <class Tissue> void apply(const physics::TissueRegion& region, Tissue& tissue)
+{
+    tissue.youngModulus = region.youngModulus.value_or(tissue.youngModulus);
+    tissue.poissonRatio = region.poissonRatio.value_or(tissue.poissonRatio);
+    tissue.tearingThreshold = region.tearingThreshold.value_or(tissue.tearingThreshold);
+    tissue.restScale = region.restScale.value_or(tissue.restScale);
+}
+
 /// A material looked up in a mesh, which takes too long for a step: it is made where a body is built.
 struct TissueMap {
     std::vector<TetrahedronTissue> of; ///< per tetrahedron
