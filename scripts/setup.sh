@@ -12,7 +12,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 # Catch2 and python3 are listed because configuring looks for them even if no test is built.
 run_packages=(
   g++ cmake ninja-build ccache git ca-certificates python3 catch2
-  libeigen3-dev libhwy-dev libassimp-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libstb-dev
+  libeigen3-dev libhwy-dev libassimp-dev libpugixml-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libstb-dev
   libfilament-dev libfilament-tools libosd-dev libsdl2-dev libimgui-dev fonts-dejavu-core
   libx11-dev libgl-dev libopengl-dev libegl-dev libegl1 libgl1 libgl1-mesa-dri zlib1g-dev
 )

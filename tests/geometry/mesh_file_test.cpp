@@ -214,7 +214,8 @@ TEST_CASE("what is no mesh file at all is refused by name")
                Contains("must be an .obj, .stl, .ply, .gltf or .glb file"));
     CHECK_THAT(errorOf([] { loadTriangleMesh("a.fbx"); }),
                Contains("must be an .obj, .stl, .ply, .gltf or .glb file, got '.fbx'"));
-    CHECK_THAT(errorOf([] { loadTetMesh("a.obj"); }), Contains("must be a .msh, .vtk, .node or .ele file, got '.obj'"));
+    CHECK_THAT(errorOf([] { loadTetMesh("a.obj"); }),
+               Contains("must be a .msh, .vtk, .vtu, .node or .ele file, got '.obj'"));
     CHECK_THAT(errorOf([] { loadTetMesh("liver"); }), Contains("liver: a tetrahedral mesh must be"));
     for (const char* name : {"e.obj", "e.stl", "e.ply", "e.gltf", "e.glb"})
         CHECK_THAT(errorFor(name, ""), Contains(std::string(name) + ": is empty"));

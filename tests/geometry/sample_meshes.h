@@ -128,4 +128,32 @@ private:
     std::filesystem::path path_;
 };
 
+/// A cube of n cells per edge with two labels.
+inline TetMesh labelledCube(int n)
+{
+    TetMesh mesh = cubeMesh(n, 1);
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) mesh.labels.push_back(t % 3 == 0 ? 12 : 5);
+    return mesh;
+}
+
+/// Cuts a file off at every byte, and changes bytes at random: `parse` must return a mesh that passes check(), or throw
+/// an Error that names the file.
+template <class Parse> void damage(const std::string& whole, std::string_view name, const Parse& parse)
+{
+    const auto attempt = [&](const std::string& bytes) {
+        try {
+            check(parse(bytes), "what was read");
+        } catch (const Error& error) {
+            if (!Catch::contains(error.what(), std::string(name))) FAIL(error.what());
+        }
+    };
+    for (std::size_t length = 0; length < whole.size(); ++length) attempt(whole.substr(0, length));
+    std::mt19937 random(1);
+    for (int i = 0; i < 2000; ++i) {
+        std::string wrong = whole;
+        wrong[random() % wrong.size()] = static_cast<char>(random());
+        attempt(wrong);
+    }
+}
+
 } // namespace filasofia::geometry

@@ -7,12 +7,12 @@
 
 namespace filasofia::geometry {
 
-/// Reads the tetrahedra of a Gmsh .msh (2.2 or 4.1, ASCII or binary), a legacy VTK .vtk (an unstructured grid, ASCII or
-/// binary) or a TetGen .node/.ele pair (either name) and checks them. Hexahedra, prisms and pyramids are split into
-/// tetrahedra. Other elements (points, lines, triangles, quadrangles) are skipped, and nodes that no tetrahedron uses
-/// are dropped; the rest keep their order. Solids of second order are refused.
-/// `scale` [m], > 0, is the length of one unit of the file: 1e-3 for millimetres.
-/// Throws an Error naming the file, the line (ASCII) or byte (binary), the element, and the bound.
+/// Reads the tetrahedra of a Gmsh .msh (2.2 or 4.1, ASCII or binary), of an unstructured grid of VTK (a legacy .vtk or
+/// an XML .vtu) or of a TetGen .node/.ele pair (either name) and checks them. Hexahedra, prisms and pyramids are split
+/// into tetrahedra. Other elements (points, lines, triangles, quadrangles) are skipped, and nodes that no tetrahedron
+/// uses are dropped; the rest keep their order. Solids of second order are refused. `scale` [m], > 0, is the length of
+/// one unit of the file: 1e-3 for millimetres. Throws an Error naming the file, the line (ASCII) or byte (binary), the
+/// element, and the bound.
 TetMesh loadTetMesh(const std::filesystem::path& file, double scale = 1.0);
 
 /// Reads a triangle mesh from OBJ, STL, PLY or glTF (.gltf, .glb). All meshes of the file become one, placed by the

@@ -8,6 +8,7 @@
 #include "filasofia/geometry/number_source.h"
 #include "filasofia/geometry/tetgen_reader.h"
 #include "filasofia/geometry/vtk_reader.h"
+#include "filasofia/geometry/vtu_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +41,8 @@ TetMesh readTetMesh(const std::filesystem::path& file)
     if (extension == ".msh") return parseGmsh(bytesOf(file), file.string());
     if (extension == ".node" || extension == ".ele") return loadTetGen(file);
     if (extension == ".vtk") return parseVtk(bytesOf(file), file.string());
-    fail(file.string(), ": a tetrahedral mesh must be a .msh, .vtk, .node or .ele file, got '", extension, "'");
+    if (extension == ".vtu") return parseVtu(bytesOf(file), file.string());
+    fail(file.string(), ": a tetrahedral mesh must be a .msh, .vtk, .vtu, .node or .ele file, got '", extension, "'");
 }
 
 TriangleMesh readTriangleMesh(const std::filesystem::path& file)

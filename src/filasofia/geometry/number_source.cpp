@@ -12,7 +12,8 @@ namespace {
 // Not std::isspace, which depends on the locale.
 bool isSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-// A word as it may appear in a message: short, and printable whatever the file holds.
+} // namespace
+
 std::string quoted(std::string_view word)
 {
     constexpr std::size_t kMaxLength = 40;
@@ -20,8 +21,6 @@ std::string quoted(std::string_view word)
     for (char c : word.substr(0, kMaxLength)) out += c >= ' ' && c <= '~' ? c : '?';
     return out + (word.size() > kMaxLength ? "...'" : "'");
 }
-
-} // namespace
 
 std::string lowered(std::string_view word)
 {

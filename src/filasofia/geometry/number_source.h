@@ -11,11 +11,18 @@ namespace filasofia::geometry {
 /// The word with A to Z in lower case, whatever the locale.
 std::string lowered(std::string_view word);
 
+/// A word as an error shows it: in quotes, short, and printable whatever the file holds.
+std::string quoted(std::string_view word);
+
 /// Reads the bytes of a mesh file: words and numbers as text, or raw numbers of either byte order. Every failure is an
 /// Error that names the file and the position: the line while the file is text, otherwise the byte.
 class NumberSource {
 public:
-    NumberSource(std::string_view bytes, std::string_view name) : bytes_(bytes), name_(name) {}
+    /// `line`: of the file, in which the bytes begin.
+    NumberSource(std::string_view bytes, std::string_view name, std::size_t line = 1)
+        : bytes_(bytes), name_(name), line_(line), lastLine_(line)
+    {
+    }
 
     /// From here on numbers are binary; `swapped` if their byte order is not this machine's.
     void becomeBinary(bool swapped) { binary_ = true, swapped_ = swapped; }

@@ -4,6 +4,8 @@
 #include "filasofia/geometry/element_fault.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace filasofia::geometry {
@@ -49,6 +51,12 @@ TetMesh dropUnusedNodes(TetMesh mesh, std::string_view name)
 }
 
 } // namespace
+
+std::optional<int> labelOf(double value)
+{
+    if (value != std::floor(value) || !(std::abs(value) <= std::numeric_limits<int>::max())) return {};
+    return static_cast<int>(value);
+}
 
 std::string_view nameOf(Solid solid)
 {

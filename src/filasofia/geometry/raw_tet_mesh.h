@@ -4,6 +4,8 @@
 #include "filasofia/geometry/split_solid.h"
 #include "filasofia/geometry/tet_mesh.h"
 
+#include <optional>
+
 namespace filasofia::geometry {
 
 /// A tetrahedral mesh as read from a file: nodes with the file's own numbers, elements with the position at which they
@@ -27,6 +29,9 @@ struct RawTetMesh {
     bool labelled = false; ///< the elements' labels mean something
     std::vector<MeshLabel> labelNames;
 };
+
+/// A number as a label; none if it is no whole number or too large.
+std::optional<int> labelOf(double value);
 
 /// The name of a solid.
 std::string_view nameOf(Solid solid);

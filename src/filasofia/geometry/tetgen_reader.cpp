@@ -2,9 +2,6 @@
 
 #include "filasofia/geometry/raw_tet_mesh.h"
 
-#include <cmath>
-#include <limits>
-
 // The format: Si 2020, TetGen user's manual 1.6, sections 5.2.1 (.node) and 5.2.3 (.ele). Each line is a record.
 namespace filasofia::geometry {
 namespace {
@@ -90,10 +87,9 @@ void readElements(NumberSource& in, RawTetMesh& mesh)
         std::array<std::int64_t, 4> nodes{};
         for (std::int64_t& node : nodes) node = integerOnLine(in, "a tetrahedron's four nodes");
         if (extra > 0) { // the first attribute is the region, a whole number; any other makes no labels
-            const double region = attribute(in);
-            const bool isLabel = region == std::floor(region) && std::abs(region) < std::numeric_limits<int>::max();
-            mesh.labelled = mesh.labelled && isLabel;
-            element.label = isLabel ? static_cast<int>(region) : 0;
+            const std::optional<int> label = labelOf(attribute(in));
+            mesh.labelled = mesh.labelled && label;
+            element.label = label.value_or(0);
             passOver(in, extra - 1);
         }
         endLine(in, "a tetrahedron");

@@ -1,10 +1,9 @@
 #include "filasofia/geometry/vtk_reader.h"
 
-#include "filasofia/geometry/raw_tet_mesh.h"
+#include "filasofia/geometry/vtk_cells.h"
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -25,37 +24,6 @@ constexpr NumberType kNumberTypes[] = {
     {"vtktypeuint32", 4}, {"float", 4, true},   {"double", 8, true},
 };
 
-/// VTK's types of cells: points, lines and surfaces have no volume.
-bool isFlat(std::int64_t type)
-{
-    return (type >= 1 && type <= 9) || (type >= 21 && type <= 23) || type == 28 || type == 30 || type == 34;
-}
-
-/// The solid of a type of cells, with its nodes in the order of Gmsh; none if it cannot be split.
-std::optional<Solid> toSolid(std::int64_t type, std::vector<std::int64_t>& nodes, const RawTetMesh& mesh)
-{
-    const auto have = [&](std::size_t count) { return nodes.size() == count; };
-    if (type == 10 && have(4)) return Solid::Simplex;
-    if (type == 12 && have(8)) return Solid::Hexahedron;
-    if (type == 14 && have(5)) return Solid::Pyramid;
-    if (type == 11 && have(8)) { // a voxel counts in x, then y, then z
-        std::swap(nodes[2], nodes[3]);
-        std::swap(nodes[6], nodes[7]);
-        return Solid::Hexahedron;
-    }
-    if (type != 13 || !have(6)) return {};
-    // VTK's first triangle of a wedge points outwards, but many programs write it as others do.
-    const auto at = [&](std::size_t k) {
-        const auto node = static_cast<std::uint64_t>(nodes[k]);
-        return node < mesh.nodes.size() ? mesh.nodes[node].position : Vec3{};
-    };
-    if (signedVolume(at(0), at(1), at(2), at(3)) < 0.0) {
-        std::swap(nodes[1], nodes[2]);
-        std::swap(nodes[4], nodes[5]);
-    }
-    return Solid::Prism;
-}
-
 class VtkReader {
 public:
     VtkReader(std::string_view bytes, std::string_view name) : in_(bytes, name), name_(name) {}
@@ -65,8 +33,8 @@ public:
         readHeader();
         for (std::string word = lowered(in_.word()); !word.empty(); word = lowered(in_.word())) readSection(word);
         if (mesh_.nodes.empty()) fail(name_, ": must have a POINTS section with points, found none");
-        if (types_.empty()) fail(name_, ": must have CELLS and CELL_TYPES sections, found none");
-        addCells();
+        if (cells_.types.empty()) fail(name_, ": must have CELLS and CELL_TYPES sections, found none");
+        addCells(cells_, in_, mesh_);
         return resolve(mesh_, in_, in_, name_);
     }
 
@@ -80,7 +48,6 @@ private:
     void readArray(std::int64_t components, std::int64_t tuples, const NumberType& type);
     void passOver(std::size_t count, const NumberType& type);
     void readLabels(const NumberType& type);
-    void addCells();
     [[nodiscard]] NumberType type();
     std::int64_t textCount(std::string_view what, std::size_t numbers, std::size_t rawBytes);
     std::vector<std::int64_t> readIntegers(std::size_t count, std::string_view what, int bytes);
@@ -90,12 +57,9 @@ private:
     std::string_view name_;
     bool version5_ = false;
     RawTetMesh mesh_;
-    std::vector<std::size_t> places_;        ///< of the cells
-    std::vector<std::int64_t> connectivity_, ///< the nodes of all cells
-        offsets_, types_;                    ///< per cell: where its nodes begin (and the end), its type
-    std::int64_t attributes_ = 0;            ///< number of values that the attributes now have
-    bool ofCells_ = false;                   ///< they are those of cells
-    std::vector<int> labels_;                ///< per cell; empty: none yet
+    VtkCells cells_;
+    std::int64_t attributes_ = 0; ///< number of values that the attributes now have
+    bool ofCells_ = false;        ///< they are those of cells
 };
 
 void VtkReader::readHeader()
@@ -121,8 +85,8 @@ void VtkReader::readSection(const std::string& keyword)
         attributes_ = in_.integerIn(in_.word(), "a number of values");
         ofCells_ = keyword == "cell_data";
         if (attributes_ < 0) in_.failHere("a number of values must be >= 0, got ", attributes_);
-        if (ofCells_ && attributes_ != static_cast<std::int64_t>(types_.size()))
-            in_.failHere("CELL_DATA must have one value per cell (", types_.size(), "), got ", attributes_);
+        if (ofCells_ && attributes_ != static_cast<std::int64_t>(cells_.types.size()))
+            in_.failHere("CELL_DATA must have one value per cell (", cells_.types.size(), "), got ", attributes_);
         return;
     }
     if (keyword == "metadata") { // ends with an empty line
@@ -185,46 +149,44 @@ void VtkReader::readPoints()
 
 void VtkReader::readCells()
 {
-    if (!offsets_.empty()) in_.failHere("the file has a second CELLS section; at most one is allowed");
+    if (!cells_.offsets.empty()) in_.failHere("the file has a second CELLS section; at most one is allowed");
     if (version5_) {
         const std::int64_t offsets = textCount("the number of offsets", 1, 4);
         const std::int64_t nodes = textCount("the number of cells' nodes", 1, 4);
         for (const auto& [keyword, count, list] :
-             {std::tuple{"offsets", offsets, &offsets_}, {"connectivity", nodes, &connectivity_}}) {
+             {std::tuple{"offsets", offsets, &cells_.offsets}, {"connectivity", nodes, &cells_.connectivity}}) {
             if (lowered(in_.word()) != keyword) in_.failHere("CELLS must have OFFSETS and CONNECTIVITY");
             const int bytes = type().bytes;
             in_.boundCount(count, keyword, 1, static_cast<std::size_t>(bytes));
             *list = readIntegers(static_cast<std::size_t>(count), "a cell's node or offset", bytes);
         }
-        places_.assign(offsets_.size(), in_.place());
+        cells_.places.assign(cells_.offsets.size(), in_.place());
     } else {
         const std::int64_t cells = textCount("the number of cells", 1, 4);
         const std::int64_t size = textCount("the size of the list of cells", 1, 4);
         beginRaw();
-        offsets_.push_back(0);
+        cells_.offsets.push_back(0);
         for (std::int64_t i = 0, left = size; i < cells; ++i) {
             const std::int64_t count = in_.integer("a cell's number of nodes");
-            places_.push_back(in_.place());
+            cells_.places.push_back(in_.place());
             if (count < 0 || count >= left)
                 in_.failHere("a cell's number of nodes must be in [0, ", std::max<std::int64_t>(0, left - 1),
                              "], what is left of the list of cells, got ", count);
-            for (std::int64_t k = 0; k < count; ++k) connectivity_.push_back(in_.integer("a cell's node"));
-            offsets_.push_back(static_cast<std::int64_t>(connectivity_.size()));
+            for (std::int64_t k = 0; k < count; ++k) cells_.connectivity.push_back(in_.integer("a cell's node"));
+            cells_.offsets.push_back(static_cast<std::int64_t>(cells_.connectivity.size()));
             left -= count + 1;
         }
     }
-    if (offsets_.empty() || offsets_.front() != 0 || !std::ranges::is_sorted(offsets_) ||
-        offsets_.back() != static_cast<std::int64_t>(connectivity_.size()))
-        in_.failHere("OFFSETS must ascend from 0 to the number of cells' nodes, ", connectivity_.size());
+    checkOffsets(cells_, in_, in_.place());
 }
 
 void VtkReader::readTypes()
 {
     const std::int64_t count = textCount("the number of cell types", 1, 4);
-    if (static_cast<std::size_t>(count) + 1 != offsets_.size())
-        in_.failHere("CELL_TYPES must have one type per cell (", offsets_.empty() ? 0 : offsets_.size() - 1, "), got ",
-                     count);
-    types_ = readIntegers(static_cast<std::size_t>(count), "a cell's type", 4);
+    if (static_cast<std::size_t>(count) + 1 != cells_.offsets.size())
+        in_.failHere("CELL_TYPES must have one type per cell (", cells_.offsets.empty() ? 0 : cells_.offsets.size() - 1,
+                     "), got ", count);
+    cells_.types = readIntegers(static_cast<std::size_t>(count), "a cell's type", 4);
 }
 
 // Values of points and cells. They are passed over, but for the first list of whole numbers of cells.
@@ -275,7 +237,7 @@ void VtkReader::readArray(std::int64_t components, std::int64_t tuples, const Nu
     in_.boundCount(components * tuples, "a number of values", 1, static_cast<std::size_t>(of.bytes));
     const auto count = static_cast<std::size_t>(components * tuples);
     beginRaw();
-    if (ofCells_ && labels_.empty() && components == 1 && count == types_.size())
+    if (ofCells_ && cells_.labels.empty() && components == 1 && count == cells_.types.size())
         readLabels(of);
     else
         passOver(count, of);
@@ -293,35 +255,14 @@ void VtkReader::readLabels(const NumberType& of)
 {
     std::vector<int> found;
     bool whole = true;
-    for (std::size_t i = 0; i < types_.size(); ++i) {
+    for (std::size_t i = 0; i < cells_.types.size(); ++i) {
         const double value = of.real ? in_.real("a cell's value", of.bytes)
                                      : static_cast<double>(in_.integer("a cell's value", of.bytes));
-        whole = whole && value == std::floor(value) && std::abs(value) <= std::numeric_limits<int>::max();
-        found.push_back(whole ? static_cast<int>(value) : 0);
+        const std::optional<int> label = labelOf(value);
+        whole = whole && label;
+        found.push_back(label.value_or(0));
     }
-    if (whole) labels_ = std::move(found);
-}
-
-void VtkReader::addCells()
-{
-    mesh_.labelled = !labels_.empty();
-    std::vector<std::int64_t> nodes;
-    for (std::size_t cell = 0; cell < types_.size(); ++cell) {
-        if (isFlat(types_[cell])) continue;
-        nodes.assign(connectivity_.begin() + offsets_[cell], connectivity_.begin() + offsets_[cell + 1]);
-        const std::optional<Solid> solid = toSolid(types_[cell], nodes, mesh_);
-        if (!solid)
-            in_.failAt(places_[cell], "cell ", cell,
-                       " must be a tetrahedron, hexahedron, voxel, wedge or pyramid of 4, 8, "
-                       "8, 6 or 5 nodes, got VTK's type ",
-                       types_[cell], " with ", nodes.size(), " nodes");
-        addSolid(nodes,
-                 {.number = static_cast<std::int64_t>(cell),
-                  .place = places_[cell],
-                  .label = mesh_.labelled ? labels_[cell] : 0,
-                  .partOf = *solid},
-                 in_, mesh_);
-    }
+    if (whole) cells_.labels = std::move(found);
 }
 
 } // namespace
