@@ -216,6 +216,27 @@ TEST_CASE("the summary counts what did not go as asked")
     report.notConverged = 2;
     report.damped = 3;
     report.outOfTime = 4;
+    report.inverted = 6;
+    report.worstInverted.count = 7;
+    report.worstInvertedBody = "liver";
+    report.worstInverted.place = {0.001, 0.002, 0.003};
+    report.beyondStrain = 1;
+    report.worstStrained.strain = 0.4567;
+    report.worstStrained.valid = 0.3;
+    report.worstStrainedBody = "gall bladder";
+    report.restless = 8;
+    report.worstUnrest.speed = 0.0123;
+    report.worstUnrest.undriven = 6.04;
+    report.worstUnrestBody = "stump";
+    CHECK_THAT(runtime::summary(report),
+               Catch::Contains("elements inside out in 6 steps, at most 7 at once; then the worst was in 'liver' at "
+                               "(1.0 2.0 3.0) mm\n"));
+    CHECK_THAT(runtime::summary(report), Catch::Contains("tissue beyond the range of its material in 1 step: strain "
+                                                         "0.46 in 'gall bladder', measured up to 0.3, at "));
+    const std::string unrest = "not at rest in 8 steps: 'stump' moved at 12.3 mm/s, 6 s after anything drove it";
+    CHECK_THAT(runtime::summary(report), Catch::Contains(unrest + "\n"));
+    report.energyGained = 2;
+    CHECK_THAT(runtime::summary(report), Catch::Contains(unrest + "; energy from nowhere in 2 of them\n"));
     CHECK_THAT(
         runtime::summary(report),
         Catch::Contains(

@@ -28,6 +28,8 @@ enum class StepFlag : std::uint32_t {
     Inverted = 1u << 11,        ///< elements were inside out at the start of the step (StepReport::inverted)
     BeyondStrain = 1u << 12,    ///< elements were strained beyond FemMaterial::validStrain (StepReport::beyondStrain)
     NothingChanged = 1u << 13,  ///< a SetTissue found no element: the log says which
+    Restless = 1u << 14,        ///< a body goes on moving though nothing drives it (StepReport::unrest)
+    EnergyGained = 1u << 15,    ///< a restless body moves with ever more energy than it has gained by falling
 };
 
 /// How one body's step was solved. Bodies that are in contact or attached to each other are solved together: they have
@@ -67,6 +69,16 @@ struct StrainedElements {
     double strain = 0.0; ///< [-] of the worst: the largest difference of a principal stretch from 1
     double valid = 0.0;  ///< [-] its material's validStrain
     Vec3 place = {};     ///< [m] its centre
+};
+
+/// Bodies that go on moving though nothing drives them: no command, tool, hand, force or pressure has changed for at
+/// least 5 s, and in the last four seconds the fastest point of the body moved faster than 1 mm/s (root mean square
+/// over each second), hardly slower in the last one than before. Also a body that spins or flies without damping.
+struct Unrest {
+    int bodies = 0;        ///< [-] number of restless bodies
+    BodyId body = {};      ///< the one with the fastest point
+    double speed = 0.0;    ///< [m/s] the speed of that point, root mean square over a second
+    double undriven = 0.0; ///< [s] since something drove the scene
 };
 
 /// Statistics of the contacts of a step.
@@ -142,6 +154,7 @@ struct StepReport {
     ContactReport contacts = {};
     InvertedElements inverted = {};
     StrainedElements beyondStrain = {};
+    Unrest unrest = {};
     TopologyReport topology = {};
     StageTimes times = {};
 

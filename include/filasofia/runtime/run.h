@@ -79,17 +79,21 @@ struct RunReport {
     std::uint64_t notConverged = 0; ///< [-], steps in which a solver reached its iteration limit
     std::uint64_t outOfTime = 0;    ///< [-], steps in which a solver stopped at the deadline (StepFlag::OutOfTime)
     std::uint64_t inverted = 0;     ///< [-], steps that began with elements inside out (StepFlag::Inverted)
-    physics::InvertedElements worstInverted = {}; ///< of the step with the most of them
+    physics::InvertedElements worstInverted = {}; ///< in the step with the most of them
     std::string worstInvertedBody = {};           ///< the name of its body
     /// [-], steps that began with elements beyond the range of their material (StepFlag::BeyondStrain)
     std::uint64_t beyondStrain = 0;
-    physics::StrainedElements worstStrained = {}; ///< of the step with the largest strain in relation to its range
+    physics::StrainedElements worstStrained = {}; ///< in the step with the largest strain in relation to its range
     std::string worstStrainedBody = {};           ///< the name of its body
-    bool realTime = false;                        ///< physics was scheduled before ordinary threads
-    std::string finished;                         ///< why it ended
-    std::vector<ContactPairReport> contacts;      ///< one per pair of bodies that touched, ascending by their ids
-    std::vector<std::string> bluntBlades; ///< one line per blade that touched a soft body without dynamicTopology
-    std::vector<std::string> pictures;    ///< files written, including the video
+    std::uint64_t restless = 0;       ///< [-], steps in which a body moved though nothing drove it (StepFlag::Restless)
+    std::uint64_t energyGained = 0;   ///< [-], steps among these in which it gained energy (StepFlag::EnergyGained)
+    physics::Unrest worstUnrest = {}; ///< in the step with the fastest such body
+    std::string worstUnrestBody = {}; ///< the name of that body
+    bool realTime = false;            ///< physics was scheduled before ordinary threads
+    std::string finished;             ///< why it ended
+    std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
+    std::vector<std::string> bluntBlades;    ///< one line per blade that touched a soft body without dynamicTopology
+    std::vector<std::string> pictures;       ///< files written, including the video
     /// why log or recording end before the run, or a screenshot is missing; empty: all are complete
     std::vector<std::string> fileProblems;
 };

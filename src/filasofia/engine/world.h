@@ -4,6 +4,7 @@
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/contact/coupling.h"
 #include "filasofia/engine/native_engine.h"
+#include "filasofia/engine/scene/rest_watch.h"
 #include "filasofia/engine/topology/ruptures.h"
 
 namespace filasofia::engine {
@@ -27,7 +28,8 @@ private:
     std::unique_ptr<BackgroundThread> background_; ///< for work that only a later step needs
     Scene scene_;
     std::vector<Blade> blades_; ///< cutting collision models, kept from step to step
-    Coupling coupling_;         ///< constraints of the current step, and scratch memory that is reused
+    RestWatch rest_;
+    Coupling coupling_; ///< constraints of the current step, and scratch memory that is reused
 };
 
 } // namespace filasofia::engine

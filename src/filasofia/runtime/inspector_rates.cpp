@@ -61,6 +61,7 @@ void InspectorRates::add(const physics::StepReport& report)
     mostInverted_ = std::max(mostInverted_, inverted_);
     beyondStrain_ = report.beyondStrain.count;
     mostBeyondStrain_ = std::max(mostBeyondStrain_, beyondStrain_);
+    unrest_ = report.unrest;
     paused_ = report.dt == 0.0;
     time_ = report.time;
     step_ = report.step;
@@ -99,6 +100,8 @@ void InspectorRates::draw()
     if (mostInverted_ > 0) ImGui::Text("elements inside out %d   at most %d", inverted_, mostInverted_);
     if (mostBeyondStrain_ > 0)
         ImGui::Text("elements beyond their range %d   at most %d", beyondStrain_, mostBeyondStrain_);
+    if (unrest_.bodies > 0)
+        ImGui::Text("not at rest: %.1f mm/s, %.1f s after a drive", 1e3 * unrest_.speed, unrest_.undriven);
     if (const std::uint64_t lost = impl_.feed.lost()) ImGui::Text("%llu step reports dropped", count(lost));
     drawStages();
     drawSolvers();

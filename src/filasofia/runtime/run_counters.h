@@ -14,6 +14,8 @@ public:
     void begin()
     {
         undone_ = damped_ = notConverged_ = outOfTime_ = inverted_ = beyondStrain_ = 0;
+        restless_ = energyGained_ = 0;
+        unrest_ = {};
         worst_ = {};
         mostStrained_ = {};
     }
@@ -31,6 +33,9 @@ public:
         if (strained.count > 0 &&
             (mostStrained_.count == 0 || strained.strain * mostStrained_.valid > mostStrained_.strain * strained.valid))
             mostStrained_ = strained;
+        restless_ += report.has(physics::StepFlag::Restless);
+        energyGained_ += report.has(physics::StepFlag::EnergyGained);
+        if (report.unrest.speed > unrest_.speed) unrest_ = report.unrest;
     }
     /// The steps of all runs, paused ones included.
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
@@ -44,14 +49,19 @@ public:
         report.worstInverted = worst_;
         report.beyondStrain = beyondStrain_;
         report.worstStrained = mostStrained_;
+        report.restless = restless_;
+        report.energyGained = energyGained_;
+        report.worstUnrest = unrest_;
     }
 
 private:
     std::uint64_t stepsEver_ = 0;
     /// [-] steps of this run
     std::uint64_t undone_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0, inverted_ = 0, beyondStrain_ = 0;
-    physics::InvertedElements worst_;        ///< of the step with the most of them
-    physics::StrainedElements mostStrained_; ///< of the step with the largest strain in relation to its range
+    std::uint64_t restless_ = 0, energyGained_ = 0; ///< [-] steps of this run
+    physics::InvertedElements worst_;               ///< of the step with the most of them
+    physics::StrainedElements mostStrained_;        ///< in the step with the largest strain in relation to its range
+    physics::Unrest unrest_;                        ///< in the step with the fastest body
 };
 
 } // namespace filasofia::runtime

@@ -45,6 +45,11 @@ void warn(const RunReport& report)
         logWarning(steps(report.beyondStrain), " tissue was strained beyond the range of its material, at most by ",
                    report.worstStrained.strain, " in '", report.worstStrainedBody, "', whose range is ",
                    report.worstStrained.valid, " (FemMaterial::validStrain)");
+    if (report.restless > 0)
+        logWarning(steps(report.restless), " a body went on moving though nothing drove it, at most at ",
+                   report.worstUnrest.speed, " m/s, in '", report.worstUnrestBody, "' (Restless)");
+    if (report.energyGained > 0)
+        logWarning(steps(report.energyGained), " such a body gained energy from nowhere (EnergyGained)");
     if (report.outOfTime > 0) logWarning(steps(report.outOfTime), " a solver stopped at the deadline");
 }
 

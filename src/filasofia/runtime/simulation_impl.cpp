@@ -166,6 +166,7 @@ void Simulation::Impl::fill(RunReport& report) const
     counters.fill(report);
     if (report.inverted > 0) report.worstInvertedBody = nameOf(report.worstInverted.body, physics);
     if (report.beyondStrain > 0) report.worstStrainedBody = nameOf(report.worstStrained.body, physics);
+    if (report.restless > 0) report.worstUnrestBody = nameOf(report.worstUnrest.body, physics);
     report.contacts = contacts.report(physics);
     report.bluntBlades = blades.lines();
     files.fill(report);

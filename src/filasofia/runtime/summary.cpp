@@ -72,6 +72,18 @@ std::string strainedLine(const RunReport& report)
                 millimetres(worst.place));
 }
 
+/// Something that never rests, or moves by energy from nowhere, is an error of the simulation or a body without
+/// damping.
+std::string unrestLine(const RunReport& report)
+{
+    const physics::Unrest& worst = report.worstUnrest;
+    std::string out = text("not at rest in ", report.restless, report.restless == 1 ? " step" : " steps", ": '",
+                           report.worstUnrestBody, "' moved at ", std::round(1e4 * worst.speed) / 10.0, " mm/s, ",
+                           std::round(10.0 * worst.undriven) / 10.0, " s after anything drove it");
+    if (report.energyGained > 0) out += text("; energy from nowhere in ", report.energyGained, " of them");
+    return out + "\n";
+}
+
 } // namespace
 
 std::string summary(const RunReport& report)
@@ -90,6 +102,7 @@ std::string summary(const RunReport& report)
                 ", at the deadline ", report.outOfTime, "\n");
     if (report.inverted > 0) out += invertedLine(report);
     if (report.beyondStrain > 0) out += strainedLine(report);
+    if (report.restless > 0) out += unrestLine(report);
     out += contactTable(report.contacts);
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)

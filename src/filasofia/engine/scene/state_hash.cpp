@@ -2,6 +2,7 @@
 
 #include "filasofia/core/hash.h"
 
+#include <algorithm>
 #include <span>
 #include <variant>
 
@@ -97,11 +98,22 @@ void addAttachments(Hasher& hash, const Scene& scene)
     }
 }
 
+void add(Hasher& hash, const physics::JointCommand& command)
+{
+    hash.add(static_cast<std::uint64_t>(command.index()));
+    hash.add(std::visit([](const auto& each) { return each.value; }, command));
+}
+
+void add(Hasher& hash, const Wrench& wrench)
+{
+    add(hash, wrench.force);
+    add(hash, wrench.torque);
+}
+
 void addJoints(Hasher& hash, const RigidState& body)
 {
     for (const JointState& joint : body.joints) {
-        hash.add(static_cast<std::uint64_t>(joint.command.index()));
-        hash.add(std::visit([](const auto& command) { return command.value; }, joint.command));
+        add(hash, joint.command);
         for (double each : {joint.now.position, joint.now.velocity, joint.now.force, joint.now.load, joint.now.stop,
                             joint.lowerLimitForce, joint.upperLimitForce, joint.frictionForce})
             hash.add(each);
@@ -143,14 +155,30 @@ std::uint64_t hashOf(const Scene& scene)
         if (!each.model.dynamic && body.joints.empty()) continue; // a kinematic body is its poses alone
         for (const auto* list : {&body.velocities, &body.angularVelocities})
             for (const Vec3& v : *list) add(hash, v);
-        for (const Wrench& wrench : body.wrenches) {
-            add(hash, wrench.force);
-            add(hash, wrench.torque);
-        }
+        for (const Wrench& wrench : body.wrenches) add(hash, wrench);
         addCouplings(hash, body);
     }
     addContacts(hash, scene);
     addAttachments(hash, scene);
+    return hash.value();
+}
+
+std::uint64_t hashOfDrive(const Scene& scene)
+{
+    Hasher hash;
+    add(hash, scene.gravity);
+    for (const SoftBody& body : scene.soft) {
+        if (std::ranges::any_of(body.state.forces, [](Vec3 f) { return f != Vec3{}; }))
+            hash.addAll(std::span<const Vec3>(body.state.forces));
+        hash.add(body.state.pressure);
+    }
+    for (const RigidBody& body : scene.rigid) {
+        if (!body.model.dynamic)
+            for (const Pose& pose : body.state.poses) add(hash, pose);
+        for (const JointState& joint : body.state.joints) add(hash, joint.command);
+        for (const Wrench& wrench : body.state.wrenches) add(hash, wrench);
+        addCouplings(hash, body.state);
+    }
     return hash.value();
 }
 

@@ -10,4 +10,8 @@ namespace filasofia::engine {
 /// and attachments. The same input gives the same hash at every step, for any number of threads.
 std::uint64_t hashOf(const Scene& scene);
 
+/// A hash of what drives the bodies: gravity, forces and pressures of the user, kinematic poses, hands, commands of
+/// joints.
+std::uint64_t hashOfDrive(const Scene& scene);
+
 } // namespace filasofia::engine
