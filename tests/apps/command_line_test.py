@@ -557,11 +557,6 @@ class Bench(Program):
         costs = [cell["cost_s"]["median"] for cell in report["cells"] if cell["pace"] == "free"]
         self.assertEqual(report["limits"][2]["met"], max(costs) / min(costs) - 1 <= 0.05)
         self.assertEqual(report["slower_than_real_time"], [756] if max(costs) > 5e-3 else [])
-        # The verdicts depend on the machine's load, so they may be MISSED here. What may not depend on it: subdividing the
-        # drawn surface changes neither the cost of a step (picture_beside_physics_test.cpp measures it with care) nor the
-        # steps made by the clock.
-        self.assertLess(max(costs) / min(costs), 3)
-        self.assertLess(max(medians) / min(medians), 3)
 
     def test_pictures_that_cannot_start_are_named_and_the_rest_is_kept(self):
         report, said = self.measured(**self.NO_EGL)

@@ -1,3 +1,5 @@
+#include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/tissue.h"
 #include "filasofia/geometry/shapes.h"
 
 #include "verification/verification.h"
@@ -154,6 +156,46 @@ TEST_CASE("rest scale: a free body shrinks to its scale and is at rest there, wi
             stage.run(100, 0.01);
             CHECK(std::abs(heightOf(stage.soft().x) / (2.0 * kHalf) - 0.9) < 1e-3);
         }
+}
+
+TEST_CASE("plasticity: tissue sheared to and fro bears its yield stress, and keeps what has flowed")
+{
+    constexpr double kYield = 200.0, kYoung = 20e3, kNu = 0.3, kMost = 0.1;
+    const double mu = lame(kYoung, kNu).mu, limit = kYield / std::sqrt(3.0);
+    double worst = 0.0, worstStay = 0.0;
+    for (const auto& [name, law] : everyLaw()) {
+        Stage stage;
+        stage.add(SoftBodyDef{
+            .mesh = shapes::block({0.01, 0.01, 0.01}, {2, 2, 2}),
+            .material = FemMaterial{.youngModulus = kYoung, .poissonRatio = kNu, .law = law, .yieldStress = kYield},
+            .gravity = false});
+        stage.step(1e-9);
+        const auto shearTo = [&](double shear) {
+            SoftState& state = stage.soft();
+            for (std::size_t i = 0; i < state.x.size(); ++i)
+                state.x[i] = stage.model().rest[i] + shear * stage.model().rest[i].z * Vec3{1, 0, 0};
+            for (auto* list : {&state.v, &state.dv, &state.residual}) std::ranges::fill(*list, Vec3{});
+            stage.step(1e-9);
+            const FemElement& element = stage.model().elements[0];
+            return endStress(stage.model(), state, 0, gradient(element, cornersOf(element.nodes, state.x)))[0].z;
+        };
+        // mu times the shear since the stress was zero, but no more than the limit
+        double zeroAt = 0.0, before = 0.0, stress = 0.0, stays = -1.0;
+        for (int i = 1; i <= 300; ++i) {
+            const double shear = kMost * (i <= 100 ? 0.01 * i : 2.0 - 0.01 * i);
+            const double expected = std::clamp(mu * (shear - zeroAt), -limit, limit);
+            zeroAt = shear - expected / mu;
+            const double last = stress;
+            stress = shearTo(shear);
+            worst = std::max(worst, std::abs(stress - expected) / limit);
+            if (i > 100 && last > 0.0 && stress <= 0.0 && stays < 0.0)
+                stays = before + (shear - before) * last / (last - stress);
+            before = shear;
+        }
+        worstStay = std::max(worstStay, std::abs(stays - (kMost - limit / mu)) / kMost);
+    }
+    verify("ideal plasticity in shear to 0.1 and back, every law, error of the stress over its limit", worst, 0.02);
+    verify("the same, error of the shear that stays over 0.1", worstStay, 0.01);
 }
 
 } // namespace tissue_verification_test

@@ -35,11 +35,11 @@ physics::SoftBodyDef bunny(const Mesh& mesh, const ElasticLaw& law, const physic
 struct LawTimes {
     std::string law;
     int tetrahedra = 0;
-    std::vector<double> steps = {};   ///< [s] of all repetitions
+    std::vector<double> steps = {};   ///< [s] in all repetitions
     std::vector<double> medians = {}; ///< [s] one per repetition
     long iterations = 0;
     std::uint32_t flags = 0;
-    double error = 0.0; ///< [-] of the displacement after a run, relative to it
+    double error = 0.0; ///< [-] in the displacement after a run, relative to it
 };
 
 /// Where the nodes are after a run from rest.

@@ -37,6 +37,10 @@ struct FemMaterial {
     /// [-], > 0 or infinite: the strain up to which the constants were measured. If a principal stretch differs from 1
     /// by more, the step sets StepFlag::BeyondStrain.
     double validStrain = std::numeric_limits<double>::infinity();
+    /// [Pa], > 0 or infinite: tissue that bears a larger von Mises stress flows, and keeps the new shape: crushed
+    /// tissue, a clip that is closed. Ideal plasticity, without a change of volume. The directions of fibres do not
+    /// flow.
+    double yieldStress = std::numeric_limits<double>::infinity();
 };
 
 constexpr auto fields(const PronyTerm*)
@@ -60,10 +64,11 @@ constexpr auto fields(const FemMaterial*)
         field("relaxation", &T::relaxation, "terms of a Prony series"),
         field("stiffnessField", &T::stiffnessField, "-", positive(), "factors of Young's modulus, per tetrahedron"),
         field("validStrain", &T::validStrain, "-", positiveOrInfinite(),
-              "strain up to which the constants were measured"));
+              "strain up to which the constants were measured"),
+        field("yieldStress", &T::yieldStress, "Pa", positiveOrInfinite(), "von Mises stress beyond which it flows"));
 }
 /// The last fields are younger than the first recordings.
-constexpr std::size_t addedFields(const FemMaterial*) { return 5; }
+constexpr std::size_t addedFields(const FemMaterial*) { return 6; }
 
 /// Throws an Error that begins with `object` for what a range cannot express: the terms of a law, the sum of the Prony
 /// series. Does not look into a mesh.

@@ -60,6 +60,7 @@ struct TissueRegion {
     /// [-], in [0.5, 2]: lengths at rest, relative to those of the mesh: less than 1 for tissue that heat has shrunk,
     /// more for tissue that is swollen. The mass stays.
     std::optional<double> restScale = {};
+    std::optional<double> yieldStress = {}; ///< [Pa], > 0 or infinite: see FemMaterial
 
     friend bool operator==(const TissueRegion&, const TissueRegion&) = default;
 };
@@ -152,8 +153,12 @@ constexpr auto fields(const TissueRegion*)
         field("tearingThreshold", &T::tearingThreshold, "Pa", positiveOrInfinite(),
               "largest principal stress beyond which it tears there"),
         field("density", &T::density, "kg/m^3", positive(), "mass per volume there"),
-        field("restScale", &T::restScale, "-", closed(0.5, 2), "lengths at rest relative to those of the mesh"));
+        field("restScale", &T::restScale, "-", closed(0.5, 2), "lengths at rest relative to those of the mesh"),
+        field("yieldStress", &T::yieldStress, "Pa", positiveOrInfinite(),
+              "von Mises stress beyond which it flows there"));
 }
+/// The last field is younger than the first recordings with regions.
+constexpr std::size_t addedFields(const TissueRegion*) { return 1; }
 constexpr auto fields(const Along*)
 {
     return describe("Along", field("direction", &Along::direction, "-", finite(), "direction of the fibres"));

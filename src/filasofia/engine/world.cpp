@@ -8,6 +8,7 @@
 #include "filasofia/engine/step/advance.h"
 #include "filasofia/engine/step/apply_commands.h"
 #include "filasofia/engine/step/assemble.h"
+#include "filasofia/engine/step/flow_tissue.h"
 
 #include <algorithm>
 #include <utility>
@@ -72,13 +73,16 @@ physics::StepReport World::step(const physics::StepInput& in)
     keepJoints(in.dt, coupling_, scene_);
     report.times.advance = watch.lap();
 
-    cutBodies(context, coupling_.rigid, scene_, blades_); // 5 cut by blades
+    flowTissue(context, scene_);                          // 5 tissue that yields gets a new shape at rest
+    cutBodies(context, coupling_.rigid, scene_, blades_); //   cut by blades
     applyEdits(period_, scene_, report);                  // 6 the only writer of topology
     tearBodies(context, scene_);                          //   tear by stress
     applyEdits(period_, scene_, report);
     removeLostPieces(scene_, report);
     followPartings(in.dt, scene_, *background_);
     report.times.topology = watch.lap();
+
+    rest_.follow(in, scene_, report); // 7 what moves though nothing drives it
     return report;
 }
 

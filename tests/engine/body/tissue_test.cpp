@@ -167,7 +167,7 @@ TEST_CASE("tissue: if the terms that relax change, the new ones begin with the p
     const BodyId id = stage.add(def);
     stage.step(0.0);
     for (Vec3& x : stage.soft().x) x.z *= 1.2;
-    const auto part = [&] { // of the stress of sudden strain
+    const auto part = [&] { // relative to the stress of sudden strain
         const Corners x = cornersOf(stage.model().elements[0].nodes, stage.soft().x);
         const Deformation at{gradient(stage.model().elements[0], x), toMat3(rotationOf(stage.soft().rotations, 0))};
         const Mat3 all = stressAt(NeoHookean{}, lameOf(stage.model().elements[0]), at);

@@ -180,7 +180,8 @@ TEST_CASE("a hard attachment replaces the contacts at its points, and a soft one
 
 TEST_CASE("two attachments with contradicting positions for one node stay finite and release it without a jolt")
 {
-    for (const double speed : {1e-4, 0.01, 1.0}) { // [m/s] of the tool, which moves away with a node pinned in space
+    for (const double speed :
+         {1e-4, 0.01, 1.0}) { // [m/s] the speed of the tool, which moves away with a node pinned in space
         AttachmentScene scene;
         scene.stage.add(rigidBox({0.03, 0.01, 0.01}));
         scene.attach({.box = geometry::Box{{-1, -1, -1}, {1, 1, 1}}});

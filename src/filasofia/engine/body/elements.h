@@ -27,12 +27,16 @@ inline bool allHeld(const SoftModel& model, std::size_t e)
                                [&](int node) { return model.pins.hard[static_cast<std::size_t>(node)]; });
 }
 
-/// Sets volume and gradients of an element from its nodes at rest and its scale.
+/// Sets volume and gradients of an element from its nodes at rest, its scale, and what has flowed.
 inline void shapeElement(const std::vector<Vec3>& rest, FemElement& element)
 {
     const Corners corners = cornersOf(element.nodes, rest);
     element.gradients = shapeGradients(corners);
     element.volume = volumeOf(corners);
+    if (element.plastic != Mat3::identity()) {
+        const Mat3 back = inverse(element.plastic);
+        for (Vec3& each : element.gradients) each = transposeTimes(back, each);
+    }
     if (element.restScale == 1.0) return;
     for (Vec3& each : element.gradients) each = 1.0 / element.restScale * each;
     element.volume *= element.restScale * element.restScale * element.restScale;

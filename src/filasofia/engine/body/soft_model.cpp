@@ -79,13 +79,18 @@ void checkPins(const SoftModel& model, const std::string& object)
 void setTissue(SoftModel& model)
 {
     model.tearingThreshold = model.material.tearingThreshold;
+    model.yieldStress = model.material.yieldStress;
     for (FemElement& element : model.elements) {
         const TetrahedronTissue& tissue = model.tissue->of[static_cast<std::size_t>(element.tetrahedron)];
         element.youngModulus = tissue.youngModulus;
         element.poissonRatio = tissue.poissonRatio;
         element.tearingThreshold = tissue.tearingThreshold;
+        element.yieldStress = tissue.yieldStress;
         model.tearingThreshold = std::min(model.tearingThreshold, element.tearingThreshold);
-        if (std::exchange(element.restScale, tissue.restScale) != tissue.restScale) shapeElement(model.rest, element);
+        model.yieldStress = std::min(model.yieldStress, element.yieldStress);
+        const bool scaled = std::exchange(element.restScale, tissue.restScale) != tissue.restScale;
+        const bool flowed = std::exchange(element.plastic, Mat3::identity()) != Mat3::identity();
+        if (scaled || flowed) shapeElement(model.rest, element);
     }
 }
 

@@ -51,6 +51,8 @@ struct SoftModel {
     double density = 0.0;          ///< [kg/m^3] of elements for which no region says another
     /// [Pa] the smallest of all elements; infinite: never tears
     double tearingThreshold = std::numeric_limits<double>::infinity();
+    /// [Pa] the smallest of all elements; infinite: none ever flows
+    double yieldStress = std::numeric_limits<double>::infinity();
     /// FEM bodies only: the mesh of the Def, in which regions and fibres are looked up, and its orientation in the
     /// world
     std::shared_ptr<const geometry::TetMesh> mesh;
@@ -58,7 +60,7 @@ struct SoftModel {
     std::shared_ptr<const TissueMap> tissue; ///< FEM bodies only: the material in that mesh
     /// Per family of fibres and element: the direction at rest, in the world; zero: no fibre
     std::vector<std::vector<Vec3>> fibres;
-    bool patched = false; ///< the tissue of some elements was changed after the material was set
+    bool patched = false; ///< the tissue of some elements was changed after the material was set, or flowed
 };
 
 /// True if the stress of an element is that of the elastic law: no fibres, no relaxation.

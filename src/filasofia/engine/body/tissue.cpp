@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/tissue_map.h"
+#include "filasofia/math/polar.h"
 
 #include <algorithm>
 #include <utility>
@@ -82,6 +83,13 @@ Mat3 startStress(const SoftModel& model, const RelaxationStep& relaxation, std::
     });
 }
 
+Mat3 endStress(const SoftModel& model, const SoftState& state, std::size_t element, const Mat3& f)
+{
+    const Mat3 rotation = toMat3(polarRotation(f, rotationOf(state.rotations, element)));
+    const RelaxationStep relaxation = relaxationWithin(model, state.unrelaxed);
+    return cauchyStress(tissueStress(model, state, relaxation, element, {f, rotation}), f);
+}
+
 TissueTangent dampingTangent(const SoftModel& model, std::size_t element, const Deformation& at)
 {
     return stepTangent(model, element, at, {.stiffness = 1.0, .law = 1.0});
@@ -133,6 +141,7 @@ std::vector<int> changeTissue(const physics::TissueRegion& region, const SoftSta
         FemElement& element = model.elements[static_cast<std::size_t>(e)];
         apply(region, element);
         model.tearingThreshold = std::min(model.tearingThreshold, element.tearingThreshold);
+        model.yieldStress = std::min(model.yieldStress, element.yieldStress);
         shapeElement(model.rest, element);
     }
     model.patched = model.patched || !elements.empty();

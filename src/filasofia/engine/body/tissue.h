@@ -22,6 +22,9 @@ Mat3 tissueStress(const SoftModel& model, const SoftState& state, const Relaxati
 Mat3 startStress(const SoftModel& model, const RelaxationStep& relaxation, std::size_t element, const Deformation& at,
                  SoftState& state);
 
+/// Cauchy stress of an element [Pa] with this deformation gradient at the end of a step, whose state it is.
+Mat3 endStress(const SoftModel& model, const SoftState& state, std::size_t element, const Mat3& f);
+
 /// The derivative of the stress within a step as its matrix uses it.
 struct TissueTangent {
     double share = 1.0; ///< [-] weight of the law's tangent relative to that of the fibres

@@ -12,6 +12,7 @@ std::shared_ptr<const TissueMap> mapTissue(const physics::FemMaterial& material,
     map->of.assign(mesh.tetrahedra.size(), {.youngModulus = material.youngModulus,
                                             .poissonRatio = material.poissonRatio,
                                             .tearingThreshold = material.tearingThreshold,
+                                            .yieldStress = material.yieldStress,
                                             .density = density});
     for (std::size_t t = 0; t < material.stiffnessField.size(); ++t)
         map->of[t].youngModulus *= material.stiffnessField[t];

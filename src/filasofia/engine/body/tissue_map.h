@@ -15,6 +15,7 @@ struct TetrahedronTissue {
     double youngModulus = 0.0;     ///< [Pa]
     double poissonRatio = 0.0;     ///< [-]
     double tearingThreshold = 0.0; ///< [Pa]
+    double yieldStress = 0.0;      ///< [Pa]
     double density = 0.0;          ///< [kg/m^3]
     double restScale = 1.0;        ///< [-]
 };
@@ -25,6 +26,7 @@ template <class Tissue> void apply(const physics::TissueRegion& region, Tissue& 
     tissue.youngModulus = region.youngModulus.value_or(tissue.youngModulus);
     tissue.poissonRatio = region.poissonRatio.value_or(tissue.poissonRatio);
     tissue.tearingThreshold = region.tearingThreshold.value_or(tissue.tearingThreshold);
+    tissue.yieldStress = region.yieldStress.value_or(tissue.yieldStress);
     tissue.restScale = region.restScale.value_or(tissue.restScale);
 }
 

@@ -15,9 +15,11 @@ struct FemElement {
     double volume = 0.0;             ///< [m^3] at rest
     double youngModulus = 0.0;       ///< [Pa]
     double poissonRatio = 0.0;       ///< [-]
+    Mat3 plastic = Mat3::identity(); ///< [-] F_p: the shape at rest relative to that of the mesh, of the same volume
     double restScale = 1.0;          ///< [-] lengths at rest, relative to those of the mesh
     double density = 0.0;            ///< [kg/m^3] of the mesh at rest
     double tearingThreshold = std::numeric_limits<double>::infinity(); ///< [Pa]
+    double yieldStress = std::numeric_limits<double>::infinity();      ///< [Pa]
     int tetrahedron = 0; ///< of the Def's mesh: the element itself, or the one from which cuts have made it
 };
 

@@ -58,6 +58,13 @@ void updatePinnedParts(const SoftModel& model, const MeshEdit& edit, PinnedParts
     }
 }
 
+void followTissue(const SoftModel& model, const std::vector<int>& elements, SoftSystem& system)
+{
+    system.tuned = true;
+    if (!system.outdated) // an assembled system reads the elements in every step
+        system.outdated = system.matrixFree && !system.matrixFree->editTissue(model, elements);
+}
+
 SoftSystem makeSystem(const SoftModel& model, double period)
 {
     SoftSystem system;

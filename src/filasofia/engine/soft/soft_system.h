@@ -40,6 +40,9 @@ inline void outdate(bool tuned, SoftSystem& system)
 /// Updates the parts that pull at hard-pinned nodes after an edit.
 void updatePinnedParts(const SoftModel& model, const MeshEdit& edit, PinnedParts& parts);
 
+/// Updates the system after a change of the tissue of these elements, ascending; the model is up to date already.
+void followTissue(const SoftModel& model, const std::vector<int>& elements, SoftSystem& system);
+
 /// Builds the system of a body, assembled if float cannot represent the model. `period` [s]: the step that the solver
 /// prepares for.
 SoftSystem makeSystem(const SoftModel& model, double period);

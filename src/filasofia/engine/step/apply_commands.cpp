@@ -89,9 +89,7 @@ struct ApplyCommand {
             logWarning("soft body '", body.model.name, "': a change of tissue reached no element");
             return;
         }
-        body.system.tuned = true;
-        if (!body.system.outdated)
-            body.system.outdated = !body.system.matrixFree || !body.system.matrixFree->editTissue(body.model, elements);
+        followTissue(body.model, elements, body.system);
     }
     void operator()(const physics::SetFibreStress& set) const
     {

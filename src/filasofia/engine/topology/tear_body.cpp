@@ -15,19 +15,11 @@ namespace {
 
 constexpr int kElementsPerPart = 256;
 
-/// The Cauchy stress of an element, with fibres or relaxation.
-Mat3 fullStressOf(const SoftModel& model, const SoftState& state, std::size_t e, const Mat3& f)
-{
-    const Quat rotation = polarRotation(f, rotationOf(state.rotations, e));
-    const RelaxationStep relaxation = relaxationWithin(model, state.unrelaxed);
-    return cauchyStress(tissueStress(model, state, relaxation, e, {f, toMat3(rotation)}), f);
-}
-
 Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, double threshold)
 {
     const FemElement& element = model.elements[e];
     const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
-    if (!hasLawAlone(model)) return fullStressOf(model, state, e, f);
+    if (!hasLawAlone(model)) return endStress(model, state, e, f);
     const Lame material = lameOf(element);
     const Quat before = rotationOf(state.rotations, e);
     // Only the corotational stress with the last step's rotation is near the true one, however far the element turned.
