@@ -1,6 +1,5 @@
 #include "filasofia/geometry/array_bytes.h"
 
-#include <algorithm>
 #include <cstdint>
 
 namespace filasofia::geometry {

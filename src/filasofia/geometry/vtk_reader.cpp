@@ -102,8 +102,7 @@ NumberType VtkReader::type()
 {
     const std::string_view word = in_.word();
     const auto* found = std::ranges::find(kNumberTypes, lowered(word), &NumberType::name);
-    if (found == std::end(kNumberTypes))
-        in_.failHere("a type of numbers must be char to double, got '", word.substr(0, 40), "'");
+    if (found == std::end(kNumberTypes)) in_.failHere("a type of numbers must be char to double, got ", quoted(word));
     return *found;
 }
 
@@ -206,7 +205,7 @@ void VtkReader::readAttribute(const std::string& keyword)
         return;
     }
     const std::string_view name = in_.word();
-    if (name.empty()) in_.failHere("the file ends after '", keyword.substr(0, 40), "'");
+    if (name.empty()) in_.failHere("the file ends after ", quoted(keyword));
     if (keyword == "scalars") {
         const NumberType of = type();
         const std::string_view components = in_.wordOnThisLine();
@@ -225,7 +224,7 @@ void VtkReader::readAttribute(const std::string& keyword)
     if (keyword == "color_scalars")
         return readArray(in_.integerIn(in_.word(), "a number of components"), attributes_, colour);
     if (keyword == "lookup_table") return readArray(4, in_.integerIn(in_.word(), "the size of a table"), colour);
-    in_.failHere("a section must be one of VTK's, got '", keyword.substr(0, 40), "'");
+    in_.failHere("a section must be one of VTK's, got ", quoted(keyword));
 }
 
 void VtkReader::readArray(std::int64_t components, std::int64_t tuples, const NumberType& of)

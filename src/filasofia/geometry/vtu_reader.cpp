@@ -45,8 +45,9 @@ private:
     void readCells(const pugi::xml_node& piece);
     void readLabels(const pugi::xml_node& piece);
 
+    [[nodiscard]] std::size_t lineAt(std::ptrdiff_t offset) const;
     /// The line on which an element or a text begins.
-    [[nodiscard]] std::size_t lineOf(const pugi::xml_node& node) const;
+    [[nodiscard]] std::size_t lineOf(const pugi::xml_node& node) const { return lineAt(node.offset_debug()); }
     template <class... Parts> [[noreturn]] void failAt(const pugi::xml_node& node, const Parts&... parts) const
     {
         file_.failAt(lineOf(node), parts...);
@@ -76,10 +77,9 @@ private:
     VtkCells cells_;
 };
 
-std::size_t VtuReader::lineOf(const pugi::xml_node& node) const
+std::size_t VtuReader::lineAt(std::ptrdiff_t offset) const
 {
-    const std::ptrdiff_t at =
-        std::clamp<std::ptrdiff_t>(node.offset_debug(), 0, static_cast<std::ptrdiff_t>(bytes_.size()));
+    const std::ptrdiff_t at = std::clamp<std::ptrdiff_t>(offset, 0, static_cast<std::ptrdiff_t>(bytes_.size()));
     return 1 + static_cast<std::size_t>(std::count(bytes_.begin(), bytes_.begin() + at, '\n'));
 }
 
@@ -122,9 +122,7 @@ void VtuReader::parse()
         document_.load_buffer(appended_.head.data(), appended_.head.size(), pugi::parse_default, pugi::encoding_utf8);
     // The end of the file was split off with the data.
     const bool ended = appended_.head.size() < bytes_.size() && result.status == pugi::status_end_element_mismatch;
-    if (!result && !ended)
-        file_.failAt(1 + static_cast<std::size_t>(std::count(bytes_.begin(), bytes_.begin() + result.offset, '\n')),
-                     "the file must be XML: ", result.description());
+    if (!result && !ended) file_.failAt(lineAt(result.offset), "the file must be XML: ", result.description());
     const pugi::xml_node root = document_.child("VTKFile");
     if (!root || std::string_view(root.attribute("type").value()) != "UnstructuredGrid")
         file_.failAt(1, "a .vtu file must be a VTKFile of the type UnstructuredGrid");
