@@ -69,45 +69,26 @@ inline Corners elementForces(const FemElement& element, const Corners& x)
 inline void solveStatic(const SoftModel& model, std::span<const Vec3> loads, std::vector<Vec3>& x,
                         double tolerance = 1e-13)
 {
-    SoftModel implicit = model;
-    implicit.integrator = physics::ImplicitEuler{};
-    implicit.solver = physics::Cholesky{};
-    AssembledSystem system(implicit);
-    std::vector<Quat> rotations(model.elements.size());
-    std::vector<Vec3> residual(x.size()), dx(x.size());
+    SoftModel still = model;
+    still.integrator = physics::ImplicitEuler{};
+    still.solver = physics::Cholesky{};
+    still.rayleigh = {.mass = 0.0, .stiffness = 0.0};
+    AssembledSystem system(still);
+    SoftState state = stateAtRest(still);
+    state.x = x;
+    std::vector<Vec3> dx(x.size());
     double first = 0.0;
     for (int iteration = 0; iteration < 300; ++iteration) {
-        residual.assign(loads.begin(), loads.end());
-        system.matrix.setZero();
-        for (std::size_t e = 0; e < model.elements.size(); ++e) {
-            const FemElement& element = model.elements[e];
-            Corners corners;
-            for (std::size_t i = 0; i < 4; ++i) corners[i] = x[element.nodes[i]];
-            const Mat3 f = gradient(element, corners);
-            rotations[e] = polarRotation(f, rotations[e]);
-            const Deformation at{f, toMat3(rotations[e])};
-            const Corners forces = internalForces(element, stressAt(model.material.law, lameOf(element), at));
-            for (std::size_t i = 0; i < 4; ++i) residual[element.nodes[i]] -= forces[i];
-            const ElementTangent tangent = tangentAt(model.material.law, lameOf(element), at, 0.0);
-            for (int i = 0; i < 4; ++i)
-                for (int j = 0; j < 4; ++j)
-                    if (const int p = system.elementBlocks[e][4 * i + j]; p >= 0)
-                        system.matrix.block(p) +=
-                            element.volume * stiffnessBlock(tangent, element.gradients[i], element.gradients[j]);
-        }
+        // With steps of 1 s, without inertia, damping and velocity, the step's equation is K dx = f.
+        assembleMatrix(still, loads, 1.0, 0.0, state, system);
         double size = 0.0;
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            if (model.pins.hard[i]) {
-                residual[i] = {};
-                system.matrix.block(system.diagonalBlocks[i]) += Mat3::identity();
-            }
-            size += lengthSquared(residual[i]);
-        }
+        for (const Vec3& each : system.rightHandSide) size += lengthSquared(each);
         if (iteration == 0) first = size;
-        system.solver->solve(system.matrix, residual, dx);
-        for (std::size_t i = 0; i < x.size(); ++i) x[i] += dx[i];
-        if (iteration > 0 && size < tolerance * tolerance * first) return;
+        system.solver->solve(system.matrix, system.rightHandSide, dx);
+        for (std::size_t i = 0; i < x.size(); ++i) state.x[i] += dx[i];
+        if (iteration > 0 && size < tolerance * tolerance * first) break;
     }
+    x = state.x;
 }
 
 } // namespace filasofia::engine

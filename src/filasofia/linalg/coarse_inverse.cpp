@@ -19,8 +19,8 @@ struct CoarseMatrix {
     std::vector<Eigen::MatrixXd> pieces;
 };
 
-/// P^T A P without forming P: each block of A goes to the four times four coarse nodes of its row and column. Nothing
-/// couples a small piece with anything else.
+/// P^T A P without forming P: each block of A goes to the four times four coarse nodes of its row and column. What
+/// couples a small piece with anything else, by a node that is held, is left out.
 CoarseMatrix galerkin(const PreconditionerInput& in)
 {
     std::vector<bool> unknown(static_cast<std::size_t>(in.matrix.rows()));
@@ -28,9 +28,10 @@ CoarseMatrix galerkin(const PreconditionerInput& in)
     CoarseMatrix coarse{Eigen::MatrixXd::Zero(3 * in.coarseNodes, 3 * in.coarseNodes),
                         {in.freePieces.size(), Eigen::MatrixXd::Zero(kPieceUnknowns, kPieceUnknowns)}};
     const int firstPiece = firstPieceNode(in.coarseNodes);
+    const auto pieceOf = [&](int node) { return node < in.coarseNodes ? -1 : (node - firstPiece) / kPieceNodes; };
     const auto blockAt = [&](int row, int column) {
         if (row < in.coarseNodes) return coarse.lattice.block<3, 3>(3 * row, 3 * column);
-        const int piece = (row - firstPiece) / kPieceNodes, first = firstPiece + piece * kPieceNodes;
+        const int piece = pieceOf(row), first = firstPiece + piece * kPieceNodes;
         return coarse.pieces[static_cast<std::size_t>(piece)].block<3, 3>(3 * (row - first), 3 * (column - first));
     };
     for (int row : in.rows)
@@ -42,7 +43,7 @@ CoarseMatrix galerkin(const PreconditionerInput& in)
             for (std::size_t a = 0; a < 4; ++a)
                 for (std::size_t b = 0; b < 4; ++b) {
                     const double weight = static_cast<double>(in.weights[row][a]) * in.weights[column][b];
-                    if (weight == 0.0) continue;
+                    if (weight == 0.0 || pieceOf(in.corners[row][a]) != pieceOf(in.corners[column][b])) continue;
                     blockAt(in.corners[row][a], in.corners[column][b]) += weight * in.scale * block;
                 }
         }

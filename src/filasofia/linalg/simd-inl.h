@@ -88,6 +88,18 @@ HWY_INLINE void storeGroup(V3 v, V w, float* HWY_RESTRICT group, std::size_t par
     hn::Store(t.of3, d, group + 48 + part);
 }
 
+/// Adds one vector per lane to those of a group, whose fourth numbers stay as they are.
+HWY_INLINE void addGroup(V3 v, float* HWY_RESTRICT group, std::size_t part)
+{
+    const Lanes d;
+    const Transposed t = transposed(v.x, v.y, v.z, hn::Zero(d));
+    const auto add = [&](V more, float* at) HWY_ATTR { hn::Store(hn::Add(hn::Load(d, at), more), d, at); };
+    add(t.of0, group + part);
+    add(t.of1, group + 16 + part);
+    add(t.of2, group + 32 + part);
+    add(t.of3, group + 48 + part);
+}
+
 /// Consecutive nodes of a block, from node `part` on.
 HWY_INLINE V3 loadNodes(const float* HWY_RESTRICT nodes, std::size_t part)
 {

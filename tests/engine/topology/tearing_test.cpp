@@ -124,7 +124,7 @@ TEST_CASE("a search limited to elements near the threshold finds bit-identical s
     std::mt19937 random(3);
     std::uniform_real_distribution<double> number(-1.0, 1.0);
     int looks = 0, skipped = 0, above = 0, tears = 0;
-    for (const double poissonRatio : {0.0, 0.3, 0.47})
+    for (const double poissonRatio : {0.0, 0.3, 0.45})
         for (const double speed : {0.2, 2.0}) {
             PulledStrip strip(
                 FemMaterial{.youngModulus = 10e3, .poissonRatio = poissonRatio, .tearingThreshold = kThreshold}, 0.05,

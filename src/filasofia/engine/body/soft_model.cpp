@@ -5,6 +5,7 @@
 #include "filasofia/engine/body/check_collision.h"
 #include "filasofia/engine/body/check_size.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/elastic/element_blocks.h"
 
@@ -92,6 +93,7 @@ void setTissue(SoftModel& model)
         const bool flowed = std::exchange(element.plastic, Mat3::identity()) != Mat3::identity();
         if (scaled || flowed) shapeElement(model.rest, element);
     }
+    model.nodalVolumes = hasNodalVolumes(model.elements);
 }
 
 /// Gives every element the directions of its fibres.

@@ -60,11 +60,15 @@ struct SoftModel {
     std::shared_ptr<const TissueMap> tissue; ///< FEM bodies only: the material in that mesh
     /// Per family of fibres and element: the direction at rest, in the world; zero: no fibre
     std::vector<std::vector<Vec3>> fibres;
-    bool patched = false; ///< the tissue of some elements was changed after the material was set, or flowed
+    bool nodalVolumes = false; ///< some elements share their volume with their nodes (nodal_volume.h)
+    bool patched = false;      ///< the tissue of some elements was changed after the material was set, or flowed
 };
 
-/// True if the stress of an element is that of the elastic law: no fibres, no relaxation.
-inline bool hasLawAlone(const SoftModel& model) { return model.fibres.empty() && model.material.relaxation.empty(); }
+/// True if the stress of an element is that of the elastic law: no fibres, no relaxation, no pressure of its nodes.
+inline bool hasLawAlone(const SoftModel& model)
+{
+    return model.fibres.empty() && model.material.relaxation.empty() && !model.nodalVolumes;
+}
 
 /// True if blades of a collision group may cut the body.
 bool mayBeCut(const SoftModel& model, int group);

@@ -1,6 +1,7 @@
 #include "filasofia/engine/body/tissue.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/body/tissue_map.h"
 #include "filasofia/math/polar.h"
 
@@ -145,6 +146,7 @@ std::vector<int> changeTissue(const physics::TissueRegion& region, const SoftSta
         shapeElement(model.rest, element);
     }
     model.patched = model.patched || !elements.empty();
+    model.nodalVolumes = hasNodalVolumes(model.elements);
     return elements;
 }
 

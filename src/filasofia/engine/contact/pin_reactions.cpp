@@ -1,6 +1,7 @@
 #include "filasofia/engine/contact/pin_reactions.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/body/tissue.h"
 
 #include <algorithm>
@@ -15,6 +16,8 @@ void addOwnForces(const SoftModel& model, const PinnedParts& held, double dt, co
 {
     const double beta = model.rayleigh.stiffness;
     const RelaxationStep relaxation = relaxationWithin(model, dt);
+    const std::vector<double> changes = volumeChanges(model, state.x, held.volumes);
+    const std::vector<double> rates = volumeRates(model, state, held.volumes);
     for (int e : held.elements) {
         const FemElement& element = model.elements[e];
         const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
@@ -24,6 +27,10 @@ void addOwnForces(const SoftModel& model, const PinnedParts& held, double dt, co
         const Corners damping = stiffnessTimes(dampingTangent(model, static_cast<std::size_t>(e), at), element,
                                                cornersOf(element.nodes, state.v));
         for (int i = 0; i < 4; ++i) forces[element.nodes[i]] += -elastic[i] - beta * damping[i];
+        if (changes.empty()) continue;
+        const double tension = nodalTension(element, changes) + beta * nodalTension(element, rates);
+        const Corners volume = volumeGradients(element, f);
+        for (int i = 0; i < 4; ++i) forces[element.nodes[i]] -= tension * element.volume * volume[i];
     }
     for (int s : held.springs) {
         const Spring& spring = model.springs[s];

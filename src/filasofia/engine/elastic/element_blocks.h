@@ -68,16 +68,20 @@ struct alignas(64) FibreTangentBlock {
     float along[9][kBlock];   ///< S g_1, S g_2, S g_3, times the root of the stiffness
 };
 
+/// The parts of loops over blocks of elements: 256 elements each.
+constexpr linalg::Parts elementParts(std::size_t blocks) { return {static_cast<int>(blocks), 16}; }
+
 constexpr int kElementCorners = 256; ///< floats that a block of elements writes: four groups of sixteen vectors
 
 /// The weights of the terms of a step.
 struct BlockWeights {
-    float force = 0.0f;          ///< weight of f
-    float stiffness = 0.0f;      ///< weight of K in the matrix, and of K v in the right-hand side
-    float damping = 0.0f;        ///< weight of D in the matrix, and of D v in the right-hand side
-    float turning = 0.0f;        ///< [-] weight of the geometric stiffness, which stress adds, relative to that of K
-    float fibreStiffness = 0.0f; ///< as `stiffness`, of fibres
-    float fibreTurning = 0.0f;   ///< as `turning`, of fibres
+    float force = 0.0f;           ///< weight of f
+    float stiffness = 0.0f;       ///< weight of K in the matrix, and of K v in the right-hand side
+    float damping = 0.0f;         ///< weight of D in the matrix, and of D v in the right-hand side
+    float turning = 0.0f;         ///< [-] weight of the geometric stiffness, which stress adds, relative to that of K
+    float fibreStiffness = 0.0f;  ///< as `stiffness`, of fibres
+    float fibreTurning = 0.0f;    ///< as `turning`, of fibres
+    float volumeStiffness = 0.0f; ///< as `stiffness`, of the volumes of nodes
 };
 
 /// The state at the start of a step.

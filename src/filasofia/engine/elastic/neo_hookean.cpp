@@ -6,9 +6,7 @@
 namespace filasofia::engine {
 namespace {
 
-Mat3 cofactor(const Mat3& f) { return {{cross(f[1], f[2]), cross(f[2], f[0]), cross(f[0], f[1])}}; }
-
-/// Its derivative along df.
+/// The derivative of the cofactor along df.
 Mat3 cofactorChange(const Mat3& f, const Mat3& df)
 {
     return {{cross(df[1], f[2]) + cross(f[1], df[2]), cross(df[2], f[0]) + cross(f[2], df[0]),

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/body/tissue.h"
 #include "filasofia/math/polar.h"
 
@@ -46,6 +47,54 @@ void addElements(const SoftModel& model, ImplicitWeights weights, const Relaxati
     }
 }
 
+/// How the volume of a node depends on the nodes around it: k_n d(theta_n)/dx of each.
+struct VolumeRow {
+    std::vector<int> nodes;
+    std::vector<Vec3> gradients;
+
+    void add(int node, Vec3 gradient)
+    {
+        const auto known = std::ranges::find(nodes, node);
+        if (known != nodes.end()) {
+            gradients[static_cast<std::size_t>(known - nodes.begin())] += gradient;
+            return;
+        }
+        nodes.push_back(node);
+        gradients.push_back(gradient);
+    }
+};
+
+/// The volumes of nodes (nodal_volume.h). Their tangent leaves out what pressure adds to it, so it is positive.
+void addVolumes(const SoftModel& model, ImplicitWeights weights, const SoftState& state, AssembledSystem& system)
+{
+    if (!model.nodalVolumes) return;
+    std::vector<VolumeRow> rows(model.rest.size());
+    std::vector<double> stiffness(model.rest.size());
+    const std::vector<double> changes = volumeChanges(model, state.x);
+    for (const FemElement& element : model.elements) {
+        const double share = nodalShare(element);
+        if (share == 0.0) continue;
+        const Corners gradients = volumeGradients(element, gradient(element, cornersOf(element.nodes, state.x)));
+        for (int node : element.nodes) {
+            stiffness[node] += share;
+            for (int i = 0; i < 4; ++i) rows[node].add(element.nodes[i], share * gradients[i]);
+        }
+    }
+    for (std::size_t n = 0; n < rows.size(); ++n) {
+        const auto& [nodes, gradients] = rows[n];
+        double rate = 0.0;
+        for (std::size_t i = 0; i < nodes.size(); ++i) rate += dot(gradients[i], state.v[nodes[i]]) / stiffness[n];
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            system.forces[nodes[i]] -= changes[n] * gradients[i];
+            system.stiffnessTimesVelocity[nodes[i]] += rate * gradients[i];
+            for (std::size_t j = 0; system.solver && j < nodes.size(); ++j)
+                if (!model.pins.hard[nodes[i]] && !model.pins.hard[nodes[j]])
+                    system.matrix.block(system.matrix.find(nodes[i], nodes[j])) +=
+                        weights.stiffness / stiffness[n] * outer(gradients[i], gradients[j]);
+        }
+    }
+}
+
 void addSprings(const SoftModel& model, ImplicitWeights weights, const SoftState& state, AssembledSystem& system)
 {
     const bool implicit = system.solver != nullptr;
@@ -87,7 +136,7 @@ void addMassesToMatrix(const SoftModel& model, double weight, AssembledSystem& s
             (model.pins.hard[i] ? 1.0 : weight * model.masses[i]) * Mat3::identity();
 }
 
-/// The columns of every row: the node itself and the nodes that share an element or a spring with it.
+/// The columns of every row: the node itself and the nodes that share an element, a spring or a node's volume with it.
 std::vector<std::vector<int>> blockColumns(const SoftModel& model)
 {
     std::vector<std::vector<int>> columns(model.rest.size());
@@ -96,6 +145,17 @@ std::vector<std::vector<int>> blockColumns(const SoftModel& model)
     };
     for (std::size_t i = 0; i < columns.size(); ++i) columns[i].push_back(static_cast<int>(i));
     for (const FemElement& element : model.elements) connect(element.nodes);
+    if (model.nodalVolumes) { // a node's volume connects all nodes around it
+        std::vector<std::vector<int>> around(model.rest.size());
+        for (const FemElement& element : model.elements)
+            if (nodalBulk(element) > 0.0)
+                for (int node : element.nodes)
+                    around[node].insert(around[node].end(), element.nodes.begin(), element.nodes.end());
+        for (std::vector<int>& nodes : around) {
+            sortUnique(nodes);
+            connect(nodes);
+        }
+    }
     for (const Spring& spring : model.springs) connect(spring.nodes);
     for (auto& row : columns) {
         sortUnique(row);
@@ -133,7 +193,7 @@ std::unique_ptr<linalg::LinearSolver> makeSolver(const SoftModel& model)
 bool nearlyIncompressible(const SoftModel& model)
 {
     return std::any_of(model.elements.begin(), model.elements.end(), [](const FemElement& e) {
-        const auto [mu, lambda] = lameOf(e);
+        const auto [mu, lambda] = lame(e.youngModulus, e.poissonRatio);
         return lambda > kMaxLameRatio * mu;
     });
 }
@@ -160,6 +220,7 @@ void assembleMatrix(const SoftModel& model, std::span<const Vec3> given, double 
     system.forces.assign(given.begin(), given.end());
     std::fill(system.stiffnessTimesVelocity.begin(), system.stiffnessTimesVelocity.end(), Vec3{});
     addElements(model, weights, relaxation, state, system);
+    addVolumes(model, weights, state, system);
     addSprings(model, weights, state, system);
     addPins(model, weights, state, system);
     if (!system.solver) return;

@@ -162,6 +162,10 @@ public:
             const int corner = lattice.corners[node][k];
             std::size_t at = 0;
             while (at < count_ && corners_[at] != corner) ++at;
+            if (at == corners_.size()) {
+                corners_.emplace_back();
+                values_.emplace_back();
+            }
             if (at == count_) {
                 corners_[count_] = corner;
                 values_[count_++] = {};
@@ -175,8 +179,8 @@ public:
 
 private:
     std::size_t count_ = 0;
-    std::array<int, 16> corners_{}; // at most those of an element's four nodes
-    std::array<Value, 16> values_{};
+    std::vector<int> corners_; // with room for later sums
+    std::vector<Value> values_;
 };
 
 /// The coarse matrix A_c = P^T A P, row by row: one dense matrix of the lattice, and one per small piece.
@@ -202,11 +206,17 @@ public:
         return blockOf(pieces_.data() + static_cast<std::size_t>(piece) * kPieceUnknowns * kPieceUnknowns,
                        kPieceUnknowns, row - first, column - first);
     }
+    /// Whether two coarse nodes belong to the same matrix.
+    [[nodiscard]] bool together(int row, int column) const { return pieceOf(row) == pieceOf(column); }
     [[nodiscard]] std::span<const double> lattice() const { return lattice_; }
     [[nodiscard]] std::span<const double> pieces() const { return pieces_; }
 
 private:
     static constexpr std::size_t kPieceUnknowns = linalg::kPieceUnknowns;
+    [[nodiscard]] int pieceOf(int node) const // -1: none
+    {
+        return node < nodes_ ? -1 : (node - firstPiece_) / linalg::kPieceNodes;
+    }
     static Block blockOf(double* matrix, std::size_t unknowns, int row, int column)
     {
         return {matrix + 3 * (static_cast<std::size_t>(row) * unknowns + static_cast<std::size_t>(column)), unknowns};
@@ -223,6 +233,7 @@ struct CoarseRebuild::Work {
     struct Element {
         geometry::Tetrahedron nodes;
         Lame material;
+        double nodalBulk;
     };
     std::vector<int> nodes;
     double scale;
@@ -243,13 +254,13 @@ struct CoarseRebuild::Work {
           pins(model.pins.springs)
     {
         elements.reserve(model.elements.size());
-        for (const FemElement& each : model.elements)
-            elements.push_back({each.nodes, lame(each.youngModulus, each.poissonRatio)});
+        for (const FemElement& each : model.elements) elements.push_back({each.nodes, lameOf(each), nodalBulk(each)});
     }
 
     void make();
     [[nodiscard]] std::vector<std::array<int, 2>> edges() const;
     [[nodiscard]] CoarseMatrix coarseMatrix(const geometry::CoarseLattice& lattice) const;
+    void addVolumes(const geometry::CoarseLattice& lattice, CoarseMatrix& matrix) const;
 };
 
 void CoarseRebuild::Work::make()
@@ -286,6 +297,37 @@ std::vector<std::array<int, 2>> CoarseRebuild::Work::edges() const
     return list;
 }
 
+/// The volumes of nodes (nodal_volume.h). A node held between two pieces takes part in both, but pieces share no
+/// matrix.
+void CoarseRebuild::Work::addVolumes(const geometry::CoarseLattice& lattice, CoarseMatrix& matrix) const
+{
+    std::vector<std::vector<std::size_t>> around(rest.size());
+    for (std::size_t e = 0; e < elements.size(); ++e)
+        if (elements[e].nodalBulk > 0.0)
+            for (int node : elements[e].nodes) around[static_cast<std::size_t>(node)].push_back(e);
+    CoarseSum<Vec3> sum;
+    for (const std::vector<std::size_t>& each : around) {
+        sum.clear();
+        double stiffness = 0.0;
+        for (std::size_t e : each) {
+            const Corners corners = cornersOf(elements[e].nodes, rest), gradients = shapeGradients(corners);
+            const double share = 0.25 * elements[e].nodalBulk * volumeOf(corners);
+            stiffness += share;
+            for (std::size_t i = 0; i < 4; ++i)
+                sum.add(lattice, static_cast<std::size_t>(elements[e].nodes[i]), share * gradients[i]);
+        }
+        if (stiffness == 0.0) continue;
+        const double weight = scale * weights.stiffness / stiffness;
+        for (std::size_t i = 0; i < sum.count(); ++i)
+            for (std::size_t j = 0; j < sum.count(); ++j) {
+                if (sum.corner(j) > sum.corner(i) || !matrix.together(sum.corner(i), sum.corner(j))) continue;
+                const CoarseMatrix::Block block = matrix.block(sum.corner(i), sum.corner(j));
+                for (std::size_t r = 0; r < 3; ++r)
+                    for (std::size_t c = 0; c < 3; ++c) block.add(r, c, weight * sum.value(i)[r] * sum.value(j)[c]);
+            }
+    }
+}
+
 /// P^T A P without A: the stiffness of an element is bilinear in the gradients of its shape functions, and the
 /// gradients of the coarse nodes are weighted sums of them. Only the lower half is computed. Fibres and scales at rest
 /// are left out: the coarse level only has to be near.
@@ -310,6 +352,7 @@ CoarseMatrix CoarseRebuild::Work::coarseMatrix(const geometry::CoarseLattice& la
                         block.add(r, c, lambda * a[r] * b[c] + mu * b[r] * a[c] + (r == c ? shear : 0.0));
             }
     }
+    addVolumes(lattice, matrix);
     CoarseSum<double> ends;
     for (const Spring& spring : springs) {
         const Mat3 stiffness = scale * springMatrix(spring, weights, rest);

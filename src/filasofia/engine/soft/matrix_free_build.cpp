@@ -42,6 +42,7 @@ MatrixFreeSystem::MatrixFreeSystem(const SoftModel& model, double period)
     makeElements(model);
     makeSprings(model);
     makeGather(model);
+    makeVolumes(model);
     if (preconditioned_)
         preconditioner_ = preconditionerAtRest(model, plan(), coarseChoice(static_cast<std::size_t>(freeNodes_)));
 }
@@ -62,7 +63,7 @@ bool MatrixFreeSystem::fits(const SoftModel& model, double period)
     for (double mass : model.masses)
         if (!usual(mass * scale)) return false;
     for (const FemElement& e : model.elements) {
-        const auto [mu, lambda] = lameOf(e);
+        const auto [mu, lambda] = lame(e.youngModulus, e.poissonRatio);
         const double steepest = std::max({lengthSquared(e.gradients[0]), lengthSquared(e.gradients[1]),
                                           lengthSquared(e.gradients[2]), lengthSquared(e.gradients[3])});
         const double volume = e.volume * scale * steepest;
@@ -194,6 +195,11 @@ void MatrixFreeSystem::makeGather(const SoftModel& model)
         for (std::size_t i = 0; i < 2; ++i)
             add(model.springs[s].nodes[i], 4 * elements_.size() + 2 * (s / kBlock) + i, static_cast<int>(s % kBlock));
     gather_ = linalg::Gather(places);
+}
+
+void MatrixFreeSystem::makeVolumes(const SoftModel& model)
+{
+    volumes_ = model.nodalVolumes ? NodalVolumes(model, slotOf_, nodeOf_.size(), scale_) : NodalVolumes();
 }
 
 } // namespace filasofia::engine

@@ -70,6 +70,8 @@ template <class Block> void resizeLists(std::vector<Block>& lists, std::size_t c
 bool MatrixFreeSystem::edit(const SoftModel& model, const MeshEdit& edit)
 {
     const bool grown = reserve(model, edit);
+    const bool sharing = model.nodalVolumes && !volumes_.empty() && !grown;
+    if (!sharing) volumes_ = {}; // made anew below, as slots have moved
     const int known = static_cast<int>(slotOf_.size());
     for (std::size_t i = 0; i < edit.nodes.size(); ++i) addNode(model, known + static_cast<int>(i), edit.nodes[i]);
     if (rebuild_) rebuild_->add(edit.nodes);
@@ -80,6 +82,10 @@ bool MatrixFreeSystem::edit(const SoftModel& model, const MeshEdit& edit)
     } else {
         for (int element : edit.elements) moveElement(model, element);
     }
+    if (sharing)
+        for (int node : edit.reached) volumes_.refresh(slotOf_[static_cast<std::size_t>(node)]);
+    else
+        makeVolumes(model);
     for (int node : edit.reached)
         if (const int slot = slotOf_[static_cast<std::size_t>(node)]; slot < freeNodes_) refreshNode(model, slot);
     return grown;
@@ -96,6 +102,7 @@ bool MatrixFreeSystem::reserve(const SoftModel& model, const MeshEdit& edit)
     resizeLists(fibreTangents_, model.fibres.size(), blocks);
     quaternions_.resize(blocks);
     corners_.resize(4 * blocks);
+    if (!volumes_.empty()) volumes_.resize(blocks);
 
     int free = 0, held = 0;
     for (std::size_t i = slotOf_.size(); i < slotOf_.size() + edit.nodes.size(); ++i)
@@ -180,6 +187,7 @@ void MatrixFreeSystem::moveElement(const SoftModel& model, int element)
         const int before = isNew ? -1 : elements_[static_cast<std::size_t>(block)].nodes[i][lane] / 4;
         const int after = slotOf_[static_cast<std::size_t>(now.nodes[static_cast<std::size_t>(i)])];
         if (before == after) continue;
+        if (!volumes_.empty()) volumes_.moveCorner(element, before, after);
         if (before >= 0 && before < freeNodes_) {
             const auto list = static_cast<std::size_t>(before);
             gather_.remove(list, place);
@@ -194,6 +202,7 @@ void MatrixFreeSystem::moveElement(const SoftModel& model, int element)
     }
     writeElement(now, element, true);
     writeFibres(model, element, element, true);
+    if (!volumes_.empty()) volumes_.setShare(now, element);
     for (int filler = element + 1; isNew && filler % kBlock != 0; ++filler) {
         writeElement(now, filler, false);
         writeFibres(model, element, filler, false);
@@ -234,6 +243,7 @@ void MatrixFreeSystem::refreshNode(const SoftModel& model, int slot)
         const Vec3 g = model.elements[e].gradients[static_cast<std::size_t>(corner)];
         diagonal += scale_ * model.elements[e].volume * blockAtRest(model, e, weights, g, g);
     }
+    if (!volumes_.empty()) diagonal += weights.stiffness * volumes_.diagonalAtRest(model, node, slotOf_);
     preconditioner_.setDiagonal(slot, diagonal);
 }
 

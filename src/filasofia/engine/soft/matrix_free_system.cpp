@@ -13,8 +13,6 @@ namespace {
 using linalg::NodeArray;
 using linalg::Parts;
 
-constexpr Parts elementParts(std::size_t blocks) { return {static_cast<int>(blocks), 16}; } // 256 elements per part
-
 // [-] The part of the residual impulse that is handed on to the next step. Without any, a loosely converged solve loses
 // a little in every step, always in the same direction, and the errors add up. If the whole residual is handed on,
 // impulses so rough that they hardly move the body accumulate and cost iterations. So what the coarse nodes can carry
@@ -104,7 +102,8 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
                                     .damping = asFloat(weights.damping),
                                     .turning = asFloat(fem ? weights.lawTurning : weights.turning),
                                     .fibreStiffness = asFloat(weights.stiffness),
-                                    .fibreTurning = asFloat(weights.turning)};
+                                    .fibreTurning = asFloat(weights.turning),
+                                    .volumeStiffness = asFloat(weights.stiffness)};
     const std::span<float> corners = floats(corners_), quaternions = floats(quaternions_);
     const std::span<float> elementCorners = corners.first(kElementCorners * elements_.size());
     const std::span<float> springCorners = corners.subspan(elementCorners.size());
@@ -117,6 +116,7 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
     const SpringOutput springOutput{springMatrices_, springCorners};
     pool.run(elements.count(),
              [&](int part) { updateElements(model.material.law, elements_, input, elements[part], elementOutput); });
+    volumes_.assemble(elements_, input, pool, elementCorners);
     pool.run(springs.count(), [&](int part) { updateSprings(springs_, input, springs[part], springOutput); });
     size_ = linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
         if (implicit && !elements_.empty()) averageRotations(turns_, quaternions, preconditioner_.rotations(), blocks);
@@ -133,6 +133,7 @@ double MatrixFreeSystem::multiply(const NodeArray& p, NodeArray& q, WorkerPool& 
         multiplyElements(tangents_, fibreTangents_, p, corners.first(kElementCorners * elements_.size()),
                          elements[part]);
     });
+    volumes_.multiply(p, pool, corners.first(kElementCorners * elements_.size()));
     pool.run(springs.count(), [&](int part) {
         multiplySprings(springMatrices_, p, corners.subspan(kElementCorners * elements_.size()), springs[part]);
     });

@@ -5,6 +5,7 @@
 #include "filasofia/engine/elastic/spring_blocks.h"
 #include "filasofia/engine/integration/euler.h"
 #include "filasofia/engine/soft/mesh_edit.h"
+#include "filasofia/engine/soft/nodal_volumes.h"
 #include "filasofia/engine/soft/rigid_motion.h"
 #include "filasofia/linalg/matrix_free_cg.h"
 
@@ -98,6 +99,7 @@ private:
     void makeElements(const SoftModel& model);
     void makeSprings(const SoftModel& model);
     void makeGather(const SoftModel& model);
+    void makeVolumes(const SoftModel& model);
     [[nodiscard]] PreconditionerPlan plan() const;
 
     bool reserve(const SoftModel& model, const MeshEdit& edit);
@@ -150,6 +152,7 @@ private:
     ElementTangents tangents_;
     std::vector<FibreBlock> fibres_; ///< one list of blocks per family of fibres, one after another
     std::vector<FibreTangentBlock> fibreTangents_;
+    NodalVolumes volumes_;
     std::vector<SpringBlock> springs_;
     std::vector<SpringMatrixBlock> springMatrices_;
     linalg::Gather gather_; ///< the corners of elements and springs around each free slot

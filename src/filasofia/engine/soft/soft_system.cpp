@@ -15,6 +15,19 @@ template <class Nodes> bool pulls(const PinnedParts& parts, const Nodes& nodes)
     return held > 0 && held < std::ssize(nodes);
 }
 
+/// Lists the elements whose volumes the elements that pull share.
+void listVolumes(const SoftModel& model, PinnedParts& parts)
+{
+    parts.volumes.clear();
+    if (!model.nodalVolumes || parts.elements.empty()) return;
+    std::vector<bool> reached(model.rest.size());
+    for (int e : parts.elements)
+        for (int node : model.elements[e].nodes) reached[node] = true;
+    for (std::size_t e = 0; e < model.elements.size(); ++e)
+        if (std::ranges::any_of(model.elements[e].nodes, [&](int node) { return reached[node]; }))
+            parts.volumes.push_back(static_cast<int>(e));
+}
+
 PinnedParts pinnedParts(const SoftModel& model)
 {
     PinnedParts parts;
@@ -28,6 +41,7 @@ PinnedParts pinnedParts(const SoftModel& model)
         if (pulls(parts, model.elements[e].nodes)) parts.elements.push_back(static_cast<int>(e));
     for (std::size_t s = 0; s < model.springs.size(); ++s)
         if (pulls(parts, model.springs[s].nodes)) parts.springs.push_back(static_cast<int>(s));
+    listVolumes(model, parts);
     return parts;
 }
 
@@ -56,11 +70,13 @@ void updatePinnedParts(const SoftModel& model, const MeshEdit& edit, PinnedParts
         if (now && !listed) parts.elements.insert(place, element);
         if (!now && listed) parts.elements.erase(place);
     }
+    listVolumes(model, parts);
 }
 
 void followTissue(const SoftModel& model, const std::vector<int>& elements, SoftSystem& system)
 {
     system.tuned = true;
+    listVolumes(model, system.held);
     if (!system.outdated) // an assembled system reads the elements in every step
         system.outdated = system.matrixFree && !system.matrixFree->editTissue(model, elements);
 }

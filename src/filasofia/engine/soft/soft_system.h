@@ -9,6 +9,7 @@ namespace filasofia::engine {
 /// number of pin groups per node.
 struct PinnedParts {
     std::vector<int> elements, springs;
+    std::vector<int> volumes; ///< the elements around the nodes of `elements`, if nodes share their volumes
     std::vector<int> holders; ///< per node: number of hard pin groups; empty if no node is pinned hard
 };
 

@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/contact/warm_start.h"
 #include "filasofia/engine/scene/check_scene.h"
 #include "filasofia/engine/scene/snapshot.h"
@@ -71,6 +72,7 @@ void followTune(const Snapshot& before, Scene& scene)
     for (std::size_t b = 0; b < scene.soft.size(); ++b) {
         auto& [model, state, system, topology] = scene.soft[b];
         findHeld(model.pins, model.pieces);
+        model.nodalVolumes = hasNodalVolumes(model.elements);
         // A reset restores the tuned model; if the mesh was edited, it restores the model from before the edits.
         if (topology.start && topology.revision == 0) *topology.start = model;
         // A jump is not a motion that blades could cut along.

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/body/tissue.h"
 #include "filasofia/engine/rupture/stress.h"
 #include "filasofia/engine/topology/apply_edit.h"
@@ -15,11 +16,16 @@ namespace {
 
 constexpr int kElementsPerPart = 256;
 
-Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, double threshold)
+/// `changes`: those of the volumes of nodes.
+Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, double threshold,
+              std::span<const double> changes)
 {
     const FemElement& element = model.elements[e];
     const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
-    if (!hasLawAlone(model)) return endStress(model, state, e, f);
+    if (!hasLawAlone(model)) {
+        const Mat3 own = endStress(model, state, e, f);
+        return own == Mat3{} ? own : own + nodalTension(element, changes) * Mat3::identity();
+    }
     const Lame material = lameOf(element);
     const Quat before = rotationOf(state.rotations, e);
     // Only the corotational stress with the last step's rotation is near the true one, however far the element turned.
@@ -57,6 +63,7 @@ bool findStresses(const SoftModel& model, const SoftState& state, const StressSe
     const bool fem = !model.elements.empty();
     stresses.resize(elementCount(model));
     const linalg::Parts parts{static_cast<int>(stresses.size()), kElementsPerPart};
+    const std::vector<double> changes = volumeChanges(model, state.x);
     std::vector<char> above(static_cast<std::size_t>(parts.count()));
     pool.run(parts.count(), [&](int part) {
         const linalg::Blocks range = parts[part];
@@ -66,7 +73,7 @@ bool findStresses(const SoftModel& model, const SoftState& state, const StressSe
                 stresses[e] = {};
                 continue;
             }
-            stresses[e] = fem ? stressOf(model, state, e, threshold) : stressOf(model, state, e, springs);
+            stresses[e] = fem ? stressOf(model, state, e, threshold, changes) : stressOf(model, state, e, springs);
             if (fem && model.elements[e].tearingThreshold != threshold) // relative to what this element bears
                 stresses[e] = threshold / model.elements[e].tearingThreshold * stresses[e];
             if (principalStressBound(stresses[e]) > threshold) above[static_cast<std::size_t>(part)] = 1;
