@@ -124,4 +124,49 @@ TEST_CASE("the reaction of pins bears the weight of a nearly incompressible body
     CHECK(std::abs(frame[0].force.x) < 2e-3 * weight);
 }
 
+TEST_CASE("nodal volumes make the same bits for any number of threads")
+{
+    SoftBodyDef def = box(0.499);
+    def.mesh = shared(boxMesh({11, 10, 9}, {0.05, 0.05, 0.05}, 0.2)); // many parts of every loop
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1e-6, 1}}}};
+    def.gravity = true;
+    def.solver = ConjugateGradient{};
+    std::vector<std::uint64_t> hashes;
+    for (const int threads : {1, 2, 8}) {
+        Stage stage({.threads = threads});
+        stage.add(def);
+        stage.post(SetGravity{{3, -9.81, 1}});
+        stage.run(20, 0.005);
+        hashes.push_back(stage.world.hash());
+    }
+    CHECK(hashes[0] == hashes[1]);
+    CHECK(hashes[0] == hashes[2]);
+}
+
+TEST_CASE("tissue that a command makes incompressible, and compressible again, is that of a body built so")
+{
+    const auto moved = [](double first, double then) {
+        SoftBodyDef def = box(first);
+        def.solver = ConjugateGradient{.maxIterations = 3000, .tolerance = 1e-6};
+        def.gravity = true;
+        def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1e-6, 1}}}};
+        Stage stage;
+        const BodyId id = stage.add(def);
+        stage.step(0.0);
+        if (then != first)
+            stage.post(SetTissue{id, {.where = geometry::Box{{-1, -1, -1}, {1, 1, 1}}, .poissonRatio = then}});
+        stage.post(SetGravity{{3, -9.81, 1}});
+        stage.run(20, 0.005);
+        return std::pair(stage.soft().x, stage.model().rest);
+    };
+    for (const auto& [a, b] : {std::pair{0.3, 0.49}, {0.49, 0.3}}) {
+        const auto [changed, rest] = moved(a, b);
+        const auto [built, same] = moved(b, b);
+        const auto [before, alike] = moved(a, a);
+        const double size = relativeDistance(built, rest, 1.0);
+        CHECK(relativeDistance(changed, built, size) < 1e-3);
+        CHECK(relativeDistance(changed, before, size) > 0.02);
+    }
+}
+
 } // namespace nodal_volume_test
