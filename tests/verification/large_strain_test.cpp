@@ -61,6 +61,18 @@ struct Poke {
     int inverted = 0; ///< most elements inside out in a step
 };
 
+/// An ellipsoid of tissue with these half axes [m], of 3,072 elements: a cube whose shells become spheres.
+std::shared_ptr<const geometry::TetMesh> organ(Vec3 radii)
+{
+    geometry::TetMesh mesh = *shapes::block({2, 2, 2}, {8, 8, 8});
+    for (Vec3& p : mesh.nodes) {
+        const double far = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+        const Vec3 onBall = far > 0.0 ? far / length(p) * p : p;
+        p = {radii.x * onBall.x, radii.y * onBall.y, radii.z * onBall.z};
+    }
+    return shared(std::move(mesh));
+}
+
 } // namespace
 
 TEST_CASE("neo-Hookean tissue pressed to 70 % of its depth resists ever more, and at rest no element is inside out")
@@ -131,6 +143,48 @@ TEST_CASE("neo-Hookean tissue that is let go after a deep press returns to its s
     rest.press(-0.01, -0.01, 2.0); // it sags under its own weight
     verify("pressed to 60 % and let go, distance from the shape at rest over its height",
            relativeDistance(poke.stage.soft().x, rest.stage.soft().x, Poke::kHeight), 0.01);
+}
+
+TEST_CASE("two organs that a plate presses together with 20 N stay the right side out and come to rest")
+{
+    Stage stage;
+    stage.add(RigidBodyDef{.name = "floor",
+                           .elements = {Pose{{0, -0.01, 0}}},
+                           .mesh = shapes::box({0.3, 0.02, 0.3}, {12, 1, 12}),
+                           .collision = {{}}});
+    const auto add = [&](const char* name, Vec3 at, double young) {
+        stage.add(SoftBodyDef{.name = name,
+                              .mesh = organ({0.03, 0.02, 0.03}),
+                              .pose = {at},
+                              .material = FemMaterial{.youngModulus = young},
+                              .collision = {{}}});
+    };
+    add("lower organ", {0, 0.0205, 0}, 10e3);
+    add("upper organ", {0.001, 0.0612, 0.0005}, 8e3);
+    double height = 0.0875; // [m] of the plate, which sinks until it bears 20 N
+    const BodyId plate = stage.add(RigidBodyDef{.name = "plate",
+                                                .elements = {Pose{{0, height, 0}}},
+                                                .mesh = shapes::box({0.15, 0.01, 0.15}, {6, 1, 6}),
+                                                .collision = {{}}});
+    stage.post(SetGravity{{0, -9.81, 0}});
+    double force = 0.0;
+    int inverted = 0;
+    for (int i = 0; i < 1500; ++i) {
+        inverted = std::max(inverted, stage.step(2e-3).inverted.count);
+        force = 0.0;
+        for (const frame::Contact& each : stage.world.scene().contactReports)
+            if (each.first == plate || each.second == plate) force += each.normalForce;
+        height -= 2e-6 * (20.0 - force);
+        stage.post(SetPose{plate, 0, Pose{{0, height, 0}}});
+    }
+    double speed = 0.0;
+    for (const std::size_t body : {std::size_t{0}, std::size_t{1}})
+        for (const Vec3& v : stage.soft(body).v) speed = std::max(speed, length(v));
+    tell("two organs under 20 N, thickness left of 80 mm [m]", height - 0.005);
+    tell("two organs under 20 N, most elements inside out in a step", inverted);
+    CHECK(inverted == 0);
+    verify("two organs under 20 N, force on the plate, relative error", std::abs(force / 20.0 - 1.0), 0.01);
+    verify("two organs under 20 N, largest speed of a node [m/s]", speed, 1e-3);
 }
 
 } // namespace large_strain_test
