@@ -30,7 +30,7 @@ if changed; then
   headline "python: package"
   touch "$stamp.next"
   "$python" -m pip install --quiet --no-build-isolation --no-deps --force-reinstall "$root" \
-    -C build-dir="$place/cmake" -C cmake.define.FILASOFIA_BUILD="$root/build/release" || die "pip could not build the package"
+    --config-settings=build-dir="$place/cmake" --config-settings=cmake.define.FILASOFIA_BUILD="$root/build/release" || die "pip could not build the package"
   mv "$stamp.next" "$stamp"
 fi
 

@@ -158,6 +158,7 @@ def test_ctrl_c_ends_a_long_call():
     done = python(
         """
         import os, signal, threading
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job is born without
         sim, _, _ = poke()
         sim.step()
         threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()

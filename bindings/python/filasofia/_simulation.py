@@ -32,7 +32,7 @@ class Simulation(_core.Simulation):
 
     def show(self, body: _defs.BodyId, definition: _defs.ShowDef | None = None, **fields: _typing.Any) -> _defs.ShownId:
         """Draws a body as a ShowDef, or its fields, say. Without any call of it, pictures show all bodies."""
-        return self._show(body, _only(_defs.ShowDef, definition, fields))
+        return self._show(body, _only(_defs.ShowDef, definition, fields))  # type: ignore[attr-defined, no-any-return]
 
     def render(
         self,
@@ -47,7 +47,7 @@ class Simulation(_core.Simulation):
         `pose` is where the camera is (look_at() makes one), `camera` a CameraDef, its lens; without them the picture is
         that of the look, which frames what is shown when the first picture is made.
         """
-        return self._render(_defs.PictureDef(width, height, pose, camera))
+        return self._render(_defs.PictureDef(width, height, pose, camera))  # type: ignore[attr-defined, no-any-return]
 
     def __repr__(self) -> str:
         return f"<Simulation of {len(self.bodies)} bodies at {self.time:.6g} s>"
@@ -59,7 +59,7 @@ def replay(definition: _defs.ReplayDef | None = None, **fields: _typing.Any) -> 
 
 
 # nanobind's flags print as numbers; Python's as names.
-_core.StepFlag.__repr__ = _enum.Flag.__repr__  # type: ignore[method-assign]
-_core.StepFlag.__str__ = _enum.Flag.__str__  # type: ignore[method-assign]
+_core.StepFlag.__repr__ = _enum.Flag.__repr__  # type: ignore
+_core.StepFlag.__str__ = _enum.Flag.__str__  # type: ignore
 for _each in (Simulation, replay):
     _each.__module__ = "filasofia"

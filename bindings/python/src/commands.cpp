@@ -108,6 +108,10 @@ void addRigid(nb::class_<HeldSimulation>& sim)
         nb::sig("def set_wrench(self, body: filasofia.BodyId, force: collections.abc.Sequence[float], torque: "
                 "collections.abc.Sequence[float] = (0, 0, 0), element: int = 0) -> None"),
         "Force [N] and torque [N m] on a dynamic element, in world axes, until changed.");
+}
+
+void addHandsAndJoints(nb::class_<HeldSimulation>& sim)
+{
     sim.def(
         "set_joint",
         [](HeldSimulation& self, nb::handle id, nb::handle joint, nb::handle command) {
@@ -167,6 +171,10 @@ void addSoft(nb::class_<HeldSimulation>& sim)
         nb::arg("body").none(), nb::arg("family").none(), nb::arg("stress").none(),
         nb::sig("def set_fibre_stress(self, body: filasofia.BodyId, family: int, stress: float) -> None"),
         "The stress [Pa] by which a family of fibres contracts.");
+}
+
+void addLoads(nb::class_<HeldSimulation>& sim)
+{
     sim.def(
         "set_forces",
         [](HeldSimulation& self, nb::handle id, nb::handle forces) {
@@ -225,6 +233,10 @@ void addAttachments(nb::class_<HeldSimulation>& sim)
         nb::sig("def grasp(self, rigid: filasofia.BodyId, target: filasofia.BodyId, definition: filasofia.GraspDef | "
                 "None = None) -> filasofia.AttachmentId"),
         "Attaches to a rigid body what it touches of the target.");
+}
+
+void addReleases(nb::class_<HeldSimulation>& sim)
+{
     sim.def(
         "release",
         [](HeldSimulation& self, nb::handle id) {
@@ -268,8 +280,11 @@ void addCommands(nb::class_<HeldSimulation>& sim)
         "reset", [](HeldSimulation& self) { usable(self, "reset").simulation().reset(); },
         "Puts the bodies back to their start at the next step, and removes all paint.");
     addRigid(sim);
+    addHandsAndJoints(sim);
     addSoft(sim);
+    addLoads(sim);
     addAttachments(sim);
+    addReleases(sim);
 }
 
 } // namespace filasofia::python

@@ -63,7 +63,7 @@ template <class Bound> void sameForAll(Bound& bound)
     bound.def("__deepcopy__", [](nb::handle self, nb::handle) { return nb::borrow(self); });
 }
 
-void bindClasses(nb::module_& module)
+void bindTetMesh(nb::module_& module)
 {
     nb::class_<Tetrahedra> tetrahedra(module, kMeshName<TetMesh>,
                                       "A volume mesh of tetrahedra, checked and then never changed.");
@@ -100,7 +100,10 @@ void bindClasses(nb::module_& module)
         return text("TetMesh(", self.mesh->nodes.size(), " nodes, ", self.mesh->tetrahedra.size(), " tetrahedra)");
     });
     sameForAll(tetrahedra);
+}
 
+void bindTriangleMesh(nb::module_& module)
+{
     nb::class_<Triangles> triangles(module, kMeshName<TriangleMesh>,
                                     "A surface mesh of triangles, checked and then never changed.");
     triangles.def(
@@ -196,7 +199,8 @@ void bindFiles(nb::module_& module)
 
 void bindMeshes(nb::module_& module)
 {
-    bindClasses(module);
+    bindTetMesh(module);
+    bindTriangleMesh(module);
     bindShapes(module);
     bindFiles(module);
 }

@@ -233,6 +233,10 @@ void addSteps(nb::class_<HeldSimulation>& sim)
             return newestFrame(self.session);
         },
         "The state after the last step, without a copy.");
+}
+
+void addRecords(nb::class_<HeldSimulation>& sim)
+{
     sim.def_prop_ro("state_hash", &hashOf, "A hash of the state: the same scene gives the same one at every step.");
     sim.def("report", &report, "How the run went until now.");
     sim.def(
@@ -333,6 +337,7 @@ void bindSimulation(nb::module_& module)
     sim.def("__init__", &make, nb::arg("physics") = nb::none(), nb::arg("look") = nb::none());
     addBodies(sim);
     addSteps(sim);
+    addRecords(sim);
     addCallbacks(sim);
     addPictures(sim);
     addCommands(sim);
