@@ -17,6 +17,10 @@ if(NOT FILASOFIA_INSTALL)
   return()
 endif()
 
+# The Python package can be built with the libraries of this build folder (bindings/python).
+export(TARGETS ${rooms} filasofia_all filasofia_flags NAMESPACE Filasofia:: FILE ${PROJECT_BINARY_DIR}/FilasofiaBuildTargets.cmake)
+file(WRITE ${PROJECT_BINARY_DIR}/FilasofiaBuildOptions.cmake "set(FILASOFIA_FILAMENT ${FILASOFIA_FILAMENT})\n")
+
 install(TARGETS ${rooms} filasofia_all EXPORT FilasofiaTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/filasofia DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.h
   PATTERN testing EXCLUDE)

@@ -13,7 +13,7 @@ OF_PER_10K = 3        # sentences that begin with "Of"
 IF_PER_10K = 40       # occurrences of "if"
 DOC_LINE = 160        # characters
 DOC_SENTENCE = 40     # words
-CODE_FOLDERS = ("src", "include", "apps", "tests", "examples", "bench")
+CODE_FOLDERS = ("src", "include", "apps", "tests", "examples", "bench", "bindings")
 WORD = re.compile(r"[A-Za-z][A-Za-z'’-]*")
 TOKEN = re.compile(r'R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|//[^\n]*|/\*.*?\*/', re.S)
 

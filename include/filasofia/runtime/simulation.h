@@ -191,6 +191,7 @@ public:
     struct Impl;
 
 private:
+    friend class SteppedRun;
     Simulation(const SimulationDef& def, std::nullptr_t);
 
     std::unique_ptr<Impl> impl_;

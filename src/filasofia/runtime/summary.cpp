@@ -93,9 +93,11 @@ std::string summary(const RunReport& report)
                            static_cast<unsigned long long>(report.timing.stepCount),
                            report.timing.stepCount == 1 ? "step" : "steps", report.timing.simulatedSeconds,
                            report.timing.wallSeconds, report.timing.realTimeFactor(), report.finished.c_str());
-    out += line("one step takes [ms]    median %8.3f   p1 %8.3f   p99 %8.3f", cost.median * 1e3, cost.p1 * 1e3,
-                cost.p99 * 1e3);
-    out += line("physics rate [1/s]     median %8.1f   p1 %8.1f   p99 %8.1f", rate.median, rate.p1, rate.p99);
+    if (!report.timing.steps.empty()) { // a stepped run keeps none: it may be one of hundreds
+        out += line("one step takes [ms]    median %8.3f   p1 %8.3f   p99 %8.3f", cost.median * 1e3, cost.p1 * 1e3,
+                    cost.p99 * 1e3);
+        out += line("physics rate [1/s]     median %8.1f   p1 %8.1f   p99 %8.1f", rate.median, rate.p1, rate.p99);
+    }
     const std::string again = report.damped > 0 ? text(" (", report.damped, " advanced again with damping)") : "";
     out += text("late steps ", report.timing.late, ", clamped to period + slack ", report.timing.clamped,
                 ", rolled back ", report.undone, again, ", solver at its iteration limit ", report.notConverged,

@@ -1,0 +1,101 @@
+"""Filasofia: real-time surgical simulation. SI units everywhere; docs/guide/python.md is the guide."""
+
+from __future__ import annotations
+
+import atexit as _atexit
+import os as _os
+
+from . import _core, _defs, shapes
+from ._core import (
+    BodySolve,
+    ContactEvent,
+    ContactPairReport,
+    ContactReport,
+    CutEvent,
+    Error,
+    FileFailedEvent,
+    Frame,
+    InvertedElements,
+    LoosePiece,
+    PhysicsUpdateEvent,
+    ReplayReport,
+    RigidBodyFrame,
+    RunReport,
+    Rupture,
+    SoftBodyFrame,
+    StepFlag,
+    StepReport,
+    StrainedElements,
+    TearEvent,
+    TetMesh,
+    Tissue,
+    TopologyReport,
+    TriangleMesh,
+    Unrest,
+    axis_angle,
+    hexadecimal,
+    load_tet_mesh,
+    load_triangle_mesh,
+    look_at,
+    tissue,
+    tissues,
+)
+from ._defs import *  # noqa: F403  the Defs, a class for each
+from ._simulation import Simulation, replay
+
+__all__ = [
+    "Simulation",
+    "asset",
+    "replay",
+    "BodySolve",
+    "ContactEvent",
+    "ContactPairReport",
+    "ContactReport",
+    "CutEvent",
+    "Error",
+    "FileFailedEvent",
+    "Frame",
+    "InvertedElements",
+    "LoosePiece",
+    "PhysicsUpdateEvent",
+    "ReplayReport",
+    "RigidBodyFrame",
+    "RunReport",
+    "Rupture",
+    "SoftBodyFrame",
+    "StepFlag",
+    "StepReport",
+    "StrainedElements",
+    "TearEvent",
+    "TetMesh",
+    "Tissue",
+    "TopologyReport",
+    "TriangleMesh",
+    "Unrest",
+    "axis_angle",
+    "hexadecimal",
+    "load_tet_mesh",
+    "load_triangle_mesh",
+    "look_at",
+    "shapes",
+    "tissue",
+    "tissues",
+]
+__all__ += _defs.__all__
+
+
+def asset(name: str) -> str:
+    """The path of a file that comes with Filasofia, such as "meshes/bunny_3004.msh"."""
+    return _core.asset(name, _os.path.join(_os.path.dirname(__file__), "data"))
+
+
+def __getattr__(name: str) -> str:
+    if name != "__version__":
+        raise AttributeError(f"module 'filasofia' has no attribute '{name}'")
+    from importlib.metadata import version  # slow to import, and seldom asked for
+
+    return version("filasofia")
+
+
+# Before the interpreter ends: a thread of a simulation must not find it gone.
+_atexit.register(_core.close_all)

@@ -1,0 +1,65 @@
+"""Simulation: the class of C++ with the keywords of the Defs that it takes."""
+
+from __future__ import annotations
+
+import enum as _enum
+import typing as _typing
+
+from . import _core, _defs
+
+if _typing.TYPE_CHECKING:
+    import numpy
+    from numpy.typing import NDArray
+
+
+def _only(kind: _typing.Any, given: _typing.Any, named: dict[str, _typing.Any]) -> _typing.Any:
+    """A Def from what was given: the Def itself, or its fields by keyword."""
+    if given is None:
+        return kind(**named)
+    if named:
+        raise TypeError(f"give a {kind.__name__} or its fields, not both")
+    return given
+
+
+class Simulation(_core.Simulation):
+    """A headless simulation: bodies, steps, commands, events, frames and pictures.
+
+    Its keywords are the fields of PhysicsDef (rate, gravity, threads, contact, ...), and `look`, a LookDef.
+    """
+
+    def __init__(self, physics: _defs.PhysicsDef | None = None, *, look: _defs.LookDef | None = None, **fields: _typing.Any):
+        super().__init__(_only(_defs.PhysicsDef, physics, fields), look)
+
+    def show(self, body: _defs.BodyId, definition: _defs.ShowDef | None = None, **fields: _typing.Any) -> _defs.ShownId:
+        """Draws a body as a ShowDef, or its fields, say. Without any call of it, pictures show all bodies."""
+        return self._show(body, _only(_defs.ShowDef, definition, fields))  # type: ignore[attr-defined, no-any-return]
+
+    def render(
+        self,
+        width: int = 640,
+        height: int = 480,
+        *,
+        pose: _defs.Pose | _typing.Sequence[float] | None = None,
+        camera: _defs.CameraDef | None = None,
+    ) -> NDArray[numpy.uint8]:
+        """A picture of the present state: (height, width, 3), uint8, sRGB.
+
+        `pose` is where the camera is (look_at() makes one), `camera` a CameraDef, its lens; without them the picture is
+        that of the look, which frames what is shown when the first picture is made.
+        """
+        return self._render(_defs.PictureDef(width, height, pose, camera))  # type: ignore[attr-defined, no-any-return]
+
+    def __repr__(self) -> str:
+        return f"<Simulation of {len(self.bodies)} bodies at {self.time:.6g} s>"
+
+
+def replay(definition: _defs.ReplayDef | None = None, **fields: _typing.Any) -> _core.ReplayReport:
+    """Replays a recording as fast as possible: a ReplayDef, or its fields (file, check, ...)."""
+    return _core.replay(_only(_defs.ReplayDef, definition, fields))
+
+
+# nanobind's flags print as numbers; Python's as names.
+_core.StepFlag.__repr__ = _enum.Flag.__repr__  # type: ignore
+_core.StepFlag.__str__ = _enum.Flag.__str__  # type: ignore
+for _each in (Simulation, replay):
+    _each.__module__ = "filasofia"

@@ -1,0 +1,290 @@
+#include "simulation.h"
+
+#include "defs.h"
+
+#include "filasofia/core/error.h"
+
+namespace filasofia::python {
+namespace {
+
+using namespace physics;
+
+/// An argument of a method: "set_pose: pose must be ...".
+template <class T> T argument(nb::handle value, const char* method, const char* name, Range range = finite())
+{
+    const Where object{.name = method};
+    return Convert<T>::read(value, {.outer = &object, .name = name, .range = range});
+}
+
+BodyId body(nb::handle value, const char* method) { return argument<BodyId>(value, method, "body"); }
+int element(nb::handle value, const char* method) { return argument<int>(value, method, "element", nonNegative()); }
+
+/// Every command as a Def. Returns the id that it gives, if it gives one.
+class Apply {
+public:
+    explicit Apply(PhysicsServer& server) : server_(server) {}
+
+    nb::object operator()(const RemoveBody& c) { return server_.remove(c.id), nb::none(); }
+    nb::object operator()(const SetPose& c) { return server_.setPose(c.id, c.pose, c.element), nb::none(); }
+    nb::object operator()(const SetGravity& c) { return server_.setGravity(c.gravity), nb::none(); }
+    nb::object operator()(const SetForces& c) { return server_.setForces(c.id, c.forces), nb::none(); }
+    nb::object operator()(const SetPressure& c) { return server_.setPressure(c.id, c.pressure), nb::none(); }
+    nb::object operator()(const SetWrench& c)
+    {
+        return server_.setWrench(c.id, c.force, c.torque, c.element), nb::none();
+    }
+    nb::object operator()(const Release& c) { return server_.release(c.id), nb::none(); }
+    nb::object operator()(const RemovePiece& c) { return server_.removePiece(c.id, c.piece), nb::none(); }
+    nb::object operator()(const Pause& c) { return server_.pause(c.paused), nb::none(); }
+    nb::object operator()(const SetJoint& c) { return server_.setJoint(c.id, c.joint, c.command), nb::none(); }
+    nb::object operator()(const SetHaptic& c) { return server_.setHaptic(c.id, c.target, c.element), nb::none(); }
+    nb::object operator()(const SetTissue& c) { return server_.setTissue(c.id, c.region), nb::none(); }
+    nb::object operator()(const SetFibreStress& c)
+    {
+        return server_.setFibreStress(c.id, c.family, c.stress), nb::none();
+    }
+    nb::object operator()(const SetMaterial& c)
+    {
+        const nb::gil_scoped_release free; // it builds a solver
+        server_.setMaterial(c.id, c.material);
+        return nb::object(); // None, but the lock is not held here
+    }
+    nb::object operator()(const Attach& c) { return given(c.id, server_.attach(c.body, c.def)); }
+    nb::object operator()(const AttachRigid& c) { return given(c.id, server_.attach(c.body, c.def)); }
+    nb::object operator()(const Grasp& c) { return given(c.id, server_.grasp(c.rigid, c.target, c.def)); }
+
+private:
+    static nb::object given(AttachmentId, AttachmentId id) { return Convert<AttachmentId>::make(id); }
+    PhysicsServer& server_;
+};
+
+using Applied = std::variant<RemoveBody, SetPose, SetGravity, SetForces, SetPressure, SetWrench, Release, RemovePiece,
+                             Pause, SetJoint, SetHaptic, SetTissue, SetFibreStress, SetMaterial, Attach, AttachRigid,
+                             Grasp, physics::Reset>;
+
+/// Reads the alternative whose class the object is of: SetMaterial cannot be copied, so this is no Convert<variant>.
+template <class... T> nb::object applyAs(HeldSimulation& held, nb::handle command, const std::variant<T...>*)
+{
+    const std::string name = defName(command);
+    nb::object out;
+    const auto attempt = [&]<class Command>(const Command*) {
+        if (name != typeName<Command>() || PyType_Check(command.ptr())) return false;
+        const auto read = readDef<Command>(command, typeName<Command>());
+        if constexpr (std::is_same_v<Command, physics::Reset>)
+            usable(held, "apply").simulation().reset(); // removes the paint, too
+        else
+            out = Apply(usable(held, "apply").physics())(read);
+        return true;
+    };
+    if ((attempt(static_cast<const T*>(nullptr)) || ...)) return out.is_valid() ? out : nb::none();
+    std::string all;
+    ((all += text(all.empty() ? "" : ", ", typeName<T>())), ...);
+    throw nb::type_error(text("apply: the command must be one of ", all, ", got ", shown(command)).c_str());
+}
+
+PhysicsServer& server(HeldSimulation& held, const char* what) { return usable(held, what).physics(); }
+
+void addRigid(nb::class_<HeldSimulation>& sim)
+{
+    sim.def(
+        "set_pose",
+        [](HeldSimulation& self, nb::handle id, nb::handle pose, nb::handle at) {
+            server(self, "set_pose")
+                .setPose(body(id, "set_pose"), argument<Pose>(pose, "set_pose", "pose"), element(at, "set_pose"));
+        },
+        nb::arg("body").none(), nb::arg("pose").none(), nb::arg("element").none() = 0,
+        nb::sig("def set_pose(self, body: filasofia.BodyId, pose: filasofia.Pose | collections.abc.Sequence[float], "
+                "element: int = 0) -> None"),
+        "The pose of a kinematic element at the end of the next step; of a dynamic one from now on, at rest.");
+    sim.def(
+        "set_wrench",
+        [](HeldSimulation& self, nb::handle id, nb::handle force, nb::handle torque, nb::handle at) {
+            server(self, "set_wrench")
+                .setWrench(body(id, "set_wrench"), argument<Vec3>(force, "set_wrench", "force"),
+                           argument<Vec3>(torque, "set_wrench", "torque"), element(at, "set_wrench"));
+        },
+        nb::arg("body").none(), nb::arg("force").none(), nb::arg("torque").none() = nb::make_tuple(0.0, 0.0, 0.0),
+        nb::arg("element").none() = 0,
+        nb::sig("def set_wrench(self, body: filasofia.BodyId, force: collections.abc.Sequence[float], torque: "
+                "collections.abc.Sequence[float] = (0, 0, 0), element: int = 0) -> None"),
+        "Force [N] and torque [N m] on a dynamic element, in world axes, until changed.");
+}
+
+void addHandsAndJoints(nb::class_<HeldSimulation>& sim)
+{
+    sim.def(
+        "set_joint",
+        [](HeldSimulation& self, nb::handle id, nb::handle joint, nb::handle command) {
+            server(self, "set_joint")
+                .setJoint(body(id, "set_joint"), argument<int>(joint, "set_joint", "joint", nonNegative()),
+                          argument<JointCommand>(command, "set_joint", "command"));
+        },
+        nb::arg("body").none(), nb::arg("joint").none(), nb::arg("command").none(),
+        nb::sig("def set_joint(self, body: filasofia.BodyId, joint: int, command: filasofia.JointPosition | "
+                "filasofia.JointForce) -> None"),
+        "The target position of a joint, or its force, until changed.");
+    sim.def(
+        "set_haptic",
+        [](HeldSimulation& self, nb::handle id, nb::handle target, nb::handle at) {
+            server(self, "set_haptic")
+                .setHaptic(body(id, "set_haptic"), argument<HapticTarget>(target, "set_haptic", "target"),
+                           element(at, "set_haptic"));
+        },
+        nb::arg("body").none(), nb::arg("target").none(), nb::arg("element").none() = 0,
+        nb::sig(
+            "def set_haptic(self, body: filasofia.BodyId, target: filasofia.HapticTarget, element: int = 0) -> None"),
+        "Couples an element to a hand.");
+}
+
+void addSoft(nb::class_<HeldSimulation>& sim)
+{
+    sim.def(
+        "set_material",
+        [](HeldSimulation& self, nb::handle id, nb::handle material) {
+            PhysicsServer& physics = server(self, "set_material");
+            const BodyId soft = body(id, "set_material");
+            const auto read = argument<SoftMaterial>(material, "set_material", "material");
+            const nb::gil_scoped_release free; // it builds a solver
+            physics.setMaterial(soft, read);
+        },
+        nb::arg("body").none(), nb::arg("material").none(),
+        nb::sig("def set_material(self, body: filasofia.BodyId, material: filasofia.FemMaterial | "
+                "filasofia.MassSpringMaterial) -> None"),
+        "A material of the kind that the body was made with.");
+    sim.def(
+        "set_tissue",
+        [](HeldSimulation& self, nb::handle id, nb::handle region) {
+            server(self, "set_tissue")
+                .setTissue(body(id, "set_tissue"), argument<TissueRegion>(region, "set_tissue", "region"));
+        },
+        nb::arg("body").none(), nb::arg("region").none(),
+        nb::sig("def set_tissue(self, body: filasofia.BodyId, region: filasofia.TissueRegion) -> None"),
+        "Changes the tissue of a part of a FEM body: coagulation stiffens and shrinks it.");
+    sim.def(
+        "set_fibre_stress",
+        [](HeldSimulation& self, nb::handle id, nb::handle family, nb::handle stress) {
+            server(self, "set_fibre_stress")
+                .setFibreStress(body(id, "set_fibre_stress"),
+                                argument<int>(family, "set_fibre_stress", "family", nonNegative()),
+                                argument<double>(stress, "set_fibre_stress", "stress", closed(0, 1e9)));
+        },
+        nb::arg("body").none(), nb::arg("family").none(), nb::arg("stress").none(),
+        nb::sig("def set_fibre_stress(self, body: filasofia.BodyId, family: int, stress: float) -> None"),
+        "The stress [Pa] by which a family of fibres contracts.");
+}
+
+void addLoads(nb::class_<HeldSimulation>& sim)
+{
+    sim.def(
+        "set_forces",
+        [](HeldSimulation& self, nb::handle id, nb::handle forces) {
+            server(self, "set_forces")
+                .setForces(body(id, "set_forces"), argument<std::vector<NodalForce>>(forces, "set_forces", "forces"));
+        },
+        nb::arg("body").none(), nb::arg("forces").none(),
+        nb::sig("def set_forces(self, body: filasofia.BodyId, forces: collections.abc.Sequence[filasofia.NodalForce]) "
+                "-> None"),
+        "Replaces all nodal forces of a soft body.");
+    sim.def(
+        "set_pressure",
+        [](HeldSimulation& self, nb::handle id, nb::handle pressure) {
+            server(self, "set_pressure")
+                .setPressure(body(id, "set_pressure"), argument<double>(pressure, "set_pressure", "pressure"));
+        },
+        nb::arg("body").none(), nb::arg("pressure").none(),
+        nb::sig("def set_pressure(self, body: filasofia.BodyId, pressure: float) -> None"),
+        "[Pa] on the whole surface, positive inwards.");
+    sim.def(
+        "remove_piece",
+        [](HeldSimulation& self, nb::handle id, nb::handle piece) {
+            server(self, "remove_piece")
+                .removePiece(body(id, "remove_piece"), argument<int>(piece, "remove_piece", "piece", nonNegative()));
+        },
+        nb::arg("body").none(), nb::arg("piece").none(),
+        nb::sig("def remove_piece(self, body: filasofia.BodyId, piece: int) -> None"),
+        "Removes a piece that cuts or tears have detached.");
+}
+
+void addAttachments(nb::class_<HeldSimulation>& sim)
+{
+    sim.def(
+        "attach",
+        [](HeldSimulation& self, nb::handle id, nb::handle def) {
+            PhysicsServer& physics = server(self, "attach");
+            using Either = std::variant<AttachmentDef, RigidAttachmentDef>;
+            const auto read = argument<Either>(def, "attach", "definition");
+            const BodyId which = body(id, "attach");
+            return std::visit(
+                [&](const auto& each) { return Convert<AttachmentId>::make(physics.attach(which, each)); }, read);
+        },
+        nb::arg("body").none(), nb::arg("definition").none(),
+        nb::sig("def attach(self, body: filasofia.BodyId, definition: filasofia.AttachmentDef | "
+                "filasofia.RigidAttachmentDef) -> filasofia.AttachmentId"),
+        "Attaches nodes of a soft body, or an element of a rigid one, where they are when it takes effect.");
+    sim.def(
+        "grasp",
+        [](HeldSimulation& self, nb::handle rigid, nb::handle target, nb::handle def) {
+            PhysicsServer& physics = server(self, "grasp");
+            const auto how = def.is_none() ? GraspDef{} : argument<GraspDef>(def, "grasp", "definition");
+            return Convert<AttachmentId>::make(physics.grasp(argument<BodyId>(rigid, "grasp", "rigid"),
+                                                             argument<BodyId>(target, "grasp", "target"), how));
+        },
+        nb::arg("rigid").none(), nb::arg("target").none(), nb::arg("definition") = nb::none(),
+        nb::sig("def grasp(self, rigid: filasofia.BodyId, target: filasofia.BodyId, definition: filasofia.GraspDef | "
+                "None = None) -> filasofia.AttachmentId"),
+        "Attaches to a rigid body what it touches of the target.");
+}
+
+void addReleases(nb::class_<HeldSimulation>& sim)
+{
+    sim.def(
+        "release",
+        [](HeldSimulation& self, nb::handle id) {
+            server(self, "release").release(argument<AttachmentId>(id, "release", "attachment"));
+        },
+        nb::arg("attachment").none(), nb::sig("def release(self, attachment: filasofia.AttachmentId) -> None"));
+    sim.def(
+        "attachments",
+        [](HeldSimulation& self, nb::handle id) {
+            return Convert<std::vector<AttachmentId>>::make(
+                server(self, "attachments").attachments(body(id, "attachments")));
+        },
+        nb::arg("body").none(),
+        nb::sig("def attachments(self, body: filasofia.BodyId) -> list[filasofia.AttachmentId]"),
+        "The attachments of a body's Def, in its order.");
+}
+
+} // namespace
+
+void addCommands(nb::class_<HeldSimulation>& sim)
+{
+    sim.def(
+        "apply",
+        [](HeldSimulation& self, nb::handle command) {
+            return applyAs(self, command, static_cast<const Applied*>(nullptr));
+        },
+        nb::arg("command").none(), nb::sig("def apply(self, command: typing.Any) -> filasofia.AttachmentId | None"),
+        "Applies a command (SetPose, Grasp, Reset, ...). Returns the id of an attachment that it makes; its own is not "
+        "read.");
+    sim.def(
+        "set_gravity",
+        [](HeldSimulation& self, nb::handle gravity) {
+            server(self, "set_gravity").setGravity(argument<Vec3>(gravity, "set_gravity", "gravity"));
+        },
+        nb::arg("gravity").none(), nb::sig("def set_gravity(self, gravity: collections.abc.Sequence[float]) -> None"),
+        "[m/s^2]");
+    sim.def(
+        "pause", [](HeldSimulation& self, bool paused) { usable(self, "pause").simulation().pause(paused); },
+        nb::arg("paused") = true, "While paused, steps apply commands and nothing moves.");
+    sim.def(
+        "reset", [](HeldSimulation& self) { usable(self, "reset").simulation().reset(); },
+        "Puts the bodies back to their start at the next step, and removes all paint.");
+    addRigid(sim);
+    addHandsAndJoints(sim);
+    addSoft(sim);
+    addLoads(sim);
+    addAttachments(sim);
+    addReleases(sim);
+}
+
+} // namespace filasofia::python

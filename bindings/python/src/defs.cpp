@@ -1,0 +1,82 @@
+#include "defs.h"
+
+#include "def_table.h"
+
+#include <nanobind/stl/vector.h>
+
+namespace filasofia::python {
+namespace {
+
+using namespace physics;
+
+const DefTable& table()
+{
+    static const DefTable made = [] {
+        DefTable out;
+        out.add<BodyDef>();
+        // Every command but AddBody, which is Simulation.add(), and Tune, which needs C++.
+        out.add<std::variant<RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench, Attach,
+                             AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, SetJoint, SetHaptic, SetTissue,
+                             SetFibreStress>>();
+        out.add<runtime::PhysicsDef>();
+        out.add<runtime::LookDef>();
+        out.add<runtime::ShowDef>();
+        out.add<runtime::PaintDef>();
+        out.add<runtime::PictureDef>();
+        out.add<runtime::ReplayDef>();
+        return out;
+    }();
+    return made;
+}
+
+/// "[Pa], must be > 0"; empty for what has neither unit nor bound.
+std::string boundOf(const FieldEntry& field)
+{
+    const bool bounded = std::isfinite(field.range.low) || std::isfinite(field.range.high);
+    std::string out = field.unit.empty() ? std::string() : text("[", field.unit, "]");
+    if (bounded) out += (out.empty() ? "" : ", ") + field.range.text("");
+    return out;
+}
+
+nb::list schema()
+{
+    nb::list out;
+    for (const DefEntry& def : table().entries()) {
+        nb::list fields;
+        for (const FieldEntry& field : def.fields)
+            fields.append(nb::make_tuple(field.name, field.typing, boundOf(field), std::string(field.meaning)));
+        out.append(nb::make_tuple(def.name, fields));
+    }
+    return out;
+}
+
+const DefEntry& entryAt(std::size_t def)
+{
+    if (def >= table().entries().size()) throw nb::index_error("no such Def");
+    return table().entries()[def];
+}
+
+nb::object checkField(std::size_t def, std::size_t index, nb::handle value)
+{
+    const DefEntry& entry = entryAt(def);
+    if (index >= entry.fields.size()) throw nb::index_error("no such field");
+    const FieldEntry& field = entry.fields[index];
+    const Where object{.name = entry.name};
+    return field.keep(value, {.outer = &object, .name = field.name, .range = field.range, .unit = field.unit});
+}
+
+} // namespace
+
+void bindDefs(nb::module_& module)
+{
+    module.def("schema", &schema, "The Defs in the order in which each needs those before it.");
+    module.def("defaults", [](std::size_t def) { return entryAt(def).defaults(); });
+    module.def("check_field", &checkField, nb::arg("number"), nb::arg("field"), nb::arg("value").none());
+    module.def("set_classes", &setClasses);
+    module.def(
+        "did_you_mean",
+        [](const std::string& word, const std::vector<std::string>& known) { return didYouMean(word, known); },
+        "' (did you mean ...?)' for the nearest of the known words, or nothing.");
+}
+
+} // namespace filasofia::python

@@ -1,0 +1,91 @@
+#include "results.h"
+
+#include "arrays.h"
+#include "convert.h"
+
+#include "filasofia/core/error.h"
+
+namespace filasofia::python {
+namespace {
+
+using runtime::ContactEvent;
+
+/// A class of events with what all of them have.
+template <class E> nb::class_<E> eventClass(nb::module_& module, const char* name, const char* doc)
+{
+    nb::class_<E> bound(module, name, doc);
+    bound.def_prop_ro(
+        "time", [](const E& self) { return self.time; }, "[s], simulated");
+    bound.def_prop_ro(
+        "step", [](const E& self) { return self.step; }, "number of steps completed");
+    return bound;
+}
+
+const char* kindOf(const ContactEvent& touch)
+{
+    switch (touch.kind) {
+    case ContactEvent::Kind::Begin:
+        return "begin";
+    case ContactEvent::Kind::Persist:
+        return "persist";
+    case ContactEvent::Kind::End:
+        break;
+    }
+    return "end";
+}
+
+} // namespace
+
+void bindEvents(nb::module_& module)
+{
+    const auto id = [](const char* name) { return text("def ", name, "(self) -> filasofia.BodyId"); };
+    auto contact = eventClass<ContactEvent>(module, "ContactEvent", "Two bodies touch; kind is begin, persist or end.");
+    contact.def_prop_ro("kind", &kindOf)
+        .def_prop_ro(
+            "first", [](const ContactEvent& self) { return Convert<BodyId>::make(self.pair.first); },
+            nb::for_getter(nb::sig(id("first").c_str())))
+        .def_prop_ro(
+            "second", [](const ContactEvent& self) { return Convert<BodyId>::make(self.pair.second); },
+            nb::for_getter(nb::sig(id("second").c_str())))
+        .def_prop_ro(
+            "contacts", [](const ContactEvent& self) { return self.pair.contacts; }, "with a normal force")
+        .def_prop_ro(
+            "force", [](const ContactEvent& self) { return vectorOf(self.pair.force); },
+            nb::for_getter(nb::sig("def force(self) -> numpy.typing.NDArray[numpy.float64]")), "[N] on the first body")
+        .def_prop_ro(
+            "normal_force", [](const ContactEvent& self) { return self.pair.normalForce; }, "[N]")
+        .def_prop_ro(
+            "friction_force", [](const ContactEvent& self) { return self.pair.frictionForce; }, "[N]")
+        .def("__repr__", [](const ContactEvent& self) {
+            return text("ContactEvent(", kindOf(self), ", first=", self.pair.first.value,
+                        ", second=", self.pair.second.value, ", normal_force=", self.pair.normalForce, ")");
+        });
+    eventClass<runtime::CutEvent>(module, "CutEvent", "A blade cut a body.")
+        .def_ro("rupture", &runtime::CutEvent::rupture);
+    eventClass<runtime::TearEvent>(module, "TearEvent", "Stress tore a body.")
+        .def_ro("rupture", &runtime::TearEvent::rupture);
+    eventClass<runtime::FileFailedEvent>(module, "FileFailedEvent", "A file that the run writes takes no more data.")
+        .def_ro("problem", &runtime::FileFailedEvent::problem);
+    eventClass<event::PhysicsUpdateEvent>(module, "PhysicsUpdateEvent", "A step is done.");
+}
+
+std::size_t alternativeOf(nb::handle given)
+{
+    const nb::handle classes[] = {nb::type<ContactEvent>(), nb::type<runtime::CutEvent>(),
+                                  nb::type<runtime::TearEvent>(), nb::type<runtime::FileFailedEvent>(),
+                                  nb::type<event::PhysicsUpdateEvent>()};
+    static_assert(std::size(classes) == std::variant_size_v<Arrived>);
+    for (std::size_t i = 0; i < std::size(classes); ++i)
+        if (given.is(classes[i])) return i;
+    throw nb::type_error(text("on: the event must be ContactEvent, CutEvent, TearEvent, FileFailedEvent or "
+                              "PhysicsUpdateEvent, got ",
+                              shown(given))
+                             .c_str());
+}
+
+nb::object eventObject(Arrived&& event)
+{
+    return std::visit([](auto&& each) { return nb::cast(std::move(each)); }, std::move(event));
+}
+
+} // namespace filasofia::python

@@ -1,0 +1,206 @@
+#include "frames.h"
+
+#include "arrays.h"
+#include "convert.h"
+
+#include "filasofia/core/error.h"
+
+#include <cstddef>
+
+namespace filasofia::python {
+namespace {
+
+using frame::Attachment;
+using frame::Contact;
+using frame::Frame;
+using frame::Joint;
+
+struct Column {
+    const char* name;
+    const char* format; ///< in NumPy's words
+    std::size_t offset;
+};
+
+/// The dtype of a row, made once: NumPy is imported with it.
+template <class Row, std::size_t n> nb::handle typeOf(const Column (&columns)[n])
+{
+    static PyObject* made = nullptr; // for ever
+    if (made) return made;
+    nb::list names, formats, offsets;
+    for (const Column& each : columns) {
+        names.append(each.name);
+        formats.append(each.format);
+        offsets.append(each.offset);
+    }
+    nb::dict layout;
+    layout["names"] = names;
+    layout["formats"] = formats;
+    layout["offsets"] = offsets;
+    layout["itemsize"] = sizeof(Row);
+    made = nb::module_::import_("numpy").attr("dtype")(layout).release().ptr();
+    return made;
+}
+
+nb::handle contactType()
+{
+    static constexpr Column columns[] = {
+        {"first", "u4", offsetof(Contact, first)},       {"second", "u4", offsetof(Contact, second)},
+        {"point", "3f8", offsetof(Contact, point)},      {"normal", "3f8", offsetof(Contact, normal)},
+        {"gap", "f8", offsetof(Contact, gap)},           {"normal_force", "f8", offsetof(Contact, normalForce)},
+        {"friction", "3f8", offsetof(Contact, friction)}};
+    return typeOf<Contact>(columns);
+}
+nb::handle attachmentType()
+{
+    static constexpr Column columns[] = {
+        {"id", "u4", offsetof(Attachment, id)},         {"body", "u4", offsetof(Attachment, body)},
+        {"to", "u4", offsetof(Attachment, to)},         {"force", "3f8", offsetof(Attachment, force)},
+        {"points", "i4", offsetof(Attachment, points)}, {"broken", "?", offsetof(Attachment, broken)}};
+    return typeOf<Attachment>(columns);
+}
+nb::handle jointType()
+{
+    static constexpr Column columns[] = {{"position", "f8", offsetof(Joint, position)},
+                                         {"velocity", "f8", offsetof(Joint, velocity)},
+                                         {"force", "f8", offsetof(Joint, force)},
+                                         {"load", "f8", offsetof(Joint, load)},
+                                         {"stop", "f8", offsetof(Joint, stop)}};
+    return typeOf<Joint>(columns);
+}
+
+/// A part of a frame; the object of the frame keeps it alive.
+template <class Body> struct Part {
+    nb::object frame;
+    const Body* body;
+};
+using SoftPart = Part<frame::SoftBodyFrame>;
+using RigidPart = Part<frame::RigidBodyFrame>;
+
+nb::object bodyOf(nb::handle self, nb::handle id)
+{
+    const Frame& held = nb::cast<const HeldFrame&>(self).get();
+    const Where object{.name = "frame"};
+    const auto body = Convert<BodyId>::read(id, {.outer = &object, .name = "body"});
+    if (const auto* soft = held.softBody(body)) return nb::cast(SoftPart{nb::borrow(self), soft});
+    if (const auto* rigid = held.rigidBody(body)) return nb::cast(RigidPart{nb::borrow(self), rigid});
+    fail("frame of step ", held.step, ": there is no body ", body.value);
+}
+
+template <class Body> nb::list partsOf(nb::handle self, const std::vector<Body>& bodies)
+{
+    nb::list out;
+    for (const Body& each : bodies) out.append(nb::cast(Part<Body>{nb::borrow(self), &each}));
+    return out;
+}
+
+constexpr const char* kNumbers = "numpy.typing.NDArray[numpy.float64]";
+
+/// A property that is an array with the frame as its owner.
+template <class Body, class Get> void addArray(nb::class_<Part<Body>>& part, const char* name, const char* doc, Get get)
+{
+    const std::string signature = text("def ", name, "(self) -> ", kNumbers);
+    part.def_prop_ro(
+        name, [get](const Part<Body>& self) { return get(*self.body, nb::handle(self.frame)); },
+        nb::for_getter(nb::sig(signature.c_str())), doc);
+}
+
+void bindSoft(nb::module_& module)
+{
+    nb::class_<SoftPart> soft(module, "SoftBodyFrame", "The state of a soft body. Arrays are read-only views.");
+    soft.def_prop_ro(
+        "id", [](const SoftPart& self) { return Convert<BodyId>::make(self.body->id); },
+        nb::for_getter(nb::sig("def id(self) -> filasofia.BodyId")));
+    addArray(soft, "positions", "(n, 3) [m], one row per node",
+             [](const auto& body, nb::handle owner) { return rowsOf<double, 3>(body.positions, owner); });
+    addArray(soft, "velocities", "(n, 3) [m/s], one row per node",
+             [](const auto& body, nb::handle owner) { return rowsOf<double, 3>(body.velocities, owner); });
+    soft.def_prop_ro(
+        "revision",
+        [](const SoftPart& self) { return self.body->boundary ? self.body->boundary->revision : std::uint64_t{0}; },
+        "How often cuts and tears have changed its mesh.");
+    soft.def_prop_ro(
+        "boundary",
+        [](const SoftPart& self) -> nb::object {
+            if (!self.body->boundary) return nb::none();
+            return rowsOf<int, 3>(self.body->boundary->triangles, self.frame);
+        },
+        nb::for_getter(nb::sig("def boundary(self) -> numpy.typing.NDArray[numpy.int32] | None")),
+        "(m, 3) nodes of its surface after cuts and tears, or None if its mesh was never changed.");
+}
+
+void bindRigid(nb::module_& module)
+{
+    nb::class_<RigidPart> rigid(module, "RigidBodyFrame", "The state of a rigid body. Arrays are read-only views.");
+    rigid.def_prop_ro(
+        "id", [](const RigidPart& self) { return Convert<BodyId>::make(self.body->id); },
+        nb::for_getter(nb::sig("def id(self) -> filasofia.BodyId")));
+    addArray(rigid, "poses", "(n, 7) per element: position [m], then the quaternion w, x, y, z",
+             [](const auto& body, nb::handle owner) { return rowsOf<double, 7>(body.poses, owner); });
+    addArray(rigid, "velocities", "(n, 3) [m/s] per element",
+             [](const auto& body, nb::handle owner) { return rowsOf<double, 3>(body.velocities, owner); });
+    addArray(rigid, "angular_velocities", "(n, 3) [rad/s] per element, in world axes",
+             [](const auto& body, nb::handle owner) { return rowsOf<double, 3>(body.angularVelocities, owner); });
+    rigid.def_prop_ro(
+        "joints", [](const RigidPart& self) { return recordsOf(self.body->joints, jointType(), self.frame); },
+        nb::for_getter(nb::sig("def joints(self) -> numpy.typing.NDArray[numpy.void]")),
+        "One row per joint: position, velocity, force, load, stop.");
+}
+
+void bindFrame(nb::module_& module)
+{
+    nb::class_<HeldFrame> whole(module, "Frame", nb::is_weak_referenceable(),
+                                "The whole state after a step. It never changes, and its arrays are read-only views.");
+    whole.def_prop_ro(
+        "step", [](const HeldFrame& self) { return self.get().step; }, "Number of steps completed.");
+    whole.def_prop_ro(
+        "time", [](const HeldFrame& self) { return self.get().time; }, "[s], simulated");
+    whole.def("__getitem__", &bodyOf, nb::arg("body"),
+              nb::sig("def __getitem__(self, body: filasofia.BodyId) -> typing.Any"),
+              "The SoftBodyFrame or RigidBodyFrame of a body.");
+    whole.def_prop_ro(
+        "soft_bodies", [](nb::handle self) { return partsOf(self, nb::cast<const HeldFrame&>(self).get().softBodies); },
+        nb::for_getter(nb::sig("def soft_bodies(self) -> list[SoftBodyFrame]")));
+    whole.def_prop_ro(
+        "rigid_bodies",
+        [](nb::handle self) { return partsOf(self, nb::cast<const HeldFrame&>(self).get().rigidBodies); },
+        nb::for_getter(nb::sig("def rigid_bodies(self) -> list[RigidBodyFrame]")));
+    whole.def_prop_ro(
+        "contacts",
+        [](nb::handle self) { return recordsOf(nb::cast<const HeldFrame&>(self).get().contacts, contactType(), self); },
+        nb::for_getter(nb::sig("def contacts(self) -> numpy.typing.NDArray[numpy.void]")),
+        "One row per contact: first, second, point, normal, gap, normal_force, friction (on the first body).");
+    whole.def_prop_ro(
+        "attachments",
+        [](nb::handle self) {
+            return recordsOf(nb::cast<const HeldFrame&>(self).get().attachments, attachmentType(), self);
+        },
+        nb::for_getter(nb::sig("def attachments(self) -> numpy.typing.NDArray[numpy.void]")),
+        "One row per attachment: id, body, to, force (on the body), points, broken.");
+    whole.def(
+        "copy", [](const HeldFrame& self) { return HeldFrame{.copy = std::make_shared<const Frame>(self.get())}; },
+        "A frame of its own, which may be kept as long as you like: the engine has eight, and six may be held at "
+        "once.");
+}
+
+} // namespace
+
+HeldFrame newestFrame(const std::shared_ptr<Session>& session)
+{
+    frame::FrameRef ref = session->physics().latest();
+    if (!ref) fail("frame: no step was made yet");
+    // Between two steps the newest frame is that of the last one, unless the writer found none that nobody holds.
+    if (!session->stepping() && ref->step != session->steps())
+        fail("frame: step ", session->steps(),
+             " was not captured, because too many frames (or arrays of them) were held; "
+             "keep copies: frame.copy() or array.copy()");
+    return {.session = session, .ref = std::move(ref)};
+}
+
+void bindFrames(nb::module_& module)
+{
+    bindSoft(module);
+    bindRigid(module);
+    bindFrame(module);
+}
+
+} // namespace filasofia::python

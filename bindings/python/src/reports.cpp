@@ -1,0 +1,173 @@
+#include "results.h"
+
+#include "arrays.h"
+#include "convert.h"
+
+#include <nanobind/stl/vector.h>
+
+namespace filasofia::python {
+namespace {
+
+using namespace physics;
+
+void bindFlags(nb::module_& module)
+{
+    nb::enum_<StepFlag>(module, "StepFlag", nb::is_flag(), nb::is_arithmetic(), "Problems of a step. None ends it.")
+        .value("LATE", StepFlag::Late)
+        .value("CLAMPED", StepFlag::Clamped)
+        .value("NOT_CONVERGED", StepFlag::NotConverged, "a solver stopped at its iteration limit")
+        .value("UNDONE", StepFlag::Undone, "a body's new state was not finite and was restored")
+        .value("EVENT_LOST", StepFlag::EventLost)
+        .value("RECORD_LOST", StepFlag::RecordLost)
+        .value("TUNED", StepFlag::Tuned)
+        .value("TUNE_REJECTED", StepFlag::TuneRejected)
+        .value("DAMPED", StepFlag::Damped, "a restored body repeated its step, heavily damped")
+        .value("OUT_OF_TIME", StepFlag::OutOfTime)
+        .value("NOTHING_ATTACHED", StepFlag::NothingAttached, "an attachment found no node, or a grasp no contact")
+        .value("INVERTED", StepFlag::Inverted, "elements were inside out")
+        .value("BEYOND_STRAIN", StepFlag::BeyondStrain, "elements were strained beyond valid_strain")
+        .value("NOTHING_CHANGED", StepFlag::NothingChanged, "a SetTissue found no element")
+        .value("RESTLESS", StepFlag::Restless, "a body goes on moving though nothing drives it")
+        .value("ENERGY_GAINED", StepFlag::EnergyGained, "a restless body moves with ever more energy");
+}
+
+/// Properties that are a body's id or a vector, which Python has in forms of its own.
+template <class T, class Member> void addId(nb::class_<T>& bound, const char* name, Member member)
+{
+    const std::string signature = text("def ", name, "(self) -> filasofia.BodyId | None");
+    bound.def_prop_ro(
+        name, [member](const T& self) { return Convert<BodyId>::make(self.*member); },
+        nb::for_getter(nb::sig(signature.c_str())));
+}
+template <class T, class Member> void addVector(nb::class_<T>& bound, const char* name, Member member, const char* doc)
+{
+    const std::string signature = text("def ", name, "(self) -> numpy.typing.NDArray[numpy.float64]");
+    bound.def_prop_ro(
+        name, [member](const T& self) { return vectorOf(self.*member); }, nb::for_getter(nb::sig(signature.c_str())),
+        doc);
+}
+
+void bindParts(nb::module_& module)
+{
+    nb::class_<BodySolve> solve(module, "BodySolve", "How one body's step was solved.");
+    addId(solve, "body", &BodySolve::body);
+    solve.def_ro("iterations", &BodySolve::iterations).def_ro("residual", &BodySolve::residual);
+
+    nb::class_<ContactReport>(module, "ContactReport", "Statistics of the contacts of a step.")
+        .def_ro("found", &ContactReport::found)
+        .def_ro("active", &ContactReport::active)
+        .def_ro("rounds", &ContactReport::rounds)
+        .def_ro("mismatch", &ContactReport::mismatch)
+        .def_ro("penetration", &ContactReport::penetration, "[m] the deepest");
+
+    nb::class_<InvertedElements> inverted(module, "InvertedElements", "Elements that were inside out.");
+    inverted.def_ro("count", &InvertedElements::count)
+        .def_ro("element", &InvertedElements::element)
+        .def_ro("volume", &InvertedElements::volume);
+    addId(inverted, "body", &InvertedElements::body);
+    addVector(inverted, "place", &InvertedElements::place, "[m]");
+
+    nb::class_<StrainedElements> strained(module, "StrainedElements", "Elements strained beyond valid_strain.");
+    strained.def_ro("count", &StrainedElements::count)
+        .def_ro("element", &StrainedElements::element)
+        .def_ro("strain", &StrainedElements::strain)
+        .def_ro("valid", &StrainedElements::valid);
+    addId(strained, "body", &StrainedElements::body);
+    addVector(strained, "place", &StrainedElements::place, "[m]");
+
+    nb::class_<Unrest> unrest(module, "Unrest", "Bodies that go on moving though nothing drives them.");
+    unrest.def_ro("bodies", &Unrest::bodies).def_ro("speed", &Unrest::speed).def_ro("undriven", &Unrest::undriven);
+    addId(unrest, "body", &Unrest::body);
+}
+
+void bindRuptures(nb::module_& module)
+{
+    nb::class_<LoosePiece> piece(module, "LoosePiece", "A part of a body that was detached.");
+    piece.def_ro("piece", &LoosePiece::piece)
+        .def_ro("elements", &LoosePiece::elements)
+        .def_ro("mass", &LoosePiece::mass, "[kg]")
+        .def_ro("held", &LoosePiece::held);
+    addVector(piece, "place", &LoosePiece::place, "[m]");
+
+    nb::class_<Rupture> rupture(module, "Rupture", "What a blade or stress opened in a body.");
+    rupture.def_prop_ro("kind", [](const Rupture& self) { return self.kind == Rupture::Kind::Cut ? "cut" : "tear"; })
+        .def_ro("area", &Rupture::area, "[m^2] at rest, of one side")
+        .def_ro("nodes", &Rupture::nodes)
+        .def_ro("elements", &Rupture::elements)
+        .def_ro("detached", &Rupture::detached);
+    addId(rupture, "body", &Rupture::body);
+    addVector(rupture, "place", &Rupture::place, "[m]");
+
+    nb::class_<TopologyReport>(module, "TopologyReport", "Cuts and tears of a step.")
+        .def_ro("ruptures", &TopologyReport::ruptures)
+        .def_ro("lost", &TopologyReport::lost)
+        .def_ro("pending", &TopologyReport::pending)
+        .def_prop_ro("refused", &TopologyReport::refused);
+}
+
+void bindStep(nb::module_& module)
+{
+    nb::class_<StepReport>(module, "StepReport", "How a step went.")
+        .def_ro("step", &StepReport::step, "number of steps completed")
+        .def_ro("time", &StepReport::time, "[s], simulated")
+        .def_ro("dt", &StepReport::dt, "[s]; 0 while paused")
+        .def_prop_ro("flags", [](const StepReport& self) { return static_cast<StepFlag>(self.flags); })
+        .def_ro("solves", &StepReport::solves)
+        .def_ro("contacts", &StepReport::contacts)
+        .def_ro("inverted", &StepReport::inverted)
+        .def_ro("beyond_strain", &StepReport::beyondStrain)
+        .def_ro("unrest", &StepReport::unrest)
+        .def_ro("topology", &StepReport::topology)
+        .def("__repr__", [](nb::handle self) {
+            const auto& report = nb::cast<const StepReport&>(self);
+            return text("StepReport(step=", report.step, ", time=", report.time,
+                        ", flags=", nb::cast<std::string>(nb::repr(self.attr("flags"))), ")");
+        });
+}
+
+void bindRun(nb::module_& module)
+{
+    using runtime::ContactPairReport;
+    using runtime::RunReport;
+    nb::class_<ContactPairReport>(module, "ContactPairReport", "How two bodies touched in a run.")
+        .def_ro("first", &ContactPairReport::first)
+        .def_ro("second", &ContactPairReport::second)
+        .def_ro("steps", &ContactPairReport::steps)
+        .def_ro("mean_normal_force", &ContactPairReport::meanNormalForce, "[N]")
+        .def_ro("max_normal_force", &ContactPairReport::maxNormalForce, "[N]")
+        .def_ro("mean_friction_force", &ContactPairReport::meanFrictionForce, "[N]")
+        .def_ro("max_friction_force", &ContactPairReport::maxFrictionForce, "[N]")
+        .def_ro("deepest", &ContactPairReport::deepest, "[m]");
+    nb::class_<RunReport>(module, "RunReport",
+                          "How a run went. str() of it is the summary that the command line prints.")
+        .def_ro("steps", &RunReport::steps)
+        .def_ro("time", &RunReport::time, "[s], simulated")
+        .def_ro("hash", &RunReport::hash)
+        .def_ro("undone", &RunReport::undone)
+        .def_ro("damped", &RunReport::damped)
+        .def_ro("not_converged", &RunReport::notConverged)
+        .def_ro("inverted", &RunReport::inverted)
+        .def_ro("beyond_strain", &RunReport::beyondStrain)
+        .def_ro("restless", &RunReport::restless)
+        .def_ro("energy_gained", &RunReport::energyGained)
+        .def_ro("contacts", &RunReport::contacts)
+        .def_ro("blunt_blades", &RunReport::bluntBlades)
+        .def_ro("file_problems", &RunReport::fileProblems)
+        .def_ro("finished", &RunReport::finished)
+        .def_prop_ro(
+            "wall_seconds", [](const RunReport& self) { return self.timing.wallSeconds; }, "[s] in steps")
+        .def("__str__", [](const RunReport& self) { return runtime::summary(self); });
+}
+
+} // namespace
+
+void bindReports(nb::module_& module)
+{
+    bindFlags(module);
+    bindParts(module);
+    bindRuptures(module);
+    bindStep(module);
+    bindRun(module);
+}
+
+} // namespace filasofia::python

@@ -1,0 +1,346 @@
+#include "simulation.h"
+
+#include "arrays.h"
+#include "defs.h"
+#include "frames.h"
+#include "results.h"
+
+#include "filasofia/core/error.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace filasofia::python {
+
+Session& usable(HeldSimulation& held, const char* what)
+{
+    held.session->requireUsable(what);
+    return *held.session;
+}
+
+namespace {
+
+using physics::RigidBodyDef;
+using physics::SoftBodyDef;
+
+void make(HeldSimulation* self, nb::handle physics, nb::handle look)
+{
+    runtime::SimulationDef def;
+    if (!physics.is_none()) def.physics = readDef<runtime::PhysicsDef>(physics, "Simulation");
+    if (!look.is_none()) def.look = readDef<runtime::LookDef>(look, "Simulation: look");
+    std::shared_ptr<Session> session;
+    {
+        const nb::gil_scoped_release free;
+        session = Session::make(def);
+    }
+    new (self) HeldSimulation{.session = std::move(session)};
+}
+
+/// "soft body 'liver'", as the engine's own errors begin.
+std::string objectOf(const char* kind, nb::handle def)
+{
+    const nb::object name = def.attr("name");
+    return nb::isinstance<nb::str>(name) ? text(kind, " '", nb::cast<std::string>(name), "'") : std::string(kind);
+}
+
+nb::object add(HeldSimulation& self, nb::handle def)
+{
+    Session& session = usable(self, "add");
+    const bool soft = Convert<SoftBodyDef>::takes(def);
+    if (!soft && !Convert<RigidBodyDef>::takes(def))
+        failType({.name = "add: the body"}, "must be a SoftBodyDef or a RigidBodyDef", def);
+    BodyId id;
+    if (soft) {
+        auto read = readDef<SoftBodyDef>(def, objectOf("soft body", def));
+        const nb::gil_scoped_release free;
+        id = session.simulation().add(std::move(read));
+    } else {
+        auto read = readDef<RigidBodyDef>(def, objectOf("rigid body", def));
+        const nb::gil_scoped_release free;
+        id = session.simulation().add(std::move(read));
+    }
+    return Convert<BodyId>::make(id);
+}
+
+BodyId bodyArgument(nb::handle value, const char* method)
+{
+    const Where object{.name = method};
+    return Convert<BodyId>::read(value, {.outer = &object, .name = "body"});
+}
+
+nb::object definition(HeldSimulation& self, nb::handle body)
+{
+    const auto def = self.session->physics().def(bodyArgument(body, "definition"));
+    return std::visit([](const auto& each) { return Convert<std::remove_cvref_t<decltype(each)>>::make(each); }, *def);
+}
+
+bool hasSurface(const physics::BodyDef& def)
+{
+    const auto* rigid = std::get_if<RigidBodyDef>(&def);
+    if (!rigid) return true;
+    const auto* file = std::get_if<std::string>(&rigid->mesh);
+    return !file || !file->empty();
+}
+
+/// If the user chose nothing to be drawn, everything that has a surface is.
+void showAll(HeldSimulation& self)
+{
+    if (self.shown) return;
+    Session& session = *self.session;
+    for (const BodyId id : session.physics().bodies())
+        if (!self.shownByUs.contains(id) && hasSurface(*session.physics().def(id))) {
+            session.simulation().show(id, std::holds_alternative<SoftBodyDef>(*session.physics().def(id))
+                                              ? runtime::ShowDef{}
+                                              : runtime::ShowDef{.material = visual::MetalMaterial{}});
+            self.shownByUs.insert(id);
+        }
+}
+
+/// The picture without its alpha, as a new array (height, width, 3).
+nb::object pixelsOf(const visual::Image& image)
+{
+    const std::size_t count = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    auto* bytes = new std::uint8_t[3 * count];
+    const nb::capsule owner(bytes, [](void* held) noexcept { delete[] static_cast<std::uint8_t*>(held); });
+    for (std::size_t i = 0; i < count; ++i) std::memcpy(bytes + 3 * i, image.rgba.data() + 4 * i, 3);
+    return nb::cast(nb::ndarray<nb::numpy, std::uint8_t>(
+        bytes, {static_cast<std::size_t>(image.height), static_cast<std::size_t>(image.width), 3}, owner));
+}
+
+nb::object render(HeldSimulation& self, nb::handle def)
+{
+    const auto asked = readDef<runtime::PictureDef>(def, "render");
+    visual::Image image;
+    {
+        const Session::Turn turn(*self.session, "render");
+        const nb::gil_scoped_release free;
+        showAll(self);
+        image = self.session->picture(asked);
+    }
+    return pixelsOf(image);
+}
+
+void record(HeldSimulation& self, nb::handle file, nb::handle log, int seed, const std::string& session)
+{
+    const auto path = [](nb::handle value, const char* name) {
+        const Where object{.name = "record"};
+        return Convert<std::string>::read(value, {.outer = &object, .name = name});
+    };
+    const runtime::RunDef def{.log = path(log, "log"), .record = path(file, "file"), .seed = seed, .session = session};
+    const Session::Turn turn(*self.session, "record");
+    self.session->record(def);
+}
+
+runtime::RunReport report(HeldSimulation& self)
+{
+    if (self.session->closed()) return self.session->report();
+    const Session::Turn turn(*self.session, "report");
+    return self.session->report();
+}
+
+runtime::RunReport runFor(HeldSimulation& self, double seconds)
+{
+    if (!(seconds > 0.0) || seconds > 1e8) fail("run: seconds must be in (0, 1e8], got ", seconds);
+    const double steps = seconds / self.session->period();
+    makeSteps(self, static_cast<std::uint64_t>(std::max(1.0, std::round(steps))), "run");
+    return report(self);
+}
+
+std::uint64_t hashOf(HeldSimulation& self)
+{
+    if (self.session->closed()) return self.session->report().hash;
+    const Session::Turn turn(*self.session, "state_hash");
+    return self.session->physics().hash();
+}
+
+std::uint64_t observe(HeldSimulation& self, std::size_t alternative, nb::object callback, const char* what)
+{
+    usable(self, what);
+    if (!PyCallable_Check(callback.ptr())) failType({.name = what}, "needs a function to call", callback);
+    if (alternative != Observer::kEveryStep) self.session->collect(alternative);
+    self.observers.push_back({++self.lastObserver, alternative, std::move(callback)});
+    return self.lastObserver;
+}
+
+void close(HeldSimulation& self)
+{
+    if (self.session->closed()) return;
+    const Session::Turn turn(*self.session, "close");
+    const nb::gil_scoped_release free;
+    self.session->close();
+}
+
+// The garbage collector must see the callbacks: they often hold the simulation.
+int traverse(PyObject* self, visitproc visit, void* arg)
+{
+    Py_VISIT(Py_TYPE(self));
+    if (!nb::inst_ready(self)) return 0;
+    for (const Observer& each : nb::inst_ptr<HeldSimulation>(self)->observers) Py_VISIT(each.call.ptr());
+    return 0;
+}
+int clear(PyObject* self)
+{
+    if (!nb::inst_ready(self)) return 0;
+    const auto observers = std::exchange(nb::inst_ptr<HeldSimulation>(self)->observers, {});
+    return 0; // freed here, after the list is empty
+}
+PyType_Slot slots[] = {
+    {Py_tp_traverse, reinterpret_cast<void*>(traverse)}, {Py_tp_clear, reinterpret_cast<void*>(clear)}, {0, nullptr}};
+
+void addBodies(nb::class_<HeldSimulation>& sim)
+{
+    sim.def("add", &add, nb::arg("body").none(),
+            nb::sig("def add(self, body: filasofia.SoftBodyDef | filasofia.RigidBodyDef) -> filasofia.BodyId"),
+            "Adds a body; it is there from the next step on.");
+    sim.def(
+        "remove",
+        [](HeldSimulation& self, nb::handle body) {
+            usable(self, "remove").physics().remove(bodyArgument(body, "remove"));
+        },
+        nb::arg("body").none(), nb::sig("def remove(self, body: filasofia.BodyId) -> None"));
+    sim.def("definition", &definition, nb::arg("body").none(),
+            nb::sig("def definition(self, body: filasofia.BodyId) -> typing.Any"),
+            "A copy of the SoftBodyDef or RigidBodyDef that a body was made from, with its meshes.");
+    sim.def_prop_ro(
+        "bodies",
+        [](HeldSimulation& self) { return Convert<std::vector<BodyId>>::make(self.session->physics().bodies()); },
+        nb::for_getter(nb::sig("def bodies(self) -> list[filasofia.BodyId]")),
+        "The bodies that were added and not removed.");
+}
+
+void addSteps(nb::class_<HeldSimulation>& sim)
+{
+    sim.def(
+        "step",
+        [](HeldSimulation& self, std::int64_t n) {
+            if (n < 1) fail("step: n must be >= 1, got ", n);
+            return makeSteps(self, static_cast<std::uint64_t>(n), "step");
+        },
+        nb::arg("n") = 1,
+        "Makes n steps and returns the report of the last one. Other threads of Python run meanwhile.");
+    sim.def("run", &runFor, nb::arg("seconds"),
+            "Makes the steps of this simulated time [s]; returns the report of the run.");
+    sim.def_prop_ro(
+        "dt", [](HeldSimulation& self) { return self.session->period(); }, "[s] of one step");
+    sim.def_prop_ro(
+        "time", [](HeldSimulation& self) { return self.session->time(); }, "[s], simulated");
+    sim.def_prop_ro(
+        "steps", [](HeldSimulation& self) { return self.session->steps(); }, "Number of steps completed.");
+    sim.def_prop_ro(
+        "frame",
+        [](HeldSimulation& self) {
+            self.session->requireUsable("frame");
+            return newestFrame(self.session);
+        },
+        "The state after the last step, without a copy.");
+}
+
+void addRecords(nb::class_<HeldSimulation>& sim)
+{
+    sim.def_prop_ro("state_hash", &hashOf, "A hash of the state: the same scene gives the same one at every step.");
+    sim.def("report", &report, "How the run went until now.");
+    sim.def(
+        "record", &record, nb::arg("file").none() = "", nb::arg("log").none() = "", nb::arg("seed") = 0,
+        nb::arg("session") = "",
+        nb::sig("def record(self, file: str | os.PathLike[str] = '', log: str | os.PathLike[str] = '', seed: int = 0, "
+                "session: str = '') -> None"),
+        "Writes the run into a .rec file, for replay(), and a line per step into a .csv file. Before the first step.");
+    sim.def("close", &close,
+            "Ends the run and closes its files. Frames stay; everything else is an Error from now on.");
+    sim.def(
+        "__enter__", [](nb::handle self) { return nb::borrow(self); },
+        nb::sig("def __enter__(self) -> typing_extensions.Self"));
+    sim.def(
+        "__exit__", [](HeldSimulation& self, nb::args) { close(self); },
+        nb::sig("def __exit__(self, *args: object) -> None"));
+}
+
+void addCallbacks(nb::class_<HeldSimulation>& sim)
+{
+    sim.def(
+        "on",
+        [](HeldSimulation& self, nb::handle event, nb::object callback) {
+            return observe(self, alternativeOf(event), std::move(callback), "on");
+        },
+        nb::arg("event").none(), nb::arg("callback").none(),
+        nb::sig("def on(self, event: type, callback: collections.abc.Callable[[typing.Any], object]) -> int"),
+        "Calls back for every event of a class (ContactEvent, CutEvent, ...) after the step in which it happened. "
+        "Returns a number for off(). A list collects them: sim.on(ContactEvent, touches.append).");
+    sim.def(
+        "every_step",
+        [](HeldSimulation& self, nb::object callback) {
+            return observe(self, Observer::kEveryStep, std::move(callback), "every_step");
+        },
+        nb::arg("callback").none(),
+        nb::sig("def every_step(self, callback: collections.abc.Callable[[float], object]) -> int"),
+        "Calls back before every step with the simulated time [s] at its end. Returns a number for off().");
+    sim.def(
+        "off",
+        [](HeldSimulation& self, std::uint64_t observer) {
+            std::vector<Observer> gone; // freed after the list is whole again
+            auto& all = self.observers;
+            for (auto it = all.begin(); it != all.end(); ++it)
+                if (it->id == observer) {
+                    gone.push_back(std::move(*it));
+                    all.erase(it);
+                    return;
+                }
+            fail("off: there is no observer ", observer);
+        },
+        nb::arg("observer"), "Ends a callback.");
+}
+
+void addPictures(nb::class_<HeldSimulation>& sim)
+{
+    sim.def("_show", [](HeldSimulation& self, nb::handle body, nb::handle def) {
+        const auto read = readDef<runtime::ShowDef>(def, "show");
+        Session& session = usable(self, "show");
+        const runtime::ShownId id = session.simulation().show(bodyArgument(body, "show"), read);
+        self.shown = true;
+        return Convert<runtime::ShownId>::make(id);
+    });
+    sim.def(
+        "set_visible",
+        [](HeldSimulation& self, nb::handle shown, bool visible) {
+            const Where object{.name = "set_visible: shown"};
+            usable(self, "set_visible")
+                .simulation()
+                .setVisible(Convert<runtime::ShownId>::read(shown, object), visible);
+        },
+        nb::arg("shown").none(), nb::arg("visible"),
+        nb::sig("def set_visible(self, shown: filasofia.ShownId, visible: bool) -> None"));
+    sim.def(
+        "unshow",
+        [](HeldSimulation& self, nb::handle shown) {
+            const Where object{.name = "unshow: shown"};
+            usable(self, "unshow").simulation().unshow(Convert<runtime::ShownId>::read(shown, object));
+        },
+        nb::arg("shown").none(), nb::sig("def unshow(self, shown: filasofia.ShownId) -> None"),
+        "It is no longer drawn.");
+    sim.def(
+        "paint",
+        [](HeldSimulation& self, nb::handle body, nb::handle def) {
+            const auto read = readDef<runtime::PaintDef>(def, "paint");
+            return usable(self, "paint").simulation().paint(bodyArgument(body, "paint"), read);
+        },
+        nb::arg("body").none(), nb::arg("mark").none(),
+        nb::sig("def paint(self, body: filasofia.BodyId, mark: filasofia.PaintDef) -> int"),
+        "Paints blood, a burn or wetness on a body; returns how many vertices it reached.");
+    sim.def("_render", &render);
+}
+
+} // namespace
+
+void bindSimulation(nb::module_& module)
+{
+    nb::class_<HeldSimulation> sim(module, "Simulation", nb::type_slots(slots), nb::is_weak_referenceable());
+    sim.def("__init__", &make, nb::arg("physics") = nb::none(), nb::arg("look") = nb::none());
+    addBodies(sim);
+    addSteps(sim);
+    addRecords(sim);
+    addCallbacks(sim);
+    addPictures(sim);
+    addCommands(sim);
+}
+
+} // namespace filasofia::python

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "stepping.h"
+
+namespace filasofia::python {
+
+/// Simulation; its commands are in commands.cpp.
+void bindSimulation(nb::module_& module);
+void addCommands(nb::class_<HeldSimulation>& simulation);
+
+/// The session, if it is usable; Error else.
+Session& usable(HeldSimulation& held, const char* what);
+
+} // namespace filasofia::python

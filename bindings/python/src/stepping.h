@@ -1,0 +1,35 @@
+#pragma once
+
+#include "session.h"
+#include "where.h"
+
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace filasofia::python {
+
+/// A callback of the user's, for an event or (alternative == kEveryStep) for every step.
+struct Observer {
+    static constexpr std::size_t kEveryStep = std::variant_size_v<Arrived>;
+    std::uint64_t id = 0;
+    std::size_t alternative = 0;
+    nb::object call;
+};
+
+/// A simulation as Python holds it: the session, and the callbacks, which the garbage collector must see.
+struct HeldSimulation {
+    std::shared_ptr<Session> session;
+    std::vector<Observer> observers = {};
+    std::uint64_t lastObserver = 0;
+    bool shown = false;              ///< the user chose what is drawn
+    std::set<BodyId> shownByUs = {}; ///< else all bodies are
+    ~HeldSimulation();
+};
+
+/// Makes `count` steps without the interpreter's lock, and delivers each step's events before the next step. If a
+/// callback raises, the step in progress is finished, and its exception is raised here; those of further callbacks of
+/// the same step are printed.
+physics::StepReport makeSteps(HeldSimulation& held, std::uint64_t count, const char* what);
+
+} // namespace filasofia::python

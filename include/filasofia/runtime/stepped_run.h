@@ -1,0 +1,66 @@
+#pragma once
+
+#include "filasofia/physics/step.h"
+#include "filasofia/runtime/run.h"
+#include "filasofia/visual/camera.h"
+#include "filasofia/visual/image.h"
+
+#include <memory>
+#include <optional>
+
+namespace filasofia::runtime {
+
+class Simulation;
+
+/// A picture of a stepped run, from the look of the simulation or from a place of one's own.
+struct PictureDef {
+    int width = 640;  ///< [px], in [1, 8192]
+    int height = 480; ///< [px], in [1, 8192]
+    /// Where the camera is and what it sees; the look's light goes with it. Not given: as the look or dress() placed
+    /// it.
+    std::optional<Pose> pose = {};
+    std::optional<visual::CameraDef> camera = {}; ///< its lens; not given: the look's
+};
+constexpr auto fields(const PictureDef*)
+{
+    using T = PictureDef;
+    return describe("PictureDef", field("width", &T::width, "px", closed(1, 8192), "size of the picture"),
+                    field("height", &T::height, "px", closed(1, 8192), "size of the picture"),
+                    field("pose", &T::pose, "pose of the camera; none: that of the look"),
+                    field("camera", &T::camera, "lens of the camera; none: that of the look"));
+}
+
+/// A headless run that its owner drives: step() makes one step and delivers its events. For programs that have a loop
+/// of their own: learning, optimisation, bindings to other languages. With the same calls before each step the states
+/// are those of a headless Simulation::run(), bit for bit.
+///
+/// While it exists, it is the simulation's run: no other can begin, and everyStep(), dress() and haptic interfaces must
+/// be set before. Its functions may be called from any thread, but from one at a time. The simulation must outlive it.
+/// Simulation::finish() does not end it; its owner does.
+class SteppedRun {
+public:
+    /// Begins the run. It reads these fields of `def`: log, record, seed, session, trainee, device, motion and
+    /// recordMotion. Throws an Error if the Def asks for anything else, if a file cannot be opened, or if a run is
+    /// going on.
+    explicit SteppedRun(Simulation& simulation, const RunDef& def = {});
+    /// Ends the run, if end() has not; what goes wrong is logged.
+    ~SteppedRun();
+    SteppedRun(const SteppedRun&) = delete;
+    SteppedRun& operator=(const SteppedRun&) = delete;
+
+    /// One step of one period. Error if the run has ended.
+    physics::StepReport step();
+    /// Draws the present state off screen. The first picture starts the renderer on a thread of its own, which later
+    /// pictures use, and fixes the look: what it frames is what is shown then. Throws an Error if nothing can be drawn.
+    visual::Image picture(const PictureDef& def = {});
+    /// How the run went until now; without the times of single steps.
+    [[nodiscard]] RunReport report() const;
+    /// Ends the run: closes its files and the renderer, and returns the report. Error if it has ended.
+    RunReport end();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace filasofia::runtime

@@ -1,0 +1,143 @@
+#include "filasofia/runtime/stepped_run.h"
+
+#include "filasofia/core/log.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/runtime/check_file.h"
+#include "filasofia/runtime/picture_thread.h"
+#include "filasofia/runtime/run_files.h"
+
+namespace filasofia::runtime {
+namespace {
+
+RunDef checked(RunDef def)
+{
+    validate(def, "stepped run");
+    checkFile("stepped run", def.log, "log", ".csv");
+    checkFile("stepped run", def.record, "record", ".rec");
+    checkFile("stepped run", def.recordMotion, "recordMotion", ".csv");
+    if (def.steps != 0 || def.seconds != 0.0) fail("stepped run: steps and seconds must be 0: its owner ends it");
+    if (!def.picture.empty() || !def.video.empty() || def.pictureEvery != 0.0)
+        fail("stepped run: picture, pictureEvery and video are for other runs: ask for each picture");
+    if (def.freeRunning) fail("stepped run: freeRunning is for live runs");
+    def.headless = true; // what the haptic interfaces ask
+    return def;
+}
+
+} // namespace
+
+struct SteppedRun::Impl {
+    Simulation::Impl& simulation;
+    RunDef def;
+    RunTiming timing = {};
+    std::uint32_t flags = 0; ///< StepFlag bits for the next step's report
+    std::optional<RunFiles> files;
+    std::optional<PictureThread> pictures;
+    bool ended = false;
+
+    Impl(Simulation::Impl& itsSimulation, const RunDef& itsDef) : simulation(itsSimulation), def(checked(itsDef)) {}
+
+    void begin();
+    void requireRunning(const char* what) const
+    {
+        if (ended) fail(what, ": the run has ended");
+    }
+    [[nodiscard]] RunReport report() const;
+};
+
+void SteppedRun::Impl::begin()
+{
+    if (!simulation.control.begin()) fail("simulation: a run is going on; the next one cannot start before it ends");
+    try {
+        simulation.beginRun();
+        if (simulation.counters.stepsEver() > 0 && !def.record.empty())
+            fail("stepped run: record is for a simulation's first run, but this one has already made ",
+                 simulation.counters.stepsEver(), " steps");
+        simulation.haptics.begin(def, simulation.def.physics, simulation.clock,
+                                 [this](std::unique_ptr<DeviceEvent> event) {
+                                     simulation.now.stamp(*event);
+                                     static_cast<void>(simulation.events.tryPost(std::move(event)));
+                                 });
+        files.emplace(simulation, def);
+    } catch (...) {
+        simulation.haptics.abandon();
+        simulation.endRun();
+        throw;
+    }
+}
+
+RunReport SteppedRun::Impl::report() const
+{
+    RunReport out;
+    out.timing = timing;
+    simulation.fill(out);
+    if (out.finished.empty()) out.finished = "not yet";
+    return out;
+}
+
+SteppedRun::SteppedRun(Simulation& simulation, const RunDef& def)
+    : impl_(std::make_unique<Impl>(*simulation.impl_, def))
+{
+    impl_->begin();
+}
+
+SteppedRun::~SteppedRun()
+{
+    if (impl_->ended) return;
+    try {
+        end();
+    } catch (const std::exception& problem) {
+        logError("stepped run: ", problem.what());
+    }
+}
+
+physics::StepReport SteppedRun::step()
+{
+    impl_->requireRunning("step");
+    Simulation::Impl& simulation = impl_->simulation;
+    const physics::PhysicsServer::Stepping stepping(simulation.physics);
+    const Nanoseconds start = simulation.clock.now();
+    const double dt = toSeconds(simulation.period());
+    simulation.beforeStep(dt);
+    const physics::StepReport report = simulation.physics.step(dt, impl_->flags, {.now = simulation.clock.now});
+    impl_->flags = simulation.afterStep(report);
+    // Before the next step begins, so that observers' commands reach the same step in every run.
+    simulation.events.deliverAll();
+    impl_->files->keepUp();
+    simulation.haptics.drain();
+    ++impl_->timing.stepCount;
+    impl_->timing.simulatedSeconds += report.dt;
+    impl_->timing.wallSeconds += toSeconds(simulation.clock.now() - start);
+    return report;
+}
+
+visual::Image SteppedRun::picture(const PictureDef& def)
+{
+    impl_->requireRunning("picture");
+    validate(def, "picture");
+    if (!impl_->pictures) impl_->pictures.emplace(impl_->simulation);
+    return impl_->pictures->draw(def);
+}
+
+RunReport SteppedRun::report() const { return impl_->report(); }
+
+RunReport SteppedRun::end()
+{
+    impl_->requireRunning("end");
+    impl_->ended = true;
+    Simulation::Impl& simulation = impl_->simulation;
+    impl_->pictures.reset();
+    impl_->files.reset(); // after the last picture: the files record how it was taken
+    const std::uint64_t steps = impl_->timing.stepCount;
+    simulation.control.finish(text("made ", steps, steps == 1 ? " step" : " steps"));
+    try {
+        simulation.haptics.end();
+    } catch (...) {
+        simulation.endRun();
+        throw;
+    }
+    RunReport report = impl_->report();
+    simulation.endRun();
+    return report;
+}
+
+} // namespace filasofia::runtime

@@ -1,0 +1,80 @@
+"""Meshes from arrays, from files and from shapes."""
+import copy
+
+import numpy as np
+import pytest
+
+import filasofia as fs
+
+NODES = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+
+
+def test_a_mesh_from_arrays_has_their_numbers():
+    mesh = fs.TetMesh(NODES, [[0, 1, 2, 3]], labels=[7])
+    assert np.array_equal(mesh.nodes, NODES)
+    assert mesh.tetrahedra.dtype == np.int32 and mesh.tetrahedra.tolist() == [[0, 1, 2, 3]]
+    assert mesh.labels.tolist() == [7]
+    assert repr(mesh) == "TetMesh(4 nodes, 1 tetrahedra)"
+    assert copy.deepcopy(mesh) is mesh
+    surface = fs.TriangleMesh(NODES[:3], np.array([[0, 1, 2]], dtype=np.uint8))
+    assert surface.triangles.tolist() == [[0, 1, 2]]
+    assert surface.uv.shape == (0, 2)
+
+
+def test_any_layout_of_an_array_is_read():
+    wide = np.zeros((4, 6))
+    wide[:, ::2] = NODES
+    for nodes in (wide[:, ::2], np.asfortranarray(NODES), NODES.astype(np.float32), NODES.astype(int), NODES.tolist()):
+        assert np.array_equal(fs.TetMesh(nodes, [[0, 1, 2, 3]]).nodes, NODES)
+
+
+def test_views_of_a_mesh_cannot_be_written_and_outlive_it():
+    mesh = fs.TetMesh(NODES, [[0, 1, 2, 3]])
+    nodes = mesh.nodes
+    with pytest.raises(ValueError):
+        nodes[0, 0] = 1
+    del mesh
+    assert np.array_equal(nodes, NODES)
+
+
+@pytest.mark.parametrize(
+    "nodes, tetrahedra, error, says",
+    [
+        (np.full((4, 3), np.nan), [[0, 1, 2, 3]], fs.Error, "finite"),
+        (np.where(NODES > 0, np.inf, 0), [[0, 1, 2, 3]], fs.Error, "finite"),
+        (NODES, [[0, 1, 2, 4]], fs.Error, "TetMesh"),
+        (NODES, [[0, 1, 2, -1]], fs.Error, "TetMesh"),
+        (NODES, [[0, 2, 1, 3]], fs.Error, "volume"),
+        (NODES, np.zeros((0, 4), dtype=int), fs.Error, "TetMesh"),
+        (NODES, [[0, 1, 2]], fs.Error, "TetMesh: tetrahedra must have the shape (n, 4), got (1, 3)"),
+        (NODES[:, :2], [[0, 1, 2, 3]], fs.Error, "TetMesh: nodes must have the shape (n, 3), got (4, 2)"),
+        (NODES.ravel(), [[0, 1, 2, 3]], fs.Error, "TetMesh: nodes must have the shape (n, 3), got (12,)"),
+        (NODES, [[0.0, 1.0, 2.0, 3.0]], TypeError, "TetMesh: tetrahedra must be an array of whole numbers, got an array of float64"),
+        (NODES.astype(complex), [[0, 1, 2, 3]], TypeError, "TetMesh: nodes must be an array of real numbers"),
+        (NODES.astype(object), [[0, 1, 2, 3]], TypeError, "got an array of object"),
+        ("nodes", [[0, 1, 2, 3]], TypeError, "TetMesh: nodes must be an array of real numbers"),
+        (None, [[0, 1, 2, 3]], TypeError, "TetMesh: nodes"),
+        ([[0, 0, 0], [1]], [[0, 1, 2, 3]], TypeError, "TetMesh: nodes must be an array of numbers"),
+        (NODES, [[0, 1, 2, 2**40]], fs.Error, "TetMesh: tetrahedra must have whole numbers below 2^31"),
+        (NODES > 0, [[0, 1, 2, 3]], TypeError, "got an array of bool"),
+    ],
+)
+def test_wrong_arrays_are_refused(nodes, tetrahedra, error, says):
+    with pytest.raises(error) as caught:
+        fs.TetMesh(nodes, tetrahedra)
+    assert says in str(caught.value)
+
+
+def test_shapes_and_files():
+    assert len(fs.shapes.block((0.1, 0.1, 0.1), (2, 2, 2)).tetrahedra) == 48
+    assert len(fs.shapes.sphere(0.01, quarter=2).triangles) == 32
+    with pytest.raises(fs.Error, match="radius"):
+        fs.shapes.sphere(-1)
+    mesh = fs.load_tet_mesh(fs.asset("meshes/bunny_756.msh"))
+    assert len(mesh.tetrahedra) == 754
+    assert np.allclose(fs.load_tet_mesh(fs.asset("meshes/bunny_756.msh"), scale=2).nodes, 2 * mesh.nodes)
+    assert len(fs.load_triangle_mesh(fs.asset("meshes/bunny.obj")).triangles) > 1000
+    with pytest.raises(fs.Error, match="nothing.msh"):
+        fs.load_tet_mesh("nothing.msh")
+    with pytest.raises(fs.Error, match="nothing.msh"):
+        fs.asset("meshes/nothing.msh")

@@ -1,0 +1,282 @@
+"""Bodies, steps, commands, events and reports."""
+import os
+import subprocess
+
+import numpy as np
+import pytest
+
+import filasofia as fs
+from scenes import ball, block, poke
+
+
+def test_the_readmes_bunny_has_the_hash_of_the_same_program_in_cpp():
+    program = os.environ["FILASOFIA_BUNNY"]  # scripts/test_python.sh builds it
+    done = subprocess.run([program, "--headless", "--steps", "100"], stdout=subprocess.PIPE, text=True, check=True, timeout=300)
+    words = done.stdout.split()
+    expected = words[words.index("hash") + 1]
+    sim = fs.Simulation(rate=1000, slack=2e-3)
+    sim.add(
+        fs.SoftBodyDef(
+            name="bunny",
+            mesh=fs.asset("meshes/bunny_3004.msh"),
+            material=fs.FemMaterial(young_modulus=10e3, poisson_ratio=0.45),
+            attachments=[fs.AttachmentDef(box=fs.Box((-1, 0.105, -1), (1, 1, 1)))],
+        )
+    )
+    for _ in range(100):
+        sim.step()
+    assert fs.hexadecimal(sim.state_hash) == expected
+
+
+def test_steps_in_one_call_and_one_by_one_with_any_threads_are_the_same():
+    hashes = set()
+    for threads, calls in ((1, [40]), (2, [40]), (1, [1] * 40), (1, [7, 33])):
+        sim, _, tool = poke(threads)
+        sim.every_step(lambda t, sim=sim, tool=tool: sim.set_pose(tool, (0, 0.025 - 0.2 * t, 0)))
+        for n in calls:
+            sim.step(n)
+        assert sim.steps == 40 and sim.time == pytest.approx(0.04)
+        hashes.add(sim.state_hash)
+    assert len(hashes) == 1
+
+
+def test_a_step_reports():
+    sim, tissue, _ = poke()
+    report = sim.step()
+    assert (report.step, report.time, report.dt) == (1, pytest.approx(1e-3), pytest.approx(1e-3))
+    assert report.flags == fs.StepFlag(0) and isinstance(report.flags, fs.StepFlag)
+    assert report.solves[0].body == tissue and report.solves[0].iterations > 0
+    assert report.topology.ruptures == [] and report.contacts.active == 0
+    assert "StepReport(step=1" in repr(report)
+    assert "INVERTED" in repr(fs.StepFlag.INVERTED) and "INVERTED" in str(fs.StepFlag.INVERTED)
+    assert fs.StepFlag.DAMPED | fs.StepFlag.UNDONE == fs.StepFlag((1 << 8) | (1 << 3))
+
+
+def test_flags_tell_of_a_grasp_that_touches_nothing():
+    sim, tissue, tool = poke()
+    sim.grasp(tool, tissue)
+    assert fs.StepFlag.NOTHING_ATTACHED in sim.step().flags
+
+
+def test_run_makes_the_steps_of_a_time_and_reports():
+    sim, _, _ = poke(rate=500)
+    assert sim.dt == pytest.approx(2e-3)
+    report = sim.run(0.1)
+    assert report.steps == sim.steps == 50
+    assert report.hash == sim.state_hash
+    assert fs.hexadecimal(report.hash) in str(report)
+    assert report.undone == 0 and report.wall_seconds > 0
+
+
+def test_contacts_come_as_events_and_in_the_report():
+    sim, tissue, tool = poke()
+    touches, updates = [], []
+    sim.on(fs.ContactEvent, touches.append)
+    observer = sim.on(fs.PhysicsUpdateEvent, updates.append)
+    sim.every_step(lambda t: sim.set_pose(tool, (0, 0.025 - min(0.1 * t, 0.02 - 0.1 * t), 0)))
+    sim.step(100)
+    sim.off(observer)
+    sim.step(100)
+    assert [e.kind for e in touches if e.kind != "persist"] == ["begin", "end"]
+    assert {touches[0].first, touches[0].second} == {tissue, tool}
+    deepest = max(touches, key=lambda e: e.normal_force)
+    assert deepest.normal_force > 0.1 and deepest.contacts > 0
+    assert abs(deepest.force[1]) == pytest.approx(deepest.normal_force, rel=0.2)
+    assert len(updates) == 100 and updates[-1].step == 100
+    (pair,) = sim.report().contacts
+    assert {pair.first, pair.second} == {"block", "ball"}
+    assert pair.max_normal_force == pytest.approx(deepest.normal_force)
+    with pytest.raises(fs.Error, match="no observer"):
+        sim.off(observer)
+
+
+def test_commands_given_in_a_callback_reach_the_next_step():
+    sim, tissue, tool = poke()
+    sim.on(fs.PhysicsUpdateEvent, lambda e: sim.set_pose(tool, (0, 0.025 + 0.001 * e.step, 0)))
+    sim.step(3)
+    assert sim.frame[tool].poses[0, 1] == pytest.approx(0.027)  # of step 2's event
+
+
+def test_a_blade_cuts_and_the_event_says_how_much():
+    sim = fs.Simulation(threads=1, gravity=(0, 0, 0))
+    skin = sim.add(
+        fs.SoftBodyDef(
+            name="skin",
+            mesh=fs.shapes.block((0.04, 0.01, 0.02), (8, 2, 4)),
+            attachments=[fs.AttachmentDef(box=fs.Box((-1, -1, -1), (-0.0199, 1, 1)))],
+            dynamic_topology=True,
+        )
+    )
+    plane = fs.TriangleMesh([[0, -0.02, -0.02], [0, -0.02, 0.02], [0, 0.005, 0.02], [0, 0.005, -0.02]], [[0, 1, 2], [0, 2, 3]])
+    knife = sim.add(
+        fs.RigidBodyDef(name="knife", elements=[(0.0011, 0.03, 0)], mesh=plane, collision=[fs.CollisionDef(cutting=True)])
+    )
+    cuts = []
+    sim.on(fs.CutEvent, cuts.append)
+    sim.every_step(lambda t: sim.set_pose(knife, (0.0011, 0.03 - t, 0)))
+    sim.step(60)
+    assert sum(cut.rupture.area for cut in cuts) == pytest.approx(2e-4, rel=0.2)  # 10 mm x 20 mm
+    assert all(cut.rupture.kind == "cut" and cut.rupture.body == skin for cut in cuts)
+    pieces = [piece for cut in cuts for piece in cut.rupture.detached]
+    assert len(pieces) == 1 and pieces[0].mass == pytest.approx(8e-3 / 2, rel=0.2) and not pieces[0].held
+    body = sim.frame[skin]
+    assert body.revision > 0 and body.boundary.max() < len(body.positions)
+    sim.remove_piece(skin, pieces[0].piece)
+    sim.step()
+
+
+COMMANDS = [
+    lambda sim, tissue, tool: sim.set_gravity((0, 0, 0)),
+    lambda sim, tissue, tool: sim.set_pose(tool, fs.Pose((0, 0.1, 0))),
+    lambda sim, tissue, tool: sim.set_material(tissue, fs.FemMaterial(young_modulus=50e3)),
+    lambda sim, tissue, tool: sim.set_tissue(tissue, fs.TissueRegion(where=fs.Ball(radius=0.05), young_modulus=90e3)),
+    lambda sim, tissue, tool: sim.set_forces(tissue, [fs.NodalForce(node=140, force=(1, 0, 0))]),
+    lambda sim, tissue, tool: sim.set_pressure(tissue, 100.0),
+    lambda sim, tissue, tool: sim.attach(tissue, fs.AttachmentDef(nodes=[140], to=tool, stiffness=10)),
+    lambda sim, tissue, tool: sim.release(sim.attachments(tissue)[0]),
+    lambda sim, tissue, tool: sim.remove(tissue),
+    lambda sim, tissue, tool: sim.apply(fs.SetPressure(tissue, 100.0)),
+    lambda sim, tissue, tool: sim.apply(fs.SetGravity((0, -1, 0))),
+    lambda sim, tissue, tool: sim.apply(fs.RemoveBody(tool)),
+    lambda sim, tissue, tool: sim.apply(fs.SetMaterial(tissue, fs.FemMaterial(young_modulus=50e3))),
+    lambda sim, tissue, tool: sim.apply(fs.Release(sim.attachments(tissue)[0])),
+]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_changes_the_state(command):
+    def after(act):
+        sim, tissue, tool = poke()
+        sim.step(3)
+        act(sim, tissue, tool)
+        sim.step(3)
+        return sim.state_hash
+
+    assert after(command) != after(lambda *_: None)
+
+
+def test_commands_and_their_defs_do_the_same():
+    def after(act):
+        sim, tissue, tool = poke()
+        act(sim, tissue, tool)
+        sim.step(5)
+        return sim.state_hash
+
+    pin = fs.AttachmentDef(nodes=[9])
+    pairs = [
+        (lambda s, a, b: s.set_pose(b, (0, 0.02, 0)), lambda s, a, b: s.apply(fs.SetPose(b, pose=(0, 0.02, 0)))),
+        (lambda s, a, b: s.attach(a, pin), lambda s, a, b: s.apply(fs.Attach(body=a, def_=pin))),
+        (lambda s, a, b: s.pause(), lambda s, a, b: s.apply(fs.Pause())),
+        (lambda s, a, b: s.reset(), lambda s, a, b: s.apply(fs.Reset())),
+        (lambda s, a, b: s.grasp(b, a), lambda s, a, b: s.apply(fs.Grasp(None, b, a))),
+    ]
+    for method, def_ in pairs:
+        assert after(method) == after(def_)
+
+
+def test_joints_wrenches_and_hands():
+    sim = fs.Simulation(threads=1, gravity=(0, 0, 0))
+    arm = sim.add(fs.RigidBodyDef(name="arm", articulation=fs.ArticulationDef(joints=[fs.JointDef(lower=-1, upper=1)])))
+    cube = sim.add(fs.RigidBodyDef(name="cube", dynamic=True, mesh=fs.shapes.box((0.01, 0.01, 0.01)), elements=[(1, 0, 0)]))
+    held = sim.add(fs.RigidBodyDef(name="held", dynamic=True, mesh=fs.shapes.box((0.01, 0.01, 0.01)), elements=[(2, 0, 0)]))
+    sim.set_joint(arm, 0, fs.JointPosition(0.3))
+    sim.set_wrench(cube, (0, 1e-3, 0))
+    sim.set_haptic(held, fs.HapticTarget(pose=(2, 0.01, 0)))
+    sim.step(200)
+    frame = sim.frame
+    assert frame[arm].joints["position"][0] == pytest.approx(0.3, abs=1e-6)
+    assert frame[cube].velocities[0, 1] == pytest.approx(0.2, rel=1e-3)  # 1 mN on 1 g for 0.2 s
+    assert frame[held].poses[0, 1] > 1e-3
+    sim.apply(fs.SetJoint(arm, 0, fs.JointPosition(0.0)))
+    sim.apply(fs.SetWrench(cube))
+    sim.step(500)
+    assert sim.frame[arm].joints["position"][0] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_fibres_contract():
+    sim = fs.Simulation(threads=1, gravity=(0, 0, 0))
+    muscle = sim.add(block(material=fs.FemMaterial(fibres=[fs.FibreFamily(direction=fs.Along((0, 1, 0)))]), collision=[]))
+    sim.step()
+    before = sim.frame[muscle].positions[:, 1].max()
+    sim.set_fibre_stress(muscle, 0, 5e3)
+    sim.step(100)
+    assert sim.frame[muscle].positions[:, 1].max() < before - 1e-3
+
+
+def test_a_body_is_known_by_its_def():
+    sim, tissue, tool = poke()
+    assert sim.bodies == [tissue, tool]
+    assert repr(tissue) == "BodyId(1)" and tissue == 1
+    again = sim.definition(tissue)
+    assert again.name == "block" and again.attachments == block().attachments
+    assert len(again.mesh.tetrahedra) == 5 * 3 * 5 * 6
+    other = fs.Simulation(threads=1)
+    other.add(again)
+    with pytest.raises(fs.Error):
+        sim.definition(99)
+
+
+def test_errors_of_the_engine_have_pythons_names():
+    sim = fs.Simulation(threads=1)
+    with pytest.raises(fs.Error, match=r"soft body 'x': .*to_nodes"):
+        sim.add(block(name="x", attachments=[fs.AttachmentDef(nodes=[1], to_nodes=[2, 3])]))
+    with pytest.raises(fs.Error, match=r"soft body 'poissonRatio': material\.poisson_ratio must be in \[0, 0\.5\), got 0\.7"):
+        body = block(name="poissonRatio")
+        object.__setattr__(body.material, "poisson_ratio", 0.7)
+        sim.add(body)
+    with pytest.raises(fs.Error):
+        sim.add(fs.SoftBodyDef(mesh="no/such.msh"))
+    assert sim.bodies == []
+
+
+def test_a_recording_replays_bit_for_bit(tmp_path):
+    sim, tissue, tool = poke()
+    sim.record(tmp_path / "poke.rec", log=tmp_path / "poke.csv", session="test")
+    sim.every_step(lambda t: sim.set_pose(tool, (0, 0.025 - 0.1 * t, 0)))
+    sim.step(50)
+    expected = sim.state_hash
+    with pytest.raises(fs.Error, match="before the first step"):
+        sim.record(tmp_path / "late.rec")
+    sim.close()
+    replayed = fs.replay(file=str(tmp_path / "poke.rec"), check=True)
+    assert (replayed.made, replayed.hash, replayed.different_step, replayed.damage) == (50, expected, None, "")
+    assert len((tmp_path / "poke.csv").read_text().splitlines()) >= 51
+    with pytest.raises(fs.Error, match="nothing.rec"):
+        fs.replay(file="nothing.rec")
+    with pytest.raises(fs.Error):
+        poke()[0].record("x.txt")
+
+
+def test_a_closed_simulation_keeps_its_frames_and_refuses_the_rest():
+    with fs.Simulation(threads=1) as sim:
+        tissue = sim.add(block())
+        sim.step(5)
+        frame, expected = sim.frame, sim.state_hash
+    assert frame[tissue].positions.shape[1] == 3
+    assert sim.report().hash == sim.state_hash == expected
+    sim.close()
+    for act in (sim.step, lambda: sim.add(block()), lambda: sim.frame, lambda: sim.set_gravity((0, 0, 0)), sim.render):
+        with pytest.raises(fs.Error, match="the simulation is closed"):
+            act()
+
+
+def test_the_library_of_tissues():
+    liver = fs.tissue("liver")
+    assert liver.material.young_modulus > 100 and liver.source and 0 < liver.lowest < liver.highest
+    assert {"liver"} <= {each.name for each in fs.tissues()}
+    with pytest.raises(fs.Error, match="liver"):
+        fs.tissue("livr")
+
+
+def test_paused_steps_move_nothing():
+    sim, tissue, _ = poke()
+    sim.step(3)
+    before = sim.frame[tissue].positions.copy()
+    calls = []
+    sim.every_step(calls.append)
+    sim.pause()
+    sim.step(3)
+    assert np.array_equal(before, sim.frame[tissue].positions)
+    sim.pause(False)
+    sim.step(3)
+    assert not np.array_equal(before, sim.frame[tissue].positions)

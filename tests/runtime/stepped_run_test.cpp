@@ -1,0 +1,122 @@
+#include "filasofia/filasofia.h"
+
+#include "filasofia/runtime/replay.h"
+#include "filasofia/runtime/stepped_run.h"
+
+#include <filesystem>
+#include <thread>
+
+namespace stepped_run_test {
+
+using namespace filasofia;
+using runtime::SteppedRun;
+
+namespace {
+
+/// A ball that is pressed into a block of tissue: scripted, with contacts and their events.
+struct Poke {
+    Simulation sim;
+    BodyId block, ball;
+    int begins = 0;
+
+    Poke()
+    {
+        block = sim.add(SoftBodyDef{.name = "block",
+                                    .mesh = shapes::block({60_mm, 30_mm, 60_mm}, {5, 3, 5}),
+                                    .attachments = {{.box = Box{{-1, -1, -1}, {1, -14.9_mm, 1}}}},
+                                    .collision = {{}}});
+        ball = sim.add(RigidBodyDef{
+            .name = "ball", .elements = {{{0, 25_mm, 0}}}, .mesh = shapes::sphere(8_mm), .collision = {{}}});
+        sim.everyStep([this](double time) { sim.physics().setPose(ball, {{0, 25_mm - 0.1 * time, 0}}); });
+        sim.on<ContactEvent>([this](const ContactEvent& touch) { begins += touch.kind == ContactEvent::Kind::Begin; });
+    }
+};
+
+} // namespace
+
+TEST_CASE("a run that is stepped from outside ends in the hash of a headless run, with the same events")
+{
+    Poke whole, stepped;
+    const RunReport expected = whole.sim.run({.headless = true, .steps = 60});
+    SteppedRun run(stepped.sim);
+    for (int i = 0; i < 60; ++i) {
+        const physics::StepReport step = run.step();
+        CHECK(step.step == static_cast<std::uint64_t>(i + 1));
+    }
+    CHECK_THAT(summary(run.report()), Catch::Contains("ended: not yet") && !Catch::Contains("one step takes"));
+    const RunReport report = run.end();
+    CHECK(report.hash == expected.hash);
+    CHECK(report.steps == 60);
+    CHECK(report.time == Approx(0.06));
+    CHECK(report.finished == "made 60 steps");
+    CHECK(whole.begins == 1);
+    CHECK(stepped.begins == 1);
+    REQUIRE(report.contacts.size() == 1);
+    CHECK(report.contacts[0].maxNormalForce == expected.contacts.at(0).maxNormalForce);
+}
+
+TEST_CASE("a stepped run may be stepped by one thread after another")
+{
+    Poke whole, stepped;
+    const RunReport expected = whole.sim.run({.headless = true, .steps = 20});
+    SteppedRun run(stepped.sim);
+    for (int i = 0; i < 20; ++i) std::thread([&] { run.step(); }).join();
+    CHECK(run.report().hash == expected.hash);
+}
+
+TEST_CASE("the recording of a stepped run replays bit for bit")
+{
+    const std::string file = (std::filesystem::temp_directory_path() / "stepped_run_test.rec").string();
+    Poke poke;
+    {
+        SteppedRun run(poke.sim, {.record = file});
+        for (int i = 0; i < 40; ++i) run.step();
+    } // the destructor closes the file
+    const runtime::ReplayReport replayed = runtime::replay({.file = file, .check = true});
+    CHECK(replayed.made == 40);
+    CHECK_FALSE(replayed.difference);
+    CHECK(replayed.hash == poke.sim.physics().hash());
+    std::filesystem::remove(file);
+}
+
+TEST_CASE("a stepped run is the only run of its simulation, and says what it cannot do")
+{
+    Poke poke;
+    SteppedRun run(poke.sim);
+    CHECK_THROWS_WITH(SteppedRun(poke.sim), Catch::Contains("a run is going on"));
+    CHECK_THROWS_WITH(poke.sim.run({.headless = true, .steps = 1}), Catch::Contains("a run is going on"));
+    run.end();
+    CHECK_THROWS_WITH(run.step(), Catch::Contains("the run has ended"));
+    CHECK_THROWS_WITH(run.end(), Catch::Contains("the run has ended"));
+    CHECK_THROWS_WITH(SteppedRun(poke.sim, {.steps = 5}), Catch::Contains("steps and seconds must be 0"));
+    CHECK_THROWS_WITH(SteppedRun(poke.sim, {.video = "a.mp4"}), Catch::Contains("video"));
+    CHECK_THROWS_WITH(SteppedRun(poke.sim, {.log = "log.txt"}), Catch::Contains("log"));
+    CHECK(poke.sim.run({.headless = true, .steps = 1}).steps == 1); // the failed ones left nothing behind
+}
+
+#ifdef FILASOFIA_HAS_FILAMENT
+TEST_CASE("pictures of a stepped run have the size asked for and see the present state from any place")
+{
+    Poke poke;
+    SteppedRun run(poke.sim);
+    CHECK_THROWS_WITH(run.picture(), Catch::Contains("nothing is shown"));
+    poke.sim.show(poke.block);
+    poke.sim.show(poke.ball);
+    const visual::Image before = run.picture({.width = 64, .height = 48});
+    CHECK(before.width == 64);
+    CHECK(before.height == 48);
+    CHECK(run.picture({.width = 64, .height = 48}) == before);
+    for (int i = 0; i < 60; ++i) run.step();
+    visual::Image after;
+    std::thread([&] { after = run.picture({.width = 64, .height = 48}); }).join(); // any thread
+    CHECK_FALSE(after == before);
+    const Pose above = visual::lookAt({0, 0.15, 0}, {}, {0, 0, 1});
+    CHECK_FALSE(run.picture({.width = 64, .height = 48, .pose = above}) == after);
+    CHECK(run.picture({.width = 64, .height = 48}) == after); // the look's camera is back
+    CHECK(run.picture({.width = 96, .height = 32}).rgba.size() == 4u * 96 * 32);
+    CHECK_THROWS_WITH(run.picture({.width = 0}), Catch::Contains("width must be in [1, 8192] px"));
+    CHECK_THROWS_WITH(run.picture({.camera = visual::CameraDef{.near = -1}}), Catch::Contains("near"));
+}
+#endif
+
+} // namespace stepped_run_test
