@@ -3,6 +3,7 @@
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/tissue.h"
+#include "filasofia/engine/soft/assembled_shell.h"
 #include "filasofia/math/polar.h"
 
 #include <algorithm>
@@ -97,6 +98,8 @@ std::vector<std::vector<int>> blockColumns(const SoftModel& model)
     for (std::size_t i = 0; i < columns.size(); ++i) columns[i].push_back(static_cast<int>(i));
     for (const FemElement& element : model.elements) connect(element.nodes);
     for (const Spring& spring : model.springs) connect(spring.nodes);
+    for (const MembraneElement& each : model.shell.membranes) connect(each.nodes);
+    for (const BendingElement& each : model.shell.bends) connect(each.nodes);
     for (auto& row : columns) {
         sortUnique(row);
     }
@@ -161,6 +164,7 @@ void assembleMatrix(const SoftModel& model, std::span<const Vec3> given, double 
     std::fill(system.stiffnessTimesVelocity.begin(), system.stiffnessTimesVelocity.end(), Vec3{});
     addElements(model, weights, relaxation, state, system);
     addSprings(model, weights, state, system);
+    addShell(model, weights, state, system);
     addPins(model, weights, state, system);
     if (!system.solver) return;
     addMassesToMatrix(model, inertia * weights.mass, system);
