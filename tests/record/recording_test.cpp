@@ -26,6 +26,27 @@ TEST_CASE("a step's content comes back bit for bit")
     CHECK(back.commands.empty());
 }
 
+TEST_CASE("a shell comes back bit for bit, its triangles with it")
+{
+    geometry::TriangleMesh mesh{{kVec, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}};
+    const SoftBodyDef def{.mesh = std::make_shared<const geometry::TriangleMesh>(mesh),
+                          .material = ShellMaterial{.youngModulus = kLarge,
+                                                    .poissonRatio = kThird,
+                                                    .thickness = kTiny,
+                                                    .bendingScale = 0.0,
+                                                    .validStrain = kThird}};
+    const SoftBodyDef back = roundTrip(def);
+    const auto held = std::get<std::shared_ptr<const geometry::TriangleMesh>>(back.mesh);
+    CHECK(held->triangles == mesh.triangles);
+    CHECK(sameBits(held->vertices[0], kVec));
+    const auto& material = std::get<ShellMaterial>(back.material);
+    CHECK(material.youngModulus == kLarge);
+    CHECK(sameBits(material.poissonRatio, kThird));
+    CHECK(sameBits(material.thickness, kTiny));
+    CHECK(material.bendingScale == 0.0);
+    CHECK(sameBits(material.validStrain, kThird));
+}
+
 TEST_CASE("every field of a soft body comes back bit for bit, its mesh with it")
 {
     auto mesh = *oneTetrahedron();

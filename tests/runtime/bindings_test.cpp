@@ -83,6 +83,26 @@ TEST_CASE("what is drawn of a soft body moves with its nodes, of a rigid one wit
     CHECK(stage.visual.statistics().vertexUpdates == before + 1); // only the soft body; the rigid one has a pose
 }
 
+TEST_CASE("a shell is drawn as its triangles or as a surface of its nodes, and any other surface is refused")
+{
+    Stage stage;
+    const auto sheet = geometry::shapes::sheet(0.1, 0.1, {4, 4});
+    const BodyId id = stage.physics.add(physics::SoftBodyDef{
+        .name = "peritoneum", .mesh = sheet, .pose = {{0, 0.2, 0}, {}}, .material = physics::ShellMaterial{}});
+    stage.bindings.show(id, {}, stage.physics);
+    stage.bindings.show(id, {.surface = sheet}, stage.physics);
+    CHECK_THROWS_WITH(stage.bindings.show(id, {.surface = geometry::shapes::sheet(0.1, 0.1, {8, 8})}, stage.physics),
+                      Catch::Contains("peritoneum") && Catch::Contains("vertices at nodes of the shell"));
+    CHECK(stage.bindings.bounds().low.y == Approx(0.2));
+    stage.physics.step(1e-2);
+    stage.map();
+    CHECK(stage.drawn() == 2);
+    const long before = stage.visual.statistics().vertexUpdates;
+    stage.physics.step(1e-2);
+    stage.map();
+    CHECK(stage.visual.statistics().vertexUpdates == before + 2);
+}
+
 TEST_CASE("a removed body is no longer drawn")
 {
     Stage stage;

@@ -41,7 +41,7 @@ std::vector<Vec3> endLoads(const SoftModel& model)
 }
 
 struct Solved {
-    double deflection = 0.0; ///< [m] of the loaded end, mean with the weight of the load
+    double deflection = 0.0; ///< [m] mean over the loaded end with the weight of the load
     double jump = 0.0; ///< [-] mean jump of an element's pressure to its neighbours, relative to the mean pressure
 };
 

@@ -161,7 +161,7 @@ TEST_CASE("two organs that a plate presses together with 20 N stay the right sid
     };
     add("lower organ", {0, 0.0205, 0}, 10e3);
     add("upper organ", {0.001, 0.0612, 0.0005}, 8e3);
-    double height = 0.0875; // [m] of the plate, which sinks until it bears 20 N
+    double height = 0.0875; // [m] place of the plate, which sinks until it bears 20 N
     const BodyId plate = stage.add(RigidBodyDef{.name = "plate",
                                                 .elements = {Pose{{0, height, 0}}},
                                                 .mesh = shapes::box({0.15, 0.01, 0.15}, {6, 1, 6}),

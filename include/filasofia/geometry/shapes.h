@@ -5,9 +5,9 @@
 
 #include <memory>
 
-/// Simple bodies without files. All are centred on the origin; surfaces are closed and face outwards, and the vertices
-/// of round shapes lie on the exact surface. Each function throws an Error naming the shape, the argument, its bound
-/// and its value.
+/// Simple bodies without files. All are centred on the origin; surfaces are closed, but for the sheet, and face
+/// outwards, and the vertices of round shapes lie on the exact surface. Each function throws an Error naming the shape,
+/// the argument, its bound and its value.
 namespace filasofia::geometry::shapes {
 
 /// A box of edges `size` [m], each > 0; every face has the given number of cells, in [1, 500], along its axes, two
@@ -24,6 +24,11 @@ std::shared_ptr<const TriangleMesh> capsule(double radius, double length, int qu
 
 /// A cylinder of `radius` [m], > 0, and `length` [m], > 0, along y; `quarter` as for the sphere.
 std::shared_ptr<const TriangleMesh> cylinder(double radius, double length, int quarter = 8);
+
+/// A flat sheet of edges `width` along x and `depth` along z [m], each > 0, that faces up, with the given number of
+/// cells, in [1, 500], along each, two triangles per cell. All diagonals are parallel: a shell of it bends most
+/// exactly.
+std::shared_ptr<const TriangleMesh> sheet(double width, double depth, std::array<int, 2> cells = {10, 10});
 
 /// A solid box of edges `size` [m], each > 0, with the given number of cells, in [1, 200], along each axis and six
 /// tetrahedra per cell. Neighbouring cells mirror each other, so an even number of cells has no preferred direction.

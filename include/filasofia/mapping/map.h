@@ -44,6 +44,13 @@ MappedSurface mapBoundary(const frame::Boundary& boundary, bool opened);
 /// of a node, otherwise barycentric.
 MappedSurface mapSurface(const geometry::TetMesh& rest, geometry::TriangleMesh surface);
 
+/// The triangles of a shell, in world coordinates, mapped onto its nodes.
+MappedSurface mapSheet(geometry::TriangleMesh rest);
+
+/// Maps a surface given in addition to them. Throws an Error that begins with `object` unless every vertex is at the
+/// position of a node.
+MappedSurface mapSheet(const geometry::TriangleMesh& rest, geometry::TriangleMesh surface, const std::string& object);
+
 /// The surface with its vertices duplicated along edges with a dihedral angle of more than `angle` [rad], so that
 /// shading shows them: one vertex for each side of such an edge. Triangles keep their indices; uv are copied with their
 /// vertices.

@@ -2,6 +2,7 @@
 
 #include "filasofia/physics/fem_material.h"
 #include "filasofia/physics/rigid_body_def.h"
+#include "filasofia/physics/shell_material.h"
 
 #include "filasofia/geometry/tet_mesh.h"
 
@@ -21,7 +22,7 @@ struct MassSpringMaterial {
     double tearingThreshold = std::numeric_limits<double>::infinity();
 };
 
-using SoftMaterial = std::variant<FemMaterial, MassSpringMaterial>;
+using SoftMaterial = std::variant<FemMaterial, MassSpringMaterial, ShellMaterial>;
 
 /// Rayleigh damping: the damping matrix is mass * M + stiffness * K.
 struct Rayleigh {
@@ -57,13 +58,16 @@ struct NodalForce {
     Vec3 force = {}; ///< [N]
 };
 
-/// A tetrahedral mesh: the name of a file, or the mesh itself.
-using TetMeshSource = std::variant<std::string, std::shared_ptr<const geometry::TetMesh>>;
+/// A mesh of tetrahedra or, for a shell, of triangles: the name of a file, or the mesh itself.
+using SoftMeshSource =
+    std::variant<std::string, std::shared_ptr<const geometry::TetMesh>, std::shared_ptr<const geometry::TriangleMesh>>;
 
 /// A body that deforms.
 struct SoftBodyDef {
     std::string name = "soft body";
-    TetMeshSource mesh = {};
+    /// Triangles with a ShellMaterial, otherwise tetrahedra. Every vertex of a shell belongs to a triangle, an edge to
+    /// one or two, and neighbours face the same way.
+    SoftMeshSource mesh = {};
     Pose pose = {}; ///< from the mesh's coordinates to the world
     SoftMaterial material = FemMaterial{};
     Mass mass = Density{};
@@ -72,8 +76,8 @@ struct SoftBodyDef {
     Integrator integrator = ImplicitEuler{};
     Solver solver = ConjugateGradient{};
     std::vector<AttachmentDef> attachments = {};
-    std::vector<NodalForce> forces = {};      ///< until changed by a command
-    double pressure = 0.0;                    ///< [Pa], on the whole surface, positive pushes inwards
+    std::vector<NodalForce> forces = {}; ///< until changed by a command
+    double pressure = 0.0; ///< [Pa], on the whole surface, positive pushes inwards; on a shell against its normals
     std::vector<CollisionDef> collision = {}; ///< its collision models; none: it collides with nothing
     double friction = 0.3; ///< [-], >= 0, Coulomb's mu; a pair of bodies uses the square root of the product of both
     /// Whether it may be cut and may tear, so that its elements change during the run. Blades are rigid bodies with a
@@ -147,11 +151,19 @@ std::string describeBody(const BodyDef& def);
 /// length.
 Pose unitPose(const Pose& pose, std::string_view object);
 
-/// The mesh of a body, read from its file if the Def names one, and checked. Throws an Error naming the body.
+/// The mesh of a body, read from its file if the Def names one, and checked. Throws an Error naming the body, also if
+/// it is a shell.
 std::shared_ptr<const geometry::TetMesh> loadMesh(const SoftBodyDef& def);
 
 /// That mesh in the body's initial pose: nodes in world coordinates.
 geometry::TetMesh worldMesh(const SoftBodyDef& def);
+
+/// Whether a body consists of triangles.
+bool isShell(const SoftBodyDef& def);
+
+/// The same two for a shell.
+std::shared_ptr<const geometry::TriangleMesh> loadShell(const SoftBodyDef& def);
+geometry::TriangleMesh worldShell(const SoftBodyDef& def);
 
 /// A surface, read from its file if its source names one, and checked; null if none is given. Throws an Error that
 /// begins with `object`.

@@ -27,8 +27,8 @@ struct ShownId {
 /// How a body is drawn. Body and surface decide how the surface follows the body: rigidly with an element, node by
 /// node, or embedded in the tetrahedra of a soft body.
 struct ShowDef {
-    SurfaceSource surface = {}; ///< in the body's coordinates; empty: a soft body's
-                                ///< boundary, or a rigid one's mesh at every element
+    SurfaceSource surface = {}; ///< in the body's coordinates; empty: a soft body's boundary (a shell's triangles),
+                                ///< or a rigid one's mesh at every element
     int element = 0;            ///< [-], >= 0, the element of a rigid body that carries a given surface
     int subdivision = 0;        ///< [-], in [0, 3], each level has four times the triangles
     visual::Material material = visual::TissueMaterial{}; ///< what it looks like

@@ -163,6 +163,27 @@ std::shared_ptr<const TriangleMesh> cylinder(double radius, double length, int q
     return mirrored({{0.0, 0.0, 1}, {0.0, radius, 4 * quarter}}, length);
 }
 
+std::shared_ptr<const TriangleMesh> sheet(double width, double depth, std::array<int, 2> cells)
+{
+    checkLength("sheet", "width", width);
+    checkLength("sheet", "depth", depth);
+    checkCount("sheet", "cells[0]", cells[0], kMaxSurfaceCells);
+    checkCount("sheet", "cells[1]", cells[1], kMaxSurfaceCells);
+    TriangleMesh mesh;
+    const std::array<int, 3> grid{cells[0], 1, cells[1]};
+    for (int i = 0; i <= cells[0]; ++i)
+        for (int k = 0; k <= cells[1]; ++k) {
+            const Vec3 place = placeOf({i, 0, k}, {width, 0.0, depth}, grid);
+            mesh.vertices.push_back({place.x, 0.0, place.z});
+        }
+    for (int i = 0; i < cells[0]; ++i)
+        for (int k = 0; k < cells[1]; ++k) {
+            const int a = i * (cells[1] + 1) + k, b = a + cells[1] + 1;
+            mesh.triangles.insert(mesh.triangles.end(), {{a, b + 1, b}, {a, a + 1, b + 1}});
+        }
+    return std::make_shared<const TriangleMesh>(std::move(mesh));
+}
+
 std::shared_ptr<const TetMesh> block(Vec3 size, std::array<int, 3> cells)
 {
     checkGrid("block", size, cells, kMaxBlockCells);

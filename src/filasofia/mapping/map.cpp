@@ -1,6 +1,7 @@
 #include "filasofia/mapping/map.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/core/error.h"
 #include "filasofia/geometry/surface.h"
 
 #include <algorithm>
@@ -15,18 +16,17 @@ namespace {
 bool before(Vec3 a, Vec3 b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
 /// The node at exactly the position of each vertex; nullopt if some vertex has none.
-std::optional<IdentityMap> matchNodes(const geometry::TetMesh& rest, const geometry::TriangleMesh& surface)
+std::optional<IdentityMap> matchNodes(const std::vector<Vec3>& nodes, const geometry::TriangleMesh& surface)
 {
-    std::vector<int> order(rest.nodes.size());
+    std::vector<int> order(nodes.size());
     std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](int a, int b) {
-        return before(rest.nodes[a], rest.nodes[b]) || (rest.nodes[a] == rest.nodes[b] && a < b);
-    });
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b) { return before(nodes[a], nodes[b]) || (nodes[a] == nodes[b] && a < b); });
     IdentityMap map;
     for (const Vec3& vertex : surface.vertices) {
         const auto found = std::lower_bound(order.begin(), order.end(), vertex,
-                                            [&](int node, Vec3 place) { return before(rest.nodes[node], place); });
-        if (found == order.end() || rest.nodes[*found] != vertex) return std::nullopt;
+                                            [&](int node, Vec3 place) { return before(nodes[node], place); });
+        if (found == order.end() || nodes[*found] != vertex) return std::nullopt;
         map.nodes.push_back(*found);
     }
     return map;
@@ -130,9 +130,25 @@ MappedSurface mapBoundary(const frame::Boundary& boundary, bool opened)
 
 MappedSurface mapSurface(const geometry::TetMesh& rest, geometry::TriangleMesh surface)
 {
-    if (auto identity = matchNodes(rest, surface)) return {std::move(surface), std::move(*identity)};
+    if (auto identity = matchNodes(rest.nodes, surface)) return {std::move(surface), std::move(*identity)};
     BarycentricMap map{geometry::embed(rest, surface.vertices)};
     return {std::move(surface), std::move(map)};
+}
+
+MappedSurface mapSheet(geometry::TriangleMesh rest)
+{
+    IdentityMap map;
+    map.nodes.resize(rest.vertices.size());
+    std::iota(map.nodes.begin(), map.nodes.end(), 0);
+    return {std::move(rest), std::move(map)};
+}
+
+MappedSurface mapSheet(const geometry::TriangleMesh& rest, geometry::TriangleMesh surface, const std::string& object)
+{
+    auto identity = matchNodes(rest.vertices, surface);
+    if (!identity)
+        fail(object, ": surface must have its vertices at nodes of the shell: a finer surface cannot follow it yet");
+    return {std::move(surface), std::move(*identity)};
 }
 
 int nodesNeeded(const SoftMap& map)

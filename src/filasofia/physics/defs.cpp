@@ -5,6 +5,7 @@
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/physics/articulation.h"
 #include "filasofia/physics/check_field.h"
+#include "filasofia/physics/check_shell.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,16 +46,39 @@ void checkTearing(double threshold, bool dynamicTopology, const std::string& obj
         fail(object, ".tearingThreshold must be infinite without dynamicTopology, got ", threshold, " Pa");
 }
 
+template <class Mesh> bool holds(const SoftMeshSource& source)
+{
+    return std::holds_alternative<std::shared_ptr<const Mesh>>(source);
+}
+
+/// Whether mesh and material go together. Only a mesh that is named by a file cannot be of the wrong kind: the material
+/// decides how it is read.
+void checkKind(const SoftBodyDef& def, const std::string& object)
+{
+    if (isShell(def) && holds<geometry::TetMesh>(def.mesh))
+        fail(object, ": mesh must be a triangle mesh for a ShellMaterial, got a tetrahedral mesh");
+    if (!isShell(def) && holds<geometry::TriangleMesh>(def.mesh))
+        fail(object, ": mesh must be a tetrahedral mesh for this material, got a triangle mesh; only a ShellMaterial "
+                     "has one");
+    if (isShell(def) && def.dynamicTopology)
+        fail(object, ": dynamicTopology must be false with a ShellMaterial: shells can be neither cut nor torn yet");
+}
+
 void check(const SoftBodyDef& def)
 {
     const std::string object = text("soft body '", def.name, "'");
+    checkKind(def, object);
     for (std::size_t i = 0; i < def.collision.size(); ++i)
         if (def.collision[i].element != 0)
             fail(object, ": collision[", i, "].element must be 0 for a soft body, got ", def.collision[i].element);
-    const double threshold = std::visit([](const auto& each) { return each.tearingThreshold; }, def.material);
-    checkTearing(threshold, def.dynamicTopology, object + ": material");
+    for (std::size_t i = 0; isShell(def) && i < def.collision.size(); ++i)
+        if (isGiven(def.collision[i].mesh))
+            fail(object, ": collision[", i, "].mesh must be empty with a ShellMaterial: its own triangles collide");
+    if (const auto* springs = std::get_if<MassSpringMaterial>(&def.material))
+        checkTearing(springs->tearingThreshold, def.dynamicTopology, object + ": material");
     const auto* fem = std::get_if<FemMaterial>(&def.material);
     if (!fem) return;
+    checkTearing(fem->tearingThreshold, def.dynamicTopology, object + ": material");
     check(*fem, object + ": material");
     for (std::size_t i = 0; i < fem->regions.size(); ++i) {
         const TissueRegion& region = fem->regions[i];
@@ -112,29 +136,64 @@ Pose unitPose(const Pose& pose, std::string_view object)
     return {p, std::abs(size - 1.0) < kUnit ? q : normalized(q)};
 }
 
+bool isShell(const SoftBodyDef& def) { return std::holds_alternative<ShellMaterial>(def.material); }
+
+namespace {
+
+/// The mesh of a Def, unless it is of another kind. `read` reads a file.
+template <class Mesh, class Read> std::shared_ptr<const Mesh> meshOf(const SoftBodyDef& def, const Read& read)
+{
+    const std::string object = text("soft body '", def.name, "'");
+    checkKind(def, object);
+    if (const auto* file = std::get_if<std::string>(&def.mesh)) {
+        if (file->empty()) fail(object, ": mesh must name a file or be a mesh, got nothing");
+        return std::make_shared<const Mesh>(read(*file));
+    }
+    const auto& given = std::get<std::shared_ptr<const Mesh>>(def.mesh);
+    if (!given) fail(object, ": mesh must name a file or be a mesh, got nothing");
+    geometry::check(*given, object + ": mesh");
+    return given;
+}
+
+void place(const SoftBodyDef& def, std::vector<Vec3>& nodes)
+{
+    const Pose pose = unitPose(def.pose, text("soft body '", def.name, "': pose"));
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const Vec3 p = nodes[i] = transform(pose, nodes[i]);
+        if (!(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest))
+            fail("soft body '", def.name, "': mesh: node ", i, " must lie within ", kFarthest, " m of the origin, got ",
+                 p.x, " ", p.y, " ", p.z);
+    }
+}
+
+} // namespace
+
 std::shared_ptr<const geometry::TetMesh> loadMesh(const SoftBodyDef& def)
 {
-    const std::string object = text("soft body '", def.name, "': mesh");
-    if (const auto* file = std::get_if<std::string>(&def.mesh)) {
-        if (file->empty()) fail(object, " must name a file or be a mesh, got nothing");
-        return std::make_shared<const geometry::TetMesh>(geometry::loadTetMesh(*file));
-    }
-    const auto& given = std::get<std::shared_ptr<const geometry::TetMesh>>(def.mesh);
-    if (!given) fail(object, " must name a file or be a mesh, got nothing");
-    geometry::check(*given, object);
-    return given;
+    if (isShell(def)) fail("soft body '", def.name, "': mesh must be tetrahedral here, but the body is a shell");
+    return meshOf<geometry::TetMesh>(def, [](const std::string& file) { return geometry::loadTetMesh(file); });
 }
 
 geometry::TetMesh worldMesh(const SoftBodyDef& def)
 {
     geometry::TetMesh mesh = *loadMesh(def);
-    const Pose pose = unitPose(def.pose, text("soft body '", def.name, "': pose"));
-    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-        const Vec3 p = mesh.nodes[i] = transform(pose, mesh.nodes[i]);
-        if (!(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest))
-            fail("soft body '", def.name, "': mesh: node ", i, " must lie within ", kFarthest, " m of the origin, got ",
-                 p.x, " ", p.y, " ", p.z);
-    }
+    place(def, mesh.nodes);
+    return mesh;
+}
+
+std::shared_ptr<const geometry::TriangleMesh> loadShell(const SoftBodyDef& def)
+{
+    if (!isShell(def)) fail("soft body '", def.name, "': material must be a ShellMaterial to have triangles");
+    auto mesh =
+        meshOf<geometry::TriangleMesh>(def, [](const std::string& file) { return geometry::loadTriangleMesh(file); });
+    checkShell(*mesh, text("soft body '", def.name, "': mesh"));
+    return mesh;
+}
+
+geometry::TriangleMesh worldShell(const SoftBodyDef& def)
+{
+    geometry::TriangleMesh mesh = *loadShell(def);
+    place(def, mesh.vertices);
     return mesh;
 }
 
@@ -151,6 +210,11 @@ std::shared_ptr<const geometry::TriangleMesh> loadMesh(const TriangleMeshSource&
 
 SoftBodyDef loaded(SoftBodyDef def)
 {
+    if (isShell(def)) {
+        def.mesh = loadShell(def);
+        load(def.collision, text("soft body '", def.name, "'"));
+        return def;
+    }
     const std::shared_ptr<const geometry::TetMesh> mesh = loadMesh(def);
     def.mesh = mesh;
     if (auto* fem = std::get_if<FemMaterial>(&def.material))

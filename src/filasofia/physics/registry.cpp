@@ -35,6 +35,12 @@ std::vector<TissueRegion> densities(const FemMaterial& material, const BodyDef& 
     return out;
 }
 
+/// The name of the kind of a material.
+std::string_view nameOf(const SoftMaterial& material)
+{
+    return std::visit([](const auto& each) { return fields(&each).typeName; }, material);
+}
+
 } // namespace
 
 std::size_t familiesOf(const SoftMaterial& material)
@@ -119,7 +125,7 @@ struct Registry::Check {
         validate(set.region, object);
         const auto& def = std::get<SoftBodyDef>(*body.def);
         if (!std::holds_alternative<FemMaterial>(def.material))
-            fail(object, ": the body's material must be a FemMaterial, is a MassSpringMaterial");
+            fail(object, ": the body's material must be a FemMaterial, is a ", nameOf(def.material));
         if (set.region.tearingThreshold && !def.dynamicTopology)
             fail(object, ".tearingThreshold needs a body with dynamicTopology");
         if (set.region.density) fail(object, ".density cannot change during a run, got ", *set.region.density);
@@ -237,6 +243,10 @@ void Registry::checkMaterial(BodyId id, const SoftMaterial& material) const
     const auto* fem = std::get_if<FemMaterial>(&material);
     if (fem && densities(*fem, *body.def) != densities(std::get<FemMaterial>(soft->material), *body.def))
         fail(object, ": material.regions must give the densities that the body was made with: mass cannot change");
+    const auto* shell = std::get_if<ShellMaterial>(&material);
+    if (shell && shell->thickness != std::get<ShellMaterial>(soft->material).thickness)
+        fail(object, ": material.thickness must be ", std::get<ShellMaterial>(soft->material).thickness,
+             " m, with which the body was made: mass cannot change; got ", shell->thickness);
     SoftBodyDef def = *soft;
     def.material = material;
     physics::check(BodyDef{std::move(def)});

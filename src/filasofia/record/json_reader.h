@@ -84,17 +84,20 @@ private:
         if (found == all.end()) place.refuse("must be the name of one of its values", json);
         out = static_cast<T>(found - all.begin());
     }
-    template <class File, class Held>
-    void readMesh(const Json& json, std::variant<File, Held>& out, const Place& place) const
+    template <class File, class... Held>
+    void readMesh(const Json& json, std::variant<File, Held...>& out, const Place& place) const
     {
         if (json.is_string()) {
             out = json.get<std::string>();
             return;
         }
         const auto number = integer<std::size_t>(json, place);
-        const auto* held = number < meshes.size() ? std::get_if<Held>(&meshes[number]) : nullptr;
-        if (!held) place.refuse("must be the number of a mesh of its kind on an earlier line", json);
-        out = *held;
+        const auto take = [&](const auto* held) {
+            if (held) out = *held;
+            return held != nullptr;
+        };
+        if (number >= meshes.size() || !(take(std::get_if<Held>(&meshes[number])) || ...))
+            place.refuse("must be the number of a mesh of its kind on an earlier line", json);
     }
     template <class T> static T integer(const Json& json, const Place& place)
     {

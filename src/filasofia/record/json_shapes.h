@@ -23,7 +23,7 @@ using TetMesh = std::shared_ptr<const geometry::TetMesh>;
 using TriangleMesh = std::shared_ptr<const geometry::TriangleMesh>;
 using Mesh = std::variant<TetMesh, TriangleMesh>; ///< on a line of its own, referred to by number
 template <class T>
-concept IsMeshSource = std::is_same_v<T, physics::TetMeshSource> || std::is_same_v<T, physics::TriangleMeshSource>;
+concept IsMeshSource = std::is_same_v<T, physics::SoftMeshSource> || std::is_same_v<T, physics::TriangleMeshSource>;
 
 inline constexpr int kVersion = 6;
 inline constexpr const char* kInfinite = "infinite";

@@ -76,11 +76,10 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
 
     std::vector<Binding> made;
     if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body)) {
-        const geometry::TetMesh rest = physics::worldMesh(*soft);
-        auto mapped = std::make_shared<const mapping::MappedSurface>(mapSoft(*soft, rest, surface.get()));
+        auto mapped = std::make_shared<const mapping::MappedSurface>(mapSoft(*soft, surface.get(), object));
         std::shared_ptr<const mapping::OpeningSurface> opening;
         if (surface && soft->dynamicTopology) {
-            opening = mapping::OpeningSurface::make(mapped, rest);
+            opening = mapping::OpeningSurface::make(mapped, physics::worldMesh(*soft));
             if (!opening)
                 logWarning(
                     object,

@@ -18,7 +18,7 @@ mapping::SurfacePoint pointOf(const physics::SoftBodyDef& body, const FollowDef&
 {
     const auto mapped = [&](const SurfaceSource& source) {
         const auto surface = loadSurface(source, object);
-        return mapSoft(body, physics::worldMesh(body), surface.get());
+        return mapSoft(body, surface.get(), object);
     };
     if (const auto* nearest = std::get_if<FollowNearest>(&def.at)) {
         return mapping::nearestPoint(mapped(nearest->surface), transform(body.pose, nearest->place), object);

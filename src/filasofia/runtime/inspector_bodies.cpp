@@ -77,6 +77,14 @@ bool editMaterial(physics::MassSpringMaterial& material)
     return stiffness || damping;
 }
 
+bool editMaterial(physics::ShellMaterial& material)
+{
+    const bool young = editNumber("E [Pa]", material.youngModulus, 0.005 * material.youngModulus, "%.0f", 1.0, 1e9);
+    const bool poisson = editNumber("nu", material.poissonRatio, 0.001, "%.3f", 0.0, 0.499);
+    const bool bending = editNumber("bending [-]", material.bendingScale, 0.01, "%.3g", 0.0, 1e6);
+    return young || poisson || bending;
+}
+
 std::string titleOf(const physics::BodyDef& def, BodyId id)
 {
     const std::string name = std::visit([](const auto& body) { return body.name; }, def);

@@ -1,6 +1,7 @@
 #include "filasofia/runtime/inspector_scene.h"
 
 #include "filasofia/core/sorted.h"
+#include "filasofia/runtime/surfaces.h"
 #include "filasofia/visual/visual_server.h"
 
 #include <algorithm>
@@ -100,16 +101,9 @@ const std::vector<InspectorScene::Model>& InspectorScene::modelsOf(BodyId id)
     std::vector<Model> models;
     const auto def = impl_.physics.def(id);
     if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*def)) {
-        const geometry::TetMesh rest = physics::worldMesh(*soft);
         for (const physics::CollisionDef& collision : soft->collision) {
             const auto given = physics::loadMesh(collision.mesh, soft->name);
-            if (!given) {
-                models.push_back({0, mapping::mapBoundary(rest), {}});
-                continue;
-            }
-            geometry::TriangleMesh placed = *given;
-            for (Vec3& vertex : placed.vertices) vertex = transform(soft->pose, vertex);
-            models.push_back({0, mapping::mapSurface(rest, std::move(placed)), {}});
+            models.push_back({0, mapSoft(*soft, given.get(), soft->name), {}});
         }
     } else {
         const auto& rigid = std::get<physics::RigidBodyDef>(*def);

@@ -24,13 +24,16 @@ std::shared_ptr<const TriangleMesh> loadSurface(const SurfaceSource& source, con
     return given;
 }
 
-mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const geometry::TetMesh& rest,
-                               const TriangleMesh* surface)
+mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const TriangleMesh* surface, const std::string& object)
 {
-    if (!surface) return mapping::mapBoundary(rest);
-    TriangleMesh inWorld = *surface;
+    TriangleMesh inWorld = surface ? *surface : TriangleMesh{};
     for (Vec3& vertex : inWorld.vertices) vertex = transform(body.pose, vertex);
-    return mapping::mapSurface(rest, std::move(inWorld));
+    if (physics::isShell(body)) {
+        TriangleMesh rest = physics::worldShell(body);
+        return surface ? mapping::mapSheet(rest, std::move(inWorld), object) : mapping::mapSheet(std::move(rest));
+    }
+    const geometry::TetMesh rest = physics::worldMesh(body);
+    return surface ? mapping::mapSurface(rest, std::move(inWorld)) : mapping::mapBoundary(rest);
 }
 
 TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, const std::string& object)

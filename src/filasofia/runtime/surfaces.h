@@ -11,9 +11,10 @@ namespace filasofia::runtime {
 std::shared_ptr<const geometry::TriangleMesh> loadSurface(const SurfaceSource& source, const std::string& object);
 
 /// Maps a soft body's boundary, or `surface` (in the body's coordinates) unless it is null, onto the body's nodes.
-/// `rest` is the body's worldMesh().
-mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const geometry::TetMesh& rest,
-                               const geometry::TriangleMesh* surface);
+/// Throws an Error that begins with `object` if the body is a shell and a vertex of the surface lies at none of its
+/// nodes.
+mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const geometry::TriangleMesh* surface,
+                               const std::string& object);
 
 /// The mesh of a rigid body, ready to be drawn.
 geometry::TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, const std::string& object);

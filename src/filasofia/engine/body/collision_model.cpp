@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 
 namespace filasofia::engine {
@@ -133,6 +134,21 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
             models.back().embedding = nodeEmbedding(surface.nodes);
             models.back().behind = nodesBehind(worldMesh, surface);
         }
+    }
+    return models;
+}
+
+std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const TriangleMesh& worldShell)
+{
+    checkCount(def.collision, text("soft body '", def.name, "'"));
+    std::vector<int> nodes(worldShell.vertices.size());
+    std::iota(nodes.begin(), nodes.end(), 0);
+    std::vector<CollisionModel> models;
+    for (std::size_t i = 0; i < def.collision.size(); ++i) {
+        const std::string field = text("soft body '", def.name, "': collision[", i, "]");
+        checkPrimitives(def.collision[i], field);
+        models.push_back(modelOf(worldShell, def.collision[i], field));
+        models.back().embedding = nodeEmbedding(nodes);
     }
     return models;
 }

@@ -26,6 +26,8 @@ struct CollisionModel {
 
 /// Builds the collision models of a body and loads their meshes. Throws an Error that names the body and the field.
 std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& worldMesh);
+/// For a shell: its triangles are its surface.
+std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TriangleMesh& worldShell);
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def);
 
 /// [m] The largest depth by which vertices of a surface are moved inwards.

@@ -144,6 +144,7 @@ void check(const SoftModel& model, const SoftState& state)
     physics::check(model.material, object + ": material");
     checkElements(model, object);
     checkSprings(model, object);
+    check(model.shell, n, object);
     checkPins(model, object);
     for (const geometry::Triangle& triangle : model.surface) checkNodes(object, triangle, n);
     for (const geometry::Tetrahedron& each : model.tetrahedra) checkNodes(text(object, ": tetrahedra"), each, n);
@@ -211,6 +212,10 @@ void setMaterial(const physics::SoftMaterial& material, const std::shared_ptr<co
         model.tissue = map;
         setTissue(model);
         setFibres(model);
+        return;
+    }
+    if (const auto* shell = std::get_if<physics::ShellMaterial>(&material)) {
+        model.shell = makeShell(*shell, model.rest, model.surface);
         return;
     }
     const auto& springs = std::get<physics::MassSpringMaterial>(material);

@@ -3,6 +3,7 @@
 #include "filasofia/core/body_id.h"
 #include "filasofia/engine/body/collision_model.h"
 #include "filasofia/engine/body/pins.h"
+#include "filasofia/engine/body/shell.h"
 #include "filasofia/engine/body/tissue_map.h"
 #include "filasofia/engine/elastic/element.h"
 #include "filasofia/engine/elastic/element_rotations.h"
@@ -32,12 +33,14 @@ struct SoftModel {
     BodyId id;
     std::string name;
     std::vector<Vec3> rest;                        ///< [m] nodes at the start, in world coordinates
-    std::vector<double> masses;                    ///< [kg] lumped, a quarter of each tetrahedron to each node
+    std::vector<double> masses;                    ///< [kg] lumped: equal parts of each tetrahedron or triangle
     physics::FemMaterial material;                 ///< FEM bodies only; what it says of parts is in the elements
     std::vector<FemElement> elements;              ///< FEM bodies only; neighbours are near each other in the list
     std::vector<Spring> springs;                   ///< mass-spring bodies only
     std::vector<geometry::Tetrahedron> tetrahedra; ///< mass-spring bodies only; a FEM body has elements
-    std::vector<geometry::Triangle> surface;       ///< nodes of the boundary, outwards: pressure acts there
+    Shell shell;                                   ///< bodies of triangles only
+    /// Nodes of the boundary, outwards: pressure acts there. For a shell, all triangles in the order of its mesh
+    std::vector<geometry::Triangle> surface;
     Pins pins;
     physics::Rayleigh rayleigh;
     physics::Integrator integrator;
@@ -97,11 +100,11 @@ SoftState stateAtRest(const SoftModel& model);
 /// Throws an Error that names the body if a size, an index or a number is invalid.
 void check(const SoftModel& model, const SoftState& state);
 
-/// What a material says of the tetrahedra of a body; null for mass and springs. Throws an Error that names the body if
-/// a region or a direction of fibres does not fit its mesh.
+/// What a material says of the tetrahedra of a body; null unless it is a FemMaterial. Throws an Error that names the
+/// body if a region or a direction of fibres does not fit its mesh.
 std::shared_ptr<const TissueMap> mapTissue(const physics::SoftMaterial& material, const SoftModel& model);
-/// Writes a material, and its map in the body's mesh, into every element or spring of a body that was built with a
-/// material of the same kind.
+/// Writes a material, and its map in the body's mesh, into every element, spring or triangle of a body that was built
+/// with a material of the same kind.
 void setMaterial(const physics::SoftMaterial& material, const std::shared_ptr<const TissueMap>& map, SoftModel& model);
 /// Takes changes of single elements back.
 void healTissue(SoftModel& model);

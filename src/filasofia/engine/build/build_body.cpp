@@ -105,33 +105,22 @@ void checkForCuts(const std::string& object, const EditableMesh& mesh)
 
 /// Warns if a body is very large. Most organ meshes are in millimetres; if one is read as metres, nothing fails, but
 /// the body is as large as a bridge and sags like one.
-void warnOfSize(const std::string& object, const TetMesh& mesh)
+void warnOfSize(const std::string& object, const char* load, const std::vector<Vec3>& nodes)
 {
     constexpr double kLargest = 10.0; // [m]
-    const geometry::Box box = geometry::boxAround(mesh.nodes);
+    const geometry::Box box = geometry::boxAround(nodes);
     const double size = length(box.high - box.low);
     if (size > kLargest)
-        logWarning(object, ": is ", size, " m large; if its coordinates are millimetres, use loadTetMesh(file, 1e-3)");
+        logWarning(object, ": is ", size, " m large; if its coordinates are millimetres, use ", load, "(file, 1e-3)");
 }
 
-std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, double period)
+/// Everything of a body of tetrahedra that depends on its mesh and material.
+void makeSolid(const physics::SoftBodyDef& def, const std::string& object, SoftModel& model)
 {
-    const std::string object = text("soft body '", def.name, "'");
-    validate(def, object);
     const TetMesh mesh = physics::worldMesh(def);
     if (!usable(mesh.nodes)) fail(object, ": nodes must lie within ", physics::kFarthest, " m of the origin");
-    warnOfSize(object, mesh);
-
-    auto built = std::make_unique<BuiltSoftBody>();
-    SoftModel& model = built->body.model;
-    model.name = def.name;
+    warnOfSize(object, "loadTetMesh", mesh.nodes);
     model.rest = mesh.nodes;
-    model.rayleigh = def.rayleigh;
-    model.integrator = def.integrator;
-    model.solver = def.solver;
-    model.gravity = def.gravity;
-    model.friction = def.friction;
-    model.dynamicTopology = def.dynamicTopology;
     model.collision = buildCollision(def, mesh);
     model.density = densityOf(def, mesh);
     if (std::holds_alternative<physics::FemMaterial>(def.material)) {
@@ -148,7 +137,44 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     const geometry::Surface surface = geometry::extractSurface(mesh);
     for (const geometry::Triangle& t : surface.mesh.triangles)
         model.surface.push_back({surface.nodes[t[0]], surface.nodes[t[1]], surface.nodes[t[2]]});
-    model.pins.hard.assign(mesh.nodes.size(), false);
+}
+
+/// The same of a shell.
+void makeSheet(const physics::SoftBodyDef& def, const std::string& object, SoftModel& model)
+{
+    const geometry::TriangleMesh mesh = physics::worldShell(def);
+    if (!usable(mesh.vertices)) fail(object, ": nodes must lie within ", physics::kFarthest, " m of the origin");
+    warnOfSize(object, "loadTriangleMesh", mesh.vertices);
+    model.rest = mesh.vertices;
+    model.surface = mesh.triangles;
+    model.collision = buildCollision(def, mesh);
+    setMaterial(def.material, nullptr, model);
+
+    double area = 0.0;
+    for (const MembraneElement& each : model.shell.membranes) area += each.area;
+    const auto* total = std::get_if<physics::TotalMass>(&def.mass);
+    const double thickness = model.shell.material.thickness;
+    model.density = total ? total->value / (area * thickness) : std::get<physics::Density>(def.mass).value;
+    model.masses.assign(mesh.vertices.size(), 0.0);
+    for (const MembraneElement& each : model.shell.membranes)
+        for (int node : each.nodes) model.masses[node] += model.density * thickness * each.area / 3.0;
+}
+
+std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, double period)
+{
+    const std::string object = text("soft body '", def.name, "'");
+    validate(def, object);
+    auto built = std::make_unique<BuiltSoftBody>();
+    SoftModel& model = built->body.model;
+    model.name = def.name;
+    model.rayleigh = def.rayleigh;
+    model.integrator = def.integrator;
+    model.solver = def.solver;
+    model.gravity = def.gravity;
+    model.friction = def.friction;
+    model.dynamicTopology = def.dynamicTopology;
+    physics::isShell(def) ? makeSheet(def, object, model) : makeSolid(def, object, model);
+    model.pins.hard.assign(model.rest.size(), false);
     for (std::size_t a = 0; a < def.attachments.size(); ++a)
         addPins(def.attachments[a], text(object, ": attachments[", a, "]"), model);
 

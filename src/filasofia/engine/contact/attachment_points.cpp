@@ -77,6 +77,29 @@ std::vector<char> nodesThere(const SoftModel& model)
     return there;
 }
 
+/// Each point as a weighted mean of the corners of the nearest triangle of a shell.
+std::vector<AttachedPoint> onShell(const SoftModel& model, const SoftState& state, std::span<const Vec3> points)
+{
+    const auto at = [&](int node) { return state.x[static_cast<std::size_t>(node)]; };
+    std::vector<Box> boxes;
+    for (const auto& [a, b, c] : model.surface)
+        boxes.push_back(geometry::merged(geometry::merged(Box{at(a), at(a)}, at(b)), at(c)));
+    const geometry::Bvh tree(boxes);
+    std::vector<AttachedPoint> found;
+    for (Vec3 p : points) {
+        const auto nearest = [&](int t) {
+            const auto [a, b, c] = model.surface[static_cast<std::size_t>(t)];
+            return geometry::nearestOnTriangle(p, at(a), at(b), at(c));
+        };
+        const int t = std::max(0, tree.nearest(p, [&](int each) { return nearest(each).squaredDistance; }).primitive);
+        AttachedPoint& point = found.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k)
+            if (const double weight = nearest(t).weights[k]; weight > 0.0)
+                point.nodes.push_back({model.surface[static_cast<std::size_t>(t)][k], weight});
+    }
+    return found;
+}
+
 /// The current mesh without removed pieces.
 geometry::TetMesh meshNow(const SoftModel& model, const SoftState& state)
 {
@@ -112,6 +135,7 @@ std::vector<AttachedPoint> nearestNodes(const SoftModel& model, const SoftState&
 /// Each point as a weighted mean of the nodes around it. Weights that are zero but for rounding are dropped.
 std::vector<AttachedPoint> embedded(const SoftModel& model, const SoftState& state, std::span<const Vec3> points)
 {
+    if (!model.shell.membranes.empty()) return onShell(model, state, points);
     const geometry::Embedding embedding = geometry::embed(meshNow(model, state), points);
     std::vector<AttachedPoint> found(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -190,10 +214,12 @@ std::vector<Vec3> pointsAround(const physics::RigidAttachmentDef& def, const Rig
     double radius = body.dynamic ? gyration(body, def.element) : 0.0;
     if (const auto holder = findBody(scene, def.to); holder && radius == 0.0) {
         if (holder->soft) {
-            const geometry::TetMesh mesh = meshNow(scene.soft[holder->index].model, scene.soft[holder->index].state);
+            const SoftModel& soft = scene.soft[holder->index].model;
+            const std::vector<Vec3>& x = scene.soft[holder->index].state.x;
             Box box;
-            for (const geometry::Tetrahedron& nodes : mesh.tetrahedra)
-                for (int node : nodes) box = geometry::merged(box, mesh.nodes[static_cast<std::size_t>(node)]);
+            for (const geometry::Tetrahedron& nodes : meshNow(soft, scene.soft[holder->index].state).tetrahedra)
+                for (int node : nodes) box = geometry::merged(box, x[static_cast<std::size_t>(node)]);
+            if (!soft.shell.membranes.empty()) box = geometry::boxAround(x);
             radius = 0.25 * length(box.high - box.low);
         } else {
             radius = gyration(scene.rigid[holder->index].model, def.toElement);

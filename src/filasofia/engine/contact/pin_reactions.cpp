@@ -43,6 +43,27 @@ void addOwnForces(const SoftModel& model, const PinnedParts& held, double dt, co
     }
 }
 
+/// The same for the triangles of a shell.
+void addShellForces(const SoftModel& model, const PinnedParts& held, const SoftState& state, std::vector<Vec3>& forces)
+{
+    const double beta = model.rayleigh.stiffness;
+    const auto add = [&](const auto& nodes, const auto& elastic, const auto& damping) {
+        for (std::size_t i = 0; i < nodes.size(); ++i) forces[nodes[i]] += elastic[i] - beta * damping[i];
+    };
+    for (int each : held.membranes) {
+        const MembraneElement& element = model.shell.membranes[each];
+        const TriangleCorners x = vectorsAt(element.nodes, state.x);
+        add(element.nodes, membraneForces(element, x),
+            stiffnessTimes(membraneTangent(element, x, 0.0), vectorsAt(element.nodes, state.v)));
+    }
+    for (int each : held.bends) {
+        const BendingElement& element = model.shell.bends[each];
+        const BendingCorners x = vectorsAt(element.nodes, state.x);
+        add(element.nodes, bendingForces(element, x),
+            stiffnessTimes(bendingTangent(element, x), vectorsAt(element.nodes, state.v)));
+    }
+}
+
 /// Adds the forces of contacts and attachments on nodes that cannot move.
 void addConstraintForces(std::size_t body, double dt, std::span<const Constraint> constraints,
                          std::vector<Vec3>& forces)
@@ -86,6 +107,7 @@ void addPinReactions(double dt, std::span<const Constraint> constraints, Scene& 
         if (!scene.soft[b].system.held.holders.empty()) {
             forces = scene.soft[b].system.forces; // external forces, weight, pressure, springs
             addOwnForces(body, scene.soft[b].system.held, dt, now, forces);
+            addShellForces(body, scene.soft[b].system.held, now, forces);
             addConstraintForces(b, dt, constraints, forces);
         }
         for (const PinGroup& group : body.pins.groups) {

@@ -4,6 +4,7 @@
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/body/tissue.h"
+#include "filasofia/engine/soft/assembled_shell.h"
 #include "filasofia/math/polar.h"
 
 #include <algorithm>
@@ -157,6 +158,8 @@ std::vector<std::vector<int>> blockColumns(const SoftModel& model)
         }
     }
     for (const Spring& spring : model.springs) connect(spring.nodes);
+    for (const MembraneElement& each : model.shell.membranes) connect(each.nodes);
+    for (const BendingElement& each : model.shell.bends) connect(each.nodes);
     for (auto& row : columns) {
         sortUnique(row);
     }
@@ -222,6 +225,7 @@ void assembleMatrix(const SoftModel& model, std::span<const Vec3> given, double 
     addElements(model, weights, relaxation, state, system);
     addVolumes(model, weights, state, system);
     addSprings(model, weights, state, system);
+    addShell(model, weights, state, system);
     addPins(model, weights, state, system);
     if (!system.solver) return;
     addMassesToMatrix(model, inertia * weights.mass, system);

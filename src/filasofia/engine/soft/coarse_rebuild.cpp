@@ -19,6 +19,8 @@ std::vector<std::array<int, 2>> connections(const SoftModel& model)
         for (std::size_t i = 0; i < 4; ++i)
             for (std::size_t j = 0; j < i; ++j) edges.push_back({e.nodes[i], e.nodes[j]});
     for (const Spring& spring : model.springs) edges.push_back(spring.nodes);
+    const std::vector<std::array<int, 2>> sheet = edgesOf(model.shell);
+    edges.insert(edges.end(), sheet.begin(), sheet.end());
     return edges;
 }
 

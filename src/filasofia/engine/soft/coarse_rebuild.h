@@ -32,7 +32,7 @@ CoarseChoice coarseChoice(std::size_t freeNodes);
 /// to 1e-4: 27 to 52 without either, 24 to 53 with the first alone, 25 to 39 with both (24 before the cuts).
 CoarseChoice coarseChoiceAfterCut(std::size_t freeNodes);
 
-/// Builds the preconditioner of a body of elements or springs at rest.
+/// Builds the preconditioner of a body at rest.
 linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, const PreconditionerPlan& plan,
                                                     const CoarseChoice& choice);
 

@@ -41,6 +41,8 @@ MatrixFreeSystem::MatrixFreeSystem(const SoftModel& model, double period)
     orderNodes(model);
     makeElements(model);
     makeSprings(model);
+    shell_ = ShellSystem(model.shell, model.rest, slotOf_, scale_);
+    if (!shell_.empty()) quaternions_.resize(shell_.rotationGroups());
     makeGather(model);
     makeVolumes(model);
     if (preconditioned_)
@@ -73,6 +75,7 @@ bool MatrixFreeSystem::fits(const SoftModel& model, double period)
     for (const physics::FibreFamily& family : model.material.fibres)
         for (double stress : {family.stiffness, family.activeStress})
             if (!usual(weights.stiffness * scale * stress)) return false;
+    if (!ShellSystem::fits(model.shell, weights.stiffness * scale)) return false;
     for (const Spring& s : model.springs)
         if (!usual(weights.stiffness * scale * s.stiffness) || !usual(weights.damping * scale * s.damping) ||
             !usual(s.restLength))
@@ -180,7 +183,7 @@ void MatrixFreeSystem::makeSprings(const SoftModel& model)
 
 void MatrixFreeSystem::makeGather(const SoftModel& model)
 {
-    corners_.resize(4 * elements_.size() + 2 * springs_.size());
+    corners_.resize(4 * elements_.size() + 2 * springs_.size() + shell_.groups());
     std::vector<std::vector<int>> places(static_cast<std::size_t>(freeBlocks_) * kBlock);
     const auto add = [&](int node, std::size_t group, int lane) {
         if (const int slot = slotOf_[node]; slot < freeNodes_)
@@ -194,6 +197,15 @@ void MatrixFreeSystem::makeGather(const SoftModel& model)
     for (std::size_t s = 0; s < model.springs.size(); ++s)
         for (std::size_t i = 0; i < 2; ++i)
             add(model.springs[s].nodes[i], 4 * elements_.size() + 2 * (s / kBlock) + i, static_cast<int>(s % kBlock));
+    if (!shell_.empty()) { // a shell has neither elements nor springs
+        std::vector<std::vector<int>> turns(places.size());
+        const auto turn = [&](int node, std::size_t group, int lane) {
+            if (const int slot = slotOf_[node]; slot < freeNodes_)
+                turns[slot].push_back(static_cast<int>(4 * group) * 64 + linalg::laneOffset(lane));
+        };
+        ShellSystem::forEachCorner(model.shell, add, turn);
+        turns_ = linalg::Gather(thinned(turns, kRotationsPerNode));
+    }
     gather_ = linalg::Gather(places);
 }
 

@@ -106,7 +106,7 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
                                     .volumeStiffness = asFloat(weights.stiffness)};
     const std::span<float> corners = floats(corners_), quaternions = floats(quaternions_);
     const std::span<float> elementCorners = corners.first(kElementCorners * elements_.size());
-    const std::span<float> springCorners = corners.subspan(elementCorners.size());
+    const std::span<float> springCorners = corners.subspan(elementCorners.size(), kSpringCorners * springs_.size());
     const Parts elements = elementParts(elements_.size()), springs = elementParts(springs_.size());
     const BlockInput input{x_, v_, blockWeights, relaxation.terms > 0 ? &relaxation : nullptr,
                            asFloat(model.material.validStrain)};
@@ -118,8 +118,10 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
              [&](int part) { updateElements(model.material.law, elements_, input, elements[part], elementOutput); });
     volumes_.assemble(elements_, input, pool, elementCorners);
     pool.run(springs.count(), [&](int part) { updateSprings(springs_, input, springs[part], springOutput); });
+    shell_.update(input, corners.last(64 * shell_.groups()), quaternions, pool);
     size_ = linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
-        if (implicit && !elements_.empty()) averageRotations(turns_, quaternions, preconditioner_.rotations(), blocks);
+        if (implicit && !quaternions_.empty())
+            averageRotations(turns_, quaternions, preconditioner_.rotations(), blocks);
         return gatherForces({gather_, corners, asFloat(dt * rayleigh.mass), masses_, diagonal_}, v_, residual_, blocks);
     });
     if (implicit) preconditioner_.followPieces(x_, masses_, massWeight_);
@@ -137,6 +139,7 @@ double MatrixFreeSystem::multiply(const NodeArray& p, NodeArray& q, WorkerPool& 
     pool.run(springs.count(), [&](int part) {
         multiplySprings(springMatrices_, p, corners.subspan(kElementCorners * elements_.size()), springs[part]);
     });
+    shell_.multiply(p, corners.last(64 * shell_.groups()), pool);
     return linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
         return gatherAndAdd({gather_, corners, asFloat(massWeight_), masses_, diagonal_}, p, q, blocks);
     });

@@ -7,6 +7,7 @@
 #include "filasofia/engine/soft/mesh_edit.h"
 #include "filasofia/engine/soft/nodal_volumes.h"
 #include "filasofia/engine/soft/rigid_motion.h"
+#include "filasofia/engine/soft/shell_system.h"
 #include "filasofia/linalg/matrix_free_cg.h"
 
 #include <cstdint>
@@ -20,9 +21,6 @@ namespace filasofia::engine {
 
 class CoarseRebuild;
 struct PreconditionerPlan;
-
-/// A number in the solver's precision.
-constexpr float asFloat(double value) { return static_cast<float>(value); }
 
 /// The equations of one step in the form that the default solver uses: in float, element by element, without a matrix.
 ///
@@ -155,9 +153,10 @@ private:
     NodalVolumes volumes_;
     std::vector<SpringBlock> springs_;
     std::vector<SpringMatrixBlock> springMatrices_;
-    linalg::Gather gather_; ///< the corners of elements and springs around each free slot
-    linalg::Gather turns_;  ///< some of the element corners, for the rotations of nodes
-    /// Contributions of elements and springs to their nodes, in blocks of sixteen.
+    ShellSystem shell_;
+    linalg::Gather gather_; ///< the corners of elements, springs and triangles around each free slot
+    linalg::Gather turns_;  ///< some of the elements or triangles, for the rotations of nodes
+    /// Contributions of elements, springs and triangles to their nodes, in blocks of sixteen.
     std::vector<linalg::NodeBlock> corners_;
     std::vector<std::uint16_t> inverted_;        ///< bits of the elements that were inside out in assemble()
     std::vector<float> strains_;                 ///< see strains()

@@ -37,10 +37,14 @@ PinnedParts pinnedParts(const SoftModel& model)
         for (int node : group.nodes) ++parts.holders[node];
     }
     if (parts.holders.empty()) return parts;
-    for (std::size_t e = 0; e < model.elements.size(); ++e)
-        if (pulls(parts, model.elements[e].nodes)) parts.elements.push_back(static_cast<int>(e));
-    for (std::size_t s = 0; s < model.springs.size(); ++s)
-        if (pulls(parts, model.springs[s].nodes)) parts.springs.push_back(static_cast<int>(s));
+    const auto list = [&](const auto& all, std::vector<int>& out) {
+        for (std::size_t i = 0; i < all.size(); ++i)
+            if (pulls(parts, all[i].nodes)) out.push_back(static_cast<int>(i));
+    };
+    list(model.elements, parts.elements);
+    list(model.springs, parts.springs);
+    list(model.shell.membranes, parts.membranes);
+    list(model.shell.bends, parts.bends);
     listVolumes(model, parts);
     return parts;
 }

@@ -5,10 +5,10 @@
 
 namespace filasofia::engine {
 
-/// The elements and springs that pull at hard-pinned nodes, from which the reactions of pins are computed, and the
-/// number of pin groups per node.
+/// The elements, springs and triangles that pull at hard-pinned nodes, from which the reactions of pins are computed,
+/// and the number of pin groups per node.
 struct PinnedParts {
-    std::vector<int> elements, springs;
+    std::vector<int> elements, springs, membranes, bends;
     std::vector<int> volumes; ///< the elements around the nodes of `elements`, if nodes share their volumes
     std::vector<int> holders; ///< per node: number of hard pin groups; empty if no node is pinned hard
 };

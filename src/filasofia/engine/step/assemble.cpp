@@ -90,6 +90,28 @@ void findStrained(const SoftBody& body, physics::StrainedElements& report)
     report.place = middle(cornersOf(model.elements[worst].nodes, body.state.x));
 }
 
+/// The same for the triangles of a shell.
+void findStrainedTriangles(const SoftBody& body, physics::StrainedElements& report)
+{
+    const Shell& shell = body.model.shell;
+    const double valid = shell.material.validStrain;
+    if (!(valid < std::numeric_limits<double>::infinity())) return;
+    for (std::size_t e = 0; e < shell.membranes.size(); ++e) {
+        const std::array<int, 3>& nodes = shell.membranes[e].nodes;
+        const double strain = strainOf(shell.membranes[e], body.state.x);
+        const auto fixed = [&](int node) { return body.model.pins.hard[static_cast<std::size_t>(node)]; };
+        if (!(strain > valid) || std::ranges::all_of(nodes, fixed)) continue;
+        ++report.count;
+        if (report.body && !(strain / valid > report.strain / report.valid)) continue;
+        const TriangleCorners x = vectorsAt(nodes, body.state.x);
+        report.body = body.model.id;
+        report.element = static_cast<int>(e);
+        report.strain = strain;
+        report.valid = valid;
+        report.place = 1.0 / 3.0 * (x[0] + x[1] + x[2]);
+    }
+}
+
 } // namespace
 
 void assembleBody(const Assembly& how, SoftBody& body, WorkerPool& pool)
@@ -112,6 +134,7 @@ void assemble(const StepContext& context, Scene& scene)
     for (const SoftBody& body : scene.soft) {
         findInverted(body, report.inverted);
         findStrained(body, report.beyondStrain);
+        findStrainedTriangles(body, report.beyondStrain);
     }
     if (report.inverted.count > 0) report.set(physics::StepFlag::Inverted);
     if (report.beyondStrain.count > 0) report.set(physics::StepFlag::BeyondStrain);

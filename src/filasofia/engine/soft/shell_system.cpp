@@ -1,0 +1,106 @@
+#include "filasofia/engine/soft/shell_system.h"
+
+#include "filasofia/core/worker_pool.h"
+#include "filasofia/linalg/node_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::engine {
+namespace {
+
+/// The directions of the first edge, and across it in the triangle.
+std::array<Vec3, 2> frameOf(const TriangleCorners& rest)
+{
+    const Vec3 first = normalized(rest[1] - rest[0]);
+    return {first, normalized(cross(normalized(cross(rest[1] - rest[0], rest[2] - rest[0])), first))};
+}
+
+std::size_t blocksOf(std::size_t count) { return static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(count))); }
+
+} // namespace
+
+ShellSystem::ShellSystem(const Shell& shell, std::span<const Vec3> rest, std::span<const int> slotOf, double scale)
+    : membranes_(blocksOf(shell.membranes.size())), membraneTangents_(membranes_.size()),
+      bends_(blocksOf(shell.bends.size())), bendingTangents_(bends_.size())
+{
+    // Unused lanes repeat the last triangle, without stiffness.
+    for (std::size_t lane = 0; lane < kBlock * membranes_.size(); ++lane) {
+        const MembraneElement& e = shell.membranes[std::min(lane, shell.membranes.size() - 1)];
+        MembraneBlock& block = membranes_[lane / kBlock];
+        const std::size_t l = lane % kBlock;
+        for (std::size_t i = 0; i < 3; ++i)
+            block.nodes[i][l] = membraneTangents_[lane / kBlock].nodes[i][l] = 4 * slotOf[e.nodes[i]];
+        for (std::size_t k = 0; k < 3; ++k) block.metric[k][l] = asFloat(e.metric[k]);
+        block.det[l] = asFloat(e.metric[0] * e.metric[2] - e.metric[1] * e.metric[1]);
+        block.weight[l] = lane < shell.membranes.size() ? asFloat(scale * e.area * e.shear) : 0.0f;
+        block.q[l] = asFloat(std::max(1.0 - 2.0 * e.poissonRatio, kLeastQ));
+        const std::array<Vec3, 2> frame = frameOf(vectorsAt(e.nodes, rest));
+        for (std::size_t k = 0; k < 6; ++k) block.frame[k][l] = asFloat(frame[k / 3][static_cast<int>(k % 3)]);
+    }
+    for (std::size_t lane = 0; lane < kBlock * bends_.size(); ++lane) {
+        const BendingElement& e = shell.bends[std::min(lane, shell.bends.size() - 1)];
+        BendingBlock& block = bends_[lane / kBlock];
+        const std::size_t l = lane % kBlock;
+        for (std::size_t i = 0; i < 6; ++i)
+            block.nodes[i][l] = bendingTangents_[lane / kBlock].nodes[i][l] = 4 * slotOf[e.nodes[i]];
+        for (std::size_t k = 0; k < 3; ++k) block.restAngles[k][l] = asFloat(e.restAngles[k]);
+        const double weight = lane < shell.bends.size() ? scale * e.rigidity : 0.0;
+        for (std::size_t k = 0; k < 6; ++k) block.stiffness[k][l] = asFloat(weight * e.shape[k]);
+        block.leastArea[l] = asFloat(e.leastArea);
+    }
+}
+
+void ShellSystem::forEachCorner(const Shell& shell, const Add& add, const Add& turn)
+{
+    const std::size_t membraneGroups = 3 * blocksOf(shell.membranes.size());
+    for (std::size_t e = 0; e < shell.membranes.size(); ++e)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const int node = shell.membranes[e].nodes[i], lane = static_cast<int>(e % kBlock);
+            add(node, 3 * (e / kBlock) + i, lane);
+            turn(node, e / kBlock, lane);
+        }
+    for (std::size_t e = 0; e < shell.bends.size(); ++e)
+        for (std::size_t i = 0; i < 6; ++i)
+            add(shell.bends[e].nodes[i], membraneGroups + 6 * (e / kBlock) + i, static_cast<int>(e % kBlock));
+}
+
+void ShellSystem::update(const BlockInput& input, std::span<float> corners, std::span<float> quaternions,
+                         WorkerPool& pool)
+{
+    const std::span<float> stretching = corners.first(kMembraneCorners * membranes_.size());
+    const std::span<float> bending = corners.subspan(stretching.size());
+    const linalg::Parts membranes = elementParts(membranes_.size()), bends = elementParts(bends_.size());
+    pool.run(membranes.count(), [&](int part) {
+        updateMembranes(membranes_, input, membranes[part], {membraneTangents_, stretching, quaternions});
+    });
+    pool.run(bends.count(), [&](int part) { updateBends(bends_, input, bends[part], {bendingTangents_, bending}); });
+}
+
+void ShellSystem::multiply(const linalg::NodeArray& p, std::span<float> corners, WorkerPool& pool) const
+{
+    const std::span<float> stretching = corners.first(kMembraneCorners * membranes_.size());
+    const std::span<float> bending = corners.subspan(stretching.size());
+    const linalg::Parts membranes = elementParts(membranes_.size()), bends = elementParts(bends_.size());
+    pool.run(membranes.count(),
+             [&](int part) { multiplyMembranes(membraneTangents_, p, stretching, membranes[part]); });
+    pool.run(bends.count(), [&](int part) { multiplyBends(bendingTangents_, p, bending, bends[part]); });
+}
+
+bool ShellSystem::fits(const Shell& shell, double perStiffness)
+{
+    const auto usual = [](double value) { return value == 0.0 || (value > 1e-12 && value < 1e12); };
+    for (const MembraneElement& e : shell.membranes) {
+        const double steepest = std::max(e.metric[0], e.metric[2]);
+        if (!usual(steepest) || !usual(perStiffness * e.area * e.shear * steepest)) return false;
+        if (!usual(e.metric[0] * e.metric[2] / steepest)) return false;
+    }
+    for (const BendingElement& e : shell.bends) {
+        if (!usual(std::sqrt(e.leastArea))) return false;
+        for (std::size_t i : {0, 3, 5})
+            if (!usual(perStiffness * e.rigidity * e.shape[i] / std::sqrt(e.leastArea))) return false;
+    }
+    return true;
+}
+
+} // namespace filasofia::engine
