@@ -63,7 +63,9 @@ template <class T> constexpr std::string_view typeName()
 }
 template <class T> constexpr std::size_t fieldCount()
 {
-    return std::tuple_size_v<decltype(fields(static_cast<const T*>(nullptr)).list)>;
+    std::size_t count = 0;
+    forEachField<T>([&](const auto&) { ++count; });
+    return count;
 }
 /// A type whose last fields are younger than the first recordings says how many those are: `addedFields(const T*)`.
 /// They are not written while they have their defaults, and may be missing.
