@@ -154,6 +154,24 @@ def test_other_threads_run_while_a_simulation_steps():
     assert sum(begin < t < end for t in ticks) > 10
 
 
+def test_simulations_step_in_threads_of_their_own():
+    def simulated(out):
+        sim, _, tool = poke()
+        sim.every_step(lambda t: sim.set_pose(tool, (0, 0.025 - 0.1 * t, 0)))
+        for _ in range(20):
+            sim.step(5)
+        out.append(sim.state_hash)
+
+    hashes = []
+    simulated(hashes)
+    threads = [threading.Thread(target=simulated, args=(hashes,)) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(hashes) == 5 and len(set(hashes)) == 1
+
+
 def test_ctrl_c_ends_a_long_call():
     done = python(
         """
