@@ -4,8 +4,8 @@ using namespace filasofia;
 
 int main(int argc, char** argv)
 try {
-    Simulation sim({.physics = {.rate = 500}, .look = {.around = Box{{-0.06, 0, -0.06}, {0.06, 0.06, 0.06}}}});
-    SoftBodyDef sheet{.name = "peritoneum", .mesh = shapes::sheet(120_mm, 120_mm, {24, 24})};
+    Simulation sim({.window = {"Shell", 640, 480}, .look = {.around = Box{{-0.06, 0, -0.06}, {0.06, 0.06, 0.06}}}});
+    SoftBodyDef sheet{.name = "peritoneum", .mesh = shapes::sheet(120_mm, 120_mm, {20, 20})};
     sheet.pose.position.y = 26_mm;
     sheet.material = ShellMaterial{.youngModulus = 60_kPa, .poissonRatio = 0.45, .thickness = 0.5_mm};
     sheet.collision = {{.self = true}};
@@ -29,7 +29,7 @@ try {
         if (std::exchange(held, time > 1.0) || !held) return;
         sim.physics().attach(peritoneum, {.ball = Ball{.centre = {0, 22_mm, 0}, .radius = 6_mm}, .to = tip});
     });
-    if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 1250: see --help
+    if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 2500: see --help
     const auto frame = sim.physics().latest();
     if (!frame || frame->time < 2.4) return 0;
     const auto& nodes = frame->softBody(peritoneum)->positions;
