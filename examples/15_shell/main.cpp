@@ -4,8 +4,8 @@ using namespace filasofia;
 
 int main(int argc, char** argv)
 try {
-    Simulation sim({.window = {.title = "Shell"}, .look = {.around = Box{{-0.06, 0, -0.06}, {0.06, 0.06, 0.06}}}});
-    SoftBodyDef sheet{.name = "peritoneum", .mesh = shapes::sheet(120_mm, 120_mm, {24, 24})};
+    Simulation sim({.window = {"Shell", 640, 480}, .look = {.around = Box{{-0.06, 0, -0.06}, {0.06, 0.06, 0.06}}}});
+    SoftBodyDef sheet{.name = "peritoneum", .mesh = shapes::sheet(120_mm, 120_mm, {20, 20})};
     sheet.pose.position.y = 26_mm;
     sheet.material = ShellMaterial{.youngModulus = 60_kPa, .poissonRatio = 0.45, .thickness = 0.5_mm};
     sheet.collision = {{.self = true}};

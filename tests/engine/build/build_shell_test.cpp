@@ -1,5 +1,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/engine/build/build_body.h"
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/physics/physics_server.h"
 
 #include "engine/sheets.h"
 
@@ -106,6 +108,21 @@ TEST_CASE("a shell material out of its range is refused with field, bound and va
     refused({.thickness = 0.0}, "thickness must be > 0 m, got 0");
     refused({.bendingScale = -1.0}, "bendingScale must be >= 0, got -1");
     refused({.validStrain = 0.0}, "validStrain must be > 0, got 0");
+}
+
+TEST_CASE("a command that does not fit a shell is refused")
+{
+    PhysicsServer server(makeNativeEngine());
+    const BodyId id = server.add(sheet());
+    CHECK_THROWS_WITH(server.setMaterial(id, ShellMaterial{.thickness = 2e-3}),
+                      Catch::Contains("'peritoneum': material.thickness must be 0.001 m") &&
+                          Catch::Contains("got 0.002"));
+    CHECK_THROWS_WITH(server.setMaterial(id, FemMaterial{}),
+                      Catch::Contains("material must be of the kind that the body was made with"));
+    CHECK_THROWS_WITH(server.setTissue(id, {.where = Ball{.radius = 1.0}, .youngModulus = 1e4}),
+                      Catch::Contains("material must be a FemMaterial, is a ShellMaterial"));
+    server.setMaterial(id, ShellMaterial{.youngModulus = 1e4});
+    CHECK(server.step(1e-3).flags == 0);
 }
 
 } // namespace build_shell_test

@@ -1,3 +1,5 @@
+#include "filasofia/geometry/shapes.h"
+
 #include "engine/contact/attachment_scene.h"
 
 namespace attachments_test {
@@ -244,6 +246,31 @@ TEST_CASE("a tune that leaves attachments that cannot be stepped is rejected and
     CHECK_FALSE(tuned([](Scene& s) { s.attachments[0].breakForce = 0.0; }));
     CHECK_FALSE(tuned([](Scene& s) { s.attachmentForces.clear(); }));
     CHECK(scene.state().attachments[0].stiffness == 10.0);
+}
+
+TEST_CASE("a spring between a pinned node and a kinematic body, which nothing can move, changes nothing in a contact")
+{
+    const auto run = [](bool attached) {
+        Stage stage;
+        const BodyId block =
+            stage.add(physics::SoftBodyDef{.mesh = shared(boxMesh({5, 3, 5}, {0.06, 0.03, 0.06})),
+                                           .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1e-6, 1}}}},
+                                           .collision = {{}}});
+        physics::RigidBodyDef def{.elements = {Pose{{0.03, 0.037, 0.03}}}, .mesh = geometry::shapes::sphere(0.008)};
+        def.collision = {{}};
+        const BodyId ball = stage.add(def);
+        stage.step(1e-3);
+        int pinned = 0;
+        while (!stage.model().pins.hard[static_cast<std::size_t>(pinned)]) ++pinned;
+        if (attached) stage.post(physics::Attach{{9}, block, {.nodes = {pinned}, .stiffness = 50.0, .to = ball}});
+        for (int i = 0; i < 20; ++i) {
+            stage.post(physics::SetPose{ball, 0, Pose{{0.03, 0.037 - 2e-4 * i, 0.03}}});
+            stage.step(1e-3);
+        }
+        CHECK_FALSE(stage.world.scene().contactReports.empty());
+        return stage.soft().x;
+    };
+    CHECK(run(true) == run(false));
 }
 
 } // namespace attachments_test

@@ -38,6 +38,7 @@ std::vector<Patch> findPatches(std::span<const CoupledBody> bodies, std::span<co
         const ConstraintRow& row = rows.list[c];
         if (filters[c][0].x == 0.0) continue;
         const std::span<const WeightedPoint> points = rows.pointsOf(row);
+        if (points.empty()) continue; // between points that cannot move
         const std::size_t from = bodyOf(first, points.front().point), to = bodyOf(first, points.back().point);
         if (!deflationOf(bodies[from]) && !deflationOf(bodies[to])) continue;
         const bool bilateral = row.constraint->bilateral();
