@@ -111,7 +111,7 @@ def test_nested_defs_and_lists_may_be_changed_in_place():
         (lambda: fs.SoftBodyDef(name="\udc80"), fs.Error, "SoftBodyDef: name must be a text that UTF-8 can hold"),
         (lambda: fs.SoftBodyDef(attachments=5), TypeError, "SoftBodyDef: attachments must be a list, got 5"),
         (lambda: fs.SoftBodyDef(attachments=[5]), TypeError, "attachments[0] must be a AttachmentDef, got 5"),
-        (lambda: fs.SoftBodyDef(material="x"), TypeError, "material must be one of FemMaterial | MassSpringMaterial, got 'x'"),
+        (lambda: fs.SoftBodyDef(material="x"), TypeError, "material must be one of FemMaterial | MassSpringMaterial | ShellMaterial, got 'x'"),
         (lambda: fs.FemMaterial(law=fs.Fung), TypeError, "(did you mean Fung()?)"),
         (lambda: fs.FemMaterial(law="fung"), TypeError, "(did you mean Fung()?)"),
         (lambda: fs.JointDef(kind="revolut"), fs.Error, "must be 'revolute' or 'prismatic', got 'revolut' (did you mean 'revolute'?)"),
@@ -120,7 +120,7 @@ def test_nested_defs_and_lists_may_be_changed_in_place():
         (lambda: fs.Ball((0, 0, 0), 1, 2), TypeError, "Ball has 2 fields, got 3 values"),
         (lambda: fs.Ball((0, 0, 0), centre=(0, 0, 0)), TypeError, "Ball: centre is given twice"),
         (lambda: fs.SetPose(pose=(1, 2)), fs.Error, "SetPose: pose must be a Pose, 3 numbers (its position) or 7"),
-        (lambda: fs.SoftBodyDef(mesh=7), TypeError, "SoftBodyDef: mesh must be one of str | TetMesh, got 7"),
+        (lambda: fs.SoftBodyDef(mesh=7), TypeError, "SoftBodyDef: mesh must be one of str | TetMesh | TriangleMesh, got 7"),
     ],
 )
 def test_one_error_names_def_field_bound_value_and_the_right_word(act, error, says):

@@ -68,6 +68,7 @@ def test_wrong_arrays_are_refused(nodes, tetrahedra, error, says):
 def test_shapes_and_files():
     assert len(fs.shapes.block((0.1, 0.1, 0.1), (2, 2, 2)).tetrahedra) == 48
     assert len(fs.shapes.sphere(0.01, quarter=2).triangles) == 32
+    assert len(fs.shapes.sheet(0.1, 0.2, (2, 3)).triangles) == 12
     with pytest.raises(fs.Error, match="radius"):
         fs.shapes.sphere(-1)
     mesh = fs.load_tet_mesh(fs.asset("meshes/bunny_756.msh"))

@@ -28,6 +28,26 @@ def test_the_readmes_bunny_has_the_hash_of_the_same_program_in_cpp():
     assert fs.hexadecimal(sim.state_hash) == expected
 
 
+def test_a_sheet_falls_onto_tissue_and_a_fem_material_for_it_is_an_error():
+    sheet = fs.SoftBodyDef(
+        name="sheet",
+        mesh=fs.shapes.sheet(0.04, 0.04, (8, 8)),
+        pose=(0, 0.018, 0),
+        material=fs.ShellMaterial(young_modulus=50e3, thickness=0.5e-3),
+        collision=[fs.CollisionDef()],
+    )
+    sim = fs.Simulation(rate=500)
+    sim.add(block())
+    fallen = sim.add(sheet)
+    sim.run(0.4)
+    positions = sim.frame[fallen].positions
+    assert positions.shape == (81, 3)
+    assert 0.0145 < positions[:, 1].min() < positions[:, 1].max() < 0.018
+    assert len(sim.frame.contacts) > 10
+    with pytest.raises(fs.Error, match="sheet"):
+        sim.add(sheet.replace(material=fs.FemMaterial()))
+
+
 def test_steps_in_one_call_and_one_by_one_with_any_threads_are_the_same():
     hashes = set()
     for threads, calls in ((1, [40]), (2, [40]), (1, [1] * 40), (1, [7, 33])):

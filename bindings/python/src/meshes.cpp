@@ -160,6 +160,15 @@ void bindShapes(nb::module_& module)
         },
         nb::arg("radius"), nb::arg("length"), nb::arg("quarter") = 8, "A cylinder along y.");
     module.def(
+        "sheet",
+        [](double width, double depth, std::array<int, 2> cells) {
+            return Triangles{geometry::shapes::sheet(width, depth, cells)};
+        },
+        nb::arg("width"), nb::arg("depth"), nb::arg("cells") = std::array<int, 2>{10, 10},
+        nb::sig("def sheet(width: float, depth: float, cells: collections.abc.Sequence[int] = (10, 10)) -> "
+                "TriangleMesh"),
+        "A flat sheet along x and z that faces up, two triangles per cell.");
+    module.def(
         "block",
         [](nb::handle size, std::array<int, 3> cells) {
             return Tetrahedra{geometry::shapes::block(sizeOf(size, "block"), cells)};
