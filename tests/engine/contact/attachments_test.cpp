@@ -270,7 +270,7 @@ TEST_CASE("a spring between a pinned node and a kinematic body, which nothing ca
         CHECK_FALSE(stage.world.scene().contactReports.empty());
         return stage.soft().x;
     };
-    CHECK(run(true) == run(false));
+    CHECK(relativeDistance(run(true), run(false), 0.03) < 1e-4); // as near as the solve is exact
 }
 
 } // namespace attachments_test

@@ -340,6 +340,19 @@ TEST_CASE("a cut updates the volumes of nodes of nearly incompressible tissue as
     CHECK(relativeDistance(followed.stage.soft().x, rebuilt.stage.soft().x, moved) < 1e-3);
 }
 
+TEST_CASE("nearly incompressible tissue is cut through its pinned face, whose new nodes share their volumes")
+{
+    SoftBodyDef def = tissueBlock();
+    def.material = FemMaterial{.youngModulus = 5e3, .poissonRatio = 0.49};
+    CutScene scene(def, 0.0262);
+    const std::size_t pinned = static_cast<std::size_t>(std::ranges::count(scene.stage.model().pins.hard, true));
+    CHECK(scene.move(0.034, -0.005, 0.5).topology.ruptures.size() > 0);
+    CHECK(static_cast<std::size_t>(std::ranges::count(scene.stage.model().pins.hard, true)) > pinned + 5);
+    scene.stage.post(SetGravity{{0, 5, -9.81}});
+    CHECK_FALSE(scene.stage.run(50, 1e-3).has(StepFlag::Undone));
+    check(scene.stage.model(), scene.stage.soft());
+}
+
 TEST_CASE("a reset keeps a material and pins that were set meanwhile, with their ids")
 {
     CutScene scene(tissueBlock(), 0.0262);

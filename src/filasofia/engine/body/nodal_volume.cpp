@@ -12,7 +12,7 @@ namespace {
 template <class ValueOf>
 std::vector<double> nodalMeans(const SoftModel& model, std::span<const int> elements, const ValueOf& valueOf)
 {
-    if (!model.nodalVolumes) return {};
+    if (!model.nodalVolumes || elements.empty()) return {};
     std::vector<double> sums(model.rest.size()), stiffness(model.rest.size());
     for (int e : elements) {
         const FemElement& element = model.elements[static_cast<std::size_t>(e)];

@@ -206,12 +206,20 @@ AssembledSystem::AssembledSystem(const SoftModel& model)
 {
     if (!std::holds_alternative<physics::ImplicitEuler>(model.integrator)) return;
     matrix = linalg::BlockSparseMatrix(blockColumns(model));
-    for (const FemElement& element : model.elements)
+    for (const FemElement& element : model.elements) {
         elementBlocks.push_back(blockPositions(matrix, model.pins.hard, element.nodes));
+        sharing.push_back(nodalBulk(element) > 0.0);
+    }
     for (const Spring& spring : model.springs)
         springBlocks.push_back(blockPositions(matrix, model.pins.hard, spring.nodes));
     for (int i = 0; i < matrix.rows(); ++i) diagonalBlocks.push_back(matrix.find(i, i));
     solver = makeSolver(model);
+}
+
+bool AssembledSystem::holds(const SoftModel& model, const std::vector<int>& elements) const
+{
+    return !solver ||
+           std::ranges::all_of(elements, [&](int e) { return sharing[e] || nodalBulk(model.elements[e]) == 0.0; });
 }
 
 void assembleMatrix(const SoftModel& model, std::span<const Vec3> given, double dt, double inertia, SoftState& state,

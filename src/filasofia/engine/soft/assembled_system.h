@@ -22,11 +22,15 @@ bool nearlyIncompressible(const SoftModel& model);
 struct AssembledSystem {
     explicit AssembledSystem(const SoftModel& model);
 
+    /// Whether the matrix has all blocks that these elements need, whose tissue may have changed.
+    [[nodiscard]] bool holds(const SoftModel& model, const std::vector<int>& elements) const;
+
     linalg::BlockSparseMatrix matrix; ///< the matrix of the implicit step
     /// Per element: place of its block (i, j) in the matrix; -1: a pinned node.
     std::vector<std::array<int, 16>> elementBlocks;
     std::vector<std::array<int, 4>> springBlocks; ///< the same per spring
     std::vector<int> diagonalBlocks;              ///< per node: place of its diagonal block
+    std::vector<bool> sharing; ///< per element: the matrix has the blocks that its share in nodal volumes needs
     std::unique_ptr<linalg::LinearSolver> solver; ///< null if the integrator is explicit
 
     std::vector<Vec3> forces;                 ///< [N] all forces

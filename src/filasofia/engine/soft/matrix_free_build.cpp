@@ -211,7 +211,9 @@ void MatrixFreeSystem::makeGather(const SoftModel& model)
 
 void MatrixFreeSystem::makeVolumes(const SoftModel& model)
 {
-    volumes_ = model.nodalVolumes ? NodalVolumes(model, slotOf_, nodeOf_.size(), scale_) : NodalVolumes();
+    const int slots = kBlock * (freeBlocks_ + x_.pinnedBlocks()); // with room for the nodes of edits
+    volumes_ =
+        model.nodalVolumes ? NodalVolumes(model, slotOf_, static_cast<std::size_t>(slots), scale_) : NodalVolumes();
 }
 
 } // namespace filasofia::engine

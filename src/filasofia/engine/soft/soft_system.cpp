@@ -81,8 +81,9 @@ void followTissue(const SoftModel& model, const std::vector<int>& elements, Soft
 {
     system.tuned = true;
     listVolumes(model, system.held);
-    if (!system.outdated) // an assembled system reads the elements in every step
-        system.outdated = system.matrixFree && !system.matrixFree->editTissue(model, elements);
+    if (system.outdated) return;
+    if (system.matrixFree) system.outdated = !system.matrixFree->editTissue(model, elements);
+    if (system.assembled) system.outdated = !system.assembled->holds(model, elements); // it reads them in every step
 }
 
 SoftSystem makeSystem(const SoftModel& model, double period)
