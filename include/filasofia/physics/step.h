@@ -26,10 +26,10 @@ enum class StepFlag : std::uint32_t {
     OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance: the body lost some speed
     NothingAttached = 1u << 10, ///< an attachment found no node, or a grasp no contact: the log says which
     Inverted = 1u << 11,        ///< elements were inside out at the start of the step (StepReport::inverted)
-    BeyondStrain = 1u << 12,    ///< elements were strained beyond FemMaterial::validStrain (StepReport::beyondStrain)
-    NothingChanged = 1u << 13,  ///< a SetTissue found no element: the log says which
-    Restless = 1u << 14,        ///< a body goes on moving though nothing drives it (StepReport::unrest)
-    EnergyGained = 1u << 15,    ///< a restless body moves with ever more energy than it has gained by falling
+    BeyondStrain = 1u << 12, ///< elements were strained beyond their material's validStrain (StepReport::beyondStrain)
+    NothingChanged = 1u << 13, ///< a SetTissue found no element: the log says which
+    Restless = 1u << 14,       ///< a body goes on moving though nothing drives it (StepReport::unrest)
+    EnergyGained = 1u << 15,   ///< a restless body moves with ever more energy than it has gained by falling
 };
 
 /// How one body's step was solved. Bodies that are in contact or attached to each other are solved together: they have
@@ -55,17 +55,17 @@ struct StageTimes {
 struct InvertedElements {
     int count = 0;       ///< [-]
     BodyId body = {};    ///< the body of the worst of them
-    int element = -1;    ///< [-] the worst, an index of that body's elements in the frame
+    int element = -1;    ///< [-] the worst: a tetrahedron of that body's mesh, or a part of it that cuts have made
     double volume = 1.0; ///< [-] det F of the worst: its volume over that at rest
     Vec3 place = {};     ///< [m] its centre
 };
 
-/// The elements that were strained beyond the range of their material (FemMaterial::validStrain) at the start of a
-/// step.
+/// The elements that were strained beyond the range of their material (validStrain of FemMaterial or ShellMaterial) at
+/// the start of a step.
 struct StrainedElements {
-    int count = 0;       ///< [-]
-    BodyId body = {};    ///< the body of the worst of them
-    int element = -1;    ///< [-] the worst, an index of that body's elements in the frame
+    int count = 0;    ///< [-]
+    BodyId body = {}; ///< the body of the worst of them
+    int element = -1; ///< [-] the worst: a tetrahedron or a triangle of that body's mesh, or a part that cuts have made
     double strain = 0.0; ///< [-] of the worst: the largest difference of a principal stretch from 1
     double valid = 0.0;  ///< [-] its material's validStrain
     Vec3 place = {};     ///< [m] its centre

@@ -1,9 +1,13 @@
 #include "filasofia/physics/check_shell.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/geometry/mass_properties.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <vector>
 
 namespace filasofia::physics {
@@ -53,19 +57,37 @@ void checkTwice(const TriangleMesh& mesh, const std::string& object)
     }
 }
 
-void checkEdges(const TriangleMesh& mesh, const std::string& object)
+Vec3 normalOf(const TriangleMesh& mesh, int triangle)
 {
-    struct Around {
-        int triangles = 0, forwards = 0;
-    };
-    std::map<std::array<int, 2>, Around> edges;
-    for (const Triangle& t : mesh.triangles)
+    const auto [a, b, c] = mesh.triangles[static_cast<std::size_t>(triangle)];
+    return cross(mesh.vertices[static_cast<std::size_t>(b)] - mesh.vertices[static_cast<std::size_t>(a)],
+                 mesh.vertices[static_cast<std::size_t>(c)] - mesh.vertices[static_cast<std::size_t>(a)]);
+}
+
+using ShellEdge = std::array<int, 2>; ///< the lower vertex first
+
+struct EdgeUse {
+    int triangles = 0, forwards = 0;
+    std::array<int, 2> which{}; ///< the first two triangles
+};
+
+std::map<ShellEdge, EdgeUse> shellEdgesOf(const TriangleMesh& mesh)
+{
+    std::map<ShellEdge, EdgeUse> edges;
+    for (std::size_t each = 0; each < mesh.triangles.size(); ++each)
         for (std::size_t i = 0; i < 3; ++i) {
+            const Triangle& t = mesh.triangles[each];
             const auto [low, high] = std::minmax(t[i], t[(i + 1) % 3]);
-            Around& edge = edges[{low, high}];
+            EdgeUse& edge = edges[{low, high}];
+            if (edge.triangles < 2) edge.which[static_cast<std::size_t>(edge.triangles)] = static_cast<int>(each);
             ++edge.triangles;
             edge.forwards += t[i] == low ? 1 : 0;
         }
+    return edges;
+}
+
+void checkEdges(const std::map<ShellEdge, EdgeUse>& edges, const std::string& object)
+{
     for (const auto& [ends, edge] : edges) {
         if (edge.triangles > 2)
             fail(object, ": edge ", ends[0], " ", ends[1], " must belong to 1 or 2 triangles of the shell, got ",
@@ -76,14 +98,42 @@ void checkEdges(const TriangleMesh& mesh, const std::string& object)
     }
 }
 
+/// The angle between two triangles jumps from pi to -pi where they lie on each other, so a fold has no state of rest.
+void checkFolds(const TriangleMesh& mesh, const std::map<ShellEdge, EdgeUse>& edges, const std::string& object)
+{
+    constexpr double kSharpest = std::numbers::pi - 1e-2; // [rad]
+    for (const auto& [ends, edge] : edges) {
+        if (edge.triangles != 2) continue;
+        const Vec3 a = normalOf(mesh, edge.which[0]), b = normalOf(mesh, edge.which[1]);
+        const double angle = std::atan2(length(cross(a, b)), dot(a, b));
+        if (angle > kSharpest)
+            fail(object, ": the two triangles at edge ", ends[0], " ", ends[1],
+                 " must not lie on each other: the angle "
+                 "between their normals must be <= ",
+                 kSharpest, " rad unless bendingScale is 0, got ", angle);
+    }
+}
+
+/// Pressure presses on the front of a closed shell.
+void checkFacing(const TriangleMesh& mesh, const std::map<ShellEdge, EdgeUse>& edges, const std::string& object)
+{
+    const bool closed = std::ranges::all_of(edges, [](const auto& each) { return each.second.triangles == 2; });
+    const double volume = closed ? geometry::enclosedVolume(mesh) : 0.0;
+    if (volume < 0.0)
+        fail(object, ": the triangles of a closed shell must face outwards, but it encloses ", volume, " m^3");
+}
+
 } // namespace
 
-void checkShell(const TriangleMesh& mesh, const std::string& object)
+void checkShell(const TriangleMesh& mesh, bool bends, const std::string& object)
 {
     checkVertices(mesh, object);
     checkShapes(mesh, object);
     checkTwice(mesh, object);
-    checkEdges(mesh, object);
+    const std::map<ShellEdge, EdgeUse> edges = shellEdgesOf(mesh);
+    checkEdges(edges, object);
+    if (bends) checkFolds(mesh, edges, object);
+    checkFacing(mesh, edges, object);
 }
 
 } // namespace filasofia::physics

@@ -186,7 +186,8 @@ std::shared_ptr<const geometry::TriangleMesh> loadShell(const SoftBodyDef& def)
     if (!isShell(def)) fail("soft body '", def.name, "': material must be a ShellMaterial to have triangles");
     auto mesh =
         meshOf<geometry::TriangleMesh>(def, [](const std::string& file) { return geometry::loadTriangleMesh(file); });
-    checkShell(*mesh, text("soft body '", def.name, "': mesh"));
+    const bool bends = std::get<ShellMaterial>(def.material).bendingScale > 0.0;
+    checkShell(*mesh, bends, text("soft body '", def.name, "': mesh"));
     return mesh;
 }
 

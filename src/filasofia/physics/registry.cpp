@@ -249,6 +249,7 @@ void Registry::checkMaterial(BodyId id, const SoftMaterial& material) const
              " m, with which the body was made: mass cannot change; got ", shell->thickness);
     SoftBodyDef def = *soft;
     def.material = material;
+    if (shell) static_cast<void>(loadShell(def)); // a membrane may be folded, a shell that bends may not
     physics::check(BodyDef{std::move(def)});
 }
 

@@ -28,6 +28,11 @@ geometry::TetMesh labelled()
     return mesh;
 }
 
+Vec3 centreOf(const geometry::Tetrahedron& t, const std::vector<Vec3>& x)
+{
+    return 0.25 * (x[t[0]] + x[t[1]] + x[t[2]] + x[t[3]]);
+}
+
 SoftBodyDef body(const FemMaterial& material)
 {
     return {.name = "organ",
@@ -262,12 +267,16 @@ TEST_CASE("tissue: strain beyond the range of the material is reported, with the
             CHECK(!stage.step(0.001).has(StepFlag::BeyondStrain));
             SoftState& state = stage.soft();
             for (Vec3& x : state.x) x.z *= x.z > 0.0 ? 1.3 : 1.2;
+            const std::vector<Vec3> before = state.x;
             const StepReport report = stage.step(0.001);
             CHECK(report.has(StepFlag::BeyondStrain));
             CHECK(report.beyondStrain.count == static_cast<int>(stage.model().elements.size()) / 2);
             CHECK(std::abs(report.beyondStrain.strain - 0.3) < 1e-6);
             CHECK(report.beyondStrain.valid == 0.25);
             CHECK(report.beyondStrain.place.z > 0.0);
+            const int worst = report.beyondStrain.element;
+            const auto& mesh = std::get<std::shared_ptr<const geometry::TetMesh>>(def.mesh);
+            CHECK(distance(centreOf(mesh->tetrahedra.at(worst), before), report.beyondStrain.place) < 1e-9);
             for (Vec3& x : state.x) x = 0.7 * x; // as much too short as it was too long
             CHECK(stage.step(0.001).has(StepFlag::BeyondStrain));
         }

@@ -86,6 +86,30 @@ TEST_CASE("a triangle mesh of which no shell can be made is refused, with the ve
     checkError(sheet(mesh), "must face the same way");
 }
 
+TEST_CASE("a shell that is folded onto itself is refused if it bends, a membrane is not")
+{
+    geometry::TriangleMesh bag = sheetMesh({2, 1}, 0.1, 0.1);
+    for (Vec3& vertex : bag.vertices)
+        if (vertex.x > 0.06) vertex = {vertex.x - 0.1, vertex.y, 1e-6};
+    const std::string refused = "the two triangles at edge 2 3 must not lie on each other";
+    checkError(sheet(bag), refused);
+    checkError(sheet(bag), "unless bendingScale is 0, got 3.14");
+    SoftBodyDef membrane = sheet(bag);
+    membrane.material = ShellMaterial{.bendingScale = 0.0};
+    PhysicsServer server(makeNativeEngine());
+    const BodyId id = server.add(membrane);
+    CHECK_THROWS_WITH(server.setMaterial(id, ShellMaterial{}), Catch::Contains(refused));
+}
+
+TEST_CASE("a closed shell must face outwards")
+{
+    geometry::TriangleMesh ball = *geometry::shapes::sphere(0.05, 1);
+    PhysicsServer server(makeNativeEngine());
+    server.add(sheet(ball));
+    for (geometry::Triangle& t : ball.triangles) std::swap(t[1], t[2]);
+    checkError(sheet(ball), "the triangles of a closed shell must face outwards, but it encloses -");
+}
+
 TEST_CASE("what a shell cannot do yet is refused")
 {
     SoftBodyDef def = sheet();

@@ -1,5 +1,6 @@
 #include "filasofia/engine/constraint/coupled_solve.h"
 
+#include "effort.h"
 #include "engine/constraint/dense_body.h"
 
 #include <random>
@@ -136,7 +137,7 @@ TEST_CASE("impulses of constraints balance the bodies' equations for every kind 
 TEST_CASE("impulses carried from one solve to the next converge to the exact constraint law")
 {
     Random random(11);
-    for (int trial = 0; trial < 20; ++trial) {
+    for (int trial = 0; trial < cases(20); ++trial) {
         const double mu = trial % 2 ? 0.5 : 0.0;
         Problem scene(random, 1 + trial % 2, mu, true);
         CoupledReport report;

@@ -64,6 +64,7 @@ Shell makeShell(const physics::ShellMaterial& material, const std::vector<Vec3>&
     for (int each : geometry::orderAlongCurve(centres)) {
         const Triangle& t = triangles[static_cast<std::size_t>(each)];
         MembraneElement& element = shell.membranes.emplace_back(membraneOn(t, vectorsAt(t, rest)));
+        element.triangle = each;
         element.shear = membraneShear(material.youngModulus, material.poissonRatio, material.thickness);
         element.poissonRatio = material.poissonRatio;
         if (material.bendingScale > 0.0) addBend(t, across, rest, shell);
@@ -110,14 +111,6 @@ double strainOf(const MembraneElement& element, std::span<const Vec3> x)
 {
     const auto [high, low] = membraneStretches(element, vectorsAt(element.nodes, x));
     return std::max(std::abs(high - 1.0), std::abs(low - 1.0));
-}
-
-double elasticEnergy(const Shell& shell, std::span<const Vec3> x)
-{
-    double sum = 0.0;
-    for (const MembraneElement& each : shell.membranes) sum += membraneEnergy(each, vectorsAt(each.nodes, x));
-    for (const BendingElement& each : shell.bends) sum += bendingEnergy(each, vectorsAt(each.nodes, x));
-    return sum;
 }
 
 } // namespace filasofia::engine

@@ -38,7 +38,4 @@ void check(const Shell& shell, std::size_t nodes, const std::string& object);
 /// [-] By how much a principal stretch of a triangle differs from 1 at most.
 double strainOf(const MembraneElement& element, std::span<const Vec3> x);
 
-/// [J]
-double elasticEnergy(const Shell& shell, std::span<const Vec3> x);
-
 } // namespace filasofia::engine

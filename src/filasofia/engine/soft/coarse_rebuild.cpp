@@ -3,6 +3,7 @@
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/soft/assembled_system.h"
+#include "filasofia/engine/soft/coarse_matrix.h"
 #include "filasofia/geometry/coarse_lattice.h"
 
 #include <algorithm>
@@ -150,85 +151,6 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
                                            .blocks = plan.blocks});
 }
 
-namespace {
-
-/// A short sparse vector over coarse nodes: P^T applied to the values of a few nodes.
-template <class Value> class CoarseSum {
-public:
-    void clear() { count_ = 0; }
-    void add(const geometry::CoarseLattice& lattice, std::size_t node, const Value& value)
-    {
-        for (std::size_t k = 0; k < 4; ++k) {
-            const double weight = static_cast<double>(lattice.weights[node][k]);
-            if (weight == 0.0) continue;
-            const int corner = lattice.corners[node][k];
-            std::size_t at = 0;
-            while (at < count_ && corners_[at] != corner) ++at;
-            if (at == corners_.size()) {
-                corners_.emplace_back();
-                values_.emplace_back();
-            }
-            if (at == count_) {
-                corners_[count_] = corner;
-                values_[count_++] = {};
-            }
-            values_[at] += weight * value;
-        }
-    }
-    [[nodiscard]] std::size_t count() const { return count_; }
-    [[nodiscard]] int corner(std::size_t i) const { return corners_[i]; }
-    [[nodiscard]] const Value& value(std::size_t i) const { return values_[i]; }
-
-private:
-    std::size_t count_ = 0;
-    std::vector<int> corners_; // with room for later sums
-    std::vector<Value> values_;
-};
-
-/// The coarse matrix A_c = P^T A P, row by row: one dense matrix of the lattice, and one per small piece.
-class CoarseMatrix {
-public:
-    explicit CoarseMatrix(const geometry::CoarseLattice& lattice)
-        : nodes_(lattice.nodeCount), firstPiece_(linalg::firstPieceNode(nodes_)),
-          lattice_(9 * static_cast<std::size_t>(nodes_) * static_cast<std::size_t>(nodes_)),
-          pieces_(lattice.pieces.size() * kPieceUnknowns * kPieceUnknowns)
-    {
-    }
-
-    /// The 3 x 3 block of two coarse nodes of the same matrix.
-    struct Block {
-        double* at;
-        std::size_t next; ///< offset from one row to the next
-        void add(std::size_t row, std::size_t column, double value) const { at[row * next + column] += value; }
-    };
-    Block block(int row, int column)
-    {
-        if (row < nodes_) return blockOf(lattice_.data(), 3 * static_cast<std::size_t>(nodes_), row, column);
-        const int piece = (row - firstPiece_) / linalg::kPieceNodes, first = firstPiece_ + piece * linalg::kPieceNodes;
-        return blockOf(pieces_.data() + static_cast<std::size_t>(piece) * kPieceUnknowns * kPieceUnknowns,
-                       kPieceUnknowns, row - first, column - first);
-    }
-    /// Whether two coarse nodes belong to the same matrix.
-    [[nodiscard]] bool together(int row, int column) const { return pieceOf(row) == pieceOf(column); }
-    [[nodiscard]] std::span<const double> lattice() const { return lattice_; }
-    [[nodiscard]] std::span<const double> pieces() const { return pieces_; }
-
-private:
-    static constexpr std::size_t kPieceUnknowns = linalg::kPieceUnknowns;
-    [[nodiscard]] int pieceOf(int node) const // -1: none
-    {
-        return node < nodes_ ? -1 : (node - firstPiece_) / linalg::kPieceNodes;
-    }
-    static Block blockOf(double* matrix, std::size_t unknowns, int row, int column)
-    {
-        return {matrix + 3 * (static_cast<std::size_t>(row) * unknowns + static_cast<std::size_t>(column)), unknowns};
-    }
-    int nodes_, firstPiece_;
-    std::vector<double> lattice_, pieces_;
-};
-
-} // namespace
-
 /// Input and result of a rebuild. The step that starts it copies only what is needed, and no other thread shares the
 /// data.
 struct CoarseRebuild::Work {
@@ -299,8 +221,7 @@ std::vector<std::array<int, 2>> CoarseRebuild::Work::edges() const
     return list;
 }
 
-/// The volumes of nodes (nodal_volume.h). A node held between two pieces takes part in both, but pieces share no
-/// matrix.
+/// The volumes of nodes (nodal_volume.h).
 void CoarseRebuild::Work::addVolumes(const geometry::CoarseLattice& lattice, CoarseMatrix& matrix) const
 {
     std::vector<std::vector<std::size_t>> around(rest.size());
@@ -320,13 +241,10 @@ void CoarseRebuild::Work::addVolumes(const geometry::CoarseLattice& lattice, Coa
         }
         if (stiffness == 0.0) continue;
         const double weight = scale * weights.stiffness / stiffness;
-        for (std::size_t i = 0; i < sum.count(); ++i)
-            for (std::size_t j = 0; j < sum.count(); ++j) {
-                if (sum.corner(j) > sum.corner(i) || !matrix.together(sum.corner(i), sum.corner(j))) continue;
-                const CoarseMatrix::Block block = matrix.block(sum.corner(i), sum.corner(j));
-                for (std::size_t r = 0; r < 3; ++r)
-                    for (std::size_t c = 0; c < 3; ++c) block.add(r, c, weight * sum.value(i)[r] * sum.value(j)[c]);
-            }
+        forEachPair(sum, matrix, [&](const CoarseMatrix::Block& block, Vec3 a, Vec3 b) {
+            for (std::size_t r = 0; r < 3; ++r)
+                for (std::size_t c = 0; c < 3; ++c) block.add(r, c, weight * a[r] * b[c]);
+        });
     }
 }
 
@@ -343,16 +261,12 @@ CoarseMatrix CoarseRebuild::Work::coarseMatrix(const geometry::CoarseLattice& la
         for (std::size_t i = 0; i < 4; ++i) sum.add(lattice, static_cast<std::size_t>(each.nodes[i]), gradients[i]);
         const double weight = scale * weights.law * volumeOf(corners);
         const double mu = weight * each.material.mu, lambda = weight * each.material.lambda;
-        for (std::size_t i = 0; i < sum.count(); ++i)
-            for (std::size_t j = 0; j < sum.count(); ++j) {
-                if (sum.corner(j) > sum.corner(i)) continue;
-                const Vec3 a = sum.value(i), b = sum.value(j);
-                const double shear = mu * dot(a, b);
-                const CoarseMatrix::Block block = matrix.block(sum.corner(i), sum.corner(j));
-                for (std::size_t r = 0; r < 3; ++r)
-                    for (std::size_t c = 0; c < 3; ++c)
-                        block.add(r, c, lambda * a[r] * b[c] + mu * b[r] * a[c] + (r == c ? shear : 0.0));
-            }
+        forEachPair(sum, matrix, [&](const CoarseMatrix::Block& block, Vec3 a, Vec3 b) {
+            const double shear = mu * dot(a, b);
+            for (std::size_t r = 0; r < 3; ++r)
+                for (std::size_t c = 0; c < 3; ++c)
+                    block.add(r, c, lambda * a[r] * b[c] + mu * b[r] * a[c] + (r == c ? shear : 0.0));
+        });
     }
     addVolumes(lattice, matrix);
     CoarseSum<double> ends;
@@ -361,24 +275,17 @@ CoarseMatrix CoarseRebuild::Work::coarseMatrix(const geometry::CoarseLattice& la
         ends.clear();
         ends.add(lattice, static_cast<std::size_t>(spring.nodes[0]), 1.0);
         ends.add(lattice, static_cast<std::size_t>(spring.nodes[1]), -1.0);
-        for (std::size_t i = 0; i < ends.count(); ++i)
-            for (std::size_t j = 0; j < ends.count(); ++j) {
-                if (ends.corner(j) > ends.corner(i)) continue;
-                const CoarseMatrix::Block block = matrix.block(ends.corner(i), ends.corner(j));
-                for (std::size_t r = 0; r < 3; ++r)
-                    for (std::size_t c = 0; c < 3; ++c)
-                        block.add(r, c, ends.value(i) * ends.value(j) * stiffness[r][c]);
-            }
+        forEachPair(ends, matrix, [&](const CoarseMatrix::Block& block, double a, double b) {
+            for (std::size_t r = 0; r < 3; ++r)
+                for (std::size_t c = 0; c < 3; ++c) block.add(r, c, a * b * stiffness[r][c]);
+        });
     }
     const auto addNode = [&](int node, double value) {
         CoarseSum<double> share;
         share.add(lattice, static_cast<std::size_t>(node), 1.0);
-        for (std::size_t i = 0; i < share.count(); ++i)
-            for (std::size_t j = 0; j < share.count(); ++j) {
-                if (share.corner(j) > share.corner(i)) continue;
-                const CoarseMatrix::Block block = matrix.block(share.corner(i), share.corner(j));
-                for (std::size_t k = 0; k < 3; ++k) block.add(k, k, value * share.value(i) * share.value(j));
-            }
+        forEachPair(share, matrix, [&](const CoarseMatrix::Block& block, double a, double b) {
+            for (std::size_t k = 0; k < 3; ++k) block.add(k, k, value * a * b);
+        });
     };
     for (int node : nodes) addNode(node, scale * weights.mass * masses[static_cast<std::size_t>(node)]);
     for (const PinSpring& pin : pins)

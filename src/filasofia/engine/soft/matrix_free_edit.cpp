@@ -1,6 +1,7 @@
 // Updates a MatrixFreeSystem after an edit of its body's mesh, only where the edit has changed the mesh.
 #include "filasofia/engine/soft/matrix_free_system.h"
 
+#include "filasofia/core/assert.h"
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/tissue.h"
@@ -69,6 +70,7 @@ template <class Block> void resizeLists(std::vector<Block>& lists, std::size_t c
 
 bool MatrixFreeSystem::edit(const SoftModel& model, const MeshEdit& edit)
 {
+    FILASOFIA_ASSERT(shell_.empty()); // shells cannot be cut
     const bool grown = reserve(model, edit);
     const bool sharing = model.nodalVolumes && !volumes_.empty() && !grown;
     if (!sharing) volumes_ = {}; // made anew below, as slots have moved

@@ -52,7 +52,7 @@ void findInverted(const SoftBody& body, physics::InvertedElements& report)
         ++report.count;
         if (!(volume < report.volume)) return;
         report.body = model.id;
-        report.element = static_cast<int>(e);
+        report.element = model.elements[e].tetrahedron;
         report.volume = volume;
         report.place = middle(corners);
     });
@@ -64,6 +64,12 @@ double strainOf(const SoftBody& body, std::size_t e)
     const FemElement& element = body.model.elements[e];
     const Vec3 stretches = svd(gradient(element, cornersOf(element.nodes, body.state.x))).sigma;
     return std::max({std::abs(stretches.x - 1.0), std::abs(stretches.y - 1.0), std::abs(stretches.z - 1.0)});
+}
+
+/// Whether a strain is larger than that of the report, each in relation to its range.
+bool isWorse(double strain, double valid, const physics::StrainedElements& report)
+{
+    return !report.body || strain / valid > report.strain / report.valid;
 }
 
 /// Reports the elements that are strained beyond the range of their material. The worst is that of the largest strain
@@ -82,12 +88,10 @@ void findStrained(const SoftBody& body, physics::StrainedElements& report)
         ++report.count;
         if (strain > most) most = strain, worst = e;
     }
-    if (worst == model.elements.size() || (report.body && !(most / valid > report.strain / report.valid))) return;
-    report.body = model.id;
-    report.element = static_cast<int>(worst);
-    report.strain = strainOf(body, worst);
-    report.valid = valid;
-    report.place = middle(cornersOf(model.elements[worst].nodes, body.state.x));
+    if (worst == model.elements.size() || !isWorse(most, valid, report)) return;
+    const FemElement& element = model.elements[worst];
+    const Corners corners = cornersOf(element.nodes, body.state.x);
+    report = {report.count, model.id, element.tetrahedron, strainOf(body, worst), valid, middle(corners)};
 }
 
 /// The same for the triangles of a shell.
@@ -96,19 +100,14 @@ void findStrainedTriangles(const SoftBody& body, physics::StrainedElements& repo
     const Shell& shell = body.model.shell;
     const double valid = shell.material.validStrain;
     if (!(valid < std::numeric_limits<double>::infinity())) return;
-    for (std::size_t e = 0; e < shell.membranes.size(); ++e) {
-        const std::array<int, 3>& nodes = shell.membranes[e].nodes;
-        const double strain = strainOf(shell.membranes[e], body.state.x);
-        const auto fixed = [&](int node) { return body.model.pins.hard[static_cast<std::size_t>(node)]; };
-        if (!(strain > valid) || std::ranges::all_of(nodes, fixed)) continue;
+    const auto fixed = [&](int node) { return body.model.pins.hard[static_cast<std::size_t>(node)]; };
+    for (const MembraneElement& each : shell.membranes) {
+        const double strain = strainOf(each, body.state.x);
+        if (!(strain > valid) || std::ranges::all_of(each.nodes, fixed)) continue;
         ++report.count;
-        if (report.body && !(strain / valid > report.strain / report.valid)) continue;
-        const TriangleCorners x = vectorsAt(nodes, body.state.x);
-        report.body = body.model.id;
-        report.element = static_cast<int>(e);
-        report.strain = strain;
-        report.valid = valid;
-        report.place = 1.0 / 3.0 * (x[0] + x[1] + x[2]);
+        if (!isWorse(strain, valid, report)) continue;
+        const TriangleCorners x = vectorsAt(each.nodes, body.state.x);
+        report = {report.count, body.model.id, each.triangle, strain, valid, 1.0 / 3.0 * (x[0] + x[1] + x[2])};
     }
 }
 
