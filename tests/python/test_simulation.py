@@ -300,7 +300,7 @@ def test_paused_steps_move_nothing():
     paused = len(calls)
     sim.pause(False)
     sim.step(3)
-    assert paused <= 1 and len(calls) >= paused + 2  # a pause is known after the first step that it stops
+    assert paused <= 1 and len(calls) >= paused + 2  # the server learns of it in the step
     assert not np.array_equal(before, sim.frame[tissue].positions)
 
 
