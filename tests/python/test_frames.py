@@ -126,3 +126,20 @@ def test_no_frame_before_the_first_step_and_none_of_other_bodies():
         sim.frame[late]
     sim.step()
     assert sim.frame[late].poses[0, 1] == 1.0
+
+
+def test_a_callback_gets_no_old_frame_either():
+    sim, tissue, _ = poke()
+    held, seen, refused = [], [], []
+
+    def look(event):
+        try:
+            held.append(sim.frame)
+            seen.append(held[-1].step == event.step)
+        except fs.Error as problem:
+            refused.append(str(problem))
+
+    sim.on(fs.PhysicsUpdateEvent, look)
+    sim.step(20)
+    assert all(seen) and len(seen) + len(refused) == 20
+    assert refused and all("was not captured" in each for each in refused)

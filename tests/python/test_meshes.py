@@ -1,5 +1,6 @@
 """Meshes from arrays, from files and from shapes."""
 import copy
+import pickle
 
 import numpy as np
 import pytest
@@ -79,3 +80,53 @@ def test_shapes_and_files():
         fs.load_tet_mesh("nothing.msh")
     with pytest.raises(fs.Error, match="nothing.msh"):
         fs.asset("meshes/nothing.msh")
+
+
+def meshes():
+    yield fs.TetMesh(NODES, [[0, 1, 2, 3]], labels=[7], label_names={"cöre": 7})
+    yield fs.TriangleMesh(NODES[:3], [[0, 1, 2]], uv=[[0, 0], [1, 0], [0, 1]])
+    yield fs.shapes.block((1, 1, 1))
+    yield fs.shapes.sphere(0.01)
+    yield fs.load_tet_mesh(fs.asset("meshes/bunny_756.msh"))
+    yield fs.load_triangle_mesh(fs.asset("meshes/bunny.obj"))
+
+
+def test_meshes_and_the_defs_that_hold_them_are_pickled_copied_and_compared():
+    for mesh in meshes():
+        for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+            again = pickle.loads(pickle.dumps(mesh, protocol))
+            assert again is not mesh and again == mesh and not again != mesh and hash(again) == hash(mesh)
+            assert type(again) is type(mesh) and repr(again) == repr(mesh)
+        assert copy.copy(mesh) is mesh
+        kind = fs.SoftBodyDef if isinstance(mesh, fs.TetMesh) else fs.RigidBodyDef
+        body = kind(mesh=mesh)
+        assert pickle.loads(pickle.dumps(body)) == copy.deepcopy(body) == body
+    assert next(meshes()).label_names == pickle.loads(pickle.dumps(next(meshes()))).label_names == {"cöre": 7}
+
+
+def test_different_meshes_are_not_equal():
+    mesh = fs.TetMesh(NODES, [[0, 1, 2, 3]])
+    assert mesh == fs.TetMesh(-0.0 * NODES + NODES, [[0, 1, 2, 3]])
+    assert mesh != fs.TetMesh(2 * NODES, [[0, 1, 2, 3]])
+    assert mesh != fs.TetMesh(NODES, [[1, 2, 0, 3]])
+    assert mesh != fs.TetMesh(NODES, [[0, 1, 2, 3]], labels=[1])
+    assert mesh != fs.TriangleMesh(NODES, [[0, 1, 2]]) and mesh != "mesh" and mesh is not None
+    assert fs.SoftBodyDef(mesh=mesh) != fs.SoftBodyDef(mesh=fs.TetMesh(2 * NODES, [[0, 1, 2, 3]]))
+
+
+def test_names_of_labels_are_checked():
+    with pytest.raises(TypeError, match="TetMesh: label_names must be a dict"):
+        fs.TetMesh(NODES, [[0, 1, 2, 3]], label_names=["a"])
+    with pytest.raises(TypeError, match="TetMesh: label_names: a must be a whole number, got 'b'"):
+        fs.TetMesh(NODES, [[0, 1, 2, 3]], labels=[1], label_names={"a": "b"})
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint32, np.uint64])
+def test_unsigned_indices_are_read_and_never_wrap(kind):
+    assert fs.TetMesh(NODES, np.array([[0, 1, 2, 3]], dtype=kind)).tetrahedra.tolist() == [[0, 1, 2, 3]]
+    assert fs.TetMesh(NODES, [[0, 1, 2, 3]], labels=np.zeros(0, dtype=kind)).labels.shape == (0,)
+    if kind is np.uint8:
+        return
+    largest = np.iinfo(kind).max
+    with pytest.raises(fs.Error, match=f"TetMesh: labels must have whole numbers below 2.31, got {largest}"):
+        fs.TetMesh(NODES, [[0, 1, 2, 3]], labels=np.array([largest], dtype=kind))

@@ -80,3 +80,22 @@ def test_wrong_pictures_are_refused(drawn, act, says):
 def test_an_empty_simulation_has_nothing_to_draw():
     with pytest.raises(fs.Error, match="nothing is shown"):
         fs.Simulation(threads=1).render(64, 48)
+
+
+def test_what_the_user_shows_of_a_body_replaces_what_the_first_picture_showed():
+    def picture(first):
+        sim, tissue, tool = poke()
+        sim.step()
+        if first:
+            sim.render(96, 64)
+        shown = sim.show(tissue, material=fs.MetalMaterial())
+        if not first:
+            sim.show(tool, material=fs.MetalMaterial())
+        both = sim.render(96, 64)
+        sim.set_visible(shown, False)
+        hidden = sim.render(96, 64)
+        sim.close()
+        return both, hidden
+
+    for late, early in zip(picture(True), picture(False)):
+        assert np.array_equal(late, early)

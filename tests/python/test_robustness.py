@@ -381,3 +381,124 @@ def test_import_is_quick_and_needs_no_display():
     assert done.stdout.strip() == "False"  # NumPy comes with the first array
     line = [each for each in done.stderr.splitlines() if each.split("|")[-1].strip() == "filasofia"]
     assert int(line[0].split("|")[1]) < 1e6  # microseconds; it takes a tenth of that
+
+
+def test_a_report_read_while_another_thread_closes_is_whole():
+    for _ in range(50):
+        sim, _, _ = poke()
+        sim.step(3)
+        expected, read, go = sim.state_hash, [], threading.Barrier(3)
+
+        def look():
+            go.wait()
+            for _ in range(20):
+                try:
+                    read.append((sim.report().steps, sim.state_hash))
+                except fs.Error as problem:
+                    assert "another thread is stepping" in str(problem)
+
+        threads = [threading.Thread(target=look) for _ in range(2)]
+        for thread in threads:
+            thread.start()
+        go.wait()
+        closed = False
+        while not closed:
+            try:
+                sim.close()
+                closed = True
+            except fs.Error:  # while the others look
+                pass
+        for thread in threads:
+            thread.join()
+        assert set(read) <= {(3, expected)}
+
+
+def test_after_a_fork_nothing_of_the_parents_simulation_hangs():
+    ends_well(
+        """
+        import os, signal
+        sim, tissue, _ = poke(2)
+        sim.step()
+        child = os.fork()
+        if child == 0:
+            signal.alarm(20)
+            refused = 0
+            for act in (lambda: sim.bodies, lambda: sim.definition(tissue), sim.report, lambda: sim.state_hash, sim.close):
+                try:
+                    act()
+                except fs.Error as problem:
+                    refused += "the process has forked" in str(problem)
+            os._exit(0 if refused == 5 and repr(sim) == "<Simulation of another process>" else 1)
+        print(os.waitpid(child, 0)[1])
+        """,
+        "0",
+    )
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_a_fork_while_another_thread_makes_simulations_leaves_a_child_that_works():
+    done = python(
+        """
+        import os, signal, threading
+        ended = threading.Event()
+        def make():
+            while not ended.is_set():
+                fs.Simulation(threads=1)
+        thread = threading.Thread(target=make)
+        thread.start()
+        kept = [fs.Simulation(threads=1) for _ in range(50)]
+        statuses = set()
+        for _ in range(20):
+            child = os.fork()
+            if child == 0:
+                signal.alarm(20)
+                fs.Simulation(threads=1)
+                os._exit(0)
+            statuses.add(os.waitpid(child, 0)[1])
+        ended.set()
+        thread.join()
+        print(statuses)
+        """
+    )
+    assert (done.returncode, done.stdout.strip()) == (0, "{0}"), done
+
+
+def test_a_callback_that_blocks_for_ever_does_not_keep_the_interpreter():
+    begin = time.monotonic()
+    done = python(
+        """
+        import threading
+        sim, entered = poke()[0], threading.Event()
+        sim.on(fs.PhysicsUpdateEvent, lambda e: (entered.set(), threading.Event().wait()))
+        threading.Thread(target=sim.step, daemon=True).start()
+        entered.wait()
+        print("end")
+        """
+    )
+    assert (done.returncode, done.stdout.strip()) == (0, "end"), done
+    assert len(done.stderr.splitlines()) == 1 and "1 simulation is in a step or a callback" in done.stderr, done
+    assert time.monotonic() - begin < 60
+
+
+def test_a_run_is_not_disturbed_by_threads_that_look():
+    sim, _, _ = poke()
+    sim.step()
+    ended, problems = threading.Event(), []
+
+    def look():
+        while not ended.is_set():
+            try:
+                sim.state_hash
+            except fs.Error:
+                pass
+
+    thread = threading.Thread(target=look)
+    thread.start()
+    for _ in range(50):
+        try:
+            sim.run(0.002)
+        except fs.Error as problem:
+            problems.append(str(problem))
+    ended.set()
+    thread.join()
+    assert all(each.startswith("run: another thread") for each in problems)

@@ -297,6 +297,99 @@ def test_paused_steps_move_nothing():
     sim.pause()
     sim.step(3)
     assert np.array_equal(before, sim.frame[tissue].positions)
+    paused = len(calls)
     sim.pause(False)
     sim.step(3)
+    assert paused <= 1 and len(calls) >= paused + 2  # the server learns of it in the step
     assert not np.array_equal(before, sim.frame[tissue].positions)
+
+
+def test_a_refused_recording_leaves_the_simulation_as_it_was(tmp_path):
+    sizes = []
+    for refused in ((), ("no/such/folder/a.rec", "a.txt", "/dev/full/a.rec", str(tmp_path / "locked.rec"))):
+        sim, tissue, _ = poke()
+        sim.show(tissue)
+        holder = poke()[0]
+        if refused:
+            holder.record(tmp_path / "locked.rec")  # a file that is being written cannot be opened
+        for file in refused:
+            with pytest.raises(fs.Error):
+                sim.record(file)
+        sim.record(tmp_path / "good.rec")
+        sim.step(5)
+        expected = sim.state_hash
+        sim.close()
+        sizes.append((tmp_path / "good.rec").stat().st_size)
+        replayed = fs.replay(file=str(tmp_path / "good.rec"), check=True)
+        assert (replayed.made, replayed.hash, replayed.different_step) == (5, expected, None)
+        holder.close()
+    assert abs(sizes[0] - sizes[1]) < 100  # with what was shown before
+    sim, _, _ = poke()
+    with pytest.raises(fs.Error, match="no such folder"):
+        sim.record("no/such/folder/a.rec")
+    sim.step()
+    assert sim.report().steps == 1
+
+
+def test_a_report_before_the_first_step_does_not_begin_the_run(tmp_path):
+    sim, _, _ = poke()
+    report = sim.report()
+    assert (report.steps, report.time, report.finished, report.hash) == (0, 0.0, "not yet", sim.state_hash)
+    sim.record(tmp_path / "late.rec")
+    sim.step()
+    assert sim.report().steps == 1
+
+
+def test_a_hash_outlives_the_simulation_also_without_a_step():
+    sim, _, _ = poke()
+    before = sim.state_hash
+    sim.close()
+    assert before != 0 and sim.state_hash == sim.report().hash == before
+    assert sim.report().finished == "made 0 steps"
+
+
+def test_repr_never_raises_and_bodies_of_a_closed_simulation_are_an_error():
+    sim, tissue, _ = poke()
+    sim.step()
+    assert repr(sim) == "<Simulation of 2 bodies at 0.001 s>"
+    sim.close()
+    assert repr(sim) == "<closed Simulation at 0.001 s>"
+    for act in (lambda: sim.bodies, lambda: sim.definition(tissue)):
+        with pytest.raises(fs.Error, match="the simulation is closed"):
+            act()
+
+
+def test_observers_that_come_and_go_get_what_happens_while_they_are_there():
+    sim, _, _ = poke()
+    first, second = [], []
+    a = sim.on(fs.PhysicsUpdateEvent, lambda e: first.append(e.step))
+    b = sim.on(fs.PhysicsUpdateEvent, lambda e: second.append(e.step))
+    sim.step(2)
+    sim.off(a)
+    sim.step(2)
+    sim.off(b)
+    sim.step(2)
+    sim.on(fs.PhysicsUpdateEvent, lambda e: first.append(e.step))
+    sim.step(2)
+    assert (first, second) == ([1, 2, 7, 8], [1, 2, 3, 4])
+
+
+def test_words_of_the_user_stay_as_they_are_in_errors():
+    sim = fs.Simulation(threads=1)
+    for name in ("o'brien's liverName", "liverName", "a 'liverName' b"):
+        with pytest.raises(fs.Error) as caught:
+            sim.add(block(name=name, attachments=[fs.AttachmentDef(nodes=[1], to_nodes=[2, 3])]))
+        assert name in str(caught.value) and "to_nodes" in str(caught.value)
+    for file in ("noSuchMesh.msh", "my scans/liverMesh 2.msh", "liverMesh 2.msh", "someFolder/x.msh"):
+        with pytest.raises(fs.Error) as caught:
+            fs.load_tet_mesh(file)
+        assert file in str(caught.value)
+
+    class camelCase:
+        def __repr__(self):
+            return "camelCase of theUser"
+
+    with pytest.raises(fs.Error, match="got 'camelCase'"):
+        fs.JointDef(kind="camelCase")
+    with pytest.raises(TypeError, match="got camelCase of theUser"):
+        fs.Ball(radius=camelCase())

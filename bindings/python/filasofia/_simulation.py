@@ -31,7 +31,10 @@ class Simulation(_core.Simulation):
         super().__init__(_only(_defs.PhysicsDef, physics, fields), look)
 
     def show(self, body: _defs.BodyId, definition: _defs.ShowDef | None = None, **fields: _typing.Any) -> _defs.ShownId:
-        """Draws a body as a ShowDef, or its fields, say. Without any call of it, pictures show all bodies."""
+        """Draws a body as a ShowDef, or its fields, say. Without any call of it, pictures show all bodies.
+
+        After a picture that showed all bodies it replaces what that picture showed of this one; the others stay.
+        """
         return self._show(body, _only(_defs.ShowDef, definition, fields))  # type: ignore[attr-defined, no-any-return]
 
     def render(
@@ -50,7 +53,14 @@ class Simulation(_core.Simulation):
         return self._render(_defs.PictureDef(width, height, pose, camera))  # type: ignore[attr-defined, no-any-return]
 
     def __repr__(self) -> str:
-        return f"<Simulation of {len(self.bodies)} bodies at {self.time:.6g} s>"
+        try:
+            if self._foreign:  # type: ignore[attr-defined]
+                return "<Simulation of another process>"
+            return f"<Simulation of {len(self.bodies)} bodies at {self.time:.6g} s>"
+        except _core.Error:  # perhaps another thread has closed it just now
+            return f"<closed Simulation at {self.time:.6g} s>"
+        except TypeError:
+            return "<Simulation that was not initialised>"
 
 
 def replay(definition: _defs.ReplayDef | None = None, **fields: _typing.Any) -> _core.ReplayReport:

@@ -2,13 +2,29 @@
 
 #include "filasofia/core/error.h"
 
+#include <cstddef>
+#include <limits>
+
 namespace filasofia::python {
 namespace {
 
 /// str() of an attribute.
 std::string partOf(nb::handle value, const char* name) { return wordsOf(nb::object(value.attr(name))); }
 
+/// The largest numbers of uint64 would be negative ones as int64.
+void checkUnsigned(nb::handle array, const char* object)
+{
+    if (nb::cast<std::size_t>(array.attr("size")) == 0) return;
+    const nb::object largest = array.attr("max")();
+    if (largest > nb::int_(std::numeric_limits<int>::max())) failBelow(object, nb::int_(largest));
+}
+
 } // namespace
+
+void failBelow(const char* object, nb::handle got)
+{
+    failValue({.name = object}, "must have whole numbers below 2^31", got);
+}
 
 nb::object readArray(nb::handle value, const char* object, std::size_t columns, bool whole)
 {
@@ -34,6 +50,7 @@ nb::object readArray(nb::handle value, const char* object, std::size_t columns, 
     if (!right)
         fail(object, " must have the shape ", flat ? "(n,)" : text("(n, ", columns, ")"), ", got ",
              partOf(array, "shape"));
+    if (kind == "u" && whole) checkUnsigned(array, object);
     return numpy.attr("ascontiguousarray")(array, whole ? "int64" : "float64");
 }
 

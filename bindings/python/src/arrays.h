@@ -6,8 +6,11 @@
 
 #include <nanobind/ndarray.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 /// NumPy arrays of the engine's lists, and back. NumPy is imported when the first array is made.
@@ -49,6 +52,9 @@ inline nb::object vectorOf(const Vec3& value)
 /// are real (whole, if `whole`), and filasofia.Error unless it is (n, columns), or (n,) for one column.
 nb::object readArray(nb::handle value, const char* object, std::size_t columns, bool whole);
 
+/// Throws filasofia.Error: a whole number of an array is too large for an index.
+[[noreturn]] void failBelow(const char* object, nb::handle got);
+
 /// The rows of a user's array, copied.
 template <class Row, class Number, std::size_t columns> std::vector<Row> readRows(nb::handle value, const char* object)
 {
@@ -62,7 +68,7 @@ template <class Row, class Number, std::size_t columns> std::vector<Row> readRow
     for (std::size_t i = 0; i < view.size(); ++i) {
         if constexpr (whole)
             if (view.data()[i] < std::numeric_limits<int>::min() || view.data()[i] > std::numeric_limits<int>::max())
-                failValue({.name = object}, "must have whole numbers below 2^31", nb::int_(view.data()[i]));
+                failBelow(object, nb::int_(view.data()[i]));
         out[i] = static_cast<Number>(view.data()[i]);
     }
     return rows;

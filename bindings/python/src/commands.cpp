@@ -9,15 +9,8 @@ namespace {
 
 using namespace physics;
 
-/// An argument of a method: "set_pose: pose must be ...".
-template <class T> T argument(nb::handle value, const char* method, const char* name, Range range = finite())
-{
-    const Where object{.name = method};
-    return Convert<T>::read(value, {.outer = &object, .name = name, .range = range});
-}
-
-BodyId body(nb::handle value, const char* method) { return argument<BodyId>(value, method, "body"); }
-int element(nb::handle value, const char* method) { return argument<int>(value, method, "element", nonNegative()); }
+BodyId body(nb::handle value, const char* method) { return readArgument<BodyId>(value, method, "body"); }
+int element(nb::handle value, const char* method) { return readArgument<int>(value, method, "element", nonNegative()); }
 
 /// Every command as a Def. Returns the id that it gives, if it gives one.
 class Apply {
@@ -90,7 +83,7 @@ void addRigid(nb::class_<HeldSimulation>& sim)
         "set_pose",
         [](HeldSimulation& self, nb::handle id, nb::handle pose, nb::handle at) {
             server(self, "set_pose")
-                .setPose(body(id, "set_pose"), argument<Pose>(pose, "set_pose", "pose"), element(at, "set_pose"));
+                .setPose(body(id, "set_pose"), readArgument<Pose>(pose, "set_pose", "pose"), element(at, "set_pose"));
         },
         nb::arg("body").none(), nb::arg("pose").none(), nb::arg("element").none() = 0,
         nb::sig("def set_pose(self, body: filasofia.BodyId, pose: filasofia.Pose | collections.abc.Sequence[float], "
@@ -100,8 +93,8 @@ void addRigid(nb::class_<HeldSimulation>& sim)
         "set_wrench",
         [](HeldSimulation& self, nb::handle id, nb::handle force, nb::handle torque, nb::handle at) {
             server(self, "set_wrench")
-                .setWrench(body(id, "set_wrench"), argument<Vec3>(force, "set_wrench", "force"),
-                           argument<Vec3>(torque, "set_wrench", "torque"), element(at, "set_wrench"));
+                .setWrench(body(id, "set_wrench"), readArgument<Vec3>(force, "set_wrench", "force"),
+                           readArgument<Vec3>(torque, "set_wrench", "torque"), element(at, "set_wrench"));
         },
         nb::arg("body").none(), nb::arg("force").none(), nb::arg("torque").none() = nb::make_tuple(0.0, 0.0, 0.0),
         nb::arg("element").none() = 0,
@@ -116,8 +109,8 @@ void addHandsAndJoints(nb::class_<HeldSimulation>& sim)
         "set_joint",
         [](HeldSimulation& self, nb::handle id, nb::handle joint, nb::handle command) {
             server(self, "set_joint")
-                .setJoint(body(id, "set_joint"), argument<int>(joint, "set_joint", "joint", nonNegative()),
-                          argument<JointCommand>(command, "set_joint", "command"));
+                .setJoint(body(id, "set_joint"), readArgument<int>(joint, "set_joint", "joint", nonNegative()),
+                          readArgument<JointCommand>(command, "set_joint", "command"));
         },
         nb::arg("body").none(), nb::arg("joint").none(), nb::arg("command").none(),
         nb::sig("def set_joint(self, body: filasofia.BodyId, joint: int, command: filasofia.JointPosition | "
@@ -127,7 +120,7 @@ void addHandsAndJoints(nb::class_<HeldSimulation>& sim)
         "set_haptic",
         [](HeldSimulation& self, nb::handle id, nb::handle target, nb::handle at) {
             server(self, "set_haptic")
-                .setHaptic(body(id, "set_haptic"), argument<HapticTarget>(target, "set_haptic", "target"),
+                .setHaptic(body(id, "set_haptic"), readArgument<HapticTarget>(target, "set_haptic", "target"),
                            element(at, "set_haptic"));
         },
         nb::arg("body").none(), nb::arg("target").none(), nb::arg("element").none() = 0,
@@ -143,7 +136,7 @@ void addSoft(nb::class_<HeldSimulation>& sim)
         [](HeldSimulation& self, nb::handle id, nb::handle material) {
             PhysicsServer& physics = server(self, "set_material");
             const BodyId soft = body(id, "set_material");
-            const auto read = argument<SoftMaterial>(material, "set_material", "material");
+            const auto read = readArgument<SoftMaterial>(material, "set_material", "material");
             const nb::gil_scoped_release free; // it builds a solver
             physics.setMaterial(soft, read);
         },
@@ -155,7 +148,7 @@ void addSoft(nb::class_<HeldSimulation>& sim)
         "set_tissue",
         [](HeldSimulation& self, nb::handle id, nb::handle region) {
             server(self, "set_tissue")
-                .setTissue(body(id, "set_tissue"), argument<TissueRegion>(region, "set_tissue", "region"));
+                .setTissue(body(id, "set_tissue"), readArgument<TissueRegion>(region, "set_tissue", "region"));
         },
         nb::arg("body").none(), nb::arg("region").none(),
         nb::sig("def set_tissue(self, body: filasofia.BodyId, region: filasofia.TissueRegion) -> None"),
@@ -165,8 +158,8 @@ void addSoft(nb::class_<HeldSimulation>& sim)
         [](HeldSimulation& self, nb::handle id, nb::handle family, nb::handle stress) {
             server(self, "set_fibre_stress")
                 .setFibreStress(body(id, "set_fibre_stress"),
-                                argument<int>(family, "set_fibre_stress", "family", nonNegative()),
-                                argument<double>(stress, "set_fibre_stress", "stress", closed(0, 1e9)));
+                                readArgument<int>(family, "set_fibre_stress", "family", nonNegative()),
+                                readArgument<double>(stress, "set_fibre_stress", "stress", closed(0, 1e9)));
         },
         nb::arg("body").none(), nb::arg("family").none(), nb::arg("stress").none(),
         nb::sig("def set_fibre_stress(self, body: filasofia.BodyId, family: int, stress: float) -> None"),
@@ -179,7 +172,8 @@ void addLoads(nb::class_<HeldSimulation>& sim)
         "set_forces",
         [](HeldSimulation& self, nb::handle id, nb::handle forces) {
             server(self, "set_forces")
-                .setForces(body(id, "set_forces"), argument<std::vector<NodalForce>>(forces, "set_forces", "forces"));
+                .setForces(body(id, "set_forces"),
+                           readArgument<std::vector<NodalForce>>(forces, "set_forces", "forces"));
         },
         nb::arg("body").none(), nb::arg("forces").none(),
         nb::sig("def set_forces(self, body: filasofia.BodyId, forces: collections.abc.Sequence[filasofia.NodalForce]) "
@@ -189,7 +183,7 @@ void addLoads(nb::class_<HeldSimulation>& sim)
         "set_pressure",
         [](HeldSimulation& self, nb::handle id, nb::handle pressure) {
             server(self, "set_pressure")
-                .setPressure(body(id, "set_pressure"), argument<double>(pressure, "set_pressure", "pressure"));
+                .setPressure(body(id, "set_pressure"), readArgument<double>(pressure, "set_pressure", "pressure"));
         },
         nb::arg("body").none(), nb::arg("pressure").none(),
         nb::sig("def set_pressure(self, body: filasofia.BodyId, pressure: float) -> None"),
@@ -198,7 +192,8 @@ void addLoads(nb::class_<HeldSimulation>& sim)
         "remove_piece",
         [](HeldSimulation& self, nb::handle id, nb::handle piece) {
             server(self, "remove_piece")
-                .removePiece(body(id, "remove_piece"), argument<int>(piece, "remove_piece", "piece", nonNegative()));
+                .removePiece(body(id, "remove_piece"),
+                             readArgument<int>(piece, "remove_piece", "piece", nonNegative()));
         },
         nb::arg("body").none(), nb::arg("piece").none(),
         nb::sig("def remove_piece(self, body: filasofia.BodyId, piece: int) -> None"),
@@ -212,7 +207,7 @@ void addAttachments(nb::class_<HeldSimulation>& sim)
         [](HeldSimulation& self, nb::handle id, nb::handle def) {
             PhysicsServer& physics = server(self, "attach");
             using Either = std::variant<AttachmentDef, RigidAttachmentDef>;
-            const auto read = argument<Either>(def, "attach", "definition");
+            const auto read = readArgument<Either>(def, "attach", "definition");
             const BodyId which = body(id, "attach");
             return std::visit(
                 [&](const auto& each) { return Convert<AttachmentId>::make(physics.attach(which, each)); }, read);
@@ -225,9 +220,9 @@ void addAttachments(nb::class_<HeldSimulation>& sim)
         "grasp",
         [](HeldSimulation& self, nb::handle rigid, nb::handle target, nb::handle def) {
             PhysicsServer& physics = server(self, "grasp");
-            const auto how = def.is_none() ? GraspDef{} : argument<GraspDef>(def, "grasp", "definition");
-            return Convert<AttachmentId>::make(physics.grasp(argument<BodyId>(rigid, "grasp", "rigid"),
-                                                             argument<BodyId>(target, "grasp", "target"), how));
+            const auto how = def.is_none() ? GraspDef{} : readArgument<GraspDef>(def, "grasp", "definition");
+            return Convert<AttachmentId>::make(physics.grasp(readArgument<BodyId>(rigid, "grasp", "rigid"),
+                                                             readArgument<BodyId>(target, "grasp", "target"), how));
         },
         nb::arg("rigid").none(), nb::arg("target").none(), nb::arg("definition") = nb::none(),
         nb::sig("def grasp(self, rigid: filasofia.BodyId, target: filasofia.BodyId, definition: filasofia.GraspDef | "
@@ -240,7 +235,7 @@ void addReleases(nb::class_<HeldSimulation>& sim)
     sim.def(
         "release",
         [](HeldSimulation& self, nb::handle id) {
-            server(self, "release").release(argument<AttachmentId>(id, "release", "attachment"));
+            server(self, "release").release(readArgument<AttachmentId>(id, "release", "attachment"));
         },
         nb::arg("attachment").none(), nb::sig("def release(self, attachment: filasofia.AttachmentId) -> None"));
     sim.def(
@@ -269,7 +264,7 @@ void addCommands(nb::class_<HeldSimulation>& sim)
     sim.def(
         "set_gravity",
         [](HeldSimulation& self, nb::handle gravity) {
-            server(self, "set_gravity").setGravity(argument<Vec3>(gravity, "set_gravity", "gravity"));
+            server(self, "set_gravity").setGravity(readArgument<Vec3>(gravity, "set_gravity", "gravity"));
         },
         nb::arg("gravity").none(), nb::sig("def set_gravity(self, gravity: collections.abc.Sequence[float]) -> None"),
         "[m/s^2]");

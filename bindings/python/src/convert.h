@@ -12,9 +12,14 @@
 #include "filasofia/runtime/show.h"
 
 #include <array>
+#include <concepts>
+#include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -22,8 +27,8 @@
 ///
 ///     read(value, where)   the value, checked against the bounds of its field; throws TypeError or filasofia.Error
 ///     make(value)          a new Python object
-///     keep(value, where)   what a Def in Python stores of what it was given: checked, numbers and texts as Python has
-///     them takes(value)         whether an alternative of a variant is meant; a wrong value may still be refused
+///     keep(value, where)   what a Def in Python stores of what it was given, checked; numbers and texts are Python's
+///     takes(value)         whether an alternative of a variant is meant; a wrong value may still be refused
 ///     typing()             its type as annotations write it
 namespace filasofia::python {
 
@@ -229,6 +234,14 @@ template <class T> struct Convert<std::vector<T>> {
     static bool takes(nb::handle value) { return isSequence(value); }
     static std::string typing() { return "Sequence[" + Convert<T>::typing() + "]"; }
 };
+
+/// An argument of a function, whose errors begin "set_pose: pose must be ...".
+template <class T>
+T readArgument(nb::handle value, std::string_view function, std::string_view name, Range range = finite())
+{
+    const Where object{.name = function};
+    return Convert<T>::read(value, {.outer = &object, .name = name, .range = range});
+}
 
 } // namespace filasofia::python
 

@@ -2,7 +2,11 @@
 
 #include "convert.h"
 
+#include "filasofia/math/pose.h"
 #include "filasofia/visual/color.h"
+
+#include <cctype>
+#include <cstddef>
 
 /// Convert<> of Defs and of variants; the second half of convert.h.
 namespace filasofia::python {
@@ -10,6 +14,7 @@ namespace filasofia::python {
 /// Whether a sequence of numbers may stand for a small Def.
 template <class T> inline constexpr std::size_t kPlainNumbers = 0;
 template <> inline constexpr std::size_t kPlainNumbers<visual::Color> = 3;
+template <class T> constexpr bool takesPlain() { return kPlainNumbers<T> != 0; }
 
 /// A Pose may be given by 3 numbers, its position, or by 7, as frames give it.
 inline Pose readPoseNumbers(nb::handle value, const Where& where)
@@ -28,7 +33,7 @@ template <HasFields T> struct Convert<T> {
     {
         if constexpr (std::is_same_v<T, Pose>)
             if (isSequence(value)) return readPoseNumbers(value, where);
-        if constexpr (kPlainNumbers < T >> 0)
+        if constexpr (takesPlain<T>())
             if (isSequence(value)) return readPlain(value, where);
         if (!takes(value)) failClass(value, where);
         T out;
@@ -65,7 +70,7 @@ template <HasFields T> struct Convert<T> {
     static std::string typing()
     {
         if constexpr (std::is_same_v<T, Pose>) return "Pose | Sequence[float]";
-        if constexpr (kPlainNumbers < T >> 0) return std::string(typeName<T>()) + " | Sequence[float]";
+        if constexpr (takesPlain<T>()) return std::string(typeName<T>()) + " | Sequence[float]";
         return std::string(typeName<T>());
     }
 

@@ -79,8 +79,7 @@ using RigidPart = Part<frame::RigidBodyFrame>;
 nb::object bodyOf(nb::handle self, nb::handle id)
 {
     const Frame& held = nb::cast<const HeldFrame&>(self).get();
-    const Where object{.name = "frame"};
-    const auto body = Convert<BodyId>::read(id, {.outer = &object, .name = "body"});
+    const auto body = readArgument<BodyId>(id, "frame", "body");
     if (const auto* soft = held.softBody(body)) return nb::cast(SoftPart{nb::borrow(self), soft});
     if (const auto* rigid = held.rigidBody(body)) return nb::cast(RigidPart{nb::borrow(self), rigid});
     fail("frame of step ", held.step, ": there is no body ", body.value);
@@ -186,11 +185,13 @@ void bindFrame(nb::module_& module)
 
 HeldFrame newestFrame(const std::shared_ptr<Session>& session)
 {
+    // In this order: another thread may be stepping, and then the frame may be newer than the number.
+    const std::uint64_t step = session->steps();
     frame::FrameRef ref = session->physics().latest();
     if (!ref) fail("frame: no step was made yet");
-    // Between two steps the newest frame is that of the last one, unless the writer found none that nobody holds.
-    if (!session->stepping() && ref->step != session->steps())
-        fail("frame: step ", session->steps(),
+    // An older one means that the writer found no frame that nobody holds. A reset does not turn the number back.
+    if (ref->step < step)
+        fail("frame: step ", step,
              " was not captured, because too many frames (or arrays of them) were held; "
              "keep copies: frame.copy() or array.copy()");
     return {.session = session, .ref = std::move(ref)};

@@ -16,12 +16,6 @@ namespace {
 using physics::Tissue;
 using runtime::ReplayReport;
 
-Vec3 argument(nb::handle value, const char* function, const char* name, Range range = finite())
-{
-    const Where object{.name = function};
-    return Convert<Vec3>::read(value, {.outer = &object, .name = name, .range = range});
-}
-
 void bindTissues(nb::module_& module)
 {
     const auto words = [](std::string_view word) { return std::string(word); };
@@ -80,8 +74,9 @@ void bindLibrary(nb::module_& module)
     module.def(
         "look_at",
         [](nb::handle eye, nb::handle target, nb::handle up) {
-            const Vec3 from = argument(eye, "look_at", "eye"), to = argument(target, "look_at", "target");
-            return Convert<Pose>::make(visual::lookAt(from, to, argument(up, "look_at", "up")));
+            const Vec3 from = readArgument<Vec3>(eye, "look_at", "eye"),
+                       to = readArgument<Vec3>(target, "look_at", "target");
+            return Convert<Pose>::make(visual::lookAt(from, to, readArgument<Vec3>(up, "look_at", "up")));
         },
         nb::arg("eye").none(), nb::arg("target").none(), nb::arg("up").none() = nb::make_tuple(0.0, 1.0, 0.0),
         nb::sig("def look_at(eye: collections.abc.Sequence[float], target: collections.abc.Sequence[float], up: "
@@ -90,7 +85,7 @@ void bindLibrary(nb::module_& module)
     module.def(
         "axis_angle",
         [](nb::handle axis, double angle) {
-            return Convert<Quat>::make(axisAngle(argument(axis, "axis_angle", "axis"), angle));
+            return Convert<Quat>::make(axisAngle(readArgument<Vec3>(axis, "axis_angle", "axis"), angle));
         },
         nb::arg("axis").none(), nb::arg("angle"),
         nb::sig(

@@ -1,14 +1,24 @@
 #include "meshes.h"
 
 #include "arrays.h"
-#include "scalars.h"
+#include "convert.h"
 
-#include "filasofia/core/error.h"
+#include "filasofia/core/hash.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/runtime/assets.h"
 
 #include <nanobind/stl/array.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace filasofia::python {
 namespace {
@@ -24,12 +34,26 @@ template <class Mesh> SharedMesh<Mesh> shared(Mesh mesh, const char* name)
     return {std::make_shared<const Mesh>(std::move(mesh))};
 }
 
-Tetrahedra makeTetMesh(nb::handle nodes, nb::handle tetrahedra, nb::handle labels)
+std::vector<geometry::MeshLabel> readLabelNames(nb::handle given)
+{
+    if (given.is_none()) return {};
+    constexpr const char* kPlace = "TetMesh: label_names";
+    if (!PyDict_Check(given.ptr())) failType({.name = kPlace}, "must be a dict of numbers by name", given);
+    std::vector<geometry::MeshLabel> out;
+    for (const auto& [name, label] : nb::borrow<nb::dict>(given)) {
+        const std::string word = readArgument<std::string>(name, kPlace, "name");
+        out.push_back({.label = readArgument<int>(label, kPlace, word), .name = word});
+    }
+    return out;
+}
+
+Tetrahedra makeTetMesh(nb::handle nodes, nb::handle tetrahedra, nb::handle labels, nb::handle names)
 {
     TetMesh mesh;
     mesh.nodes = readRows<Vec3, double, 3>(nodes, "TetMesh: nodes");
     mesh.tetrahedra = readRows<geometry::Tetrahedron, int, 4>(tetrahedra, "TetMesh: tetrahedra");
     if (!labels.is_none()) mesh.labels = readRows<int, int, 1>(labels, "TetMesh: labels");
+    mesh.labelNames = readLabelNames(names);
     return shared(std::move(mesh), "TetMesh");
 }
 
@@ -42,40 +66,61 @@ Triangles makeTriangleMesh(nb::handle vertices, nb::handle triangles, nb::handle
     return shared(std::move(mesh), "TriangleMesh");
 }
 
-Vec3 sizeOf(nb::handle value, const char* function)
+auto partsOf(const TetMesh& mesh) { return std::tie(mesh.nodes, mesh.tetrahedra, mesh.labels, mesh.labelNames); }
+auto partsOf(const TriangleMesh& mesh) { return std::tie(mesh.vertices, mesh.triangles, mesh.uv); }
+
+/// Of the indices only: equal meshes have equal ones, while 0.0 and -0.0 are equal numbers of different bits.
+std::size_t hashOf(const std::vector<Vec3>& points, std::span<const int> indices)
 {
-    const Where object{.name = function};
-    double v[3] = {};
-    readNumbers(value, {.outer = &object, .name = "size"}, "must be 3 numbers", v, 3);
-    return {v[0], v[1], v[2]};
+    Hasher hasher;
+    hasher.add(static_cast<std::uint64_t>(points.size()));
+    hasher.addAll(indices);
+    return hasher.value();
+}
+std::size_t hashOf(const TetMesh& mesh)
+{
+    return hashOf(mesh.nodes, {mesh.tetrahedra.front().data(), 4 * mesh.tetrahedra.size()});
+}
+std::size_t hashOf(const TriangleMesh& mesh)
+{
+    return hashOf(mesh.vertices, {mesh.triangles.front().data(), 3 * mesh.triangles.size()});
 }
 
-std::string fileOf(nb::handle value, const char* function)
+nb::dict labelNamesOf(const TetMesh& mesh)
 {
-    const Where object{.name = function};
-    return readText(value, {.outer = &object, .name = "file"});
+    nb::dict names;
+    for (const geometry::MeshLabel& each : mesh.labelNames) names[Convert<std::string>::make(each.name)] = each.label;
+    return names;
 }
 
-template <class Bound> void sameForAll(Bound& bound)
+/// What __init__ takes: pickle makes the mesh anew of it, checked like any other.
+nb::tuple argumentsOf(nb::handle self, const TetMesh& mesh)
 {
+    return nb::make_tuple(self.attr("nodes"), self.attr("tetrahedra"), self.attr("labels"), labelNamesOf(mesh));
+}
+nb::tuple argumentsOf(nb::handle self, const TriangleMesh&)
+{
+    return nb::make_tuple(self.attr("vertices"), self.attr("triangles"), self.attr("uv"));
+}
+
+template <class Mesh> void sameForAll(nb::class_<SharedMesh<Mesh>>& bound)
+{
+    using Shared = SharedMesh<Mesh>;
     // Nobody changes a mesh: a copy of it is itself.
     bound.def("__copy__", [](nb::handle self) { return nb::borrow(self); });
     bound.def("__deepcopy__", [](nb::handle self, nb::handle) { return nb::borrow(self); });
+    bound.def("__reduce__", [](nb::handle self) {
+        return nb::make_tuple(self.type(), argumentsOf(self, *nb::cast<const Shared&>(self).mesh));
+    });
+    bound.def(
+        "__eq__",
+        [](const Shared& a, const Shared& b) { return a.mesh == b.mesh || partsOf(*a.mesh) == partsOf(*b.mesh); },
+        nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"));
+    bound.def("__hash__", [](const Shared& self) { return hashOf(*self.mesh); });
 }
 
-void bindTetMesh(nb::module_& module)
+void addParts(nb::class_<Tetrahedra>& tetrahedra)
 {
-    nb::class_<Tetrahedra> tetrahedra(module, kMeshName<TetMesh>,
-                                      "A volume mesh of tetrahedra, checked and then never changed.");
-    tetrahedra.def(
-        "__init__",
-        [](Tetrahedra* self, nb::handle nodes, nb::handle elements, nb::handle labels) {
-            new (self) Tetrahedra(makeTetMesh(nodes, elements, labels));
-        },
-        nb::arg("nodes").none(), nb::arg("tetrahedra").none(), nb::arg("labels") = nb::none(),
-        nb::sig("def __init__(self, nodes: numpy.typing.ArrayLike, tetrahedra: numpy.typing.ArrayLike, labels: "
-                "numpy.typing.ArrayLike | None = None) -> None"),
-        "nodes (n, 3) [m]; tetrahedra (m, 4), indices of nodes, each of positive volume; labels (m,), whole numbers.");
     tetrahedra.def_prop_ro(
         "nodes", [](nb::handle self) { return rowsOf<double, 3>(nb::cast<Tetrahedra&>(self).mesh->nodes, self); },
         nb::for_getter(nb::sig("def nodes(self) -> numpy.typing.NDArray[numpy.float64]")), "(n, 3) [m], a view");
@@ -88,14 +133,26 @@ void bindTetMesh(nb::module_& module)
         "labels", [](nb::handle self) { return rowsOf<int, 1>(nb::cast<Tetrahedra&>(self).mesh->labels, self); },
         nb::for_getter(nb::sig("def labels(self) -> numpy.typing.NDArray[numpy.int32]")), "(m,) or empty, a view");
     tetrahedra.def_prop_ro(
-        "label_names",
-        [](const Tetrahedra& self) {
-            nb::dict names;
-            for (const geometry::MeshLabel& each : self.mesh->labelNames)
-                names[nb::str(each.name.c_str())] = each.label;
-            return names;
-        },
+        "label_names", [](const Tetrahedra& self) { return labelNamesOf(*self.mesh); },
         nb::for_getter(nb::sig("def label_names(self) -> dict[str, int]")));
+}
+
+void bindTetMesh(nb::module_& module)
+{
+    nb::class_<Tetrahedra> tetrahedra(module, kMeshName<TetMesh>,
+                                      "A volume mesh of tetrahedra, checked and then never changed.");
+    tetrahedra.def(
+        "__init__",
+        [](Tetrahedra* self, nb::handle nodes, nb::handle elements, nb::handle labels, nb::handle names) {
+            new (self) Tetrahedra(makeTetMesh(nodes, elements, labels, names));
+        },
+        nb::arg("nodes").none(), nb::arg("tetrahedra").none(), nb::arg("labels") = nb::none(),
+        nb::arg("label_names") = nb::none(),
+        nb::sig("def __init__(self, nodes: numpy.typing.ArrayLike, tetrahedra: numpy.typing.ArrayLike, labels: "
+                "numpy.typing.ArrayLike | None = None, label_names: dict[str, int] | None = None) -> None"),
+        "nodes (n, 3) [m]; tetrahedra (m, 4), indices of nodes, each of positive volume; labels (m,), whole numbers; "
+        "label_names, the names of some of them.");
+    addParts(tetrahedra);
     tetrahedra.def("__repr__", [](const Tetrahedra& self) {
         return text("TetMesh(", self.mesh->nodes.size(), " nodes, ", self.mesh->tetrahedra.size(), " tetrahedra)");
     });
@@ -132,12 +189,12 @@ void bindTriangleMesh(nb::module_& module)
     sameForAll(triangles);
 }
 
-void bindShapes(nb::module_& module)
+void bindClosedShapes(nb::module_& module)
 {
     module.def(
         "box",
         [](nb::handle size, std::array<int, 3> cells) {
-            return Triangles{geometry::shapes::box(sizeOf(size, "box"), cells)};
+            return Triangles{geometry::shapes::box(readArgument<Vec3>(size, "box", "size"), cells)};
         },
         nb::arg("size").none(), nb::arg("cells") = std::array<int, 3>{1, 1, 1},
         nb::sig("def box(size: collections.abc.Sequence[float], cells: collections.abc.Sequence[int] = (1, 1, 1)) -> "
@@ -159,6 +216,10 @@ void bindShapes(nb::module_& module)
             return Triangles{geometry::shapes::cylinder(radius, length, quarter)};
         },
         nb::arg("radius"), nb::arg("length"), nb::arg("quarter") = 8, "A cylinder along y.");
+}
+
+void bindFlatAndSolidShapes(nb::module_& module)
+{
     module.def(
         "sheet",
         [](double width, double depth, std::array<int, 2> cells) {
@@ -171,7 +232,7 @@ void bindShapes(nb::module_& module)
     module.def(
         "block",
         [](nb::handle size, std::array<int, 3> cells) {
-            return Tetrahedra{geometry::shapes::block(sizeOf(size, "block"), cells)};
+            return Tetrahedra{geometry::shapes::block(readArgument<Vec3>(size, "block", "size"), cells)};
         },
         nb::arg("size").none(), nb::arg("cells") = std::array<int, 3>{4, 4, 4},
         nb::sig("def block(size: collections.abc.Sequence[float], cells: collections.abc.Sequence[int] = (4, 4, 4)) -> "
@@ -184,8 +245,8 @@ void bindFiles(nb::module_& module)
     module.def(
         "load_tet_mesh",
         [](nb::handle file, double scale) {
-            return Tetrahedra{
-                std::make_shared<const TetMesh>(geometry::loadTetMesh(fileOf(file, "load_tet_mesh"), scale))};
+            return Tetrahedra{std::make_shared<const TetMesh>(
+                geometry::loadTetMesh(readArgument<std::string>(file, "load_tet_mesh", "file"), scale))};
         },
         nb::arg("file").none(), nb::arg("scale") = 1.0,
         nb::sig("def load_tet_mesh(file: str | os.PathLike[str], scale: float = 1.0) -> TetMesh"),
@@ -194,7 +255,7 @@ void bindFiles(nb::module_& module)
         "load_triangle_mesh",
         [](nb::handle file, double scale) {
             return Triangles{std::make_shared<const TriangleMesh>(
-                geometry::loadTriangleMesh(fileOf(file, "load_triangle_mesh"), scale))};
+                geometry::loadTriangleMesh(readArgument<std::string>(file, "load_triangle_mesh", "file"), scale))};
         },
         nb::arg("file").none(), nb::arg("scale") = 1.0,
         nb::sig("def load_triangle_mesh(file: str | os.PathLike[str], scale: float = 1.0) -> TriangleMesh"),
@@ -210,7 +271,8 @@ void bindMeshes(nb::module_& module)
 {
     bindTetMesh(module);
     bindTriangleMesh(module);
-    bindShapes(module);
+    bindClosedShapes(module);
+    bindFlatAndSolidShapes(module);
     bindFiles(module);
 }
 

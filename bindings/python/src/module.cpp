@@ -21,6 +21,8 @@ void bindError(nb::module_& module)
         [](const std::exception_ptr& thrown, void* error) {
             try {
                 std::rethrow_exception(thrown);
+            } catch (const PythonError& problem) {
+                PyErr_SetString(static_cast<PyObject*>(error), problem.what());
             } catch (const Error& problem) {
                 PyErr_SetString(static_cast<PyObject*>(error), pythonic(problem.what()).c_str());
             }
@@ -36,6 +38,7 @@ NB_MODULE(_core, module)
     using namespace filasofia::python;
     // A program that ends with simulations in its modules is no leak; what the tests count is in tests/python.
     nb::set_leak_warnings(false);
+    watchForks();
     bindError(module);
     bindMeshes(module);
     bindDefs(module);

@@ -10,7 +10,7 @@ namespace filasofia::python {
 std::string snakeCase(std::string_view camel);
 
 /// A line of an Error, in which the names of fields and functions are those of Python. What is in quotes (a user's
-/// name, a file) stays, and so do paths.
+/// name, a file) stays, and so do the names of files that are not; an apostrophe is no quote.
 std::string pythonic(std::string_view line);
 
 } // namespace filasofia::python

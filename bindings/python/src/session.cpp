@@ -5,6 +5,7 @@
 
 #include <pthread.h>
 
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 #include <set>
@@ -16,12 +17,9 @@ namespace {
 /// How often this process has been made by fork(), since the module was loaded in an ancestor.
 std::atomic<int> forkCount = 0;
 
-int forksUntilNow()
-{
-    static const int registered = pthread_atfork(nullptr, nullptr, [] { forkCount.fetch_add(1); });
-    static_cast<void>(registered);
-    return forkCount.load(std::memory_order_relaxed);
-}
+int forksUntilNow() { return forkCount.load(std::memory_order_relaxed); }
+
+constexpr auto kPatience = std::chrono::seconds(5); ///< how long the end of the interpreter waits for steps
 
 /// The sessions that exist, so that they can be closed while their threads still run.
 struct Registry {
@@ -34,7 +32,31 @@ Registry& registry()
     return *made;
 }
 
+/// Closes a session, unless somebody steps or draws it.
+bool tryClose(Session& session)
+{
+    try {
+        const Session::Turn turn(session, "close");
+        session.close();
+    } catch (const Error&) {
+        return !session.usable();
+    }
+    return true;
+}
+
 } // namespace
+
+void watchForks()
+{
+    static_cast<void>(registry());
+    // The thread that forks takes the lock before: another one may hold it, which is not there in the child.
+    const int problem = pthread_atfork([] { registry().mutex.lock(); }, [] { registry().mutex.unlock(); },
+                                       [] {
+                                           forkCount.fetch_add(1);
+                                           registry().mutex.unlock();
+                                       });
+    if (problem != 0) logWarning("python: fork() cannot be watched: do not use simulations in a forked process");
+}
 
 std::shared_ptr<Session> Session::make(const runtime::SimulationDef& def)
 {
@@ -60,20 +82,20 @@ Session::Session(const runtime::SimulationDef& def) : simulation_(def)
 
 void Session::requireUsable(const char* what) const
 {
-    if (forksUntilNow() != forks_)
+    if (foreign())
         fail(what, ": the process has forked since this simulation was made, and its threads are in the parent; make "
                    "simulations after the fork");
-    if (closed_.load()) fail(what, ": the simulation is closed");
+    if (closed()) fail(what, ": the simulation is closed");
 }
 
-bool Session::usable() const { return forksUntilNow() == forks_ && !closed_.load(); }
+bool Session::foreign() const { return forksUntilNow() != forks_; }
 
-Session::Turn::Turn(Session& session, const char* what) : session_(session)
+Session::Turn::Turn(Session& session, const char* what, Of of) : session_(session)
 {
-    session.requireUsable(what);
+    if (of == Of::Open || session.foreign()) session.requireUsable(what);
     if (session.busy_.test_and_set(std::memory_order_acquire))
         fail(what, ": another thread is stepping or drawing this simulation, or a callback of its step asks for it");
-    if (session.closed_.load()) { // meanwhile
+    if (of == Of::Open && session.closed()) { // meanwhile
         session.busy_.clear(std::memory_order_release);
         fail(what, ": the simulation is closed");
     }
@@ -82,62 +104,73 @@ Session::Turn::Turn(Session& session, const char* what) : session_(session)
 void Session::record(const runtime::RunDef& def)
 {
     if (run_) fail("record: must be called before the first step and the first picture");
-    asked_ = def;
-    begin();
+    run_.emplace(simulation_, def); // if it throws, there is no run, and the next one may be recorded
 }
 
-void Session::begin()
-{
-    if (!run_) run_.emplace(simulation_, asked_);
-}
+runtime::SteppedRun& Session::running() { return run_ ? *run_ : run_.emplace(simulation_); }
 
 physics::StepReport Session::step()
 {
-    begin();
-    physics::StepReport report = run_->step();
+    physics::StepReport report = running().step();
     time_.store(report.time, std::memory_order_relaxed);
-    steps_.store(report.step, std::memory_order_relaxed);
+    steps_.store(report.step, std::memory_order_release); // after its frame was published
     return report;
 }
 
-visual::Image Session::picture(const runtime::PictureDef& def)
-{
-    begin();
-    return run_->picture(def);
-}
+visual::Image Session::picture(const runtime::PictureDef& def) { return running().picture(def); }
 
 runtime::RunReport Session::report()
 {
-    if (closed_.load()) return final_;
-    begin();
-    return run_->report();
+    if (closed()) return final_;
+    if (run_) return run_->report();
+    runtime::RunReport none;
+    none.hash = physics().hash();
+    none.finished = "not yet";
+    return none;
 }
+
+std::uint64_t Session::hash() { return closed() ? final_.hash : physics().hash(); }
 
 void Session::close()
 {
-    if (closed_.exchange(true)) return;
-    if (run_) final_ = run_->end();
+    if (closed()) return;
+    // Others may read the final report without a turn as soon as they see that it is closed: so that comes last, also
+    // if the end of the run fails.
+    struct Closing {
+        std::atomic<bool>& closed;
+        ~Closing() { closed.store(true); }
+    };
+    const Closing last{closed_};
+    final_ = report();
+    if (run_)
+        final_ = run_->end();
+    else
+        final_.finished = "made 0 steps";
 }
 
-template <class E> void Session::collectAll()
+template <class E> void Session::observe(std::size_t alternative)
 {
-    simulation_.on<E>([this](const E& event) { arrived_.emplace_back(event); });
+    simulation_.on<E>([this, &wanted = collected_.at(alternative).wanted](const E& event) {
+        if (wanted.load(std::memory_order_relaxed)) arrived_.emplace_back(event);
+    });
 }
 
-void Session::collect(std::size_t alternative)
+void Session::collect(std::size_t alternative, bool on)
 {
-    if (collected_.at(alternative).exchange(true)) return;
+    Collected& collected = collected_.at(alternative);
+    collected.wanted.store(on, std::memory_order_relaxed);
+    if (!on || collected.observed.exchange(true)) return;
     switch (alternative) {
     case 0:
-        return collectAll<runtime::ContactEvent>();
+        return observe<runtime::ContactEvent>(alternative);
     case 1:
-        return collectAll<runtime::CutEvent>();
+        return observe<runtime::CutEvent>(alternative);
     case 2:
-        return collectAll<runtime::TearEvent>();
+        return observe<runtime::TearEvent>(alternative);
     case 3:
-        return collectAll<runtime::FileFailedEvent>();
+        return observe<runtime::FileFailedEvent>(alternative);
     default:
-        return collectAll<event::PhysicsUpdateEvent>();
+        return observe<event::PhysicsUpdateEvent>(alternative);
     }
 }
 
@@ -150,15 +183,16 @@ void closeAll()
             if (auto session = each.lock()) all.push_back(std::move(session));
     }
     for (const auto& session : all) session->askEnd();
-    for (const auto& session : all)
-        while (session->usable()) {
-            try {
-                const Session::Turn turn(*session, "close");
-                session->close();
-            } catch (const Error&) { // a thread that steps ends its step, and its next one fails
-                std::this_thread::sleep_for(std::chrono::milliseconds(1));
-            }
-        }
+    const auto until = std::chrono::steady_clock::now() + kPatience;
+    for (;;) {
+        std::erase_if(all, [](const auto& session) { return tryClose(*session); });
+        if (all.empty()) return;
+        if (std::chrono::steady_clock::now() > until) break;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1)); // a thread that steps ends its step, and fails
+    }
+    logWarning("python: the interpreter ends while ", all.size(),
+               all.size() == 1 ? " simulation is" : " simulations are",
+               " in a step or a callback; what they write may be incomplete");
 }
 
 } // namespace filasofia::python

@@ -3,10 +3,13 @@
 #include "filasofia/runtime/simulation.h"
 #include "filasofia/runtime/stepped_run.h"
 
+#include <array>
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -27,15 +30,19 @@ public:
     /// Throws an Error if the process has forked since, or close() was called.
     void requireUsable(const char* what) const;
     /// Whether it would not throw.
-    [[nodiscard]] bool usable() const;
+    [[nodiscard]] bool usable() const { return !foreign() && !closed(); }
+    /// Whether the process has forked since: its threads and locks are those of another one.
+    [[nodiscard]] bool foreign() const;
     [[nodiscard]] runtime::Simulation& simulation() { return simulation_; }
     [[nodiscard]] physics::PhysicsServer& physics() { return simulation_.physics(); }
 
     /// While it lives, nobody else steps, draws or closes.
     class Turn {
     public:
-        /// Throws an Error if another thread has the turn, or this one (a callback of a step).
-        Turn(Session& session, const char* what);
+        enum class Of { Open, OpenOrClosed };
+        /// Throws an Error if another thread has the turn, or this one (a callback of a step); and if the session is
+        /// closed, unless that is no matter.
+        Turn(Session& session, const char* what, Of of = Of::Open);
         ~Turn() { session_.busy_.clear(std::memory_order_release); }
         Turn(const Turn&) = delete;
         Turn& operator=(const Turn&) = delete;
@@ -44,15 +51,18 @@ public:
         Session& session_;
     };
 
-    /// What the run of this simulation is asked to write; Error after the first step.
+    // For the owner of the turn. The run begins with record(), the first step or the first picture.
+    /// Begins the run with what it is to write; Error if it has begun. If it is refused, nothing has happened.
     void record(const runtime::RunDef& def);
-
-    // For the owner of the turn.
     physics::StepReport step();
     visual::Image picture(const runtime::PictureDef& def);
-    [[nodiscard]] runtime::RunReport report();
-    /// Ends the run; what it was stays readable.
+    /// Ends the run; what it was stays readable. Does nothing the second time.
     void close();
+
+    // For the owner of the turn, and for anybody after close().
+    /// How the run went until now; all zeros but the hash if it has not begun.
+    [[nodiscard]] runtime::RunReport report();
+    [[nodiscard]] std::uint64_t hash();
     /// Asks whoever makes many steps to stop, because the interpreter ends.
     void askEnd() { endAsked_.store(true); }
     [[nodiscard]] bool endAsked() const { return endAsked_.load(std::memory_order_relaxed); }
@@ -61,26 +71,32 @@ public:
     [[nodiscard]] std::vector<Arrived> takeArrived() { return std::exchange(arrived_, {}); }
     [[nodiscard]] bool anyArrived() const { return !arrived_.empty(); }
 
-    /// From now on events of this alternative of Arrived are collected.
-    void collect(std::size_t alternative);
+    /// Whether events of this alternative of Arrived are collected, from now on.
+    void collect(std::size_t alternative, bool on);
 
     /// Called before every step that is not paused, on the thread that steps; the owner of the turn sets it.
     std::function<void(double time)> beforeStep = {};
     [[nodiscard]] double period() const { return period_; } ///< [s]
     [[nodiscard]] double time() const { return time_.load(std::memory_order_relaxed); }
-    [[nodiscard]] std::uint64_t steps() const { return steps_.load(std::memory_order_relaxed); }
+    /// Whoever reads this number finds the frame of that step, or a newer one, unless it was not captured.
+    [[nodiscard]] std::uint64_t steps() const { return steps_.load(std::memory_order_acquire); }
 
 private:
     explicit Session(const runtime::SimulationDef& def);
-    void begin();
-    template <class E> void collectAll();
+    runtime::SteppedRun& running();
+    template <class E> void observe(std::size_t alternative);
+
+    /// Of the events of one alternative of Arrived.
+    struct Collected {
+        std::atomic<bool> observed = false; ///< for ever, from the first time that they were wanted
+        std::atomic<bool> wanted = false;
+    };
 
     runtime::Simulation simulation_;
-    runtime::RunDef asked_ = {};
     std::optional<runtime::SteppedRun> run_;
-    runtime::RunReport final_ = {}; ///< after close()
+    runtime::RunReport final_ = {}; ///< written before closed_ is set, and never again
     std::vector<Arrived> arrived_;
-    std::array<std::atomic<bool>, std::variant_size_v<Arrived>> collected_ = {};
+    std::array<Collected, std::variant_size_v<Arrived>> collected_ = {};
     double period_ = 1e-3;                 ///< [s]
     std::atomic<double> time_ = 0.0;       ///< [s]
     std::atomic<std::uint64_t> steps_ = 0; ///< [-]
@@ -89,7 +105,11 @@ private:
     int forks_ = 0; ///< how often the process had forked when it was made
 };
 
-/// Closes every session, at the end of the interpreter: waits for steps that other threads are making.
+/// Makes fork() safe while other threads make sessions; call it once, before the first one.
+void watchForks();
+
+/// Closes every session, at the end of the interpreter. It waits for steps that other threads are making, but not for
+/// ever: a callback may be blocked. Sessions that are still stepping then are left alone, and standard error says so.
 void closeAll();
 
 } // namespace filasofia::python

@@ -7,8 +7,11 @@
 
 #include "filasofia/core/error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string>
+#include <utility>
 
 namespace filasofia::python {
 
@@ -62,15 +65,9 @@ nb::object add(HeldSimulation& self, nb::handle def)
     return Convert<BodyId>::make(id);
 }
 
-BodyId bodyArgument(nb::handle value, const char* method)
-{
-    const Where object{.name = method};
-    return Convert<BodyId>::read(value, {.outer = &object, .name = "body"});
-}
-
 nb::object definition(HeldSimulation& self, nb::handle body)
 {
-    const auto def = self.session->physics().def(bodyArgument(body, "definition"));
+    const auto def = usable(self, "definition").physics().def(readArgument<BodyId>(body, "definition", "body"));
     return std::visit([](const auto& each) { return Convert<std::remove_cvref_t<decltype(each)>>::make(each); }, *def);
 }
 
@@ -87,13 +84,25 @@ void showAll(HeldSimulation& self)
 {
     if (self.shown) return;
     Session& session = *self.session;
-    for (const BodyId id : session.physics().bodies())
-        if (!self.shownByUs.contains(id) && hasSurface(*session.physics().def(id))) {
-            session.simulation().show(id, std::holds_alternative<SoftBodyDef>(*session.physics().def(id))
-                                              ? runtime::ShowDef{}
-                                              : runtime::ShowDef{.material = visual::MetalMaterial{}});
-            self.shownByUs.insert(id);
-        }
+    for (const BodyId id : session.physics().bodies()) {
+        const auto def = session.physics().def(id);
+        if (self.shownByUs.contains(id) || !hasSurface(*def)) continue;
+        const bool soft = std::holds_alternative<SoftBodyDef>(*def);
+        self.shownByUs[id] = session.simulation().show(
+            id, soft ? runtime::ShowDef{} : runtime::ShowDef{.material = visual::MetalMaterial{}});
+    }
+}
+
+/// What the user says of a body takes the place of what we showed of it.
+nb::object show(HeldSimulation& self, nb::handle body, nb::handle def)
+{
+    const auto read = readDef<runtime::ShowDef>(def, "show");
+    Session& session = usable(self, "show");
+    const auto id = readArgument<BodyId>(body, "show", "body");
+    const runtime::ShownId shown = session.simulation().show(id, read);
+    self.shown = true;
+    if (const auto ours = self.shownByUs.extract(id)) session.simulation().unshow(ours.mapped());
+    return Convert<runtime::ShownId>::make(shown);
 }
 
 /// The picture without its alpha, as a new array (height, width, 3).
@@ -113,8 +122,8 @@ nb::object render(HeldSimulation& self, nb::handle def)
     visual::Image image;
     {
         const Session::Turn turn(*self.session, "render");
-        const nb::gil_scoped_release free;
         showAll(self);
+        const nb::gil_scoped_release free;
         image = self.session->picture(asked);
     }
     return pixelsOf(image);
@@ -122,11 +131,10 @@ nb::object render(HeldSimulation& self, nb::handle def)
 
 void record(HeldSimulation& self, nb::handle file, nb::handle log, int seed, const std::string& session)
 {
-    const auto path = [](nb::handle value, const char* name) {
-        const Where object{.name = "record"};
-        return Convert<std::string>::read(value, {.outer = &object, .name = name});
-    };
-    const runtime::RunDef def{.log = path(log, "log"), .record = path(file, "file"), .seed = seed, .session = session};
+    const runtime::RunDef def{.log = readArgument<std::string>(log, "record", "log"),
+                              .record = readArgument<std::string>(file, "record", "file"),
+                              .seed = seed,
+                              .session = session};
     const Session::Turn turn(*self.session, "record");
     self.session->record(def);
 }
@@ -134,7 +142,7 @@ void record(HeldSimulation& self, nb::handle file, nb::handle log, int seed, con
 runtime::RunReport report(HeldSimulation& self)
 {
     if (self.session->closed()) return self.session->report();
-    const Session::Turn turn(*self.session, "report");
+    const Session::Turn turn(*self.session, "report", Session::Turn::Of::OpenOrClosed);
     return self.session->report();
 }
 
@@ -142,30 +150,43 @@ runtime::RunReport runFor(HeldSimulation& self, double seconds)
 {
     if (!(seconds > 0.0) || seconds > 1e8) fail("run: seconds must be in (0, 1e8], got ", seconds);
     const double steps = seconds / self.session->period();
+    const Session::Turn turn(*self.session, "run"); // also for the report: nobody may step in between
     makeSteps(self, static_cast<std::uint64_t>(std::max(1.0, std::round(steps))), "run");
-    return report(self);
+    return self.session->report();
 }
 
 std::uint64_t hashOf(HeldSimulation& self)
 {
-    if (self.session->closed()) return self.session->report().hash;
-    const Session::Turn turn(*self.session, "state_hash");
-    return self.session->physics().hash();
+    if (self.session->closed()) return self.session->hash();
+    const Session::Turn turn(*self.session, "state_hash", Session::Turn::Of::OpenOrClosed);
+    return self.session->hash();
 }
 
 std::uint64_t observe(HeldSimulation& self, std::size_t alternative, nb::object callback, const char* what)
 {
     usable(self, what);
     if (!PyCallable_Check(callback.ptr())) failType({.name = what}, "needs a function to call", callback);
-    if (alternative != Observer::kEveryStep) self.session->collect(alternative);
+    if (alternative != Observer::kEveryStep) self.session->collect(alternative, true);
     self.observers.push_back({++self.lastObserver, alternative, std::move(callback)});
     return self.lastObserver;
+}
+
+void endObserver(HeldSimulation& self, std::uint64_t observer)
+{
+    auto& all = self.observers;
+    const auto found = std::ranges::find(all, observer, &Observer::id);
+    if (found == all.end()) fail("off: there is no observer ", observer);
+    const Observer gone = std::move(*found); // freed after the list is whole again
+    all.erase(found);
+    const bool every = gone.alternative == Observer::kEveryStep;
+    if (every || std::ranges::find(all, gone.alternative, &Observer::alternative) != all.end()) return;
+    self.session->collect(gone.alternative, false); // nobody listens: what happens need not become objects
 }
 
 void close(HeldSimulation& self)
 {
     if (self.session->closed()) return;
-    const Session::Turn turn(*self.session, "close");
+    const Session::Turn turn(*self.session, "close", Session::Turn::Of::OpenOrClosed);
     const nb::gil_scoped_release free;
     self.session->close();
 }
@@ -195,7 +216,7 @@ void addBodies(nb::class_<HeldSimulation>& sim)
     sim.def(
         "remove",
         [](HeldSimulation& self, nb::handle body) {
-            usable(self, "remove").physics().remove(bodyArgument(body, "remove"));
+            usable(self, "remove").physics().remove(readArgument<BodyId>(body, "remove", "body"));
         },
         nb::arg("body").none(), nb::sig("def remove(self, body: filasofia.BodyId) -> None"));
     sim.def("definition", &definition, nb::arg("body").none(),
@@ -203,7 +224,9 @@ void addBodies(nb::class_<HeldSimulation>& sim)
             "A copy of the SoftBodyDef or RigidBodyDef that a body was made from, with its meshes.");
     sim.def_prop_ro(
         "bodies",
-        [](HeldSimulation& self) { return Convert<std::vector<BodyId>>::make(self.session->physics().bodies()); },
+        [](HeldSimulation& self) {
+            return Convert<std::vector<BodyId>>::make(usable(self, "bodies").physics().bodies());
+        },
         nb::for_getter(nb::sig("def bodies(self) -> list[filasofia.BodyId]")),
         "The bodies that were added and not removed.");
 }
@@ -214,6 +237,7 @@ void addSteps(nb::class_<HeldSimulation>& sim)
         "step",
         [](HeldSimulation& self, std::int64_t n) {
             if (n < 1) fail("step: n must be >= 1, got ", n);
+            const Session::Turn turn(*self.session, "step");
             return makeSteps(self, static_cast<std::uint64_t>(n), "step");
         },
         nb::arg("n") = 1,
@@ -237,16 +261,23 @@ void addSteps(nb::class_<HeldSimulation>& sim)
 
 void addRecords(nb::class_<HeldSimulation>& sim)
 {
-    sim.def_prop_ro("state_hash", &hashOf, "A hash of the state: the same scene gives the same one at every step.");
-    sim.def("report", &report, "How the run went until now.");
+    sim.def_prop_ro("state_hash", &hashOf,
+                    "A hash of the state: the same scene gives the same one at every step. After close() it is that of "
+                    "the last state.");
+    sim.def("report", &report,
+            "How the run went until now. Before the first step all its numbers but the hash are 0; to ask for it does "
+            "not begin the run.");
     sim.def(
         "record", &record, nb::arg("file").none() = "", nb::arg("log").none() = "", nb::arg("seed") = 0,
         nb::arg("session") = "",
         nb::sig("def record(self, file: str | os.PathLike[str] = '', log: str | os.PathLike[str] = '', seed: int = 0, "
                 "session: str = '') -> None"),
-        "Writes the run into a .rec file, for replay(), and a line per step into a .csv file. Before the first step.");
+        "Writes the run into a .rec file, for replay(), and a line per step into a .csv file. Before the first step. "
+        "If it is refused, the simulation is as before.");
     sim.def("close", &close,
-            "Ends the run and closes its files. Frames stay; everything else is an Error from now on.");
+            "Ends the run and closes its files. Frames, report(), state_hash and the times stay; everything else is an "
+            "Error from now on.");
+    sim.def_prop_ro("_foreign", [](HeldSimulation& self) { return self.session->foreign(); });
     sim.def(
         "__enter__", [](nb::handle self) { return nb::borrow(self); },
         nb::sig("def __enter__(self) -> typing_extensions.Self"));
@@ -274,46 +305,25 @@ void addCallbacks(nb::class_<HeldSimulation>& sim)
         nb::arg("callback").none(),
         nb::sig("def every_step(self, callback: collections.abc.Callable[[float], object]) -> int"),
         "Calls back before every step with the simulated time [s] at its end. Returns a number for off().");
-    sim.def(
-        "off",
-        [](HeldSimulation& self, std::uint64_t observer) {
-            std::vector<Observer> gone; // freed after the list is whole again
-            auto& all = self.observers;
-            for (auto it = all.begin(); it != all.end(); ++it)
-                if (it->id == observer) {
-                    gone.push_back(std::move(*it));
-                    all.erase(it);
-                    return;
-                }
-            fail("off: there is no observer ", observer);
-        },
-        nb::arg("observer"), "Ends a callback.");
+    sim.def("off", &endObserver, nb::arg("observer"), "Ends a callback.");
 }
 
 void addPictures(nb::class_<HeldSimulation>& sim)
 {
-    sim.def("_show", [](HeldSimulation& self, nb::handle body, nb::handle def) {
-        const auto read = readDef<runtime::ShowDef>(def, "show");
-        Session& session = usable(self, "show");
-        const runtime::ShownId id = session.simulation().show(bodyArgument(body, "show"), read);
-        self.shown = true;
-        return Convert<runtime::ShownId>::make(id);
-    });
+    sim.def("_show", &show);
     sim.def(
         "set_visible",
         [](HeldSimulation& self, nb::handle shown, bool visible) {
-            const Where object{.name = "set_visible: shown"};
             usable(self, "set_visible")
                 .simulation()
-                .setVisible(Convert<runtime::ShownId>::read(shown, object), visible);
+                .setVisible(readArgument<runtime::ShownId>(shown, "set_visible", "shown"), visible);
         },
         nb::arg("shown").none(), nb::arg("visible"),
         nb::sig("def set_visible(self, shown: filasofia.ShownId, visible: bool) -> None"));
     sim.def(
         "unshow",
         [](HeldSimulation& self, nb::handle shown) {
-            const Where object{.name = "unshow: shown"};
-            usable(self, "unshow").simulation().unshow(Convert<runtime::ShownId>::read(shown, object));
+            usable(self, "unshow").simulation().unshow(readArgument<runtime::ShownId>(shown, "unshow", "shown"));
         },
         nb::arg("shown").none(), nb::sig("def unshow(self, shown: filasofia.ShownId) -> None"),
         "It is no longer drawn.");
@@ -321,7 +331,7 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         "paint",
         [](HeldSimulation& self, nb::handle body, nb::handle def) {
             const auto read = readDef<runtime::PaintDef>(def, "paint");
-            return usable(self, "paint").simulation().paint(bodyArgument(body, "paint"), read);
+            return usable(self, "paint").simulation().paint(readArgument<BodyId>(body, "paint", "body"), read);
         },
         nb::arg("body").none(), nb::arg("mark").none(),
         nb::sig("def paint(self, body: filasofia.BodyId, mark: filasofia.PaintDef) -> int"),

@@ -8,7 +8,7 @@ namespace filasofia::python {
 void bindSimulation(nb::module_& module);
 void addCommands(nb::class_<HeldSimulation>& simulation);
 
-/// The session, if it is usable; Error else.
+/// The session, if it is usable; Error if not.
 Session& usable(HeldSimulation& held, const char* what);
 
 } // namespace filasofia::python

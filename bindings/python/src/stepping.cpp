@@ -5,6 +5,9 @@
 #include "filasofia/core/error.h"
 
 #include <chrono>
+#include <exception>
+#include <optional>
+#include <utility>
 
 namespace filasofia::python {
 namespace {
@@ -113,7 +116,6 @@ HeldSimulation::~HeldSimulation()
 physics::StepReport makeSteps(HeldSimulation& held, std::uint64_t count, const char* what)
 {
     Session& session = *held.session;
-    const Session::Turn turn(session, what);
     Callbacks callbacks(held);
     std::optional<Scripts> scripts;
     if (count > 1 || has(held, Observer::kEveryStep)) scripts.emplace(held, callbacks);

@@ -3,8 +3,10 @@
 #include "session.h"
 #include "where.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <map>
 #include <memory>
-#include <set>
 #include <vector>
 
 namespace filasofia::python {
@@ -22,14 +24,15 @@ struct HeldSimulation {
     std::shared_ptr<Session> session;
     std::vector<Observer> observers = {};
     std::uint64_t lastObserver = 0;
-    bool shown = false;              ///< the user chose what is drawn
-    std::set<BodyId> shownByUs = {}; ///< else all bodies are
+    bool shown = false; ///< the user chose what is drawn
+    /// Else all bodies are. The interpreter's lock guards it, like all members.
+    std::map<BodyId, runtime::ShownId> shownByUs = {};
     ~HeldSimulation();
 };
 
 /// Makes `count` steps without the interpreter's lock, and delivers each step's events before the next step. If a
 /// callback raises, the step in progress is finished, and its exception is raised here; those of further callbacks of
-/// the same step are printed.
+/// the same step are printed. The caller has the session's turn.
 physics::StepReport makeSteps(HeldSimulation& held, std::uint64_t count, const char* what);
 
 } // namespace filasofia::python

@@ -1,6 +1,5 @@
 #include "where.h"
 
-#include "filasofia/core/error.h"
 #include "filasofia/core/word.h"
 
 namespace filasofia::python {
@@ -34,7 +33,7 @@ std::string shown(nb::handle value)
 
 void failValue(const Where& where, std::string_view must, nb::handle got)
 {
-    fail(where.text(), " ", must, ", got ", shown(got));
+    throw PythonError(filasofia::text(where.text(), " ", must, ", got ", shown(got)));
 }
 
 void failType(const Where& where, std::string_view must, nb::handle got)

@@ -1,11 +1,14 @@
 #pragma once
 
+#include "filasofia/core/error.h"
 #include "filasofia/core/fields.h"
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h> // wherever a text crosses: without it the cast fails when it is made
 
+#include <cstddef>
 #include <string>
+#include <string_view>
 
 namespace filasofia::python {
 
@@ -22,6 +25,12 @@ struct Where {
     /// "soft body 'liver': material.young_modulus", "FemMaterial: regions[2].where".
     [[nodiscard]] std::string text() const;
     [[nodiscard]] Where at(std::size_t i) const { return {.outer = this, .index = i, .range = range, .unit = unit}; }
+};
+
+/// An Error with the words of Python: its value is the user's, and no name of C++ is in it.
+class PythonError : public Error {
+public:
+    using Error::Error;
 };
 
 /// Throws filasofia.Error: "<place> <must>, got <value>".

@@ -41,7 +41,7 @@ class SteppedRun {
 public:
     /// Begins the run. It reads these fields of `def`: log, record, seed, session, trainee, device, motion and
     /// recordMotion. Throws an Error if the Def asks for anything else, if a file cannot be opened, or if a run is
-    /// going on.
+    /// going on; then another one may begin, also a recorded one.
     explicit SteppedRun(Simulation& simulation, const RunDef& def = {});
     /// Ends the run, if end() has not; what goes wrong is logged.
     ~SteppedRun();

@@ -52,8 +52,13 @@ void Simulation::Impl::beginRun()
 
 void Simulation::Impl::endRun()
 {
-    steering.end();
     journal.close(); // only the first run can be recorded
+    refuseRun();
+}
+
+void Simulation::Impl::refuseRun()
+{
+    steering.end();
     control.end();
 }
 
