@@ -10,15 +10,16 @@ Parts (default: all of them)
   tsan    all tests under the thread sanitizer
   fuzz    every fuzzer for --seconds (default 60)
   soak    one simulated hour of the bunny (or --steps of 5 ms), twice: same hash, no growth of memory, always finite
+  python  the tests of the Python package (needs PyPI)
 --all     clang-tidy on every source'
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 cd "$root" || exit 1
 
-all_parts=(clang tidy asan tsan fuzz soak)
+all_parts=(clang tidy asan tsan fuzz soak python)
 parts=() base='' all=no seconds=60 steps=720000
 while (($# > 0)); do
   case $1 in
-    clang | tidy | asan | tsan | fuzz | soak) parts+=("$1") ;;
+    clang | tidy | asan | tsan | fuzz | soak | python) parts+=("$1") ;;
     --all) all=yes ;;
     --base | --seconds | --steps)
       (($# > 1)) || die "$1 needs a value"
@@ -134,6 +135,8 @@ check_soak() {
   [ -n "${hashes[0]}" ] && [ "${hashes[0]}" = "${hashes[1]}" ] || { echo "the hashes differ"; return 1; }
   return $grown
 }
+
+check_python() { "$root/scripts/test_python.sh"; }
 
 "$root/scripts/setup.sh" --dev || exit 1
 summary=() failures=0

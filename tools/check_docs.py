@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Fail when the README's program is not examples/01_bunny, a link in a page leads nowhere, a page names a path of the
-repository that does not exist, a source names a page that does not exist, or where-is-what.md names something that its
-file does not contain.
+"""Fail when the README is longer than 600 words or its program is not examples/01_bunny, a link in a page leads
+nowhere, a page names a path of the repository that does not exist, a source names a page that does not exist, or
+where-is-what.md names something that its file does not contain.
 Usage: check_docs.py <root>"""
 import re
 import sys
@@ -12,6 +12,8 @@ bad = []
 readme = (root / "README.md").read_text()
 if (root / "examples/01_bunny/main.cpp").read_text().strip() not in readme:
     bad.append("README.md does not hold examples/01_bunny/main.cpp as it is")
+if (words := len(readme.split())) > 600:
+    bad.append(f"README.md has {words} words; 600 are enough")
 for page in [*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("assets/**/*.md")]:
     text = page.read_text()
     prose = re.sub(r"```.*?```|`[^`]*`|^    [^\n]*$", "", text, flags=re.S | re.M)  # a lambda is no link
