@@ -1,9 +1,11 @@
 #include "filasofia/filasofia.h"
 
+#include "filasofia/record/recording.h"
 #include "filasofia/runtime/replay.h"
 #include "filasofia/runtime/stepped_run.h"
 
 #include <filesystem>
+#include <functional>
 #include <thread>
 
 namespace stepped_run_test {
@@ -118,5 +120,29 @@ TEST_CASE("pictures of a stepped run have the size asked for and see the present
     CHECK_THROWS_WITH(run.picture({.camera = visual::CameraDef{.near = -1}}), Catch::Contains("near"));
 }
 #endif
+
+TEST_CASE("a run that is refused leaves nothing behind: the next one records what was shown before")
+{
+    const std::string file = (std::filesystem::temp_directory_path() / "stepped_run_refused.rec").string();
+    const std::string nowhere = "/nowhere/at/all.rec";
+    const auto changes = [&](const std::function<void(Simulation&)>& refuse) { // of the scene, before the first step
+        Poke poke;
+        poke.sim.show(poke.block);
+        refuse(poke.sim);
+        poke.sim.run({.headless = true, .steps = 2, .record = file});
+        record::RecordingReader reader(file);
+        static_cast<void>(reader.next());
+        return reader.takeScene().size();
+    };
+    const std::size_t all = changes([](Simulation&) {});
+    CHECK(all > 0);
+    CHECK(changes([&](Simulation& sim) {
+              CHECK_THROWS_WITH(sim.run({.headless = true, .steps = 2, .record = nowhere}), Catch::Contains(nowhere));
+          }) == all);
+    CHECK(changes([&](Simulation& sim) {
+              CHECK_THROWS_WITH(SteppedRun(sim, {.record = nowhere}), Catch::Contains(nowhere));
+          }) == all);
+    std::filesystem::remove(file);
+}
 
 } // namespace stepped_run_test

@@ -28,7 +28,7 @@ CoarseMatrix galerkin(const PreconditionerInput& in)
     CoarseMatrix coarse{Eigen::MatrixXd::Zero(3 * in.coarseNodes, 3 * in.coarseNodes),
                         {in.freePieces.size(), Eigen::MatrixXd::Zero(kPieceUnknowns, kPieceUnknowns)}};
     const int firstPiece = firstPieceNode(in.coarseNodes);
-    const auto pieceOf = [&](int node) { return node < in.coarseNodes ? -1 : (node - firstPiece) / kPieceNodes; };
+    const auto pieceOf = [&](int node) { return pieceOfNode(node, in.coarseNodes); };
     const auto blockAt = [&](int row, int column) {
         if (row < in.coarseNodes) return coarse.lattice.block<3, 3>(3 * row, 3 * column);
         const int piece = pieceOf(row), first = firstPiece + piece * kPieceNodes;

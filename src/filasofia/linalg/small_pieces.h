@@ -10,6 +10,11 @@ constexpr int kPieceNodes = 16;
 constexpr int kPieceUnknowns = 3 * kPieceNodes, kPiecePanels = kPieceUnknowns / kBlock;
 constexpr std::size_t kPieceRows = static_cast<std::size_t>(kPieceUnknowns) * kPiecePanels; ///< in an inverse
 constexpr int firstPieceNode(int coarseNodes) { return (coarseNodes + kPieceNodes - 1) / kPieceNodes * kPieceNodes; }
+/// The piece that a coarse node belongs to; -1 if it is one of the `coarseNodes` others.
+constexpr int pieceOfNode(int node, int coarseNodes)
+{
+    return node < coarseNodes ? -1 : (node - firstPieceNode(coarseNodes)) / kPieceNodes;
+}
 
 /// Where the nodes of small pieces are now.
 struct PieceMotion {

@@ -52,12 +52,7 @@ void Simulation::Impl::beginRun()
 
 void Simulation::Impl::endRun()
 {
-    journal.close(); // only the first run can be recorded
-    refuseRun();
-}
-
-void Simulation::Impl::refuseRun()
-{
+    if (counters.stepsEver() > 0) journal.close(); // only the first run can be recorded, but a refused one was none
     steering.end();
     control.end();
 }

@@ -53,8 +53,7 @@ struct Simulation::Impl {
     Impl(const SimulationDef& asked, std::unique_ptr<physics::PhysicsEngine> engine);
 
     void beginRun();
-    void endRun();    ///< after a run, however it ended
-    void refuseRun(); ///< in its place if the run could not begin: the next one may be recorded
+    void endRun(); ///< after a run, however it ended, also if it could not begin
     [[nodiscard]] Nanoseconds period() const { return toNanoseconds(1.0 / def.physics.rate); }
     /// How long after a live step's start its solvers stop.
     [[nodiscard]] Nanoseconds deadline() const;

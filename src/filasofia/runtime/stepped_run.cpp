@@ -60,7 +60,7 @@ void SteppedRun::Impl::begin()
         files.emplace(simulation, def);
     } catch (...) {
         simulation.haptics.abandon();
-        simulation.refuseRun();
+        simulation.endRun();
         throw;
     }
 }

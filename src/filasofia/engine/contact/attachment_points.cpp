@@ -92,10 +92,10 @@ std::vector<AttachedPoint> onShell(const SoftModel& model, const SoftState& stat
             return geometry::nearestOnTriangle(p, at(a), at(b), at(c));
         };
         const int t = std::max(0, tree.nearest(p, [&](int each) { return nearest(each).squaredDistance; }).primitive);
+        const auto weights = nearest(t).weights;
         AttachedPoint& point = found.emplace_back();
         for (std::size_t k = 0; k < 3; ++k)
-            if (const double weight = nearest(t).weights[k]; weight > 0.0)
-                point.nodes.push_back({model.surface[static_cast<std::size_t>(t)][k], weight});
+            if (weights[k] > 0.0) point.nodes.push_back({model.surface[static_cast<std::size_t>(t)][k], weights[k]});
     }
     return found;
 }

@@ -89,13 +89,19 @@ struct TangentTerms {
     V normal[3];
     V area[2][3], trace[2][3]; ///< dA and dt / 2 by edge
 };
-HWY_INLINE V entry(const TangentTerms& k, int i, int j, int a, int b, V g, V t)
+/// Two edges, the product g of the metric at rest and the tension t between them.
+struct EdgePair {
+    HWY_INLINE EdgePair(int first, int second, V product, V tension) : a(first), b(second), g(product), t(tension) {}
+    int a, b;
+    V g, t;
+};
+HWY_INLINE V entry(const TangentTerms& k, const EdgePair& edges, int i, int j)
 {
-    const V flat = hn::Mul(k.straight, g), across = hn::Sub(t, flat);
+    const V flat = hn::Mul(k.straight, edges.g), across = hn::Sub(edges.t, flat);
     V sum = hn::Mul(hn::Mul(across, k.normal[i]), k.normal[j]);
     if (i == j) sum = hn::Add(sum, flat);
-    sum = hn::MulAdd(hn::Mul(k.growth, k.area[a][i]), k.area[b][j], sum);
-    return hn::MulAdd(hn::Mul(k.bent, k.trace[a][i]), k.trace[b][j], sum);
+    sum = hn::MulAdd(hn::Mul(k.growth, k.area[edges.a][i]), k.area[edges.b][j], sum);
+    return hn::MulAdd(hn::Mul(k.bent, k.trace[edges.a][i]), k.trace[edges.b][j], sum);
 }
 
 HWY_INLINE void split(V3 from, V (&to)[3])
@@ -125,10 +131,11 @@ HWY_INLINE void writeTangent(const Sheet& s, const Two& stress, V turning, V wei
     split(s.g12 * s.e1 + s.g22 * s.e2, k.trace[1]);
     Two t = tension(s, stress, turning);
     t = {hn::Mul(weight, t.aa), hn::Mul(weight, t.ab), hn::Mul(weight, t.bb)};
+    const EdgePair first(0, 0, s.g11, t.aa), second(1, 1, s.g22, t.bb), both(0, 1, s.g12, t.ab);
     for (int i = 0, n = 0; i < 3; ++i)
         for (int j = i; j < 3; ++j, ++n) {
-            hn::Store(entry(k, i, j, 0, 0, s.g11, t.aa), d, out.aa[n] + part);
-            hn::Store(entry(k, i, j, 1, 1, s.g22, t.bb), d, out.bb[n] + part);
+            hn::Store(entry(k, first, i, j), d, out.aa[n] + part);
+            hn::Store(entry(k, second, i, j), d, out.bb[n] + part);
         }
     // + turned [n]x, which is antisymmetric: (0, 1) has -z, (0, 2) y, (1, 2) -x
     const V spin[3][3] = {{zero, hn::Neg(s.normal.z), s.normal.y},
@@ -136,7 +143,7 @@ HWY_INLINE void writeTangent(const Sheet& s, const Two& stress, V turning, V wei
                           {hn::Neg(s.normal.y), s.normal.x, zero}};
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            hn::Store(hn::MulAdd(turned, spin[i][j], entry(k, i, j, 0, 1, s.g12, t.ab)), d, out.ab[3 * i + j] + part);
+            hn::Store(hn::MulAdd(turned, spin[i][j], entry(k, both, i, j)), d, out.ab[3 * i + j] + part);
 }
 
 /// Stores the vectors of the three corners: those of 1 and 2, and the opposite of their sum.

@@ -61,21 +61,20 @@ public:
     Block block(int row, int column)
     {
         if (row < nodes_) return blockOf(lattice_.data(), 3 * static_cast<std::size_t>(nodes_), row, column);
-        const int piece = (row - firstPiece_) / linalg::kPieceNodes, first = firstPiece_ + piece * linalg::kPieceNodes;
+        const int piece = linalg::pieceOfNode(row, nodes_), first = firstPiece_ + piece * linalg::kPieceNodes;
         return blockOf(pieces_.data() + static_cast<std::size_t>(piece) * kPieceUnknowns * kPieceUnknowns,
                        kPieceUnknowns, row - first, column - first);
     }
     /// Whether two coarse nodes belong to the same matrix.
-    [[nodiscard]] bool together(int row, int column) const { return pieceOf(row) == pieceOf(column); }
+    [[nodiscard]] bool together(int row, int column) const
+    {
+        return linalg::pieceOfNode(row, nodes_) == linalg::pieceOfNode(column, nodes_);
+    }
     [[nodiscard]] std::span<const double> lattice() const { return lattice_; }
     [[nodiscard]] std::span<const double> pieces() const { return pieces_; }
 
 private:
     static constexpr std::size_t kPieceUnknowns = linalg::kPieceUnknowns;
-    [[nodiscard]] int pieceOf(int node) const // -1: none
-    {
-        return node < nodes_ ? -1 : (node - firstPiece_) / linalg::kPieceNodes;
-    }
     static Block blockOf(double* matrix, std::size_t unknowns, int row, int column)
     {
         return {matrix + 3 * (static_cast<std::size_t>(row) * unknowns + static_cast<std::size_t>(column)), unknowns};
