@@ -78,7 +78,11 @@ def test_the_environment_of_the_guide_is_one_of_gymnasium():
     checker = pytest.importorskip("gymnasium.utils.env_checker")
 
     class Registered(environment(), gymnasium.Env):
-        observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (3,), np.float32)
+        observation_space = gymnasium.spaces.Box(-1e6, 1e6, (3,), np.float32)
         action_space = gymnasium.spaces.Box(-1, 1, (1,), np.float32)
+
+        def reset(self, *, seed=None, options=None):
+            gymnasium.Env.reset(self, seed=seed)  # its generator of random numbers
+            return super().reset(seed=seed, options=options)
 
     checker.check_env(Registered(), skip_render_check=True)
