@@ -28,14 +28,26 @@ void checkVertices(const TriangleMesh& mesh, const std::string& object)
         fail(object, ": vertex ", lone - used.begin(), " must belong to a triangle of the shell, but belongs to none");
 }
 
+/// From the first corner of a triangle to the other two.
+std::array<Vec3, 2> sidesOf(const TriangleMesh& mesh, std::size_t triangle)
+{
+    const auto [a, b, c] = mesh.triangles[triangle];
+    const Vec3 from = mesh.vertices[static_cast<std::size_t>(a)];
+    return {mesh.vertices[static_cast<std::size_t>(b)] - from, mesh.vertices[static_cast<std::size_t>(c)] - from};
+}
+
+Vec3 normalOf(const TriangleMesh& mesh, std::size_t triangle)
+{
+    const auto [ab, ac] = sidesOf(mesh, triangle);
+    return cross(ab, ac);
+}
+
 /// A flat triangle has no normal and no metric.
 void checkShapes(const TriangleMesh& mesh, const std::string& object)
 {
     constexpr double kFlattest = 1e-4; // [-] height over the longest edge
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-        const auto [a, b, c] = mesh.triangles[i];
-        const Vec3 ab = mesh.vertices[static_cast<std::size_t>(b)] - mesh.vertices[static_cast<std::size_t>(a)];
-        const Vec3 ac = mesh.vertices[static_cast<std::size_t>(c)] - mesh.vertices[static_cast<std::size_t>(a)];
+        const auto [ab, ac] = sidesOf(mesh, i);
         const double longest = std::max({lengthSquared(ab), lengthSquared(ac), lengthSquared(ac - ab)});
         const double height = longest > 0.0 ? length(cross(ab, ac)) / longest : 0.0;
         if (!(height > kFlattest))
@@ -57,18 +69,11 @@ void checkTwice(const TriangleMesh& mesh, const std::string& object)
     }
 }
 
-Vec3 normalOf(const TriangleMesh& mesh, int triangle)
-{
-    const auto [a, b, c] = mesh.triangles[static_cast<std::size_t>(triangle)];
-    return cross(mesh.vertices[static_cast<std::size_t>(b)] - mesh.vertices[static_cast<std::size_t>(a)],
-                 mesh.vertices[static_cast<std::size_t>(c)] - mesh.vertices[static_cast<std::size_t>(a)]);
-}
-
 using ShellEdge = std::array<int, 2>; ///< the lower vertex first
 
 struct EdgeUse {
     int triangles = 0, forwards = 0;
-    std::array<int, 2> which{}; ///< the first two triangles
+    std::array<std::size_t, 2> which{}; ///< the first two triangles
 };
 
 std::map<ShellEdge, EdgeUse> shellEdgesOf(const TriangleMesh& mesh)
@@ -79,7 +84,7 @@ std::map<ShellEdge, EdgeUse> shellEdgesOf(const TriangleMesh& mesh)
             const Triangle& t = mesh.triangles[each];
             const auto [low, high] = std::minmax(t[i], t[(i + 1) % 3]);
             EdgeUse& edge = edges[{low, high}];
-            if (edge.triangles < 2) edge.which[static_cast<std::size_t>(edge.triangles)] = static_cast<int>(each);
+            if (edge.triangles < 2) edge.which[static_cast<std::size_t>(edge.triangles)] = each;
             ++edge.triangles;
             edge.forwards += t[i] == low ? 1 : 0;
         }

@@ -249,7 +249,9 @@ void Registry::checkMaterial(BodyId id, const SoftMaterial& material) const
              " m, with which the body was made: mass cannot change; got ", shell->thickness);
     SoftBodyDef def = *soft;
     def.material = material;
-    if (shell) static_cast<void>(loadShell(def)); // a membrane may be folded, a shell that bends may not
+    const bool bendsNow =
+        shell && shell->bendingScale > 0.0 && std::get<ShellMaterial>(soft->material).bendingScale == 0.0;
+    if (bendsNow) static_cast<void>(loadShell(def)); // a membrane may be folded, a shell that bends may not
     physics::check(BodyDef{std::move(def)});
 }
 

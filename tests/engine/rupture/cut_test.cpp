@@ -321,7 +321,7 @@ TEST_CASE("elements, boundary, positions and embedded points can be followed fro
             CHECK(checkMirror(mesh.data(), mirror, positions).empty());
             CHECK(faultsOf(mesh) == "");
         }
-        CHECK(edits > cases(750));
+        CHECK(edits > (cases(100) == 100 ? 1000 : 150)); // the first cuts of a whole mesh make fewer
         CHECK(tetrahedra == mesh.data().tetrahedra);
         CHECK(rest == mesh.data().rest);
         CHECK(materials.size() == tetrahedra.size());

@@ -46,7 +46,7 @@ struct CutScene {
     [[nodiscard]] Pose poseAt(double z) const { return {.position = {at, 0.02, z}}; }
 
     /// Moves the blade from one z to another at `speed` [m/s].
-    StepReport move(double from, double to, double speed = 0.05, double dt = 1e-3)
+    StepReport move(double from, double to, double speed = 0.1, double dt = 1e-3)
     {
         StepReport all;
         stage.post(SetPose{blade, 0, poseAt(from)});

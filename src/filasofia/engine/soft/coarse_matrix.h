@@ -46,8 +46,7 @@ private:
 class CoarseMatrix {
 public:
     explicit CoarseMatrix(const geometry::CoarseLattice& lattice)
-        : nodes_(lattice.nodeCount), firstPiece_(linalg::firstPieceNode(nodes_)),
-          lattice_(9 * static_cast<std::size_t>(nodes_) * static_cast<std::size_t>(nodes_)),
+        : nodes_(lattice.nodeCount), lattice_(9 * static_cast<std::size_t>(nodes_) * static_cast<std::size_t>(nodes_)),
           pieces_(lattice.pieces.size() * kPieceUnknowns * kPieceUnknowns)
     {
     }
@@ -61,7 +60,8 @@ public:
     Block block(int row, int column)
     {
         if (row < nodes_) return blockOf(lattice_.data(), 3 * static_cast<std::size_t>(nodes_), row, column);
-        const int piece = linalg::pieceOfNode(row, nodes_), first = firstPiece_ + piece * linalg::kPieceNodes;
+        const int piece = linalg::pieceOfNode(row, nodes_);
+        const int first = linalg::firstPieceNode(nodes_) + piece * linalg::kPieceNodes;
         return blockOf(pieces_.data() + static_cast<std::size_t>(piece) * kPieceUnknowns * kPieceUnknowns,
                        kPieceUnknowns, row - first, column - first);
     }
@@ -79,7 +79,7 @@ private:
     {
         return {matrix + 3 * (static_cast<std::size_t>(row) * unknowns + static_cast<std::size_t>(column)), unknowns};
     }
-    int nodes_, firstPiece_;
+    int nodes_;
     std::vector<double> lattice_, pieces_;
 };
 
