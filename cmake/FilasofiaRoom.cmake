@@ -91,7 +91,8 @@ function(filasofia_tests name)
   if(FILASOFIA_FEWER_CASES)
     target_compile_definitions(test_${name} PRIVATE FILASOFIA_FEWER_CASES)
   endif()
-  set_target_properties(test_${name} PROPERTIES CXX_EXTENSIONS OFF)
+  # Sources of tests share more headers than code: batches of 8 took a third longer to compile.
+  set_target_properties(test_${name} PROPERTIES CXX_EXTENSIONS OFF UNITY_BUILD_BATCH_SIZE 16)
   catch_discover_tests(test_${name} TEST_PREFIX "${name}: " EXTRA_ARGS -w NoTests
     PROPERTIES TIMEOUT ${TEST_TIMEOUT} LABELS ${name} SKIP_REGULAR_EXPRESSION "SKIPPED:") # tests/skip.h says it
 endfunction()

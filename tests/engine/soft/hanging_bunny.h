@@ -22,7 +22,7 @@ inline Stage hangingBunny(int elements, const physics::SoftMaterial& material = 
 }
 
 /// [J] Sum of kinetic, elastic and potential energy.
-inline double energyOf(Stage& stage, double gravity = 9.81)
+inline double mechanicalEnergy(Stage& stage, double gravity = 9.81)
 {
     double sum = 0.0;
     const SoftState& state = stage.soft();

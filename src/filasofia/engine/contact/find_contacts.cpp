@@ -2,13 +2,12 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/engine/collision/deep_points.h"
+#include "filasofia/engine/contact/contact_surfaces.h"
 #include "filasofia/engine/contact/islands.h"
 #include "filasofia/engine/contact/warm_start.h"
 
 #include <algorithm>
 #include <cmath>
-#include <set>
-#include <tuple>
 #include <utility>
 
 namespace filasofia::engine {
@@ -24,67 +23,6 @@ constexpr double kRecoverySpeed = 0.1; ///< [m/s]
 // loses this fraction per step, and more if the bodies overlap deeper than at rest. This makes a body sink in by
 // micrometres: its penalty bears 99 % of its weight.
 constexpr double kRigidLoss = 0.02, kDeepRigidLoss = 0.2;
-
-/// The body and element that a surface belongs to.
-struct Owner {
-    bool soft = true;
-    std::size_t body = 0; ///< index among the bodies of its kind
-    std::size_t plan = 0; ///< rigid bodies only: index of its element in the plan
-    SurfaceName name;
-    const CollisionModel* collision = nullptr;
-};
-
-std::vector<Owner> ownersOf(const Scene& scene)
-{
-    std::vector<Owner> owners;
-    const auto add = [&](bool soft, std::size_t b, const auto& body, std::size_t firstElement) {
-        for (int m = 0; const CollisionModel& each : body.collision) {
-            const SurfaceName name{body.id, m++};
-            if (soft && each.shape->cutting) continue; // this model is for blades only
-            owners.push_back({soft, b, firstElement + static_cast<std::size_t>(each.element), name, &each});
-        }
-    };
-    for (std::size_t b = 0; b < scene.soft.size(); ++b) add(true, b, scene.soft[b].model, 0);
-    const std::vector<std::size_t> first = firstElements(scene);
-    for (std::size_t b = 0; b < scene.rigid.size(); ++b) add(false, b, scene.rigid[b].model, first[b]);
-    return owners;
-}
-
-Vec3 mean(const std::vector<Vec3>& values, const geometry::Tetrahedron& nodes, const std::array<double, 4>& weights)
-{
-    Vec3 sum;
-    for (std::size_t k = 0; k < 4; ++k)
-        if (weights[k] != 0.0) sum += weights[k] * values[static_cast<std::size_t>(nodes[k])];
-    return sum;
-}
-
-void placeSurface(const Owner& owner, const Scene& scene, const RigidPlan& plan, std::vector<Vec3>& normals,
-                  CollisionSurface& out)
-{
-    const CollisionModel& collision = *owner.collision;
-    const std::size_t count = collision.shape->rest.size();
-    out.shape = collision.shape;
-    out.x.resize(count);
-    out.v.resize(count);
-    if (owner.soft) {
-        const SoftState& body = scene.soft[owner.body].state;
-        for (std::size_t i = 0; i < count; ++i) {
-            out.x[i] = mean(body.x, collision.embedding.nodes[i], collision.embedding.weights[i]);
-            out.v[i] = mean(body.v, collision.embedding.nodes[i], collision.embedding.weights[i]);
-        }
-        applyInset(*collision.shape, collision.inset, normals, out.x);
-        return;
-    }
-    const RigidPlanElement& element = plan[owner.plan];
-    const Pose& pose = scene.rigid[owner.body].state.poses[element.element];
-    const Mat3 turn = toMat3(pose.orientation);
-    const Vec3 velocity = element.velocity + element.change.linear,
-               spin = element.angularVelocity + element.change.angular;
-    for (std::size_t i = 0; i < count; ++i) {
-        out.x[i] = pose.position + turn * collision.core[i];
-        out.v[i] = velocity + cross(spin, out.x[i] - element.centre);
-    }
-}
 
 /// [m] the inset of a surface at the place of a proximity.
 double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side)
@@ -111,7 +49,7 @@ double comingNearer(const std::vector<CollisionSurface>& surfaces, const Proximi
 
 /// Whether a place lies on an inverted element of a soft body. There the surface faces the wrong way, and a contact
 /// would keep it inverted.
-bool onInvertedElement(const Owner& owner, const Proximity& found, std::size_t side, const Scene& scene)
+bool onInvertedElement(const SurfaceOwner& owner, const Proximity& found, std::size_t side, const Scene& scene)
 {
     const CollisionModel& collision = *owner.collision;
     if (!owner.soft || collision.behind.empty()) return false;
@@ -132,13 +70,13 @@ bool onInvertedElement(const Owner& owner, const Proximity& found, std::size_t s
 /// Whether the other side alone determines in which direction a point of tissue must go: rigid triangles do, however
 /// the tissue around the point is oriented. Without this rule, tissue that is crushed against rigid bodies would pass
 /// through them.
-bool rigidSideDecides(const Owner& other, const Proximity& found, std::size_t side)
+bool rigidSideDecides(const SurfaceOwner& other, const Proximity& found, std::size_t side)
 {
     return !other.soft && other.collision->shape->triangleFaces && found.vertices[side][1] < 0 &&
            found.vertices[1 - side][1] >= 0;
 }
 
-BodyPoint pointOf(const Owner& owner, const Proximity& found, std::size_t side, const CollisionSurface& surface,
+BodyPoint pointOf(const SurfaceOwner& owner, const Proximity& found, std::size_t side, const CollisionSurface& surface,
                   const Scene& scene, const RigidPlan& plan)
 {
     BodyPoint point;
@@ -199,53 +137,12 @@ void setLaw(const physics::ContactMethod& method, double dt, Constraint& constra
         std::max({kSkinRecovery * contact.skin, contact.gap - dt * constraint.bias.x, soft, kContactTolerance}) / dt;
 }
 
-double frictionOf(const Scene& scene, const Owner& owner)
+double frictionOf(const Scene& scene, const SurfaceOwner& owner)
 {
     return owner.soft ? scene.soft[owner.body].model.friction : scene.rigid[owner.body].model.friction;
 }
 
-const std::string& nameOf(const Scene& scene, const Owner& owner)
-{
-    return owner.soft ? scene.soft[owner.body].model.name : scene.rigid[owner.body].model.name;
-}
-
-/// Logs a warning once per collision group that only one body has, as this is rarely intended.
-void warnOfLoneGroups(const Scene& scene, const std::vector<Owner>& owners, std::set<int>& warned)
-{
-    for (const Owner& owner : owners) {
-        const CollisionShape& shape = *owner.collision->shape;
-        const auto isOther = [&](const Owner& each) { return each.soft != owner.soft || each.body != owner.body; };
-        const auto meets = [&](const Owner& each) {
-            return isOther(each) && each.collision->shape->group == shape.group;
-        };
-        if (shape.self || std::ranges::none_of(owners, isOther) || std::ranges::any_of(owners, meets)) continue;
-        if (!warned.insert(shape.group).second) continue;
-        logWarning(owner.soft ? "soft" : "rigid", " body '", nameOf(scene, owner),
-                   "': no other body has collision group ", shape.group, ": it collides with nothing");
-    }
-}
-
-/// Surfaces at rest tell inside from outside only by their insets, a fraction of the proximities. Logs a warning once
-/// per group if two proximities add up to hardly more than rounding and the motion in a step may be.
-void warnOfThinProximity(const Scene& scene, const std::vector<Owner>& owners, std::set<int>& warned)
-{
-    constexpr double thin = 1e-4; // [m]
-    for (const Owner& a : owners) {
-        // True of nearly all bodies. Without this, a thousand bodies would be a million pairs.
-        if (a.collision->proximity >= thin) continue;
-        for (const Owner& b : owners) {
-            const CollisionShape &one = *a.collision->shape, &two = *b.collision->shape;
-            const double both = a.collision->proximity + b.collision->proximity;
-            if (!(a.name.body < b.name.body) || one.group != two.group || one.cutting || two.cutting || both >= thin)
-                continue;
-            if (warned.insert(one.group).second)
-                logWarning("body '", nameOf(scene, a), "' and body '", nameOf(scene, b), "': the proximities of their ",
-                           "collision models add up to ", both, " m: below ", thin, " m contacts may be missed");
-        }
-    }
-}
-
-bool movable(const Owner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
+bool movable(const SurfaceOwner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
 
 bool movable(const BodyPoint& point, const RigidPlan& plan)
 {
@@ -257,7 +154,8 @@ bool movable(const BodyPoint& point, const RigidPlan& plan)
 struct DeepPoints {
     std::vector<Proximity> inRigid, inTissue;
 };
-DeepPoints deepPointsOf(const std::vector<Owner>& owners, const ContactDetection& detection, std::array<int, 2> pair)
+DeepPoints deepPointsOf(const std::vector<SurfaceOwner>& owners, const ContactDetection& detection,
+                        std::array<int, 2> pair)
 {
     const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
     const SurfacePair meeting{{&detection.surfaces[i], &detection.surfaces[k]}, pair, 0.0};
@@ -269,13 +167,13 @@ DeepPoints deepPointsOf(const std::vector<Owner>& owners, const ContactDetection
 
 /// If a body starts inside another, deeper than contacts are followed, logs a warning; from then on the pair is tested
 /// at any depth. `added`: per surface, whether it is new.
-void noteStartsInside(const Scene& scene, const std::vector<Owner>& owners, const std::vector<bool>& added,
+void noteStartsInside(const Scene& scene, const std::vector<SurfaceOwner>& owners, const std::vector<bool>& added,
                       Coupling& coupling)
 {
     ContactDetection& detection = coupling.detection;
     for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
         const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
-        const Owner &one = owners[i], &two = owners[k];
+        const SurfaceOwner &one = owners[i], &two = owners[k];
         if (i == k || !(added[i] || added[k])) continue;
         if (!movable(one, coupling.rigid) && !movable(two, coupling.rigid)) continue;
         const DeepPoints deep = deepPointsOf(owners, detection, pair);
@@ -286,7 +184,7 @@ void noteStartsInside(const Scene& scene, const std::vector<Owner>& owners, cons
     }
 }
 
-void addDeepPoints(const std::vector<Owner>& owners, ContactDetection& detection)
+void addDeepPoints(const std::vector<SurfaceOwner>& owners, ContactDetection& detection)
 {
     if (detection.startedInside.empty()) return;
     for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
@@ -298,44 +196,8 @@ void addDeepPoints(const std::vector<Owner>& owners, ContactDetection& detection
     }
 }
 
-/// The element of a rigid body that a surface belongs to, and the one that a joint connects it to; -1: none.
-std::pair<int, int> linkOf(const Owner& owner, const Scene& scene)
-{
-    if (owner.soft) return {-1, -1};
-    const int element = owner.collision->element;
-    const LinkTree& tree = scene.rigid[owner.body].model.articulation.tree;
-    const int joint = tree.joints.empty() ? -1 : tree.jointOf[static_cast<std::size_t>(element)];
-    return {element, joint < 0 ? -1 : tree.joints[static_cast<std::size_t>(joint)].parent};
-}
-
-/// Updates every surface to its body's state, and warns of models that cannot work. Returns per surface whether it is
-/// new; empty if none is.
-std::vector<bool> placeSurfaces(const Scene& scene, const std::vector<Owner>& owners, Coupling& coupling)
-{
-    ContactDetection& detection = coupling.detection;
-    if (owners.size() != detection.surfaces.size()) {
-        warnOfLoneGroups(scene, owners, detection.warnedGroups);
-        warnOfThinProximity(scene, owners, detection.warnedThin);
-    }
-    const bool same = std::ranges::equal(owners, detection.surfaces, {}, &Owner::name, &CollisionSurface::name);
-    std::vector<bool> added;
-    for (std::size_t s = 0; !same && s < owners.size(); ++s)
-        added.push_back(std::ranges::find(detection.surfaces, owners[s].name, &CollisionSurface::name) ==
-                        detection.surfaces.end());
-    detection.surfaces.resize(owners.size());
-    for (std::size_t s = 0; s < owners.size(); ++s) {
-        const Owner& owner = owners[s];
-        CollisionSurface& surface = detection.surfaces[s];
-        surface.name = owner.name;
-        std::tie(surface.element, surface.parent) = linkOf(owner, scene);
-        surface.cuttable = owner.soft && mayBeCut(scene.soft[owner.body].model, owner.collision->shape->group);
-        placeSurface(owner, scene, coupling.rigid, detection.normals, surface);
-    }
-    return added;
-}
-
 /// The contact at a proximity; none if it must be left out.
-std::optional<Constraint> contactOf(const Proximity& found, const std::array<const Owner*, 2>& sides, double dt,
+std::optional<Constraint> contactOf(const Proximity& found, const std::array<const SurfaceOwner*, 2>& sides, double dt,
                                     const Scene& scene, const Coupling& coupling)
 {
     const auto leftOut = [&](std::size_t side) {
@@ -370,7 +232,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
     if (dt == 0.0) return;
 
     ContactDetection& detection = coupling.detection;
-    const std::vector<Owner> owners = ownersOf(scene);
+    const std::vector<SurfaceOwner> owners = surfaceOwners(scene);
     const std::vector<bool> added = placeSurfaces(scene, owners, coupling);
     detection.sides = scene.sides;
     findProximities(detection.surfaces, dt, context.pool, detection.sides, detection.scratch, detection.proximities);
@@ -378,8 +240,8 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
     addDeepPoints(owners, detection);
 
     for (const Proximity& found : detection.proximities) {
-        const std::array<const Owner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
-                                                &owners[static_cast<std::size_t>(found.surfaces[1])]};
+        const std::array<const SurfaceOwner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
+                                                       &owners[static_cast<std::size_t>(found.surfaces[1])]};
         if (const std::optional<Constraint> contact = contactOf(found, sides, dt, scene, coupling))
             coupling.constraints.push_back(*contact);
     }

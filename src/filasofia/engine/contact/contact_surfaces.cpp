@@ -1,0 +1,144 @@
+#include "filasofia/engine/contact/contact_surfaces.h"
+
+#include "filasofia/core/log.h"
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+Vec3 mean(const std::vector<Vec3>& values, const geometry::Tetrahedron& nodes, const std::array<double, 4>& weights)
+{
+    Vec3 sum;
+    for (std::size_t k = 0; k < 4; ++k)
+        if (weights[k] != 0.0) sum += weights[k] * values[static_cast<std::size_t>(nodes[k])];
+    return sum;
+}
+
+void placeSurface(const SurfaceOwner& owner, const Scene& scene, const RigidPlan& plan, std::vector<Vec3>& normals,
+                  CollisionSurface& out)
+{
+    const CollisionModel& collision = *owner.collision;
+    const std::size_t count = collision.shape->rest.size();
+    out.shape = collision.shape;
+    out.x.resize(count);
+    out.v.resize(count);
+    if (owner.soft) {
+        const SoftState& body = scene.soft[owner.body].state;
+        for (std::size_t i = 0; i < count; ++i) {
+            out.x[i] = mean(body.x, collision.embedding.nodes[i], collision.embedding.weights[i]);
+            out.v[i] = mean(body.v, collision.embedding.nodes[i], collision.embedding.weights[i]);
+        }
+        applyInset(*collision.shape, collision.inset, normals, out.x);
+        return;
+    }
+    const RigidPlanElement& element = plan[owner.plan];
+    const Pose& pose = scene.rigid[owner.body].state.poses[element.element];
+    const Mat3 turn = toMat3(pose.orientation);
+    const Vec3 velocity = element.velocity + element.change.linear,
+               spin = element.angularVelocity + element.change.angular;
+    for (std::size_t i = 0; i < count; ++i) {
+        out.x[i] = pose.position + turn * collision.core[i];
+        out.v[i] = velocity + cross(spin, out.x[i] - element.centre);
+    }
+}
+
+/// Logs a warning once per collision group that only one body has, as this is rarely intended.
+void warnOfLoneGroups(const Scene& scene, const std::vector<SurfaceOwner>& owners, std::set<int>& warned)
+{
+    for (const SurfaceOwner& owner : owners) {
+        const CollisionShape& shape = *owner.collision->shape;
+        const auto isOther = [&](const SurfaceOwner& each) {
+            return each.soft != owner.soft || each.body != owner.body;
+        };
+        const auto meets = [&](const SurfaceOwner& each) {
+            return isOther(each) && each.collision->shape->group == shape.group;
+        };
+        if (shape.self || std::ranges::none_of(owners, isOther) || std::ranges::any_of(owners, meets)) continue;
+        if (!warned.insert(shape.group).second) continue;
+        logWarning(owner.soft ? "soft" : "rigid", " body '", nameOf(scene, owner),
+                   "': no other body has collision group ", shape.group, ": it collides with nothing");
+    }
+}
+
+/// Surfaces at rest tell inside from outside only by their insets, a fraction of the proximities. Logs a warning once
+/// per group if two proximities add up to hardly more than rounding and the motion in a step may be.
+void warnOfThinProximity(const Scene& scene, const std::vector<SurfaceOwner>& owners, std::set<int>& warned)
+{
+    constexpr double thin = 1e-4; // [m]
+    for (const SurfaceOwner& a : owners) {
+        // True of nearly all bodies. Without this, a thousand bodies would be a million pairs.
+        if (a.collision->proximity >= thin) continue;
+        for (const SurfaceOwner& b : owners) {
+            const CollisionShape &one = *a.collision->shape, &two = *b.collision->shape;
+            const double both = a.collision->proximity + b.collision->proximity;
+            if (!(a.name.body < b.name.body) || one.group != two.group || one.cutting || two.cutting || both >= thin)
+                continue;
+            if (warned.insert(one.group).second)
+                logWarning("body '", nameOf(scene, a), "' and body '", nameOf(scene, b), "': the proximities of their ",
+                           "collision models add up to ", both, " m: below ", thin, " m contacts may be missed");
+        }
+    }
+}
+
+/// The element of a rigid body that a surface belongs to, and the one that a joint connects it to; -1: none.
+std::pair<int, int> linkOf(const SurfaceOwner& owner, const Scene& scene)
+{
+    if (owner.soft) return {-1, -1};
+    const int element = owner.collision->element;
+    const LinkTree& tree = scene.rigid[owner.body].model.articulation.tree;
+    const int joint = tree.joints.empty() ? -1 : tree.jointOf[static_cast<std::size_t>(element)];
+    return {element, joint < 0 ? -1 : tree.joints[static_cast<std::size_t>(joint)].parent};
+}
+
+} // namespace
+
+std::vector<SurfaceOwner> surfaceOwners(const Scene& scene)
+{
+    std::vector<SurfaceOwner> owners;
+    const auto add = [&](bool soft, std::size_t b, const auto& body, std::size_t firstElement) {
+        for (int m = 0; const CollisionModel& each : body.collision) {
+            const SurfaceName name{body.id, m++};
+            if (soft && each.shape->cutting) continue; // this model is for blades only
+            owners.push_back({soft, b, firstElement + static_cast<std::size_t>(each.element), name, &each});
+        }
+    };
+    for (std::size_t b = 0; b < scene.soft.size(); ++b) add(true, b, scene.soft[b].model, 0);
+    const std::vector<std::size_t> first = firstElements(scene);
+    for (std::size_t b = 0; b < scene.rigid.size(); ++b) add(false, b, scene.rigid[b].model, first[b]);
+    return owners;
+}
+
+const std::string& nameOf(const Scene& scene, const SurfaceOwner& owner)
+{
+    return owner.soft ? scene.soft[owner.body].model.name : scene.rigid[owner.body].model.name;
+}
+
+std::vector<bool> placeSurfaces(const Scene& scene, const std::vector<SurfaceOwner>& owners, Coupling& coupling)
+{
+    ContactDetection& detection = coupling.detection;
+    if (owners.size() != detection.surfaces.size()) {
+        warnOfLoneGroups(scene, owners, detection.warnedGroups);
+        warnOfThinProximity(scene, owners, detection.warnedThin);
+    }
+    const bool same = std::ranges::equal(owners, detection.surfaces, {}, &SurfaceOwner::name, &CollisionSurface::name);
+    std::vector<bool> added;
+    for (std::size_t s = 0; !same && s < owners.size(); ++s)
+        added.push_back(std::ranges::find(detection.surfaces, owners[s].name, &CollisionSurface::name) ==
+                        detection.surfaces.end());
+    detection.surfaces.resize(owners.size());
+    for (std::size_t s = 0; s < owners.size(); ++s) {
+        const SurfaceOwner& owner = owners[s];
+        CollisionSurface& surface = detection.surfaces[s];
+        surface.name = owner.name;
+        std::tie(surface.element, surface.parent) = linkOf(owner, scene);
+        surface.cuttable = owner.soft && mayBeCut(scene.soft[owner.body].model, owner.collision->shape->group);
+        placeSurface(owner, scene, coupling.rigid, detection.normals, surface);
+    }
+    return added;
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "filasofia/engine/contact/coupling.h"
+
+#include <string>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// The body and element that a surface belongs to.
+struct SurfaceOwner {
+    bool soft = true;
+    std::size_t body = 0; ///< index among the bodies of its kind
+    std::size_t plan = 0; ///< rigid bodies only: index of its element in the plan
+    SurfaceName name;
+    const CollisionModel* collision = nullptr;
+};
+
+/// The owners of all surfaces that take part in contacts, soft bodies first.
+std::vector<SurfaceOwner> surfaceOwners(const Scene& scene);
+const std::string& nameOf(const Scene& scene, const SurfaceOwner& owner);
+
+/// Updates every surface to its body's state, and warns of models that cannot work. Returns per surface whether it is
+/// new; empty if none is.
+std::vector<bool> placeSurfaces(const Scene& scene, const std::vector<SurfaceOwner>& owners, Coupling& coupling);
+
+} // namespace filasofia::engine
