@@ -200,10 +200,11 @@ TEST_CASE("a stone squeezed by kinematic plates beyond its size feels a bounded 
             };
             moveTo(0.008 - tooClose, 0.5);
             moveTo(half, 0.05);
+            CHECK(squeeze() < 1e7 * tooClose);
+            moveTo(half, 0.25);
             const double early = squeeze();
             moveTo(half, 0.5);
             CHECK(early > 0.1);
-            CHECK(early < 1e7 * tooClose);
             grown = std::max(grown, std::abs(squeeze() / early - 1.0));
             for (int i = 0; i < 50; ++i) {
                 moveTo(half + 0.01 * dt, dt);
@@ -211,7 +212,7 @@ TEST_CASE("a stone squeezed by kinematic plates beyond its size feels a bounded 
             }
             CHECK(length(forceOn(stage, stone)) < 1e-3);
         }
-    verify("a stone squeezed by kinematic plates beyond its size: force after 0.5 s over that after 50 ms, minus one",
+    verify("a stone squeezed by kinematic plates beyond its size: force after 0.8 s over that after 0.3 s, minus one",
            grown, 0.05);
     verify("the same: its speed when they open [m/s]", fastest, 0.1);
 }

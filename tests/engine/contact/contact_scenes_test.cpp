@@ -48,6 +48,14 @@ double largestDeviation(Stage& stage, std::size_t body, Vec3 before, int steps)
     return most;
 }
 
+/// [m/s] The highest speed of a rigid body.
+double highestSpeed(Stage& stage)
+{
+    double most = 0.0;
+    for (const RigidBody& body : stage.world.scene().rigid) most = std::max(most, length(body.state.velocities[0]));
+    return most;
+}
+
 } // namespace
 
 TEST_CASE("a rigid box slides over a flat mesh as over a plane")
@@ -60,6 +68,35 @@ TEST_CASE("a rigid box slides over a flat mesh as over a plane")
         box.velocity = {speed, 0, 0.1 * speed};
         stage.add(box);
         CHECK(largestDeviation(stage, 1, box.velocity, static_cast<int>(0.15 / speed * 1e3)) < 0.015 * speed);
+    }
+}
+
+TEST_CASE("ten boxes in a crooked tower come to rest, and so does a heavy box on a light one")
+{
+    // With the filters of single constraints the towers swayed at 50 mm/s for ever, at 150 iterations per step.
+    const auto box = [](Vec3 at, double mass) {
+        physics::RigidBodyDef def = rigidBox({0.05, 0.05, 0.05}, {at, {}});
+        def.mass = physics::TotalMass{mass};
+        def.friction = 0.5;
+        return def;
+    };
+    for (const auto& [offset, heaviest] : {std::pair{0.5e-3, 0.1}, {2e-3, 0.1}, {8e-3, 0.1}, {2e-3, 1000.0}}) {
+        Stage stage = heavyStage();
+        physics::RigidBodyDef floor = floorOf({1, 1, 1});
+        floor.friction = 0.5;
+        stage.add(floor);
+        const int boxes = heaviest > 1.0 ? 2 : 10;
+        for (int i = 0; i < boxes; ++i)
+            stage.add(box({i % 2 * offset, 0.0252 + 0.0502 * i, 0}, i + 1 == boxes ? heaviest : 0.1));
+        stage.run(1500, 1e-3);
+        int iterations = 0;
+        for (int i = 0; i < 500; ++i) {
+            const physics::StepReport report = stage.step(1e-3);
+            REQUIRE(report.flags == 0);
+            for (const physics::BodySolve& solve : report.solves) iterations += solve.iterations;
+            REQUIRE(highestSpeed(stage) < 1e-6);
+        }
+        CHECK(iterations <= 500);
     }
 }
 

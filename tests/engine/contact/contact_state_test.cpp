@@ -228,7 +228,7 @@ TEST_CASE("a deadline also stops rigid bodies in contact with each other, and th
         Stage stage;
         stage.post(physics::SetGravity{{0, -9.81, 0}});
         stage.add(kinematic("floor", geometry::shapes::box({0.1, 0.02, 0.1}), {0, -0.01, 0}));
-        for (int k = 0; k < 16; ++k) stage.add(smallBox({1e-4 * k, 0.00201 + 0.00401 * k, 0}, true));
+        for (int k = 0; k < 16; ++k) stage.add(smallBox({7e-4 * k, 0.00201 + 0.00401 * k, 0}, true)); // it falls over
         return stage;
     };
     Stage free = tower(), hurried = tower(), again = tower();
@@ -238,13 +238,13 @@ TEST_CASE("a deadline also stops rigid bodies in contact with each other, and th
         const physics::StepReport whole = free.step(1e-3);
         for (const physics::BodySolve& solve : whole.solves) most = std::max(most, solve.iterations);
 
-        physics::StepBudget budget{.now = [&] { return ++clock; }, .deadline = clock + 10};
+        physics::StepBudget budget{.now = [&] { return ++clock; }, .deadline = clock + 4};
         const physics::StepReport report =
             hurried.world.step({.dt = 1e-3, .commands = hurried.commands, .budget = &budget});
         hurried.commands.clear();
         for (const physics::BodySolve& solve : report.solves) {
             CHECK(solve.body.value >= 2);
-            CHECK(solve.iterations <= 40 + 10);
+            CHECK(solve.iterations <= 40 + 4);
         }
         cut += report.has(physics::StepFlag::OutOfTime) ? 1 : 0;
 
@@ -255,7 +255,7 @@ TEST_CASE("a deadline also stops rigid bodies in contact with each other, and th
         again.commands.clear();
         REQUIRE(again.world.hash() == hurried.world.hash());
     }
-    CHECK(most > 50);
+    CHECK(most > 20);
     CHECK(cut > 10);
 }
 

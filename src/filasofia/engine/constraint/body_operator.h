@@ -21,6 +21,16 @@ struct ContactPoint {
 /// preconditioned residual, s the residual that the coarse level is applied to.
 enum class SolveVector { Direction, Residual, Product, Smoothed, Preconditioned, CoarseResidual };
 
+/// A body with so few unknowns that its matrix can be written out: a rigid element or an articulation.
+class SmallBody {
+public:
+    virtual ~SmallBody() = default;
+    [[nodiscard]] virtual std::size_t unknowns() const = 0;
+    virtual void writeMatrix(std::span<double> a) const = 0; ///< A, row by row; given as zeros
+    /// The columns of J at a contact point, one per unknown, world axes.
+    virtual void writeColumns(int point, std::span<Vec3> j) const = 0;
+};
+
 /// One body's part of a solve that couples several bodies. Whatever the body's integrator and solver are, it has a
 /// symmetric positive definite matrix A over the change x of its velocities, and the vectors of conjugate gradients.
 /// Dot products are in joules and impulses at the contact points in newton seconds, whatever scaling the body uses
@@ -38,6 +48,8 @@ public:
     virtual void read(SolveVector from, std::span<Vec3> out) const = 0;
     /// Adds impulses at the contact points to Residual, or to CoarseResidual, which leaves the residual unchanged.
     virtual void add(std::span<const Vec3> impulses, SolveVector to) = 0;
+
+    [[nodiscard]] virtual const SmallBody* small() const { return nullptr; } ///< null if the body is not small
 
     virtual double multiply() = 0; ///< q = A p; returns the curvature p . q
     /// p . r (Direction, Residual) or z . q (Preconditioned, Product)

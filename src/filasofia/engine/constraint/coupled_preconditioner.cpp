@@ -38,13 +38,25 @@ void CoupledSolve::chooseStiffness()
         if (!each.bilateral() && !(compliance > kStiff * anyDirection)) compliance = 0.0;
         const bool spring = each.softness > 0.0;
         const double kappa = each.bilateral() ? limits_->holding : limits_->stiffening;
-        const double rigid = compliance > 0.0 ? std::max(kappa / compliance, limits_->bearing * heaviest) : 0.0;
+        const double rigid =
+            compliance > 0.0 ? std::max(each.yielding * kappa / compliance, limits_->bearing * heaviest) : 0.0;
         const double normal = spring ? each.softness : rigid;
         const double tangential = spring && each.bilateral() ? each.softness : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};
         rows_[c].u = inFrame(each.frame, each.sides[0].velocity - each.sides[1].velocity);
         if (compliance == 0.0) row.constraint->impulse = {}; // no body can move along the normal
     }
+}
+
+void CoupledSolve::beginExactFilter()
+{
+    std::vector<const SmallBody*> small;
+    for (const CoupledBody& body : *bodies_) small.push_back(body.matrix->small());
+    exact_ = std::ranges::find(small, nullptr) == small.end();
+    if (!exact_) return;
+    exactFilter_.begin(small, first_, *constraints_);
+    velocities_.resize(rows_.size());
+    impulses_.resize(rows_.size());
 }
 
 void CoupledSolve::makeFilter()
@@ -75,6 +87,8 @@ void CoupledSolve::makeFilter()
         const Mat3 sigma{{{row.sigma.x, 0.0, 0.0}, {0.0, row.sigma.y, 0.0}, {0.0, 0.0, row.sigma.z}}};
         filters_[c] = inverse(Mat3::identity() + sigma * compliance) * sigma;
     }
+    for (std::size_t c = 0; exact_ && c < rows_.size(); ++c) velocities_[c] = rows_[c].sigma;
+    exact_ = exact_ && exactFilter_.build(velocities_); // without it, the filters of single constraints do
 }
 
 void CoupledSolve::renewFilter()
@@ -89,32 +103,45 @@ void CoupledSolve::renewFilter()
 
 void CoupledSolve::correctCoarseLevels() { patches_.make(*bodies_, first_, *constraints_, filters_); }
 
+void CoupledSolve::applyFilter()
+{
+    if (!exact_) {
+        for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = filters_[c] * rows_[c].scratch;
+        return;
+    }
+    for (std::size_t c = 0; c < rows_.size(); ++c) velocities_[c] = rows_[c].scratch;
+    exactFilter_.apply(velocities_, impulses_);
+    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = impulses_[c];
+}
+
 double CoupledSolve::precondition()
 {
+    const auto readInto = [&](SolveVector from, Vec3 Row::*to) {
+        gather(from);
+        for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].*to = velocityOf(c);
+    };
     for (const CoupledBody& body : *bodies_) body.preconditioner->smooth();
-    gather(SolveVector::Smoothed);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = velocityOf(c);
-    addImpulses([&](std::size_t c) { return -(filters_[c] * rows_[c].scratch); },
-                [](const CoupledBody& body, std::span<const Vec3> impulses) {
-                    body.matrix->add(impulses, SolveVector::CoarseResidual);
-                });
+    readInto(SolveVector::Smoothed, &Row::step);
+    if (!exact_) { // else there is no coarse level
+        for (Row& row : rows_) row.scratch = row.step;
+        applyFilter();
+        addImpulses([&](std::size_t c) { return -rows_[c].scratch; },
+                    [](const CoupledBody& body, std::span<const Vec3> impulses) {
+                        body.matrix->add(impulses, SolveVector::CoarseResidual);
+                    });
+    }
     double rz = 0.0;
     if (!patches_.empty()) patches_.project(*bodies_);
     for (std::size_t b = 0; b < bodies_->size(); ++b)
         rz += (*bodies_)[b].preconditioner->applyCoarse(patches_.shares(b));
-    gather(SolveVector::Preconditioned);
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        Row& row = rows_[c];
-        const Vec3 filtered = filters_[c] * velocityOf(c);
-        rz -= dot(row.scratch, filtered);
-        row.scratch = filtered;
-    }
+    readInto(SolveVector::Preconditioned, &Row::scratch);
+    applyFilter();
+    for (const Row& row : rows_) rz -= dot(row.step, row.scratch);
     addImpulses([&](std::size_t c) { return rows_[c].scratch; },
                 [](const CoupledBody& body, std::span<const Vec3> impulses) {
                     body.preconditioner->subtractSmoothed(impulses);
                 });
-    gather(SolveVector::Preconditioned);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].step = velocityOf(c);
+    readInto(SolveVector::Preconditioned, &Row::step);
     return rz;
 }
 

@@ -88,6 +88,7 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     }
     atPoints_.resize(sharing_.size());
     rows_.assign(constraints_->list.size(), {});
+    beginExactFilter();
     smallest_ = mass * limits_->smallChange;
     energy_ = smallest_ * limits_->smallChange;
     patches_.clear();

@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/constraint/body_operator.h"
 #include "filasofia/engine/constraint/constraint.h"
+#include "filasofia/engine/constraint/exact_filter.h"
 #include "filasofia/engine/constraint/patch_correction.h"
 #include "filasofia/linalg/matrix_free_cg.h"
 
@@ -59,6 +60,8 @@ struct CoupledReport : linalg::NodeSolveReport {
 /// The preconditioner filters the stiff contact directions out of the smoother and the coarse level: with N = sum |w| s
 /// F D^-1 F^T per constraint, s the sum of the weights that share a contact point, and M = (1 + Sigma N)^-1 Sigma,
 ///     q = D^-1 r + B (r - J^T M J D^-1 r),   z = q - D^-1 J^T M J q.
+/// If all bodies are small, D is A, there is no B, and M is that of all constraints together (ExactFilter): z is then
+/// the solution for the constraints that are active.
 /// If any constraint is bilateral, or if the first iterations do not converge, B is deflated by the constraints
 /// (PatchCorrection).
 class CoupledSolve {
@@ -84,7 +87,9 @@ private:
 
     void begin(const std::vector<std::vector<ContactPoint>>& pointsOf);
     void chooseStiffness();
+    void beginExactFilter();
     void makeFilter();
+    void applyFilter(); ///< `scratch` = M of the velocities in `scratch`
     void correctCoarseLevels();
     void renewFilter();                                 ///< rebuilds it if states have changed since
     void gather(SolveVector from);                      ///< atPoints_ = this vector of the bodies
@@ -118,7 +123,10 @@ private:
     std::vector<Mat3> compliance_;    ///< [1/kg] per contact point
     std::vector<Mat3> ownCompliance_; ///< [1/kg] per point of a constraint: in its frame, times |weight|
     std::vector<Row> rows_;
-    std::vector<Mat3> filters_; ///< M, per constraint
+    std::vector<Mat3> filters_;               ///< M, per constraint
+    ExactFilter exactFilter_;                 ///< M of all constraints together, if all bodies are small
+    bool exact_ = false;                      ///< the exact filter is used
+    std::vector<Vec3> velocities_, impulses_; ///< scratch of the exact filter, per constraint
     PatchCorrection patches_;
     double energy_ = 0.0, smallest_ = 0.0;
 

@@ -23,6 +23,10 @@ constexpr double kRecoverySpeed = 0.1; ///< [m/s]
 // loses this fraction per step, and more if the bodies overlap deeper than at rest. This makes a body sink in by
 // micrometres: its penalty bears 99 % of its weight.
 constexpr double kRigidLoss = 0.02, kDeepRigidLoss = 0.2;
+// The force that is left is proportional to the penalty. Between rigid bodies at rest the penalty is so large that they
+// stand like one body, which would be hundreds of kilonewtons for half a millimetre too little room: the penalty falls
+// with the depth, to this fraction of it where the surfaces are through the skin.
+constexpr double kDeepPenalty = 0.01;
 
 /// [m] the inset of a surface at the place of a proximity.
 double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side)
@@ -125,7 +129,9 @@ void setLaw(const physics::ContactMethod& method, double dt, Constraint& constra
     constraint.impulse = dt * inFrame(constraint.frame, contact.cached.force);
     const auto isSoft = [](const BodyPoint& point) { return point.of == BodyPoint::Of::Soft; };
     const bool anySoft = std::ranges::any_of(constraint.sides, isSoft);
-    const double loss = anySoft ? 0.0 : gap < -contact.skin ? kDeepRigidLoss : kRigidLoss;
+    const double depth = contact.skin > 0.0 ? std::clamp(-gap / contact.skin, 0.0, 1.0) : 0.0; // in skins
+    const double loss = anySoft ? 0.0 : kRigidLoss + depth * (kDeepRigidLoss - kRigidLoss);
+    if (!anySoft) constraint.yielding = 1.0 / (1.0 + depth * (1.0 / kDeepPenalty - 1.0));
     constraint.impulse.x = std::max(0.0, (1.0 - loss) * constraint.impulse.x);
     // A contact that pushed in the last step may rest within the skin; all others may approach up to the skin.
     const double resting = constraint.impulse.x > 0.0 ? contact.skin : 0.0;

@@ -47,6 +47,17 @@ Mat3 ArticulationOperator::compliance(int point) const
     return sum;
 }
 
+void ArticulationOperator::writeMatrix(std::span<double> a) const
+{
+    for (std::size_t i = 0; i < x_.size(); ++i)
+        for (std::size_t k = 0; k < x_.size(); ++k) a[i * x_.size() + k] = plan_.matrix(i, k);
+}
+
+void ArticulationOperator::writeColumns(int point, std::span<Vec3> j) const
+{
+    std::ranges::copy(columnsOf(static_cast<std::size_t>(point)), j.begin());
+}
+
 double ArticulationOperator::multiply()
 {
     engine::multiply(plan_.matrix, p_, q_);

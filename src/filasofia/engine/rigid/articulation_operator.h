@@ -7,7 +7,7 @@ namespace filasofia::engine {
 
 /// The body operator of an articulated body, for coupled solves. Its unknowns are the velocities of its free joints.
 /// A^-1 is known, so its compliance at a contact point is J A^-1 J^T.
-class ArticulationOperator final : public DenseOperator<double> {
+class ArticulationOperator final : public DenseOperator<double>, private SmallBody {
 public:
     /// Tree and plan must outlive the solve. `origins` [m]: the origin of each link.
     ArticulationOperator(const LinkTree& tree, const ArticulationPlan& plan, std::vector<Vec3> origins);
@@ -16,6 +16,7 @@ public:
     [[nodiscard]] Mat3 compliance(int point) const override;
     void read(SolveVector from, std::span<Vec3> out) const override;
     void add(std::span<const Vec3> impulses, SolveVector to) override;
+    [[nodiscard]] const SmallBody* small() const override { return this; }
     double multiply() override;
 
     void smooth() override;
@@ -23,6 +24,9 @@ public:
     void subtractSmoothed(std::span<const Vec3> impulses) override;
 
 private:
+    [[nodiscard]] std::size_t unknowns() const override { return x_.size(); }
+    void writeMatrix(std::span<double> a) const override;
+    void writeColumns(int point, std::span<Vec3> j) const override;
     [[nodiscard]] std::span<const Vec3> columnsOf(std::size_t point) const
     {
         return std::span(columns_).subspan(point * x_.size(), x_.size());

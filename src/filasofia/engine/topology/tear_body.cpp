@@ -59,7 +59,9 @@ Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, con
 bool findStresses(const SoftModel& model, const SoftState& state, const StressSearch& search, WorkerPool& pool,
                   std::vector<Mat3>& stresses)
 {
-    const auto& [threshold, springs, stressed] = search;
+    const double threshold = search.threshold; // clang 14 captures no structured bindings
+    const SpringsOfElements& springs = search.springs;
+    const auto& stressed = search.stressed;
     const bool fem = !model.elements.empty();
     stresses.resize(elementCount(model));
     const linalg::Parts parts{static_cast<int>(stresses.size()), kElementsPerPart};
