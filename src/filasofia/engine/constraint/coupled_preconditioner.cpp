@@ -55,8 +55,7 @@ void CoupledSolve::beginExactFilter()
     exact_ = std::ranges::find(small, nullptr) == small.end();
     if (!exact_) return;
     exactFilter_.begin(small, first_, *constraints_);
-    velocities_.resize(rows_.size());
-    impulses_.resize(rows_.size());
+    perRow_.resize(rows_.size());
 }
 
 void CoupledSolve::makeFilter()
@@ -79,6 +78,9 @@ void CoupledSolve::makeFilter()
         for (std::size_t k = firstOf(c); row.state.active && k < endOf(c); ++k)
             shareOf(k) += std::abs(constraints_->points[k].weight);
     }
+    for (std::size_t c = 0; exact_ && c < rows_.size(); ++c) perRow_[c] = rows_[c].sigma;
+    exact_ = exact_ && exactFilter_.build(perRow_);
+    if (exact_) return; // without it, the filters of single constraints do
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         if (row.sigma.x == 0.0) continue;
@@ -87,8 +89,6 @@ void CoupledSolve::makeFilter()
         const Mat3 sigma{{{row.sigma.x, 0.0, 0.0}, {0.0, row.sigma.y, 0.0}, {0.0, 0.0, row.sigma.z}}};
         filters_[c] = inverse(Mat3::identity() + sigma * compliance) * sigma;
     }
-    for (std::size_t c = 0; exact_ && c < rows_.size(); ++c) velocities_[c] = rows_[c].sigma;
-    exact_ = exact_ && exactFilter_.build(velocities_); // without it, the filters of single constraints do
 }
 
 void CoupledSolve::renewFilter()
@@ -109,9 +109,9 @@ void CoupledSolve::applyFilter()
         for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = filters_[c] * rows_[c].scratch;
         return;
     }
-    for (std::size_t c = 0; c < rows_.size(); ++c) velocities_[c] = rows_[c].scratch;
-    exactFilter_.apply(velocities_, impulses_);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = impulses_[c];
+    for (std::size_t c = 0; c < rows_.size(); ++c) perRow_[c] = rows_[c].scratch;
+    exactFilter_.apply(perRow_);
+    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = perRow_[c];
 }
 
 double CoupledSolve::precondition()

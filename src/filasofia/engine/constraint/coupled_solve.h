@@ -123,10 +123,10 @@ private:
     std::vector<Mat3> compliance_;    ///< [1/kg] per contact point
     std::vector<Mat3> ownCompliance_; ///< [1/kg] per point of a constraint: in its frame, times |weight|
     std::vector<Row> rows_;
-    std::vector<Mat3> filters_;               ///< M, per constraint
-    ExactFilter exactFilter_;                 ///< M of all constraints together, if all bodies are small
-    bool exact_ = false;                      ///< the exact filter is used
-    std::vector<Vec3> velocities_, impulses_; ///< scratch of the exact filter, per constraint
+    std::vector<Mat3> filters_; ///< M, per constraint
+    ExactFilter exactFilter_;   ///< M of all constraints together, if all bodies are small
+    bool exact_ = false;        ///< the exact filter is used
+    std::vector<Vec3> perRow_;  ///< scratch of the exact filter
     PatchCorrection patches_;
     double energy_ = 0.0, smallest_ = 0.0;
 

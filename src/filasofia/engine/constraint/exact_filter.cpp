@@ -33,8 +33,8 @@ void ExactFilter::begin(std::span<const SmallBody* const> bodies, std::span<cons
     for (const ConstraintRow& row : rows.list) {
         for (const WeightedPoint& each : rows.pointsOf(row)) {
             const std::size_t b = bodyOf[static_cast<std::size_t>(each.point)], n = unknowns_[b];
-            const auto begin = sides_.begin() + static_cast<std::ptrdiff_t>(firstSide_.back());
-            auto side = std::find_if(begin, sides_.end(), [&](const Side& other) { return other.body == b; });
+            auto side = std::find_if(sides_.begin() + static_cast<std::ptrdiff_t>(firstSide_.back()), sides_.end(),
+                                     [&](const Side& other) { return other.body == b; });
             if (side == sides_.end()) {
                 side = sides_.insert(side, {b, columns_.size()});
                 columns_.resize(columns_.size() + n);
@@ -70,15 +70,15 @@ bool ExactFilter::build(std::span<const Vec3> sigma)
     return factor_.factorise(k_, static_cast<int>(vector_.size()));
 }
 
-void ExactFilter::apply(std::span<const Vec3> u, std::span<Vec3> impulses)
+void ExactFilter::apply(std::span<Vec3> perRow)
 {
     std::ranges::fill(vector_, 0.0);
     for (std::size_t r = 0; r < sigma_.size(); ++r) {
-        impulses[r] = times(sigma_[r], u[r]);
-        if (impulses[r] == Vec3{}) continue;
+        perRow[r] = times(sigma_[r], perRow[r]);
+        if (perRow[r] == Vec3{}) continue;
         for (const Side& side : sidesOf(r))
             for (std::size_t k = 0; k < unknowns_[side.body]; ++k)
-                vector_[offsets_[side.body] + k] += dot(columnsOf(side)[k], impulses[r]);
+                vector_[offsets_[side.body] + k] += dot(columnsOf(side)[k], perRow[r]);
     }
     factor_.solve(vector_);
     for (std::size_t r = 0; r < sigma_.size(); ++r) {
@@ -87,7 +87,7 @@ void ExactFilter::apply(std::span<const Vec3> u, std::span<Vec3> impulses)
         for (const Side& side : sidesOf(r))
             for (std::size_t k = 0; k < unknowns_[side.body]; ++k)
                 yielded += vector_[offsets_[side.body] + k] * columnsOf(side)[k];
-        impulses[r] -= times(sigma_[r], yielded);
+        perRow[r] -= times(sigma_[r], yielded);
     }
 }
 

@@ -25,8 +25,8 @@ public:
     /// `sigma` [kg] per row and axis of its frame; zero if the row takes no part. Returns false if K is not positive
     /// definite to rounding; apply() must not be called then.
     bool build(std::span<const Vec3> sigma);
-    /// M u, per row in its frame; `u` [m/s], `impulses` [N s].
-    void apply(std::span<const Vec3> u, std::span<Vec3> impulses);
+    /// In: velocities u [m/s]; out: impulses M u [N s]; per row in its frame.
+    void apply(std::span<Vec3> perRow);
 
 private:
     /// One body of a row.
