@@ -52,15 +52,16 @@ SolverCosts measureSolver(const physics::SoftBodyDef& bodyDef, const SolverCosts
         std::nth_element(times.begin(), times.begin() + def.repeats / 2, times.end());
         return times[static_cast<std::size_t>(def.repeats / 2)];
     };
-    auto& [soft, state, equations, topology] = scene.soft.front();
-    MatrixFreeSystem& system = *equations.matrixFree;
-    const std::vector<Vec3>& given = equations.forces;
+    SoftBody& measured = scene.soft.front();
+    const SoftModel& soft = measured.model;
+    MatrixFreeSystem& system = *measured.system.matrixFree;
+    const std::vector<Vec3>& given = measured.system.forces;
     linalg::NodeArray p = system.unknowns(), q = p;
     for (int i = 0; i < 16 * p.blocks(); ++i) p[i][i % 3] = 1.0f;
     SolverCosts costs{.elements = static_cast<int>(soft.elements.size()),
                       .nodes = static_cast<int>(soft.rest.size()),
                       .coarseNodes = system.coarseNodes()};
-    costs.elementPass = median([&] { system.assemble(soft, given, def.period, 1.0, state, pool); });
+    costs.elementPass = median([&] { system.assemble(soft, given, def.period, 1.0, measured.state, pool); });
     costs.product = median([&] { system.multiply(p, q, pool); });
     costs.preconditioner = median([&] { system.precondition(q, p, pool); });
     costs.flops = costs.elements * (kElementPassFlops + 2.0 * kProductFlops);
