@@ -68,7 +68,7 @@ private:
     {
         volumes_ = labels_;
         std::ranges::sort(volumes_);
-        volumes_.erase(std::ranges::unique(volumes_).begin(), volumes_.end());
+        volumes_.erase(std::unique(volumes_.begin(), volumes_.end()), volumes_.end());
         out_ += "$Entities\n";
         putSize(1), putSize(0), putSize(1), putSize(std::int64_t(volumes_.size()));
         putInt(1), bounds(3), putSize(0);

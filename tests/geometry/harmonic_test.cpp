@@ -1,5 +1,7 @@
 #include "filasofia/geometry/harmonic.h"
 
+#include "filasofia/geometry/box.h"
+
 #include "geometry/sample_meshes.h"
 
 namespace harmonic_test {

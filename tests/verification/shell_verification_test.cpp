@@ -12,8 +12,6 @@ using namespace filasofia::physics;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 SoftModel modelOf(const geometry::TriangleMesh& mesh, const ShellMaterial& material, const std::vector<int>& pinned)
 {
     SoftBodyDef def{.mesh = shared(mesh), .material = material, .rayleigh = {0.0, 0.0}, .solver = Cholesky{}};

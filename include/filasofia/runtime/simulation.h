@@ -16,7 +16,6 @@
 #include "filasofia/visual/orbit_camera.h"
 #include "filasofia/window/window.h"
 
-#include <concepts>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -24,7 +23,7 @@
 #include <utility>
 
 namespace filasofia::engine {
-struct Native;
+class Native;
 }
 
 namespace filasofia::runtime {
@@ -93,14 +92,9 @@ constexpr auto fields(const SimulationDef*)
 class Simulation {
 public:
     Simulation() : Simulation(SimulationDef{}, nullptr) {}
-    /// It is a template so that `Simulation sim({})` means the default Def: as a plain function it is ambiguous with
-    /// the deleted copy constructor, whose argument could also be made from {}.
-    template <std::same_as<SimulationDef> Def = SimulationDef> explicit Simulation(const Def& def)
-        : Simulation(def, nullptr)
-    {
-    }
+    explicit Simulation(const SimulationDef& def) : Simulation(def, nullptr) {}
     ~Simulation();
-    Simulation(const Simulation&) = delete;
+    Simulation(Simulation&) = delete; ///< not const: `Simulation sim({})` means the default Def
     Simulation& operator=(const Simulation&) = delete;
 
     BodyId add(physics::SoftBodyDef def);

@@ -3,6 +3,7 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/distance.h"
+#include "filasofia/mapping/outside.h"
 #include "filasofia/math/polar.h"
 
 #include <algorithm>

@@ -27,6 +27,14 @@ template <class T> std::string_view kindOf()
 }
 
 /// Sets a field to a value of its type; `where` names both in errors.
+TextureMap mapOf(const Texture& given, const std::string& where)
+{
+    if (const auto* view = std::get_if<ViewPicture>(&given))
+        fail(where, ": must be a file, not the picture of view '", view->view, "'");
+    if (const auto* file = std::get_if<TextureFile>(&given)) return *file;
+    return NoTexture{};
+}
+
 template <class Value> void assign(Value& field, const ParameterValue& value, const std::string& where)
 {
     std::visit(
@@ -37,12 +45,7 @@ template <class Value> void assign(Value& field, const ParameterValue& value, co
             } else if constexpr (std::is_same_v<Value, double> && std::is_same_v<Given, int>) {
                 field = given;
             } else if constexpr (std::is_same_v<Value, TextureMap> && std::is_same_v<Given, Texture>) {
-                if (const auto* view = std::get_if<ViewPicture>(&given))
-                    fail(where, ": must be a file, not the picture of view '", view->view, "'");
-                if (const auto* file = std::get_if<TextureFile>(&given))
-                    field = *file;
-                else
-                    field = NoTexture{};
+                field = mapOf(given, where);
             } else {
                 fail(where, ": must be a ", kindOf<Value>(), ", got a ", kindOf<Given>());
             }

@@ -3,6 +3,7 @@
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/body/tissue_map.h"
+#include "filasofia/engine/elastic/element_blocks.h"
 #include "filasofia/math/polar.h"
 
 #include <algorithm>

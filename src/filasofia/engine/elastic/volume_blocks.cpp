@@ -2,6 +2,8 @@
 
 #include "filasofia/linalg/simd_targets.h"
 
+#include <algorithm>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "filasofia/engine/elastic/volume_blocks.cpp"
 #include <hwy/foreach_target.h>
