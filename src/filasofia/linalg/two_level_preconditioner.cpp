@@ -102,8 +102,7 @@ void TwoLevelPreconditioner::addToCoarseResidual(int node, Vec3 change)
 
 Mat3 TwoLevelPreconditioner::inverseDiagonal(int node) const
 {
-    const Mat3 rotation = rotationAt(rotations_, node);
-    return rotation * smoother_.inverse(node) * transpose(rotation);
+    return rotation(node) * smoother_.inverse(node) * transpose(rotation(node));
 }
 
 void TwoLevelPreconditioner::addColumn(std::span<const ColumnEntry> column)

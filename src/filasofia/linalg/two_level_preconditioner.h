@@ -43,6 +43,7 @@ public:
     double applyCoarse(const NodeArray& r, NodeArray& z, WorkerPool& pool, std::span<const double> coefficients = {});
     void addToCoarseResidual(int node, Vec3 change);    ///< to the r that B is applied to
     [[nodiscard]] Mat3 inverseDiagonal(int node) const; ///< R D^-1 R^T
+    [[nodiscard]] Mat3 rotation(int node) const { return rotationAt(rotations_, node); } ///< R
 
     /// The part of the impulses r that the coarse nodes can carry: each of them gets its share P^T r and moves the
     /// nodes that follow it by their masses M. The total momentum is that of r, if every node follows a coarse node.

@@ -10,7 +10,7 @@ namespace filasofia::engine {
 
 /// A body given by any symmetric positive definite matrix over its nodes; contact points are nodes. D is its diagonal
 /// in blocks of three, B is zero or half of the true inverse.
-class DenseBody final : public BodyOperator, public BodyPreconditioner, private DeflationOperator {
+class DenseBody final : public BodyOperator, public BodySmoother, public BodyPreconditioner, private DeflationOperator {
 public:
     DenseBody(Eigen::MatrixXd matrix, Eigen::VectorXd right, bool coarse)
         : a(std::move(matrix)), b(std::move(right)), inverse_(a.inverse()), coarse_(coarse)
@@ -29,7 +29,16 @@ public:
     }
     [[nodiscard]] Mat3 compliance(int point) const override
     {
-        const Eigen::Matrix3d m = block(points_[static_cast<std::size_t>(point)].node).inverse();
+        const int node = points_[static_cast<std::size_t>(point)].node;
+        return inverse(block(node, node));
+    }
+    void addColumns(int point, std::vector<BlockColumns>& out) const override
+    {
+        out.push_back({points_[static_cast<std::size_t>(point)].node, Mat3::identity()});
+    }
+    [[nodiscard]] Mat3 block(int row, int) const override
+    {
+        const Eigen::Matrix3d m = blockOf(row);
         return {{{m(0, 0), m(0, 1), m(0, 2)}, {m(1, 0), m(1, 1), m(1, 2)}, {m(2, 0), m(2, 1), m(2, 2)}}};
     }
     double multiply() override { return p_.dot(q_ = a * p_); }
@@ -76,6 +85,7 @@ public:
     Eigen::VectorXd b, x, guess;
 
 private:
+    void addCoarseColumns(int point, std::vector<BlockColumns>& out) const override { addColumns(point, out); }
     void clear() override { columns_.clear(); }
     void addColumn(std::span<const Vec3> impulses) override { columns_.push_back(scattered(impulses)); }
     void finish() override { finished_ = columns_.size(); }
@@ -90,11 +100,11 @@ private:
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = columns_[i].dot(0.5 * (inverse_ * s_));
     }
 
-    [[nodiscard]] Eigen::Matrix3d block(int node) const { return a.block<3, 3>(3 * node, 3 * node); }
+    [[nodiscard]] Eigen::Matrix3d blockOf(int node) const { return a.block<3, 3>(3 * node, 3 * node); }
     [[nodiscard]] Eigen::VectorXd smoothed(const Eigen::VectorXd& r) const
     {
         Eigen::VectorXd w(r.size());
-        for (int i = 0; 3 * i < r.size(); ++i) w.segment<3>(3 * i) = block(i).inverse() * r.segment<3>(3 * i);
+        for (int i = 0; 3 * i < r.size(); ++i) w.segment<3>(3 * i) = blockOf(i).inverse() * r.segment<3>(3 * i);
         return w;
     }
     [[nodiscard]] Eigen::VectorXd scattered(std::span<const Vec3> impulses) const

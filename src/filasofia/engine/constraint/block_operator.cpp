@@ -28,20 +28,12 @@ Mat3 BlockOperator::compliance(int point) const
     return inverse_[i] + arm * inverse_[i + 1] * transpose(arm);
 }
 
-void BlockOperator::writeMatrix(std::span<double> a) const
+void BlockOperator::addColumns(int point, std::vector<BlockColumns>& out) const
 {
-    const std::size_t n = unknowns();
-    for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t k = 0; k < 3; ++k) a[i * n + i / 3 * 3 + k] = in_.diagonal[i / 3][i % 3][k];
-}
-
-void BlockOperator::writeColumns(int point, std::span<Vec3> j) const
-{
-    const Vec3 arm = points_[static_cast<std::size_t>(point)].arm;
-    for (std::size_t k = 0; k < 3; ++k) {
-        j[k][k] = 1.0;
-        j[3 + k] = cross(j[k], arm);
-    }
+    const ContactPoint& at = points_[static_cast<std::size_t>(point)];
+    const int i = static_cast<int>(unknownOf(at));
+    out.push_back({i, Mat3::identity()});
+    if (in_.turning) out.push_back({i + 1, transpose(crossMatrix(at.arm))}); // omega x arm
 }
 
 double BlockOperator::multiply()

@@ -21,25 +21,25 @@ struct BlockOperatorInput {
 
 /// The operator of a body whose matrix is stored as 3x3 blocks, or is the diagonal of its masses: bodies with explicit
 /// integration, rigid bodies, and bodies with a solver of their own choice.
-class BlockOperator final : public DenseOperator<Vec3>, private SmallBody {
+class BlockOperator final : public DenseOperator<Vec3> {
 public:
     explicit BlockOperator(const BlockOperatorInput& in);
 
     double begin(std::span<const ContactPoint> points) override;
-    [[nodiscard]] Mat3 compliance(int point) const override;
     void read(SolveVector from, std::span<Vec3> out) const override;
     void add(std::span<const Vec3> impulses, SolveVector to) override;
-    [[nodiscard]] const SmallBody* small() const override { return in_.turning ? this : nullptr; }
     double multiply() override;
+
+    [[nodiscard]] Mat3 compliance(int point) const override;
+    void addColumns(int point, std::vector<BlockColumns>& out) const override;
+    [[nodiscard]] Mat3 block(int row, int) const override { return in_.diagonal[static_cast<std::size_t>(row)]; }
+    [[nodiscard]] bool isExact() const override { return !in_.matrix; }
 
     void smooth() override;
     double applyCoarse(std::span<const double> shares) override;
     void subtractSmoothed(std::span<const Vec3> impulses) override;
 
 private:
-    [[nodiscard]] std::size_t unknowns() const override { return 3 * x_.size(); }
-    void writeMatrix(std::span<double> a) const override;
-    void writeColumns(int point, std::span<Vec3> j) const override;
     void addTo(Vector& to, std::span<const Vec3> impulses) const;
     [[nodiscard]] std::size_t unknownOf(const ContactPoint& point) const
     {

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace filasofia::engine {
 
@@ -21,14 +22,25 @@ struct ContactPoint {
 /// preconditioned residual, s the residual that the coarse level is applied to.
 enum class SolveVector { Direction, Residual, Product, Smoothed, Preconditioned, CoarseResidual };
 
-/// A body with so few unknowns that its matrix can be written out: a rigid element or an articulation.
-class SmallBody {
+/// The columns of J at a contact point, world axes, for one block of three unknowns of its body.
+struct BlockColumns {
+    int block = 0;
+    Mat3 j;
+};
+
+/// D, an approximation of a body's matrix A that is small blocks only: those of the nodes of a soft body, or all of a
+/// rigid body or an articulation. It is read as 3x3 blocks of unknowns: a node's velocity, a rigid body's velocity and
+/// its angular velocity, or three joints.
+class BodySmoother {
 public:
-    virtual ~SmallBody() = default;
-    [[nodiscard]] virtual std::size_t unknowns() const = 0;
-    virtual void writeMatrix(std::span<double> a) const = 0; ///< A, row by row; given as zeros
-    /// The columns of J at a contact point, one per unknown, world axes.
-    virtual void writeColumns(int point, std::span<Vec3> j) const = 0;
+    virtual ~BodySmoother() = default;
+    /// D^-1 as seen from a contact point [1/kg], world axes.
+    [[nodiscard]] virtual Mat3 compliance(int point) const = 0;
+    /// Appends the columns of J at a contact point, for every block that D couples with those that the point moves.
+    virtual void addColumns(int point, std::vector<BlockColumns>& out) const = 0;
+    [[nodiscard]] virtual Mat3 block(int row, int column) const = 0; ///< a block of D
+    [[nodiscard]] virtual bool isDiagonal() const { return true; }   ///< block(i, j) is zero for other i and j
+    [[nodiscard]] virtual bool isExact() const { return false; }     ///< D is A, and there is no coarse level B
 };
 
 /// One body's part of a solve that couples several bodies. Whatever the body's integrator and solver are, it has a
@@ -42,14 +54,10 @@ public:
     /// Sets x = 0, r = the right-hand side and p = a first guess. Constraints act at these points until the next call.
     /// Returns the mass of the moving part [kg].
     virtual double begin(std::span<const ContactPoint> points) = 0;
-    /// D^-1 as seen from a contact point [1/kg], world axes.
-    [[nodiscard]] virtual Mat3 compliance(int point) const = 0;
     /// Reads Direction, Smoothed or Preconditioned at the contact points.
     virtual void read(SolveVector from, std::span<Vec3> out) const = 0;
     /// Adds impulses at the contact points to Residual, or to CoarseResidual, which leaves the residual unchanged.
     virtual void add(std::span<const Vec3> impulses, SolveVector to) = 0;
-
-    [[nodiscard]] virtual const SmallBody* small() const { return nullptr; } ///< null if the body is not small
 
     virtual double multiply() = 0; ///< q = A p; returns the curvature p . q
     /// p . r (Direction, Residual) or z . q (Preconditioned, Product)
@@ -58,10 +66,13 @@ public:
     virtual void updateDirection(double beta) = 0; ///< p = z + beta p
 };
 
-/// Columns F of impulses at a body's contact points, which deflate its coarse level B (PatchCorrection).
+/// Columns F of impulses at a body's contact points, which deflate its coarse level B (CoarseCorrection).
 class DeflationOperator {
 public:
     virtual ~DeflationOperator() = default;
+    /// Appends how the coarse nodes that a contact point follows move it: columns of J P, world axes, of blocks that
+    /// are coarse nodes.
+    virtual void addCoarseColumns(int point, std::vector<BlockColumns>& out) const = 0;
     virtual void clear() = 0;
     virtual void addColumn(std::span<const Vec3> impulses) = 0;         ///< [N s] at the contact points
     virtual void finish() = 0;                                          ///< computes B F from all columns
@@ -70,8 +81,8 @@ public:
     virtual void project(std::span<double> out) = 0;
 };
 
-/// The approximate inverse D^-1 + B of a body's matrix: D is made of small diagonal blocks (the smoother); B is any
-/// other approximation (the coarse level), or zero.
+/// The approximate inverse D^-1 + B of a body's matrix: D is its BodySmoother's; B is any other approximation (the
+/// coarse level), or zero.
 class BodyPreconditioner {
 public:
     virtual ~BodyPreconditioner() = default;
@@ -86,8 +97,11 @@ public:
 /// A body of a coupled solve.
 struct CoupledBody {
     BodyOperator* matrix = nullptr;
+    BodySmoother* smoother = nullptr;
     BodyPreconditioner* preconditioner = nullptr;
+
+    [[nodiscard]] DeflationOperator* deflation() const { return preconditioner->deflation(); }
 };
-template <class Body> CoupledBody coupled(Body& body) { return {&body, &body}; }
+template <class Body> CoupledBody coupled(Body& body) { return {&body, &body, &body}; }
 
 } // namespace filasofia::engine

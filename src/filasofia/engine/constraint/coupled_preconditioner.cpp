@@ -48,16 +48,6 @@ void CoupledSolve::chooseStiffness()
     }
 }
 
-void CoupledSolve::beginExactFilter()
-{
-    std::vector<const SmallBody*> small;
-    for (const CoupledBody& body : *bodies_) small.push_back(body.matrix->small());
-    exact_ = std::ranges::find(small, nullptr) == small.end();
-    if (!exact_) return;
-    exactFilter_.begin(small, first_, *constraints_);
-    perRow_.resize(rows_.size());
-}
-
 void CoupledSolve::makeFilter()
 {
     shares_.assign(sharing_.size(), 0.0);
@@ -78,9 +68,9 @@ void CoupledSolve::makeFilter()
         for (std::size_t k = firstOf(c); row.state.active && k < endOf(c); ++k)
             shareOf(k) += std::abs(constraints_->points[k].weight);
     }
-    for (std::size_t c = 0; exact_ && c < rows_.size(); ++c) perRow_[c] = rows_[c].sigma;
-    exact_ = exact_ && exactFilter_.build(perRow_);
-    if (exact_) return; // without it, the filters of single constraints do
+    for (std::size_t c = 0; together_ && c < rows_.size(); ++c) perRow_[c] = rows_[c].sigma;
+    together_ = together_ && filter_.build(perRow_);
+    if (together_) return; // without it, the filters of single constraints do
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         if (row.sigma.x == 0.0) continue;
@@ -101,16 +91,26 @@ void CoupledSolve::renewFilter()
     if (others * kOthers > rows_.size()) makeFilter();
 }
 
-void CoupledSolve::correctCoarseLevels() { patches_.make(*bodies_, first_, *constraints_, filters_); }
+void CoupledSolve::correctCoarseLevels() { correction_.make(network(), patchMotions(network())); }
+
+void CoupledSolve::joinConstraints()
+{
+    if (together_) return;
+    if (std::vector<ConstraintMotion> motions = coarseNodeMotions(network()); !motions.empty())
+        correction_.make(network(), std::move(motions));
+    together_ = true;
+    filter_.begin(*bodies_, first_, *constraints_);
+    makeFilter();
+}
 
 void CoupledSolve::applyFilter()
 {
-    if (!exact_) {
+    if (!together_) {
         for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = filters_[c] * rows_[c].scratch;
         return;
     }
     for (std::size_t c = 0; c < rows_.size(); ++c) perRow_[c] = rows_[c].scratch;
-    exactFilter_.apply(perRow_);
+    filter_.apply(perRow_);
     for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = perRow_[c];
 }
 
@@ -131,9 +131,9 @@ double CoupledSolve::precondition()
                     });
     }
     double rz = 0.0;
-    if (!patches_.empty()) patches_.project(*bodies_);
+    if (!correction_.empty()) correction_.project(*bodies_);
     for (std::size_t b = 0; b < bodies_->size(); ++b)
-        rz += (*bodies_)[b].preconditioner->applyCoarse(patches_.shares(b));
+        rz += (*bodies_)[b].preconditioner->applyCoarse(correction_.shares(b));
     readInto(SolveVector::Preconditioned, &Row::scratch);
     applyFilter();
     for (const Row& row : rows_) rz -= dot(row.step, row.scratch);

@@ -10,7 +10,10 @@ namespace {
 // after this number of trials.
 constexpr double kFlatEnough = 0.3;
 constexpr int kMaxTrials = 6;
-constexpr int kCorrectAfter = 4;     // iterations after which the coarse levels are corrected
+constexpr int kCorrectAfter = 4; // iterations after which the coarse levels know patches of constraints
+// Iterations after which filter and coarse levels know all constraints together. After 8 to 16 the hostile scenes of
+// docs/lab/contact.md take the same time; after 16, more of those with moderate contacts save it.
+constexpr int kJoinAfter = 16;
 constexpr double kSteepEnough = 0.1; // a direction's derivative relative to that of z; if it is less, z is used instead
 
 } // namespace
@@ -32,7 +35,8 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     CoupledReport report;
     report.rounds = 1;
     for (int updates = 0, nonlinear = 0;; ++report.iterations, ++nonlinear) {
-        if (report.iterations == kCorrectAfter && patches_.empty()) correctCoarseLevels();
+        if (report.iterations == kCorrectAfter && correction_.empty()) correctCoarseLevels();
+        if (report.iterations == kJoinAfter) joinConstraints();
         const double rz = precondition(); // the energy of the error, as the preconditioner estimates it
         const bool number = rz >= 0.0 && std::isfinite(rz);
         report.residual = rz == 0.0 ? 0.0 : number ? std::sqrt(rz / (rz + energy_)) : 1.0;
@@ -78,7 +82,7 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
         mass += masses_.back();
         const int offset = first_.back(), count = static_cast<int>(points.size());
         for (int k = 0; k < count; ++k) {
-            compliance_.push_back(body.compliance(k));
+            compliance_.push_back((*bodies_)[b].smoother->compliance(k));
             int same = k; // a body's contact points come in the order of their nodes
             if (k > 0 && points[static_cast<std::size_t>(k)].node == points[static_cast<std::size_t>(k) - 1].node)
                 same = sharing_.back() - offset;
@@ -88,10 +92,13 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     }
     atPoints_.resize(sharing_.size());
     rows_.assign(constraints_->list.size(), {});
-    beginExactFilter();
+    perRow_.resize(rows_.size());
+    exact_ = std::ranges::all_of(*bodies_, [](const CoupledBody& body) { return body.smoother->isExact(); });
+    together_ = exact_;
+    if (together_) filter_.begin(*bodies_, first_, *constraints_);
     smallest_ = mass * limits_->smallChange;
     energy_ = smallest_ * limits_->smallChange;
-    patches_.clear();
+    correction_.clear();
     activeSetFrozen_ = false;
     restart_ = true;
 }

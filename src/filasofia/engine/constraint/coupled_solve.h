@@ -1,9 +1,9 @@
 #pragma once
 
 #include "filasofia/engine/constraint/body_operator.h"
+#include "filasofia/engine/constraint/coarse_correction.h"
 #include "filasofia/engine/constraint/constraint.h"
-#include "filasofia/engine/constraint/exact_filter.h"
-#include "filasofia/engine/constraint/patch_correction.h"
+#include "filasofia/engine/constraint/constraint_filter.h"
 #include "filasofia/linalg/matrix_free_cg.h"
 
 #include <algorithm>
@@ -60,10 +60,13 @@ struct CoupledReport : linalg::NodeSolveReport {
 /// The preconditioner filters the stiff contact directions out of the smoother and the coarse level: with N = sum |w| s
 /// F D^-1 F^T per constraint, s the sum of the weights that share a contact point, and M = (1 + Sigma N)^-1 Sigma,
 ///     q = D^-1 r + B (r - J^T M J D^-1 r),   z = q - D^-1 J^T M J q.
-/// If all bodies are small, D is A, there is no B, and M is that of all constraints together (ExactFilter): z is then
-/// the solution for the constraints that are active.
-/// If any constraint is bilateral, or if the first iterations do not converge, B is deflated by the constraints
-/// (PatchCorrection).
+/// The slower the solve, the more it knows of the constraints, as that costs about as much as some iterations:
+///     at once, if any constraint is bilateral, or after 4 iterations: B is deflated by rigid motions of patches
+///         (CoarseCorrection)
+///     after 16 iterations: B is deflated by the motions of all coarse nodes that constraints follow, and M is that of
+///         all constraints together (ConstraintFilter)
+/// If D is A in all bodies, there is no B, and M is that of all constraints together at once: z is then the solution
+/// for the constraints that are active.
 class CoupledSolve {
 public:
     /// `pointsOf[b]` are the contact points of body b; rows index them as one list, in the order of the bodies. Leaves
@@ -87,10 +90,11 @@ private:
 
     void begin(const std::vector<std::vector<ContactPoint>>& pointsOf);
     void chooseStiffness();
-    void beginExactFilter();
+    void joinConstraints(); ///< filter and coarse levels know all of them together from now on
     void makeFilter();
     void applyFilter(); ///< `scratch` = M of the velocities in `scratch`
     void correctCoarseLevels();
+    [[nodiscard]] ConstraintNetwork network() const { return {*bodies_, first_, *constraints_, filters_}; }
     void renewFilter();                                 ///< rebuilds it if states have changed since
     void gather(SolveVector from);                      ///< atPoints_ = this vector of the bodies
     [[nodiscard]] Vec3 velocityOf(std::size_t c) const; ///< F J atPoints_
@@ -124,10 +128,11 @@ private:
     std::vector<Mat3> ownCompliance_; ///< [1/kg] per point of a constraint: in its frame, times |weight|
     std::vector<Row> rows_;
     std::vector<Mat3> filters_; ///< M, per constraint
-    ExactFilter exactFilter_;   ///< M of all constraints together, if all bodies are small
-    bool exact_ = false;        ///< the exact filter is used
-    std::vector<Vec3> perRow_;  ///< scratch of the exact filter
-    PatchCorrection patches_;
+    ConstraintFilter filter_;   ///< M of all constraints together
+    bool together_ = false;     ///< it is used in place of those of single constraints
+    bool exact_ = false;        ///< D is A in all bodies
+    std::vector<Vec3> perRow_;  ///< scratch of the filter
+    CoarseCorrection correction_;
     double energy_ = 0.0, smallest_ = 0.0;
 
     bool activeSetFrozen_ = false; ///< the active set is frozen, and the law is linear

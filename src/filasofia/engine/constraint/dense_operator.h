@@ -9,7 +9,7 @@ namespace filasofia::engine {
 
 /// The vectors of a coupled solve in double, one Value (a number or a Vec3) per unknown, and the operations of
 /// conjugate gradients that do not depend on the matrix.
-template <class Value> class DenseOperator : public BodyOperator, public BodyPreconditioner {
+template <class Value> class DenseOperator : public BodyOperator, public BodySmoother, public BodyPreconditioner {
 public:
     [[nodiscard]] std::span<const Value> answer() const { return x_; }
 

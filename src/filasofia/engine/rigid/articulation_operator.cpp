@@ -47,15 +47,24 @@ Mat3 ArticulationOperator::compliance(int point) const
     return sum;
 }
 
-void ArticulationOperator::writeMatrix(std::span<double> a) const
+void ArticulationOperator::addColumns(int point, std::vector<BlockColumns>& out) const
 {
-    for (std::size_t i = 0; i < x_.size(); ++i)
-        for (std::size_t k = 0; k < x_.size(); ++k) a[i * x_.size() + k] = plan_.matrix(i, k);
+    const std::span<const Vec3> j = columnsOf(static_cast<std::size_t>(point));
+    const auto column = [&](std::size_t f) { return f < j.size() ? j[f] : Vec3{}; };
+    for (std::size_t f = 0; f < j.size(); f += 3)
+        out.push_back({static_cast<int>(f / 3), Mat3::columns(column(f), column(f + 1), column(f + 2))});
 }
 
-void ArticulationOperator::writeColumns(int point, std::span<Vec3> j) const
+/// The last block is filled up with unknowns of their own, which nothing moves.
+Mat3 ArticulationOperator::block(int row, int column) const
 {
-    std::ranges::copy(columnsOf(static_cast<std::size_t>(point)), j.begin());
+    Mat3 out;
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) {
+            const auto f = static_cast<std::size_t>(3 * row + i), g = static_cast<std::size_t>(3 * column + k);
+            out[i][k] = std::max(f, g) < x_.size() ? plan_.matrix(f, g) : f == g ? 1.0 : 0.0;
+        }
+    return out;
 }
 
 double ArticulationOperator::multiply()

@@ -7,26 +7,27 @@ namespace filasofia::engine {
 
 /// The body operator of an articulated body, for coupled solves. Its unknowns are the velocities of its free joints.
 /// A^-1 is known, so its compliance at a contact point is J A^-1 J^T.
-class ArticulationOperator final : public DenseOperator<double>, private SmallBody {
+class ArticulationOperator final : public DenseOperator<double> {
 public:
     /// Tree and plan must outlive the solve. `origins` [m]: the origin of each link.
     ArticulationOperator(const LinkTree& tree, const ArticulationPlan& plan, std::vector<Vec3> origins);
 
     double begin(std::span<const ContactPoint> points) override;
-    [[nodiscard]] Mat3 compliance(int point) const override;
     void read(SolveVector from, std::span<Vec3> out) const override;
     void add(std::span<const Vec3> impulses, SolveVector to) override;
-    [[nodiscard]] const SmallBody* small() const override { return this; }
     double multiply() override;
+
+    [[nodiscard]] Mat3 compliance(int point) const override;
+    void addColumns(int point, std::vector<BlockColumns>& out) const override;
+    [[nodiscard]] Mat3 block(int row, int column) const override;
+    [[nodiscard]] bool isDiagonal() const override { return x_.size() <= 3; }
+    [[nodiscard]] bool isExact() const override { return true; }
 
     void smooth() override;
     double applyCoarse(std::span<const double> shares) override;
     void subtractSmoothed(std::span<const Vec3> impulses) override;
 
 private:
-    [[nodiscard]] std::size_t unknowns() const override { return x_.size(); }
-    void writeMatrix(std::span<double> a) const override;
-    void writeColumns(int point, std::span<Vec3> j) const override;
     [[nodiscard]] std::span<const Vec3> columnsOf(std::size_t point) const
     {
         return std::span(columns_).subspan(point * x_.size(), x_.size());

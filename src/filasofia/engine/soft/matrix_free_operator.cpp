@@ -40,6 +40,16 @@ Mat3 MatrixFreeOperator::compliance(int point) const
     return system_.scale_ * inverse_[static_cast<std::size_t>(point)];
 }
 
+void MatrixFreeOperator::addColumns(int point, std::vector<BlockColumns>& out) const
+{
+    out.push_back({slots_[static_cast<std::size_t>(point)], Mat3::identity()});
+}
+
+Mat3 MatrixFreeOperator::block(int row, int) const
+{
+    return inverse(system_.scale_ * system_.preconditioner_.inverseDiagonal(row));
+}
+
 void MatrixFreeOperator::readFrom(const NodeArray& vector, std::span<Vec3> out) const
 {
     for (std::size_t k = 0; k < slots_.size(); ++k) {
@@ -109,6 +119,15 @@ void MatrixFreeOperator::subtractSmoothed(std::span<const Vec3> impulses)
         const Vec3 change = system_.scale_ * (inverse_[k] * impulses[k]);
         for (int i = 0; i < 3; ++i) z_[slots_[k]][i] -= static_cast<float>(change[i]);
     }
+}
+
+void MatrixFreeOperator::addCoarseColumns(int point, std::vector<BlockColumns>& out) const
+{
+    const int slot = slots_[static_cast<std::size_t>(point)];
+    const linalg::Interpolation how = system_.preconditioner_.interpolation(slot);
+    const Mat3 rotation = system_.preconditioner_.rotation(slot);
+    for (std::size_t k = 0; k < how.corners.size(); ++k)
+        if (how.weights[k] != 0.0f) out.push_back({how.corners[k], static_cast<double>(how.weights[k]) * rotation});
 }
 
 void MatrixFreeOperator::addColumn(std::span<const Vec3> impulses)

@@ -6,7 +6,10 @@
 namespace filasofia::engine {
 
 /// The body operator of a matrix-free body, for coupled solves.
-class MatrixFreeOperator final : public BodyOperator, public BodyPreconditioner, private DeflationOperator {
+class MatrixFreeOperator final : public BodyOperator,
+                                 public BodySmoother,
+                                 public BodyPreconditioner,
+                                 private DeflationOperator {
 public:
     explicit MatrixFreeOperator(MatrixFreeSystem& system);
 
@@ -14,7 +17,6 @@ public:
     void prepare(std::span<const Vec3> dv, WorkerPool& pool);
 
     double begin(std::span<const ContactPoint> points) override;
-    [[nodiscard]] Mat3 compliance(int point) const override;
     void read(SolveVector from, std::span<Vec3> out) const override;
     void add(std::span<const Vec3> impulses, SolveVector to) override;
     double multiply() override;
@@ -22,12 +24,17 @@ public:
     void step(double alpha) override;
     void updateDirection(double beta) override;
 
+    [[nodiscard]] Mat3 compliance(int point) const override;
+    void addColumns(int point, std::vector<BlockColumns>& out) const override;
+    [[nodiscard]] Mat3 block(int row, int column) const override;
+
     void smooth() override;
     double applyCoarse(std::span<const double> shares) override;
     void subtractSmoothed(std::span<const Vec3> impulses) override;
     [[nodiscard]] DeflationOperator* deflation() override { return system_.coarseNodes() > 0 ? this : nullptr; }
 
 private:
+    void addCoarseColumns(int point, std::vector<BlockColumns>& out) const override;
     void clear() override { system_.preconditioner_.clearColumns(); }
     void addColumn(std::span<const Vec3> impulses) override;
     void finish() override { system_.preconditioner_.finishColumns(); }

@@ -134,7 +134,7 @@ CoupledLimits coupledLimitsOf(const StepContext& context, const Scene& scene, co
                               const linalg::SolveLimits& limits)
 {
     // Rigid bodies in a tower sway as one body with more inertia than each has by itself: their penalties must be
-    // larger than that. They may be, as the exact filter makes no iterations of them.
+    // larger than that. They may be, as the filter of all constraints together makes no iterations of them.
     constexpr double rigidStiffening = 1e4, rigidHolding = 1000.0; // friction does not bear more
     // If a heavy body rests on a light one, the compliance of the contact is that of the light body, but the mass that
     // sways is that of the heavy one: the penalty is at least this times the heaviest mass.

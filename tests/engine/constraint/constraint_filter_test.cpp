@@ -1,50 +1,66 @@
-#include "filasofia/engine/constraint/exact_filter.h"
+#include "filasofia/engine/constraint/constraint_filter.h"
 
 #include <Eigen/Dense>
 
-namespace exact_filter_test {
+namespace constraint_filter_test {
 
 using namespace filasofia;
 using namespace filasofia::engine;
 
 namespace {
 
-/// Any positive definite matrix, and any J per contact point.
-struct RandomBody final : SmallBody {
-    Eigen::MatrixXd a;
+/// Any positive definite D of blocks, coupled or not, and any J per contact point.
+struct RandomBody final : BodySmoother {
+    Eigen::MatrixXd d;
     std::vector<Eigen::MatrixXd> j; ///< per point: three rows
 
-    RandomBody(std::mt19937& random, int size, int points)
+    RandomBody(std::mt19937& random, int blocks, int points, bool diagonal) : diagonal_(diagonal)
     {
         std::normal_distribution<double> number;
         const auto any = [&] { return number(random); };
+        const Eigen::Index size = 3 * blocks;
         const Eigen::MatrixXd half = Eigen::MatrixXd::NullaryExpr(size, size, any);
-        a = half * half.transpose() + 0.1 * Eigen::MatrixXd::Identity(size, size);
-        for (int p = 0; p < points; ++p) j.emplace_back(Eigen::MatrixXd::NullaryExpr(3, size, any));
+        d = half * half.transpose() + 0.1 * Eigen::MatrixXd::Identity(size, size);
+        for (Eigen::Index i = 0; i < size; ++i)
+            for (Eigen::Index k = 0; k < size; ++k)
+                if (diagonal && i / 3 != k / 3) d(i, k) = 0.0;
+        for (int p = 0; p < points; ++p) {
+            j.emplace_back(Eigen::MatrixXd::NullaryExpr(3, size, any));
+            if (diagonal) j.back().middleCols(3 * (p % blocks), 3).setZero(); // a point that misses a block
+        }
     }
-    [[nodiscard]] std::size_t unknowns() const override { return static_cast<std::size_t>(a.rows()); }
-    void writeMatrix(std::span<double> out) const override
-    {
-        for (Eigen::Index i = 0; i < a.rows(); ++i)
-            for (Eigen::Index k = 0; k < a.cols(); ++k) out[static_cast<std::size_t>(i * a.cols() + k)] = a(i, k);
-    }
-    void writeColumns(int point, std::span<Vec3> out) const override
+    [[nodiscard]] Mat3 compliance(int) const override { return {}; }
+    void addColumns(int point, std::vector<BlockColumns>& out) const override
     {
         const Eigen::MatrixXd& rows = j[static_cast<std::size_t>(point)];
-        for (Eigen::Index k = 0; k < rows.cols(); ++k)
-            out[static_cast<std::size_t>(k)] = {rows(0, k), rows(1, k), rows(2, k)};
+        for (int b = 0; 3 * b < rows.cols(); ++b)
+            if (!diagonal_ || !rows.middleCols<3>(3 * b).isZero(0.0)) out.push_back({b, at(rows, 0, b)});
     }
+    [[nodiscard]] Mat3 block(int row, int column) const override { return at(d, row, column); }
+    [[nodiscard]] bool isDiagonal() const override { return diagonal_; }
+
+private:
+    static Mat3 at(const Eigen::MatrixXd& m, int row, int column)
+    {
+        Mat3 out;
+        for (int i = 0; i < 3; ++i)
+            for (int k = 0; k < 3; ++k) out[i][k] = m(3 * row + i, 3 * column + k);
+        return out;
+    }
+    bool diagonal_;
 };
 
 } // namespace
 
-TEST_CASE("the exact filter is what Woodbury's formula makes of all constraints, between bodies of any size")
+TEST_CASE(
+    "the filter of all constraints is what Woodbury's formula makes of all constraints, between bodies of any size")
 {
     std::mt19937 random(7);
     std::normal_distribution<double> number;
     const auto vector = [&] { return Vec3{number(random), number(random), number(random)}; };
-    const RandomBody one(random, 6, 5), two(random, 3, 4), three(random, 1, 2);
-    const std::array<const SmallBody*, 3> bodies{&one, &two, &three};
+    RandomBody one(random, 2, 5, false), two(random, 3, 4, true), three(random, 1, 2, false);
+    const std::array<RandomBody*, 3> made{&one, &two, &three};
+    const std::array<CoupledBody, 3> bodies{CoupledBody{.smoother = &one}, {.smoother = &two}, {.smoother = &three}};
     const std::vector<int> first{0, 5, 9, 11};
 
     // Rows between two bodies, on one body alone, with two points on one body, and one that takes no part.
@@ -64,12 +80,11 @@ TEST_CASE("the exact filter is what Woodbury's formula makes of all constraints,
         u.push_back(vector());
     }
 
-    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(10, 10), j = Eigen::MatrixXd::Zero(18, 10);
+    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(18, 18), j = Eigen::MatrixXd::Zero(18, 18);
     Eigen::VectorXd s(18), velocities(18);
-    const std::array<const RandomBody*, 3> made{&one, &two, &three};
-    const std::array<Eigen::Index, 3> offset{0, 6, 9};
+    const std::array<Eigen::Index, 3> offset{0, 6, 15};
     for (std::size_t b = 0; b < 3; ++b)
-        a.block(offset[b], offset[b], made[b]->a.rows(), made[b]->a.rows()) = made[b]->a;
+        a.block(offset[b], offset[b], made[b]->d.rows(), made[b]->d.rows()) = made[b]->d;
     for (std::size_t r = 0; r < points.size(); ++r)
         for (Eigen::Index k = 0; k < 3; ++k) {
             const auto axis = static_cast<std::size_t>(k), at = 3 * r + axis;
@@ -78,7 +93,7 @@ TEST_CASE("the exact filter is what Woodbury's formula makes of all constraints,
             for (const auto& [point, weight] : points[r]) {
                 const std::size_t b = point < 5 ? 0 : point < 9 ? 1 : 2;
                 const Vec3 f = constraints[r].frame[axis];
-                j.block(static_cast<Eigen::Index>(at), offset[b], 1, made[b]->a.rows()) +=
+                j.block(static_cast<Eigen::Index>(at), offset[b], 1, made[b]->d.rows()) +=
                     weight * Eigen::RowVector3d(f.x, f.y, f.z) * made[b]->j[static_cast<std::size_t>(point - first[b])];
             }
         }
@@ -86,7 +101,7 @@ TEST_CASE("the exact filter is what Woodbury's formula makes of all constraints,
     const Eigen::VectorXd expected = s.asDiagonal() * velocities -
                                      s.asDiagonal() * (j * k.ldlt().solve(j.transpose() * s.asDiagonal() * velocities));
 
-    ExactFilter filter;
+    ConstraintFilter filter;
     filter.begin(bodies, first, rows);
     REQUIRE(filter.build(sigma));
     std::vector<Vec3> impulses = u;
@@ -100,4 +115,4 @@ TEST_CASE("the exact filter is what Woodbury's formula makes of all constraints,
     CHECK_FALSE(filter.build(sigma));
 }
 
-} // namespace exact_filter_test
+} // namespace constraint_filter_test

@@ -1,10 +1,10 @@
-#include "filasofia/engine/constraint/patch_correction.h"
+#include "filasofia/engine/constraint/coarse_correction.h"
 
 #include "engine/constraint/dense_body.h"
 
 #include <random>
 
-namespace patch_correction_test {
+namespace coarse_correction_test {
 
 using namespace filasofia;
 using namespace filasofia::engine;
@@ -58,14 +58,17 @@ struct Problem {
     }
     Problem(const Problem&) = delete;
     [[nodiscard]] std::vector<CoupledBody> list() { return {coupled(bodies[0]), coupled(bodies[1])}; }
-    void correct(PatchCorrection& patches)
+    using Motions = std::vector<ConstraintMotion> (*)(const ConstraintNetwork&);
+    void correct(CoarseCorrection& correction, Motions motions = patchMotions)
     {
         for (std::size_t c = 0; c < constraints.size(); ++c) rows.list[c].constraint = &constraints[c];
-        patches.make(list(), first, rows, filters);
+        const std::vector<CoupledBody> all = list();
+        const ConstraintNetwork network{all, first, rows, filters};
+        correction.make(network, motions(network));
     }
 
     /// B', column by column.
-    Eigen::MatrixXd corrected(PatchCorrection& patches)
+    Eigen::MatrixXd corrected(CoarseCorrection& patches)
     {
         const int n = 3 * kNodes;
         Eigen::MatrixXd all(2 * n, 2 * n);
@@ -116,11 +119,24 @@ TEST_CASE("the correction is exact if its constraints resist only the motions of
 {
     std::mt19937 random(1);
     Problem scene(random, 1);
-    PatchCorrection patches;
+    CoarseCorrection patches;
     scene.correct(patches);
     REQUIRE_FALSE(patches.empty());
     const Eigen::MatrixXd exact = scene.exact();
     CHECK((scene.corrected(patches) - exact).norm() <= 1e-5 * exact.norm()); // up to the shift
+}
+
+TEST_CASE("the correction is exact if its motions are those of all coarse nodes")
+{
+    std::mt19937 random(5);
+    for (const int count : {1, 7, 40}) {
+        Problem scene(random, count);
+        CoarseCorrection correction;
+        scene.correct(correction, coarseNodeMotions); // every node is a coarse node of these bodies
+        REQUIRE_FALSE(correction.empty());
+        const Eigen::MatrixXd exact = scene.exact();
+        CHECK((scene.corrected(correction) - exact).norm() <= 1e-4 * exact.norm()); // up to the shift
+    }
 }
 
 TEST_CASE("constraints at different pieces of a body form separate patches")
@@ -128,7 +144,7 @@ TEST_CASE("constraints at different pieces of a body form separate patches")
     std::mt19937 random(4);
     Problem scene(random, 3);
     for (int c = 0; c < 3; ++c) scene.rows.list[static_cast<std::size_t>(c)].pieces = {c / 2, c % 2};
-    PatchCorrection patches;
+    CoarseCorrection patches;
     scene.correct(patches);
     const Eigen::MatrixXd exact = scene.exact();
     CHECK((scene.corrected(patches) - exact).norm() <= 1e-5 * exact.norm());
@@ -141,7 +157,7 @@ TEST_CASE("the correction never overcorrects: B' lies between B and the true inv
         Problem scene(random, trial < 5 ? 7 : 40);
         for (int c = 0; c < static_cast<int>(scene.filters.size()) && trial == 5; ++c)
             scene.rows.list[static_cast<std::size_t>(c)].pieces = {c, 0}; // more patches than are counted
-        PatchCorrection none, patches;
+        CoarseCorrection none, patches;
         const Eigen::MatrixXd before = scene.corrected(none);
         scene.correct(patches);
         const Eigen::MatrixXd after = scene.corrected(patches), exact = scene.exact();
@@ -160,10 +176,10 @@ TEST_CASE("without active constraints there is no correction")
     std::mt19937 random(3);
     Problem scene(random, 3);
     for (Mat3& filter : scene.filters) filter = {};
-    PatchCorrection patches;
+    CoarseCorrection patches;
     scene.correct(patches);
     CHECK(patches.empty());
     CHECK(patches.shares(1).empty());
 }
 
-} // namespace patch_correction_test
+} // namespace coarse_correction_test

@@ -1,0 +1,124 @@
+#include "filasofia/engine/constraint/coarse_correction.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+/// The motions, and the impulses M u [N s] that resist them; without those that no constraint resists.
+struct Resisted {
+    std::vector<ConstraintMotion> motions;
+    std::vector<std::vector<Vec3>> impulses; ///< per motion and row
+};
+
+Resisted resisted(std::vector<ConstraintMotion>&& motions, std::span<const Mat3> filters)
+{
+    Resisted out;
+    for (ConstraintMotion& motion : motions) {
+        std::vector<Vec3> impulses;
+        double sum = 0.0;
+        for (std::size_t m = 0; m < motion.rows.size(); ++m) {
+            impulses.push_back(filters[motion.rows[m]] * motion.u[m]);
+            sum += dot(motion.u[m], impulses.back());
+        }
+        if (!(sum > 0.0)) continue;
+        out.motions.push_back(std::move(motion));
+        out.impulses.push_back(std::move(impulses));
+    }
+    return out;
+}
+
+/// U^T M U, row by row; its lower half.
+std::vector<double> resistance(const Resisted& in, std::size_t rows)
+{
+    struct Part {
+        std::size_t motion;
+        Vec3 u, impulse;
+    };
+    std::vector<std::vector<Part>> perRow(rows);
+    for (std::size_t i = 0; i < in.motions.size(); ++i)
+        for (std::size_t m = 0; m < in.motions[i].rows.size(); ++m)
+            perRow[in.motions[i].rows[m]].push_back({i, in.motions[i].u[m], in.impulses[i][m]});
+    const std::size_t size = in.motions.size();
+    std::vector<double> matrix(size * size);
+    for (const std::vector<Part>& parts : perRow)
+        for (std::size_t a = 0; a < parts.size(); ++a)
+            for (std::size_t b = 0; b <= a; ++b)
+                matrix[parts[a].motion * size + parts[b].motion] += dot(parts[a].u, parts[b].impulse);
+    return matrix;
+}
+
+} // namespace
+
+void CoarseCorrection::clear()
+{
+    rows_.clear();
+    shares_.clear();
+    sums_.clear();
+}
+
+std::span<const double> CoarseCorrection::shares(std::size_t body) const
+{
+    return empty() ? std::span<const double>() : shares_[body];
+}
+
+void CoarseCorrection::make(const ConstraintNetwork& network, std::vector<ConstraintMotion> motions)
+{
+    clear();
+    const auto& [bodies, first, rows, filters] = network;
+    for (const CoupledBody& body : bodies)
+        if (DeflationOperator* deflation = body.deflation()) deflation->clear();
+    const Resisted in = resisted(std::move(motions), filters);
+    const std::size_t size = in.motions.size();
+    std::vector<double> matrix = resistance(in, rows.list.size()); // S, its lower half
+    rows_.resize(bodies.size());
+    shares_.resize(bodies.size());
+
+    std::vector<Vec3> column(static_cast<std::size_t>(first.back())); // of F, at all contact points
+    for (std::size_t i = 0; i < size; ++i) {
+        std::ranges::fill(column, Vec3{});
+        for (std::size_t m = 0; m < in.motions[i].rows.size(); ++m)
+            addImpulse(rows, in.motions[i].rows[m], in.impulses[i][m], column);
+        for (std::size_t b = 0; b < bodies.size(); ++b) {
+            DeflationOperator* deflation = bodies[b].deflation();
+            const auto ofBody = std::span(column).subspan(static_cast<std::size_t>(first[b]),
+                                                          static_cast<std::size_t>(first[b + 1] - first[b]));
+            if (!deflation || std::ranges::all_of(ofBody, [](Vec3 each) { return each == Vec3{}; })) continue;
+            deflation->addColumn(ofBody);
+            rows_[b].push_back(i);
+        }
+    }
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        shares_[b].resize(rows_[b].size());
+        if (rows_[b].empty()) continue;
+        bodies[b].deflation()->finish();
+        for (std::size_t i = 0; i < rows_[b].size(); ++i) {
+            bodies[b].deflation()->products(static_cast<int>(i), shares_[b]);
+            for (std::size_t j = 0; j <= i; ++j) matrix[rows_[b][i] * size + rows_[b][j]] += shares_[b][j];
+        }
+    }
+    // Motions may be linearly dependent, as those of a patch with two points, or of a flat one without friction. They
+    // cancel to rounding.
+    constexpr double kShift = 1e-6;
+    for (std::size_t i = 0; i < size; ++i) matrix[i * size + i] *= 1.0 + kShift;
+    if (size > 0 && factor_.factorise(matrix, static_cast<int>(size)))
+        sums_.resize(size);
+    else
+        clear();
+}
+
+void CoarseCorrection::project(std::span<const CoupledBody> bodies)
+{
+    std::ranges::fill(sums_, 0.0);
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        if (rows_[b].empty()) continue;
+        bodies[b].deflation()->project(shares_[b]);
+        for (std::size_t i = 0; i < rows_[b].size(); ++i) sums_[rows_[b][i]] += shares_[b][i];
+    }
+    factor_.solve(sums_);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+        for (std::size_t i = 0; i < rows_[b].size(); ++i) shares_[b][i] = sums_[rows_[b][i]];
+}
+
+} // namespace filasofia::engine

@@ -1,0 +1,107 @@
+#include "filasofia/engine/constraint/constraint_filter.h"
+
+#include <algorithm>
+
+namespace filasofia::engine {
+
+/// Numbers the blocks of unknowns that contact points act on, body by body, and collects their blocks of D and of J.
+void ConstraintFilter::numberUnknowns(std::span<const CoupledBody> bodies, std::span<const int> first)
+{
+    places_.clear();
+    d_.clear();
+    ofPoints_.clear();
+    firstOfPoint_.assign(1, 0);
+    int unknowns = 0;
+    std::vector<int> blocks;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        const BodySmoother& smoother = *bodies[b].smoother;
+        const int before = unknowns;
+        blocks.clear();
+        for (int point = 0; point < first[b + 1] - first[b]; ++point) {
+            scratch_.clear();
+            smoother.addColumns(point, scratch_);
+            for (const auto& [block, j] : scratch_) {
+                if (static_cast<std::size_t>(block) >= unknownOf_.size())
+                    unknownOf_.resize(static_cast<std::size_t>(block) + 1, -1);
+                int& unknown = unknownOf_[static_cast<std::size_t>(block)];
+                if (unknown < 0) {
+                    unknown = unknowns++;
+                    blocks.push_back(block);
+                }
+                ofPoints_.push_back({unknown, j});
+            }
+            firstOfPoint_.push_back(ofPoints_.size());
+        }
+        const bool diagonal = smoother.isDiagonal();
+        for (std::size_t i = 0; i < blocks.size(); ++i)
+            for (std::size_t k = diagonal ? i : 0; k <= i; ++k) {
+                places_.push_back({before + static_cast<int>(i), before + static_cast<int>(k)});
+                d_.push_back(smoother.block(blocks[i], blocks[k]));
+            }
+        for (int block : blocks) unknownOf_[static_cast<std::size_t>(block)] = -1;
+    }
+    vector_.resize(static_cast<std::size_t>(unknowns));
+}
+
+void ConstraintFilter::begin(std::span<const CoupledBody> bodies, std::span<const int> first,
+                             const ConstraintRows& rows)
+{
+    numberUnknowns(bodies, first);
+    firstColumn_.assign(1, 0);
+    columns_.clear();
+    for (const ConstraintRow& row : rows.list) {
+        const auto& frame = row.constraint->frame;
+        const Mat3 turn{frame[0], frame[1], frame[2]};
+        for (const WeightedPoint& each : rows.pointsOf(row)) {
+            const auto point = static_cast<std::size_t>(each.point);
+            for (std::size_t k = firstOfPoint_[point]; k < firstOfPoint_[point + 1]; ++k) {
+                const auto from = columns_.begin() + static_cast<std::ptrdiff_t>(firstColumn_.back());
+                auto column = std::find_if(from, columns_.end(),
+                                           [&](const Column& other) { return other.unknown == ofPoints_[k].unknown; });
+                if (column == columns_.end()) column = columns_.insert(column, {ofPoints_[k].unknown, {}});
+                column->j += each.weight * (turn * ofPoints_[k].j);
+            }
+        }
+        firstColumn_.push_back(columns_.size());
+    }
+}
+
+bool ConstraintFilter::build(std::span<const Vec3> sigma)
+{
+    sigma_.assign(sigma.begin(), sigma.end());
+    places_.resize(d_.size());
+    k_ = d_;
+    for (std::size_t r = 0; r < sigma_.size(); ++r) {
+        if (sigma_[r] == Vec3{}) continue;
+        for (const Column& one : columnsOf(r)) {
+            const Mat3 stiff = transpose(Mat3::diagonal(sigma_[r]) * one.j);
+            for (const Column& two : columnsOf(r)) {
+                if (one.unknown < two.unknown) continue;
+                places_.push_back({one.unknown, two.unknown});
+                k_.push_back(stiff * two.j);
+            }
+        }
+    }
+    factor_.analyse(places_, static_cast<int>(vector_.size()));
+    return factor_.factorise(k_);
+}
+
+void ConstraintFilter::apply(std::span<Vec3> perRow)
+{
+    std::ranges::fill(vector_, Vec3{});
+    for (std::size_t r = 0; r < sigma_.size(); ++r) {
+        perRow[r] = times(sigma_[r], perRow[r]);
+        if (perRow[r] == Vec3{}) continue;
+        for (const auto& [unknown, j] : columnsOf(r))
+            vector_[static_cast<std::size_t>(unknown)] += transposeTimes(j, perRow[r]);
+    }
+    factor_.solve(vector_);
+    for (std::size_t r = 0; r < sigma_.size(); ++r) {
+        if (sigma_[r] == Vec3{}) continue;
+        Vec3 yielded;
+        for (const auto& [unknown, j] : columnsOf(r)) yielded += j * vector_[static_cast<std::size_t>(unknown)];
+        perRow[r] -= times(sigma_[r], yielded);
+    }
+}
+
+} // namespace filasofia::engine

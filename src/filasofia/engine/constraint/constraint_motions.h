@@ -1,0 +1,32 @@
+#pragma once
+
+#include "filasofia/engine/constraint/body_operator.h"
+#include "filasofia/engine/constraint/constraint.h"
+
+#include <span>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// A motion that active constraints resist.
+struct ConstraintMotion {
+    std::vector<std::size_t> rows; ///< the constraints, ascending
+    std::vector<Vec3> u;           ///< [m/s] per row: its velocity, in its frame
+};
+
+/// The constraints between the bodies of a solve.
+struct ConstraintNetwork {
+    std::span<const CoupledBody> bodies;
+    std::span<const int> first; ///< per body: its first contact point; last, the total number
+    const ConstraintRows& rows;
+    std::span<const Mat3> filters; ///< [kg] M per row, in its frame; zero if it is not active
+};
+
+/// The rigid motions of patches. A patch is the set of active constraints of one sort (unilateral or bilateral) between
+/// the same two bodies; it has the six rigid motions of one side relative to the other. If a body has fallen into
+/// pieces, each piece is a side of its own: jaws that crush fragments hold every fragment, not only their sum.
+std::vector<ConstraintMotion> patchMotions(const ConstraintNetwork& network);
+/// The motions of the coarse nodes that active constraints follow, three for each. Nothing if there are too many.
+std::vector<ConstraintMotion> coarseNodeMotions(const ConstraintNetwork& network);
+
+} // namespace filasofia::engine
