@@ -63,7 +63,8 @@ struct CoupledReport : linalg::NodeSolveReport {
 /// The slower the solve, the more it knows of the constraints, as that costs about as much as some iterations:
 ///     at once, if any constraint is bilateral, or after 4 iterations: B is deflated by rigid motions of patches
 ///         (CoarseCorrection)
-///     after 16 iterations: B is deflated by the motions of all coarse nodes that constraints follow, and M is that of
+///     after 16 iterations, if few bodies have a coarse level: B is deflated by the motions of all coarse nodes that
+///     constraints follow, and M is that of
 ///         all constraints together (ConstraintFilter)
 /// If D is A in all bodies, there is no B, and M is that of all constraints together at once: z is then the solution
 /// for the constraints that are active.
