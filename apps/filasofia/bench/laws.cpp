@@ -16,7 +16,7 @@ using physics::ElasticLaw;
 using Mesh = std::shared_ptr<const geometry::TetMesh>;
 
 constexpr double kStep = 5e-3; ///< [s]
-constexpr int kSteps = 100;    ///< of one run from rest, in which the bunny falls and swings
+constexpr int kSteps = 100;    ///< for one run from rest, in which the bunny falls and swings
 constexpr int kWarmUp = 10;    ///< steps of a run that are not timed
 
 /// The laws with their defaults, the corotational one first: the others are compared with it.

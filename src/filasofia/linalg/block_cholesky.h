@@ -32,6 +32,11 @@ private:
         std::vector<std::size_t> first; ///< last, the total number
         std::vector<int> list;
     };
+    /// Where a block of A goes.
+    struct Target {
+        std::size_t block = 0; ///< in L
+        bool turned = false;   ///< the transposed block is in the lower half of Q A Q^T
+    };
 
     static Neighbours neighboursOf(std::span<const Place> lower, int n);
     void order(const Neighbours& neighbours);
@@ -41,11 +46,7 @@ private:
     [[nodiscard]] std::size_t end(int column) const { return first_[static_cast<std::size_t>(column) + 1]; }
 
     std::vector<Place> places_;
-    std::vector<int> placeOf_, rowAt_; ///< per row of A: its row in Q A Q^T; and back
-    struct Target {
-        std::size_t block = 0; ///< of L
-        bool turned = false;   ///< the transposed block is in the lower half of Q A Q^T
-    };
+    std::vector<int> placeOf_, rowAt_;   ///< per row of A: its row in Q A Q^T; and back
     std::vector<Target> targets_;        ///< per place
     std::vector<std::size_t> first_;     ///< per column of L: its first block, on the diagonal; last, the total number
     std::vector<int> rows_;              ///< per block of L; ascending in each column

@@ -75,7 +75,7 @@ void CoarseCorrection::make(const ConstraintNetwork& network, std::vector<Constr
     rows_.resize(bodies.size());
     shares_.resize(bodies.size());
 
-    std::vector<Vec3> column(static_cast<std::size_t>(first.back())); // of F, at all contact points
+    std::vector<Vec3> column(static_cast<std::size_t>(first.back())); // a column of F, at all contact points
     for (std::size_t i = 0; i < size; ++i) {
         std::ranges::fill(column, Vec3{});
         for (std::size_t m = 0; m < in.motions[i].rows.size(); ++m)

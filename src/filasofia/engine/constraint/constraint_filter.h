@@ -39,9 +39,9 @@ private:
     }
     void numberUnknowns(std::span<const CoupledBody> bodies, std::span<const int> first);
 
-    std::vector<linalg::BlockCholesky::Place> places_; ///< of the blocks of D, then of those that the rows add to it
+    std::vector<linalg::BlockCholesky::Place> places_; ///< where D has its blocks, then where the rows add theirs
     std::vector<Mat3> d_, k_;                          ///< lower halves, at these places
-    std::vector<Column> ofPoints_;                     ///< of J, per contact point
+    std::vector<Column> ofPoints_;                     ///< J, per contact point
     std::vector<std::size_t> firstOfPoint_;            ///< per contact point; last, the total number
     std::vector<std::size_t> firstColumn_;             ///< per row; last, the total number
     std::vector<Column> columns_;
