@@ -176,7 +176,8 @@ void BlockCholesky::findBlocks()
         const int a = placeOf_[at(row)], b = placeOf_[at(column)], left = std::min(a, b);
         const auto from = rows_.begin() + static_cast<std::ptrdiff_t>(begin(left)),
                    to = rows_.begin() + static_cast<std::ptrdiff_t>(end(left));
-        targets_.push_back({at(static_cast<int>(std::lower_bound(from, to, std::max(a, b)) - rows_.begin())), a < b});
+        targets_.push_back(
+            {static_cast<std::size_t>(std::lower_bound(from, to, std::max(a, b)) - rows_.begin()), a < b});
     }
 }
 

@@ -26,7 +26,7 @@ template <class T> std::string_view kindOf()
         return "list of four numbers";
 }
 
-/// Sets a field to a value of its type; `where` names both in errors.
+/// The map that a picture of an override is; `where` names both in errors.
 TextureMap mapOf(const Texture& given, const std::string& where)
 {
     if (const auto* view = std::get_if<ViewPicture>(&given))
@@ -35,6 +35,7 @@ TextureMap mapOf(const Texture& given, const std::string& where)
     return NoTexture{};
 }
 
+/// Sets a field to a value of its type; `where` names both in errors.
 template <class Value> void assign(Value& field, const ParameterValue& value, const std::string& where)
 {
     std::visit(

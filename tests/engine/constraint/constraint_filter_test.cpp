@@ -52,8 +52,7 @@ private:
 
 } // namespace
 
-TEST_CASE(
-    "the filter of all constraints is what Woodbury's formula makes of all constraints, between bodies of any size")
+TEST_CASE("the filter of all constraints is what Woodbury's formula makes of them, between bodies of any size")
 {
     std::mt19937 random(7);
     std::normal_distribution<double> number;

@@ -2,7 +2,7 @@
 
 #include "filasofia/core/body_id.h"
 #include "filasofia/engine/constraint/body_point.h"
-#include "filasofia/math/vec3.h"
+#include "filasofia/math/mat3.h"
 
 #include <array>
 #include <cstddef>
@@ -110,6 +110,7 @@ void addImpulse(const ConstraintRows& rows, std::size_t c, Vec3 impulse, std::sp
 
 /// Returns the unit normal and two tangents. Continuous but for two places on the sphere of normals.
 std::array<Vec3, 3> frameOf(Vec3 normal);
+inline Mat3 asMatrix(const std::array<Vec3, 3>& f) { return {{f[0], f[1], f[2]}}; } ///< F
 /// A vector's components along a frame's rows, and back.
 inline Vec3 inFrame(const std::array<Vec3, 3>& f, Vec3 v) { return {dot(f[0], v), dot(f[1], v), dot(f[2], v)}; }
 inline Vec3 inWorld(const std::array<Vec3, 3>& f, Vec3 v) { return v.x * f[0] + v.y * f[1] + v.z * f[2]; }

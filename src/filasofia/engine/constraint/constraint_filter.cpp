@@ -50,8 +50,7 @@ void ConstraintFilter::begin(std::span<const CoupledBody> bodies, std::span<cons
     firstColumn_.assign(1, 0);
     columns_.clear();
     for (const ConstraintRow& row : rows.list) {
-        const auto& frame = row.constraint->frame;
-        const Mat3 turn{frame[0], frame[1], frame[2]};
+        const Mat3 frame = asMatrix(row.constraint->frame);
         for (const WeightedPoint& each : rows.pointsOf(row)) {
             const auto point = static_cast<std::size_t>(each.point);
             for (std::size_t k = firstOfPoint_[point]; k < firstOfPoint_[point + 1]; ++k) {
@@ -59,7 +58,7 @@ void ConstraintFilter::begin(std::span<const CoupledBody> bodies, std::span<cons
                 auto column = std::find_if(from, columns_.end(),
                                            [&](const Column& other) { return other.unknown == ofPoints_[k].unknown; });
                 if (column == columns_.end()) column = columns_.insert(column, {ofPoints_[k].unknown, {}});
-                column->j += each.weight * (turn * ofPoints_[k].j);
+                column->j += each.weight * (frame * ofPoints_[k].j);
             }
         }
         firstColumn_.push_back(columns_.size());

@@ -5,8 +5,9 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr std::size_t kMaxPatches = 32;      // the patches with the most constraints; S of CoarseCorrection is dense
-constexpr std::size_t kMaxCoarseNodes = 128; // measured: more of them cost more than they save
+// S of CoarseCorrection is dense.
+constexpr std::size_t kMaxPatches = 32; // those with the most constraints
+constexpr std::size_t kMaxCoarseNodes = 128;
 
 struct Patch {
     std::size_t from = 0, to = 0; ///< bodies
@@ -77,8 +78,7 @@ struct CoarseNode {
 void addRow(const ConstraintNetwork& network, std::size_t row, std::vector<std::vector<int>>& placeOf,
             std::vector<CoarseNode>& nodes)
 {
-    const auto& frame = network.rows.list[row].constraint->frame;
-    const Mat3 turn{frame[0], frame[1], frame[2]};
+    const Mat3 frame = asMatrix(network.rows.list[row].constraint->frame);
     std::vector<BlockColumns> columns;
     for (const WeightedPoint& each : network.rows.pointsOf(network.rows.list[row])) {
         const std::size_t body = bodyOf(network.first, each.point);
@@ -99,7 +99,7 @@ void addRow(const ConstraintNetwork& network, std::size_t row, std::vector<std::
                 node.rows.push_back(row);
                 node.u.emplace_back();
             }
-            node.u.back() += each.weight * (turn * j);
+            node.u.back() += each.weight * (frame * j);
         }
     }
 }

@@ -26,7 +26,7 @@ void CoupledSolve::chooseStiffness()
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const ConstraintRow& row = constraints_->list[c];
         const Constraint& each = *row.constraint;
-        const Mat3 turn{each.frame[0], each.frame[1], each.frame[2]};
+        const Mat3 turn = asMatrix(each.frame);
         double compliance = 0.0, anyDirection = 0.0;
         for (int k = row.first; k < row.first + row.count; ++k) {
             const WeightedPoint& at = constraints_->points[static_cast<std::size_t>(k)];

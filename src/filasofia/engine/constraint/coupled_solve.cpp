@@ -11,8 +11,8 @@ namespace {
 constexpr double kFlatEnough = 0.3;
 constexpr int kMaxTrials = 6;
 constexpr int kCorrectAfter = 4; // iterations after which the coarse levels know patches of constraints
-// Iterations after which filter and coarse levels know all constraints together. After 8 to 16 the hostile scenes of
-// docs/lab/contact.md take the same time; after 16, more of those with moderate contacts save it.
+// Iterations after which filter and coarse levels know all constraints together. The slow scenes of docs/lab/contact.md
+// take about the same time with 8, 12 and 16; solves that end soon are spared the cost.
 constexpr int kJoinAfter = 16;
 // Bodies with a coarse level up to which that pays off. In a heap of fifty, 34 iterations with it took a fifth longer
 // than 41 without: there the impulses go from body to body.

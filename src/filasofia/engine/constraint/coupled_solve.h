@@ -64,8 +64,7 @@ struct CoupledReport : linalg::NodeSolveReport {
 ///     at once, if any constraint is bilateral, or after 4 iterations: B is deflated by rigid motions of patches
 ///         (CoarseCorrection)
 ///     after 16 iterations, if few bodies have a coarse level: B is deflated by the motions of all coarse nodes that
-///     constraints follow, and M is that of
-///         all constraints together (ConstraintFilter)
+///         constraints follow, and M is that of all constraints together (ConstraintFilter)
 /// If D is A in all bodies, there is no B, and M is that of all constraints together at once: z is then the solution
 /// for the constraints that are active.
 class CoupledSolve {
