@@ -22,6 +22,7 @@ const std::string& nameOf(const Scene& scene, const SurfaceOwner& owner);
 
 /// Updates every surface to its body's state, and warns of models that cannot work. Returns per surface whether it is
 /// new; empty if none is.
-std::vector<bool> placeSurfaces(const Scene& scene, const std::vector<SurfaceOwner>& owners, Coupling& coupling);
+std::vector<bool> placeSurfaces(double dt, const Scene& scene, const std::vector<SurfaceOwner>& owners,
+                                Coupling& coupling);
 
 } // namespace filasofia::engine

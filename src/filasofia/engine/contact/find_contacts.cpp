@@ -239,7 +239,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
 
     ContactDetection& detection = coupling.detection;
     const std::vector<SurfaceOwner> owners = surfaceOwners(scene);
-    const std::vector<bool> added = placeSurfaces(scene, owners, coupling);
+    const std::vector<bool> added = placeSurfaces(dt, scene, owners, coupling);
     detection.sides = scene.sides;
     findProximities(detection.surfaces, dt, context.pool, detection.sides, detection.scratch, detection.proximities);
     if (!added.empty()) noteStartsInside(scene, owners, added, coupling);
