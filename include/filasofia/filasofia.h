@@ -144,6 +144,7 @@ using runtime::FollowTriangle;
 using runtime::HapticId;
 using runtime::HapticInterfaceDef;
 using runtime::HapticState;
+using runtime::IntersectionEvent;
 using runtime::LookDef;
 using runtime::optionHelp;
 using runtime::OwnOption;

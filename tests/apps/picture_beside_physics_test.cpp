@@ -128,6 +128,8 @@ TEST_CASE("a heavy picture changes neither the cost of a step, nor the time betw
     CHECK(ratios.dt > 1.0 / 1.5);
 }
 
+// Under a sanitizer a step takes so long that waiting for the picture hardly adds to it: the ratio is 1.2.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST_CASE("the ratios would show it if physics waited for the picture")
 {
     std::mutex shared;
@@ -135,5 +137,6 @@ TEST_CASE("the ratios would show it if physics waited for the picture")
     CAPTURE(ratios.cost, ratios.interval, ratios.dt);
     CHECK(ratios.interval > 3.0); // only the steps between two pictures are made in time
 }
+#endif
 
 } // namespace picture_beside_physics_test

@@ -64,6 +64,13 @@ void bindEvents(nb::module_& module)
         .def_ro("rupture", &runtime::CutEvent::rupture);
     eventClass<runtime::TearEvent>(module, "TearEvent", "Stress tore a body.")
         .def_ro("rupture", &runtime::TearEvent::rupture);
+    eventClass<runtime::IntersectionEvent>(module, "IntersectionEvent",
+                                           "Surfaces of two bodies begin or cease to pass through each other.")
+        .def_prop_ro("kind",
+                     [](const runtime::IntersectionEvent& self) {
+                         return self.kind == runtime::IntersectionEvent::Kind::Begin ? "begin" : "end";
+                     })
+        .def_ro("intersection", &runtime::IntersectionEvent::intersection);
     eventClass<runtime::FileFailedEvent>(module, "FileFailedEvent", "A file that the run writes takes no more data.")
         .def_ro("problem", &runtime::FileFailedEvent::problem);
     eventClass<event::PhysicsUpdateEvent>(module, "PhysicsUpdateEvent", "A step is done.");
@@ -71,16 +78,20 @@ void bindEvents(nb::module_& module)
 
 std::size_t alternativeOf(nb::handle given)
 {
-    const nb::handle classes[] = {nb::type<ContactEvent>(), nb::type<runtime::CutEvent>(),
-                                  nb::type<runtime::TearEvent>(), nb::type<runtime::FileFailedEvent>(),
+    const nb::handle classes[] = {nb::type<ContactEvent>(),
+                                  nb::type<runtime::CutEvent>(),
+                                  nb::type<runtime::TearEvent>(),
+                                  nb::type<runtime::IntersectionEvent>(),
+                                  nb::type<runtime::FileFailedEvent>(),
                                   nb::type<event::PhysicsUpdateEvent>()};
     static_assert(std::size(classes) == std::variant_size_v<Arrived>);
     for (std::size_t i = 0; i < std::size(classes); ++i)
         if (given.is(classes[i])) return i;
-    throw nb::type_error(text("on: the event must be ContactEvent, CutEvent, TearEvent, FileFailedEvent or "
-                              "PhysicsUpdateEvent, got ",
-                              shown(given))
-                             .c_str());
+    throw nb::type_error(
+        text("on: the event must be ContactEvent, CutEvent, TearEvent, IntersectionEvent, FileFailedEvent or "
+             "PhysicsUpdateEvent, got ",
+             shown(given))
+            .c_str());
 }
 
 nb::object eventObject(Arrived&& event)

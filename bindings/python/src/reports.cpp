@@ -28,7 +28,8 @@ void bindFlags(nb::module_& module)
         .value("BEYOND_STRAIN", StepFlag::BeyondStrain, "elements were strained beyond valid_strain")
         .value("NOTHING_CHANGED", StepFlag::NothingChanged, "a SetTissue found no element")
         .value("RESTLESS", StepFlag::Restless, "a body goes on moving though nothing drives it")
-        .value("ENERGY_GAINED", StepFlag::EnergyGained, "a restless body moves with ever more energy");
+        .value("ENERGY_GAINED", StepFlag::EnergyGained, "a restless body moves with ever more energy")
+        .value("INTERSECTING", StepFlag::Intersecting, "surfaces of bodies pass through each other");
 }
 
 /// Properties that are a body's id or a vector, which Python has in forms of its own.
@@ -59,6 +60,14 @@ void bindParts(nb::module_& module)
         .def_ro("rounds", &ContactReport::rounds)
         .def_ro("mismatch", &ContactReport::mismatch)
         .def_ro("penetration", &ContactReport::penetration, "[m] the deepest");
+
+    nb::class_<Intersection> intersection(module, "Intersection",
+                                          "Two bodies whose surfaces pass through each other; equal: through itself.");
+    intersection.def_ro("crossings", &Intersection::crossings, "edges through triangles; 0: one is inside the other")
+        .def_ro("depth", &Intersection::depth, "[m] of the deepest edge");
+    addId(intersection, "first", &Intersection::first);
+    addId(intersection, "second", &Intersection::second);
+    addVector(intersection, "place", &Intersection::place, "[m]");
 
     nb::class_<InvertedElements> inverted(module, "InvertedElements", "Elements that were inside out.");
     inverted.def_ro("count", &InvertedElements::count)
@@ -114,6 +123,7 @@ void bindStep(nb::module_& module)
         .def_prop_ro("flags", [](const StepReport& self) { return static_cast<StepFlag>(self.flags); })
         .def_ro("solves", &StepReport::solves)
         .def_ro("contacts", &StepReport::contacts)
+        .def_ro("intersections", &StepReport::intersections)
         .def_ro("inverted", &StepReport::inverted)
         .def_ro("beyond_strain", &StepReport::beyondStrain)
         .def_ro("unrest", &StepReport::unrest)
@@ -146,6 +156,7 @@ void bindRun(nb::module_& module)
         .def_ro("undone", &RunReport::undone)
         .def_ro("damped", &RunReport::damped)
         .def_ro("not_converged", &RunReport::notConverged)
+        .def_ro("intersecting", &RunReport::intersecting, "steps")
         .def_ro("inverted", &RunReport::inverted)
         .def_ro("beyond_strain", &RunReport::beyondStrain)
         .def_ro("restless", &RunReport::restless)

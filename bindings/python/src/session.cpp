@@ -168,6 +168,8 @@ void Session::collect(std::size_t alternative, bool on)
     case 2:
         return observe<runtime::TearEvent>(alternative);
     case 3:
+        return observe<runtime::IntersectionEvent>(alternative);
+    case 4:
         return observe<runtime::FileFailedEvent>(alternative);
     default:
         return observe<event::PhysicsUpdateEvent>(alternative);

@@ -24,6 +24,7 @@ enum class EventType : std::uint8_t {
     Contact,
     Cut,
     Tear,
+    Intersection,
     FileFailed,
     Device,
     Controller,
@@ -32,7 +33,7 @@ enum class EventType : std::uint8_t {
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 18;
+inline constexpr std::size_t kEventTypes = 19;
 
 /// The enumerator's name, such as "PhysicsUpdate".
 std::string_view name(EventType type);

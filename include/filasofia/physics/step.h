@@ -30,6 +30,7 @@ enum class StepFlag : std::uint32_t {
     NothingChanged = 1u << 13, ///< a SetTissue found no element: the log says which
     Restless = 1u << 14,       ///< a body goes on moving though nothing drives it (StepReport::unrest)
     EnergyGained = 1u << 15,   ///< a restless body moves with ever more energy than it has gained by falling
+    Intersecting = 1u << 16,   ///< surfaces of bodies pass through each other (StepReport::intersections)
 };
 
 /// How one body's step was solved. Bodies that are in contact or attached to each other are solved together: they have
@@ -79,6 +80,15 @@ struct Unrest {
     BodyId body = {};      ///< the one with the fastest point
     double speed = 0.0;    ///< [m/s] the speed of that point, root mean square over a second
     double undriven = 0.0; ///< [s] since something drove the scene
+};
+
+/// Two bodies whose surfaces pass through each other, or a body whose surface passes through itself. Contact has lost
+/// them there: a kinematic body was moved through tissue, the bodies started so, or the load was too high.
+struct Intersection {
+    BodyId first = {}, second = {}; ///< first <= second; equal: the body's own surface
+    int crossings = 0;  ///< [-] number of edges that pass through a triangle; 0: one body lies wholly inside the other
+    double depth = 0.0; ///< [m] > 0, how deep the deepest of these edges is inside, or reaches beyond a sheet
+    Vec3 place = {};    ///< [m] where that edge passes through
 };
 
 /// Statistics of the contacts of a step.
@@ -152,6 +162,9 @@ struct StepReport {
     /// Per soft body, in the order of their ids; then per group of rigid bodies solved among themselves.
     std::vector<BodySolve> solves = {};
     ContactReport contacts = {};
+    /// Pairs of bodies that may collide and whose surfaces pass through each other, ascending. This does not ask the
+    /// contacts, but tests edges against triangles, every 10 ms of simulated time; between, the last answer stays.
+    std::vector<Intersection> intersections = {};
     InvertedElements inverted = {};
     StrainedElements beyondStrain = {};
     Unrest unrest = {};

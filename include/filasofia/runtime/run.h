@@ -5,6 +5,7 @@
 #include "filasofia/runtime/timing.h"
 #include "filasofia/visual/visual_server.h"
 
+#include <array>
 #include <string>
 
 namespace filasofia::runtime {
@@ -78,7 +79,10 @@ struct RunReport {
     std::uint64_t damped = 0;
     std::uint64_t notConverged = 0; ///< [-], steps in which a solver reached its iteration limit
     std::uint64_t outOfTime = 0;    ///< [-], steps in which a solver stopped at the deadline (StepFlag::OutOfTime)
-    std::uint64_t inverted = 0;     ///< [-], steps that began with elements inside out (StepFlag::Inverted)
+    std::uint64_t intersecting = 0; ///< [-], steps in which surfaces pass through each other (StepFlag::Intersecting)
+    physics::Intersection deepestIntersection = {}; ///< in the step in which it was deepest
+    std::array<std::string, 2> deepestBodies = {};  ///< the names of its bodies
+    std::uint64_t inverted = 0; ///< [-], steps that began with elements inside out (StepFlag::Inverted)
     physics::InvertedElements worstInverted = {}; ///< in the step with the most of them
     std::string worstInvertedBody = {};           ///< the name of its body
     /// [-], steps that began with elements beyond the range of their material (StepFlag::BeyondStrain)

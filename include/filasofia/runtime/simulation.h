@@ -8,6 +8,7 @@
 #include "filasofia/runtime/device_event.h"
 #include "filasofia/runtime/file_failed_event.h"
 #include "filasofia/runtime/follow.h"
+#include "filasofia/runtime/intersection_event.h"
 #include "filasofia/runtime/paint.h"
 #include "filasofia/runtime/run.h"
 #include "filasofia/runtime/rupture_event.h"

@@ -29,6 +29,8 @@ std::string_view name(EventType type)
         return "Cut";
     case EventType::Tear:
         return "Tear";
+    case EventType::Intersection:
+        return "Intersection";
     case EventType::FileFailed:
         return "FileFailed";
     case EventType::Device:

@@ -148,7 +148,8 @@ EndScreen::EndScreen(runtime::Simulation& simulation) : impl_(std::make_shared<I
 
 void EndScreen::show(std::string title, std::vector<ResultLine> results, std::string sessionFile)
 {
-    impl_->turns.soon([impl = impl_.get(), title, results, sessionFile] {
+    impl_->turns.soon([impl = impl_.get(), title = std::move(title), results = std::move(results),
+                       sessionFile = std::move(sessionFile)] {
         impl->title = title;
         impl->results = results;
         impl->file = sessionFile;
@@ -158,12 +159,12 @@ void EndScreen::show(std::string title, std::vector<ResultLine> results, std::st
 
 void EndScreen::onClose(std::function<void()> close)
 {
-    impl_->turns.soon([impl = impl_.get(), close] { impl->close = close; });
+    impl_->turns.soon([impl = impl_.get(), close = std::move(close)] { impl->close = close; });
 }
 
 void EndScreen::onAgain(std::function<void()> again)
 {
-    impl_->turns.soon([impl = impl_.get(), again] { impl->again = again; });
+    impl_->turns.soon([impl = impl_.get(), again = std::move(again)] { impl->again = again; });
 }
 
 } // namespace filasofia::prefab

@@ -59,6 +59,8 @@ void InspectorRates::add(const physics::StepReport& report)
     outOfTime_ += report.has(StepFlag::OutOfTime);
     inverted_ = report.inverted.count;
     mostInverted_ = std::max(mostInverted_, inverted_);
+    intersecting_ = static_cast<int>(report.intersections.size());
+    mostIntersecting_ = std::max(mostIntersecting_, intersecting_);
     beyondStrain_ = report.beyondStrain.count;
     mostBeyondStrain_ = std::max(mostBeyondStrain_, beyondStrain_);
     unrest_ = report.unrest;
@@ -98,6 +100,8 @@ void InspectorRates::draw()
     ImGui::Text("late %llu   clamped %llu   rolled back %llu", count(late_), count(clamped_), count(undone_));
     ImGui::Text("not converged %llu   out of time %llu", count(notConverged_), count(outOfTime_));
     if (mostInverted_ > 0) ImGui::Text("elements inside out %d   at most %d", inverted_, mostInverted_);
+    if (mostIntersecting_ > 0)
+        ImGui::Text("pairs of bodies through each other %d   at most %d", intersecting_, mostIntersecting_);
     if (mostBeyondStrain_ > 0)
         ImGui::Text("elements beyond their range %d   at most %d", beyondStrain_, mostBeyondStrain_);
     if (unrest_.bodies > 0)

@@ -14,7 +14,8 @@ public:
     void begin()
     {
         undone_ = damped_ = notConverged_ = outOfTime_ = inverted_ = beyondStrain_ = 0;
-        restless_ = energyGained_ = 0;
+        restless_ = energyGained_ = intersecting_ = 0;
+        deepest_ = {};
         unrest_ = {};
         worst_ = {};
         mostStrained_ = {};
@@ -33,6 +34,9 @@ public:
         if (strained.count > 0 &&
             (mostStrained_.count == 0 || strained.strain * mostStrained_.valid > mostStrained_.strain * strained.valid))
             mostStrained_ = strained;
+        intersecting_ += report.has(physics::StepFlag::Intersecting);
+        for (const physics::Intersection& each : report.intersections)
+            if (each.depth > deepest_.depth) deepest_ = each;
         restless_ += report.has(physics::StepFlag::Restless);
         energyGained_ += report.has(physics::StepFlag::EnergyGained);
         if (report.unrest.speed > unrest_.speed) unrest_ = report.unrest;
@@ -49,6 +53,8 @@ public:
         report.worstInverted = worst_;
         report.beyondStrain = beyondStrain_;
         report.worstStrained = mostStrained_;
+        report.intersecting = intersecting_;
+        report.deepestIntersection = deepest_;
         report.restless = restless_;
         report.energyGained = energyGained_;
         report.worstUnrest = unrest_;
@@ -58,10 +64,11 @@ private:
     std::uint64_t stepsEver_ = 0;
     /// [-] steps of this run
     std::uint64_t undone_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0, inverted_ = 0, beyondStrain_ = 0;
-    std::uint64_t restless_ = 0, energyGained_ = 0; ///< [-] steps of this run
-    physics::InvertedElements worst_;               ///< of the step with the most of them
-    physics::StrainedElements mostStrained_;        ///< in the step with the largest strain in relation to its range
-    physics::Unrest unrest_;                        ///< in the step with the fastest body
+    std::uint64_t restless_ = 0, energyGained_ = 0, intersecting_ = 0; ///< [-] steps of this run
+    physics::Intersection deepest_;                                    ///< in the step in which it was deepest
+    physics::InvertedElements worst_;                                  ///< of the step with the most of them
+    physics::StrainedElements mostStrained_; ///< in the step with the largest strain in relation to its range
+    physics::Unrest unrest_;                 ///< in the step with the fastest body
 };
 
 } // namespace filasofia::runtime

@@ -9,6 +9,7 @@
 #include "filasofia/runtime/stop_signal.h"
 #include "filasofia/runtime/surfaces.h"
 
+#include <cmath>
 #include <utility>
 
 namespace filasofia::runtime {
@@ -41,6 +42,10 @@ void warn(const RunReport& report)
     if (report.inverted > 0)
         logWarning(steps(report.inverted), " elements were inside out, at most ", report.worstInverted.count,
                    " at once; then the worst was in '", report.worstInvertedBody, "'");
+    if (report.intersecting > 0)
+        logWarning(steps(report.intersecting), " surfaces passed through each other, by up to ",
+                   std::round(1e5 * report.deepestIntersection.depth) / 100.0, " mm, of '", report.deepestBodies[0],
+                   "' and '", report.deepestBodies[1], "' (Intersecting)");
     if (report.beyondStrain > 0)
         logWarning(steps(report.beyondStrain), " tissue was strained beyond the range of its material, at most by ",
                    report.worstStrained.strain, " in '", report.worstStrainedBody, "', whose range is ",

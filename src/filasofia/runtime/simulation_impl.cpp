@@ -65,7 +65,7 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     feed.write(report);
     haptics.afterStep(report, physics);
     // Before the update event, so that its observers already know what happened in the step.
-    const std::uint32_t flags = postContactEvents(report) | postRuptureEvents(report);
+    const std::uint32_t flags = postContactEvents(report) | postIntersectionEvents(report) | postRuptureEvents(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     now.stamp(*update);
     return flags | (events.tryPost(std::move(update)) ? 0u : kEventLost);
@@ -91,6 +91,15 @@ std::uint32_t Simulation::Impl::postContactEvents(const physics::StepReport& rep
     // If readers hold all frames, we do not get this step's contacts; the next step reports the loss.
     if (!frame || frame->step != report.step) return kEventLost;
     return contacts.observe(frame->contacts, post) ? 0u : kEventLost;
+}
+
+std::uint32_t Simulation::Impl::postIntersectionEvents(const physics::StepReport& report)
+{
+    const auto post = [this](std::unique_ptr<IntersectionEvent> event) {
+        now.stamp(*event);
+        return events.tryPost(std::move(event));
+    };
+    return intersections.observe(report.intersections, post) ? 0u : kEventLost;
 }
 
 std::uint32_t Simulation::Impl::postRuptureEvents(const physics::StepReport& report)
@@ -165,6 +174,10 @@ void Simulation::Impl::fill(RunReport& report) const
     report.hash = physics.hash();
     counters.fill(report);
     if (report.inverted > 0) report.worstInvertedBody = nameOf(report.worstInverted.body, physics);
+    if (report.intersecting > 0) {
+        report.deepestBodies[0] = nameOf(report.deepestIntersection.first, physics);
+        report.deepestBodies[1] = nameOf(report.deepestIntersection.second, physics);
+    }
     if (report.beyondStrain > 0) report.worstStrainedBody = nameOf(report.worstStrained.body, physics);
     if (report.restless > 0) report.worstUnrestBody = nameOf(report.worstUnrest.body, physics);
     report.contacts = contacts.report(physics);

@@ -6,6 +6,7 @@
 #include "filasofia/runtime/clock.h"
 #include "filasofia/runtime/contact_watch.h"
 #include "filasofia/runtime/haptics.h"
+#include "filasofia/runtime/intersection_watch.h"
 #include "filasofia/runtime/pause_control.h"
 #include "filasofia/runtime/run_control.h"
 #include "filasofia/runtime/run_counters.h"
@@ -37,6 +38,7 @@ struct Simulation::Impl {
     CameraSteering steering;
     StepCallbacks everyStep;
     ContactWatch contacts;
+    IntersectionWatch intersections;
     BladeWatch blades{events, physics};
     Haptics haptics; ///< after physics and events, which its threads talk to
 
@@ -66,6 +68,9 @@ struct Simulation::Impl {
     std::uint32_t afterStep(const physics::StepReport& report);
     /// Posts an event for each pair that begins, continues or ends to touch. Returns StepFlag bits if some were lost.
     std::uint32_t postContactEvents(const physics::StepReport& report);
+    /// Posts an event for each pair whose surfaces begin or cease to pass through each other. Returns StepFlag bits if
+    /// some were lost.
+    std::uint32_t postIntersectionEvents(const physics::StepReport& report);
     /// Posts an event for each cut and tear. Returns StepFlag bits if some were lost.
     std::uint32_t postRuptureEvents(const physics::StepReport& report);
     /// Makes the look of the Def, or calls the user's dress functions.

@@ -62,6 +62,19 @@ std::string invertedLine(const RunReport& report)
                 millimetres(worst.place));
 }
 
+/// Surfaces that pass through each other mean that contact has lost them.
+std::string intersectionLine(const RunReport& report)
+{
+    const physics::Intersection& deepest = report.deepestIntersection;
+    const auto& [first, second] = report.deepestBodies;
+    const std::string who = deepest.first == deepest.second
+                                ? text("the surface of '", first, "' through itself")
+                                : text("'", first, "' and '", second, "' through each other");
+    return text("surfaces pass through each other in ", report.intersecting,
+                report.intersecting == 1 ? " step" : " steps", ": ", who, " by ",
+                std::round(1e5 * deepest.depth) / 100.0, " mm at ", millimetres(deepest.place));
+}
+
 /// Beyond the range in which its constants were measured, tissue is a guess.
 std::string strainedLine(const RunReport& report)
 {
@@ -103,6 +116,7 @@ std::string summary(const RunReport& report)
                 ", rolled back ", report.undone, again, ", solver at its iteration limit ", report.notConverged,
                 ", at the deadline ", report.outOfTime, "\n");
     if (report.inverted > 0) out += invertedLine(report);
+    if (report.intersecting > 0) out += intersectionLine(report);
     if (report.beyondStrain > 0) out += strainedLine(report);
     if (report.restless > 0) out += unrestLine(report);
     out += contactTable(report.contacts);

@@ -41,9 +41,8 @@ template <class Value> void assign(Value& field, const ParameterValue& value, co
     std::visit(
         [&](const auto& given) {
             using Given = std::remove_cvref_t<decltype(given)>;
-            if constexpr (std::is_same_v<Given, Value>) {
-                field = given;
-            } else if constexpr (std::is_same_v<Value, double> && std::is_same_v<Given, int>) {
+            constexpr bool widened = std::is_same_v<Value, double> && std::is_same_v<Given, int>;
+            if constexpr (std::is_same_v<Given, Value> || widened) {
                 field = given;
             } else if constexpr (std::is_same_v<Value, TextureMap> && std::is_same_v<Given, Texture>) {
                 field = mapOf(given, where);

@@ -65,4 +65,15 @@ void boundTree(CollisionSurface& surface)
     }
 }
 
+double sizeOf(const CollisionSurface& surface)
+{
+    double squared = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        const double width =
+            -static_cast<double>(surface.whole.negatedHigh[k]) - static_cast<double>(surface.whole.low[k]);
+        squared += width * width;
+    }
+    return std::sqrt(squared);
+}
+
 } // namespace filasofia::engine

@@ -35,4 +35,7 @@ void boundVertices(CollisionSurface& surface, double reach);
 /// Computes the boxes of elements and nodes; to be called after boundVertices().
 void boundTree(CollisionSurface& surface);
 
+/// [m] The diagonal of the surface's box.
+double sizeOf(const CollisionSurface& surface);
+
 } // namespace filasofia::engine

@@ -2,24 +2,7 @@
 
 #include "filasofia/engine/collision/feature_normals.h"
 
-#include <cmath>
-
 namespace filasofia::engine {
-namespace {
-
-// [m] diagonal of the surface's box.
-double sizeOf(const CollisionSurface& surface)
-{
-    double squared = 0.0;
-    for (int k = 0; k < 3; ++k) {
-        const double width =
-            -static_cast<double>(surface.whole.negatedHigh[k]) - static_cast<double>(surface.whole.low[k]);
-        squared += width * width;
-    }
-    return std::sqrt(squared);
-}
-
-} // namespace
 
 void findDeepPoints(const SurfacePair& meeting, int source, std::vector<Proximity>& found)
 {

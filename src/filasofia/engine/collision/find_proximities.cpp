@@ -2,6 +2,7 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/engine/collision/edge_edge.h"
+#include "filasofia/engine/collision/element_pairs.h"
 #include "filasofia/engine/collision/keep_minima.h"
 #include "filasofia/engine/collision/point_feature.h"
 #include "filasofia/engine/collision/surface_pair.h"
@@ -46,43 +47,6 @@ void collectSurfacePairs(std::vector<CollisionSurface>& surfaces, double reach, 
         const auto at = static_cast<std::size_t>(i);
         if (scratch.wanted[at] != 0) boundTree(surfaces[at]);
     });
-}
-
-void collectLeafPairs(const CollisionSurface& a, const CollisionSurface& b, CollisionShape::Node na,
-                      CollisionShape::Node nb, std::vector<std::array<int, 2>>& pairs)
-{
-    const bool same = &a == &b && na.first == nb.first;
-    for (int i = na.first; i < na.first + na.count; ++i)
-        for (int k = same ? i + 1 : nb.first; k < nb.first + nb.count; ++k)
-            if (meet(a.elementBounds[i], b.elementBounds[k])) pairs.push_back({i, k});
-}
-
-// Descends both trees at once, the wider box first.
-void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, ProximityScratch& scratch)
-{
-    const bool self = &a == &b;
-    scratch.elementPairs.clear();
-    scratch.open.clear();
-    scratch.open.push_back({0, 0});
-    while (!scratch.open.empty()) {
-        const auto [i, k] = scratch.open.back();
-        scratch.open.pop_back();
-        if (!meet(a.nodeBounds[i], b.nodeBounds[k])) continue;
-        const CollisionShape::Node &na = a.shape->nodes[i], &nb = b.shape->nodes[k];
-        if (na.count > 0 && nb.count > 0) {
-            collectLeafPairs(a, b, na, nb, scratch.elementPairs);
-        } else if (self && i == k) {
-            scratch.open.push_back({i + 1, na.first});
-            scratch.open.push_back({na.first, na.first});
-            scratch.open.push_back({i + 1, i + 1});
-        } else if (nb.count > 0 || (na.count == 0 && widthOf(a.nodeBounds[i]) >= widthOf(b.nodeBounds[k]))) {
-            scratch.open.push_back({na.first, k});
-            scratch.open.push_back({i + 1, k});
-        } else {
-            scratch.open.push_back({i, nb.first});
-            scratch.open.push_back({i, k + 1});
-        }
-    }
 }
 
 void testPoints(const SurfacePair& meeting, int source, int mine, int other, std::vector<PointMinimum>& out)

@@ -3,6 +3,7 @@
 #include "filasofia/engine/collision/find_proximities.h"
 #include "filasofia/engine/constraint/constraint.h"
 #include "filasofia/engine/contact/solve_island.h"
+#include "filasofia/physics/step.h"
 
 #include <set>
 #include <span>
@@ -10,11 +11,13 @@
 
 namespace filasofia::engine {
 
-/// The data of contact detection. Only `surfaces`, `startedInside` and the warned groups carry over from step to step.
+/// The data of contact detection. Only `surfaces`, `startedInside`, `intersections` and the warned groups carry over
+/// from step to step.
 struct ContactDetection {
     std::vector<CollisionSurface> surfaces; ///< every body's, in the order of Scene::soft and Scene::rigid
     /// Pairs that started inside each other, deeper than contacts are followed.
     std::vector<std::array<SurfaceName, 2>> startedInside;
+    std::vector<physics::Intersection> intersections; ///< at the last test (reportIntersections)
     std::set<int> warnedGroups; ///< collision groups for which the log has said that only one body has them
     std::set<int> warnedThin;   ///< collision groups for which the log has said that the proximities are too small
     ProximityScratch scratch;

@@ -3,6 +3,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/engine/collision/deep_points.h"
 #include "filasofia/engine/contact/contact_surfaces.h"
+#include "filasofia/engine/contact/intersections.h"
 #include "filasofia/engine/contact/islands.h"
 #include "filasofia/engine/contact/warm_start.h"
 
@@ -244,6 +245,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
     findProximities(detection.surfaces, dt, context.pool, detection.sides, detection.scratch, detection.proximities);
     if (!added.empty()) noteStartsInside(scene, owners, added, coupling);
     addDeepPoints(owners, detection);
+    reportIntersections(context, scene, owners, !added.empty(), coupling);
 
     for (const Proximity& found : detection.proximities) {
         const std::array<const SurfaceOwner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "filasofia/engine/collision/find_proximities.h"
+
+namespace filasofia::engine {
+
+/// Collects the pairs of elements of two surfaces whose boxes overlap in `scratch.elementPairs`; of one surface with
+/// itself, each pair once. Descends both trees at once, the wider box first. To be called after findProximities() or
+/// within it.
+void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, ProximityScratch& scratch);
+
+} // namespace filasofia::engine

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "filasofia/engine/contact/contact_surfaces.h"
+#include "filasofia/engine/contact/coupling.h"
+#include "filasofia/engine/scene/step_context.h"
+
+#include <vector>
+
+namespace filasofia::engine {
+
+/// Reports the pairs of bodies whose surfaces pass through each other (StepReport::intersections). To be called after
+/// findProximities(). What two bodies share where they are attached to each other does not
+/// count, nor what contacts still follow. Tests at every multiple of 10 ms, and if `changed` tells that surfaces were
+/// added or removed.
+void reportIntersections(const StepContext& context, const Scene& scene, const std::vector<SurfaceOwner>& owners,
+                         bool changed, Coupling& coupling);
+
+} // namespace filasofia::engine

@@ -1,0 +1,159 @@
+#include "engine/stage.h"
+
+#include "filasofia/geometry/shapes.h"
+
+namespace intersections_test {
+
+using namespace filasofia;
+using namespace filasofia::engine;
+using physics::StepFlag;
+
+// What contact has lost is told.
+namespace {
+
+physics::SoftBodyDef sheet(double thickness)
+{
+    return {.name = "sheet",
+            .mesh = geometry::shapes::block({0.06, thickness, 0.06}, {12, 1, 12}),
+            .material = physics::FemMaterial{.youngModulus = 30e3, .poissonRatio = 0.45},
+            .gravity = false,
+            .attachments = {{.box = geometry::Box{{-1, -1, -1}, {-0.0299, 1, 1}}},
+                            {.box = geometry::Box{{0.0299, -1, -1}, {1, 1, 1}}}},
+            .collision = {{}}};
+}
+
+physics::SoftBodyDef cube(Vec3 at, double size)
+{
+    return {.mesh = geometry::shapes::block({size, size, size}, {3, 3, 3}),
+            .pose = {at, {}},
+            .gravity = false,
+            .collision = {{}}};
+}
+
+physics::RigidBodyDef ball(Vec3 at, double radius)
+{
+    return {.name = "ball",
+            .elements = {{at, {}}},
+            .mesh = geometry::shapes::sphere(radius, 6),
+            .collision = {{}},
+            .friction = 0.0};
+}
+
+/// Puts a tool somewhere in no time, so that no contact can see it coming.
+void put(Stage& stage, BodyId tool, Vec3 at)
+{
+    stage.post(physics::SetPose{tool, 0, {at, {}}});
+    stage.step(0.0);
+}
+
+bool flagged(const physics::StepReport& report) { return report.has(StepFlag::Intersecting); }
+
+} // namespace
+
+TEST_CASE("a tool that is moved through tissue is reported with the pair and the place, until it is out")
+{
+    Stage stage;
+    const BodyId tissue = stage.add(sheet(2e-3)), tool = stage.add(ball({1e-3, 0.02, 0.5e-3}, 5e-3));
+    REQUIRE(!flagged(stage.run(20, 1e-3)));
+    put(stage, tool, {1e-3, 0, 0.5e-3});
+    const physics::StepReport report = stage.run(12, 1e-3);
+    REQUIRE(flagged(report));
+    REQUIRE(report.intersections.size() == 1);
+    const physics::Intersection& found = report.intersections.front();
+    CHECK(found.first == tissue);
+    CHECK(found.second == tool);
+    CHECK(found.crossings > 10);
+    CHECK(found.depth > 0.1e-3);
+    CHECK(found.depth < 5e-3);
+    CHECK(distance(found.place, {1e-3, 0, 0.5e-3}) < 8e-3);
+
+    put(stage, tool, {1e-3, 0.05, 0.5e-3});
+    stage.run(12, 1e-3);
+    CHECK(!flagged(stage.step(1e-3)));
+}
+
+TEST_CASE("between two tests the last answer stays, and every step is tested if it takes 10 ms")
+{
+    for (const double dt : {1e-3, 4e-3, 10e-3, 50e-3}) {
+        CAPTURE(dt);
+        Stage stage;
+        stage.add(sheet(2e-3));
+        const BodyId tool = stage.add(ball({1e-3, 0.05, 0.5e-3}, 5e-3));
+        stage.run(7, dt);
+        put(stage, tool, {1e-3, 0, 0.5e-3});
+        int told = 0;
+        for (int i = 0; i < 40; ++i) {
+            // Tissue may get out of the way later.
+            if (flagged(stage.step(dt))) ++told;
+            if (told > 0) break;
+            REQUIRE(i * dt < 10e-3 + dt);
+        }
+        CHECK(told == 1);
+    }
+}
+
+TEST_CASE("a body that lies wholly inside another is reported, though no edge passes through a triangle")
+{
+    Stage stage;
+    const BodyId organ = stage.add(cube({}, 0.06)), seed = stage.add(ball({0, 0, 0}, 3e-3));
+    const physics::StepReport report = stage.step(1e-3);
+    REQUIRE(report.intersections.size() == 1);
+    CHECK(report.intersections.front().first == organ);
+    CHECK(report.intersections.front().second == seed);
+    CHECK(report.intersections.front().crossings == 0);
+    CHECK(report.intersections.front().depth > 20e-3);
+    CHECK(report.intersections.front().depth < 30e-3);
+}
+
+TEST_CASE("bodies that overlap are reported, but not where an attachment holds them, nor if both are scenery")
+{
+    SECTION("free")
+    {
+        Stage stage;
+        stage.add(cube({}, 0.03));
+        stage.add(cube({0.027, 1e-3, 2e-3}, 0.03));
+        CHECK(stage.step(1e-3).intersections.size() == 1);
+    }
+    SECTION("attached where they overlap")
+    {
+        Stage stage;
+        const BodyId first = stage.add(cube({}, 0.03));
+        physics::SoftBodyDef second = cube({0.027, 1e-3, 2e-3}, 0.03);
+        second.attachments = {{.box = geometry::Box{{-1, -1, -1}, {0.016, 1, 1}}, .to = first}};
+        stage.add(second);
+        CHECK(stage.step(1e-3).intersections.empty());
+    }
+    SECTION("scenery")
+    {
+        Stage stage;
+        stage.add(ball({}, 0.01));
+        stage.add(ball({0.01, 0, 0}, 0.01));
+        CHECK(stage.step(1e-3).intersections.empty());
+    }
+    SECTION("groups that do not collide")
+    {
+        Stage stage;
+        stage.add(cube({}, 0.03));
+        physics::SoftBodyDef second = cube({0.02, 1e-3, 2e-3}, 0.03);
+        second.collision = {{.group = 3}};
+        stage.add(second);
+        CHECK(stage.step(1e-3).intersections.empty());
+    }
+}
+
+TEST_CASE("tissue that is squeezed hard but held by contact is not reported")
+{
+    Stage stage;
+    const BodyId lower = stage.add(ball({0, -0.024, 0}, 0.01)), upper = stage.add(ball({0, 0.024, 0}, 0.01));
+    stage.add(cube({}, 0.025));
+    for (int i = 0; i < 300; ++i) {
+        const double y = 0.024 - 0.008 * i / 300.0; // to 12 mm of 25
+        stage.post(physics::SetPose{lower, 0, {{0, -y, 0}, {}}});
+        stage.post(physics::SetPose{upper, 0, {{0, y, 0}, {}}});
+        const physics::StepReport report = stage.step(1e-3);
+        REQUIRE(report.intersections.empty());
+    }
+    CHECK(stage.step(1e-3).contacts.active > 10);
+}
+
+} // namespace intersections_test
