@@ -12,7 +12,7 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr int kPartSize = 512;     // pairs of elements: some 10 us
+constexpr int kPartSize = 512;     // pairs of elements
 constexpr double kOpposite = -0.5; // cosine between the faces by which an edge enters and leaves a wall, not a corner
 
 /// Whether the triangle's plane has all vertices of the other element strictly on one side.

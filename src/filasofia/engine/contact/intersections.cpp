@@ -13,7 +13,7 @@
 namespace filasofia::engine {
 namespace {
 
-// [s] Intersections last. At 1 kHz a test per 10 ms costs 1 % of a step in contact, a test per step 10 %.
+// [s] Intersections last. At 1 kHz `filasofia bench contact` shows no cost of one test per 10 ms beside its spread.
 constexpr double kInterval = 0.01;
 // Relative to the sum of the proximities: what passes right through a wall by less may be rounding.
 constexpr double kShallow = 0.05;
