@@ -117,4 +117,11 @@ bool inside(const CollisionSurface& surface, Vec3 point, double distance)
            dot(point - nearest.place, nearest.normal) <= kGraze * distance * length(nearest.normal);
 }
 
+double depthInside(const CollisionSurface& surface, Vec3 point)
+{
+    const NearestOnSurface nearest = nearestOn(surface, point, sizeOf(surface));
+    const Vec3 out = nearest.place - point;
+    return nearest.triangle >= 0 && dot(out, nearest.normal) > 0.0 ? length(out) : 0.0;
+}
+
 } // namespace filasofia::engine

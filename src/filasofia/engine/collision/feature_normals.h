@@ -29,4 +29,7 @@ NearestOnSurface nearestOn(const CollisionSurface& surface, Vec3 point, double d
 /// within `distance` [m].
 bool inside(const CollisionSurface& surface, Vec3 point, double distance);
 
+/// [m] How deep the point is inside the closed surface; 0 outside.
+double depthInside(const CollisionSurface& surface, Vec3 point);
+
 } // namespace filasofia::engine

@@ -58,19 +58,6 @@ void testPoints(const SurfacePair& meeting, int source, int mine, int other, std
             collidePoint(meeting, source, point, other, out);
 }
 
-// Whether a triangle's plane has all of the other triangle on one side, farther away than both reach.
-bool planeSeparates(const CollisionSurface& a, const std::array<int, 3>& triangle, const CollisionSurface& b,
-                    const std::array<int, 3>& other, double far)
-{
-    const Vec3 at = a.x[triangle[0]];
-    const Vec3 normal = cross(a.x[triangle[1]] - at, a.x[triangle[2]] - at);
-    const double h0 = dot(normal, b.x[other[0]] - at), h1 = dot(normal, b.x[other[1]] - at),
-                 h2 = dot(normal, b.x[other[2]] - at);
-    const double low = std::min(h0, std::min(h1, h2)), high = std::max(h0, std::max(h1, h2));
-    const double gap = std::max(low, -high);
-    return gap > 0.0 && gap * gap > far * far * lengthSquared(normal);
-}
-
 bool farApart(const SurfacePair& meeting, std::array<int, 2> pair)
 {
     const CollisionSurface &one = *meeting.sides[0], &two = *meeting.sides[1];

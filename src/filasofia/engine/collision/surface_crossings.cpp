@@ -15,17 +15,6 @@ namespace {
 constexpr int kPartSize = 512;     // pairs of elements
 constexpr double kOpposite = -0.5; // cosine between the faces by which an edge enters and leaves a wall, not a corner
 
-/// Whether the triangle's plane has all vertices of the other element strictly on one side.
-bool planeSeparates(const CollisionSurface& a, const geometry::Triangle& triangle, const CollisionSurface& b,
-                    const std::array<int, 3>& other)
-{
-    const Vec3 at = a.x[triangle[0]];
-    const Vec3 normal = cross(a.x[triangle[1]] - at, a.x[triangle[2]] - at);
-    const double h0 = dot(normal, b.x[other[0]] - at), h1 = dot(normal, b.x[other[1]] - at);
-    const double h2 = other[2] < 0 ? h1 : dot(normal, b.x[other[2]] - at);
-    return (h0 > 0.0 && h1 > 0.0 && h2 > 0.0) || (h0 < 0.0 && h1 < 0.0 && h2 < 0.0);
-}
-
 bool sharesVertex(const std::array<int, 2>& edge, const geometry::Triangle& triangle)
 {
     return std::ranges::any_of(edge, [&](int v) { return std::ranges::find(triangle, v) != triangle.end(); });
@@ -68,8 +57,8 @@ void crossElements(const SurfacePair& meeting, std::array<int, 2> pair, std::vec
     const CollisionShape::Element &a = one.shape->elements[pair[0]], &b = two.shape->elements[pair[1]];
     const bool faceA = a.triangle >= 0 && one.shape->triangleFaces, faceB = b.triangle >= 0 && two.shape->triangleFaces;
     // Two triangles meet only if each crosses the plane of the other.
-    if ((faceA && planeSeparates(one, a.vertices, two, b.vertices)) ||
-        (faceB && planeSeparates(two, b.vertices, one, a.vertices)))
+    if ((faceA && planeSeparates(one, a.vertices, two, b.vertices, 0.0)) ||
+        (faceB && planeSeparates(two, b.vertices, one, a.vertices, 0.0)))
         return;
     if (faceB) crossTriangle(meeting, 0, a, b.vertices, found);
     // A surface against itself: both elements are of the first side, and so are their edges.
@@ -83,20 +72,12 @@ Vec3 normalOf(const CollisionSurface& surface, const geometry::Triangle& triangl
     return normalized(cross(surface.x[triangle[1]] - at, surface.x[triangle[2]] - at));
 }
 
-/// [m] How deep a point is inside a closed surface; 0 outside.
-double depthIn(const CollisionSurface& closed, Vec3 point)
-{
-    const NearestOnSurface nearest = nearestOn(closed, point, sizeOf(closed));
-    const Vec3 out = nearest.place - point;
-    return nearest.triangle >= 0 && dot(out, nearest.normal) > 0.0 ? length(out) : 0.0;
-}
-
 /// The crossings of one edge, ascending along it: what a plane tells of its depth would be far too much for a long edge
 /// that only grazes a corner.
 void measureDepths(const CollisionSurface& own, const CollisionSurface& closed, std::span<SurfaceCrossing> ofEdge)
 {
     const Vec3 from = own.x[ofEdge.front().edge[0]], to = own.x[ofEdge.front().edge[1]];
-    const auto depthAt = [&](double along) { return depthIn(closed, from + along * (to - from)); };
+    const auto depthAt = [&](double along) { return depthInside(closed, from + along * (to - from)); };
     for (std::size_t i = 0; i < ofEdge.size(); ++i) {
         const double low = i == 0 ? 0.0 : ofEdge[i - 1].along,
                      high = i + 1 == ofEdge.size() ? 1.0 : ofEdge[i + 1].along;

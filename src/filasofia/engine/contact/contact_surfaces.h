@@ -18,6 +18,8 @@ struct SurfaceOwner {
 
 /// The owners of all surfaces that take part in contacts, soft bodies first.
 std::vector<SurfaceOwner> surfaceOwners(const Scene& scene);
+/// Whether constraints can move the owner.
+inline bool movable(const SurfaceOwner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
 const std::string& nameOf(const Scene& scene, const SurfaceOwner& owner);
 
 /// Updates every surface to its body's state, and warns of models that cannot work. Returns per surface whether it is

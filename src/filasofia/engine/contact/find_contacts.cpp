@@ -149,8 +149,6 @@ double frictionOf(const Scene& scene, const SurfaceOwner& owner)
     return owner.soft ? scene.soft[owner.body].model.friction : scene.rigid[owner.body].model.friction;
 }
 
-bool movable(const SurfaceOwner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
-
 bool movable(const BodyPoint& point, const RigidPlan& plan)
 {
     return (point.of == BodyPoint::Of::Soft && point.count > 0) || planPlace(plan, point).has_value();

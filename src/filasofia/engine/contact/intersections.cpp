@@ -31,8 +31,6 @@ bool isLost(const SurfaceCrossing& crossing, const SurfacePair& meeting)
     return crossing.depth > (crossing.through ? kShallow * meeting.proximities() : meeting.depths());
 }
 
-bool isMovable(const SurfaceOwner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
-
 /// Whether an attachment between two bodies holds a place on the surface of one of them. A rigid body is held as a
 /// whole.
 bool holds(const Attachment& attachment, const SurfaceOwner& owner, std::span<const int> vertices)
@@ -68,9 +66,9 @@ std::optional<physics::Intersection> insideOf(const CollisionSurface& inner, con
     const Vec3 point = inner.x[static_cast<std::size_t>(inner.shape->elements.front().vertices[0])];
     const Bounds at = inner.vertexBounds[static_cast<std::size_t>(inner.shape->elements.front().vertices[0])];
     if (damaged(at) || !meet(at, outer.whole)) return std::nullopt;
-    const NearestOnSurface nearest = nearestOn(outer, point, sizeOf(outer));
-    if (nearest.triangle < 0 || !(dot(nearest.place - point, nearest.normal) > 0.0)) return std::nullopt;
-    return physics::Intersection{.depth = distance(point, nearest.place), .place = point};
+    const double depth = depthInside(outer, point);
+    if (!(depth > 0.0)) return std::nullopt;
+    return physics::Intersection{.first = {}, .second = {}, .depth = depth, .place = point};
 }
 
 class Finder {
@@ -91,7 +89,7 @@ private:
     void test(std::array<int, 2> pair)
     {
         const SurfaceOwner &one = ownerOf(pair[0]), &two = ownerOf(pair[1]);
-        if (!isMovable(one, plan_) && !isMovable(two, plan_)) return; // scenery
+        if (!movable(one, plan_) && !movable(two, plan_)) return; // scenery
         const CollisionSurface &a = surfaceOf(pair[0]), &b = surfaceOf(pair[1]);
         const SurfacePair meeting{{&a, &b}, pair, 0.0};
         const auto between = attachmentsBetween(scene_, one.name.body, two.name.body);
