@@ -5,7 +5,9 @@
 #include "apps/filasofia/haptic_scene.h"
 #include "apps/filasofia/rupture_scenes.h"
 #include "filasofia/runtime/keys.h"
+#include "filasofia/scene/scene_file.h"
 
+#include <filesystem>
 #include <iostream>
 
 namespace filasofia::app {
@@ -16,6 +18,7 @@ struct RunCommandOptions {
     BunnyDef bunny;
     double rate = 1000.0;
     int threads = 0;
+    bool anyFolder = false;
     RunDef run;
 };
 
@@ -43,7 +46,7 @@ const Scene& sceneOf(const RunCommandOptions& options)
         if (options.scene == scene.name) return scene;
         names += text(names.empty() ? "" : ", ", scene.name);
     }
-    fail("run: unknown scene '", shortened(options.scene), "'; known are ", names);
+    fail("run: unknown scene '", shortened(options.scene), "'; known are ", names, ", and scene files (.json)");
 }
 
 std::vector<std::string> bunnySizes()
@@ -53,19 +56,46 @@ std::vector<std::string> bunnySizes()
     return sizes;
 }
 
+int runAndPrint(Simulation& sim, const RunCommandOptions& options)
+{
+    const RunReport report = sim.run(options.run);
+    std::cout << runtime::summary(report);
+    return report.fileProblems.empty() ? 0 : kFailed;
+}
+
+bool isFile(const std::string& scene) { return std::filesystem::path(scene).extension() == ".json"; }
+
+/// Refuses an option that the file says itself.
+template <class T> void checkDefault(std::string_view name, const T& value, const T& standard)
+{
+    if (value != standard) fail("run: ", name, " does not apply to a scene file, which says it itself");
+}
+
+int runFile(const RunCommandOptions& options)
+{
+    const RunCommandOptions standard;
+    checkDefault("--tets", options.bunny.tets, standard.bunny.tets);
+    checkDefault("--subdivision", options.bunny.subdivision, standard.bunny.subdivision);
+    checkDefault("--rate", options.rate, standard.rate);
+    scene::SceneDef scene = scene::loadScene(options.scene, {.anyFolder = options.anyFolder});
+    if (options.threads != 0) scene.physics.threads = givenThreads(options.threads);
+    Simulation sim(scene::simulationDef(scene));
+    scene::addScene(sim, scene);
+    return runAndPrint(sim, options);
+}
+
 int runScene(RunCommandOptions& options)
 {
+    if (options.run.headless && options.run.steps == 0) options.run.steps = 1000; // it would never end otherwise
+    if (isFile(options.scene)) return runFile(options);
     const Scene& scene = sceneOf(options);
     if (options.scene != "bunny" && options.bunny.tets != BunnyDef{}.tets)
         fail("run: --tets applies to the bunny, not to '", scene.name, "'");
-    if (options.run.headless && options.run.steps == 0) options.run.steps = 1000; // it would never end otherwise
     Simulation sim({.physics = {.rate = options.rate, .threads = givenThreads(options.threads)},
                     .window = {.title = text("Filasofia: ", scene.name)},
                     .look = {.around = scene.around}});
     scene.make(sim, options.bunny);
-    const RunReport report = sim.run(options.run);
-    std::cout << runtime::summary(report);
-    return report.fileProblems.empty() ? 0 : kFailed;
+    return runAndPrint(sim, options);
 }
 
 } // namespace
@@ -79,7 +109,8 @@ Command runCommand()
             .options =
                 {{"SCENE",
                   &options.scene,
-                  "bunny (pinned at the head, hanging by its own weight), poke, grasp, friction, cut, tear or haptics",
+                  "a scene file (scene.json), or bunny (pinned at the head, hanging by its own weight), poke, grasp, "
+                  "friction, cut, tear or haptics",
                   "",
                   {},
                   true},
@@ -132,7 +163,8 @@ Command runCommand()
                  {.name = "--threads",
                   .target = &options.threads,
                   .meaning = "Threads within one step; 0: all cores except one, at most 8",
-                  .bound = kThreads}},
+                  .bound = kThreads},
+                 {"--any-folder", &options.anyFolder, "The files that a scene file names may be outside its folder"}},
             .run = [] { return runScene(options); },
             .footer = "Mouse and keys in the window:\n" + runtime::keyHelp()};
 }

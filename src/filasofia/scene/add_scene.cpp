@@ -1,0 +1,78 @@
+#include "filasofia/scene/def_shapes.h"
+#include "filasofia/scene/motion.h"
+
+#include "filasofia/core/error.h"
+
+namespace filasofia::scene {
+namespace {
+
+/// Replaces the numbers of bodies in a Def by their ids.
+class BodyNumbers {
+public:
+    explicit BodyNumbers(const std::vector<BodyId>& ids) : ids_(ids) {}
+
+    template <class T> void replaceIn(T& value) const
+    {
+        if constexpr (std::is_same_v<T, BodyId>) {
+            if (value && value.value > ids_.size())
+                fail("the scene has ", ids_.size(), " bodies before this one, got body ", value.value);
+            if (value) value = ids_[value.value - 1];
+        } else if constexpr (kIsOptional<T>) {
+            if (value) replaceIn(*value);
+        } else if constexpr (kIsVector<T>) {
+            if constexpr (!std::is_arithmetic_v<typename T::value_type>)
+                for (auto& each : value) replaceIn(each);
+        } else if constexpr (kIsVariant<T>) {
+            std::visit([this](auto& held) { replaceIn(held); }, value);
+        } else if constexpr (HasFields<T>) {
+            forEachField<T>([&](const auto& each) { replaceIn(value.*(each.member)); });
+        }
+    }
+
+private:
+    const std::vector<BodyId>& ids_;
+};
+
+BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std::vector<BodyId>& before)
+{
+    physics::BodyDef def = body.def;
+    BodyNumbers(before).replaceIn(def);
+    checkMotions(body);
+    if (auto* rigid = std::get_if<physics::RigidBodyDef>(&def)) setFirstPoses(body.motions, *rigid);
+    const BodyId id = std::visit([&](auto& each) { return simulation.add(std::move(each)); }, def);
+    for (const runtime::ShowDef& each : body.show) simulation.show(id, each);
+    for (const runtime::PaintDef& each : body.paint) simulation.paint(id, each);
+    followMotions(simulation, id, body);
+    return id;
+}
+
+/// Runs `act`; an Error of it begins with the place of the thing.
+template <class Act> void at(const std::string& place, Act&& act)
+{
+    try {
+        act();
+    } catch (const Error& error) {
+        fail(place, place.empty() ? "" : ": ", error.what());
+    }
+}
+
+} // namespace
+
+runtime::SimulationDef simulationDef(const SceneDef& scene)
+{
+    return {.physics = scene.physics, .window = scene.window, .look = scene.look};
+}
+
+std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& scene)
+{
+    std::vector<BodyId> ids;
+    for (const SceneBody& body : scene.bodies)
+        at(body.place, [&] { ids.push_back(addBody(simulation, body, ids)); });
+    for (runtime::HapticInterfaceDef haptic : scene.haptics) {
+        BodyNumbers(ids).replaceIn(haptic);
+        simulation.add(haptic);
+    }
+    return ids;
+}
+
+} // namespace filasofia::scene

@@ -1,0 +1,79 @@
+#pragma once
+
+#include "filasofia/record/json_shapes.h"
+#include "filasofia/scene/mesh_shapes.h"
+#include "filasofia/scene/scene_def.h"
+
+#include <set>
+#include <string>
+#include <utility>
+
+/// The shapes of values that Defs have, for the reader of scene files and their schema alike.
+namespace filasofia::scene {
+
+using record::kIsArray;
+using record::kIsOptional;
+using record::kIsVariant;
+using record::kIsVector;
+using record::typeName;
+
+template <class T>
+concept IsFile = std::is_same_v<T, std::variant<std::string, std::shared_ptr<const device::Motion>>>;
+/// Makes of a mesh source; the name of a file is one without it.
+template <class T> struct MeshShapes;
+template <> struct MeshShapes<physics::SoftMeshSource> {
+    using Shapes = SoftShape;
+};
+template <> struct MeshShapes<physics::TriangleMeshSource> { // also runtime::SurfaceSource
+    using Shapes = SurfaceShape;
+};
+template <class T>
+concept IsMesh = requires
+{
+    typename MeshShapes<T>::Shapes;
+};
+
+template <class T> constexpr bool kFlat = false;
+template <> inline constexpr bool kFlat<SceneBody> = true; ///< its first field's members stand beside its others
+
+/// Objects that may also be written as a list of their numbers.
+template <class T>
+concept IsNumbers = std::is_same_v<T, Vec3> || std::is_same_v<T, Quat> || std::is_same_v<T, visual::Color>;
+
+/// The names of a Def's fields.
+template <HasFields T> std::vector<std::string> fieldNames()
+{
+    std::vector<std::string> names;
+    forEachField<T>([&](const auto& each) {
+        if (!each.name.empty()) names.emplace_back(each.name);
+    });
+    return names;
+}
+
+/// Calls visit.template operator()<Def>() once for every Def that can be reached from T, after those it names.
+template <class T> struct DefWalk {
+    template <class Visit> static void run(std::set<std::string>& seen, Visit& visit)
+    {
+        if constexpr (IsMesh<T>)
+            DefWalk<typename MeshShapes<T>::Shapes>::run(seen, visit);
+        else if constexpr (kIsOptional<T> || kIsVector<T>)
+            DefWalk<typename T::value_type>::run(seen, visit);
+        else if constexpr (HasFields<T> && !IsNumbers<T>)
+            if (seen.emplace(typeName<T>()).second) {
+                forEachField<T>([&](const auto& each) {
+                    using Value = std::remove_cvref_t<decltype(std::declval<T&>().*(each.member))>;
+                    DefWalk<Value>::run(seen, visit);
+                });
+                visit.template operator()<T>();
+            }
+    }
+};
+template <class... Each>
+requires(!IsMesh<std::variant<Each...>>) struct DefWalk<std::variant<Each...>> {
+    template <class Visit> static void run(std::set<std::string>& seen, Visit& visit)
+    {
+        if constexpr (!IsFile<std::variant<Each...>>) (DefWalk<Each>::run(seen, visit), ...);
+    }
+};
+
+} // namespace filasofia::scene

@@ -1,0 +1,164 @@
+#include "filasofia/scene/json_source.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/user_file.h"
+
+#include <algorithm>
+#include <set>
+
+namespace filasofia::scene {
+namespace {
+
+constexpr std::uintmax_t kMaxSceneFile = 16 << 20; // [bytes]
+constexpr int kMaxDepth = 64;
+
+/// "FILE:LINE:COLUMN" of a byte of a text.
+std::string placeAt(const SourceFile& file, std::string_view text, std::size_t byte)
+{
+    const std::string_view before = text.substr(0, byte);
+    const auto line = 1 + std::ranges::count(before, '\n');
+    const auto start = before.rfind('\n');
+    return filasofia::text(file.shown, ":", line, ":", byte - (start == std::string_view::npos ? 0 : start + 1) + 1);
+}
+
+/// What nlohmann says is wrong, without its number and its own way to say where.
+std::string reasonOf(const Json::parse_error& problem)
+{
+    std::string_view what = problem.what();
+    if (const auto at = what.find("column "); at != std::string_view::npos) what.remove_prefix(at);
+    if (const auto colon = what.find(": "); colon != std::string_view::npos) what.remove_prefix(colon + 2);
+    return std::string(what);
+}
+
+} // namespace
+
+/// Walks through a text that is known to be JSON, together with its values, and notes where each begins.
+class PlaceFinder {
+public:
+    PlaceFinder(const SourceFile& file, std::string_view text, JsonSources& sources)
+        : file_(file), text_(text), sources_(sources)
+    {
+    }
+
+    void walk(const Json& value, int depth = 0)
+    {
+        skipBlanks();
+        if (depth > kMaxDepth) refuse(text("lists and objects must be nested at most ", kMaxDepth, " deep"));
+        sources_.positions_[&value] = {&file_, line_, static_cast<int>(at_ - lineStart_) + 1};
+        if (value.is_object())
+            walkObject(value, depth);
+        else if (value.is_array())
+            walkArray(value, depth);
+        else if (text_[at_] == '"')
+            skipString();
+        else
+            while (at_ < text_.size() && std::string_view(",]}/ \t\r\n").find(text_[at_]) == std::string_view::npos) ++at_;
+    }
+
+private:
+    void walkObject(const Json& object, int depth)
+    {
+        std::set<std::string> seen;
+        for (++at_;; ++at_) {
+            skipBlanks();
+            if (text_[at_] == '}') break;
+            const std::size_t begin = at_;
+            skipString();
+            const auto name = Json::parse(text_.substr(begin, at_ - begin)).get<std::string>();
+            if (!seen.insert(name).second) {
+                at_ = begin;
+                refuse(text("'", name, "' is given twice"));
+            }
+            skipBlanks();
+            ++at_; // the colon
+            walk(object.at(name), depth + 1);
+            skipBlanks();
+            if (text_[at_] == '}') break;
+        }
+        ++at_;
+    }
+
+    void walkArray(const Json& array, int depth)
+    {
+        ++at_;
+        for (const Json& each : array) {
+            walk(each, depth + 1);
+            skipBlanks();
+            if (text_[at_] == ',') ++at_;
+        }
+        skipBlanks();
+        ++at_; // the bracket
+    }
+
+    void skipBlanks()
+    {
+        for (; at_ < text_.size(); ++at_) {
+            const char c = text_[at_];
+            if (c == '/') {
+                skipComment();
+            } else if (c == '\n') {
+                ++line_;
+                lineStart_ = at_ + 1;
+            } else if (c != ' ' && c != '\t' && c != '\r' && at_ >= bomEnd_) {
+                return;
+            }
+        }
+    }
+
+    /// Stops at the last character of the comment.
+    void skipComment()
+    {
+        if (text_[at_ + 1] == '/') {
+            at_ = std::min(text_.find('\n', at_), text_.size()) - 1;
+            return;
+        }
+        const std::size_t end = text_.find("*/", at_ + 2) + 1;
+        for (; at_ < end; ++at_)
+            if (text_[at_] == '\n') {
+                ++line_;
+                lineStart_ = at_ + 1;
+            }
+    }
+
+    void skipString()
+    {
+        for (++at_; text_[at_] != '"'; ++at_)
+            if (text_[at_] == '\\') ++at_;
+        ++at_;
+    }
+
+    [[noreturn]] void refuse(const std::string& what) const { fail(placeAt(file_, text_, at_), ": ", what); }
+
+    const SourceFile& file_;
+    const std::string_view text_;
+    JsonSources& sources_;
+    const std::size_t bomEnd_ = text_.starts_with("\xef\xbb\xbf") ? 3 : 0; // a byte order mark, which JSON skips
+    std::size_t at_ = 0, lineStart_ = 0;
+    int line_ = 1;
+};
+
+const SourceFile& JsonSources::read(const std::filesystem::path& path, std::string shown)
+{
+    const std::string text = readFile(path, shown, kMaxSceneFile);
+    SourceFile& file = files_.emplace_back(SourceFile{path, std::move(shown), Json()});
+    try {
+        file.root = Json::parse(text, nullptr, true, true); // with comments
+    } catch (const Json::parse_error& problem) {
+        const std::size_t byte = std::min(problem.byte == 0 ? 0 : problem.byte - 1, text.size());
+        fail(placeAt(file, text, byte), ": this is no JSON: ", reasonOf(problem));
+    } catch (const Json::exception& problem) { // a number beyond the range of a double
+        fail(file.shown, ": this is no JSON: ", problem.what());
+    }
+    PlaceFinder(file, text, *this).walk(file.root);
+    return file;
+}
+
+std::string JsonSources::placeOf(const Json& value) const
+{
+    const Position& at = positions_.at(&value);
+    return text(at.file->shown, ":", at.line, ":", at.column);
+}
+
+const SourceFile& JsonSources::fileOf(const Json& value) const { return *positions_.at(&value).file; }
+
+} // namespace filasofia::scene

@@ -1,0 +1,126 @@
+#pragma once
+
+#include "filasofia/core/fields.h"
+#include "filasofia/geometry/mesh_file.h"
+#include "filasofia/geometry/shapes.h"
+
+#include <array>
+#include <memory>
+#include <string>
+#include <variant>
+
+/// The functions that make meshes (geometry/shapes.h, geometry/mesh_file.h) as objects of a scene file, each named
+/// after its function.
+namespace filasofia::scene {
+
+using TrianglePtr = std::shared_ptr<const geometry::TriangleMesh>;
+using TetPtr = std::shared_ptr<const geometry::TetMesh>;
+
+struct BoxShape {
+    Vec3 size = {};
+    std::array<int, 3> cells = {1, 1, 1};
+    [[nodiscard]] TrianglePtr make() const { return geometry::shapes::box(size, cells); }
+};
+struct SphereShape {
+    double radius = 0.0;
+    int quarter = 8;
+    [[nodiscard]] TrianglePtr make() const { return geometry::shapes::sphere(radius, quarter); }
+};
+struct CapsuleShape {
+    double radius = 0.0;
+    double length = 0.0;
+    int quarter = 8;
+    [[nodiscard]] TrianglePtr make() const { return geometry::shapes::capsule(radius, length, quarter); }
+};
+struct CylinderShape {
+    double radius = 0.0;
+    double length = 0.0;
+    int quarter = 8;
+    [[nodiscard]] TrianglePtr make() const { return geometry::shapes::cylinder(radius, length, quarter); }
+};
+struct SheetShape {
+    double width = 0.0;
+    double depth = 0.0;
+    std::array<int, 2> cells = {10, 10};
+    [[nodiscard]] TrianglePtr make() const { return geometry::shapes::sheet(width, depth, cells); }
+};
+struct BlockShape {
+    Vec3 size = {};
+    std::array<int, 3> cells = {4, 4, 4};
+    [[nodiscard]] TetPtr make() const { return geometry::shapes::block(size, cells); }
+};
+/// A surface file in another unit than metres.
+struct ScaledSurface {
+    std::string file = {};
+    double scale = 1.0;
+    [[nodiscard]] TrianglePtr make() const
+    {
+        return std::make_shared<const geometry::TriangleMesh>(geometry::loadTriangleMesh(file, scale));
+    }
+};
+/// The same for tetrahedra.
+struct ScaledTetrahedra {
+    std::string file = {};
+    double scale = 1.0;
+    [[nodiscard]] TetPtr make() const
+    {
+        return std::make_shared<const geometry::TetMesh>(geometry::loadTetMesh(file, scale));
+    }
+};
+
+/// What a surface may be made of, and what a soft body may.
+using SurfaceShape = std::variant<BoxShape, SphereShape, CapsuleShape, CylinderShape, SheetShape, ScaledSurface>;
+using SoftShape = std::variant<BlockShape, ScaledTetrahedra, SheetShape, BoxShape, SphereShape, CapsuleShape,
+                               CylinderShape, ScaledSurface>;
+
+constexpr auto fields(const BoxShape*)
+{
+    return describe("box", field("size", &BoxShape::size, "m", positive(), "edges"),
+                    field("cells", &BoxShape::cells, "-", closed(1, 500), "cells along each edge"));
+}
+constexpr auto fields(const SphereShape*)
+{
+    using T = SphereShape;
+    return describe("sphere", field("radius", &T::radius, "m", positive(), "radius"),
+                    field("quarter", &T::quarter, "-", closed(1, 500), "edges along a quarter of a great circle"));
+}
+constexpr auto fields(const CapsuleShape*)
+{
+    using T = CapsuleShape;
+    return describe("capsule", field("radius", &T::radius, "m", positive(), "radius"),
+                    field("length", &T::length, "m", positive(), "length of the line inside, along y"),
+                    field("quarter", &T::quarter, "-", closed(1, 500), "edges along a quarter of a circle"));
+}
+constexpr auto fields(const CylinderShape*)
+{
+    using T = CylinderShape;
+    return describe("cylinder", field("radius", &T::radius, "m", positive(), "radius"),
+                    field("length", &T::length, "m", positive(), "length, along y"),
+                    field("quarter", &T::quarter, "-", closed(1, 500), "edges along a quarter of a circle"));
+}
+constexpr auto fields(const SheetShape*)
+{
+    using T = SheetShape;
+    return describe("sheet", field("width", &T::width, "m", positive(), "edge along x"),
+                    field("depth", &T::depth, "m", positive(), "edge along z"),
+                    field("cells", &T::cells, "-", closed(1, 500), "cells along each edge"));
+}
+constexpr auto fields(const BlockShape*)
+{
+    return describe("block", field("size", &BlockShape::size, "m", positive(), "edges"),
+                    field("cells", &BlockShape::cells, "-", closed(1, 200), "cells along each edge"));
+}
+constexpr auto fields(const ScaledSurface*)
+{
+    using T = ScaledSurface;
+    return describe("surface", field("file", &T::file, "a surface file"),
+                    field("scale", &T::scale, "-", positive(), "metres per unit of the file"));
+}
+constexpr auto fields(const ScaledTetrahedra*)
+{
+    using T = ScaledTetrahedra;
+    return describe("tetrahedra", field("file", &T::file, "a mesh file"),
+                    field("scale", &T::scale, "-", positive(), "metres per unit of the file"));
+}
+
+} // namespace filasofia::scene

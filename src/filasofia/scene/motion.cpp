@@ -1,0 +1,142 @@
+#include "filasofia/scene/motion.h"
+
+#include "filasofia/core/error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::scene {
+namespace {
+
+/// Straight from `a` to `b`, turning the shortest way; `part` in [0, 1].
+Pose between(const Pose& a, const Pose& b, double part)
+{
+    const Quat from = normalized(a.orientation);
+    const Vec3 turn = rotationVector(conjugate(from) * normalized(b.orientation));
+    return {a.position + part * (b.position - a.position), from * axisAngle(turn, part * length(turn))};
+}
+
+/// The time within a motion that may repeat.
+template <class Motion> double within(const Motion& motion, double time)
+{
+    return motion.repeat ? std::fmod(time, motion.keys.back().time) : time;
+}
+
+/// The first key that is later than `time`.
+template <class Keys> auto laterKey(const Keys& keys, double time)
+{
+    return std::ranges::upper_bound(keys, time, {}, [](const auto& key) { return key.time; });
+}
+
+template <class Motion> void checkKeys(const Motion& motion, const std::string& name)
+{
+    if (motion.keys.empty()) fail(name, ".keys must not be empty");
+    for (std::size_t i = 0; i < motion.keys.size(); ++i) {
+        const double time = motion.keys[i].time, before = i == 0 ? 0.0 : motion.keys[i - 1].time;
+        if (!(time >= before) || (i > 0 && time == before))
+            fail(name, ".keys[", i, "].time must be later than the key before, at ", before, " s, got ", time);
+    }
+    if (motion.repeat && !(motion.keys.back().time > 0.0))
+        fail(name, ".repeat needs a last key later than 0 s");
+}
+
+/// The motion with a key at time 0.
+ElementMotion withFirstKey(ElementMotion motion, const Pose& start)
+{
+    if (motion.keys.front().time > 0.0) motion.keys.insert(motion.keys.begin(), {0.0, start});
+    return motion;
+}
+
+std::vector<Pose> startOf(const SceneBody& body)
+{
+    const auto* rigid = std::get_if<physics::RigidBodyDef>(&body.def);
+    return rigid ? physics::elementPoses(*rigid) : std::vector<Pose>();
+}
+
+/// Gives a joint its next command as soon as its time has come.
+class JointFollower {
+public:
+    JointFollower(BodyId id, JointMotion motion) : id_(id), motion_(std::move(motion)) {}
+
+    void give(physics::PhysicsServer& server, double time)
+    {
+        const auto later = laterKey(motion_.keys, within(motion_, time));
+        // In a motion that repeats, the last command holds until the first key of the next round.
+        const auto key = later != motion_.keys.begin() ? later - 1 : motion_.keys.end() - 1;
+        const bool begun = later != motion_.keys.begin() || (motion_.repeat && time >= motion_.keys.back().time);
+        const auto index = static_cast<std::size_t>(key - motion_.keys.begin());
+        if (!begun || index == given_) return;
+        server.setJoint(id_, motion_.joint, key->command);
+        given_ = index;
+    }
+
+private:
+    BodyId id_;
+    JointMotion motion_;
+    std::size_t given_ = static_cast<std::size_t>(-1);
+};
+
+} // namespace
+
+Pose poseAt(const ElementMotion& motion, double time)
+{
+    const auto later = laterKey(motion.keys, within(motion, time));
+    if (later == motion.keys.begin()) return motion.keys.front().pose;
+    const auto before = later - 1;
+    if (later == motion.keys.end()) return before->pose;
+    return between(before->pose, later->pose, (within(motion, time) - before->time) / (later->time - before->time));
+}
+
+void checkMotions(const SceneBody& body)
+{
+    if (body.motions.empty() && body.jointMotions.empty()) return;
+    const auto* rigid = std::get_if<physics::RigidBodyDef>(&body.def);
+    if (!rigid) fail(physics::describeBody(body.def), ": motions must be empty: only rigid bodies have them");
+    const std::string object = physics::describeBody(body.def);
+    const std::size_t joints = rigid->articulation.joints.size();
+    const std::size_t movable = joints > 0 ? 1 : physics::elementCount(*rigid);
+    for (std::size_t i = 0; i < body.motions.size(); ++i) {
+        const std::string name = text(object, ": motions[", i, "]");
+        const ElementMotion& motion = body.motions[i];
+        if (rigid->dynamic) fail(name, " moves a dynamic body, which only forces move");
+        if (motion.element < 0 || static_cast<std::size_t>(motion.element) >= movable)
+            fail(name, ".element must be in [0, ", movable, "), got ", motion.element);
+        checkKeys(motion, name);
+    }
+    for (std::size_t i = 0; i < body.jointMotions.size(); ++i) {
+        const std::string name = text(object, ": jointMotions[", i, "]");
+        const JointMotion& motion = body.jointMotions[i];
+        if (motion.joint < 0 || static_cast<std::size_t>(motion.joint) >= joints)
+            fail(name, ".joint must be in [0, ", joints, "), got ", motion.joint);
+        checkKeys(motion, name);
+    }
+}
+
+void setFirstPoses(const std::vector<ElementMotion>& motions, physics::RigidBodyDef& body)
+{
+    for (const ElementMotion& motion : motions)
+        if (const KeyPose& first = motion.keys.front(); first.time == 0.0)
+            body.elements.at(static_cast<std::size_t>(motion.element)) = first.pose;
+}
+
+void followMotions(runtime::Simulation& simulation, BodyId id, const SceneBody& body)
+{
+    if (!body.motions.empty()) {
+        std::vector<ElementMotion> motions;
+        const std::vector<Pose> start = startOf(body);
+        for (const ElementMotion& each : body.motions)
+            motions.push_back(withFirstKey(each, start.at(static_cast<std::size_t>(each.element))));
+        simulation.everyStep([&simulation, id, motions](double time) {
+            for (const ElementMotion& each : motions)
+                simulation.physics().setPose(id, poseAt(each, time), each.element);
+        });
+    }
+    std::vector<JointFollower> joints;
+    for (const JointMotion& each : body.jointMotions) joints.emplace_back(id, each);
+    if (!joints.empty())
+        simulation.everyStep([&simulation, joints](double time) mutable {
+            for (JointFollower& each : joints) each.give(simulation.physics(), time);
+        });
+}
+
+} // namespace filasofia::scene

@@ -1,0 +1,156 @@
+#include "filasofia/scene/scene_file.h"
+
+#include "filasofia/scene/scene_reader.h"
+
+namespace filasofia::scene {
+namespace {
+
+constexpr std::size_t kMaxFiles = 64; // of a scene, with those that it includes
+
+/// Reads a scene with the files that it includes.
+class SceneLoader {
+public:
+    SceneLoader(const std::filesystem::path& file, const SceneFileOptions& options)
+        : reader_(sources_, folderOf(file), options)
+    {
+        include(file, file.string());
+    }
+
+    SceneDef load()
+    {
+        const std::vector<std::string> ownNames = {"$schema", "include", "defaults", "classes"};
+        std::vector<std::string> known = fieldNames<SceneDef>();
+        known.insert(known.end(), ownNames.begin(), ownNames.end());
+        for (auto file = files_.rbegin(); file != files_.rend(); ++file) { // the including file comes first
+            const Json& root = (*file)->root;
+            reader_.refuseUnknown(root, Place{nullptr, "the scene"}, known);
+            if (const auto found = root.find("defaults"); found != root.end()) addDefaults(*found);
+            if (const auto found = root.find("classes"); found != root.end()) addClasses(*found);
+        }
+        SceneDef scene;
+        readMembers("physics", scene.physics);
+        readMembers("window", scene.window);
+        readMembers("look", scene.look);
+        forEachMember("bodies", [&](const Json& json, const Place& place) {
+            scene.bodies.push_back(reader_.readBody(json, place));
+        });
+        forEachMember("haptics", [&](const Json& json, const Place& place) {
+            reader_.read({&json}, place, {}, scene.haptics.emplace_back());
+        });
+        checkDefaults();
+        return scene;
+    }
+
+private:
+    static std::filesystem::path folderOf(const std::filesystem::path& file)
+    {
+        return file.has_parent_path() ? file.parent_path() : ".";
+    }
+
+    /// Reads a file and, before it, those that it includes; each once.
+    void include(const std::filesystem::path& path, const std::string& shown)
+    {
+        const SourceFile& file = sources_.read(path, shown);
+        const Place place{nullptr, "include"};
+        if (++read_ > kMaxFiles) fail(shown, ": a scene may have at most ", kMaxFiles, " files");
+        if (!file.root.is_object()) reader_.refuse(file.root, Place{nullptr, "the scene"}, "must be an object");
+        if (const auto list = file.root.find("include"); list != file.root.end()) {
+            if (!list->is_array()) reader_.refuse(*list, place, "must be a list of files");
+            for (std::size_t i = 0; i < list->size(); ++i) {
+                const std::filesystem::path inner = reader_.fileNamed((*list)[i], Place{&place, {}, i});
+                std::error_code problem;
+                const auto same = [&](const auto& each) { return std::filesystem::equivalent(each, inner, problem); };
+                if (std::ranges::any_of(open_, same) || same(path))
+                    reader_.refuse((*list)[i], Place{&place, {}, i}, "must not be a file that includes this one");
+                if (std::ranges::any_of(files_, [&](const SourceFile* each) { return same(each->path); })) continue;
+                open_.push_back(path);
+                include(inner, inner.string());
+                open_.pop_back();
+            }
+        }
+        files_.push_back(&file);
+    }
+
+    /// Checks the types that "defaults", or a class, names.
+    void checkTypes(const Json& of, const Place& place)
+    {
+        if (!of.is_object()) reader_.refuse(of, place, "must be an object of objects, named by the types of Defs");
+        std::vector<std::string> types;
+        std::set<std::string> seen;
+        auto add = [&]<class T>() { types.emplace_back(typeName<T>()); };
+        DefWalk<SceneDef>::run(seen, add);
+        reader_.refuseUnknown(of, place, types);
+        for (const auto& item : of.items())
+            if (!item.value().is_object()) reader_.refuse(item.value(), Place{&place, item.key()}, "must be an object");
+    }
+    void addDefaults(const Json& defaults)
+    {
+        checkTypes(defaults, Place{nullptr, "defaults"});
+        reader_.addDefaults(defaults);
+        toCheck_.emplace_back(&defaults, "defaults");
+    }
+    void addClasses(const Json& classes)
+    {
+        const Place place{nullptr, "classes"};
+        if (!classes.is_object()) reader_.refuse(classes, place, "must be an object of classes, by their names");
+        for (const auto& item : classes.items()) {
+            checkTypes(item.value(), Place{&place, item.key()});
+            toCheck_.emplace_back(&item.value(), text("classes.", item.key()));
+        }
+        reader_.addClasses(classes);
+    }
+    /// Reads the defaults for themselves, so that a mistake in one that nothing uses is found too.
+    void checkDefaults()
+    {
+        for (const auto& [of, name] : toCheck_) {
+            const Place place{nullptr, name};
+            std::set<std::string> seen;
+            auto check = [&]<class T>() {
+                const auto found = of->find(typeName<T>());
+                if (found == of->end()) return;
+                T def{};
+                reader_.read({&*found}, Place{&place, typeName<T>()}, {}, def);
+            };
+            DefWalk<SceneDef>::run(seen, check);
+        }
+    }
+
+    template <class T> void readMembers(std::string_view name, T& out)
+    {
+        Layers layers;
+        for (auto file = files_.rbegin(); file != files_.rend(); ++file)
+            if (const auto found = (*file)->root.find(name); found != (*file)->root.end()) layers.push_back(&*found);
+        const Place place{nullptr, name};
+        for (const Json* each : layers)
+            if (!each->is_object()) reader_.refuse(*each, place, "must be an object");
+        static const Json kNothing = Json::object();
+        if (layers.empty()) layers.push_back(&kNothing); // the defaults may still say something
+        reader_.read(layers, place, {}, out);
+    }
+    template <class Each> void forEachMember(std::string_view name, Each&& each)
+    {
+        const Place place{nullptr, name};
+        for (const SourceFile* file : files_) {
+            const auto list = file->root.find(name);
+            if (list == file->root.end()) continue;
+            if (!list->is_array()) reader_.refuse(*list, place, "must be a list");
+            for (std::size_t i = 0; i < list->size(); ++i) each((*list)[i], Place{&place, {}, i});
+        }
+    }
+
+    JsonSources sources_;
+    SceneReader reader_;
+    std::vector<const SourceFile*> files_;    ///< those that are included before those that include them
+    std::vector<std::filesystem::path> open_; ///< the files that include the one that is read
+    std::size_t read_ = 0;
+    std::vector<std::pair<const Json*, std::string>> toCheck_;
+};
+
+} // namespace
+
+SceneDef loadScene(const std::filesystem::path& file, const SceneFileOptions& options)
+{
+    return SceneLoader(file, options).load();
+}
+
+} // namespace filasofia::scene

@@ -1,0 +1,296 @@
+#include "filasofia/scene/scene_reader.h"
+
+#include "filasofia/runtime/assets.h"
+#include "filasofia/scene/quantity.h"
+
+#include <cmath>
+
+namespace filasofia::scene {
+namespace {
+
+constexpr std::size_t kMaxShown = 40; // characters of a wrong value that an error shows
+constexpr std::string_view kAsset = "asset:";
+
+std::string shortened(std::string word)
+{
+    if (word.size() > kMaxShown) word.replace(kMaxShown, std::string::npos, "...");
+    return word;
+}
+
+std::string shown(const Json& json)
+{
+    if (json.is_object()) return "an object";
+    if (json.is_array()) return text("a list of length ", json.size());
+    return shortened(json.dump(-1, ' ', true, Json::error_handler_t::replace));
+}
+
+/// "> 0 Pa", "a finite number" after the "must be " of a range's text.
+std::string boundText(const Bound& bound)
+{
+    const std::string_view unit = bound.unit == "-" ? std::string_view() : bound.unit;
+    return bound.range.text(unit);
+}
+
+} // namespace
+
+void SceneReader::refuse(const Json& json, const Place& place, std::string_view must) const
+{
+    fail(sources_.placeOf(json), ": ", place.path(), " ", must, ", got ", shown(json));
+}
+
+void SceneReader::refuseWord(const Json& json, const Place& place, const std::vector<std::string>& known) const
+{
+    const std::string given = json.is_string() ? word(json) : std::string();
+    const std::string hint = given.size() <= kMaxShown ? didYouMean(given, known) : std::string();
+    fail(sources_.placeOf(json), ": ", place.path(), " must be one of ", listed(known), ", got ", shown(json), hint);
+}
+
+void SceneReader::refuseUnknown(const Json& object, const Place& place, const std::vector<std::string>& known) const
+{
+    for (const auto& item : object.items()) {
+        const std::string& name = item.key();
+        if (std::ranges::find(known, name) != known.end()) continue;
+        const std::string hint = name.size() <= kMaxShown ? didYouMean(name, known) : std::string();
+        fail(sources_.placeOf(item.value()), ": unknown field '", shortened(name), "' in ", place.path(), hint);
+    }
+}
+
+std::string SceneReader::listed(const std::vector<std::string>& names)
+{
+    std::string out;
+    for (const std::string& name : names) out += text(out.empty() ? "" : ", ", name);
+    return out;
+}
+
+const Json* SceneReader::find(const Json& object, std::string_view name)
+{
+    if (!object.is_object()) return nullptr;
+    const auto found = object.find(name);
+    return found == object.end() ? nullptr : &*found;
+}
+
+Layers SceneReader::members(const Layers& layers, std::string_view name)
+{
+    Layers out;
+    for (const Json* layer : layers) {
+        const Json* member = find(*layer, name);
+        if (!member) continue;
+        if (!out.empty() && !member->is_object()) break; // an object hides what is none
+        out.push_back(member);
+        if (!member->is_object()) break;
+    }
+    return out;
+}
+
+Layers SceneReader::withDefaults(const Layers& from, const Place& place, std::string_view type) const
+{
+    Layers out = from;
+    for (const Json* layer : from)
+        if (const Json* name = find(*layer, kClass)) {
+            const Json& of = classNamed(*name, Place{&place, kClass});
+            if (const Json* defaults = find(of, type))
+                out.push_back(defaults);
+            else if (type != typeName<SceneBody>() && !find(of, typeName<SceneBody>()))
+                refuse(*name, Place{&place, kClass}, text("must be a class that says something of ", type));
+        }
+    for (const Json* each : defaults_)
+        if (const Json* defaults = find(*each, type)) out.push_back(defaults);
+    return out;
+}
+
+const Json& SceneReader::classNamed(const Json& name, const Place& place) const
+{
+    std::vector<std::string> known;
+    for (const Json* each : classes_) {
+        if (const Json* found = find(*each, word(name, place))) return *found;
+        for (const auto& item : each->items()) known.push_back(item.key());
+    }
+    if (known.empty()) refuse(name, place, "must be a class of the scene, which has none");
+    refuseWord(name, place, known);
+}
+
+std::pair<Layers, std::string> SceneReader::chosen(const Layers& from, const Place& place,
+                                                   std::string_view present) const
+{
+    std::string type;
+    for (const Json* layer : from)
+        if (const Json* named = type.empty() ? find(*layer, kType) : nullptr) type = word(*named, Place{&place, kType});
+    Layers out;
+    bool reached = type.empty();
+    for (const Json* layer : from) {
+        const Json* named = find(*layer, kType);
+        const bool same = named ? named->is_string() && word(*named) == type : !reached || type == present;
+        reached = reached || named;
+        if (same || type.empty()) out.push_back(layer);
+    }
+    // The layer with the type stands first, for errors that name it.
+    return {std::move(out), std::move(type)};
+}
+
+double SceneReader::inUnit(const Json& json, const Place& place, const Bound& bound, double value,
+                           std::string_view unit) const
+{
+    if (unit.empty()) return value;
+    const auto scale = convert(unit, bound.unit);
+    if (!scale)
+        refuse(json, place,
+               bound.unit.empty() || bound.unit == "-" ? std::string("must be a number without a unit")
+                                                       : text("must be in ", bound.unit, " or a unit like it"));
+    return value * scale->factor / scale->divisor;
+}
+
+double SceneReader::number(const Json& json, const Place& place, const Bound& bound) const
+{
+    double value = 0.0;
+    if (json.is_number()) {
+        value = json.get<double>();
+    } else if (json.is_string()) {
+        const std::string given = word(json);
+        const auto quantity = parseQuantity(given);
+        if (given == record::kInfinite || given == record::kMinusInfinite)
+            value = (given == record::kInfinite ? 1.0 : -1.0) * std::numeric_limits<double>::infinity();
+        else if (quantity && quantity->values.size() == 1)
+            value = inUnit(json, place, bound, quantity->values[0], quantity->unit);
+        else
+            refuse(json, place, "must be a number, such as 0.01 or \"10 mm\"");
+    } else {
+        refuse(json, place, "must be a number");
+    }
+    if (!bound.range.contains(value)) refuse(json, place, boundText(bound));
+    return value;
+}
+
+std::int64_t SceneReader::whole(const Json& json, const Place& place, const Bound& bound, double low, double high) const
+{
+    const double value = json.is_number() ? json.get<double>() : 0.5;
+    if (value != std::floor(value)) refuse(json, place, "must be a whole number");
+    if (value < low || value > high) refuse(json, place, text("must be in [", low, ", ", high, "]"));
+    if (!bound.range.contains(value)) refuse(json, place, boundText(bound));
+    return static_cast<std::int64_t>(value);
+}
+
+bool SceneReader::flag(const Json& json, const Place& place) const
+{
+    if (!json.is_boolean()) refuse(json, place, "must be true or false");
+    return json.get<bool>();
+}
+
+std::string SceneReader::word(const Json& json) { return json.get<std::string>(); }
+std::string SceneReader::word(const Json& json, const Place& place) const
+{
+    if (!json.is_string()) refuse(json, place, "must be a text");
+    return word(json);
+}
+
+void SceneReader::readNumbers(const Json& json, const Place& place, const Bound& bound, std::span<double> out) const
+{
+    const auto refuseCount = [&] { refuse(json, place, text("must be ", out.size(), " numbers")); };
+    if (json.is_array()) {
+        if (json.size() != out.size()) refuseCount();
+        for (std::size_t i = 0; i < out.size(); ++i) out[i] = number(json[i], Place{&place, {}, i}, bound);
+        return;
+    }
+    const std::string given = json.is_string() ? word(json) : std::string();
+    const auto quantity = parseQuantity(given);
+    if (!quantity || quantity->values.size() != out.size()) refuseCount();
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        out[i] = inUnit(json, place, bound, quantity->values[i], quantity->unit);
+        if (!bound.range.contains(out[i])) refuse(json, place, boundText(bound));
+    }
+}
+
+Quat SceneReader::rotation(const Json& json, const Place& place)
+{
+    Quat q;
+    if (!json.is_object()) {
+        readNumbers(json, place, {}, std::span(&q.w, 4));
+        return q;
+    }
+    refuseUnknown(json, place, {"axis", "angle"});
+    Vec3 axis;
+    double angle = 0.0;
+    for (const char* name : {"axis", "angle"})
+        if (!find(json, name)) refuse(json, place, text("must be 4 numbers (w, x, y, z), or have an axis and an angle"));
+    read({find(json, "axis")}, Place{&place, "axis"}, {}, axis);
+    read({find(json, "angle")}, Place{&place, "angle"}, {.unit = "rad"}, angle);
+    return axisAngle(axis, angle);
+}
+
+void SceneReader::readCorners(const Json& json, const Place& place, geometry::Box& out)
+{
+    if (json.size() != 2) refuse(json, place, "must be a lower and an upper corner");
+    read({&json[0]}, Place{&place, {}, 0}, {.unit = "m"}, out.low);
+    read({&json[1]}, Place{&place, {}, 1}, {.unit = "m"}, out.high);
+}
+
+void SceneReader::readTissue(const Layers& layers, const Place& place, physics::FemMaterial& out) const
+{
+    const Layers given = members(layers, kTissue);
+    if (given.empty()) return;
+    const Place inner{&place, kTissue};
+    try {
+        out = physics::tissue(word(*given.front(), inner)).material;
+    } catch (const Error&) {
+        std::vector<std::string> known;
+        for (const physics::Tissue& each : physics::tissues()) known.emplace_back(each.name);
+        refuseWord(*given.front(), inner, known);
+    }
+}
+
+BodyId SceneReader::bodyNamed(const Json& json, const Place& place) const
+{
+    const std::string name = word(json, place);
+    const auto found = std::ranges::find(bodies_, name);
+    if (found != bodies_.end()) return BodyId{static_cast<std::uint32_t>(found - bodies_.begin()) + 1};
+    fail(sources_.placeOf(json), ": ", place.path(), " must be the name of a body before this one, got ", shown(json),
+         name.size() <= kMaxShown ? didYouMean(name, bodies_) : "");
+}
+
+void SceneReader::checkFile(const std::filesystem::path& path, const Json& json, const Place& place) const
+{
+    if (options_.anyFolder) return;
+    std::error_code problem;
+    const auto inside = [&](const std::filesystem::path& folder) {
+        const auto relative = std::filesystem::weakly_canonical(path, problem)
+                                  .lexically_relative(std::filesystem::weakly_canonical(folder, problem));
+        return !problem && !relative.empty() && *relative.begin() != "..";
+    };
+    if (path.native().find('\0') != std::string::npos || !inside(folder_))
+        refuse(json, place, "must be a file in the folder of the scene (--any-folder allows all)");
+}
+
+std::string SceneReader::fileNamed(const Json& json, const Place& place) const
+{
+    const std::string name = word(json, place);
+    if (name.empty()) return name;
+    if (name.starts_with(kAsset)) {
+        const std::filesystem::path inner(name.substr(kAsset.size()));
+        if (inner.is_absolute() || std::ranges::find(inner, "..") != inner.end())
+            refuse(json, place, "must be a file that comes with Filasofia");
+        try {
+            return runtime::asset(inner.string());
+        } catch (const Error& error) {
+            fail(sources_.placeOf(json), ": ", place.path(), ": ", error.what());
+        }
+    }
+    const std::filesystem::path path = sources_.fileOf(json).path.parent_path() / name;
+    checkFile(path, json, place);
+    std::error_code problem;
+    if (!std::filesystem::exists(path, problem)) refuse(json, place, "must be a file that exists");
+    return path.string();
+}
+
+SceneBody SceneReader::readBody(const Json& json, const Place& place)
+{
+    SceneBody body;
+    read({&json}, place, {}, body);
+    body.place = sources_.placeOf(json);
+    const std::string& name = std::visit([](const auto& def) -> const std::string& { return def.name; }, body.def);
+    if (std::ranges::find(bodies_, name) != bodies_.end())
+        fail(body.place, ": ", place.path(), ".name must differ from those of the other bodies, got '",
+             shortened(name), "'");
+    bodies_.push_back(name);
+    return body;
+}
+
+} // namespace filasofia::scene

@@ -1,0 +1,276 @@
+#pragma once
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/suggestion.h"
+#include "filasofia/physics/tissue.h"
+#include "filasofia/record/json_reader.h"
+#include "filasofia/scene/def_shapes.h"
+#include "filasofia/scene/json_source.h"
+#include "filasofia/scene/scene_file.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+namespace filasofia::scene {
+
+using record::Place;
+
+/// A value of a file and the defaults behind it, the most specific first.
+using Layers = std::vector<const Json*>;
+
+/// Unit and legal values of the field that is read.
+struct Bound {
+    std::string_view unit = {};
+    Range range = {};
+};
+
+/// Turns the JSON of scene files into Defs. Strict: an unknown field or a wrong value is an Error with its place in the
+/// file; what is missing keeps its default.
+class SceneReader {
+public:
+    SceneReader(const JsonSources& sources, std::filesystem::path folder, const SceneFileOptions& options)
+        : sources_(sources), folder_(std::move(folder)), options_(options)
+    {
+    }
+
+    /// Objects "defaults" (of Defs by their types) and "classes" (of such objects by the classes' names) of a file; the
+    /// files that were added earlier are looked through first.
+    void addDefaults(const Json& defaults) { defaults_.push_back(&defaults); }
+    void addClasses(const Json& classes) { classes_.push_back(&classes); }
+    /// The next body of the scene; returns its Def, with the place in its file.
+    SceneBody readBody(const Json& json, const Place& place);
+
+    template <class T> void read(const Layers& from, const Place& place, const Bound& bound, T& out)
+    {
+        const Json& json = *from.front();
+        if constexpr (std::is_same_v<T, double>)
+            out = number(json, place, bound);
+        else if constexpr (std::is_same_v<T, bool>)
+            out = flag(json, place);
+        else if constexpr (std::is_integral_v<T>)
+            out = static_cast<T>(whole(json, place, bound, std::numeric_limits<T>::min(),
+                                       static_cast<double>(std::numeric_limits<T>::max())));
+        else if constexpr (std::is_same_v<T, std::string>)
+            out = word(json, place);
+        else if constexpr (std::is_same_v<T, BodyId>)
+            out = bodyNamed(json, place);
+        else if constexpr (std::is_enum_v<T>)
+            readName(json, place, out);
+        else if constexpr (IsMesh<T>)
+            readMesh(from, place, out);
+        else if constexpr (IsFile<T>)
+            out = fileNamed(json, place);
+        else if constexpr (kIsOptional<T>)
+            json.is_null() ? out.reset() : read(from, place, bound, out ? *out : out.emplace());
+        else if constexpr (kIsVariant<T>)
+            readAlternative(from, place, bound, {}, out);
+        else if constexpr (kIsVector<T> || kIsArray<T>)
+            readList(json, place, bound, out);
+        else if constexpr (std::is_same_v<T, Quat>)
+            out = rotation(json, place);
+        else if constexpr (std::is_same_v<T, Vec3>)
+            readNumbers(json, place, bound, std::span(&out.x, 3));
+        else
+            readDef(from, place, out);
+    }
+
+    /// Throws the Error "FILE:LINE:COLUMN: <path> <must be ...>, got <value>".
+    [[noreturn]] void refuse(const Json& json, const Place& place, std::string_view must) const;
+    /// Refuses members of an object other than these.
+    void refuseUnknown(const Json& object, const Place& place, const std::vector<std::string>& known) const;
+    /// The file that a text names: "asset:NAME" comes with Filasofia, all others lie in the folder of the scene.
+    [[nodiscard]] std::string fileNamed(const Json& json, const Place& place) const;
+    [[nodiscard]] static std::string word(const Json& json);
+    [[nodiscard]] std::string word(const Json& json, const Place& place) const;
+
+private:
+    static constexpr const char* kType = "type";   ///< names the alternative of a variant
+    static constexpr const char* kClass = "class"; ///< names a class of defaults
+    static constexpr const char* kTissue = "tissue";
+
+    [[nodiscard]] double number(const Json& json, const Place& place, const Bound& bound) const;
+    [[nodiscard]] std::int64_t whole(const Json& json, const Place& place, const Bound& bound, double low,
+                                     double high) const;
+    [[nodiscard]] bool flag(const Json& json, const Place& place) const;
+    [[nodiscard]] BodyId bodyNamed(const Json& json, const Place& place) const;
+    [[nodiscard]] Quat rotation(const Json& json, const Place& place);
+    /// So many numbers: a list, or a text such as "10 20 30 mm".
+    void readNumbers(const Json& json, const Place& place, const Bound& bound, std::span<double> out) const;
+    [[nodiscard]] double inUnit(const Json& json, const Place& place, const Bound& bound, double value,
+                                std::string_view unit) const;
+    [[nodiscard]] static const Json* find(const Json& object, std::string_view name);
+    /// The layers and, behind them, what their classes and the defaults say of this type of Def.
+    [[nodiscard]] Layers withDefaults(const Layers& from, const Place& place, std::string_view type) const;
+    [[nodiscard]] const Json& classNamed(const Json& name, const Place& place) const;
+    /// The part of the layers that is of the chosen alternative, and its name; empty: the present one.
+    [[nodiscard]] std::pair<Layers, std::string> chosen(const Layers& from, const Place& place,
+                                                        std::string_view present) const;
+    void checkFile(const std::filesystem::path& path, const Json& json, const Place& place) const;
+
+    template <class T> void readName(const Json& json, const Place& place, T& out) const
+    {
+        const auto all = names(&out);
+        const auto found = std::ranges::find(all, std::string_view(word(json, place)));
+        if (found == all.end()) refuseWord(json, place, {all.begin(), all.end()});
+        out = static_cast<T>(found - all.begin());
+    }
+    [[noreturn]] void refuseWord(const Json& json, const Place& place, const std::vector<std::string>& known) const;
+
+    template <class List> void readList(const Json& json, const Place& place, const Bound& bound, List& out)
+    {
+        using Member = typename List::value_type;
+        if constexpr (kIsArray<List> && std::is_same_v<Member, double>) {
+            readNumbers(json, place, bound, out);
+        } else {
+            if (!json.is_array()) refuse(json, place, "must be a list");
+            if constexpr (kIsVector<List>)
+                out = List(json.size());
+            else if (json.size() != out.size())
+                refuse(json, place, text("must be a list of length ", out.size()));
+            for (std::size_t i = 0; i < out.size(); ++i) {
+                Member each{}; // a list of flags or numbers has no references to its members
+                read({&json[i]}, Place{&place, {}, i}, bound, each);
+                out[i] = std::move(each);
+            }
+        }
+    }
+
+    template <class T> void readDef(const Layers& from, const Place& place, T& out)
+    {
+        const Json& json = *from.front();
+        if constexpr (std::is_same_v<T, Pose>)
+            if (!json.is_object()) return read(from, place, {.unit = "m"}, out.position);
+        if constexpr (std::is_same_v<T, visual::Color>)
+            if (!json.is_object()) return readNumbers(json, place, {.range = closed(0, 1)}, std::span(&out.red, 3));
+        if constexpr (std::is_same_v<T, geometry::Box>)
+            if (json.is_array()) return readCorners(json, place, out);
+        readObject(from, place, {}, out);
+    }
+    void readCorners(const Json& json, const Place& place, geometry::Box& out);
+
+    /// `beside`: names that are known besides the Def's own fields.
+    template <class T>
+    void readObject(const Layers& from, const Place& place, const std::vector<std::string>& beside, T& out)
+    {
+        if (!from.front()->is_object()) refuse(*from.front(), place, text("must be an object (", typeName<T>(), ")"));
+        const Layers layers = withDefaults(from, place, typeName<T>());
+        std::vector<std::string> known = fieldNames<T>();
+        known.insert(known.end(), {kType, kClass});
+        known.insert(known.end(), beside.begin(), beside.end());
+        if constexpr (std::is_same_v<T, physics::FemMaterial>) {
+            known.emplace_back(kTissue);
+            readTissue(layers, place, out);
+        }
+        if constexpr (!kFlat<T>)
+            for (const Json* each : layers) refuseUnknown(*each, place, known);
+        forEachField<T>([&](const auto& each) {
+            auto& value = out.*(each.member);
+            if constexpr (kFlat<T> && kIsVariant<std::remove_cvref_t<decltype(value)>>)
+                if (each.name.empty()) return readAlternative(from, place, {}, known, value);
+            const Layers inner = members(layers, each.name);
+            if (!inner.empty()) read(inner, Place{&place, each.name}, {each.unit, each.range}, value);
+        });
+        if constexpr (std::is_same_v<T, visual::TextureFile> || std::is_same_v<T, visual::CustomMaterial> ||
+                      std::is_same_v<T, ScaledSurface> || std::is_same_v<T, ScaledTetrahedra>)
+            if (const Layers file = members(layers, "file"); !file.empty())
+                out.file = fileNamed(*file.front(), Place{&place, "file"});
+    }
+    /// The members of this name; a value that is no object hides those behind it.
+    [[nodiscard]] static Layers members(const Layers& layers, std::string_view name);
+    void readTissue(const Layers& layers, const Place& place, physics::FemMaterial& out) const;
+
+    template <class... Each>
+    void readAlternative(const Layers& from, const Place& place, const Bound& bound,
+                         const std::vector<std::string>& beside, std::variant<Each...>& out)
+    {
+        const Json& json = *from.front();
+        if (json.is_object()) {
+            const auto present =
+                std::visit([](const auto& held) { return typeName<std::remove_cvref_t<decltype(held)>>(); }, out);
+            auto [layers, type] = chosen(from, place, present);
+            if (type.empty()) type = present;
+            if (!(readAs<Each>(layers, type, place, beside, out) || ...))
+                refuseWord(*find(*layers.front(), kType), Place{&place, kType}, alternatives<Each...>());
+        } else if (json.is_string()) { // an alternative with its defaults
+            if (!(makeDefault<Each>(word(json), out) || ...)) refuseWord(json, place, alternatives<Each...>());
+        } else if (!(readPlain<Each>(from, place, bound, out) || ...)) {
+            refuse(json, place, text("must be an object, one of ", listed(alternatives<Each...>())));
+        }
+    }
+    template <class T, class Variant> bool readAs(const Layers& from, std::string_view type, const Place& place,
+                                                  const std::vector<std::string>& beside, Variant& out)
+    {
+        if constexpr (HasFields<T>) {
+            if (type != typeName<T>()) return false;
+            if (!std::holds_alternative<T>(out)) out = T{};
+            if (beside.empty())
+                read(from, place, {}, std::get<T>(out));
+            else
+                readObject(from, place, beside, std::get<T>(out));
+            return true;
+        }
+        return false;
+    }
+    template <class T, class Variant> static bool makeDefault(std::string_view type, Variant& out)
+    {
+        if constexpr (HasFields<T>) {
+            if (type == typeName<T>()) out = T{};
+            return type == typeName<T>();
+        }
+        return false;
+    }
+    /// Numbers and flags of a material's parameters: 1 is an integer, 1.0 a number.
+    template <class T, class Variant>
+    bool readPlain(const Layers& from, const Place& place, const Bound& bound, Variant& out)
+    {
+        if constexpr (!HasFields<T> && !kIsVariant<T>) {
+            const Json& json = *from.front();
+            const bool takes = std::is_same_v<T, bool>     ? json.is_boolean()
+                               : std::is_same_v<T, int>    ? json.is_number_integer()
+                               : std::is_same_v<T, double> ? json.is_number_float()
+                                                           : json.is_array();
+            if (!takes) return false;
+            T value{};
+            read(from, place, bound, value);
+            out = value;
+            return true;
+        }
+        return false;
+    }
+    template <class... Each> static std::vector<std::string> alternatives()
+    {
+        std::vector<std::string> names;
+        const auto add = [&]<class T>() {
+            if constexpr (HasFields<T>) names.emplace_back(typeName<T>());
+        };
+        (add.template operator()<Each>(), ...);
+        return names;
+    }
+    static std::string listed(const std::vector<std::string>& names);
+
+    template <class Source> void readMesh(const Layers& from, const Place& place, Source& out)
+    {
+        if (from.front()->is_string()) {
+            out = fileNamed(*from.front(), place);
+            return;
+        }
+        if (!from.front()->is_object()) refuse(*from.front(), place, "must be a file or an object with a type");
+        if (members(from, kType).empty()) refuse(*from.front(), place, "must have a type, such as \"box\"");
+        typename MeshShapes<Source>::Shapes shape;
+        read(from, place, {}, shape);
+        try {
+            std::visit([&](const auto& each) { out = each.make(); }, shape);
+        } catch (const Error& error) {
+            fail(sources_.placeOf(*from.front()), ": ", place.path(), ": ", error.what());
+        }
+    }
+
+    const JsonSources& sources_;
+    const std::filesystem::path folder_;
+    const SceneFileOptions options_;
+    Layers defaults_, classes_;
+    std::vector<std::string> bodies_; ///< the names of those that were read, in their order
+};
+
+} // namespace filasofia::scene
