@@ -89,6 +89,7 @@ int runScene(RunCommandOptions& options)
     if (options.run.headless && options.run.steps == 0) options.run.steps = 1000; // it would never end otherwise
     if (isFile(options.scene)) return runFile(options);
     const Scene& scene = sceneOf(options);
+    if (options.anyFolder) fail("run: --any-folder applies to scene files, not to '", scene.name, "'");
     if (options.scene != "bunny" && options.bunny.tets != BunnyDef{}.tets)
         fail("run: --tets applies to the bunny, not to '", scene.name, "'");
     Simulation sim({.physics = {.rate = options.rate, .threads = givenThreads(options.threads)},

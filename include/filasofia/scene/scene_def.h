@@ -11,7 +11,7 @@ namespace filasofia::scene {
 /// A pose that a body reaches at a time.
 struct KeyPose {
     double time = 0.0; ///< [s], >= 0
-    Pose pose = {};    ///< of the element, in the world
+    Pose pose = {};    ///< the element's, in the world
 };
 constexpr auto fields(const KeyPose*)
 {
@@ -65,8 +65,8 @@ struct SceneBody {
     physics::BodyDef def = physics::SoftBodyDef{}; ///< its name must be the only one in the scene
     std::vector<runtime::ShowDef> show = {};       ///< none: it is not drawn
     std::vector<runtime::PaintDef> paint = {};     ///< marks on what is drawn of it
-    std::vector<ElementMotion> motions = {};       ///< of elements of a kinematic rigid body
-    std::vector<JointMotion> jointMotions = {};    ///< of the joints of an articulated body
+    std::vector<ElementMotion> motions = {};       ///< a kinematic rigid body's elements
+    std::vector<JointMotion> jointMotions = {};    ///< an articulated body's joints
     std::string place = {};                        ///< where it stands ("scene.json:12:5"), for errors; may be empty
 };
 constexpr auto fields(const SceneBody*)

@@ -66,8 +66,7 @@ runtime::SimulationDef simulationDef(const SceneDef& scene)
 std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& scene)
 {
     std::vector<BodyId> ids;
-    for (const SceneBody& body : scene.bodies)
-        at(body.place, [&] { ids.push_back(addBody(simulation, body, ids)); });
+    for (const SceneBody& body : scene.bodies) at(body.place, [&] { ids.push_back(addBody(simulation, body, ids)); });
     for (runtime::HapticInterfaceDef haptic : scene.haptics) {
         BodyNumbers(ids).replaceIn(haptic);
         simulation.add(haptic);

@@ -4,7 +4,9 @@
 #include "filasofia/core/user_file.h"
 
 #include <algorithm>
+#include <functional>
 #include <set>
+#include <vector>
 
 namespace filasofia::scene {
 namespace {
@@ -22,13 +24,38 @@ std::string placeAt(const SourceFile& file, std::string_view text, std::size_t b
 }
 
 /// What nlohmann says is wrong, without its number and its own way to say where.
-std::string reasonOf(const Json::parse_error& problem)
+std::string reasonOf(const Json::exception& problem)
 {
     std::string_view what = problem.what();
-    if (const auto at = what.find("column "); at != std::string_view::npos) what.remove_prefix(at);
-    if (const auto colon = what.find(": "); colon != std::string_view::npos) what.remove_prefix(colon + 2);
+    if (const auto at = what.find("] "); at != std::string_view::npos) what.remove_prefix(at + 2);
+    if (const auto at = what.find("column "); at != std::string_view::npos) {
+        what.remove_prefix(at);
+        if (const auto colon = what.find(": "); colon != std::string_view::npos) what.remove_prefix(colon + 2);
+    }
     return std::string(what);
 }
+
+/// Finds members that are given twice, of which nlohmann would take the last.
+class MemberCheck {
+public:
+    /// Called for every part of the text; remembers which member, counted from 0, is the first one that is repeated.
+    bool operator()(int /*depth*/, Json::parse_event_t event, Json& part)
+    {
+        if (event == Json::parse_event_t::object_start) names_.emplace_back();
+        if (event == Json::parse_event_t::object_end) names_.pop_back();
+        if (event == Json::parse_event_t::key) {
+            if (!names_.back().insert(part.get<std::string>()).second && repeated < 0) repeated = count_;
+            ++count_;
+        }
+        return true;
+    }
+
+    int repeated = -1;
+
+private:
+    int count_ = 0;
+    std::vector<std::set<std::string>> names_;
+};
 
 } // namespace
 
@@ -38,6 +65,24 @@ public:
     PlaceFinder(const SourceFile& file, std::string_view text, JsonSources& sources)
         : file_(file), text_(text), sources_(sources)
     {
+    }
+
+    /// Refuses the member of this number, counted from 0 through the whole text.
+    [[noreturn]] void refuseMember(int number)
+    {
+        for (skipBlanks();; skipBlanks()) {
+            const std::size_t begin = at_;
+            if (text_[at_] != '"') {
+                ++at_;
+                continue;
+            }
+            skipString();
+            const std::string_view name = text_.substr(begin, at_ - begin);
+            skipBlanks();
+            if (text_[at_] != ':' || number-- != 0) continue;
+            at_ = begin;
+            refuse(text(name, " is given twice"));
+        }
     }
 
     void walk(const Json& value, int depth = 0)
@@ -52,23 +97,19 @@ public:
         else if (text_[at_] == '"')
             skipString();
         else
-            while (at_ < text_.size() && std::string_view(",]}/ \t\r\n").find(text_[at_]) == std::string_view::npos) ++at_;
+            while (at_ < text_.size() && std::string_view(",]}/ \t\r\n").find(text_[at_]) == std::string_view::npos)
+                ++at_;
     }
 
 private:
     void walkObject(const Json& object, int depth)
     {
-        std::set<std::string> seen;
         for (++at_;; ++at_) {
             skipBlanks();
             if (text_[at_] == '}') break;
             const std::size_t begin = at_;
             skipString();
             const auto name = Json::parse(text_.substr(begin, at_ - begin)).get<std::string>();
-            if (!seen.insert(name).second) {
-                at_ = begin;
-                refuse(text("'", name, "' is given twice"));
-            }
             skipBlanks();
             ++at_; // the colon
             walk(object.at(name), depth + 1);
@@ -141,14 +182,16 @@ const SourceFile& JsonSources::read(const std::filesystem::path& path, std::stri
 {
     const std::string text = readFile(path, shown, kMaxSceneFile);
     SourceFile& file = files_.emplace_back(SourceFile{path, std::move(shown), Json()});
+    MemberCheck check;
     try {
-        file.root = Json::parse(text, nullptr, true, true); // with comments
+        file.root = Json::parse(text, std::ref(check), true, true); // with comments
     } catch (const Json::parse_error& problem) {
         const std::size_t byte = std::min(problem.byte == 0 ? 0 : problem.byte - 1, text.size());
         fail(placeAt(file, text, byte), ": this is no JSON: ", reasonOf(problem));
     } catch (const Json::exception& problem) { // a number beyond the range of a double
-        fail(file.shown, ": this is no JSON: ", problem.what());
+        fail(file.shown, ": this is no JSON: ", reasonOf(problem));
     }
+    if (check.repeated >= 0) PlaceFinder(file, text, *this).refuseMember(check.repeated);
     PlaceFinder(file, text, *this).walk(file.root);
     return file;
 }

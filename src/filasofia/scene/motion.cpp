@@ -36,8 +36,7 @@ template <class Motion> void checkKeys(const Motion& motion, const std::string& 
         if (!(time >= before) || (i > 0 && time == before))
             fail(name, ".keys[", i, "].time must be later than the key before, at ", before, " s, got ", time);
     }
-    if (motion.repeat && !(motion.keys.back().time > 0.0))
-        fail(name, ".repeat needs a last key later than 0 s");
+    if (motion.repeat && !(motion.keys.back().time > 0.0)) fail(name, ".repeat needs a last key later than 0 s");
 }
 
 /// The motion with a key at time 0.

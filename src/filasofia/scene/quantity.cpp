@@ -57,7 +57,7 @@ struct Prefix {
     std::string_view name;
     double factor;
 };
-constexpr Prefix kPrefixes[] = {{"k", 1e3},  {"M", 1e6},  {"G", 1e9},        {"c", 1e-2},
+constexpr Prefix kPrefixes[] = {{"k", 1e3},  {"M", 1e6},  {"G", 1e9},       {"c", 1e-2},
                                 {"m", 1e-3}, {"u", 1e-6}, {"\u00b5", 1e-6}, {"n", 1e-9}};
 
 std::optional<Unit> symbolNamed(std::string_view name)

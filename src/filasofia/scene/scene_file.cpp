@@ -5,7 +5,7 @@
 namespace filasofia::scene {
 namespace {
 
-constexpr std::size_t kMaxFiles = 64; // of a scene, with those that it includes
+constexpr std::size_t kMaxFiles = 64; // a scene and those that it includes
 
 /// Reads a scene with the files that it includes.
 class SceneLoader {

@@ -45,13 +45,15 @@ void SceneReader::refuseWord(const Json& json, const Place& place, const std::ve
     fail(sources_.placeOf(json), ": ", place.path(), " must be one of ", listed(known), ", got ", shown(json), hint);
 }
 
-void SceneReader::refuseUnknown(const Json& object, const Place& place, const std::vector<std::string>& known) const
+void SceneReader::refuseUnknown(const Json& object, const Place& place, const std::vector<std::string>& known,
+                                std::string_view type) const
 {
     for (const auto& item : object.items()) {
         const std::string& name = item.key();
         if (std::ranges::find(known, name) != known.end()) continue;
         const std::string hint = name.size() <= kMaxShown ? didYouMean(name, known) : std::string();
-        fail(sources_.placeOf(item.value()), ": unknown field '", shortened(name), "' in ", place.path(), hint);
+        fail(sources_.placeOf(item.value()), ": unknown field '", shortened(name), "' in ", place.path(),
+             type.empty() ? "" : text(", a ", type), hint);
     }
 }
 
@@ -195,7 +197,7 @@ void SceneReader::readNumbers(const Json& json, const Place& place, const Bound&
     if (!quantity || quantity->values.size() != out.size()) refuseCount();
     for (std::size_t i = 0; i < out.size(); ++i) {
         out[i] = inUnit(json, place, bound, quantity->values[i], quantity->unit);
-        if (!bound.range.contains(out[i])) refuse(json, place, boundText(bound));
+        if (!bound.range.contains(out[i])) refuse(json, Place{&place, {}, i}, boundText(bound));
     }
 }
 
@@ -210,7 +212,8 @@ Quat SceneReader::rotation(const Json& json, const Place& place)
     Vec3 axis;
     double angle = 0.0;
     for (const char* name : {"axis", "angle"})
-        if (!find(json, name)) refuse(json, place, text("must be 4 numbers (w, x, y, z), or have an axis and an angle"));
+        if (!find(json, name))
+            refuse(json, place, text("must be 4 numbers (w, x, y, z), or have an axis and an angle"));
     read({find(json, "axis")}, Place{&place, "axis"}, {}, axis);
     read({find(json, "angle")}, Place{&place, "angle"}, {.unit = "rad"}, angle);
     return axisAngle(axis, angle);
@@ -255,7 +258,7 @@ void SceneReader::checkFile(const std::filesystem::path& path, const Json& json,
                                   .lexically_relative(std::filesystem::weakly_canonical(folder, problem));
         return !problem && !relative.empty() && *relative.begin() != "..";
     };
-    if (path.native().find('\0') != std::string::npos || !inside(folder_))
+    if (path.native().find('\0') != std::string::npos || !inside(std::filesystem::absolute(folder_)))
         refuse(json, place, "must be a file in the folder of the scene (--any-folder allows all)");
 }
 
@@ -273,7 +276,7 @@ std::string SceneReader::fileNamed(const Json& json, const Place& place) const
             fail(sources_.placeOf(json), ": ", place.path(), ": ", error.what());
         }
     }
-    const std::filesystem::path path = sources_.fileOf(json).path.parent_path() / name;
+    const std::filesystem::path path = std::filesystem::absolute(sources_.fileOf(json).path).parent_path() / name;
     checkFile(path, json, place);
     std::error_code problem;
     if (!std::filesystem::exists(path, problem)) refuse(json, place, "must be a file that exists");
@@ -287,8 +290,8 @@ SceneBody SceneReader::readBody(const Json& json, const Place& place)
     body.place = sources_.placeOf(json);
     const std::string& name = std::visit([](const auto& def) -> const std::string& { return def.name; }, body.def);
     if (std::ranges::find(bodies_, name) != bodies_.end())
-        fail(body.place, ": ", place.path(), ".name must differ from those of the other bodies, got '",
-             shortened(name), "'");
+        fail(body.place, ": ", place.path(), ".name must differ from those of the other bodies, got '", shortened(name),
+             "'");
     bodies_.push_back(name);
     return body;
 }

@@ -77,8 +77,9 @@ public:
 
     /// Throws the Error "FILE:LINE:COLUMN: <path> <must be ...>, got <value>".
     [[noreturn]] void refuse(const Json& json, const Place& place, std::string_view must) const;
-    /// Refuses members of an object other than these.
-    void refuseUnknown(const Json& object, const Place& place, const std::vector<std::string>& known) const;
+    /// Refuses members of an object other than these; `type` names its Def.
+    void refuseUnknown(const Json& object, const Place& place, const std::vector<std::string>& known,
+                       std::string_view type = {}) const;
     /// The file that a text names: "asset:NAME" comes with Filasofia, all others lie in the folder of the scene.
     [[nodiscard]] std::string fileNamed(const Json& json, const Place& place) const;
     [[nodiscard]] static std::string word(const Json& json);
@@ -163,7 +164,7 @@ private:
             readTissue(layers, place, out);
         }
         if constexpr (!kFlat<T>)
-            for (const Json* each : layers) refuseUnknown(*each, place, known);
+            for (const Json* each : layers) refuseUnknown(*each, place, known, typeName<T>());
         forEachField<T>([&](const auto& each) {
             auto& value = out.*(each.member);
             if constexpr (kFlat<T> && kIsVariant<std::remove_cvref_t<decltype(value)>>)
@@ -180,9 +181,8 @@ private:
     [[nodiscard]] static Layers members(const Layers& layers, std::string_view name);
     void readTissue(const Layers& layers, const Place& place, physics::FemMaterial& out) const;
 
-    template <class... Each>
-    void readAlternative(const Layers& from, const Place& place, const Bound& bound,
-                         const std::vector<std::string>& beside, std::variant<Each...>& out)
+    template <class... Each> void readAlternative(const Layers& from, const Place& place, const Bound& bound,
+                                                  const std::vector<std::string>& beside, std::variant<Each...>& out)
     {
         const Json& json = *from.front();
         if (json.is_object()) {

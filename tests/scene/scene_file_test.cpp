@@ -1,0 +1,305 @@
+#include "effort.h"
+#include "filasofia/core/error.h"
+#include "filasofia/physics/tissue.h"
+#include "filasofia/scene/scene_file.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include <unistd.h>
+
+namespace filasofia::scene {
+namespace {
+
+/// A folder for scene files, which is removed in the end.
+class Folder {
+public:
+    Folder() { std::filesystem::create_directories(path_); }
+    ~Folder() { std::filesystem::remove_all(path_); }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    std::string write(const std::string& name, const std::string& text) const
+    {
+        const auto file = path_ / name;
+        std::filesystem::create_directories(file.parent_path());
+        std::ofstream(file, std::ios::binary) << text;
+        return file.string();
+    }
+    SceneDef load(const std::string& text) const { return loadScene(write("scene.json", text)); }
+    std::string errorOf(const std::string& text) const
+    {
+        try {
+            load(text);
+        } catch (const Error& error) {
+            const std::string line = error.what();
+            const auto at = line.find("scene.json");
+            return at == std::string::npos ? line : line.substr(at);
+        }
+        return "no error";
+    }
+
+private:
+    static inline int count_ = 0;
+    const std::filesystem::path path_ =
+        std::filesystem::temp_directory_path() / text("filasofia_scene_", ::getpid(), "_", ++count_);
+};
+
+const char* const kCube = R"("mesh": {"type": "block", "size": "1 1 1 cm"})";
+
+const physics::SoftBodyDef& softOf(const SceneDef& scene, std::size_t i = 0)
+{
+    return std::get<physics::SoftBodyDef>(scene.bodies.at(i).def);
+}
+
+} // namespace
+
+TEST_CASE("scene files: fields of all kinds are read, and what is missing keeps its default")
+{
+    const SceneDef scene = Folder().load(R"({
+        // comments are allowed /* "even" these */
+        "physics": {"rate": "0.5 kHz", "gravity": [0, 0, -1.5], "threads": 2, "contact": "PenaltyContact"},
+        "look": {"around": [["-1 cm", 0, 0], "1 2 3 cm"], "quality": "low"},
+        "bodies": [{
+            "name": "a \"cube\" {", /* a brace in a name,
+                                       and a comment of two lines */
+            "mesh": {"type": "block", "size": [0.1, "20 mm", 0.3], "cells": [1, 2, 3]},
+            "pose": {"position": "1 2 3 mm", "orientation": {"axis": [0, 1, 0], "angle": "90 deg"}},
+            "material": {"youngModulus": "3 kPa", "law": {"type": "Ogden", "terms": [{"exponent": 3}]},
+                         "tearingThreshold": "infinite"},
+            "mass": {"type": "TotalMass", "value": "20 g"},
+            "solver": "Cholesky",
+            "show": [{"material": {"type": "MetalMaterial", "roughness": 0.25}}]
+        }, {
+            "type": "RigidBodyDef", "name": "tool", "elements": ["0 1 0 cm", {"position": [1, 2, 3]}],
+            "dynamic": true, "mass": {"type": "GivenInertia", "mass": 2},
+            "attachments": [{"element": 1, "to": "a \"cube\" {"}]
+        }],
+        "haptics": [{"body": "tool", "device": {"type": "GamepadDevice", "speed": "5 cm/s"}, "origin": "0 0 1 m"}]
+    })");
+    CHECK(scene.physics.rate == 500.0);
+    CHECK(scene.physics.slack == runtime::PhysicsDef{}.slack);
+    CHECK(scene.physics.gravity == Vec3{0, 0, -1.5});
+    CHECK(scene.physics.threads == 2);
+    CHECK(std::holds_alternative<physics::PenaltyContact>(scene.physics.contact));
+    CHECK(scene.look.around == geometry::Box{{-0.01, 0, 0}, {0.01, 0.02, 0.03}});
+    CHECK(scene.look.quality == visual::Quality::Low);
+    REQUIRE(scene.bodies.size() == 2);
+    const physics::SoftBodyDef& cube = softOf(scene);
+    CHECK(cube.name == "a \"cube\" {");
+    CHECK(scene.bodies[0].place.ends_with("scene.json:5:20"));
+    const auto& mesh = *std::get<std::shared_ptr<const geometry::TetMesh>>(cube.mesh);
+    CHECK(mesh.tetrahedra.size() == 36);
+    CHECK(cube.pose.position == Vec3{1e-3, 2e-3, 3e-3});
+    CHECK(cube.pose.orientation == axisAngle({0, 1, 0}, 90.0 * std::numbers::pi / 180.0));
+    const auto& fem = std::get<physics::FemMaterial>(cube.material);
+    CHECK(fem.youngModulus == 3000.0);
+    CHECK(std::get<physics::Ogden>(fem.law).terms.at(0).exponent == 3.0);
+    CHECK(std::isinf(fem.tearingThreshold));
+    CHECK(std::get<physics::TotalMass>(cube.mass).value == 0.02);
+    CHECK(std::holds_alternative<physics::Cholesky>(cube.solver));
+    CHECK(std::get<visual::MetalMaterial>(scene.bodies[0].show.at(0).material).roughness == 0.25);
+    const auto& tool = std::get<physics::RigidBodyDef>(scene.bodies[1].def);
+    CHECK(tool.elements.at(0).position.y == 0.01);
+    CHECK(tool.elements.at(1).position == Vec3{1, 2, 3});
+    CHECK(tool.attachments.at(0).to == BodyId{1});
+    CHECK(scene.haptics.at(0).body == BodyId{2});
+    CHECK(std::get<device::GamepadDevice>(scene.haptics[0].device).speed == 0.05);
+    CHECK(scene.haptics[0].origin->position.z == 1.0);
+}
+
+TEST_CASE("scene files: a material may begin with a tissue of the library")
+{
+    const auto cube = text(R"({"bodies": [{)", kCube, R"(, "material": {"tissue": "liver", "poissonRatio": 0.3}}]})");
+    const SceneDef scene = Folder().load(cube);
+    const auto& fem = std::get<physics::FemMaterial>(softOf(scene).material);
+    const physics::FemMaterial& liver = physics::tissue("liver").material;
+    CHECK(fem.youngModulus == liver.youngModulus);
+    CHECK(fem.relaxation == liver.relaxation);
+    CHECK(fem.poissonRatio == 0.3);
+}
+
+TEST_CASE("scene files: defaults and classes stand behind what an object says itself")
+{
+    const SceneDef scene = Folder().load(text(R"({
+        "defaults": {"SoftBodyDef": {"friction": 0.1, "material": {"youngModulus": "1 kPa", "poissonRatio": 0.2}},
+                     "FemMaterial": {"poissonRatio": 0.4, "yieldStress": "5 kPa"}},
+        "classes": {"hard": {"SoftBodyDef": {"material": {"youngModulus": "9 kPa"}, "collision": [{}, {}]}},
+                    "springs": {"SoftBodyDef": {"material": {"type": "MassSpringMaterial", "stiffness": 7}}}},
+        "bodies": [
+            {"name": "plain", )",
+                                              kCube, R"(},
+            {"name": "hard", "class": "hard", "friction": 0.9, )",
+                                              kCube, R"(},
+            {"name": "own", "class": "hard", "material": {"youngModulus": 5}, "collision": [], )",
+                                              kCube, R"(},
+            {"name": "springs", "class": "springs", "material": {"damping": 2}, )",
+                                              kCube, R"(}
+        ]})"));
+    const auto fem = [&](std::size_t i) { return std::get<physics::FemMaterial>(softOf(scene, i).material); };
+    CHECK(softOf(scene, 0).friction == 0.1);
+    CHECK(fem(0).youngModulus == 1000.0);
+    CHECK(fem(0).poissonRatio == 0.2); // the body's default is nearer than the material's
+    CHECK(fem(0).yieldStress == 5000.0);
+    CHECK(softOf(scene, 1).friction == 0.9);
+    CHECK(fem(1).youngModulus == 9000.0);
+    CHECK(fem(1).poissonRatio == 0.2);
+    CHECK(softOf(scene, 1).collision.size() == 2);
+    CHECK(fem(2).youngModulus == 5.0);
+    CHECK(softOf(scene, 2).collision.empty());
+    const auto springs = std::get<physics::MassSpringMaterial>(softOf(scene, 3).material);
+    CHECK(springs.stiffness == 7.0);
+    CHECK(springs.damping == 2.0);
+}
+
+TEST_CASE("scene files: an included file's bodies come first, and the file that includes it has the last word")
+{
+    const Folder folder;
+    folder.write("rooms/theatre.json", text(R"({"physics": {"rate": 250, "slack": "1 ms"}, "include": ["base.json"],
+        "classes": {"c": {"SoftBodyDef": {"friction": 0.7}}}, "bodies": [{"name": "table", )",
+                                            kCube, "}]}"));
+    folder.write("rooms/base.json", text(R"({"bodies": [{"name": "floor", )", kCube, "}]}"));
+    const SceneDef scene = folder.load(text(R"({"include": ["rooms/theatre.json", "rooms/base.json"],
+        "physics": {"rate": 500}, "bodies": [{"name": "organ", "class": "c", "attachments": [{"to": "table"}], )",
+                                            kCube, "}]}"));
+    CHECK(scene.physics.rate == 500.0);
+    CHECK(scene.physics.slack == 1e-3);
+    REQUIRE(scene.bodies.size() == 3); // the floor once
+    CHECK(softOf(scene, 0).name == "floor");
+    CHECK(softOf(scene, 2).friction == 0.7);
+    CHECK(softOf(scene, 2).attachments.at(0).to == BodyId{2});
+
+    folder.write("a.json", R"({"include": ["b.json"]})");
+    folder.write("b.json", R"({"include": ["a.json"]})");
+    CHECK_THROWS_WITH(folder.load(R"({"include": ["a.json"]})"), Catch::Contains("must not be a file that includes"));
+    CHECK_THROWS_WITH(folder.load(R"({"include": ["scene.json"]})"), Catch::Contains("scene.json:1:14"));
+}
+
+TEST_CASE("scene files: every mistake is one line with its place, its bound and its value")
+{
+    const Folder folder;
+    const auto body = [](const std::string& rest) { return text("{\"bodies\": [\n{", kCube, rest, "}]}"); };
+    CHECK(folder.errorOf(body(R"(, "frction": 1)")) ==
+          "scene.json:2:60: unknown field 'frction' in bodies[0], a SoftBodyDef (did you mean 'friction'?)");
+    CHECK(folder.errorOf(body(R"(, "friction": -1)")) == "scene.json:2:61: bodies[0].friction must be >= 0, got -1");
+    CHECK(folder.errorOf(body(R"(, "pressure": "5 mm")")) ==
+          "scene.json:2:61: bodies[0].pressure must be in Pa or a unit like it, got \"5 mm\"");
+    CHECK(folder.errorOf(body(R"(, "friction": "5 mm")")) ==
+          "scene.json:2:61: bodies[0].friction must be a number without a unit, got \"5 mm\"");
+    const auto contains = [&](const std::string& scene, const std::string& part) {
+        const std::string error = folder.errorOf(scene);
+        INFO(scene);
+        CHECK_THAT(error, Catch::Contains(part));
+        CHECK(error.find('\n') == std::string::npos);
+        CHECK(error.size() < 400);
+    };
+    contains(body(R"(, "friction": "much")"), "must be a number, such as 0.01 or \"10 mm\", got \"much\"");
+    contains(body(R"(, "friction": true)"), "bodies[0].friction must be a number, got true");
+    contains(body(R"(, "gravity": 1)"), "bodies[0].gravity must be true or false, got 1");
+    contains(body(R"(, "name": 1)"), "bodies[0].name must be a text, got 1");
+    contains(body(R"(, "pose": "1 2 mm")"), "bodies[0].pose must be 3 numbers, got \"1 2 mm\"");
+    contains(body(R"(, "pose": {"orientation": {"axis": [1, 0, 0]}})"), "or have an axis and an angle");
+    contains(body(R"(, "solver": "Colesky")"), "must be one of ConjugateGradient, Cholesky, got \"Colesky\" (did you");
+    contains(body(R"(, "material": {"type": 1})"), "bodies[0].material.type must be a text");
+    contains(body(R"(, "material": [1])"), "bodies[0].material must be an object, one of FemMaterial, ");
+    contains(body(R"(, "material": {"tissue": "livr"})"), "(did you mean 'liver'?)");
+    contains(body(R"(, "material": {"stiffness": 1})"), "'stiffness' in bodies[0].material, a FemMaterial");
+    contains(body(R"(, "attachments": [{"to": "nobody"}])"), "must be the name of a body before this one");
+    contains(body(R"(, "attachments": {})"), "bodies[0].attachments must be a list, got an object");
+    contains(body(R"(, "collision": [{"element": 0.5}])"), "collision[0].element must be a whole number, got 0.5");
+    contains(body(R"(, "collision": [{"group": 1e12}])"), "collision[0].group must be in [-2147483648, 2147483647]");
+    contains(body(R"(, "class": "x")"), "must be a class of the scene, which has none, got \"x\"");
+    contains(R"({"bodies": [{"mesh": {"size": [1, 1, 1]}}]})", "mesh must have a type");
+    contains(R"({"bodies": [{"mesh": {"type": "block", "size": "1 1 0 m"}}]})", "bodies[0].mesh.size[2] must be > 0 m");
+    contains(R"({"bodies": [{"mesh": {"type": "block"}}]})", "block: size.x must be > 0 m, got 0");
+    contains(R"({"bodies": [{"mesh": "no.msh"}]})", "mesh must be a file that exists, got \"no.msh\"");
+    contains(R"({"bodies": [{"mesh": "asset:no.msh"}]})", "scene.json:1:22: bodies[0].mesh: ");
+    contains(text(R"({"bodies": [{"name": "a", )", kCube, R"(}, {"name": "a", )", kCube, "}]}"),
+             "bodies[1].name must differ from those of the other bodies, got 'a'");
+    contains(R"({"physics": {"rate": 0}})", "physics.rate must be in [1, 100000] Hz, got 0");
+    contains(R"({"physcs": {}})", "unknown field 'physcs' in the scene (did you mean 'physics'?)");
+    contains(R"({"physics": {}, "look": {"rate": 5}, "physics" /* again */ : {}})",
+             "scene.json:1:38: \"physics\" is given twice");
+    contains(R"({"defaults": {"SoftBodyDf": {}}})", "(did you mean 'SoftBodyDef'?)");
+    contains(R"({"defaults": {"SoftBodyDef": {"frction": 1}}})", "scene.json:1:42: unknown field 'frction'");
+    contains(R"({"classes": {"a": {"SoftBodyDef": 5}}})", "classes.a.SoftBodyDef must be an object, got 5");
+    contains("[]", "scene.json:1:1: the scene must be an object");
+    contains("{\n\"physics\": {,}}", "scene.json:2:13: this is no JSON: ");
+    contains("{\"physics\": {\"rate\": 1e999}}", "this is no JSON: number overflow parsing '1e999'");
+    contains(std::string(100000, '['), "this is no JSON");
+    contains(std::string(1000, '[') + std::string(1000, ']'),
+             "scene.json:1:66: lists and objects must be nested at most");
+    CHECK_THROWS_WITH(loadScene("no_such_scene.json"), Catch::Contains("no_such_scene.json"));
+}
+
+TEST_CASE("scene files: a scene reads no file outside its folder unless that is allowed")
+{
+    const Folder folder, other;
+    const std::string secret = other.write("secret.msh", "x");
+    const auto refused = Catch::Contains("must be a file in the folder of the scene");
+    const auto scene = [&](const std::string& name) {
+        return folder.write("scene.json", text(R"({"bodies": [{"mesh": ")", name, R"("}]})"));
+    };
+    CHECK_THROWS_WITH(loadScene(scene(secret)), refused);
+    const auto sideways =
+        std::filesystem::path("..") / std::filesystem::path(secret).parent_path().filename() / "secret.msh";
+    CHECK_THROWS_WITH(loadScene(scene(sideways.string())), refused);
+    std::filesystem::create_symlink(secret, std::filesystem::path(scene("x")).parent_path() / "link.msh");
+    CHECK_THROWS_WITH(loadScene(scene("link.msh")), refused);
+    CHECK_THROWS_WITH(loadScene(scene("asset:../../etc/passwd")), Catch::Contains("must be a file that comes with"));
+    CHECK_THROWS_WITH(loadScene(scene("a\\u0000b")), refused);
+    CHECK(std::get<std::string>(softOf(loadScene(scene(secret), {.anyFolder = true})).mesh) == secret);
+}
+
+TEST_CASE("scene files: damaged files are refused or read, and nothing else")
+{
+    const Folder folder;
+    std::mt19937 random(5);
+    for (const char* name : {"bunny", "friction", "jaws", "poke"}) {
+        std::ifstream file(text(FILASOFIA_SOURCE_DIR, "/examples/scenes/", name, ".json"));
+        const std::string whole((std::istreambuf_iterator<char>(file)), {});
+        REQUIRE(!whole.empty());
+        int refused = 0;
+        const int all = cases(500);
+        for (int i = 0; i < all; ++i) {
+            std::string scene = whole;
+            for (unsigned k = 0; k <= random() % 3; ++k) {
+                const std::size_t at = random() % scene.size(), from = random() % scene.size();
+                if (random() % 2 == 0)
+                    scene[at] = "{}[]\",:/*0-e. x\n"[random() % 16];
+                else
+                    scene.replace(at, random() % 8, scene.substr(from, random() % 24));
+            }
+            try {
+                (void)folder.load(scene);
+            } catch (const Error&) {
+                ++refused;
+            }
+        }
+        INFO(name);
+        CHECK(refused > all / 2);
+    }
+}
+
+TEST_CASE("scene files: the schema that comes with Filasofia is that of the Defs")
+{
+    const std::string schema = sceneSchema();
+    std::ifstream file(FILASOFIA_SOURCE_DIR "/assets/scene.schema.json");
+    const std::string written((std::istreambuf_iterator<char>(file)), {});
+    CHECK(written == schema + "\n"); // filasofia schema > assets/scene.schema.json
+    const auto json = nlohmann::json::parse(schema);
+    const auto& defs = json.at("$defs");
+    for (const auto& def : defs) {
+        const auto properties = def.find("properties");
+        if (properties == def.end()) continue; // a body has two lists of them
+        for (const auto& property : *properties)
+            if (const auto found = property.find("$ref"); found != property.end())
+                CHECK(defs.contains(found->get<std::string>().substr(std::string("#/$defs/").size())));
+    }
+}
+
+} // namespace filasofia::scene
