@@ -18,7 +18,7 @@ fi
 
 headline "python: libraries"
 configure release
-build release --target filasofia_runtime 01_bunny
+build release --target filasofia_scene 01_bunny
 
 # What the installed package is made of; pip itself takes ten seconds, whatever changed.
 changed() {

@@ -43,11 +43,12 @@ from ._core import (
     tissues,
 )
 from ._defs import *  # noqa: F403  the Defs, a class for each
-from ._simulation import Simulation, replay
+from ._simulation import Simulation, load, replay
 
 __all__ = [
     "Simulation",
     "asset",
+    "load",
     "replay",
     "BodySolve",
     "ContactEvent",

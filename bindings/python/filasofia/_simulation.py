@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum as _enum
+import os as _os
 import typing as _typing
 
 from . import _core, _defs
@@ -63,6 +64,16 @@ class Simulation(_core.Simulation):
             return "<Simulation that was not initialised>"
 
 
+def load(file: str | _os.PathLike[str], *, any_folder: bool = False) -> Simulation:
+    """A simulation of the scene in a file (docs/guide/scenes.md); `bodies` are in the order of the file.
+
+    Files that the scene names must be in its folder, unless `any_folder`. Raises Error "FILE:LINE:COLUMN: ...".
+    """
+    simulation = Simulation.__new__(Simulation)
+    _core.Simulation.__init__(simulation, scene=file, any_folder=any_folder)
+    return simulation
+
+
 def replay(definition: _defs.ReplayDef | None = None, **fields: _typing.Any) -> _core.ReplayReport:
     """Replays a recording as fast as possible: a ReplayDef, or its fields (file, check, ...)."""
     return _core.replay(_only(_defs.ReplayDef, definition, fields))
@@ -71,5 +82,5 @@ def replay(definition: _defs.ReplayDef | None = None, **fields: _typing.Any) -> 
 # nanobind's flags print as numbers; Python's as names.
 _core.StepFlag.__repr__ = _enum.Flag.__repr__  # type: ignore
 _core.StepFlag.__str__ = _enum.Flag.__str__  # type: ignore
-for _each in (Simulation, replay):
+for _each in (Simulation, load, replay):
     _each.__module__ = "filasofia"

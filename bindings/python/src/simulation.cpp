@@ -6,6 +6,7 @@
 #include "results.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/scene/scene_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,17 +27,35 @@ namespace {
 using physics::RigidBodyDef;
 using physics::SoftBodyDef;
 
-void make(HeldSimulation* self, nb::handle physics, nb::handle look)
+/// Runs `act` for a scene file. Its fields keep their names in errors: they are not those of Python.
+template <class Act> auto ofSceneFile(Act&& act)
+{
+    try {
+        return act();
+    } catch (const Error& error) {
+        throw PythonError(error.what());
+    }
+}
+
+void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle file, bool anyFolder)
 {
     runtime::SimulationDef def;
+    scene::SceneDef scene;
+    if (!file.is_none()) {
+        const std::string name = readText(file, {.name = "load: file"});
+        scene = ofSceneFile([&] { return scene::loadScene(name, {.anyFolder = anyFolder}); });
+        def = scene::simulationDef(scene);
+    }
     if (!physics.is_none()) def.physics = readDef<runtime::PhysicsDef>(physics, "Simulation");
     if (!look.is_none()) def.look = readDef<runtime::LookDef>(look, "Simulation: look");
     std::shared_ptr<Session> session;
     {
         const nb::gil_scoped_release free;
         session = Session::make(def);
+        ofSceneFile([&] { return scene::addScene(session->simulation(), scene); });
     }
     new (self) HeldSimulation{.session = std::move(session)};
+    self->shown = std::ranges::any_of(scene.bodies, [](const scene::SceneBody& each) { return !each.show.empty(); });
 }
 
 /// "soft body 'liver'", as the engine's own errors begin.
@@ -344,7 +363,8 @@ void addPictures(nb::class_<HeldSimulation>& sim)
 void bindSimulation(nb::module_& module)
 {
     nb::class_<HeldSimulation> sim(module, "Simulation", nb::type_slots(slots), nb::is_weak_referenceable());
-    sim.def("__init__", &make, nb::arg("physics") = nb::none(), nb::arg("look") = nb::none());
+    sim.def("__init__", &make, nb::arg("physics") = nb::none(), nb::arg("look") = nb::none(),
+            nb::arg("scene") = nb::none(), nb::arg("any_folder") = false);
     addBodies(sim);
     addSteps(sim);
     addRecords(sim);

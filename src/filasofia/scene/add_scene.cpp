@@ -23,7 +23,7 @@ public:
             if constexpr (!std::is_arithmetic_v<typename T::value_type>)
                 for (auto& each : value) replaceIn(each);
         } else if constexpr (kIsVariant<T>) {
-            std::visit([this](auto& held) { replaceIn(held); }, value);
+            std::visit([&](auto& held) { replaceIn(held); }, value);
         } else if constexpr (HasFields<T>) {
             forEachField<T>([&](const auto& each) { replaceIn(value.*(each.member)); });
         }

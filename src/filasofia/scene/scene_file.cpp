@@ -102,12 +102,13 @@ private:
     /// Reads the defaults for themselves, so that a mistake in one that nothing uses is found too.
     void checkDefaults()
     {
-        for (const auto& [of, name] : toCheck_) {
-            const Place place{nullptr, name};
+        for (const auto& each : toCheck_) {
+            const Json& of = *each.first;
+            const Place place{nullptr, each.second};
             std::set<std::string> seen;
             auto check = [&]<class T>() {
-                const auto found = of->find(typeName<T>());
-                if (found == of->end()) return;
+                const auto found = of.find(typeName<T>());
+                if (found == of.end()) return;
                 T def{};
                 reader_.read({&*found}, Place{&place, typeName<T>()}, {}, def);
             };

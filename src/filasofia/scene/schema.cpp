@@ -29,7 +29,7 @@ template <class T> struct ValueSchema {
             return {{"type", "boolean"}};
         else if constexpr (std::is_integral_v<T>)
             return whole(range);
-        else if constexpr (std::is_same_v<T, std::string>)
+        else if constexpr (std::is_same_v<T, std::string> || IsFile<T>)
             return {{"type", "string"}};
         else if constexpr (std::is_same_v<T, BodyId>)
             return {{"type", "string"}, {"description", "name of a body before this one"}};
@@ -37,8 +37,6 @@ template <class T> struct ValueSchema {
             return {{"enum", names(static_cast<const T*>(nullptr))}};
         else if constexpr (IsMesh<T>)
             return anyOf({{{"type", "string"}}, ValueSchema<typename MeshShapes<T>::Shapes>::typed()});
-        else if constexpr (IsFile<T>)
-            return {{"type", "string"}};
         else if constexpr (std::is_same_v<T, Vec3>)
             return numbers(range, 3);
         else if constexpr (std::is_same_v<T, Quat>)

@@ -1,0 +1,51 @@
+"""Scene files."""
+
+import os
+import pathlib
+
+import pytest
+
+import filasofia
+
+SCENES = pathlib.Path(os.environ["FILASOFIA_ROOT"]) / "examples" / "scenes"
+
+
+def test_a_scene_has_the_hash_of_its_program():
+    loaded = filasofia.load(SCENES / "bunny.json")
+    same = filasofia.Simulation(rate=1000)
+    same.add(
+        filasofia.SoftBodyDef(
+            name="bunny",
+            mesh=filasofia.asset("meshes/bunny_3004.msh"),
+            material=filasofia.FemMaterial(young_modulus=10e3, poisson_ratio=0.45),
+            attachments=[filasofia.AttachmentDef(box=filasofia.Box((-1, 0.105, -1), (1, 1, 1)))],
+        )
+    )
+    for simulation in (loaded, same):
+        simulation.step(50)
+    assert loaded.state_hash == same.state_hash
+    assert [loaded.definition(each).name for each in loaded.bodies] == ["bunny"]
+
+
+def test_motions_of_a_scene_are_made():
+    simulation = filasofia.load(str(SCENES / "poke.json"))
+    ball = simulation.bodies[1]
+    simulation.step(500)
+    assert simulation.frame[ball].poses[0][1] == pytest.approx(0.012)
+
+
+def test_mistakes_are_errors_with_their_place(tmp_path):
+    wrong = tmp_path / "wrong.json"
+    wrong.write_text('{"physics": {"rate": 0}}')
+    with pytest.raises(filasofia.Error, match=r"wrong.json:1:22: physics.rate must be in \[1, 100000\] Hz, got 0"):
+        filasofia.load(wrong)
+    wrong.write_text('{"bodies": [{"dynamicTopology": 1}]}')
+    with pytest.raises(filasofia.Error, match=r"bodies\[0\].dynamicTopology must be true or false, got 1"):
+        filasofia.load(wrong)
+    wrong.write_text('{"bodies": [{"mesh": "/etc/hostname"}]}')
+    with pytest.raises(filasofia.Error, match="in the folder of the scene"):
+        filasofia.load(wrong)
+    with pytest.raises(filasofia.Error, match="cube.json"):
+        filasofia.load("cube.json")
+    with pytest.raises(TypeError, match="load: file must be a text"):
+        filasofia.load(5)
