@@ -230,6 +230,8 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
     contains("[]", "scene.json:1:1: the scene must be an object");
     contains("{\n\"physics\": {,}}", "scene.json:2:13: this is no JSON: ");
     contains("{\"physics\": {\"rate\": 1e999}}", "this is no JSON: number overflow parsing '1e999'");
+    contains(std::string("// a\0 88\0 b\n\"c", 14), "scene.json:1:5: this is no JSON: there is a byte of value 0");
+    CHECK(folder.load("{} // a comment that a carriage return ends\r// {\r").bodies.empty());
     contains(std::string(100000, '['), "this is no JSON");
     contains(std::string(1000, '[') + std::string(1000, ']'),
              "scene.json:1:66: lists and objects must be nested at most");

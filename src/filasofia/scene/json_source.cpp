@@ -150,7 +150,7 @@ private:
     void skipComment()
     {
         if (text_[at_ + 1] == '/') {
-            at_ = std::min(text_.find('\n', at_), text_.size()) - 1;
+            at_ = std::min(text_.find_first_of("\n\r", at_), text_.size()) - 1; // as nlohmann ends it
             return;
         }
         const std::size_t end = text_.find("*/", at_ + 2) + 1;
@@ -182,6 +182,9 @@ const SourceFile& JsonSources::read(const std::filesystem::path& path, std::stri
 {
     const std::string text = readFile(path, shown, kMaxSceneFile);
     SourceFile& file = files_.emplace_back(SourceFile{path, std::move(shown), Json()});
+    // nlohmann takes a zero byte for the end of a comment, or of the file.
+    if (const auto zero = text.find('\0'); zero != std::string::npos)
+        fail(placeAt(file, text, zero), ": this is no JSON: there is a byte of value 0");
     MemberCheck check;
     try {
         file.root = Json::parse(text, std::ref(check), true, true); // with comments
