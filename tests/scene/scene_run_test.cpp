@@ -113,6 +113,8 @@ TEST_CASE("scenes: a wrong body is refused with its place")
     CHECK_THAT(refused({.def = tool, .motions = {{.keys = {{}}, .repeat = true}}}), Contains("needs a last key later"));
     CHECK_THAT(refused({.def = tool, .jointMotions = {{}}}), Contains("joint must be in [0, 0), got 0"));
     CHECK_THAT(refused({.def = SoftBodyDef{.name = "s"}, .motions = {{}}}), Contains("only rigid bodies have them"));
+    Simulation handless;
+    CHECK_THROWS_WITH(addScene(handless, {.haptics = {{.element = 3}}}), Contains("haptics[0]: haptic interface"));
     RigidBodyDef tied{.name = "tied", .dynamic = true, .mass = TotalMass{1}};
     tied.attachments = {{.to = BodyId{7}}};
     CHECK_THAT(refused({.def = tied}), Contains("the scene has 0 bodies before this one, got body 7"));

@@ -99,8 +99,8 @@ constexpr auto fields(const SceneDef*)
 runtime::SimulationDef simulationDef(const SceneDef& scene);
 
 /// Adds the scene's bodies, pictures, motions and haptic interfaces to a simulation that is not running; returns the
-/// bodies' ids, in the order of the scene. Throws an Error that begins with the place of the body if one is wrong; the
-/// bodies before it stay added.
+/// bodies' ids, in the order of the scene. Throws an Error that begins with the place of the body, or with
+/// "haptics[0]", if one is wrong; what came before it stays added.
 std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& scene);
 
 } // namespace filasofia::scene

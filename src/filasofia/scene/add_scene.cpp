@@ -67,10 +67,12 @@ std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& sc
 {
     std::vector<BodyId> ids;
     for (const SceneBody& body : scene.bodies) at(body.place, [&] { ids.push_back(addBody(simulation, body, ids)); });
-    for (runtime::HapticInterfaceDef haptic : scene.haptics) {
-        BodyNumbers(ids).replaceIn(haptic);
-        simulation.add(haptic);
-    }
+    for (std::size_t i = 0; i < scene.haptics.size(); ++i)
+        at(text("haptics[", i, "]"), [&] {
+            runtime::HapticInterfaceDef haptic = scene.haptics[i];
+            BodyNumbers(ids).replaceIn(haptic);
+            simulation.add(haptic);
+        });
     return ids;
 }
 
