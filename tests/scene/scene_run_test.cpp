@@ -113,6 +113,7 @@ TEST_CASE("scenes: a wrong body is refused with its place")
     CHECK_THAT(refused({.def = tool, .motions = {{.keys = {{}}, .repeat = true}}}), Contains("needs a last key later"));
     CHECK_THAT(refused({.def = tool, .jointMotions = {{}}}), Contains("joint must be in [0, 0), got 0"));
     CHECK_THAT(refused({.def = SoftBodyDef{.name = "s"}, .motions = {{}}}), Contains("only rigid bodies have them"));
+    CHECK_THAT(refused({.def = tool, .paint = {{}}}), Contains("paint needs a body that is drawn"));
     Simulation handless;
     CHECK_THROWS_WITH(addScene(handless, {.haptics = {{.element = 3}}}), Contains("haptics[0]: haptic interface"));
     RigidBodyDef tied{.name = "tied", .dynamic = true, .mass = TotalMass{1}};

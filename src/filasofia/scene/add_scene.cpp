@@ -38,6 +38,8 @@ BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std
     physics::BodyDef def = body.def;
     BodyNumbers(before).replaceIn(def);
     checkMotions(body);
+    if (body.show.empty() && !body.paint.empty())
+        fail(physics::describeBody(body.def), ": paint needs a body that is drawn: give it a show");
     if (auto* rigid = std::get_if<physics::RigidBodyDef>(&def)) setFirstPoses(body.motions, *rigid);
     const BodyId id = std::visit([&](auto& each) { return simulation.add(std::move(each)); }, def);
     for (const runtime::ShowDef& each : body.show) simulation.show(id, each);
