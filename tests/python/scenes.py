@@ -2,6 +2,16 @@
 import filasofia as fs
 
 
+def bunny():
+    """README's: pinned at the head."""
+    return fs.SoftBodyDef(
+        name="bunny",
+        mesh=fs.asset("meshes/bunny_3004.msh"),
+        material=fs.FemMaterial(young_modulus=10e3, poisson_ratio=0.45),
+        attachments=[fs.AttachmentDef(box=fs.Box((-1, 0.105, -1), (1, 1, 1)))],
+    )
+
+
 def block(**fields):
     """A block of tissue, 6 cm wide, pinned at its bottom."""
     given = dict(

@@ -6,6 +6,7 @@ import pathlib
 import pytest
 
 import filasofia
+from scenes import bunny
 
 SCENES = pathlib.Path(os.environ["FILASOFIA_ROOT"]) / "examples" / "scenes"
 
@@ -13,14 +14,7 @@ SCENES = pathlib.Path(os.environ["FILASOFIA_ROOT"]) / "examples" / "scenes"
 def test_a_scene_has_the_hash_of_its_program():
     loaded = filasofia.load(SCENES / "bunny.json")
     same = filasofia.Simulation(rate=1000)
-    same.add(
-        filasofia.SoftBodyDef(
-            name="bunny",
-            mesh=filasofia.asset("meshes/bunny_3004.msh"),
-            material=filasofia.FemMaterial(young_modulus=10e3, poisson_ratio=0.45),
-            attachments=[filasofia.AttachmentDef(box=filasofia.Box((-1, 0.105, -1), (1, 1, 1)))],
-        )
-    )
+    same.add(bunny())
     for simulation in (loaded, same):
         simulation.step(50)
     assert loaded.state_hash == same.state_hash

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import filasofia as fs
-from scenes import ball, block, poke
+from scenes import ball, block, bunny, poke
 
 
 def test_the_readmes_bunny_has_the_hash_of_the_same_program_in_cpp():
@@ -15,14 +15,7 @@ def test_the_readmes_bunny_has_the_hash_of_the_same_program_in_cpp():
     words = done.stdout.split()
     expected = words[words.index("hash") + 1]
     sim = fs.Simulation(rate=1000, slack=2e-3)
-    sim.add(
-        fs.SoftBodyDef(
-            name="bunny",
-            mesh=fs.asset("meshes/bunny_3004.msh"),
-            material=fs.FemMaterial(young_modulus=10e3, poisson_ratio=0.45),
-            attachments=[fs.AttachmentDef(box=fs.Box((-1, 0.105, -1), (1, 1, 1)))],
-        )
-    )
+    sim.add(bunny())
     for _ in range(100):
         sim.step()
     assert fs.hexadecimal(sim.state_hash) == expected

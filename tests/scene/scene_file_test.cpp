@@ -224,6 +224,9 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
     contains(R"({"physcs": {}})", "unknown field 'physcs' in the scene (did you mean 'physics'?)");
     contains(R"({"physics": {}, "look": {"rate": 5}, "physics" /* again */ : {}})",
              "scene.json:1:38: \"physics\" is given twice");
+    contains(text(R"({"defaults": {"SoftBodyDef": {"solver": {"type": "Colesky"}}}, "bodies": [{)", kCube,
+                  R"(, "solver": {"tolerance": 0.1}}]})"),
+             "scene.json:1:50: bodies[0].solver.type must be one of ConjugateGradient, Cholesky, got \"Colesky\"");
     contains(R"({"defaults": {"SoftBodyDf": {}}})", "(did you mean 'SoftBodyDef'?)");
     contains(R"({"defaults": {"SoftBodyDef": {"frction": 1}}})", "scene.json:1:42: unknown field 'frction'");
     contains(R"({"classes": {"a": {"SoftBodyDef": 5}}})", "classes.a.SoftBodyDef must be an object, got 5");

@@ -46,12 +46,6 @@ ElementMotion withFirstKey(ElementMotion motion, const Pose& start)
     return motion;
 }
 
-std::vector<Pose> startOf(const SceneBody& body)
-{
-    const auto* rigid = std::get_if<physics::RigidBodyDef>(&body.def);
-    return rigid ? physics::elementPoses(*rigid) : std::vector<Pose>();
-}
-
 /// Gives a joint its next command as soon as its time has come.
 class JointFollower {
 public:
@@ -122,7 +116,7 @@ void followMotions(runtime::Simulation& simulation, BodyId id, const SceneBody& 
 {
     if (!body.motions.empty()) {
         std::vector<ElementMotion> motions;
-        const std::vector<Pose> start = startOf(body);
+        const std::vector<Pose> start = physics::elementPoses(std::get<physics::RigidBodyDef>(body.def));
         for (const ElementMotion& each : body.motions)
             motions.push_back(withFirstKey(each, start.at(static_cast<std::size_t>(each.element))));
         simulation.everyStep([&simulation, id, motions](double time) {

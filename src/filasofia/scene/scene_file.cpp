@@ -75,11 +75,7 @@ private:
     void checkTypes(const Json& of, const Place& place)
     {
         if (!of.is_object()) reader_.refuse(of, place, "must be an object of objects, named by the types of Defs");
-        std::vector<std::string> types;
-        std::set<std::string> seen;
-        auto add = [&]<class T>() { types.emplace_back(typeName<T>()); };
-        DefWalk<SceneDef>::run(seen, add);
-        reader_.refuseUnknown(of, place, types);
+        reader_.refuseUnknown(of, place, types_);
         for (const auto& item : of.items())
             if (!item.value().is_object()) reader_.refuse(item.value(), Place{&place, item.key()}, "must be an object");
     }
@@ -116,6 +112,16 @@ private:
         }
     }
 
+    /// The types of all Defs of a scene.
+    static std::vector<std::string> defTypes()
+    {
+        std::vector<std::string> types;
+        std::set<std::string> seen;
+        auto add = [&]<class T>() { types.emplace_back(typeName<T>()); };
+        DefWalk<SceneDef>::run(seen, add);
+        return types;
+    }
+
     template <class T> void readMembers(std::string_view name, T& out)
     {
         Layers layers;
@@ -141,6 +147,7 @@ private:
 
     JsonSources sources_;
     SceneReader reader_;
+    const std::vector<std::string> types_ = defTypes();
     std::vector<const SourceFile*> files_;    ///< those that are included before those that include them
     std::vector<std::filesystem::path> open_; ///< the files that include the one that is read
     std::size_t read_ = 0;

@@ -8,13 +8,12 @@
 namespace filasofia::scene {
 namespace {
 
-constexpr std::size_t kMaxShown = 40; // characters of a wrong value that an error shows
+constexpr std::size_t kMaxHinted = 40; // bytes of a wrong word for which the nearest right one is looked for
 constexpr std::string_view kAsset = "asset:";
 
-std::string shortened(std::string word)
+std::string hintFor(std::string_view word, const std::vector<std::string>& known)
 {
-    if (word.size() > kMaxShown) word.replace(kMaxShown, std::string::npos, "...");
-    return word;
+    return word.size() <= kMaxHinted ? didYouMean(word, known) : std::string();
 }
 
 std::string shown(const Json& json)
@@ -22,13 +21,6 @@ std::string shown(const Json& json)
     if (json.is_object()) return "an object";
     if (json.is_array()) return text("a list of length ", json.size());
     return shortened(json.dump(-1, ' ', true, Json::error_handler_t::replace));
-}
-
-/// "> 0 Pa", "a finite number" after the "must be " of a range's text.
-std::string boundText(const Bound& bound)
-{
-    const std::string_view unit = bound.unit == "-" ? std::string_view() : bound.unit;
-    return bound.range.text(unit);
 }
 
 } // namespace
@@ -41,8 +33,8 @@ void SceneReader::refuse(const Json& json, const Place& place, std::string_view 
 void SceneReader::refuseWord(const Json& json, const Place& place, const std::vector<std::string>& known) const
 {
     const std::string given = json.is_string() ? word(json) : std::string();
-    const std::string hint = given.size() <= kMaxShown ? didYouMean(given, known) : std::string();
-    fail(sources_.placeOf(json), ": ", place.path(), " must be one of ", listed(known), ", got ", shown(json), hint);
+    fail(sources_.placeOf(json), ": ", place.path(), " must be one of ", listed(known), ", got ", shown(json),
+         hintFor(given, known));
 }
 
 void SceneReader::refuseUnknown(const Json& object, const Place& place, const std::vector<std::string>& known,
@@ -51,9 +43,8 @@ void SceneReader::refuseUnknown(const Json& object, const Place& place, const st
     for (const auto& item : object.items()) {
         const std::string& name = item.key();
         if (std::ranges::find(known, name) != known.end()) continue;
-        const std::string hint = name.size() <= kMaxShown ? didYouMean(name, known) : std::string();
         fail(sources_.placeOf(item.value()), ": unknown field '", shortened(name), "' in ", place.path(),
-             type.empty() ? "" : text(", a ", type), hint);
+             type.empty() ? "" : text(", a ", type), hintFor(name, known));
     }
 }
 
@@ -111,22 +102,23 @@ const Json& SceneReader::classNamed(const Json& name, const Place& place) const
     refuseWord(name, place, known);
 }
 
-std::pair<Layers, std::string> SceneReader::chosen(const Layers& from, const Place& place,
-                                                   std::string_view present) const
+const Json* SceneReader::typeOf(const Layers& layers)
 {
-    std::string type;
-    for (const Json* layer : from)
-        if (const Json* named = type.empty() ? find(*layer, kType) : nullptr) type = word(*named, Place{&place, kType});
+    for (const Json* layer : layers)
+        if (const Json* named = find(*layer, kType)) return named;
+    return nullptr;
+}
+
+Layers SceneReader::ofType(const Layers& from, std::string_view type, std::string_view present)
+{
     Layers out;
-    bool reached = type.empty();
+    bool reached = !typeOf(from);
     for (const Json* layer : from) {
         const Json* named = find(*layer, kType);
-        const bool same = named ? named->is_string() && word(*named) == type : !reached || type == present;
+        if (named ? named->is_string() && word(*named) == type : !reached || type == present) out.push_back(layer);
         reached = reached || named;
-        if (same || type.empty()) out.push_back(layer);
     }
-    // The layer with the type stands first, for errors that name it.
-    return {std::move(out), std::move(type)};
+    return out;
 }
 
 double SceneReader::inUnit(const Json& json, const Place& place, const Bound& bound, double value,
@@ -158,7 +150,7 @@ double SceneReader::number(const Json& json, const Place& place, const Bound& bo
     } else {
         refuse(json, place, "must be a number");
     }
-    if (!bound.range.contains(value)) refuse(json, place, boundText(bound));
+    if (!bound.range.contains(value)) refuse(json, place, bound.range.text(bound.unit));
     return value;
 }
 
@@ -167,7 +159,7 @@ std::int64_t SceneReader::whole(const Json& json, const Place& place, const Boun
     const double value = json.is_number() ? json.get<double>() : 0.5;
     if (value != std::floor(value)) refuse(json, place, "must be a whole number");
     if (value < low || value > high) refuse(json, place, text("must be in [", low, ", ", high, "]"));
-    if (!bound.range.contains(value)) refuse(json, place, boundText(bound));
+    if (!bound.range.contains(value)) refuse(json, place, bound.range.text(bound.unit));
     return static_cast<std::int64_t>(value);
 }
 
@@ -197,7 +189,7 @@ void SceneReader::readNumbers(const Json& json, const Place& place, const Bound&
     if (!quantity || quantity->values.size() != out.size()) refuseCount();
     for (std::size_t i = 0; i < out.size(); ++i) {
         out[i] = inUnit(json, place, bound, quantity->values[i], quantity->unit);
-        if (!bound.range.contains(out[i])) refuse(json, Place{&place, {}, i}, boundText(bound));
+        if (!bound.range.contains(out[i])) refuse(json, Place{&place, {}, i}, bound.range.text(bound.unit));
     }
 }
 
@@ -230,14 +222,16 @@ void SceneReader::readTissue(const Layers& layers, const Place& place, physics::
 {
     const Layers given = members(layers, kTissue);
     if (given.empty()) return;
-    const Place inner{&place, kTissue};
-    try {
-        out = physics::tissue(word(*given.front(), inner)).material;
-    } catch (const Error&) {
-        std::vector<std::string> known;
-        for (const physics::Tissue& each : physics::tissues()) known.emplace_back(each.name);
-        refuseWord(*given.front(), inner, known);
+    const std::string name = given.front()->is_string() ? word(*given.front()) : std::string();
+    std::vector<std::string> known;
+    for (const physics::Tissue& each : physics::tissues()) {
+        if (each.name == name) {
+            out = each.material;
+            return;
+        }
+        known.emplace_back(each.name);
     }
+    refuseWord(*given.front(), Place{&place, kTissue}, known);
 }
 
 BodyId SceneReader::bodyNamed(const Json& json, const Place& place) const
@@ -246,7 +240,7 @@ BodyId SceneReader::bodyNamed(const Json& json, const Place& place) const
     const auto found = std::ranges::find(bodies_, name);
     if (found != bodies_.end()) return BodyId{static_cast<std::uint32_t>(found - bodies_.begin()) + 1};
     fail(sources_.placeOf(json), ": ", place.path(), " must be the name of a body before this one, got ", shown(json),
-         name.size() <= kMaxShown ? didYouMean(name, bodies_) : "");
+         hintFor(name, bodies_));
 }
 
 void SceneReader::checkFile(const std::filesystem::path& path, const Json& json, const Place& place) const

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/suggestion.h"
+#include "filasofia/core/word.h"
 #include "filasofia/physics/tissue.h"
 #include "filasofia/record/json_reader.h"
 #include "filasofia/scene/def_shapes.h"
@@ -18,12 +19,6 @@ using record::Place;
 
 /// A value of a file and the defaults behind it, the most specific first.
 using Layers = std::vector<const Json*>;
-
-/// Unit and legal values of the field that is read.
-struct Bound {
-    std::string_view unit = {};
-    Range range = {};
-};
 
 /// Turns the JSON of scene files into Defs. Strict: an unknown field or a wrong value is an Error with its place in the
 /// file; what is missing keeps its default.
@@ -104,9 +99,11 @@ private:
     /// The layers and, behind them, what their classes and the defaults say of this type of Def.
     [[nodiscard]] Layers withDefaults(const Layers& from, const Place& place, std::string_view type) const;
     [[nodiscard]] const Json& classNamed(const Json& name, const Place& place) const;
-    /// The part of the layers that is of the chosen alternative, and its name; empty: the present one.
-    [[nodiscard]] std::pair<Layers, std::string> chosen(const Layers& from, const Place& place,
-                                                        std::string_view present) const;
+    /// The first "type" of the layers; null if they have none.
+    [[nodiscard]] static const Json* typeOf(const Layers& layers);
+    /// The layers that speak of this type; one without a type speaks of that of the next one with it, at last of
+    /// `present`.
+    [[nodiscard]] static Layers ofType(const Layers& from, std::string_view type, std::string_view present);
     void checkFile(const std::filesystem::path& path, const Json& json, const Place& place) const;
 
     template <class T> void readName(const Json& json, const Place& place, T& out) const
@@ -170,7 +167,7 @@ private:
             if constexpr (kFlat<T> && kIsVariant<std::remove_cvref_t<decltype(value)>>)
                 if (each.name.empty()) return readAlternative(from, place, {}, known, value);
             const Layers inner = members(layers, each.name);
-            if (!inner.empty()) read(inner, Place{&place, each.name}, {each.unit, each.range}, value);
+            if (!inner.empty()) read(inner, Place{&place, each.name}, {each.range, each.unit}, value);
         });
         if constexpr (std::is_same_v<T, visual::TextureFile> || std::is_same_v<T, visual::CustomMaterial> ||
                       std::is_same_v<T, ScaledSurface> || std::is_same_v<T, ScaledTetrahedra>)
@@ -188,11 +185,12 @@ private:
         if (json.is_object()) {
             const auto present =
                 std::visit([](const auto& held) { return typeName<std::remove_cvref_t<decltype(held)>>(); }, out);
-            auto [layers, type] = chosen(from, place, present);
-            if (type.empty()) type = present;
-            if (!(readAs<Each>(layers, type, place, beside, out) || ...))
-                refuseWord(*find(*layers.front(), kType), Place{&place, kType}, alternatives<Each...>());
-        } else if (json.is_string()) { // an alternative with its defaults
+            const Place inner{&place, kType};
+            const Json* named = typeOf(from);
+            const std::string type = named ? word(*named, inner) : std::string(present);
+            if (!(readAs<Each>(ofType(from, type, present), type, place, beside, out) || ...))
+                refuseWord(*named, inner, alternatives<Each...>()); // the present type is one of them
+        } else if (json.is_string()) {                              // an alternative with its defaults
             if (!(makeDefault<Each>(word(json), out) || ...)) refuseWord(json, place, alternatives<Each...>());
         } else if (!(readPlain<Each>(from, place, bound, out) || ...)) {
             refuse(json, place, text("must be an object, one of ", listed(alternatives<Each...>())));
