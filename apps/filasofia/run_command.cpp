@@ -46,6 +46,8 @@ const Scene& sceneOf(const RunCommandOptions& options)
         if (options.scene == scene.name) return scene;
         names += text(names.empty() ? "" : ", ", scene.name);
     }
+    if (options.scene.find_first_of("./") != std::string::npos)
+        fail("run: a scene file has a name that ends in .json, got '", shortened(options.scene), "'");
     fail("run: unknown scene '", shortened(options.scene), "'; known are ", names, ", and scene files (.json)");
 }
 

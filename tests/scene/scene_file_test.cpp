@@ -91,7 +91,7 @@ TEST_CASE("scene files: fields of all kinds are read, and what is missing keeps 
     REQUIRE(scene.bodies.size() == 2);
     const physics::SoftBodyDef& cube = softOf(scene);
     CHECK(cube.name == "a \"cube\" {");
-    CHECK(scene.bodies[0].place.ends_with("scene.json:5:20"));
+    CHECK(scene.bodies[0].places.at("").ends_with("scene.json:5:20"));
     const auto& mesh = *std::get<std::shared_ptr<const geometry::TetMesh>>(cube.mesh);
     CHECK(mesh.tetrahedra.size() == 36);
     CHECK(cube.pose.position == Vec3{1e-3, 2e-3, 3e-3});
@@ -121,6 +121,12 @@ TEST_CASE("scene files: a material may begin with a tissue of the library")
     CHECK(fem.youngModulus == liver.youngModulus);
     CHECK(fem.relaxation == liver.relaxation);
     CHECK(fem.poissonRatio == 0.3);
+    const auto densityOf = [](const std::string& rest) {
+        const auto lung = text(R"({"bodies": [{)", kCube, R"(, "material": {"tissue": "lung"})", rest, "}]}");
+        return std::get<physics::Density>(softOf(Folder().load(lung)).mass).value;
+    };
+    CHECK(densityOf("") == physics::tissue("lung").density);
+    CHECK(densityOf(R"(, "mass": {"value": 7})") == 7.0);
 }
 
 TEST_CASE("scene files: defaults and classes stand behind what an object says itself")
@@ -154,6 +160,42 @@ TEST_CASE("scene files: defaults and classes stand behind what an object says it
     const auto springs = std::get<physics::MassSpringMaterial>(softOf(scene, 3).material);
     CHECK(springs.stiffness == 7.0);
     CHECK(springs.damping == 2.0);
+}
+
+TEST_CASE("scene files: defaults reach what no file mentions, and a class all that is in its object")
+{
+    const SceneDef scene = Folder().load(text(R"({
+        "defaults": {"FemMaterial": {"youngModulus": 10}, "ConjugateGradient": {"tolerance": 0.1},
+                     "SoftBodyDef": {"material": {"poissonRatio": 0.1}}, "PhysicsDef": {"rate": 300},
+                     "PenaltyContact": {"stiffness": 5}, "block": {"cells": [1, 1, 1]}},
+        "classes": {"soft": {"FemMaterial": {"youngModulus": 20, "poissonRatio": 0.2}},
+                    "softer": {"FemMaterial": {"youngModulus": 30}}},
+        "bodies": [
+            {"name": "plain", )",
+                                              kCube, R"(},
+            {"name": "soft", "class": "soft", "solver": "ConjugateGradient", )",
+                                              kCube, R"(},
+            {"name": "softer", "class": "soft", "material": {"class": "softer"}, )",
+                                              kCube, R"(},
+            {"name": "other", "solver": "Cholesky", )",
+                                              kCube, R"(}
+        ]})"));
+    const auto fem = [&](std::size_t i) { return std::get<physics::FemMaterial>(softOf(scene, i).material); };
+    const auto tolerance = [&](std::size_t i) {
+        return std::get<physics::ConjugateGradient>(softOf(scene, i).solver).tolerance;
+    };
+    CHECK(scene.physics.rate == 300.0);
+    CHECK(std::holds_alternative<physics::ExactContact>(scene.physics.contact)); // defaults choose no alternative
+    CHECK(fem(0).youngModulus == 10.0);
+    CHECK(fem(0).poissonRatio == 0.1);
+    CHECK(tolerance(0) == 0.1);
+    CHECK(std::get<std::shared_ptr<const geometry::TetMesh>>(softOf(scene, 0).mesh)->tetrahedra.size() == 6);
+    CHECK(fem(1).youngModulus == 20.0);
+    CHECK(fem(1).poissonRatio == 0.2); // a class comes before all defaults
+    CHECK(tolerance(1) == 0.1);
+    CHECK(fem(2).youngModulus == 30.0); // an inner class comes before an outer one
+    CHECK(fem(2).poissonRatio == 0.2);
+    CHECK(std::holds_alternative<physics::Cholesky>(softOf(scene, 3).solver));
 }
 
 TEST_CASE("scene files: an included file's bodies come first, and the file that includes it has the last word")
@@ -212,10 +254,29 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
     contains(body(R"(, "attachments": {})"), "bodies[0].attachments must be a list, got an object");
     contains(body(R"(, "collision": [{"element": 0.5}])"), "collision[0].element must be a whole number, got 0.5");
     contains(body(R"(, "collision": [{"group": 1e12}])"), "collision[0].group must be in [-2147483648, 2147483647]");
+    contains(body(R"(, "material": "liver")"), "got \"liver\" (did you mean {\"tissue\": \"liver\"}?)");
+    contains(body(R"(, "material": {"youngModulus": "infinite"})"), "must be > 0 Pa and finite, got \"infinite\"");
+    contains(body(R"(, "pressure": "5 kpa")"), "or a unit like it, got \"5 kpa\" (did you mean 'kPa'?)");
+    contains(body(R"(, "pressure": "5,1 kPa")"), "must be written without commas, such as");
+    contains(body(R"(, "pose": "0, 1, 0 mm")"), "bodies[0].pose must be 3 numbers without commas");
+    contains(body(R"(, "pose": {"orientation": {"axis": [0, 0, 0], "angle": 1}})"), "axis must have a length > 0");
+    contains(body(R"(, "attachments": [{"box": [[1, 0, 0], [0, 1, 1]]}])"), "must have a lower corner that is <=");
+    contains(body(R"(, "name": "a", "attachments": [{"to": "a"}])"), "got \"a\", which is this one or comes later");
+    contains(R"({"look": {"direction": [0, 0, 0]}})", "1:10: look must have a direction with a length > 0");
+    contains(R"({"bodies": [{"type": "RigidBodyDef", "motions": [{"keys": [{"time": 1}]}]}]})",
+             "bodies[0].motions[0].keys[0] must have a 'pose' (KeyPose)");
+    contains(
+        R"({"bodies": [{"type": "RigidBodyDef", "motions": [{"keys": [{"pose": {"orientation": [1, 0, 0, 0]}}]}]}]})",
+        "keys[0].pose must have a 'position' (KeyPose)");
+    contains(R"({"defaults": {"SoftBodyDef": {"type": "RigidBodyDef"}}})", "type must be SoftBodyDef, if it is given");
+    contains(R"({"defaults": {"SoftBodyDef": {"class": "a"}}})", "class must not be given");
+    contains(text(R"({"classes": {"a": {"RigidBodyDef": {}}}, "bodies": [{"class": "a", )", kCube, "}]}"),
+             "class must be a class that says something of this object, or of one in it");
     contains(body(R"(, "class": "x")"), "must be a class of the scene, which has none, got \"x\"");
     contains(R"({"bodies": [{"mesh": {"size": [1, 1, 1]}}]})", "mesh must have a type");
     contains(R"({"bodies": [{"mesh": {"type": "block", "size": "1 1 0 m"}}]})", "bodies[0].mesh.size[2] must be > 0 m");
-    contains(R"({"bodies": [{"mesh": {"type": "block"}}]})", "block: size.x must be > 0 m, got 0");
+    contains(R"({"bodies": [{"mesh": {"type": "block"}}]})",
+             "scene.json:1:22: bodies[0].mesh must have a 'size' (block)");
     contains(R"({"bodies": [{"mesh": "no.msh"}]})", "mesh must be a file that exists, got \"no.msh\"");
     contains(R"({"bodies": [{"mesh": "asset:no.msh"}]})", "scene.json:1:22: bodies[0].mesh: ");
     contains(text(R"({"bodies": [{"name": "a", )", kCube, R"(}, {"name": "a", )", kCube, "}]}"),
@@ -232,7 +293,9 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
     contains(R"({"classes": {"a": {"SoftBodyDef": 5}}})", "classes.a.SoftBodyDef must be an object, got 5");
     contains("[]", "scene.json:1:1: the scene must be an object");
     contains("{\n\"physics\": {,}}", "scene.json:2:13: this is no JSON: ");
-    contains("{\"physics\": {\"rate\": 1e999}}", "this is no JSON: number overflow parsing '1e999'");
+    contains("{\"physics\": {\"rate\": 5, }}", "scene.json:1:25: there must be no comma before '}'");
+    contains(" \n", "the file is empty");
+    contains("{\"physics\": {\"rate\": 1e999}}", "scene.json:1:22: this is no JSON: number overflow parsing '1e999'");
     contains(std::string("// a\0 88\0 b\n\"c", 14), "scene.json:1:5: this is no JSON: there is a byte of value 0");
     CHECK(folder.load("{} // a comment that a carriage return ends\r// {\r").bodies.empty());
     contains(std::string(100000, '['), "this is no JSON");

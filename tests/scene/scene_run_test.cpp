@@ -91,10 +91,10 @@ TEST_CASE("scenes: a wrong body is refused with its place")
     scene.bodies = {{.def = RigidBodyDef{.name = "a"}},
                     {.def = RigidBodyDef{.name = "tool", .dynamic = true, .mass = TotalMass{1}},
                      .motions = {{.keys = {{}}}},
-                     .place = "x.json:3:4"}};
+                     .places = {{"", "x.json:3:4"}, {"motions[0]", "x.json:4:5"}}}};
     Simulation sim(simulationDef(scene));
     CHECK_THROWS_WITH(addScene(sim, scene),
-                      "x.json:3:4: rigid body 'tool': motions[0] moves a dynamic body, which only forces move");
+                      "x.json:4:5: rigid body 'tool': motions[0] moves a dynamic body, which only forces move");
     const auto refused = [](SceneBody body) {
         Simulation other;
         std::string error = "no error";
@@ -111,8 +111,13 @@ TEST_CASE("scenes: a wrong body is refused with its place")
     CHECK_THAT(refused({.def = tool, .motions = {{.keys = {{1.0}, {1.0}}}}}), Contains("must be later than the key"));
     CHECK_THAT(refused({.def = tool, .motions = {{.element = 1, .keys = {{}}}}}), Contains("must be in [0, 1), got 1"));
     CHECK_THAT(refused({.def = tool, .motions = {{.keys = {{}}, .repeat = true}}}), Contains("needs a last key later"));
-    CHECK_THAT(refused({.def = tool, .jointMotions = {{}}}), Contains("joint must be in [0, 0), got 0"));
+    CHECK_THAT(refused({.def = tool, .jointMotions = {{}}}),
+               Contains("jointMotions[0] needs a body with an articulation"));
     CHECK_THAT(refused({.def = SoftBodyDef{.name = "s"}, .motions = {{}}}), Contains("only rigid bodies have them"));
+    CHECK_THAT(refused({.def = tool, .motions = {{.keys = {{}}}, {.keys = {{}}}}}),
+               Contains("motions[1] moves what motions[0] moves: number 0"));
+    CHECK_THAT(refused({.def = tool, .motions = {{.keys = {{.pose = {{1e308, 0, 0}, {}}}}}}}),
+               Contains("motions[0].keys[0].pose: position must lie within"));
     CHECK_THAT(refused({.def = tool, .paint = {{}}}), Contains("paint needs a body that is drawn"));
     Simulation handless;
     CHECK_THROWS_WITH(addScene(handless, {.haptics = {{.element = 3}}}), Contains("haptics[0]: haptic interface"));

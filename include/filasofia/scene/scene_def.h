@@ -2,6 +2,7 @@
 
 #include "filasofia/runtime/simulation.h"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -67,7 +68,9 @@ struct SceneBody {
     std::vector<runtime::PaintDef> paint = {};     ///< marks on what is drawn of it
     std::vector<ElementMotion> motions = {};       ///< a kinematic rigid body's elements
     std::vector<JointMotion> jointMotions = {};    ///< an articulated body's joints
-    std::string place = {};                        ///< where it stands ("scene.json:12:5"), for errors; may be empty
+    /// Where it stands, "scene.json:12:5", by the empty path, and its members by theirs, "material.law"; for errors,
+    /// and may be empty.
+    std::map<std::string, std::string> places = {};
 };
 constexpr auto fields(const SceneBody*)
 {
@@ -99,8 +102,8 @@ constexpr auto fields(const SceneDef*)
 runtime::SimulationDef simulationDef(const SceneDef& scene);
 
 /// Adds the scene's bodies, pictures, motions and haptic interfaces to a simulation that is not running; returns the
-/// bodies' ids, in the order of the scene. Throws an Error that begins with the place of the body, or with
-/// "haptics[0]", if one is wrong; what came before it stays added.
+/// bodies' ids, in the order of the scene. Throws an Error that begins with the place of what is
+/// wrong, or with "haptics[0]"; what came before it stays added.
 std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& scene);
 
 } // namespace filasofia::scene

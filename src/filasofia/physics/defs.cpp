@@ -58,8 +58,9 @@ void checkKind(const SoftBodyDef& def, const std::string& object)
     if (isShell(def) && holds<geometry::TetMesh>(def.mesh))
         fail(object, ": mesh must be a triangle mesh for a ShellMaterial, got a tetrahedral mesh");
     if (!isShell(def) && holds<geometry::TriangleMesh>(def.mesh))
-        fail(object, ": mesh must be a tetrahedral mesh for this material, got a triangle mesh; only a ShellMaterial "
-                     "has one");
+        fail(object,
+             ": mesh must be a tetrahedral mesh for this material, got a triangle mesh, as a box or a sheet is; a "
+             "block has tetrahedra, and only a ShellMaterial has triangles");
     if (isShell(def) && def.dynamicTopology)
         fail(object, ": dynamicTopology must be false with a ShellMaterial: shells can be neither cut nor torn yet");
 }

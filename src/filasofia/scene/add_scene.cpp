@@ -48,14 +48,19 @@ BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std
     return id;
 }
 
-/// Runs `act`; an Error of it begins with the place of the thing.
-template <class Act> void at(const std::string& place, Act&& act)
+/// The place of what an Error of a body speaks of: "soft body 'liver': attachments[0].box: high must ..."
+std::string placeOf(const SceneBody& body, std::string_view error)
 {
-    try {
-        act();
-    } catch (const Error& error) {
-        fail(place, place.empty() ? "" : ": ", error.what());
+    const std::string object = physics::describeBody(body.def) + ": ";
+    std::string path;
+    if (error.starts_with(object)) path = error.substr(object.size(), error.find(' ', object.size()) - object.size());
+    if (path.ends_with(':')) path.pop_back();
+    while (!body.places.contains(path)) { // from the member to what it is in
+        if (path.empty()) return {};
+        const auto end = path.find_last_of(".[");
+        path.erase(end == std::string::npos ? 0 : end);
     }
+    return body.places.at(path);
 }
 
 } // namespace
@@ -68,13 +73,19 @@ runtime::SimulationDef simulationDef(const SceneDef& scene)
 std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& scene)
 {
     std::vector<BodyId> ids;
-    for (const SceneBody& body : scene.bodies) at(body.place, [&] { ids.push_back(addBody(simulation, body, ids)); });
-    for (std::size_t i = 0; i < scene.haptics.size(); ++i)
-        at(text("haptics[", i, "]"), [&] {
+    for (const SceneBody& body : scene.bodies) try {
+            ids.push_back(addBody(simulation, body, ids));
+        } catch (const Error& error) {
+            const std::string place = placeOf(body, error.what());
+            fail(place, place.empty() ? "" : ": ", error.what());
+        }
+    for (std::size_t i = 0; i < scene.haptics.size(); ++i) try {
             runtime::HapticInterfaceDef haptic = scene.haptics[i];
             BodyNumbers(ids).replaceIn(haptic);
             simulation.add(haptic);
-        });
+        } catch (const Error& error) {
+            fail("haptics[", i, "]: ", error.what());
+        }
     return ids;
 }
 

@@ -50,6 +50,27 @@ template <HasFields T> std::vector<std::string> fieldNames()
     return names;
 }
 
+/// The members that an object of this type must have: their defaults would be wrong for nearly all.
+template <class T> std::vector<std::string_view> required()
+{
+    if constexpr (std::is_same_v<T, KeyPose>)
+        return {"pose"};
+    else if constexpr (std::is_same_v<T, KeyCommand>)
+        return {"command"};
+    else if constexpr (std::is_same_v<T, BoxShape> || std::is_same_v<T, BlockShape>)
+        return {"size"};
+    else if constexpr (std::is_same_v<T, SphereShape>)
+        return {"radius"};
+    else if constexpr (std::is_same_v<T, CapsuleShape> || std::is_same_v<T, CylinderShape>)
+        return {"radius", "length"};
+    else if constexpr (std::is_same_v<T, SheetShape>)
+        return {"width", "depth"};
+    else if constexpr (std::is_same_v<T, ScaledSurface> || std::is_same_v<T, ScaledTetrahedra>)
+        return {"file"};
+    else
+        return {};
+}
+
 /// Calls visit.template operator()<Def>() once for every Def that can be reached from T, after those it names.
 template <class T> struct DefWalk {
     template <class Visit> static void run(std::set<std::string>& seen, Visit& visit)

@@ -35,6 +35,18 @@ std::string reasonOf(const Json::exception& problem)
     return std::string(what);
 }
 
+/// What nearly always is wrong where a text cannot be read on: words for people.
+std::string faultAt(std::string_view text, std::size_t byte, const Json::exception& problem)
+{
+    const std::string_view blanks = " \t\r\n";
+    if (text.find_first_not_of(blanks) == std::string_view::npos) return "the file is empty";
+    const auto before = byte == 0 ? std::string_view::npos : text.find_last_not_of(blanks, byte - 1);
+    const bool closes = byte < text.size() && (text[byte] == '}' || text[byte] == ']');
+    if (closes && before != std::string_view::npos && text[before] == ',')
+        return filasofia::text("there must be no comma before '", text[byte], "'");
+    return filasofia::text("this is no JSON: ", reasonOf(problem));
+}
+
 /// Finds members that are given twice, of which nlohmann would take the last.
 class MemberCheck {
 public:
@@ -190,9 +202,12 @@ const SourceFile& JsonSources::read(const std::filesystem::path& path, std::stri
         file.root = Json::parse(text, std::ref(check), true, true); // with comments
     } catch (const Json::parse_error& problem) {
         const std::size_t byte = std::min(problem.byte == 0 ? 0 : problem.byte - 1, text.size());
-        fail(placeAt(file, text, byte), ": this is no JSON: ", reasonOf(problem));
-    } catch (const Json::exception& problem) { // a number beyond the range of a double
-        fail(file.shown, ": this is no JSON: ", reasonOf(problem));
+        fail(placeAt(file, text, byte), ": ", faultAt(text, byte, problem));
+    } catch (const Json::exception& problem) { // a number beyond the range of a double, between apostrophes
+        const std::string reason = reasonOf(problem);
+        const auto first = reason.find('\''), last = reason.rfind('\'');
+        const auto at = first < last ? text.find(reason.substr(first + 1, last - first - 1)) : std::string::npos;
+        fail(at == std::string::npos ? file.shown : placeAt(file, text, at), ": this is no JSON: ", reason);
     }
     if (check.repeated >= 0) PlaceFinder(file, text, *this).refuseMember(check.repeated);
     PlaceFinder(file, text, *this).walk(file.root);

@@ -32,11 +32,22 @@ template <class Motion> void checkKeys(const Motion& motion, const std::string& 
 {
     if (motion.keys.empty()) fail(name, ".keys must not be empty");
     for (std::size_t i = 0; i < motion.keys.size(); ++i) {
+        if constexpr (requires { motion.keys[i].pose; })
+            (void)physics::unitPose(motion.keys[i].pose, text(name, ".keys[", i, "].pose"));
         const double time = motion.keys[i].time, before = i == 0 ? 0.0 : motion.keys[i - 1].time;
         if (!(time >= before) || (i > 0 && time == before))
             fail(name, ".keys[", i, "].time must be later than the key before, at ", before, " s, got ", time);
     }
     if (motion.repeat && !(motion.keys.back().time > 0.0)) fail(name, ".repeat needs a last key later than 0 s");
+}
+
+/// Refuses a second motion of the same element or joint.
+template <class Motion>
+void checkOnce(const std::vector<Motion>& motions, std::size_t i, int Motion::*index, const std::string& name)
+{
+    for (std::size_t before = 0; before < i; ++before)
+        if (motions[before].*index == motions[i].*index)
+            fail(name, " moves what motions[", before, "] moves: number ", motions[i].*index);
 }
 
 /// The motion with a key at time 0.
@@ -94,13 +105,16 @@ void checkMotions(const SceneBody& body)
         if (rigid->dynamic) fail(name, " moves a dynamic body, which only forces move");
         if (motion.element < 0 || static_cast<std::size_t>(motion.element) >= movable)
             fail(name, ".element must be in [0, ", movable, "), got ", motion.element);
+        checkOnce(body.motions, i, &ElementMotion::element, name);
         checkKeys(motion, name);
     }
     for (std::size_t i = 0; i < body.jointMotions.size(); ++i) {
         const std::string name = text(object, ": jointMotions[", i, "]");
         const JointMotion& motion = body.jointMotions[i];
+        if (joints == 0) fail(name, " needs a body with an articulation");
         if (motion.joint < 0 || static_cast<std::size_t>(motion.joint) >= joints)
             fail(name, ".joint must be in [0, ", joints, "), got ", motion.joint);
+        checkOnce(body.jointMotions, i, &JointMotion::joint, name);
         checkKeys(motion, name);
     }
 }

@@ -1,6 +1,8 @@
 #include "filasofia/scene/quantity.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -161,6 +163,25 @@ std::optional<Scale> convert(std::string_view from, std::string_view to)
         to = next == std::string_view::npos ? std::string_view() : to.substr(next + 4);
     }
     return std::nullopt;
+}
+
+std::string nearestUnit(std::string_view wrong)
+{
+    const auto small = [](std::string_view text) {
+        std::string out(text);
+        std::ranges::transform(out, out.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        return out;
+    };
+    if (parseUnit(wrong)) return {}; // it is a unit, of something else
+    const std::string wanted = small(wrong);
+    for (const Symbol& symbol : kSymbols) {
+        if (small(symbol.name) == wanted) return std::string(symbol.name);
+        for (const Prefix& prefix : kPrefixes)
+            if (const std::string name = std::string(prefix.name) + std::string(symbol.name);
+                symbol.prefixed && small(name) == wanted)
+                return name;
+    }
+    return {};
 }
 
 } // namespace filasofia::scene

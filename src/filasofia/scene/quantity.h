@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -24,5 +25,8 @@ struct Scale {
 /// What turns a value in the unit `from` into the unit `to` of a field, such as "kN/m" into "N/m"; nothing if they
 /// measure different things, or if `from` is no unit. "rad or m" takes either.
 std::optional<Scale> convert(std::string_view from, std::string_view to);
+
+/// The unit that a wrong one is meant to be if only capitals differ, such as "kPa" for "kpa"; else empty.
+std::string nearestUnit(std::string_view wrong);
 
 } // namespace filasofia::scene

@@ -27,6 +27,13 @@ public:
             if (const auto found = root.find("defaults"); found != root.end()) addDefaults(*found);
             if (const auto found = root.find("classes"); found != root.end()) addClasses(*found);
         }
+        std::vector<std::string> names;
+        forEachMember("bodies", [&](const Json& json, const Place&) {
+            if (!json.is_object()) return;
+            if (const auto name = json.find("name"); name != json.end() && name->is_string())
+                names.push_back(name->get<std::string>());
+        });
+        reader_.knowBodies(std::move(names));
         SceneDef scene;
         readMembers("physics", scene.physics);
         readMembers("window", scene.window);
@@ -35,7 +42,7 @@ public:
             scene.bodies.push_back(reader_.readBody(json, place));
         });
         forEachMember("haptics", [&](const Json& json, const Place& place) {
-            reader_.read({&json}, place, {}, scene.haptics.emplace_back());
+            reader_.read({{&json}}, place, {}, scene.haptics.emplace_back());
         });
         checkDefaults();
         return scene;
@@ -76,8 +83,16 @@ private:
     {
         if (!of.is_object()) reader_.refuse(of, place, "must be an object of objects, named by the types of Defs");
         reader_.refuseUnknown(of, place, types_);
-        for (const auto& item : of.items())
-            if (!item.value().is_object()) reader_.refuse(item.value(), Place{&place, item.key()}, "must be an object");
+        for (const auto& item : of.items()) {
+            const Place at{&place, item.key()};
+            if (!item.value().is_object()) reader_.refuse(item.value(), at, "must be an object");
+            const auto named = item.value().find("type");
+            if (named != item.value().end() && *named != item.key())
+                reader_.refuse(*named, Place{&at, "type"}, text("must be ", item.key(), ", if it is given"));
+            if (const auto found = item.value().find("class"); found != item.value().end())
+                reader_.refuse(*found, Place{&at, "class"},
+                               "must not be given: only objects of the scene have a class");
+        }
     }
     void addDefaults(const Json& defaults)
     {
@@ -105,8 +120,7 @@ private:
             auto check = [&]<class T>() {
                 const auto found = of.find(typeName<T>());
                 if (found == of.end()) return;
-                T def{};
-                reader_.read({&*found}, Place{&place, typeName<T>()}, {}, def);
+                reader_.checkDefault<T>(*found, Place{&place, typeName<T>()});
             };
             DefWalk<SceneDef>::run(seen, check);
         }
@@ -126,13 +140,11 @@ private:
     {
         Layers layers;
         for (auto file = files_.rbegin(); file != files_.rend(); ++file)
-            if (const auto found = (*file)->root.find(name); found != (*file)->root.end()) layers.push_back(&*found);
+            if (const auto found = (*file)->root.find(name); found != (*file)->root.end()) layers.push_back({&*found});
         const Place place{nullptr, name};
-        for (const Json* each : layers)
-            if (!each->is_object()) reader_.refuse(*each, place, "must be an object");
-        static const Json kNothing = Json::object();
-        if (layers.empty()) layers.push_back(&kNothing); // the defaults may still say something
-        reader_.read(layers, place, {}, out);
+        for (const Layer& each : layers)
+            if (!each.json->is_object()) reader_.refuse(*each.json, place, "must be an object");
+        layers.empty() ? reader_.fill(place, out) : reader_.read(layers, place, {}, out);
     }
     template <class Each> void forEachMember(std::string_view name, Each&& each)
     {

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kMaxHinted = 40; // bytes of a wrong word for which the nearest right one is looked for
 constexpr std::string_view kAsset = "asset:";
+constexpr int kClassRank = 1000; // classes have ranks below it, one for each level of nesting; defaults above it
 
 std::string hintFor(std::string_view word, const std::vector<std::string>& known)
 {
@@ -30,11 +31,12 @@ void SceneReader::refuse(const Json& json, const Place& place, std::string_view 
     fail(sources_.placeOf(json), ": ", place.path(), " ", must, ", got ", shown(json));
 }
 
-void SceneReader::refuseWord(const Json& json, const Place& place, const std::vector<std::string>& known) const
+void SceneReader::refuseWord(const Json& json, const Place& place, const std::vector<std::string>& known,
+                             const std::string& hint) const
 {
     const std::string given = json.is_string() ? word(json) : std::string();
     fail(sources_.placeOf(json), ": ", place.path(), " must be one of ", listed(known), ", got ", shown(json),
-         hintFor(given, known));
+         hint.empty() ? hintFor(given, known) : hint);
 }
 
 void SceneReader::refuseUnknown(const Json& object, const Place& place, const std::vector<std::string>& known,
@@ -46,6 +48,12 @@ void SceneReader::refuseUnknown(const Json& object, const Place& place, const st
         fail(sources_.placeOf(item.value()), ": unknown field '", shortened(name), "' in ", place.path(),
              type.empty() ? "" : text(", a ", type), hintFor(name, known));
     }
+}
+
+void SceneReader::refuseWithout(const Json& object, const Place& place, std::string_view member,
+                                std::string_view type) const
+{
+    fail(sources_.placeOf(object), ": ", place.path(), " must have a '", member, "' (", type, ")");
 }
 
 std::string SceneReader::listed(const std::vector<std::string>& names)
@@ -65,30 +73,54 @@ const Json* SceneReader::find(const Json& object, std::string_view name)
 Layers SceneReader::members(const Layers& layers, std::string_view name)
 {
     Layers out;
-    for (const Json* layer : layers) {
-        const Json* member = find(*layer, name);
+    for (const Layer& layer : layers) {
+        const Json* member = find(*layer.json, name);
         if (!member) continue;
         if (!out.empty() && !member->is_object()) break; // an object hides what is none
-        out.push_back(member);
+        out.push_back({member, layer.rank});
         if (!member->is_object()) break;
     }
     return out;
 }
 
-Layers SceneReader::withDefaults(const Layers& from, const Place& place, std::string_view type) const
+Layers SceneReader::withDefaults(const Layers& from, std::string_view type)
 {
     Layers out = from;
-    for (const Json* layer : from)
-        if (const Json* name = find(*layer, kClass)) {
-            const Json& of = classNamed(*name, Place{&place, kClass});
-            if (const Json* defaults = find(of, type))
-                out.push_back(defaults);
-            else if (type != typeName<SceneBody>() && !find(of, typeName<SceneBody>()))
-                refuse(*name, Place{&place, kClass}, text("must be a class that says something of ", type));
+    int rank = 0;
+    for (auto open = open_.rbegin(); open != open_.rend(); ++open) {
+        rank = kClassRank - static_cast<int>(open_.rend() - open); // an inner class comes before an outer one
+        if (const Json* defaults = find(*open->content, type)) {
+            out.push_back({defaults, rank});
+            open->used = true;
         }
-    for (const Json* each : defaults_)
-        if (const Json* defaults = find(*each, type)) out.push_back(defaults);
+    }
+    rank = kClassRank;
+    for (const Json* each : defaults_) {
+        ++rank;
+        if (const Json* defaults = find(*each, type)) out.push_back({defaults, rank});
+    }
+    std::ranges::stable_sort(out, {}, &Layer::rank);
     return out;
+}
+
+std::size_t SceneReader::openClasses(const Layers& from, const Place& place)
+{
+    const std::size_t before = open_.size();
+    for (const Layer& layer : from) {
+        const Json* name = find(*layer.json, kClass);
+        const auto same = [&](const OpenClass& open) { return open.name == name; }; // a body is read in two parts
+        if (name && std::ranges::none_of(open_, same))
+            open_.push_back({name, &classNamed(*name, Place{&place, kClass}), false});
+    }
+    return before;
+}
+
+void SceneReader::closeClasses(std::size_t before, const Place& place)
+{
+    for (; open_.size() > before; open_.pop_back())
+        if (!open_.back().used)
+            refuse(*open_.back().name, Place{&place, kClass},
+                   "must be a class that says something of this object, or of one in it");
 }
 
 const Json& SceneReader::classNamed(const Json& name, const Place& place) const
@@ -104,8 +136,8 @@ const Json& SceneReader::classNamed(const Json& name, const Place& place) const
 
 const Json* SceneReader::typeOf(const Layers& layers)
 {
-    for (const Json* layer : layers)
-        if (const Json* named = find(*layer, kType)) return named;
+    for (const Layer& layer : layers)
+        if (const Json* named = find(*layer.json, kType)) return named;
     return nullptr;
 }
 
@@ -113,8 +145,8 @@ Layers SceneReader::ofType(const Layers& from, std::string_view type, std::strin
 {
     Layers out;
     bool reached = !typeOf(from);
-    for (const Json* layer : from) {
-        const Json* named = find(*layer, kType);
+    for (const Layer& layer : from) {
+        const Json* named = find(*layer.json, kType);
         if (named ? named->is_string() && word(*named) == type : !reached || type == present) out.push_back(layer);
         reached = reached || named;
     }
@@ -126,10 +158,17 @@ double SceneReader::inUnit(const Json& json, const Place& place, const Bound& bo
 {
     if (unit.empty()) return value;
     const auto scale = convert(unit, bound.unit);
-    if (!scale)
-        refuse(json, place,
-               bound.unit.empty() || bound.unit == "-" ? std::string("must be a number without a unit")
-                                                       : text("must be in ", bound.unit, " or a unit like it"));
+    if (!scale) {
+        if (unit.find(',') != std::string_view::npos)
+            refuse(json, place, "must be written without commas, such as \"10.5 mm\" or \"0 10 0 mm\"");
+        const bool bare = bound.unit.empty() || bound.unit == "-";
+        const std::string must =
+            bare ? "must be a number without a unit" : text("must be in ", bound.unit, " or a unit like it");
+        if (const std::string near = nearestUnit(unit); !near.empty())
+            fail(sources_.placeOf(json), ": ", place.path(), " ", must, ", got ", shown(json), " (did you mean '", near,
+                 "'?)");
+        refuse(json, place, must);
+    }
     return value * scale->factor / scale->divisor;
 }
 
@@ -150,7 +189,8 @@ double SceneReader::number(const Json& json, const Place& place, const Bound& bo
     } else {
         refuse(json, place, "must be a number");
     }
-    if (!bound.range.contains(value)) refuse(json, place, bound.range.text(bound.unit));
+    if (!bound.range.contains(value))
+        refuse(json, place, text(bound.range.text(bound.unit), std::isinf(value) ? " and finite" : ""));
     return value;
 }
 
@@ -178,7 +218,11 @@ std::string SceneReader::word(const Json& json, const Place& place) const
 
 void SceneReader::readNumbers(const Json& json, const Place& place, const Bound& bound, std::span<double> out) const
 {
-    const auto refuseCount = [&] { refuse(json, place, text("must be ", out.size(), " numbers")); };
+    const auto refuseCount = [&] {
+        const bool commas = json.is_string() && word(json).find(',') != std::string::npos;
+        refuse(json, place,
+               text("must be ", out.size(), " numbers", commas ? " without commas, such as \"0 10 0 mm\"" : ""));
+    };
     if (json.is_array()) {
         if (json.size() != out.size()) refuseCount();
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = number(json[i], Place{&place, {}, i}, bound);
@@ -206,32 +250,37 @@ Quat SceneReader::rotation(const Json& json, const Place& place)
     for (const char* name : {"axis", "angle"})
         if (!find(json, name))
             refuse(json, place, text("must be 4 numbers (w, x, y, z), or have an axis and an angle"));
-    read({find(json, "axis")}, Place{&place, "axis"}, {}, axis);
-    read({find(json, "angle")}, Place{&place, "angle"}, {.unit = "rad"}, angle);
+    read({{find(json, "axis")}}, Place{&place, "axis"}, {}, axis);
+    read({{find(json, "angle")}}, Place{&place, "angle"}, {.unit = "rad"}, angle);
+    if (!(length(axis) > 0.0)) refuse(*find(json, "axis"), Place{&place, "axis"}, "must have a length > 0");
     return axisAngle(axis, angle);
 }
 
 void SceneReader::readCorners(const Json& json, const Place& place, geometry::Box& out)
 {
     if (json.size() != 2) refuse(json, place, "must be a lower and an upper corner");
-    read({&json[0]}, Place{&place, {}, 0}, {.unit = "m"}, out.low);
-    read({&json[1]}, Place{&place, {}, 1}, {.unit = "m"}, out.high);
+    read({{&json[0]}}, Place{&place, {}, 0}, {.unit = "m"}, out.low);
+    read({{&json[1]}}, Place{&place, {}, 1}, {.unit = "m"}, out.high);
+    checkCorners(json, place, out);
 }
 
-void SceneReader::readTissue(const Layers& layers, const Place& place, physics::FemMaterial& out) const
+void SceneReader::checkCorners(const Json& json, const Place& place, const geometry::Box& box) const
+{
+    if (geometry::isEmpty(box)) refuse(json, place, "must have a lower corner that is <= the upper one in every axis");
+}
+
+const physics::Tissue* SceneReader::readTissue(const Layers& layers, const Place& place) const
 {
     const Layers given = members(layers, kTissue);
-    if (given.empty()) return;
-    const std::string name = given.front()->is_string() ? word(*given.front()) : std::string();
+    if (given.empty()) return nullptr;
+    const Json& json = *given.front().json;
+    const std::string name = json.is_string() ? word(json) : std::string();
     std::vector<std::string> known;
     for (const physics::Tissue& each : physics::tissues()) {
-        if (each.name == name) {
-            out = each.material;
-            return;
-        }
+        if (each.name == name) return &each;
         known.emplace_back(each.name);
     }
-    refuseWord(*given.front(), Place{&place, kTissue}, known);
+    refuseWord(json, Place{&place, kTissue}, known);
 }
 
 BodyId SceneReader::bodyNamed(const Json& json, const Place& place) const
@@ -239,8 +288,9 @@ BodyId SceneReader::bodyNamed(const Json& json, const Place& place) const
     const std::string name = word(json, place);
     const auto found = std::ranges::find(bodies_, name);
     if (found != bodies_.end()) return BodyId{static_cast<std::uint32_t>(found - bodies_.begin()) + 1};
+    const bool later = std::ranges::find(allBodies_, name) != allBodies_.end();
     fail(sources_.placeOf(json), ": ", place.path(), " must be the name of a body before this one, got ", shown(json),
-         hintFor(name, bodies_));
+         later ? ", which is this one or comes later" : hintFor(name, allBodies_));
 }
 
 void SceneReader::checkFile(const std::filesystem::path& path, const Json& json, const Place& place) const
@@ -253,7 +303,7 @@ void SceneReader::checkFile(const std::filesystem::path& path, const Json& json,
         return !problem && !relative.empty() && *relative.begin() != "..";
     };
     if (path.native().find('\0') != std::string::npos || !inside(std::filesystem::absolute(folder_)))
-        refuse(json, place, "must be a file in the folder of the scene (--any-folder allows all)");
+        refuse(json, place, "must be a file in the folder of the scene, also behind links (--any-folder allows all)");
 }
 
 std::string SceneReader::fileNamed(const Json& json, const Place& place) const
@@ -277,15 +327,26 @@ std::string SceneReader::fileNamed(const Json& json, const Place& place) const
     return path.string();
 }
 
+void SceneReader::note(const Place& place, const Json& json)
+{
+    if (!places_) return;
+    std::string path = place.path().substr(bodyPath_);
+    if (path.starts_with('.')) path.erase(0, 1);
+    places_->emplace(std::move(path), sources_.placeOf(json));
+}
+
 SceneBody SceneReader::readBody(const Json& json, const Place& place)
 {
     SceneBody body;
-    read({&json}, place, {}, body);
-    body.place = sources_.placeOf(json);
+    places_ = &body.places;
+    bodyPath_ = place.path().size();
+    note(place, json);
+    read({{&json}}, place, {}, body);
+    places_ = nullptr;
     const std::string& name = std::visit([](const auto& def) -> const std::string& { return def.name; }, body.def);
     if (std::ranges::find(bodies_, name) != bodies_.end())
-        fail(body.place, ": ", place.path(), ".name must differ from those of the other bodies, got '", shortened(name),
-             "'");
+        fail(sources_.placeOf(json), ": ", place.path(), ".name must differ from those of the other bodies, got '",
+             shortened(name), "'");
     bodies_.push_back(name);
     return body;
 }

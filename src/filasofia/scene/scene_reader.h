@@ -11,14 +11,20 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <span>
 
 namespace filasofia::scene {
 
 using record::Place;
 
-/// A value of a file and the defaults behind it, the most specific first.
-using Layers = std::vector<const Json*>;
+/// A value that a file says of a thing, itself or as a default.
+struct Layer {
+    const Json* json = nullptr;
+    int rank = 0; ///< lower ones come first: 0 is what the thing says itself
+};
+/// A value and the defaults behind it, the most specific first.
+using Layers = std::vector<Layer>;
 
 /// Turns the JSON of scene files into Defs. Strict: an unknown field or a wrong value is an Error with its place in the
 /// file; what is missing keeps its default.
@@ -33,12 +39,22 @@ public:
     /// files that were added earlier are looked through first.
     void addDefaults(const Json& defaults) { defaults_.push_back(&defaults); }
     void addClasses(const Json& classes) { classes_.push_back(&classes); }
+    /// Reads a default for itself, which need not say all that an object of its type must.
+    template <class T> void checkDefault(const Json& json, const Place& place)
+    {
+        partial_ = true;
+        T def{};
+        read({{&json}}, place, {}, def);
+        partial_ = false;
+    }
+    /// The names of all bodies of the scene, for errors.
+    void knowBodies(std::vector<std::string> names) { allBodies_ = std::move(names); }
     /// The next body of the scene; returns its Def, with the place in its file.
     SceneBody readBody(const Json& json, const Place& place);
 
     template <class T> void read(const Layers& from, const Place& place, const Bound& bound, T& out)
     {
-        const Json& json = *from.front();
+        const Json& json = *from.front().json;
         if constexpr (std::is_same_v<T, double>)
             out = number(json, place, bound);
         else if constexpr (std::is_same_v<T, bool>)
@@ -70,6 +86,19 @@ public:
             readDef(from, place, out);
     }
 
+    /// Gives a thing that no file mentions what classes and defaults say of its type.
+    template <class T> void fill(const Place& place, T& out)
+    {
+        if constexpr (kIsOptional<T>) {
+            if (out) fill(place, *out);
+        } else if constexpr (kIsVariant<T> && !IsMesh<T> && !IsFile<T>) {
+            std::visit([&](auto& held) { fill(place, held); }, out);
+        } else if constexpr (HasFields<T> && !IsNumbers<T>) {
+            static const Json kNothing = Json::object();
+            readObject({{&kNothing}}, place, {}, out);
+        }
+    }
+
     /// Throws the Error "FILE:LINE:COLUMN: <path> <must be ...>, got <value>".
     [[noreturn]] void refuse(const Json& json, const Place& place, std::string_view must) const;
     /// Refuses members of an object other than these; `type` names its Def.
@@ -96,8 +125,12 @@ private:
     [[nodiscard]] double inUnit(const Json& json, const Place& place, const Bound& bound, double value,
                                 std::string_view unit) const;
     [[nodiscard]] static const Json* find(const Json& object, std::string_view name);
-    /// The layers and, behind them, what their classes and the defaults say of this type of Def.
-    [[nodiscard]] Layers withDefaults(const Layers& from, const Place& place, std::string_view type) const;
+    /// The layers and, in their order, what the open classes and the defaults say of this type of Def.
+    [[nodiscard]] Layers withDefaults(const Layers& from, std::string_view type);
+    /// Opens the classes that an object names: they say something of it and of all that is in it. Returns how many
+    /// were open before, for closeClasses(), which refuses one that said nothing.
+    std::size_t openClasses(const Layers& from, const Place& place);
+    void closeClasses(std::size_t before, const Place& place);
     [[nodiscard]] const Json& classNamed(const Json& name, const Place& place) const;
     /// The first "type" of the layers; null if they have none.
     [[nodiscard]] static const Json* typeOf(const Layers& layers);
@@ -113,7 +146,10 @@ private:
         if (found == all.end()) refuseWord(json, place, {all.begin(), all.end()});
         out = static_cast<T>(found - all.begin());
     }
-    [[noreturn]] void refuseWord(const Json& json, const Place& place, const std::vector<std::string>& known) const;
+    [[noreturn]] void refuseWord(const Json& json, const Place& place, const std::vector<std::string>& known,
+                                 const std::string& hint = {}) const;
+    [[noreturn]] void refuseWithout(const Json& object, const Place& place, std::string_view member,
+                                    std::string_view type) const;
 
     template <class List> void readList(const Json& json, const Place& place, const Bound& bound, List& out)
     {
@@ -128,7 +164,9 @@ private:
                 refuse(json, place, text("must be a list of length ", out.size()));
             for (std::size_t i = 0; i < out.size(); ++i) {
                 Member each{}; // a list of flags or numbers has no references to its members
-                read({&json[i]}, Place{&place, {}, i}, bound, each);
+                const Place at{&place, {}, i};
+                if (json[i].is_object()) note(at, json[i]);
+                read({{&json[i]}}, at, bound, each);
                 out[i] = std::move(each);
             }
         }
@@ -136,7 +174,7 @@ private:
 
     template <class T> void readDef(const Layers& from, const Place& place, T& out)
     {
-        const Json& json = *from.front();
+        const Json& json = *from.front().json;
         if constexpr (std::is_same_v<T, Pose>)
             if (!json.is_object()) return read(from, place, {.unit = "m"}, out.position);
         if constexpr (std::is_same_v<T, visual::Color>)
@@ -144,44 +182,66 @@ private:
         if constexpr (std::is_same_v<T, geometry::Box>)
             if (json.is_array()) return readCorners(json, place, out);
         readObject(from, place, {}, out);
+        if constexpr (std::is_same_v<T, geometry::Box>) checkCorners(json, place, out);
+        if constexpr (std::is_same_v<T, runtime::LookDef>)
+            if (out.direction == Vec3{}) refuse(json, place, "must have a direction with a length > 0");
     }
+    /// Notes where a member of the body that is read stands.
+    void note(const Place& place, const Json& json);
     void readCorners(const Json& json, const Place& place, geometry::Box& out);
+    void checkCorners(const Json& json, const Place& place, const geometry::Box& box) const;
 
     /// `beside`: names that are known besides the Def's own fields.
     template <class T>
     void readObject(const Layers& from, const Place& place, const std::vector<std::string>& beside, T& out)
     {
-        if (!from.front()->is_object()) refuse(*from.front(), place, text("must be an object (", typeName<T>(), ")"));
-        const Layers layers = withDefaults(from, place, typeName<T>());
+        const Json& json = *from.front().json;
+        if (!json.is_object()) refuse(json, place, text("must be an object (", typeName<T>(), ")"));
+        if constexpr (std::is_same_v<T, physics::SoftBodyDef>) tissue_ = nullptr;
+        const std::size_t classes = openClasses(from, place);
+        const Layers layers = withDefaults(from, typeName<T>());
         std::vector<std::string> known = fieldNames<T>();
         known.insert(known.end(), {kType, kClass});
         known.insert(known.end(), beside.begin(), beside.end());
         if constexpr (std::is_same_v<T, physics::FemMaterial>) {
             known.emplace_back(kTissue);
-            readTissue(layers, place, out);
+            tissue_ = readTissue(layers, place);
+            if (tissue_) out = tissue_->material;
         }
         if constexpr (!kFlat<T>)
-            for (const Json* each : layers) refuseUnknown(*each, place, known, typeName<T>());
+            for (const Layer& each : layers) refuseUnknown(*each.json, place, known, typeName<T>());
+        for (const std::string_view name : required<T>())
+            if (!partial_ && members(layers, name).empty()) refuseWithout(json, place, name, typeName<T>());
+        if constexpr (std::is_same_v<T, KeyPose>)
+            for (const Layer& pose : members(layers, "pose"))
+                if (pose.json->is_object() && !find(*pose.json, "position"))
+                    refuseWithout(*pose.json, Place{&place, "pose"}, "position", typeName<T>());
         forEachField<T>([&](const auto& each) {
             auto& value = out.*(each.member);
             if constexpr (kFlat<T> && kIsVariant<std::remove_cvref_t<decltype(value)>>)
                 if (each.name.empty()) return readAlternative(from, place, {}, known, value);
             const Layers inner = members(layers, each.name);
-            if (!inner.empty()) read(inner, Place{&place, each.name}, {each.range, each.unit}, value);
+            const Place at{&place, each.name};
+            if (!inner.empty()) note(at, *inner.front().json);
+            inner.empty() ? fill(at, value) : read(inner, at, {each.range, each.unit}, value);
         });
         if constexpr (std::is_same_v<T, visual::TextureFile> || std::is_same_v<T, visual::CustomMaterial> ||
                       std::is_same_v<T, ScaledSurface> || std::is_same_v<T, ScaledTetrahedra>)
             if (const Layers file = members(layers, "file"); !file.empty())
-                out.file = fileNamed(*file.front(), Place{&place, "file"});
+                out.file = fileNamed(*file.front().json, Place{&place, "file"});
+        if constexpr (std::is_same_v<T, physics::SoftBodyDef>)
+            if (tissue_ && members(layers, "mass").empty()) out.mass = physics::Density{tissue_->density};
+        closeClasses(classes, place);
     }
     /// The members of this name; a value that is no object hides those behind it.
     [[nodiscard]] static Layers members(const Layers& layers, std::string_view name);
-    void readTissue(const Layers& layers, const Place& place, physics::FemMaterial& out) const;
+    /// The tissue of the library that a material begins with, or null.
+    [[nodiscard]] const physics::Tissue* readTissue(const Layers& layers, const Place& place) const;
 
     template <class... Each> void readAlternative(const Layers& from, const Place& place, const Bound& bound,
                                                   const std::vector<std::string>& beside, std::variant<Each...>& out)
     {
-        const Json& json = *from.front();
+        const Json& json = *from.front().json;
         if (json.is_object()) {
             const auto present =
                 std::visit([](const auto& held) { return typeName<std::remove_cvref_t<decltype(held)>>(); }, out);
@@ -191,10 +251,21 @@ private:
             if (!(readAs<Each>(ofType(from, type, present), type, place, beside, out) || ...))
                 refuseWord(*named, inner, alternatives<Each...>()); // the present type is one of them
         } else if (json.is_string()) {                              // an alternative with its defaults
-            if (!(makeDefault<Each>(word(json), out) || ...)) refuseWord(json, place, alternatives<Each...>());
+            if (!(makeDefault<Each>(word(json), out) || ...))
+                refuseWord(json, place, alternatives<Each...>(), tissueHint<Each...>(word(json)));
+            fill(place, out);
         } else if (!(readPlain<Each>(from, place, bound, out) || ...)) {
             refuse(json, place, text("must be an object, one of ", listed(alternatives<Each...>())));
         }
+    }
+    /// For a material that is given as the name of a tissue.
+    template <class... Each> static std::string tissueHint(const std::string& word)
+    {
+        const auto same = [&](const physics::Tissue& each) { return each.name == word; };
+        const bool known = std::ranges::any_of(physics::tissues(), same);
+        return known && (std::is_same_v<Each, physics::FemMaterial> || ...)
+                   ? text(" (did you mean {\"tissue\": \"", word, "\"}?)")
+                   : std::string();
     }
     template <class T, class Variant> bool readAs(const Layers& from, std::string_view type, const Place& place,
                                                   const std::vector<std::string>& beside, Variant& out)
@@ -223,7 +294,7 @@ private:
     bool readPlain(const Layers& from, const Place& place, const Bound& bound, Variant& out)
     {
         if constexpr (!HasFields<T> && !kIsVariant<T>) {
-            const Json& json = *from.front();
+            const Json& json = *from.front().json;
             const bool takes = std::is_same_v<T, bool>     ? json.is_boolean()
                                : std::is_same_v<T, int>    ? json.is_number_integer()
                                : std::is_same_v<T, double> ? json.is_number_float()
@@ -249,26 +320,39 @@ private:
 
     template <class Source> void readMesh(const Layers& from, const Place& place, Source& out)
     {
-        if (from.front()->is_string()) {
-            out = fileNamed(*from.front(), place);
+        const Json& json = *from.front().json;
+        if (json.is_string()) {
+            out = fileNamed(json, place);
             return;
         }
-        if (!from.front()->is_object()) refuse(*from.front(), place, "must be a file or an object with a type");
-        if (members(from, kType).empty()) refuse(*from.front(), place, "must have a type, such as \"box\"");
+        if (!json.is_object()) refuse(json, place, "must be a file or an object with a type");
+        if (members(from, kType).empty()) refuse(json, place, "must have a type, such as \"box\"");
         typename MeshShapes<Source>::Shapes shape;
         read(from, place, {}, shape);
         try {
             std::visit([&](const auto& each) { out = each.make(); }, shape);
         } catch (const Error& error) {
-            fail(sources_.placeOf(*from.front()), ": ", place.path(), ": ", error.what());
+            fail(sources_.placeOf(json), ": ", place.path(), ": ", error.what());
         }
     }
 
     const JsonSources& sources_;
     const std::filesystem::path folder_;
     const SceneFileOptions options_;
-    Layers defaults_, classes_;
-    std::vector<std::string> bodies_; ///< the names of those that were read, in their order
+    std::vector<const Json*> defaults_, classes_;
+    /// A class whose object is being read.
+    struct OpenClass {
+        const Json* name = nullptr;
+        const Json* content = nullptr;
+        bool used = false;
+    };
+    std::vector<OpenClass> open_;                          ///< the innermost last
+    const physics::Tissue* tissue_ = nullptr;              ///< of the material that was read last
+    bool partial_ = false;                                 ///< what is read need not be complete
+    std::vector<std::string> bodies_;                      ///< the names of those that were read, in their order
+    std::vector<std::string> allBodies_;                   ///< the names of all that the files have
+    std::map<std::string, std::string>* places_ = nullptr; ///< of the body that is read
+    std::size_t bodyPath_ = 0;                             ///< length of its path
 };
 
 } // namespace filasofia::scene

@@ -135,7 +135,8 @@ template <HasFields T> Schema properties()
     if constexpr (std::is_same_v<T, physics::FemMaterial>) {
         Schema known = Schema::array();
         for (const physics::Tissue& each : physics::tissues()) known.push_back(each.name);
-        out["tissue"] = {{"enum", known}, {"description", "a tissue of the library, whose constants it begins with"}};
+        out["tissue"] = {{"enum", known},
+                         {"description", "a tissue of the library, with whose constants and density it begins"}};
     }
     forEachField<T>([&](const auto& each) {
         using Value = std::remove_cvref_t<decltype(std::declval<T&>().*(each.member))>;
@@ -147,6 +148,14 @@ template <HasFields T> Schema properties()
 Schema objectOf(Schema members)
 {
     return {{"type", "object"}, {"properties", std::move(members)}, {"additionalProperties", false}};
+}
+
+/// An object of a Def; a default for it may lack what it must have.
+template <HasFields T> Schema wholeObject()
+{
+    Schema out = objectOf(properties<T>());
+    if (const auto names = required<T>(); !names.empty()) out["required"] = names;
+    return out;
 }
 
 /// A body: the fields of one of its Defs beside its own.
@@ -172,9 +181,9 @@ std::string sceneSchema()
         if constexpr (std::is_same_v<T, SceneBody>)
             defs[std::string(typeName<T>())] = bodySchema(static_cast<const physics::BodyDef*>(nullptr));
         else
-            defs[std::string(typeName<T>())] = objectOf(properties<T>());
-        partial[std::string(typeName<T>())] =
-            std::is_same_v<T, SceneBody> ? objectOf(properties<T>()) : reference(typeName<T>());
+            defs[std::string(typeName<T>())] = wholeObject<T>();
+        const bool partly = std::is_same_v<T, SceneBody> || !required<T>().empty();
+        partial[std::string(typeName<T>())] = partly ? objectOf(properties<T>()) : reference(typeName<T>());
     };
     DefWalk<SceneDef>::run(seen, add);
     defs["Defaults"] = objectOf(partial);

@@ -68,6 +68,7 @@ void addPins(const physics::AttachmentDef& def, const std::string& object, SoftM
         if (node < 0 || node >= count) fail(object, ".nodes must be in [0, ", count, "), got ", node);
     if (def.box && geometry::isEmpty(*def.box)) fail(object, ".box: high must be >= low in every axis");
     if (def.to) return;
+    if (def.within) fail(object, ".within needs a body `to`: it is the distance from its surface");
     const std::vector<int> nodes = nodesOf(def, model.rest);
     if (nodes.empty())
         fail(object, ": must hold at least one node, got none",
