@@ -162,6 +162,10 @@ void bindRun(nb::module_& module)
         .def_ro("restless", &RunReport::restless)
         .def_ro("energy_gained", &RunReport::energyGained)
         .def_ro("contacts", &RunReport::contacts)
+        .def_prop_ro(
+            "cut_area", [](const RunReport& self) { return self.opened.cut; }, "[m^2], one side, at rest")
+        .def_prop_ro(
+            "torn_area", [](const RunReport& self) { return self.opened.torn; }, "[m^2], one side, at rest")
         .def_ro("blunt_blades", &RunReport::bluntBlades)
         .def_ro("file_problems", &RunReport::fileProblems)
         .def_ro("finished", &RunReport::finished)

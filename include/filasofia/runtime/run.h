@@ -67,6 +67,14 @@ struct ContactPairReport {
     double deepest = 0.0;           ///< [m], >= 0, deepest penetration at the start of a step
 };
 
+/// What was opened in a run.
+struct OpenedSurfaces {
+    std::uint64_t steps = 0;  ///< [-], steps that opened something
+    double cut = 0.0;         ///< [m^2], area that blades opened, at rest, of one of the two sides
+    double torn = 0.0;        ///< [m^2], the same for tears
+    std::uint64_t pieces = 0; ///< [-], pieces that came off
+};
+
 /// How a run went.
 struct RunReport {
     RunTiming timing;
@@ -93,6 +101,7 @@ struct RunReport {
     std::uint64_t energyGained = 0;   ///< [-], steps among these in which it gained energy (StepFlag::EnergyGained)
     physics::Unrest worstUnrest = {}; ///< in the step with the fastest such body
     std::string worstUnrestBody = {}; ///< the name of that body
+    OpenedSurfaces opened = {};       ///< by cuts and tears
     bool realTime = false;            ///< physics was scheduled before ordinary threads
     std::string finished;             ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids

@@ -19,6 +19,7 @@ public:
         unrest_ = {};
         worst_ = {};
         mostStrained_ = {};
+        opened_ = {};
     }
     void count(const physics::StepReport& report)
     {
@@ -40,6 +41,11 @@ public:
         restless_ += report.has(physics::StepFlag::Restless);
         energyGained_ += report.has(physics::StepFlag::EnergyGained);
         if (report.unrest.speed > unrest_.speed) unrest_ = report.unrest;
+        opened_.steps += !report.topology.ruptures.empty();
+        for (const physics::Rupture& each : report.topology.ruptures) {
+            (each.kind == physics::Rupture::Kind::Cut ? opened_.cut : opened_.torn) += each.area;
+            opened_.pieces += each.detached.size();
+        }
     }
     /// The steps of all runs, paused ones included.
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
@@ -58,6 +64,7 @@ public:
         report.restless = restless_;
         report.energyGained = energyGained_;
         report.worstUnrest = unrest_;
+        report.opened = opened_;
     }
 
 private:
@@ -68,6 +75,7 @@ private:
     physics::Intersection deepest_;                                    ///< in the step in which it was deepest
     physics::InvertedElements worst_;                                  ///< of the step with the most of them
     physics::StrainedElements mostStrained_; ///< in the step with the largest strain in relation to its range
+    OpenedSurfaces opened_;
     physics::Unrest unrest_;                 ///< in the step with the fastest body
 };
 

@@ -97,6 +97,13 @@ std::string unrestLine(const RunReport& report)
     return out + "\n";
 }
 
+std::string openedLine(const OpenedSurfaces& opened)
+{
+    return line("cut %.1f mm^2, torn %.1f mm^2, in %llu %s; pieces that came off: %llu", opened.cut * 1e6,
+                opened.torn * 1e6, static_cast<unsigned long long>(opened.steps), opened.steps == 1 ? "step" : "steps",
+                static_cast<unsigned long long>(opened.pieces));
+}
+
 } // namespace
 
 std::string summary(const RunReport& report)
@@ -119,6 +126,7 @@ std::string summary(const RunReport& report)
     if (report.intersecting > 0) out += intersectionLine(report);
     if (report.beyondStrain > 0) out += strainedLine(report);
     if (report.restless > 0) out += unrestLine(report);
+    if (report.opened.steps > 0) out += openedLine(report.opened);
     out += contactTable(report.contacts);
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
