@@ -62,7 +62,7 @@ int runAndPrint(Simulation& sim, const RunCommandOptions& options)
 {
     const RunReport report = sim.run(options.run);
     std::cout << runtime::summary(report);
-    return report.fileProblems.empty() ? 0 : kFailed;
+    return report.complete() ? 0 : kFailed;
 }
 
 bool isFile(const std::string& scene) { return std::filesystem::path(scene).extension() == ".json"; }

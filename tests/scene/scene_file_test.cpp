@@ -264,10 +264,10 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
     contains(body(R"(, "name": "a", "attachments": [{"to": "a"}])"), "got \"a\", which is this one or comes later");
     contains(R"({"look": {"direction": [0, 0, 0]}})", "1:10: look must have a direction with a length > 0");
     contains(R"({"bodies": [{"type": "RigidBodyDef", "motions": [{"keys": [{"time": 1}]}]}]})",
-             "bodies[0].motions[0].keys[0] must have a 'pose' (KeyPose)");
+             "bodies[0].motions[0].keys[0] must have the member 'pose' (KeyPose)");
     contains(
         R"({"bodies": [{"type": "RigidBodyDef", "motions": [{"keys": [{"pose": {"orientation": [1, 0, 0, 0]}}]}]}]})",
-        "keys[0].pose must have a 'position' (KeyPose)");
+        "keys[0].pose must have the member 'position' (KeyPose)");
     contains(R"({"defaults": {"SoftBodyDef": {"type": "RigidBodyDef"}}})", "type must be SoftBodyDef, if it is given");
     contains(R"({"defaults": {"SoftBodyDef": {"class": "a"}}})", "class must not be given");
     contains(text(R"({"classes": {"a": {"RigidBodyDef": {}}}, "bodies": [{"class": "a", )", kCube, "}]}"),
@@ -276,7 +276,7 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
     contains(R"({"bodies": [{"mesh": {"size": [1, 1, 1]}}]})", "mesh must have a type");
     contains(R"({"bodies": [{"mesh": {"type": "block", "size": "1 1 0 m"}}]})", "bodies[0].mesh.size[2] must be > 0 m");
     contains(R"({"bodies": [{"mesh": {"type": "block"}}]})",
-             "scene.json:1:22: bodies[0].mesh must have a 'size' (block)");
+             "scene.json:1:22: bodies[0].mesh must have the member 'size' (block)");
     contains(R"({"bodies": [{"mesh": "no.msh"}]})", "mesh must be a file that exists, got \"no.msh\"");
     contains(R"({"bodies": [{"mesh": "asset:no.msh"}]})", "scene.json:1:22: bodies[0].mesh: ");
     contains(text(R"({"bodies": [{"name": "a", )", kCube, R"(}, {"name": "a", )", kCube, "}]}"),

@@ -1,7 +1,13 @@
 #include "filasofia/filasofia.h"
+#include "filasofia/runtime/stepped_run.h"
 #include "filasofia/scene/scene_file.h"
 
 #include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+
+#include <unistd.h>
 
 namespace filasofia::scene {
 namespace {
@@ -83,6 +89,161 @@ TEST_CASE("scenes: commands of joints are given when their time comes, again in 
     CHECK(positionAfter(8) == Approx(0.5)); // 0.16 s
     CHECK(positionAfter(8) == Approx(0.2)); // 0.24 s
     CHECK(positionAfter(8) == Approx(0.5)); // 0.32 s
+}
+
+namespace {
+
+const char* const kPressed = R"({
+    "physics": {"rate": 1000},
+    "bodies": [
+        {"name": "table", "type": "RigidBodyDef", "mesh": {"type": "box", "size": "9 2 9 cm"}, "elements": ["0 -2 0 cm"]},
+        {"name": "tissue", "mesh": {"type": "block", "size": "4 2 4 cm", "cells": [3, 2, 3]},
+         "attachments": [{"box": [[-1, -1, -1], [1, "-9.9 mm", 1]]}, {"nodes": [0], "to": "table"}]}
+    ],
+    "commands": [
+        {"time": "30 ms", "type": "Release", "id": "held"},
+        {"time": "10 ms", "type": "SetPressure", "id": "tissue", "pressure": "300 Pa"},
+        {"time": "20 ms", "type": "Attach", "id": "held", "body": "tissue", "def": {"box": [[-1, 0, -1], [1, 1, 1]], "to": "table"}},
+        {"time": "30 ms", "type": "SetGravity", "gravity": [1, 0, 0]},
+        {"time": "35 ms", "type": "Release", "id": "tissue.attachments[1]"},
+        {"time": "30 ms", "type": "Release", "id": "held"}
+    ]
+})";
+
+/// The same in C++.
+std::uint64_t pressedInCpp(int steps)
+{
+    Simulation sim({.physics = {.rate = 1000}});
+    const BodyId table = sim.add(RigidBodyDef{
+        .name = "table", .elements = {{{0, -0.02, 0}, {}}}, .mesh = geometry::shapes::box({0.09, 0.02, 0.09})});
+    const BodyId tissue =
+        sim.add(SoftBodyDef{.name = "tissue",
+                            .mesh = geometry::shapes::block({0.04, 0.02, 0.04}, {3, 2, 3}),
+                            .attachments = {{.box = Box{{-1, -1, -1}, {1, -0.0099, 1}}}, {.nodes = {0}, .to = table}}});
+    AttachmentId held;
+    sim.everyStep([&](double time) {
+        const int step = static_cast<int>(std::lround(time * 1000));
+        auto& physics = sim.physics();
+        if (step == 10) physics.setPressure(tissue, 300);
+        if (step == 20) held = physics.attach(tissue, {.box = Box{{-1, 0, -1}, {1, 1, 1}}, .to = table});
+        if (step == 30) {
+            physics.release(held);
+            physics.setGravity({1, 0, 0});
+            physics.release(held);
+        }
+        if (step == 35) physics.release(physics.attachments(tissue).at(1));
+    });
+    return sim.run({.headless = true, .steps = steps}).hash;
+}
+
+/// A file of the system's folder for temporary ones, for as long as this exists.
+class SceneFile {
+public:
+    explicit SceneFile(const std::string& content) { std::ofstream(path_) << content; }
+    ~SceneFile() { std::filesystem::remove(path_); }
+    SceneFile(const SceneFile&) = delete;
+    SceneFile& operator=(const SceneFile&) = delete;
+    [[nodiscard]] SceneDef load() const { return loadScene(path_); }
+
+private:
+    const std::filesystem::path path_ =
+        std::filesystem::temp_directory_path() / text("filasofia_scene_run_", ::getpid(), ".json");
+};
+
+} // namespace
+
+TEST_CASE("scenes: commands are given at their times, with the hash of a program that gives them")
+{
+    std::string content = kPressed;
+    const std::string early = R"({"time": "30 ms", "type": "Release", "id": "held"},
+        {"time": "10 ms")";
+    CHECK_THROWS_WITH(SceneFile(content).load(), Catch::Contains("commands[0].id must be the id of a command before"));
+    content.replace(content.find(early), early.size(), R"({"time": "10 ms")");
+    const SceneDef scene = SceneFile(content).load();
+    REQUIRE(scene.commands.size() == 5);
+    for (const int steps : {15, 25, 32, 40}) CHECK(runScene(scene, steps).hash == pressedInCpp(steps));
+}
+
+TEST_CASE("scenes: a command that cannot be is refused, or ends the commands and is told")
+{
+    const auto with = [](const std::string& command) {
+        return SceneFile(text(R"({"bodies": [{"name": "a", "mesh": {"type": "block", "size": "1 1 1 cm"}},
+            {"name": "r", "type": "RigidBodyDef", "elements": ["0 5 0 m"]}], "commands": [)",
+                              command, "]}"))
+            .load();
+    };
+    const auto added = [](const SceneDef& scene) {
+        Simulation sim;
+        addScene(sim, scene);
+    };
+    using Catch::Contains;
+    CHECK_THROWS_WITH(with(R"({"time": 0})"), Contains("commands[0] must have the member 'type'"));
+    CHECK_THROWS_WITH(with(R"({"time": 0, "type": "Pressure"})"), Contains("commands[0].type must be one of Attach, "));
+    CHECK_THROWS_WITH(with(R"({"time": 0, "type": "SetPressure"})"), Contains("must have the member 'id'"));
+    CHECK_THROWS_WITH(with(R"({"time": -1, "type": "SetGravity"})"), Contains("commands[0].time must be >= 0 s"));
+    CHECK_THROWS_WITH(with(R"({"time": 1, "type": "Grasp", "id": "g", "rigid": "r", "target": "a"},
+                              {"time": 0.5, "type": "Release", "id": "g"})"),
+                      Contains("commands[1].time must be >= 1 s, when 'g' is made, got 0.5"));
+    CHECK_THROWS_WITH(with(R"({"time": 1, "type": "Grasp", "id": "g", "rigid": "r", "target": "a"},
+                              {"time": 1, "type": "Grasp", "id": "g", "rigid": "r", "target": "a"})"),
+                      Contains("commands[1].id must differ from those of the other attachments"));
+    CHECK_THROWS_WITH(added(with(R"({"time": 0, "type": "SetPressure", "id": "r"})")),
+                      Contains("commands[0]: needs a soft body, got rigid body 'r'"));
+    CHECK_THROWS_WITH(added(with(R"({"time": 0, "type": "SetWrench", "id": "a"})")), Contains("needs a rigid body"));
+    const RunReport report = runScene(with(R"({"time": 0, "type": "SetFibreStress", "id": "a"})"), 3);
+    REQUIRE(report.callbackProblems.size() == 1);
+    CHECK_THAT(report.callbackProblems[0], Contains("commands[0]: soft body 'a': family must be in [0, 0)"));
+    CHECK(!report.complete());
+    CHECK_THAT(summary(report), Contains("a script ended early: "));
+}
+
+TEST_CASE("scenes: a scene's own cameras show it, and its lights light it")
+{
+    const SceneDef scene = loadScene(example("pull"));
+    const auto red = [&](const std::function<void(SceneDef&)>& change) {
+        SceneDef changed = scene;
+        change(changed);
+        Simulation sim(simulationDef(changed));
+        addScene(sim, changed);
+        runtime::SteppedRun run(sim);
+        run.step();
+        const visual::Image picture = run.picture({.width = 96, .height = 72});
+        double sum = 0.0;
+        for (std::size_t i = 0; i < picture.rgba.size(); i += 4) sum += picture.rgba[i];
+        return sum * 4 / static_cast<double>(picture.rgba.size());
+    };
+    const double whole = red([](SceneDef&) {});
+    CHECK(whole > 10.0);
+    CHECK(red([](SceneDef& s) { s.lights.clear(); }) < 0.8 * whole);
+    CHECK(red([](SceneDef& s) { s.cameras[0].target = Vec3{0, 1, 0}; }) < 1.0);       // looks away
+    CHECK(red([](SceneDef& s) { s.cameras[0].pose.position *= 3.0; }) < 0.5 * whole); // is far away
+    // The forceps are above the tissue, which a camera that they carry sees from there.
+    const auto carried = [](SceneDef& s) {
+        s.cameras[0].follow =
+            SceneFollow{.def = {.offset = {{0, -0.02, 0}, axisAngle({1, 0, 0}, -90_deg)}}, .body = BodyId{2}};
+        s.lights.resize(1);
+        s.environment.reset();
+    };
+    CHECK(red(carried) > 10.0);
+
+    const auto refused = [&](const std::function<void(SceneDef&)>& change) {
+        std::string error = "no error";
+        try {
+            red(change);
+        } catch (const Error& problem) {
+            error = problem.what();
+        }
+        return error;
+    };
+    using Catch::Contains;
+    CHECK_THAT(refused([](SceneDef& s) { s.cameras.clear(); }), Contains("lights: give the scene cameras, too"));
+    CHECK_THAT(refused([](SceneDef& s) { s.lights[0].on = "frnt"; }),
+               Contains("lights[0].on must be the name of a camera of the scene, got 'frnt' (did you mean 'front'?)"));
+    CHECK_THAT(refused([](SceneDef& s) { s.views = {{.camera = "x"}}; }), Contains("views[0].camera must be the name"));
+    CHECK_THAT(refused([](SceneDef& s) { s.cameras.push_back(s.cameras[0]); }),
+               Contains("cameras[1].name must differ"));
+    CHECK_THAT(refused([](SceneDef& s) { s.cameras[0].target = s.cameras[0].pose.position; }), Contains("target must"));
+    CHECK_THAT(refused([](SceneDef& s) { s.lights[0].follow = SceneFollow{}; }), Contains("lights[0].follow needs an"));
 }
 
 TEST_CASE("scenes: a wrong body is refused with its place")

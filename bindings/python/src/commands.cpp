@@ -3,6 +3,7 @@
 #include "defs.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/physics/give.h"
 
 namespace filasofia::python {
 namespace {
@@ -12,44 +13,20 @@ using namespace physics;
 BodyId body(nb::handle value, const char* method) { return readArgument<BodyId>(value, method, "body"); }
 int element(nb::handle value, const char* method) { return readArgument<int>(value, method, "element", nonNegative()); }
 
-/// Every command as a Def. Returns the id that it gives, if it gives one.
-class Apply {
-public:
-    explicit Apply(PhysicsServer& server) : server_(server) {}
-
-    nb::object operator()(const RemoveBody& c) { return server_.remove(c.id), nb::none(); }
-    nb::object operator()(const SetPose& c) { return server_.setPose(c.id, c.pose, c.element), nb::none(); }
-    nb::object operator()(const SetGravity& c) { return server_.setGravity(c.gravity), nb::none(); }
-    nb::object operator()(const SetForces& c) { return server_.setForces(c.id, c.forces), nb::none(); }
-    nb::object operator()(const SetPressure& c) { return server_.setPressure(c.id, c.pressure), nb::none(); }
-    nb::object operator()(const SetWrench& c)
-    {
-        return server_.setWrench(c.id, c.force, c.torque, c.element), nb::none();
-    }
-    nb::object operator()(const Release& c) { return server_.release(c.id), nb::none(); }
-    nb::object operator()(const RemovePiece& c) { return server_.removePiece(c.id, c.piece), nb::none(); }
-    nb::object operator()(const Pause& c) { return server_.pause(c.paused), nb::none(); }
-    nb::object operator()(const SetJoint& c) { return server_.setJoint(c.id, c.joint, c.command), nb::none(); }
-    nb::object operator()(const SetHaptic& c) { return server_.setHaptic(c.id, c.target, c.element), nb::none(); }
-    nb::object operator()(const SetTissue& c) { return server_.setTissue(c.id, c.region), nb::none(); }
-    nb::object operator()(const SetFibreStress& c)
-    {
-        return server_.setFibreStress(c.id, c.family, c.stress), nb::none();
-    }
-    nb::object operator()(const SetMaterial& c)
-    {
+/// Gives a command that was read from a Def. Returns the id that it gives, if it gives one.
+template <class Command> nb::object give(HeldSimulation& held, const Command& command)
+{
+    Session& session = usable(held, "apply");
+    if constexpr (std::is_same_v<Command, physics::Reset>) {
+        session.simulation().reset(); // removes the paint, too
+    } else if constexpr (std::is_same_v<Command, SetMaterial>) {
         const nb::gil_scoped_release free; // it builds a solver
-        server_.setMaterial(c.id, c.material);
-        return nb::object(); // None, but the lock is not held here
+        session.physics().setMaterial(command.id, command.material);
+    } else if (const AttachmentId id = physics::give(session.physics(), command)) {
+        return Convert<AttachmentId>::make(id);
     }
-    nb::object operator()(const Attach& c) { return given(c.id, server_.attach(c.body, c.def)); }
-    nb::object operator()(const AttachRigid& c) { return given(c.id, server_.attach(c.body, c.def)); }
-    nb::object operator()(const Grasp& c) { return given(c.id, server_.grasp(c.rigid, c.target, c.def)); }
-
-private:
-    static nb::object given(AttachmentId, AttachmentId id) { return Convert<AttachmentId>::make(id); }
-    PhysicsServer& server_;
-};
+    return nb::none();
+}
 
 using Applied = std::variant<RemoveBody, SetPose, SetGravity, SetForces, SetPressure, SetWrench, Release, RemovePiece,
                              Pause, SetJoint, SetHaptic, SetTissue, SetFibreStress, SetMaterial, Attach, AttachRigid,
@@ -62,14 +39,10 @@ template <class... T> nb::object applyAs(HeldSimulation& held, nb::handle comman
     nb::object out;
     const auto attempt = [&]<class Command>(const Command*) {
         if (name != typeName<Command>() || PyType_Check(command.ptr())) return false;
-        const auto read = readDef<Command>(command, typeName<Command>());
-        if constexpr (std::is_same_v<Command, physics::Reset>)
-            usable(held, "apply").simulation().reset(); // removes the paint, too
-        else
-            out = Apply(usable(held, "apply").physics())(read);
+        out = give(held, readDef<Command>(command, typeName<Command>()));
         return true;
     };
-    if ((attempt(static_cast<const T*>(nullptr)) || ...)) return out.is_valid() ? out : nb::none();
+    if ((attempt(static_cast<const T*>(nullptr)) || ...)) return out;
     std::string all;
     ((all += text(all.empty() ? "" : ", ", typeName<T>())), ...);
     throw nb::type_error(text("apply: the command must be one of ", all, ", got ", shown(command)).c_str());

@@ -167,6 +167,7 @@ void bindRun(nb::module_& module)
         .def_prop_ro(
             "torn_area", [](const RunReport& self) { return self.opened.torn; }, "[m^2], one side, at rest")
         .def_ro("blunt_blades", &RunReport::bluntBlades)
+        .def_ro("callback_problems", &RunReport::callbackProblems)
         .def_ro("file_problems", &RunReport::fileProblems)
         .def_ro("finished", &RunReport::finished)
         .def_prop_ro(

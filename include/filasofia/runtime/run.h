@@ -106,9 +106,13 @@ struct RunReport {
     std::string finished;             ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
     std::vector<std::string> bluntBlades;    ///< one line per blade that touched a soft body without dynamicTopology
-    std::vector<std::string> pictures;       ///< files written, including the video
+    /// why functions of everyStep() are no longer called, in this run or an earlier one: scripts that ended early
+    std::vector<std::string> callbackProblems;
+    std::vector<std::string> pictures; ///< files written, including the video
     /// why log or recording end before the run, or a screenshot is missing; empty: all are complete
     std::vector<std::string> fileProblems;
+    /// Whether everything was done: no script ended early, and all files are complete.
+    [[nodiscard]] bool complete() const { return callbackProblems.empty() && fileProblems.empty(); }
 };
 
 /// The report as text for a person, several lines.

@@ -179,8 +179,8 @@ public:
     /// if this simulation is already running (so from inside an observer or a tune).
     RunReport run(const RunDef& def);
     /// The same for a main(): reads --headless, --steps N, --picture FILE.png and more (--help), and prints the report.
-    /// Returns the exit code: 0; 1 if log or recording is incomplete because the disk is full; 2 after one line that
-    /// says what is wrong.
+    /// Returns the exit code: 0; 1 if a function of everyStep() threw, or if log or recording is incomplete because
+    /// the disk is full; 2 after one line that says what is wrong.
     int run(int argc, const char* const* argv);
 
     struct Impl;

@@ -81,12 +81,82 @@ constexpr auto fields(const SceneBody*)
                     field("jointMotions", &T::jointMotions, "commands of its joints"));
 }
 
+/// The place of a body that a camera or a light follows. In a file, the fields of FollowDef stand beside the body.
+struct SceneFollow {
+    runtime::FollowDef def = {};
+    BodyId body = {}; ///< a body of the scene
+};
+constexpr auto fields(const SceneFollow*)
+{
+    return describe("SceneFollow", field("", &SceneFollow::def, "where on it, and the offset from there"),
+                    field("body", &SceneFollow::body, "the body"));
+}
+
+/// A camera or a light, and where it is. In a file, the fields of its Def stand beside the others.
+template <class Def> struct Placed {
+    Def def = {};
+    Pose pose = {};                         ///< in the world, or relative to `on`; it looks and shines along -Z
+    std::optional<Vec3> target = {};        ///< [m], what it looks at from there, in place of its orientation
+    std::string on = {};                    ///< a camera of the scene that carries it; empty: none
+    std::optional<SceneFollow> follow = {}; ///< a body that it follows, in place of all these
+};
+using SceneCamera = Placed<visual::CameraDef>;
+using SceneLight = Placed<visual::LightDef>;
+template <class Def> constexpr auto fields(const Placed<Def>*)
+{
+    using T = Placed<Def>;
+    return describe(std::is_same_v<Def, visual::CameraDef> ? "SceneCamera" : "SceneLight",
+                    field("", &T::def, "its Def, whose fields stand beside the others"),
+                    field("pose", &T::pose, "pose in the world, or relative to the camera that carries it"),
+                    field("target", &T::target, "m", finite(), "what it looks at from there"),
+                    field("on", &T::on, "name of the camera that carries it"),
+                    field("follow", &T::follow, "the body that it follows"));
+}
+
+/// A rectangle of the window, or a picture of its own, and what is in it. In a file, the fields of ViewDef stand beside
+/// the camera.
+struct SceneView {
+    visual::ViewDef def = {};
+    std::string camera = {}; ///< name of a camera of the scene
+};
+constexpr auto fields(const SceneView*)
+{
+    return describe("SceneView", field("", &SceneView::def, "its Def, whose fields stand beside the camera"),
+                    field("camera", &SceneView::camera, "name of the camera whose picture it shows"));
+}
+
+/// What a scene may command.
+using SceneCommand =
+    std::variant<physics::Attach, physics::AttachRigid, physics::Grasp, physics::Release, physics::RemovePiece,
+                 physics::RemoveBody, physics::SetForces, physics::SetWrench, physics::SetPressure,
+                 physics::SetFibreStress, physics::SetTissue, physics::SetGravity>;
+
+/// A command that physics gets once, in the step that ends at its time. An AttachmentId{n} in it means an attachment of
+/// the scene: the first ones are those of the bodies' Defs, in their order; the command that makes another one says its
+/// number. In a file, the fields of the command stand beside the time.
+struct TimedCommand {
+    SceneCommand command = {};
+    double time = 0.0;      ///< [s], >= 0
+    std::string place = {}; ///< where it stands, for errors; may be empty
+};
+constexpr auto fields(const TimedCommand*)
+{
+    using T = TimedCommand;
+    return describe("TimedCommand", field("", &T::command, "the command, whose fields stand beside the time"),
+                    field("time", &T::time, "s", nonNegative(), "when it is given"));
+}
+
 /// A whole scene.
 struct SceneDef {
     runtime::PhysicsDef physics = {};
     window::WindowDef window = {};
-    runtime::LookDef look = {};
+    runtime::LookDef look = {}; ///< its camera and its light are not there if the scene has cameras of its own
+    std::vector<SceneCamera> cameras = {}; ///< of different names
+    std::vector<SceneLight> lights = {};   ///< they need a camera
+    std::vector<SceneView> views = {};     ///< they need a camera; none: the first camera fills the window
+    std::optional<visual::EnvironmentDef> environment = {}; ///< it needs a camera; not given: the default one
     std::vector<SceneBody> bodies = {};
+    std::vector<TimedCommand> commands = {}; ///< at any times; those of the same time in this order
     std::vector<runtime::HapticInterfaceDef> haptics = {};
 };
 constexpr auto fields(const SceneDef*)
@@ -94,16 +164,21 @@ constexpr auto fields(const SceneDef*)
     using T = SceneDef;
     return describe("SceneDef", field("physics", &T::physics, "how physics is paced"),
                     field("window", &T::window, "the window of a live run"), field("look", &T::look, "the picture"),
+                    field("cameras", &T::cameras, "cameras, in place of the look's"),
+                    field("lights", &T::lights, "lights, in place of the look's"),
+                    field("views", &T::views, "views; none: the first camera fills the window"),
+                    field("environment", &T::environment, "what lights the scene from all sides"),
                     field("bodies", &T::bodies, "the bodies; one may name those before it"),
+                    field("commands", &T::commands, "commands at their times"),
                     field("haptics", &T::haptics, "haptic interfaces"));
 }
 
 /// The Def of a simulation for this scene.
 runtime::SimulationDef simulationDef(const SceneDef& scene);
 
-/// Adds the scene's bodies, pictures, motions and haptic interfaces to a simulation that is not running; returns the
-/// bodies' ids, in the order of the scene. Throws an Error that begins with the place of what is
-/// wrong, or with "haptics[0]"; what came before it stays added.
+/// Adds the scene's bodies, pictures, motions, commands, cameras, lights and haptic interfaces to a simulation that is
+/// not running; returns the bodies' ids, in the order of the scene. Throws an Error that begins with the place of what
+/// is wrong, or with "haptics[0]"; what came before it stays added.
 std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& scene);
 
 } // namespace filasofia::scene

@@ -11,7 +11,7 @@
 namespace filasofia::runtime {
 namespace {
 
-constexpr int kIncomplete = 1; ///< exit code: the run reached its end, but one of its files is incomplete
+constexpr int kIncomplete = 1; ///< exit code: the run reached its end, but a script or one of its files did not
 constexpr int kRefused = 2;    ///< exit code: the user's words or files were wrong
 constexpr int kHeadlessSteps = 1000;
 
@@ -92,7 +92,7 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
         if (endless && report.steps == kHeadlessSteps)
             std::cout << "a headless run without --steps ends after " << kHeadlessSteps << " steps\n";
         if (!std::cout.flush()) fail("cannot write to standard output");
-        return report.fileProblems.empty() ? 0 : kIncomplete;
+        return report.complete() ? 0 : kIncomplete;
     } catch (const CLI::CallForHelp&) {
         std::cout << app.help();
         return 0;

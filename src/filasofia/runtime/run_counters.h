@@ -76,7 +76,7 @@ private:
     physics::InvertedElements worst_;                                  ///< of the step with the most of them
     physics::StrainedElements mostStrained_; ///< in the step with the largest strain in relation to its range
     OpenedSurfaces opened_;
-    physics::Unrest unrest_;                 ///< in the step with the fastest body
+    physics::Unrest unrest_; ///< in the step with the fastest body
 };
 
 } // namespace filasofia::runtime

@@ -182,6 +182,7 @@ void Simulation::Impl::fill(RunReport& report) const
     if (report.restless > 0) report.worstUnrestBody = nameOf(report.worstUnrest.body, physics);
     report.contacts = contacts.report(physics);
     report.bluntBlades = blades.lines();
+    report.callbackProblems = everyStep.problems();
     files.fill(report);
     report.finished = control.reason();
 }

@@ -12,6 +12,7 @@ void StepCallbacks::call(double end)
         // As with observers: one mistake does not end physics.
         if (const auto problem = guardedCall([&] { callback(end); })) {
             logError("simulation: everyStep: ", *problem, "; it is not called again");
+            problems_.push_back(*problem);
             callback = nullptr;
         }
     }

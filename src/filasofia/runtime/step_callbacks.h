@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace filasofia::runtime {
@@ -13,8 +14,12 @@ public:
     /// logged and not called again.
     void call(double end);
 
+    /// Why callbacks are no longer called, one for each.
+    [[nodiscard]] const std::vector<std::string>& problems() const { return problems_; }
+
 private:
     std::vector<std::function<void(double)>> callbacks_; ///< an empty one threw
+    std::vector<std::string> problems_;
 };
 
 } // namespace filasofia::runtime

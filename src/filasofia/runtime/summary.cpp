@@ -132,6 +132,7 @@ std::string summary(const RunReport& report)
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
         out += line("pictures drawn %ld", report.visual.framesDrawn);
     for (const std::string& picture : report.pictures) out += "wrote " + picture + "\n";
+    for (const std::string& problem : report.callbackProblems) out += "a script ended early: " + problem + "\n";
     for (const std::string& problem : report.fileProblems) out += "incomplete: " + problem + "\n";
     out += line("state hash %016llx", static_cast<unsigned long long>(report.hash));
     return out;

@@ -1,42 +1,17 @@
-#include "filasofia/scene/def_shapes.h"
+#include "filasofia/scene/commands.h"
+#include "filasofia/scene/dress.h"
 #include "filasofia/scene/motion.h"
+#include "filasofia/scene/scene_numbers.h"
 
 #include "filasofia/core/error.h"
 
 namespace filasofia::scene {
 namespace {
 
-/// Replaces the numbers of bodies in a Def by their ids.
-class BodyNumbers {
-public:
-    explicit BodyNumbers(const std::vector<BodyId>& ids) : ids_(ids) {}
-
-    template <class T> void replaceIn(T& value) const
-    {
-        if constexpr (std::is_same_v<T, BodyId>) {
-            if (value && value.value > ids_.size())
-                fail("the scene has ", ids_.size(), " bodies before this one, got body ", value.value);
-            if (value) value = ids_[value.value - 1];
-        } else if constexpr (kIsOptional<T>) {
-            if (value) replaceIn(*value);
-        } else if constexpr (kIsVector<T>) {
-            if constexpr (!std::is_arithmetic_v<typename T::value_type>)
-                for (auto& each : value) replaceIn(each);
-        } else if constexpr (kIsVariant<T>) {
-            std::visit([&](auto& held) { replaceIn(held); }, value);
-        } else if constexpr (HasFields<T>) {
-            forEachField<T>([&](const auto& each) { replaceIn(value.*(each.member)); });
-        }
-    }
-
-private:
-    const std::vector<BodyId>& ids_;
-};
-
 BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std::vector<BodyId>& before)
 {
     physics::BodyDef def = body.def;
-    BodyNumbers(before).replaceIn(def);
+    SceneNumbers(before).replaceIn(def);
     checkMotions(body);
     if (body.show.empty() && !body.paint.empty())
         fail(physics::describeBody(body.def), ": paint needs a body that is drawn: give it a show");
@@ -79,9 +54,11 @@ std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& sc
             const std::string place = placeOf(body, error.what());
             fail(place, place.empty() ? "" : ": ", error.what());
         }
+    dressScene(simulation, scene, ids);
+    followCommands(simulation, scene.commands, ids);
     for (std::size_t i = 0; i < scene.haptics.size(); ++i) try {
             runtime::HapticInterfaceDef haptic = scene.haptics[i];
-            BodyNumbers(ids).replaceIn(haptic);
+            SceneNumbers(ids).replaceIn(haptic);
             simulation.add(haptic);
         } catch (const Error& error) {
             fail("haptics[", i, "]: ", error.what());

@@ -34,6 +34,11 @@ concept IsMesh = requires
 };
 
 template <class T> constexpr bool kFlat = false;
+template <> inline constexpr bool kFlat<TimedCommand> = true;
+template <> inline constexpr bool kFlat<SceneCamera> = true;
+template <> inline constexpr bool kFlat<SceneLight> = true;
+template <> inline constexpr bool kFlat<SceneView> = true;
+template <> inline constexpr bool kFlat<SceneFollow> = true;
 template <> inline constexpr bool kFlat<SceneBody> = true; ///< its first field's members stand beside its others
 
 /// Objects that may also be written as a list of their numbers.
@@ -50,6 +55,9 @@ template <HasFields T> std::vector<std::string> fieldNames()
     return names;
 }
 
+template <class T, class... Each>
+concept IsAnyOf = (std::is_same_v<T, Each> || ...);
+
 /// The members that an object of this type must have: their defaults would be wrong for nearly all.
 template <class T> std::vector<std::string_view> required()
 {
@@ -57,15 +65,28 @@ template <class T> std::vector<std::string_view> required()
         return {"pose"};
     else if constexpr (std::is_same_v<T, KeyCommand>)
         return {"command"};
-    else if constexpr (std::is_same_v<T, BoxShape> || std::is_same_v<T, BlockShape>)
+    else if constexpr (std::is_same_v<T, SceneFollow>)
+        return {"body"};
+    else if constexpr (std::is_same_v<T, SceneView>)
+        return {"camera"};
+    else if constexpr (std::is_same_v<T, TimedCommand>)
+        return {"time", "type"};
+    else if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid>)
+        return {"body"};
+    else if constexpr (std::is_same_v<T, physics::Grasp>)
+        return {"rigid", "target"};
+    else if constexpr (IsAnyOf<T, physics::SetForces, physics::SetWrench, physics::SetPressure, physics::SetFibreStress,
+                               physics::SetTissue, physics::Release, physics::RemovePiece, physics::RemoveBody>)
+        return {"id"};
+    else if constexpr (IsAnyOf<T, BoxShape, BlockShape>)
         return {"size"};
     else if constexpr (std::is_same_v<T, SphereShape>)
         return {"radius"};
-    else if constexpr (std::is_same_v<T, CapsuleShape> || std::is_same_v<T, CylinderShape>)
+    else if constexpr (IsAnyOf<T, CapsuleShape, CylinderShape>)
         return {"radius", "length"};
     else if constexpr (std::is_same_v<T, SheetShape>)
         return {"width", "depth"};
-    else if constexpr (std::is_same_v<T, ScaledSurface> || std::is_same_v<T, ScaledTetrahedra>)
+    else if constexpr (IsAnyOf<T, ScaledSurface, ScaledTetrahedra>)
         return {"file"};
     else
         return {};

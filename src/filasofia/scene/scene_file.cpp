@@ -41,9 +41,14 @@ public:
         forEachMember("bodies", [&](const Json& json, const Place& place) {
             scene.bodies.push_back(reader_.readBody(json, place));
         });
-        forEachMember("haptics", [&](const Json& json, const Place& place) {
-            reader_.read({{&json}}, place, {}, scene.haptics.emplace_back());
+        readList("cameras", scene.cameras);
+        readList("lights", scene.lights);
+        readList("views", scene.views);
+        readMembers("environment", scene.environment);
+        forEachMember("commands", [&](const Json& json, const Place& place) {
+            scene.commands.push_back(reader_.readCommand(json, place));
         });
+        readList("haptics", scene.haptics);
         checkDefaults();
         return scene;
     }
@@ -145,6 +150,13 @@ private:
         for (const Layer& each : layers)
             if (!each.json->is_object()) reader_.refuse(*each.json, place, "must be an object");
         layers.empty() ? reader_.fill(place, out) : reader_.read(layers, place, {}, out);
+    }
+    /// The members of all files together.
+    template <class T> void readList(std::string_view name, std::vector<T>& out)
+    {
+        forEachMember(name, [&](const Json& json, const Place& place) {
+            reader_.read({{&json}}, place, {}, out.emplace_back());
+        });
     }
     template <class Each> void forEachMember(std::string_view name, Each&& each)
     {

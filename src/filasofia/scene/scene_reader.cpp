@@ -53,7 +53,7 @@ void SceneReader::refuseUnknown(const Json& object, const Place& place, const st
 void SceneReader::refuseWithout(const Json& object, const Place& place, std::string_view member,
                                 std::string_view type) const
 {
-    fail(sources_.placeOf(object), ": ", place.path(), " must have a '", member, "' (", type, ")");
+    fail(sources_.placeOf(object), ": ", place.path(), " must have the member '", member, "' (", type, ")");
 }
 
 std::string SceneReader::listed(const std::vector<std::string>& names)
@@ -293,6 +293,27 @@ BodyId SceneReader::bodyNamed(const Json& json, const Place& place) const
          later ? ", which is this one or comes later" : hintFor(name, allBodies_));
 }
 
+AttachmentId SceneReader::attachmentNamed(const Json& json, const Place& place) const
+{
+    const std::string name = word(json, place);
+    const auto found = std::ranges::find(attachments_, name, &NamedAttachment::name);
+    if (found != attachments_.end()) return AttachmentId{static_cast<std::uint32_t>(found - attachments_.begin()) + 1};
+    std::vector<std::string> known;
+    for (const NamedAttachment& each : attachments_) known.push_back(each.name);
+    fail(sources_.placeOf(json), ": ", place.path(),
+         " must be the id of a command before this one that attaches, or \"BODY.attachments[0]\", got ", shown(json),
+         hintFor(name, known));
+}
+
+AttachmentId SceneReader::newAttachment(const Json& json, const Place& place)
+{
+    const std::string name = word(json, place);
+    if (std::ranges::find(attachments_, name, &NamedAttachment::name) != attachments_.end())
+        refuse(json, place, "must differ from those of the other attachments");
+    attachments_.push_back({name});
+    return AttachmentId{static_cast<std::uint32_t>(attachments_.size())};
+}
+
 void SceneReader::checkFile(const std::filesystem::path& path, const Json& json, const Place& place) const
 {
     if (options_.anyFolder) return;
@@ -348,7 +369,23 @@ SceneBody SceneReader::readBody(const Json& json, const Place& place)
         fail(sources_.placeOf(json), ": ", place.path(), ".name must differ from those of the other bodies, got '",
              shortened(name), "'");
     bodies_.push_back(name);
+    const std::size_t attachments = std::visit([](const auto& def) { return def.attachments.size(); }, body.def);
+    for (std::size_t i = 0; i < attachments; ++i) attachments_.push_back({text(name, ".attachments[", i, "]")});
     return body;
+}
+
+TimedCommand SceneReader::readCommand(const Json& json, const Place& place)
+{
+    const std::size_t before = attachments_.size();
+    TimedCommand command;
+    read({{&json}}, place, {}, command);
+    command.place = text(sources_.placeOf(json), ": ", place.path());
+    if (attachments_.size() > before) attachments_.back().time = command.time;
+    if (const auto* release = std::get_if<physics::Release>(&command.command))
+        if (const NamedAttachment& made = attachments_.at(release->id.value - 1); command.time < made.time)
+            fail(command.place, ".time must be >= ", made.time, " s, when '", made.name, "' is made, got ",
+                 command.time);
+    return command;
 }
 
 } // namespace filasofia::scene

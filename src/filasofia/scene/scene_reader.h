@@ -51,6 +51,8 @@ public:
     void knowBodies(std::vector<std::string> names) { allBodies_ = std::move(names); }
     /// The next body of the scene; returns its Def, with the place in its file.
     SceneBody readBody(const Json& json, const Place& place);
+    /// The next command, after all bodies.
+    TimedCommand readCommand(const Json& json, const Place& place);
 
     template <class T> void read(const Layers& from, const Place& place, const Bound& bound, T& out)
     {
@@ -66,6 +68,8 @@ public:
             out = word(json, place);
         else if constexpr (std::is_same_v<T, BodyId>)
             out = bodyNamed(json, place);
+        else if constexpr (std::is_same_v<T, AttachmentId>)
+            out = makes_ ? newAttachment(json, place) : attachmentNamed(json, place);
         else if constexpr (std::is_enum_v<T>)
             readName(json, place, out);
         else if constexpr (IsMesh<T>)
@@ -119,6 +123,9 @@ private:
                                      double high) const;
     [[nodiscard]] bool flag(const Json& json, const Place& place) const;
     [[nodiscard]] BodyId bodyNamed(const Json& json, const Place& place) const;
+    /// The attachment that a text names: "liver.attachments[0]", or what the command that makes it says.
+    [[nodiscard]] AttachmentId attachmentNamed(const Json& json, const Place& place) const;
+    [[nodiscard]] AttachmentId newAttachment(const Json& json, const Place& place);
     [[nodiscard]] Quat rotation(const Json& json, const Place& place);
     /// So many numbers: a list, or a text such as "10 20 30 mm".
     void readNumbers(const Json& json, const Place& place, const Bound& bound, std::span<double> out) const;
@@ -216,10 +223,14 @@ private:
             for (const Layer& pose : members(layers, "pose"))
                 if (pose.json->is_object() && !find(*pose.json, "position"))
                     refuseWithout(*pose.json, Place{&place, "pose"}, "position", typeName<T>());
+        if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, physics::Grasp>) makes_ = true;
         forEachField<T>([&](const auto& each) {
             auto& value = out.*(each.member);
-            if constexpr (kFlat<T> && kIsVariant<std::remove_cvref_t<decltype(value)>>)
+            if constexpr (kFlat<T> && kIsVariant<std::remove_cvref_t<decltype(value)>>) {
                 if (each.name.empty()) return readAlternative(from, place, {}, known, value);
+            } else if constexpr (kFlat<T> && HasFields<std::remove_cvref_t<decltype(value)>>) {
+                if (each.name.empty()) return readObject(from, place, known, value);
+            }
             const Layers inner = members(layers, each.name);
             const Place at{&place, each.name};
             if (!inner.empty()) note(at, *inner.front().json);
@@ -229,6 +240,7 @@ private:
                       std::is_same_v<T, ScaledSurface> || std::is_same_v<T, ScaledTetrahedra>)
             if (const Layers file = members(layers, "file"); !file.empty())
                 out.file = fileNamed(*file.front().json, Place{&place, "file"});
+        makes_ = false;
         if constexpr (std::is_same_v<T, physics::SoftBodyDef>)
             if (tissue_ && members(layers, "mass").empty()) out.mass = physics::Density{tissue_->density};
         closeClasses(classes, place);
@@ -346,11 +358,18 @@ private:
         const Json* content = nullptr;
         bool used = false;
     };
-    std::vector<OpenClass> open_;                          ///< the innermost last
-    const physics::Tissue* tissue_ = nullptr;              ///< of the material that was read last
-    bool partial_ = false;                                 ///< what is read need not be complete
-    std::vector<std::string> bodies_;                      ///< the names of those that were read, in their order
-    std::vector<std::string> allBodies_;                   ///< the names of all that the files have
+    std::vector<OpenClass> open_;             ///< the innermost last
+    const physics::Tissue* tissue_ = nullptr; ///< of the material that was read last
+    bool makes_ = false;                      ///< the command that is read makes an attachment
+    bool partial_ = false;                    ///< what is read need not be complete
+    std::vector<std::string> bodies_;         ///< the names of those that were read, in their order
+    std::vector<std::string> allBodies_;      ///< the names of all that the files have
+    /// An attachment of the scene.
+    struct NamedAttachment {
+        std::string name;
+        double time = 0.0; ///< [s], when it is made
+    };
+    std::vector<NamedAttachment> attachments_;             ///< by their numbers, from 1
     std::map<std::string, std::string>* places_ = nullptr; ///< of the body that is read
     std::size_t bodyPath_ = 0;                             ///< length of its path
 };

@@ -3,6 +3,7 @@
 
 #include "filasofia/physics/tissue.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace filasofia::scene {
@@ -33,6 +34,8 @@ template <class T> struct ValueSchema {
             return {{"type", "string"}};
         else if constexpr (std::is_same_v<T, BodyId>)
             return {{"type", "string"}, {"description", "name of a body before this one"}};
+        else if constexpr (std::is_same_v<T, AttachmentId>)
+            return {{"type", "string"}, {"description", "name of an attachment"}};
         else if constexpr (std::is_enum_v<T>)
             return {{"enum", names(static_cast<const T*>(nullptr))}};
         else if constexpr (IsMesh<T>)
@@ -158,17 +161,29 @@ template <HasFields T> Schema wholeObject()
     return out;
 }
 
-/// A body: the fields of one of its Defs beside its own.
-template <class... Each> Schema bodySchema(const std::variant<Each...>*)
+/// An object with the fields of one of several Defs beside its own.
+template <class Flat, class... Each> Schema flatSchema(const std::variant<Each...>*)
 {
     const auto one = []<class T>() {
-        Schema members = properties<SceneBody>();
+        Schema members = properties<Flat>();
         members.update(properties<T>());
         Schema out = objectOf(std::move(members));
-        if (!std::is_same_v<T, physics::SoftBodyDef>) out["required"] = {"type"};
+        std::vector<std::string_view> names = required<Flat>();
+        for (const std::string_view each : required<T>()) names.push_back(each);
+        const bool first = std::is_same_v<T, physics::SoftBodyDef>; // it needs no type
+        if (!first && std::ranges::find(names, "type") == names.end()) names.emplace_back("type");
+        if (!names.empty()) out["required"] = names;
         return out;
     };
     return {{"anyOf", {one.template operator()<Each>()...}}};
+}
+template <class Flat, HasFields Def> Schema flatSchema(const Def*)
+{
+    Schema members = properties<Def>();
+    members.update(properties<Flat>());
+    Schema out = objectOf(std::move(members));
+    if (const auto names = required<Flat>(); !names.empty()) out["required"] = names;
+    return out;
 }
 
 } // namespace
@@ -178,11 +193,13 @@ std::string sceneSchema()
     Schema defs, partial;
     std::set<std::string> seen;
     auto add = [&]<class T>() {
-        if constexpr (std::is_same_v<T, SceneBody>)
-            defs[std::string(typeName<T>())] = bodySchema(static_cast<const physics::BodyDef*>(nullptr));
+        if constexpr (std::is_same_v<T, TimedCommand>)
+            defs[std::string(typeName<T>())] = flatSchema<T>(static_cast<const SceneCommand*>(nullptr));
+        else if constexpr (kFlat<T>)
+            defs[std::string(typeName<T>())] = flatSchema<T>(static_cast<const decltype(T::def)*>(nullptr));
         else
             defs[std::string(typeName<T>())] = wholeObject<T>();
-        const bool partly = std::is_same_v<T, SceneBody> || !required<T>().empty();
+        const bool partly = kFlat<T> || !required<T>().empty();
         partial[std::string(typeName<T>())] = partly ? objectOf(properties<T>()) : reference(typeName<T>());
     };
     DefWalk<SceneDef>::run(seen, add);

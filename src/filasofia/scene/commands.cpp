@@ -1,0 +1,94 @@
+#include "filasofia/scene/commands.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/physics/give.h"
+#include "filasofia/scene/scene_numbers.h"
+
+#include <algorithm>
+
+namespace filasofia::scene {
+namespace {
+
+/// The body that a command is for, and its kind.
+struct Target {
+    BodyId body = {};
+    std::optional<bool> soft = {}; ///< not given: any
+};
+
+struct TargetOf {
+    Target operator()(const physics::Attach& c) const { return {c.body, true}; }
+    Target operator()(const physics::AttachRigid& c) const { return {c.body, false}; }
+    Target operator()(const physics::Grasp& c) const { return {c.rigid, false}; }
+    Target operator()(const physics::RemovePiece& c) const { return {c.id, true}; }
+    Target operator()(const physics::RemoveBody& c) const { return {c.id, {}}; }
+    Target operator()(const physics::SetForces& c) const { return {c.id, true}; }
+    Target operator()(const physics::SetWrench& c) const { return {c.id, false}; }
+    Target operator()(const physics::SetPressure& c) const { return {c.id, true}; }
+    Target operator()(const physics::SetFibreStress& c) const { return {c.id, true}; }
+    Target operator()(const physics::SetTissue& c) const { return {c.id, true}; }
+    Target operator()(const physics::Release&) const { return {}; }
+    Target operator()(const physics::SetGravity&) const { return {}; }
+};
+
+/// Gives each command as soon as its time has come.
+class CommandFollower {
+public:
+    CommandFollower(std::vector<TimedCommand> commands, std::vector<BodyId> ids,
+                    std::map<AttachmentId, AttachmentId> attachments)
+        : commands_(std::move(commands)), ids_(std::move(ids)), attachments_(std::move(attachments))
+    {
+    }
+
+    void give(physics::PhysicsServer& server, double time)
+    {
+        for (; next_ < commands_.size() && commands_[next_].time <= time; ++next_) {
+            physics::GivenCommand command =
+                std::visit([](const auto& each) { return physics::GivenCommand(each); }, commands_[next_].command);
+            const AttachmentId number = std::visit(
+                [](const auto& each) {
+                    if constexpr (requires { each.def; })
+                        return each.id; // it makes an attachment
+                    else
+                        return AttachmentId{};
+                },
+                commands_[next_].command);
+            SceneNumbers(ids_, &attachments_).replaceIn(command);
+            try {
+                if (const AttachmentId made = physics::give(server, command)) attachments_[number] = made;
+            } catch (const Error& error) {
+                fail(commands_[next_].place, ": ", error.what());
+            }
+        }
+    }
+
+private:
+    std::vector<TimedCommand> commands_;
+    std::vector<BodyId> ids_;
+    std::map<AttachmentId, AttachmentId> attachments_; ///< by their numbers in the scene
+    std::size_t next_ = 0;
+};
+
+} // namespace
+
+void followCommands(runtime::Simulation& simulation, std::vector<TimedCommand> commands, const std::vector<BodyId>& ids)
+{
+    if (commands.empty()) return;
+    physics::PhysicsServer& server = simulation.physics();
+    for (const TimedCommand& each : commands) {
+        Target target = std::visit(TargetOf(), each.command);
+        SceneNumbers(ids).replaceIn(target.body);
+        if (!target.body) continue;
+        const physics::BodyDef& def = *server.def(target.body);
+        if (target.soft && *target.soft != std::holds_alternative<physics::SoftBodyDef>(def))
+            fail(each.place, ": needs a ", *target.soft ? "soft" : "rigid", " body, got ", physics::describeBody(def));
+    }
+    std::map<AttachmentId, AttachmentId> attachments;
+    for (const BodyId id : ids)
+        for (const AttachmentId each : server.attachments(id))
+            attachments.emplace(AttachmentId{static_cast<std::uint32_t>(attachments.size()) + 1}, each);
+    std::ranges::stable_sort(commands, {}, &TimedCommand::time);
+    simulation.everyStep([&server, follower = CommandFollower(std::move(commands), ids, std::move(attachments))](
+                             double time) mutable { follower.give(server, time); });
+}
+
+} // namespace filasofia::scene

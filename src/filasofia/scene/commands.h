@@ -1,0 +1,12 @@
+#pragma once
+
+#include "filasofia/scene/scene_def.h"
+
+namespace filasofia::scene {
+
+/// Gives the commands in the steps that end at their times. `ids`: the bodies of the scene. Throws an Error that begins
+/// with a command's place if its body is of the wrong kind.
+void followCommands(runtime::Simulation& simulation, std::vector<TimedCommand> commands,
+                    const std::vector<BodyId>& ids);
+
+} // namespace filasofia::scene
