@@ -77,7 +77,18 @@ public:
         return 1000 + steps_ + 1'000'000 * iterationsMade_;
     }
 
+    [[nodiscard]] std::shared_ptr<const EngineState> save() const override
+    {
+        auto state = std::make_shared<State>();
+        state->steps = steps_;
+        return state;
+    }
+    void restore(const EngineState& state) override { steps_ = dynamic_cast<const State&>(state).steps; }
+
 private:
+    struct State final : EngineState {
+        std::uint64_t steps = 0;
+    };
     /// As the seam requires: the built body is moved out, the rest of the command stays for the log.
     static Command taken(Command& command)
     {

@@ -16,6 +16,15 @@ struct StepInput {
     const StepBudget* budget = nullptr; ///< null: the step takes as long as it needs
 };
 
+/// The whole state of an engine between two steps. It lives in memory and never changes.
+class EngineState {
+public:
+    EngineState() = default;
+    virtual ~EngineState() = default;
+    EngineState(const EngineState&) = delete;
+    EngineState& operator=(const EngineState&) = delete;
+};
+
 /// The seam behind which an engine works: the native one, or another. Only build() may be called from any thread.
 class PhysicsEngine {
 public:
@@ -31,6 +40,11 @@ public:
     /// A hash of the state: the same input gives the same hash at every step. For a soft body it covers positions,
     /// velocities and every edit of its mesh; any other state of a solver affects these a step later, or never.
     [[nodiscard]] virtual std::uint64_t hash() const = 0;
+    /// Copies the state: bodies, cut meshes, contacts, and all that the next step starts from.
+    [[nodiscard]] virtual std::shared_ptr<const EngineState> save() const = 0;
+    /// Returns to a state of this engine, or of another one with the same period: the steps that follow have the bits
+    /// of those that followed save(). Throws an Error if it cannot; nothing has changed then.
+    virtual void restore(const EngineState& state) = 0;
 };
 
 } // namespace filasofia::physics

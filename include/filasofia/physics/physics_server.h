@@ -19,6 +19,21 @@ constexpr auto fields(const PhysicsServerDef*)
                     field("logLength", &T::logLength, "-", closed(1, 1000000), "unread steps that the log can hold"));
 }
 
+/// What a server returns to with restore(). It lives in memory and never changes; any thread may use it.
+class SavedState {
+public:
+    struct Content;
+    explicit SavedState(std::unique_ptr<const Content> content);
+    ~SavedState();
+    SavedState(const SavedState&) = delete;
+    SavedState& operator=(const SavedState&) = delete;
+
+    [[nodiscard]] const Content& content() const { return *content_; }
+
+private:
+    std::unique_ptr<const Content> content_;
+};
+
 /// Owns an engine and all of its input and output. The functions that change something may be called from any thread:
 /// they check their arguments at once (Error) and take effect at the start of the next step. The server has no thread
 /// and no clock.
@@ -103,6 +118,14 @@ public:
     [[nodiscard]] bool stepsHere() const;
 
     // Only for the stepping thread; they throw an Error while another step is being computed.
+    /// The state between two steps, with the commands that wait for the next one. Error while a body waits to be added
+    /// or removed, or a material or a tune() to be applied: make a step first.
+    [[nodiscard]] std::shared_ptr<const SavedState> save();
+    /// Returns to a state, at once. Commands that wait are dropped, and ids of attachments that were made since mean
+    /// nothing any more, or other attachments. Error if bodies were added or removed since, or differ from those that
+    /// the state was saved with; it may be a state of another server with the same bodies. Error, too, if readers hold
+    /// all frames.
+    void restore(const SavedState& state);
     /// Computes one step of dt [s], > 0. `flags`: StepFlag bits that the caller sets, for report and log.
     StepReport step(double dt, std::uint32_t flags = 0, const StepBudget& budget = {});
     /// Sets the commands of the next step as a recording has them, with their ids and built bodies, checked as if they

@@ -1,5 +1,6 @@
 #include "filasofia/engine/world.h"
 
+#include "filasofia/core/error.h"
 #include "filasofia/engine/build/build_body.h"
 #include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/contact/find_contacts.h"
@@ -34,6 +35,16 @@ public:
 private:
     const std::function<std::int64_t()>* now_;
     std::int64_t last_ = 0;
+};
+
+/// What a step of the engine begins with.
+struct WorldState final : physics::EngineState {
+    double period = 0.0; ///< [s]
+    Scene scene;
+    RestWatch rest;
+    std::vector<CollisionSurface> surfaces; ///< with these, bodies are not new to contact detection
+    std::vector<std::array<SurfaceName, 2>> startedInside;
+    std::vector<physics::Intersection> intersections;
 };
 
 } // namespace
@@ -122,5 +133,33 @@ void World::record(physics::StepRecord& out) const
 }
 
 std::uint64_t World::hash() const { return hashOf(scene_); }
+
+std::shared_ptr<const physics::EngineState> World::save() const
+{
+    const auto state = std::make_shared<WorldState>();
+    state->period = period_;
+    state->scene = scene_;
+    state->rest = rest_;
+    const ContactDetection& detection = coupling_.detection;
+    state->surfaces = detection.surfaces;
+    state->startedInside = detection.startedInside;
+    state->intersections = detection.intersections;
+    return state;
+}
+
+void World::restore(const physics::EngineState& saved)
+{
+    const auto* state = dynamic_cast<const WorldState*>(&saved);
+    if (!state) fail("restore: the state is one of another engine");
+    if (state->period != period_)
+        fail("restore: the state is one of a simulation with steps of ", state->period, " s, but here they take ",
+             period_, " s");
+    scene_ = state->scene;
+    rest_ = state->rest;
+    ContactDetection& detection = coupling_.detection;
+    detection.surfaces = state->surfaces;
+    detection.startedInside = state->startedInside;
+    detection.intersections = state->intersections;
+}
 
 } // namespace filasofia::engine

@@ -54,7 +54,32 @@ private:
     std::atomic_flag& underWay_;
 };
 
+/// A command that waits, as a saved state has it.
+Command copied(const Command& command)
+{
+    return std::visit(
+        []<class C>(const C& each) -> Command {
+            if constexpr (std::is_same_v<C, AddBody> || std::is_same_v<C, RemoveBody> ||
+                          std::is_same_v<C, SetMaterial> || std::is_same_v<C, Tune>)
+                fail("save: a ", fields(&each).typeName, " waits for the next step: make one first");
+            else
+                return each;
+        },
+        command);
+}
+
 } // namespace
+
+struct SavedState::Content {
+    std::shared_ptr<const EngineState> engine;
+    Registry registry;
+    AttachmentId lastAttachment;
+    std::vector<Command> waiting;
+    bool paused = false;
+};
+
+SavedState::SavedState(std::unique_ptr<const Content> content) : content_(std::move(content)) {}
+SavedState::~SavedState() = default;
 
 struct PhysicsServer::Impl {
     std::unique_ptr<PhysicsEngine> engine;
@@ -284,6 +309,40 @@ struct PhysicsServer::Impl {
         log.publish();
     }
 
+    [[nodiscard]] std::unique_ptr<const SavedState::Content> save()
+    {
+        takeArrived();
+        std::vector<Command> waiting;
+        for (const Posted& each : arrived) waiting.push_back(copied(each.command));
+        return std::make_unique<const SavedState::Content>(
+            SavedState::Content{engine->save(), known, {lastAttachment.load()}, std::move(waiting), paused});
+    }
+
+    void restore(const SavedState::Content& state)
+    {
+        const std::lock_guard lock(registryMutex);
+        takeArrived();
+        takeNews();
+        if (const std::string difference = known.differenceFrom(state.registry); !difference.empty())
+            fail("restore: ", difference);
+        frame::Frame* frame = frames.beginWrite();
+        if (!frame) fail("restore: readers hold all frames: release them first");
+        try {
+            engine->restore(*state.engine);
+        } catch (...) {
+            engine->capture(*frame);
+            frames.publish();
+            throw;
+        }
+        known = registry = state.registry;
+        lastAttachment = state.lastAttachment.value;
+        arrived.clear();
+        for (const Command& each : state.waiting) arrived.push_back({copied(each)});
+        paused = state.paused;
+        engine->capture(*frame);
+        frames.publish();
+    }
+
     void publishFrame()
     {
         frame::Frame* frame = frames.beginWrite();
@@ -435,6 +494,18 @@ bool PhysicsServer::has(BodyId id) const
 }
 
 const PhysicsEngine& PhysicsServer::engine() const { return *impl_->engine; }
+std::shared_ptr<const SavedState> PhysicsServer::save()
+{
+    const SoleStep sole(impl_->stepping);
+    return std::make_shared<const SavedState>(impl_->save());
+}
+
+void PhysicsServer::restore(const SavedState& state)
+{
+    const SoleStep sole(impl_->stepping);
+    impl_->restore(state.content());
+}
+
 std::uint64_t PhysicsServer::hash() const { return impl_->engine->hash(); }
 void PhysicsServer::hashEveryStep(bool on) { impl_->hashing = on; }
 bool PhysicsServer::paused() const { return impl_->paused; }

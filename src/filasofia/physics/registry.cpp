@@ -351,4 +351,16 @@ std::size_t Registry::dynamicElementCount() const
     return count;
 }
 
+std::string Registry::differenceFrom(const Registry& saved) const
+{
+    if (bodies() != saved.bodies()) return "bodies were added or removed since the state was saved";
+    for (const auto& [id, body] : bodies_) {
+        const Body& before = *saved.bodies_.at(id);
+        if (describeBody(*body->def) != describeBody(*before.def) || body->nodeCount != before.nodeCount)
+            return text("the state has ", describeBody(*before.def), " with ", before.nodeCount, " nodes in place of ",
+                        describeBody(*body->def), " with ", body->nodeCount);
+    }
+    return {};
+}
+
 } // namespace filasofia::physics

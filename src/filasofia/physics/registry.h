@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <string>
 
 namespace filasofia::physics {
 
@@ -44,6 +45,8 @@ public:
     [[nodiscard]] const Body& find(BodyId id) const;
     [[nodiscard]] bool has(BodyId id) const { return bodies_.contains(id); }
     [[nodiscard]] std::vector<BodyId> bodies() const; ///< ascending
+    /// What differs between the bodies of both: their ids, kinds, names or sizes. Empty: nothing.
+    [[nodiscard]] std::string differenceFrom(const Registry& saved) const;
     [[nodiscard]] BodyId lastAdded() const { return last_; }
     [[nodiscard]] std::size_t softBodyCount() const;
     [[nodiscard]] std::size_t dynamicElementCount() const; ///< elements of dynamic rigid bodies, and links

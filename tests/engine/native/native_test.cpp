@@ -249,6 +249,8 @@ struct OtherEngine final : PhysicsEngine {
     void capture(frame::Frame&) const override {}
     void record(StepRecord&) const override {}
     std::uint64_t hash() const override { return 0; }
+    std::shared_ptr<const EngineState> save() const override { return nullptr; }
+    void restore(const EngineState&) override {}
 };
 
 } // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/core/copied_ptr.h"
 #include "filasofia/engine/body/attachment.h"
 #include "filasofia/engine/body/soft_model.h"
 #include "filasofia/engine/rupture/cut.h"
@@ -38,7 +39,7 @@ struct SpringsOfElements {
 /// The editable mesh of a body that may be cut or torn, and the data that follow it triangle by triangle. Elements have
 /// the same indices in the mesh and in the model.
 struct BodyTopology {
-    std::unique_ptr<EditableMesh> mesh;             ///< null: the body is never edited
+    CopiedPtr<EditableMesh> mesh;                   ///< null: the body is never edited
     std::vector<std::array<int, 4>> boundaryPlaces; ///< per element and face: its triangle of the boundary; -1: inside
     std::vector<std::array<int, 2>> boundaryFaces;  ///< per triangle of the boundary: its element and face
     std::vector<int> vertices;                      ///< per node: its vertex of the surface; -1: not on the surface
@@ -62,7 +63,7 @@ struct BodyTopology {
     RuptureReport cut, torn;                  ///< what the last step opened
     std::vector<Attachment> startAttachments; ///< the scene's attachments before the body's first edit
     /// The model without any edit, for a reset; materials and pins that change later change here as well.
-    std::unique_ptr<SoftModel> start;
+    CopiedPtr<SoftModel> start;
 };
 
 /// The topology of a body at the start; empty unless the body has dynamicTopology.

@@ -319,6 +319,13 @@ CoarseRebuild::CoarseRebuild(const SoftModel& model, const PreconditionerPlan& p
     meanwhile.submit(job_);
 }
 
+CoarseRebuild::CoarseRebuild(const CoarseRebuild& other) : stepsLeft_(other.stepsLeft_), since_(other.since_)
+{
+    other.job_->finish();
+    work_ = std::make_shared<Work>(*other.work_);
+    job_ = std::make_shared<BackgroundJob>([] {}); // the work is done
+}
+
 CoarseRebuild::~CoarseRebuild() { job_->drop(); }
 
 linalg::CoarseLevel&& CoarseRebuild::take()

@@ -47,7 +47,8 @@ class CoarseRebuild {
 public:
     CoarseRebuild(const SoftModel& model, const PreconditionerPlan& plan, BackgroundThread& meanwhile);
     ~CoarseRebuild();
-    CoarseRebuild(const CoarseRebuild&) = delete;
+    /// Waits until the result is there; both have it, and take it over in the same step.
+    CoarseRebuild(const CoarseRebuild& other);
     CoarseRebuild& operator=(const CoarseRebuild&) = delete;
 
     /// Called once per step: true in the step in which the result is taken over.

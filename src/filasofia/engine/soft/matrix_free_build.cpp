@@ -49,6 +49,7 @@ MatrixFreeSystem::MatrixFreeSystem(const SoftModel& model, double period)
         preconditioner_ = preconditionerAtRest(model, plan(), coarseChoice(static_cast<std::size_t>(freeNodes_)));
 }
 
+MatrixFreeSystem::MatrixFreeSystem(const MatrixFreeSystem& other) = default;
 MatrixFreeSystem::~MatrixFreeSystem() = default;
 
 PreconditionerPlan MatrixFreeSystem::plan() const

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/core/copied_ptr.h"
 #include "filasofia/engine/body/soft_model.h"
 #include "filasofia/engine/elastic/element_blocks.h"
 #include "filasofia/engine/elastic/spring_blocks.h"
@@ -32,6 +33,9 @@ class MatrixFreeSystem final : public linalg::NodeOperator {
 public:
     /// `period` [s]: the step that the preconditioner is built for.
     MatrixFreeSystem(const SoftModel& model, double period);
+    /// Waits for a rebuild of the coarse level that is in progress, whose result both have.
+    MatrixFreeSystem(const MatrixFreeSystem& other);
+    MatrixFreeSystem& operator=(const MatrixFreeSystem&) = delete;
     ~MatrixFreeSystem() override;
 
     /// True if float can represent all numbers of the model; extreme models need the assembled system.
@@ -170,8 +174,8 @@ private:
     double size_ = 0.0; ///< squared norm of the right-hand side
     std::vector<double> sums_;
     linalg::TwoLevelPreconditioner preconditioner_;
-    bool parted_ = false; ///< tissue has been parted since the coarse level was built or its rebuild began
-    std::unique_ptr<CoarseRebuild> rebuild_; ///< rebuild of the coarse level in progress; null: none
+    bool parted_ = false;              ///< tissue has been parted since the coarse level was built or its rebuild began
+    CopiedPtr<CoarseRebuild> rebuild_; ///< rebuild of the coarse level in progress; null: none
     linalg::MatrixFreeCg cg_;
 };
 

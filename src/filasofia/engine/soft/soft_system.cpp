@@ -51,6 +51,19 @@ PinnedParts pinnedParts(const SoftModel& model)
 
 } // namespace
 
+SoftSystem::SoftSystem(const SoftSystem& other)
+    : matrixFree(other.matrixFree ? std::make_unique<MatrixFreeSystem>(*other.matrixFree) : nullptr), held(other.held),
+      tuned(other.tuned), outdated(other.outdated || other.assembled), forces(other.forces), x(other.x), v(other.v),
+      dv(other.dv), residual(other.residual)
+{
+}
+
+SoftSystem& SoftSystem::operator=(const SoftSystem& other)
+{
+    if (this != &other) *this = SoftSystem(other);
+    return *this;
+}
+
 void updatePinnedParts(const SoftModel& model, const MeshEdit& edit, PinnedParts& parts)
 {
     if (parts.holders.empty()) return;

@@ -22,6 +22,14 @@ struct SoftSystem {
     std::unique_ptr<MatrixFreeOperator> coupled;
     std::unique_ptr<AssembledSystem> assembled; ///< in double, the reference solver
 
+    SoftSystem() = default;
+    /// The copy makes an assembled system again before its next solve: it is a function of the model.
+    SoftSystem(const SoftSystem& other);
+    SoftSystem(SoftSystem&&) noexcept = default;
+    SoftSystem& operator=(const SoftSystem& other);
+    SoftSystem& operator=(SoftSystem&&) noexcept = default;
+    ~SoftSystem() = default;
+
     PinnedParts held;
     bool tuned = false;    ///< the model may differ from what its Def and its material say
     bool outdated = false; ///< the model has changed: the system is rebuilt before the next solve
