@@ -8,6 +8,8 @@
 #include <functional>
 #include <thread>
 
+#include <unistd.h>
+
 namespace stepped_run_test {
 
 using namespace filasofia;
@@ -143,6 +145,75 @@ TEST_CASE("a run that is refused leaves nothing behind: the next one records wha
               CHECK_THROWS_WITH(SteppedRun(sim, {.record = nowhere}), Catch::Contains(nowhere));
           }) == all);
     std::filesystem::remove(file);
+}
+
+TEST_CASE("a stepped run returns to a saved state, and another simulation with the same bodies continues it")
+{
+    Poke poke, other;
+    SteppedRun run(poke.sim);
+    CHECK_THROWS_WITH(run.save(), "save: make a step first: the last AddBody has not taken effect");
+    for (int i = 0; i < 70; ++i) run.step();
+    const BodyId block = poke.block;
+    poke.sim.physics().setPressure(poke.block, 500.0); // it waits for the next step
+    const auto state = run.save();
+    const auto follow = [block](Simulation& sim, SteppedRun& stepped) {
+        std::vector<std::uint64_t> hashes;
+        for (int i = 0; i < 20; ++i) {
+            if (i == 5) sim.physics().attach(block, {.nodes = {0}, .stiffness = 10});
+            stepped.step();
+            hashes.push_back(sim.physics().hash());
+        }
+        return hashes;
+    };
+    const auto hashes = follow(poke.sim, run);
+    poke.sim.physics().setPressure(poke.block, -500.0); // dropped
+    run.restore(*state);
+    CHECK(poke.sim.physics().latest()->step == 70);
+    CHECK(poke.sim.physics().latest()->time == Approx(0.07));
+    CHECK(follow(poke.sim, run) == hashes);
+    SteppedRun second(other.sim);
+    second.step();
+    second.restore(*state);
+    CHECK(follow(other.sim, second) == hashes);
+    CHECK(run.report().steps == 90);
+
+    poke.sim.physics().setMaterial(poke.block, FemMaterial{});
+    CHECK_THROWS_WITH(run.save(), Catch::Contains("the last SetMaterial has not"));
+    poke.sim.add(RigidBodyDef{.name = "late"});
+    CHECK_THROWS_WITH(run.restore(*state), "restore: bodies were added or removed since the state was saved");
+    Simulation lonely;
+    lonely.add(SoftBodyDef{.name = "cube", .mesh = shapes::block({1_cm, 1_cm, 1_cm}, {1, 1, 1})});
+    lonely.add(RigidBodyDef{.name = "ball"});
+    SteppedRun third(lonely);
+    third.step();
+    CHECK_THROWS_WITH(third.restore(*state), Catch::Contains("the state has soft body 'block' with"));
+    Poke recorded;
+    const std::string file = (std::filesystem::temp_directory_path() / text("restore_", getpid(), ".rec")).string();
+    {
+        SteppedRun written(recorded.sim, {.record = file});
+        written.step();
+        CHECK_THROWS_WITH(written.restore(*state), Catch::Contains("where time only goes on"));
+    }
+    std::filesystem::remove(file);
+}
+
+TEST_CASE("a state is not restored while readers hold all frames, and nothing changes then")
+{
+    Poke poke;
+    SteppedRun run(poke.sim);
+    run.step();
+    const auto state = run.save();
+    std::vector<frame::FrameRef> held;
+    for (int i = 0; i < 12; ++i) {
+        held.push_back(poke.sim.physics().latest());
+        run.step();
+    }
+    const std::uint64_t hash = poke.sim.physics().hash();
+    CHECK_THROWS_WITH(run.restore(*state), "restore: readers hold all frames: release them first");
+    CHECK(poke.sim.physics().hash() == hash);
+    held.clear();
+    run.restore(*state);
+    CHECK(poke.sim.physics().latest()->step == 1);
 }
 
 } // namespace stepped_run_test

@@ -162,6 +162,21 @@ TEST_CASE("scenes: commands are given at their times, with the hash of a program
     const SceneDef scene = SceneFile(content).load();
     REQUIRE(scene.commands.size() == 5);
     for (const int steps : {15, 25, 32, 40}) CHECK(runScene(scene, steps).hash == pressedInCpp(steps));
+
+    // A restored state gets the later commands again.
+    Simulation sim(simulationDef(scene));
+    addScene(sim, scene);
+    runtime::SteppedRun run(sim);
+    std::shared_ptr<const physics::SavedState> state;
+    for (int i = 1; i <= 40; ++i) {
+        run.step();
+        if (i == 19) state = run.save();
+    }
+    for (int round = 0; round < 2; ++round) {
+        run.restore(*state);
+        for (int i = 20; i <= 40; ++i) run.step();
+        CHECK(sim.physics().hash() == pressedInCpp(40));
+    }
 }
 
 TEST_CASE("scenes: a command that cannot be is refused, or ends the commands and is told")

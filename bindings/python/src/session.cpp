@@ -117,6 +117,21 @@ physics::StepReport Session::step()
     return report;
 }
 
+std::shared_ptr<const physics::SavedState> Session::save()
+{
+    if (!run_) fail("save_state: make a step first");
+    return running().save();
+}
+
+void Session::restore(const physics::SavedState& state)
+{
+    if (!run_) fail("restore: make a step first");
+    running().restore(state);
+    const frame::FrameRef now = physics().latest();
+    time_.store(now->time, std::memory_order_relaxed);
+    steps_.store(now->step, std::memory_order_release);
+}
+
 visual::Image Session::picture(const runtime::PictureDef& def) { return running().picture(def); }
 
 runtime::RunReport Session::report()

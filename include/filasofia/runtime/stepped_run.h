@@ -53,6 +53,14 @@ public:
     /// Draws the present state off screen. The first picture starts the renderer on a thread of its own, which later
     /// pictures use, and fixes the look: what it frames is what is shown then. Throws an Error if nothing can be drawn.
     visual::Image picture(const PictureDef& def = {});
+    /// The present state, in memory: bodies, cut meshes, contacts, attachments, time, and the commands that wait for
+    /// the next step. Error if a body, a material or a tune() waits: make a step first.
+    [[nodiscard]] std::shared_ptr<const physics::SavedState> save();
+    /// Returns at once to a state of this simulation, or of another one with the same bodies, rate and contact method.
+    /// The steps that follow have the bits of those that followed save(), if they get the same commands. Paint, the
+    /// counts of the report and what functions of everyStep() remember do not go back. Error, and nothing has changed,
+    /// if bodies differ, if the run is written to a file, or if there is a haptic interface: a hand does not go back.
+    void restore(const physics::SavedState& state);
     /// How the run went until now; without the times of single steps.
     [[nodiscard]] RunReport report() const;
     /// Ends the run: closes its files and the renderer, and returns the report. Error if it has ended.

@@ -61,7 +61,7 @@ Command copied(const Command& command)
         []<class C>(const C& each) -> Command {
             if constexpr (std::is_same_v<C, AddBody> || std::is_same_v<C, RemoveBody> ||
                           std::is_same_v<C, SetMaterial> || std::is_same_v<C, Tune>)
-                fail("save: a ", fields(&each).typeName, " waits for the next step: make one first");
+                fail("save: make a step first: the last ", fields(&each).typeName, " has not taken effect");
             else
                 return each;
         },

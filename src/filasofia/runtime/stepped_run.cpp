@@ -2,6 +2,7 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/core/word.h"
 #include "filasofia/runtime/check_file.h"
 #include "filasofia/runtime/picture_thread.h"
 #include "filasofia/runtime/run_files.h"
@@ -116,6 +117,27 @@ visual::Image SteppedRun::picture(const PictureDef& def)
     validate(def, "picture");
     if (!impl_->pictures) impl_->pictures.emplace(impl_->simulation);
     return impl_->pictures->draw(def);
+}
+
+std::shared_ptr<const physics::SavedState> SteppedRun::save()
+{
+    impl_->requireRunning("save");
+    const physics::PhysicsServer::Stepping stepping(impl_->simulation.physics);
+    return impl_->simulation.physics.save();
+}
+
+void SteppedRun::restore(const physics::SavedState& state)
+{
+    impl_->requireRunning("restore");
+    for (const std::string* file : {&impl_->def.log, &impl_->def.record})
+        if (!file->empty()) fail("restore: the run is written to '", shortened(*file), "', where time only goes on");
+    Simulation::Impl& simulation = impl_->simulation;
+    if (!simulation.haptics.ids().empty())
+        fail("restore: the simulation has a haptic interface, and a hand does not go back");
+    const physics::PhysicsServer::Stepping stepping(simulation.physics);
+    simulation.physics.restore(state);
+    const frame::FrameRef now = simulation.physics.latest();
+    simulation.now.set(now->time, now->step);
 }
 
 RunReport SteppedRun::report() const { return impl_->report(); }

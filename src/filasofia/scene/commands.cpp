@@ -35,12 +35,16 @@ class CommandFollower {
 public:
     CommandFollower(std::vector<TimedCommand> commands, std::vector<BodyId> ids,
                     std::map<AttachmentId, AttachmentId> attachments)
-        : commands_(std::move(commands)), ids_(std::move(ids)), attachments_(std::move(attachments))
+        : commands_(std::move(commands)), given_(commands_.size()), ids_(std::move(ids)),
+          attachments_(std::move(attachments))
     {
     }
 
     void give(physics::PhysicsServer& server, double time)
     {
+        if (time <= last_) // a saved state was restored: commands of later steps are yet to come
+            while (next_ > 0 && given_[next_ - 1] >= time) --next_;
+        last_ = time;
         for (; next_ < commands_.size() && commands_[next_].time <= time; ++next_) {
             physics::GivenCommand command =
                 std::visit([](const auto& each) { return physics::GivenCommand(each); }, commands_[next_].command);
@@ -52,6 +56,7 @@ public:
                         return AttachmentId{};
                 },
                 commands_[next_].command);
+            given_[next_] = time;
             SceneNumbers(ids_, &attachments_).replaceIn(command);
             try {
                 if (const AttachmentId made = physics::give(server, command)) attachments_[number] = made;
@@ -63,6 +68,8 @@ public:
 
 private:
     std::vector<TimedCommand> commands_;
+    std::vector<double> given_; ///< [s] per command, the end of the step in which it was given
+    double last_ = -1.0;        ///< [s] end of the last step
     std::vector<BodyId> ids_;
     std::map<AttachmentId, AttachmentId> attachments_; ///< by their numbers in the scene
     std::size_t next_ = 0;

@@ -64,20 +64,34 @@ public:
 
     void give(physics::PhysicsServer& server, double time)
     {
-        const auto later = laterKey(motion_.keys, within(motion_, time));
-        // In a motion that repeats, the last command holds until the first key of the next round.
-        const auto key = later != motion_.keys.begin() ? later - 1 : motion_.keys.end() - 1;
-        const bool begun = later != motion_.keys.begin() || (motion_.repeat && time >= motion_.keys.back().time);
-        const auto index = static_cast<std::size_t>(key - motion_.keys.begin());
-        if (!begun || index == given_) return;
-        server.setJoint(id_, motion_.joint, key->command);
-        given_ = index;
+        if (time <= last_)
+            given_ = keyAt(time - step_); // a saved state was restored
+        else
+            step_ = time - last_;
+        last_ = time;
+        const std::size_t key = keyAt(time);
+        if (key == kNone || key == given_) return;
+        server.setJoint(id_, motion_.joint, motion_.keys[key].command);
+        given_ = key;
     }
 
 private:
+    static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+    /// The key whose command holds at this time.
+    [[nodiscard]] std::size_t keyAt(double time) const
+    {
+        const auto later = laterKey(motion_.keys, within(motion_, time));
+        if (later != motion_.keys.begin()) return static_cast<std::size_t>(later - motion_.keys.begin()) - 1;
+        // In a motion that repeats, the last command holds until the first key of the next round.
+        const bool again = motion_.repeat && time >= motion_.keys.back().time;
+        return again ? motion_.keys.size() - 1 : kNone;
+    }
+
     BodyId id_;
     JointMotion motion_;
-    std::size_t given_ = static_cast<std::size_t>(-1);
+    std::size_t given_ = kNone;
+    double last_ = 0.0, step_ = 0.0; ///< [s] end and length of the last step
 };
 
 } // namespace
