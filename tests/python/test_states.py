@@ -18,7 +18,9 @@ def cutting(threads=1):
         vertices=[[0, 0, -0.1], [0, 0, 0.1], [0, 0.05, 0.1], [0, 0.05, -0.1]], triangles=[[0, 1, 2], [0, 2, 3]]
     )
     knife = sim.add(
-        fs.RigidBodyDef(name="knife", elements=[(0.001, 0.02, 0)], collision=[fs.CollisionDef(mesh=blade, cutting=True)])
+        fs.RigidBodyDef(
+            name="knife", elements=[(0.001, 0.02, 0)], collision=[fs.CollisionDef(mesh=blade, cutting=True)]
+        )
     )
     return sim, tissue, knife
 

@@ -37,7 +37,8 @@ template <class Act> auto ofSceneFile(Act&& act)
     }
 }
 
-void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle file, bool anyFolder)
+void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle file, bool anyFolder,
+          nb::handle threads)
 {
     runtime::SimulationDef def;
     scene::SceneDef scene;
@@ -45,6 +46,7 @@ void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle 
         const std::string name = readText(file, {.name = "load: file"});
         scene = ofSceneFile([&] { return scene::loadScene(name, {.anyFolder = anyFolder}); });
         def = scene::simulationDef(scene);
+        if (!threads.is_none()) def.physics.threads = readArgument<int>(threads, "load", "threads", closed(1, 256));
     }
     if (!physics.is_none()) def.physics = readDef<runtime::PhysicsDef>(physics, "Simulation");
     if (!look.is_none()) def.look = readDef<runtime::LookDef>(look, "Simulation: look");
@@ -399,7 +401,7 @@ void bindSimulation(nb::module_& module)
 {
     nb::class_<HeldSimulation> sim(module, "Simulation", nb::type_slots(slots), nb::is_weak_referenceable());
     sim.def("__init__", &make, nb::arg("physics") = nb::none(), nb::arg("look") = nb::none(),
-            nb::arg("scene") = nb::none(), nb::arg("any_folder") = false);
+            nb::arg("scene") = nb::none(), nb::arg("any_folder") = false, nb::arg("threads") = nb::none());
     addBodies(sim);
     addSteps(sim);
     nb::class_<HeldState>(module, "SavedState", "What Simulation.restore() returns to; it never changes.")

@@ -1,7 +1,10 @@
 #include "filasofia/visual/egl_context.h"
 
+#include "filasofia/core/text.h"
+
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
+#include <dlfcn.h>
 
 #include <array>
 #include <cstdlib>
@@ -10,6 +13,54 @@
 
 namespace filasofia::visual {
 namespace {
+
+/// EGL, which is loaded when it is first needed: a program that draws nothing runs where it is not installed.
+struct Egl {
+    decltype(&eglBindAPI) bindApi = nullptr;
+    decltype(&eglChooseConfig) chooseConfig = nullptr;
+    decltype(&eglCreateContext) createContext = nullptr;
+    decltype(&eglDestroyContext) destroyContext = nullptr;
+    decltype(&eglGetCurrentContext) getCurrentContext = nullptr;
+    decltype(&eglGetCurrentDisplay) getCurrentDisplay = nullptr;
+    decltype(&eglGetCurrentSurface) getCurrentSurface = nullptr;
+    decltype(&eglGetProcAddress) getProcAddress = nullptr;
+    decltype(&eglInitialize) initialize = nullptr;
+    decltype(&eglMakeCurrent) makeCurrent = nullptr;
+    decltype(&eglQueryString) queryString = nullptr;
+    bool found = true; ///< all of it
+    /// OpenGL itself, too, without which libepoxy ends the process.
+    bool foundOpenGl = dlopen("libGL.so.1", RTLD_LAZY | RTLD_LOCAL) || dlopen("libOpenGL.so.0", RTLD_LAZY | RTLD_LOCAL);
+
+    Egl() : library_(dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL))
+    {
+        load("eglBindAPI", bindApi);
+        load("eglChooseConfig", chooseConfig);
+        load("eglCreateContext", createContext);
+        load("eglDestroyContext", destroyContext);
+        load("eglGetCurrentContext", getCurrentContext);
+        load("eglGetCurrentDisplay", getCurrentDisplay);
+        load("eglGetCurrentSurface", getCurrentSurface);
+        load("eglGetProcAddress", getProcAddress);
+        load("eglInitialize", initialize);
+        load("eglMakeCurrent", makeCurrent);
+        load("eglQueryString", queryString);
+    }
+
+private:
+    template <class Function> void load(const char* name, Function& out)
+    {
+        if (library_) out = reinterpret_cast<Function>(dlsym(library_, name));
+        found = found && out != nullptr;
+    }
+
+    void* library_; ///< never closed: contexts of the process may outlive every server
+};
+
+const Egl& egl()
+{
+    static const Egl loaded;
+    return loaded;
+}
 
 bool hasExtension(const char* list, std::string_view name)
 {
@@ -20,14 +71,14 @@ bool hasExtension(const char* list, std::string_view name)
 std::vector<EGLDisplay> headlessDisplays()
 {
     std::vector<EGLDisplay> displays;
-    const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    const char* extensions = egl().queryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     const auto platformDisplay =
-        reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
+        reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(egl().getProcAddress("eglGetPlatformDisplayEXT"));
     if (!platformDisplay) return displays;
     const auto add = [&](EGLDisplay display) {
         if (display != EGL_NO_DISPLAY) displays.push_back(display);
     };
-    const auto queryDevices = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
+    const auto queryDevices = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(egl().getProcAddress("eglQueryDevicesEXT"));
     if (hasExtension(extensions, "EGL_EXT_platform_device") && queryDevices) {
         std::array<EGLDeviceEXT, 16> devices{};
         EGLint count = 0;
@@ -44,15 +95,21 @@ std::vector<EGLDisplay> headlessDisplays()
 
 void prepareMesa() { setenv("MESA_EXTENSION_OVERRIDE", "-GL_EXT_shader_framebuffer_fetch", 0); }
 
-EglContext::Address EglContext::address(const char* name) { return eglGetProcAddress(name); }
+EglContext::Address EglContext::address(const char* name) { return egl().getProcAddress(name); }
 
 bool EglContext::create(void* sharedContext, std::string& problem)
 {
+    if (!egl().found || !egl().foundOpenGl) {
+        const bool both = !egl().found && !egl().foundOpenGl;
+        problem = text(egl().found ? "" : "'libEGL.so.1'", both ? " and " : "", egl().foundOpenGl ? "" : "'libGL.so.1'",
+                       both ? " are" : " is", " not installed (Debian: libegl1, libgl1, libgl1-mesa-dri)");
+        return false;
+    }
     prepareMesa();
-    beforeDisplay_ = eglGetCurrentDisplay();
-    beforeContext_ = eglGetCurrentContext();
-    beforeDraw_ = eglGetCurrentSurface(EGL_DRAW);
-    beforeRead_ = eglGetCurrentSurface(EGL_READ);
+    beforeDisplay_ = egl().getCurrentDisplay();
+    beforeContext_ = egl().getCurrentContext();
+    beforeDraw_ = egl().getCurrentSurface(EGL_DRAW);
+    beforeRead_ = egl().getCurrentSurface(EGL_READ);
     const std::vector<EGLDisplay> displays = headlessDisplays();
     if (displays.empty()) problem = "EGL offers no display that works without a screen";
     for (EGLDisplay display : displays)
@@ -62,28 +119,28 @@ bool EglContext::create(void* sharedContext, std::string& problem)
 
 bool EglContext::createOn(void* display, void* sharedContext, std::string& problem)
 {
-    if (!eglInitialize(display, nullptr, nullptr)) {
+    if (!egl().initialize(display, nullptr, nullptr)) {
         problem = "EGL cannot initialize a display";
         return false;
     }
-    eglBindAPI(EGL_OPENGL_API);
+    egl().bindApi(EGL_OPENGL_API);
     const EGLint configWish[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
     EGLConfig config = nullptr;
     EGLint count = 0;
-    if (!eglChooseConfig(display, configWish, &config, 1, &count) || count == 0) {
+    if (!egl().chooseConfig(display, configWish, &config, 1, &count) || count == 0) {
         problem = "EGL has no configuration for OpenGL";
         return false;
     }
     const EGLint contextWish[] = {
         EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 1, EGL_CONTEXT_OPENGL_PROFILE_MASK,
         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
-    EGLContext context = eglCreateContext(display, config, sharedContext, contextWish);
+    EGLContext context = egl().createContext(display, config, sharedContext, contextWish);
     if (context == EGL_NO_CONTEXT) {
         problem = "EGL cannot make an OpenGL 4.1 core context";
         return false;
     }
-    if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
-        eglDestroyContext(display, context);
+    if (!egl().makeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
+        egl().destroyContext(display, context);
         problem = "EGL cannot use a context without a surface";
         return false;
     }
@@ -95,9 +152,9 @@ bool EglContext::createOn(void* display, void* sharedContext, std::string& probl
 void EglContext::destroy()
 {
     if (!context_) return;
-    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    eglDestroyContext(display_, context_);
-    if (beforeContext_ != EGL_NO_CONTEXT) eglMakeCurrent(beforeDisplay_, beforeDraw_, beforeRead_, beforeContext_);
+    egl().makeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    egl().destroyContext(display_, context_);
+    if (beforeContext_ != EGL_NO_CONTEXT) egl().makeCurrent(beforeDisplay_, beforeDraw_, beforeRead_, beforeContext_);
     // No eglTerminate: the display belongs to the process, and another server may use it.
     display_ = context_ = nullptr;
 }

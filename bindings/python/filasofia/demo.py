@@ -1,0 +1,63 @@
+"""Tissue hangs, swings and is pushed: python -m filasofia.demo. Its picture too, where OpenGL is installed."""
+
+from __future__ import annotations
+
+import argparse
+import struct
+import zlib
+
+import filasofia as fs
+
+
+def write_png(file: str, picture: object) -> None:
+    """Writes a picture, (height, width, 3) uint8, without another library."""
+    height, width, _ = picture.shape  # type: ignore[attr-defined]
+    rows = b"".join(b"\0" + row.tobytes() for row in picture)  # type: ignore[attr-defined]
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    with open(file, "wb") as out:
+        out.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0)))
+        out.write(chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m filasofia.demo", description="Tissue hangs, swings and is pushed.")
+    parser.add_argument("--picture", default="filasofia_demo.png", help="file of the picture (default: %(default)s)")
+    file = parser.parse_args().picture
+
+    around = fs.Box((-0.1, -0.05, -0.05), (0.06, 0.15, 0.08))
+    sim = fs.Simulation(rate=1000, look=fs.LookDef(around=around, direction=(0.8, 0.3, 1)))
+    bunny = sim.add(
+        fs.SoftBodyDef(
+            name="bunny",
+            mesh=fs.asset("meshes/bunny_3004.msh"),
+            material=fs.FemMaterial(young_modulus=10e3, poisson_ratio=0.45),
+            attachments=[fs.AttachmentDef(box=fs.Box((-1, 0.105, -1), (1, 1, 1)))],
+            collision=[fs.CollisionDef()],
+        )
+    )
+    ball = sim.add(
+        fs.RigidBodyDef(
+            name="ball", elements=[(-0.01, 0.02, 0.13)], mesh=fs.shapes.sphere(0.015), collision=[fs.CollisionDef()]
+        )
+    )
+    sim.show(bunny, surface=fs.asset("meshes/bunny.obj"), subdivision=1)
+    sim.show(ball, material=fs.MetalMaterial())
+    sim.every_step(lambda time: sim.set_pose(ball, (-0.01, 0.02, max(0.06, 0.13 - 0.15 * time))))
+    report = sim.run(0.8)
+    lowest = sim.frame[bunny].positions[:, 1].min()
+    force = max((pair.max_normal_force for pair in report.contacts), default=0.0)
+    print(f"{report.steps} steps of {len(sim.frame[bunny].positions)} nodes in {report.wall_seconds:.2f} s")
+    print(f"the bunny swings at {lowest * 1e3:.1f} mm, and the ball has pushed it with up to {force:.2f} N")
+    try:
+        write_png(file, sim.render(960, 720))
+        print(f"wrote {file}")
+    except fs.Error as problem:
+        print(f"no picture: {problem}")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,214 @@
+"""filasofia.batch: many sessions."""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+import filasofia as fs
+from filasofia import batch
+
+pytest.importorskip("pyarrow", reason="pip install filasofia[batch]")
+import pyarrow.parquet  # noqa: E402
+
+ROOT = pathlib.Path(os.environ["FILASOFIA_ROOT"])
+POKE = str(ROOT / "examples" / "scenes" / "poke.json")
+
+
+def press(depth, steps=5, seed=0):
+    """A ball in tissue."""
+    from scenes import poke
+
+    sim, _, ball = poke()
+    for _ in range(steps):
+        sim.set_pose(ball, (0, 0.025 - depth, 0))
+        sim.step()
+    return {"state_hash": f"{sim.state_hash:016x}", "contacts": len(sim.frame.contacts)}
+
+
+def moody(value, folder):
+    """Raises for 1; kills its worker for 2, and for 3 the first time."""
+    if value == 1:
+        raise ValueError("not today")
+    once = pathlib.Path(folder) / "once"
+    if value == 2 or (value == 3 and not once.exists()):
+        once.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {"double": 2 * value}
+
+
+def nothing(value):
+    return [value]
+
+
+def colliding(value):
+    return {"value": value}
+
+
+def opaque(value):
+    return {"object": object()}
+
+
+def quiet(work, jobs, out, **options):
+    return batch.run(work, jobs, out, progress=False, **options)
+
+
+class Here:
+    """An executor that calls at once: the serial run."""
+
+    def submit(self, function, *arguments):
+        from concurrent.futures import Future
+
+        future = Future()
+        future.set_result(function(*arguments))
+        return future
+
+
+def test_a_grid_has_all_combinations():
+    assert batch.grid(a=[1, 2], b="x", c=range(2)) == [
+        {"a": 1, "b": "x", "c": 0},
+        {"a": 1, "b": "x", "c": 1},
+        {"a": 2, "b": "x", "c": 0},
+        {"a": 2, "b": "x", "c": 1},
+    ]
+    with pytest.raises(fs.Error, match="grid: a must have at least one value, got none"):
+        batch.grid(a=[])
+
+
+def test_processes_give_the_bits_of_a_serial_run(tmp_path):
+    jobs = batch.grid(depth=[0.001, 0.003, 0.005], seed=range(2))
+    serial = quiet(press, jobs, tmp_path / "serial.parquet", executor=Here())
+    parallel = quiet(press, jobs, tmp_path / "parallel.parquet", workers=2)
+    assert parallel["state_hash"] == serial["state_hash"]
+    assert len(set(serial["state_hash"].to_pylist())) == 3
+    assert parallel["depth"].to_pylist() == [job["depth"] for job in jobs]
+    read = pyarrow.parquet.read_table(tmp_path / "parallel.parquet")
+    assert read == parallel
+    assert read.schema.metadata[b"filasofia.filasofia"].decode() == fs.__version__
+    assert read.column_names == [
+        "depth",
+        "seed",
+        "state_hash",
+        "contacts",
+        "job",
+        "attempts",
+        "wall_seconds",
+        "host",
+        "error",
+    ]
+
+
+def test_what_is_done_is_not_made_again(tmp_path):
+    out = tmp_path / "a.parquet"
+    first = quiet(press, batch.grid(depth=[0.001]), out, executor=Here())
+    more = quiet(press, batch.grid(depth=[0.001, 0.002]), out, executor=Here())
+    assert more["wall_seconds"][0] == first["wall_seconds"][0]
+    assert len(list((tmp_path / "a.parquet.parts").iterdir())) == 2
+
+
+def test_errors_and_dead_workers_are_told_and_tried_again(tmp_path):
+    jobs = [{"value": value, "folder": str(tmp_path)} for value in range(6)]
+    table = quiet(moody, jobs, tmp_path / "b.parquet", workers=2, retries=1)
+    errors = table["error"].to_pylist()
+    assert errors == ["", "ValueError: not today", "its worker died", "", "", ""]
+    assert table["double"].to_pylist() == [0, None, None, 6, 8, 10]
+    assert table["attempts"].to_pylist()[1:3] == [2, 2]
+
+
+DRIVER = """
+import sys
+from filasofia import batch
+from test_batch import slow
+if __name__ == "__main__":
+    batch.run(slow, batch.grid(value=range(12)), sys.argv[1], workers=2, progress=False)
+"""
+
+
+def slow(value):
+    """Notes that it was made."""
+    with open(os.environ["FILASOFIA_TALLY"], "a") as tally:
+        tally.write(f"{value}\n")
+    time.sleep(0.15)
+    return press(0.001 + 1e-4 * value)
+
+
+def test_a_driver_that_is_killed_goes_on_where_it_was(tmp_path):
+    out, tally, driver = tmp_path / "c.parquet", tmp_path / "tally", tmp_path / "driver.py"
+    driver.write_text(DRIVER)
+    paths = os.pathsep.join([str(pathlib.Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
+    environment = {**os.environ, "FILASOFIA_TALLY": str(tally), "PYTHONPATH": paths}
+    process = subprocess.Popen([sys.executable, driver, out], env=environment, start_new_session=True)
+    parts = tmp_path / "c.parquet.parts"
+    while not parts.exists() or len(list(parts.glob("*.json"))) < 4:
+        assert process.poll() is None
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    done = {json.loads(each.read_text())["result"]["state_hash"] for each in parts.glob("*.json")}
+    assert not out.exists()
+    assert subprocess.run([sys.executable, driver, out], env=environment, check=False).returncode == 0
+    table = pyarrow.parquet.read_table(out)
+    assert table["state_hash"].to_pylist() == [press(0.001 + 1e-4 * value)["state_hash"] for value in range(12)]
+    assert done <= set(table["state_hash"].to_pylist())
+    made = tally.read_text().split()
+    assert sorted(set(made), key=int) == [str(value) for value in range(12)]
+    assert len(made) <= 12 + 4  # only what was in progress is made twice
+
+
+def test_scene_files_run_with_recordings_and_pictures(tmp_path):
+    jobs = batch.grid(scene=POKE, seconds=0.3, seed=[0, 1], record=str(tmp_path / "rec"), picture=str(tmp_path / "pic"))
+    table = quiet(batch.run_scene, jobs, tmp_path / "d.parquet", workers=2)
+    assert table["error"].to_pylist() == ["", ""]
+    assert table["steps"].to_pylist() == [300, 300]
+    assert len(set(table["state_hash"].to_pylist())) == 1  # a scene has no chance in it
+    assert table["max_force"][0].as_py() > 0.1
+    for file in table["recording_file"].to_pylist():
+        replayed = fs.replay(file=file, check=True)
+        assert replayed.made == 300 and replayed.different_step is None
+    assert all(pathlib.Path(file).read_bytes().startswith(b"\x89PNG") for file in table["picture_file"].to_pylist())
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"out": "a.csv"}, "out must end in .parquet, got 'a.csv'"),
+        ({"jobs": []}, "jobs must not be empty"),
+        ({"jobs": [{"value": 1}, {"value": 1}]}, r"jobs\[1\] is the same as jobs\[0\]"),
+        ({"jobs": [5]}, r"jobs\[0\] must be a dict of parameters, got 5"),
+        ({"jobs": [{"value": float("nan")}]}, r"jobs\[0\]: value must be a finite number, .*, got nan"),
+        ({"jobs": [{"error": 1}]}, r"jobs\[0\] must have no parameter 'error'"),
+        ({"retries": -1}, "retries must be >= 0, got -1"),
+        ({"workers": 0}, "workers must be >= 1, got 0"),
+        ({"executor": "slurm"}, "executor must be 'processes', 'ray', a Dask client or have submit\\(\\), got 'slurm'"),
+        ({"work": 5}, "work must be a function, got 5"),
+        ({"out": "/proc/x/a.parquet"}, "no folder can be made beside"),
+        ({"work": colliding}, r"jobs\[0\]: the result 'value' has the name of another column"),
+        ({"work": opaque}, r"jobs\[0\]: the result cannot be written"),
+    ],
+)
+def test_what_is_wrong_is_one_clear_error(tmp_path, options, message):
+    given = {"work": nothing, "jobs": [{"value": 1}], "out": tmp_path / "e.parquet", "executor": Here(), **options}
+    with pytest.raises(fs.Error, match=message):
+        quiet(**given)
+
+
+def test_work_that_returns_no_dict_and_columns_of_two_kinds_are_told(tmp_path):
+    table = quiet(nothing, [{"value": 1}], tmp_path / "f.parquet", executor=Here(), retries=0)
+    assert table["error"].to_pylist() == ["work must return a dict, got list"]
+    with pytest.raises(fs.Error, match="the column 'value' has values of several kinds"):
+        quiet(nothing, [{"value": 1}, {"value": "a"}], tmp_path / "g.parquet", executor=Here())
+
+
+def test_the_guide_is_true(tmp_path, monkeypatch):
+    text = (ROOT / "docs" / "guide" / "batch.md").read_text()
+    block = text.split("```python\n")[1].split("```")[0]
+    (tmp_path / "many.py").write_text(block)
+    monkeypatch.chdir(tmp_path)
+    made = subprocess.run([sys.executable, "many.py"], capture_output=True, text=True, check=False)
+    assert made.returncode == 0, made.stderr
+    assert pyarrow.parquet.read_table(tmp_path / "press.parquet").num_rows == 12
