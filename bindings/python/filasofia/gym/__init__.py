@@ -1,0 +1,41 @@
+"""Environments for gymnasium (docs/guide/environments.md): importing this module registers "filasofia/Reach-v0" and nine more."""
+
+from __future__ import annotations
+
+try:
+    import gymnasium as _gymnasium
+except ImportError:
+    raise ImportError("filasofia.gym needs gymnasium: pip install filasofia[gym]") from None
+
+from .environment import Judgement, SurgicalEnv, Tool
+from .tasks import (
+    BimanualTissueManipulation,
+    DeflectSpheres,
+    GraspLift,
+    PickAndPlace,
+    PolypRemoval,
+    PrecisionCutting,
+    Reach,
+    SearchForPoint,
+    TissueManipulation,
+    TissueRetraction,
+)
+from .vector import VectorEnv
+
+TASKS = (
+    Reach,
+    DeflectSpheres,
+    SearchForPoint,
+    TissueManipulation,
+    TissueRetraction,
+    BimanualTissueManipulation,
+    PrecisionCutting,
+    PickAndPlace,
+    GraspLift,
+    PolypRemoval,
+)
+
+__all__ = ["TASKS", "Judgement", "SurgicalEnv", "Tool", "VectorEnv", *(each.__name__ for each in TASKS)]
+
+for _each in TASKS:
+    _gymnasium.register(id=f"filasofia/{_each.__name__}-v0", entry_point=f"filasofia.gym:{_each.__name__}")

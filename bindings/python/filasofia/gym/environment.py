@@ -1,0 +1,287 @@
+"""What all environments share: instruments that an action moves, resets, observations, rewards."""
+
+from __future__ import annotations
+
+import dataclasses
+import typing
+
+import gymnasium
+import numpy as np
+
+import filasofia as fs
+
+Array = typing.Any  # numpy.ndarray
+
+
+@dataclasses.dataclass
+class Tool:
+    """An instrument whose tip an action moves within a box."""
+
+    body: fs.BodyId
+    start: tuple[float, float, float]  #: [m]
+    low: tuple[float, float, float]  #: [m], the workspace's corners
+    high: tuple[float, float, float]  #: [m]
+    speed: float = 0.1  #: [m/s], along each axis, of an action of 1
+    grips: fs.BodyId | None = None  #: what it can grasp, by one more component of the action
+    place: Array = None  #: [m], now
+    grasp: fs.AttachmentId | None = None  #: while it is closed
+
+
+@dataclasses.dataclass
+class Judgement:
+    """How a state is judged."""
+
+    reward: dict[str, float]  #: terms whose sum is the reward
+    success: bool
+    measures: dict[str, float]  #: what is measured, in SI units
+
+
+class SurgicalEnv(gymnasium.Env):
+    """Base class of the environments: derive from it for one of your own (docs/guide/environments.md).
+
+    A task overrides build(), which adds bodies and returns its tools, and prepare(), arrange(), features() and judge().
+
+    Observations, float32: "state" is features() and, for each tool, its place and whether it holds something, all
+    about in [-1, 1]; "rgb" is a picture (height, width, 3), uint8.
+
+    Actions: "box" is in [-1, 1], for each tool its velocity along x, y, z, and for tools that grip one more component:
+    above 0.3 it closes, below -0.3 it opens. "discrete" is one of: nothing; for each tool a move along -x, +x, -y, +y,
+    -z or +z; and, if it grips, close and open.
+
+    Each episode starts from the same saved state, also after cuts; only what arrange() draws from `np_random` differs.
+    The same seed and the same actions give the same bits.
+    """
+
+    metadata: dict[str, typing.Any] = {"render_modes": ["rgb_array"], "render_fps": 50}
+    rate = 500  #: [Hz], steps of physics
+    levels = 3  #: difficulties
+    eye, looks_at = (0.0, 0.1, 0.16), (0.0, 0.015, 0.0)  #: [m], of the camera
+    lens = fs.CameraDef(vertical_field_of_view=0.7, near=0.001, exposure=10.2)
+
+    def __init__(
+        self,
+        *,
+        observation: str = "state",
+        action: str = "box",
+        difficulty: int = 0,
+        image_size: tuple[int, int] = (128, 128),
+        max_steps: int = 300,
+        frame_skip: int = 10,
+        threads: int = 1,
+        render_mode: str | None = None,
+    ):
+        self._check("observation", observation, ("state", "rgb"))
+        self._check("action", action, ("box", "discrete"))
+        self._check("render_mode", render_mode, (None, "rgb_array"))
+        self._bound("difficulty", difficulty, 0, self.levels - 1)
+        self._bound("max_steps", max_steps, 1, 10**9)
+        self._bound("frame_skip", frame_skip, 1, 1000)
+        if len(tuple(image_size)) != 2 or not all(isinstance(each, int) and 1 <= each <= 8192 for each in image_size):
+            name = type(self).__name__
+            raise fs.Error(f"{name}: image_size must be two whole numbers in [1, 8192], got {image_size!r}")
+        self.observation, self.action, self.difficulty, self.render_mode = observation, action, difficulty, render_mode
+        self.image_size, self.max_steps, self.frame_skip = tuple(image_size), max_steps, frame_skip
+        self.sim = fs.Simulation(rate=self.rate, threads=threads)
+        self._cuts: list[fs.CutEvent] = []
+        self.tools = self.build()
+        self.sim.on(fs.CutEvent, self._cuts.append)
+        for tool in self.tools:
+            tool.place = np.array(tool.start)
+        self.sim.step()
+        self.prepare()
+        self._start = self.sim.save_state()
+        self.steps = 0
+        self.np_random  # noqa: B018  arrange() draws from it
+        self.arrange()
+        sizes = [3 + (tool.grips is not None) for tool in self.tools]
+        if action == "box":
+            self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (sum(sizes),), np.float32)
+        else:
+            self.action_space = gymnasium.spaces.Discrete(1 + sum(2 * size for size in sizes))
+        if observation == "state":
+            self.observation_space = gymnasium.spaces.Box(-10.0, 10.0, self._state().shape, np.float32)
+        else:
+            width, height = self.image_size
+            self.observation_space = gymnasium.spaces.Box(0, 255, (height, width, 3), np.uint8)
+
+    # What a task overrides.
+
+    def build(self) -> list[Tool]:
+        """Adds bodies to self.sim; returns the instruments."""
+        raise NotImplementedError
+
+    def prepare(self) -> None:
+        """What is done once, after the first step: look up nodes, attach, let tissue settle."""
+
+    def arrange(self) -> None:
+        """Begins an episode: draws from self.np_random, places targets with self.put()."""
+
+    def features(self) -> Array:
+        """What the state observation has besides the tools: any shape; positions with self.unit()."""
+        return np.zeros(0)
+
+    def judge(self) -> Judgement:
+        """Judges the present state."""
+        raise NotImplementedError
+
+    # What tasks use.
+
+    def block(self, name: str, size: typing.Any, cells: typing.Any, **fields: typing.Any) -> fs.BodyId:
+        """Adds a block of tissue that collides, with a picture; `bottom=True` pins its lower face."""
+        pinned = fields.pop("bottom", True)
+        if pinned:
+            y = fields.get("pose", (0, 0, 0))[1] - size[1] / 2
+            fields["attachments"] = [fs.AttachmentDef(box=fs.Box((-1, -1, -1), (1, y + 1e-4, 1)))]
+        look = fields.pop("look", None) or fs.TissueMaterial()
+        mesh = fields.pop("mesh", None) or fs.shapes.block(size, cells)
+        fields.setdefault("material", fs.FemMaterial(young_modulus=5e3, poisson_ratio=0.45))
+        fields.setdefault("collision", [fs.CollisionDef()])
+        body = self.sim.add(fs.SoftBodyDef(name=name, mesh=mesh, **fields))
+        self.sim.show(body, material=look)
+        return body
+
+    def tip(self, name: str, start: typing.Any, radius: float = 0.004) -> fs.BodyId:
+        """Adds the tip of an instrument: a steel ball, moved by actions; its shaft is only drawn."""
+        body = self.sim.add(
+            fs.RigidBodyDef(
+                name=name, elements=[start], mesh=fs.shapes.sphere(radius), collision=[fs.CollisionDef()], friction=0.5
+            )
+        )
+        rod = fs.shapes.cylinder(0.6 * radius, 0.06)
+        shaft = fs.TriangleMesh(vertices=np.asarray(rod.vertices) + (0, 0.03, 0), triangles=rod.triangles)
+        for surface in (fs.shapes.sphere(radius), shaft):
+            self.sim.show(body, surface=surface, material=fs.MetalMaterial(), cast_shadows=False)
+        return body
+
+    def marker(self, name: str, color: typing.Any, radius: float = 0.003) -> fs.BodyId:
+        """Adds a ball that touches nothing and glows, to show a place."""
+        body = self.sim.add(fs.RigidBodyDef(name=name, elements=[(0, 0, 0)], mesh=fs.shapes.sphere(radius)))
+        self.sim.show(body, material=fs.UnlitMaterial(color=color), cast_shadows=False)
+        return body
+
+    def put(self, marker: fs.BodyId, place: Array) -> None:
+        """Moves a marker."""
+        self.sim.set_pose(marker, tuple(float(each) for each in place))
+
+    def shift(self, tool: Tool, low: typing.Any, high: typing.Any) -> None:
+        """Lets a tool begin the episode beside its start: by an offset [m] that is drawn between two corners."""
+        tool.place = np.array(tool.start) + self.np_random.uniform(low, high)
+        self.put(tool.body, tool.place)
+
+    def unit(self, place: Array) -> Array:
+        """Places [m] as numbers that are in [-1, 1] in the workspace of the first tool."""
+        low, high = np.array(self.tools[0].low), np.array(self.tools[0].high)
+        return (2.0 * np.asarray(place) - low - high) / (high - low)
+
+    def node(self, body: fs.BodyId, place: typing.Any) -> int:
+        """The node of a body that is nearest to a place [m] now; after the first step."""
+        away = np.linalg.norm(self.sim.frame[body].positions - np.array(place), axis=1)
+        return int(away.argmin())
+
+    def holds(self, tool: Tool) -> bool:
+        """Whether it has grasped something, and still holds it."""
+        if tool.grasp is None:
+            return False
+        held = self.sim.frame.attachments
+        return bool(np.any((held["id"] == tool.grasp) & ~held["broken"]))
+
+    @property
+    def cuts(self) -> list[fs.CutEvent]:
+        """What was cut in this episode."""
+        return self._cuts
+
+    # gymnasium.Env
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, typing.Any] | None = None
+    ) -> tuple[Array, dict[str, typing.Any]]:
+        super().reset(seed=seed)
+        self.sim.restore(self._start)
+        self._cuts.clear()
+        self.steps = 0
+        for tool in self.tools:
+            tool.place, tool.grasp = np.array(tool.start), None
+        self.arrange()
+        self.sim.step()
+        judgement = self.judge()
+        return self._observe(), self._info(judgement)
+
+    def step(self, action: typing.Any) -> tuple[Array, float, bool, bool, dict[str, typing.Any]]:
+        moves = self._moves(action)
+        dt = self.frame_skip / self.rate
+        before = [tool.place for tool in self.tools]
+        for tool, move in zip(self.tools, moves):
+            tool.place = np.clip(tool.place + tool.speed * dt * move[:3], tool.low, tool.high)
+            if tool.grips is not None:
+                self._grip(tool, move[3])
+        for i in range(self.frame_skip):
+            for tool, start in zip(self.tools, before):
+                self.sim.set_pose(tool.body, start + (i + 1) / self.frame_skip * (tool.place - start))
+            report = self.sim.step()
+        self.steps += 1
+        judgement = self.judge()
+        broken = fs.StepFlag.UNDONE in report.flags
+        reward = float(sum(judgement.reward.values()))
+        return self._observe(), reward, judgement.success or broken, self.steps >= self.max_steps, self._info(judgement)
+
+    def render(self) -> Array | None:
+        """A picture of image_size, (height, width, 3), uint8; None without a render_mode."""
+        return self._picture() if self.render_mode == "rgb_array" else None
+
+    def close(self) -> None:
+        self.sim.close()
+
+    # The rest.
+
+    def _grip(self, tool: Tool, command: float) -> None:
+        if command < -0.3 and tool.grasp is not None:
+            self.sim.release(tool.grasp)
+            tool.grasp = None
+        elif command > 0.3 and not self.holds(tool) and self._touches(tool):
+            tool.grasp = self.sim.grasp(tool.body, tool.grips)
+
+    def _touches(self, tool: Tool) -> bool:
+        contacts = self.sim.frame.contacts
+        one, other = contacts["first"], contacts["second"]
+        pair = ((one == tool.body) & (other == tool.grips)) | ((one == tool.grips) & (other == tool.body))
+        return bool(np.any(pair & (contacts["normal_force"] > 0)))
+
+    def _moves(self, action: typing.Any) -> list[Array]:
+        sizes = [3 + (tool.grips is not None) for tool in self.tools]
+        if self.action == "box":
+            values = np.clip(np.asarray(action, dtype=float).reshape(sum(sizes)), -1.0, 1.0)
+        else:
+            values = np.zeros(sum(sizes))
+            if int(action) > 0:
+                values[(int(action) - 1) // 2] = -1.0 if int(action) % 2 else 1.0
+        return list(np.split(values, np.cumsum(sizes)[:-1]))
+
+    def _state(self) -> Array:
+        parts = [np.ravel(self.features())]
+        for tool in self.tools:
+            parts.append(self.unit(tool.place))
+            if tool.grips is not None:
+                parts.append([1.0 if self.holds(tool) else -1.0])
+        return np.clip(np.concatenate(parts), -10.0, 10.0).astype(np.float32)
+
+    def _observe(self) -> Array:
+        return self._state() if self.observation == "state" else self._picture()
+
+    def _picture(self) -> Array:
+        return self.sim.render(*self.image_size, pose=fs.look_at(self.eye, self.looks_at), camera=self.lens)
+
+    def _info(self, judgement: Judgement) -> dict[str, typing.Any]:
+        return {
+            "is_success": bool(judgement.success),
+            "reward_terms": judgement.reward,
+            "measures": judgement.measures,
+            "state_hash": f"{self.sim.state_hash:016x}",
+        }
+
+    def _check(self, name: str, value: typing.Any, known: tuple[typing.Any, ...]) -> None:
+        if value not in known:
+            raise fs.Error(f"{type(self).__name__}: {name} must be one of {', '.join(map(repr, known))}, got {value!r}")
+
+    def _bound(self, name: str, value: typing.Any, low: int, high: int) -> None:
+        if not isinstance(value, int) or not low <= value <= high:
+            raise fs.Error(f"{type(self).__name__}: {name} must be a whole number in [{low}, {high}], got {value!r}")

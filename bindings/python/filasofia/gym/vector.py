@@ -1,0 +1,135 @@
+"""Many environments on the threads of one process."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import os
+import typing
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+
+import filasofia as fs
+
+from .environment import Array, SurgicalEnv
+
+
+class VectorEnv(gymnasium.vector.VectorEnv):
+    """`num_envs` environments of a task, stepped by `threads` threads (default: one for each core).
+
+    Steps run in C++ without Python's lock, so the environments of one process run in parallel. The result has the bits
+    of a loop over single environments, for any number of threads. `options` go to every environment. Observations are
+    rows of one array, which the next step overwrites if `copy` is False.
+
+        envs = VectorEnv(Reach, 8, difficulty=1)
+    """
+
+    def __init__(
+        self,
+        task: typing.Callable[..., SurgicalEnv],
+        num_envs: int,
+        *,
+        threads: int | None = None,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        copy: bool = True,
+        **options: typing.Any,
+    ):
+        for name, value in (("num_envs", num_envs), ("threads", 1 if threads is None else threads)):
+            if not isinstance(value, int) or value < 1:
+                raise fs.Error(f"VectorEnv: {name} must be a whole number >= 1, got {value!r}")
+        try:
+            self.autoreset_mode = AutoresetMode(autoreset_mode)
+        except ValueError:
+            known = ", ".join(repr(each.value) for each in AutoresetMode)
+            raise fs.Error(f"VectorEnv: autoreset_mode must be one of {known}, got {autoreset_mode!r}") from None
+        self.num_envs, self._copy = num_envs, copy
+        self._pool = concurrent.futures.ThreadPoolExecutor(threads or os.cpu_count() or 1)
+        self.envs = self._all(lambda i: task(**options))
+        one = self.envs[0]
+        self.metadata = {**one.metadata, "autoreset_mode": self.autoreset_mode}
+        self.render_mode, self.spec = one.render_mode, one.spec
+        self.single_observation_space, self.single_action_space = one.observation_space, one.action_space
+        self.observation_space = batch_space(one.observation_space, num_envs)
+        self.action_space = batch_space(one.action_space, num_envs)
+        self._seen = np.zeros(self.observation_space.shape, self.observation_space.dtype)
+        self._ended = np.zeros(num_envs, bool)
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, typing.Any] | None = None
+    ) -> tuple[Array, dict[str, typing.Any]]:
+        """Resets all; with a number as seed, environment i gets seed + i. `options["reset_mask"]` chooses some."""
+        seeds = (
+            list(seed) if isinstance(seed, (list, tuple)) else [None if seed is None else seed + i for i in self._range]
+        )
+        if len(seeds) != self.num_envs:
+            raise fs.Error(f"VectorEnv: seed must be a number or {self.num_envs} of them, got {len(seeds)}")
+        mask = np.ones(self.num_envs, bool) if not options else np.asarray(options.get("reset_mask", True)) & True
+        chosen = np.flatnonzero(np.broadcast_to(mask, self.num_envs))
+        infos: dict[str, typing.Any] = {}
+        for i, (seen, info) in zip(chosen, self._all(lambda i: self.envs[i].reset(seed=seeds[i]), chosen)):
+            self._seen[i] = seen
+            infos = self._add_info(infos, info, int(i))
+        self._ended[chosen] = False
+        return self._observations(), infos
+
+    def step(self, actions: typing.Any) -> tuple[Array, Array, Array, Array, dict[str, typing.Any]]:
+        if len(actions) != self.num_envs:
+            raise fs.Error(f"VectorEnv: actions must be {self.num_envs}, got {len(actions)}")
+        if self.autoreset_mode == AutoresetMode.DISABLED and self._ended.any():
+            raise fs.Error(f"VectorEnv: environment {int(self._ended.argmax())} has ended: reset it first")
+        rewards = np.zeros(self.num_envs)
+        ends = np.zeros((2, self.num_envs), bool)
+        infos: dict[str, typing.Any] = {}
+        for i, row in enumerate(self._all(lambda i: self._advance(i, actions[i]))):
+            self._seen[i], rewards[i], ends[0, i], ends[1, i], info = row
+            infos = self._add_info(infos, info, i)
+        self._ended = ends.any(axis=0)
+        if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            self._ended = np.zeros(self.num_envs, bool)
+        return self._observations(), rewards, ends[0], ends[1], infos
+
+    def render(self) -> tuple[Array | None, ...]:
+        return tuple(self._all(lambda i: self.envs[i].render()))
+
+    def close_extras(self, **_: typing.Any) -> None:
+        if hasattr(self, "envs"):
+            for env in self.envs:
+                env.close()
+        self._pool.shutdown()
+
+    @property
+    def _range(self) -> range:
+        return range(self.num_envs)
+
+    def _all(self, act: typing.Callable[[int], typing.Any], which: typing.Any = None) -> list[typing.Any]:
+        """What `act` returns for each environment; an exception names the first one that raised."""
+        chosen = self._range if which is None else which
+        futures = [self._pool.submit(act, int(i)) for i in chosen]
+        concurrent.futures.wait(futures)
+        for i, future in zip(chosen, futures):
+            problem = future.exception()
+            if problem is not None:
+                (
+                    problem.add_note(f"in environment {int(i)} of {self.num_envs}")
+                    if hasattr(problem, "add_note")
+                    else None
+                )
+                raise problem
+        return [future.result() for future in futures]
+
+    def _advance(self, i: int, action: typing.Any) -> tuple[Array, float, bool, bool, dict[str, typing.Any]]:
+        env = self.envs[i]
+        if self.autoreset_mode == AutoresetMode.NEXT_STEP and self._ended[i]:
+            seen, info = env.reset()
+            return seen, 0.0, False, False, info
+        seen, reward, terminated, truncated, info = env.step(action)
+        if self.autoreset_mode == AutoresetMode.SAME_STEP and (terminated or truncated):
+            last = {"final_obs": seen, "final_info": info}
+            seen, info = env.reset()
+            info = {**info, **last}
+        return seen, reward, terminated, truncated, info
+
+    def _observations(self) -> Array:
+        return self._seen.copy() if self._copy else self._seen

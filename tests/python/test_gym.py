@@ -1,0 +1,206 @@
+"""filasofia.gym: environments."""
+
+import os
+import pathlib
+
+import numpy as np
+import pytest
+
+gymnasium = pytest.importorskip("gymnasium", reason="pip install filasofia[gym]")
+from gymnasium.utils.env_checker import check_env  # noqa: E402
+from gymnasium.vector import AutoresetMode  # noqa: E402
+
+import filasofia as fs  # noqa: E402
+from filasofia import gym  # noqa: E402
+from filasofia.gym.scripted import scripted  # noqa: E402
+
+NAMES = [task.__name__ for task in gym.TASKS]
+
+
+def episode(env, seed, policy, most=300):
+    """The observations, rewards and hashes of an episode, and its last info."""
+    seen, info = env.reset(seed=seed)
+    rows = [(seen.tobytes(), 0.0, info["state_hash"])]
+    act = policy(env)
+    for _ in range(most):
+        seen, reward, terminated, truncated, info = env.step(act())
+        rows.append((seen.tobytes(), reward, info["state_hash"]))
+        if terminated or truncated:
+            break
+    return rows, info
+
+
+def at_random(seed):
+    """A policy that draws its actions from the action space."""
+
+    def policy(env):
+        env.action_space.seed(seed)
+        return env.action_space.sample
+
+    return policy
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("action", ["box", "discrete"])
+def test_gymnasium_accepts_every_environment(name, action):
+    env = gymnasium.make(f"filasofia/{name}-v0", action=action, render_mode="rgb_array", image_size=(32, 24))
+    check_env(env.unwrapped)
+    env.close()
+
+
+@pytest.mark.parametrize("name", ["Reach", "PrecisionCutting"])
+def test_pictures_are_observations_too(name):
+    env = gymnasium.make(f"filasofia/{name}-v0", observation="rgb", image_size=(48, 32))
+    check_env(env.unwrapped, skip_render_check=True)
+    seen, _ = env.reset(seed=1)
+    assert seen.shape == (32, 48, 3) and seen.dtype == np.uint8 and seen.max() > 60
+    env.close()
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("difficulty", [0, 2])
+def test_a_scripted_policy_solves_every_task_and_an_idle_one_none(name, difficulty):
+    env = getattr(gym, name)(difficulty=difficulty)
+    for seed in range(3):
+        _, info = episode(env, seed, scripted)
+        assert info["is_success"], info["measures"]
+        _, info = episode(env, seed, lambda env: lambda: np.zeros(env.action_space.shape), 100)
+        assert not info["is_success"], info["measures"]
+    env.close()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_same_seed_gives_the_same_bits_also_after_cuts_and_grasps(name):
+    first, second = getattr(gym, name)(), getattr(gym, name)(threads=2)
+    expected, _ = episode(first, 5, scripted)
+    assert episode(first, 5, scripted)[0] == expected  # what was cut is whole again
+    episode(second, 6, at_random(1), 40)
+    assert episode(second, 5, scripted)[0] == expected
+    assert episode(second, 7, scripted)[0] != expected
+    first.close()
+    second.close()
+
+
+def test_a_reset_returns_the_tissue_that_was_cut():
+    env = gym.PrecisionCutting()
+    env.reset(seed=0)
+    whole = env.sim.frame[env.sheet].revision
+    _, info = episode(env, 0, scripted)
+    assert info["measures"]["cut"] >= 0.9 and env.sim.frame[env.sheet].revision > whole and env.cuts
+    env.reset(seed=0)
+    assert env.sim.frame[env.sheet].revision == whole and not env.cuts
+    env.close()
+
+
+def test_rewards_and_measures_are_physical():
+    env = gym.GraspLift()
+    _, info = episode(env, 2, scripted)
+    assert 0.012 < info["measures"]["lift"] < 0.03
+    env.close()
+    env = gym.PolypRemoval()
+    _, info = episode(env, 2, scripted)
+    head = 1000.0 * 0.012 * 0.008 * 0.012  # [kg]
+    assert info["measures"]["removed"] == pytest.approx(head, rel=0.35)
+    env.close()
+    env = gym.Reach()
+    env.reset(seed=0)
+    _, reward, _, _, info = env.step(np.zeros(3))
+    assert reward == pytest.approx(-10 * info["measures"]["distance"] - 0.1 * info["measures"]["force"])
+    env.close()
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_a_vector_is_a_loop_of_single_environments(mode):
+    count, steps, options = 4, 25, dict(max_steps=10, difficulty=1)
+    draw = np.random.default_rng(0)
+    actions = draw.uniform(-1, 1, (steps, count, 3)).astype(np.float32)
+
+    def loop():
+        envs = [gym.Reach(**options) for _ in range(count)]
+        rows, ended = [[env.reset(seed=10 + i)[0] for i, env in enumerate(envs)]], [False] * count
+        for step in range(steps):
+            row = []
+            for i, env in enumerate(envs):
+                if ended[i] and mode != AutoresetMode.SAME_STEP:
+                    row.append((env.reset()[0], 0.0, False, False))
+                    ended[i] = False
+                    if mode == AutoresetMode.NEXT_STEP:
+                        continue
+                    row.pop()
+                seen, reward, terminated, truncated, _ = env.step(actions[step, i])
+                ended[i] = terminated or truncated
+                if ended[i] and mode == AutoresetMode.SAME_STEP:
+                    seen, _ = env.reset()
+                row.append((seen, reward, terminated, truncated))
+            rows.append(row)
+        return rows
+
+    expected = loop()
+    for threads in (1, 3):
+        envs = gym.VectorEnv(gym.Reach, count, threads=threads, autoreset_mode=mode, **options)
+        seen, infos = envs.reset(seed=10)
+        assert seen.shape == (count, 6) and envs.metadata["autoreset_mode"] == mode
+        assert np.array_equal(seen, np.array(expected[0]))
+        assert len(infos["state_hash"]) == count
+        for step in range(steps):
+            if mode == AutoresetMode.DISABLED and step > 0 and (ended := terminated | truncated).any():
+                with pytest.raises(fs.Error, match="has ended: reset it first"):
+                    envs.step(actions[step])
+                envs.reset(options={"reset_mask": ended})
+            seen, rewards, terminated, truncated, infos = envs.step(actions[step])
+            for i, row in enumerate(expected[step + 1]):
+                assert np.array_equal(seen[i], row[0])
+                assert (rewards[i], terminated[i], truncated[i]) == row[1:]
+            if mode == AutoresetMode.SAME_STEP and (terminated | truncated).any():
+                assert infos["final_obs"][int((terminated | truncated).argmax())].shape == (6,)
+        envs.close()
+
+
+def test_a_vector_without_copies_is_one_array_and_pictures_come_from_all():
+    envs = gym.VectorEnv(gym.TissueRetraction, 2, copy=False, render_mode="rgb_array", image_size=(32, 24))
+    first, _ = envs.reset(seed=0)
+    second, *_ = envs.step(envs.action_space.sample())
+    assert np.shares_memory(first, second)
+    assert [picture.shape for picture in envs.render()] == [(24, 32, 3)] * 2
+    with pytest.raises(fs.Error, match="actions must be 2, got 3"):
+        envs.step(np.zeros((3, 4)))
+    with pytest.raises(ValueError):
+        envs.step(np.zeros((2, 5)))
+    envs.close()
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"observation": "rgbd"}, "Reach: observation must be one of 'state', 'rgb', got 'rgbd'"),
+        ({"action": "joint"}, "action must be one of 'box', 'discrete', got 'joint'"),
+        ({"difficulty": 3}, r"difficulty must be a whole number in \[0, 2\], got 3"),
+        ({"max_steps": 0}, "max_steps must be a whole number in"),
+        ({"frame_skip": 1.5}, "frame_skip must be a whole number in"),
+        ({"render_mode": "human"}, "render_mode must be one of None, 'rgb_array', got 'human'"),
+        ({"image_size": (0, 5)}, r"image_size must be two whole numbers in \[1, 8192\], got \(0, 5\)"),
+        ({"threads": 0}, "threads must be a whole number in"),
+    ],
+)
+def test_wrong_options_are_one_clear_error(options, message):
+    with pytest.raises(fs.Error, match=message):
+        gym.Reach(**options)
+
+
+def test_wrong_options_of_vectors_are_one_clear_error():
+    with pytest.raises(fs.Error, match="VectorEnv: num_envs must be a whole number >= 1, got 0"):
+        gym.VectorEnv(gym.Reach, 0)
+    with pytest.raises(fs.Error, match="autoreset_mode must be one of 'NextStep', 'SameStep', 'Disabled', got 'never'"):
+        gym.VectorEnv(gym.Reach, 1, autoreset_mode="never")
+    envs = gym.VectorEnv(gym.Reach, 2)
+    with pytest.raises(fs.Error, match="seed must be a number or 2 of them, got 3"):
+        envs.reset(seed=[1, 2, 3])
+    envs.close()
+
+
+def test_the_guide_is_true():
+    text = (pathlib.Path(os.environ["FILASOFIA_ROOT"]) / "docs" / "guide" / "environments.md").read_text()
+    for block in text.split("```python\n")[1:]:
+        exec(compile(block.split("```")[0], "environments.md", "exec"), {})
+    for name in NAMES:
+        assert f"`{name}`" in text
