@@ -2,9 +2,6 @@
 import os
 import re
 
-import numpy as np
-import pytest
-
 import filasofia as fs
 
 
@@ -43,46 +40,3 @@ def test_the_errors_in_the_guide_are_what_is_said():
     with open(os.path.join(os.environ["FILASOFIA_ROOT"], "docs/guide/python.md")) as page:
         text = page.read()
     assert len(lines) == 2 and all(f"    {line}\n" in text for line in lines), lines
-
-
-def environment():
-    with open(os.path.join(os.environ["FILASOFIA_ROOT"], "docs/guide/python.md")) as page:
-        (block,) = [each for each in re.findall(r"```python\n(.*?)```", page.read(), flags=re.S) if "class PressEnv" in each]
-    names = {"fs": fs}
-    exec(compile(block, "docs/guide/python.md", "exec"), names)
-    return names["PressEnv"]
-
-
-def test_the_environment_of_the_guide_repeats_its_episodes_and_feels_the_tissue():
-    env = environment()()
-
-    def episode(seed):
-        seen = [env.reset(seed=seed)[0]]
-        for _ in range(60):
-            observation, reward, terminated, truncated, info = env.step(np.array([-1.0]))
-            assert observation.dtype == np.float32 and np.isfinite(reward) and info == {}
-            assert type(terminated) is bool and type(truncated) is bool and not terminated
-            seen.append(observation)
-        return np.array(seen)
-
-    first, other, again = episode(1), episode(2), episode(1)
-    assert np.array_equal(first, again) and not np.array_equal(first, other)
-    assert first[0, 2] == 0 and first[-1, 2] > 0.1
-    assert first[0, 0] - first[-1, 0] == pytest.approx(60 * env.tick * env.sim.dt * env.speed, rel=1e-3)
-    assert env.render().shape == (240, 320, 3)
-    env.close()
-
-
-def test_the_environment_of_the_guide_is_one_of_gymnasium():
-    gymnasium = pytest.importorskip("gymnasium")
-    checker = pytest.importorskip("gymnasium.utils.env_checker")
-
-    class Registered(environment(), gymnasium.Env):
-        observation_space = gymnasium.spaces.Box(-1e6, 1e6, (3,), np.float32)
-        action_space = gymnasium.spaces.Box(-1, 1, (1,), np.float32)
-
-        def reset(self, *, seed=None, options=None):
-            gymnasium.Env.reset(self, seed=seed)  # its generator of random numbers
-            return super().reset(seed=seed, options=options)
-
-    checker.check_env(Registered(), skip_render_check=True)
