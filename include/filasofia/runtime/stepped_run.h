@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/physics/step.h"
+#include "filasofia/physics/physics_server.h"
 #include "filasofia/runtime/run.h"
 #include "filasofia/visual/camera.h"
 #include "filasofia/visual/image.h"

@@ -65,13 +65,11 @@ template <class T> std::vector<std::string_view> required()
         return {"pose"};
     else if constexpr (std::is_same_v<T, KeyCommand>)
         return {"command"};
-    else if constexpr (std::is_same_v<T, SceneFollow>)
-        return {"body"};
     else if constexpr (std::is_same_v<T, SceneView>)
         return {"camera"};
     else if constexpr (std::is_same_v<T, TimedCommand>)
         return {"time", "type"};
-    else if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid>)
+    else if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, SceneFollow>)
         return {"body"};
     else if constexpr (std::is_same_v<T, physics::Grasp>)
         return {"rigid", "target"};

@@ -15,45 +15,33 @@ namespace filasofia::visual {
 namespace {
 
 /// EGL, which is loaded when it is first needed: a program that draws nothing runs where it is not installed.
-struct Egl {
-    decltype(&eglBindAPI) bindApi = nullptr;
-    decltype(&eglChooseConfig) chooseConfig = nullptr;
-    decltype(&eglCreateContext) createContext = nullptr;
-    decltype(&eglDestroyContext) destroyContext = nullptr;
-    decltype(&eglGetCurrentContext) getCurrentContext = nullptr;
-    decltype(&eglGetCurrentDisplay) getCurrentDisplay = nullptr;
-    decltype(&eglGetCurrentSurface) getCurrentSurface = nullptr;
-    decltype(&eglGetProcAddress) getProcAddress = nullptr;
-    decltype(&eglInitialize) initialize = nullptr;
-    decltype(&eglMakeCurrent) makeCurrent = nullptr;
-    decltype(&eglQueryString) queryString = nullptr;
-    bool found = true; ///< all of it
+class Egl {
+    // Never closed: contexts of the process may outlive every server.
+    void* library_ = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+    int missing_ = library_ ? 0 : 1;
+
+    template <class Function> Function load(const char* name)
+    {
+        void* const found = dlsym(library_, name);
+        missing_ += found == nullptr;
+        return reinterpret_cast<Function>(found);
+    }
+
+public:
+    decltype(&eglBindAPI) bindApi = load<decltype(&eglBindAPI)>("eglBindAPI");
+    decltype(&eglChooseConfig) chooseConfig = load<decltype(&eglChooseConfig)>("eglChooseConfig");
+    decltype(&eglCreateContext) createContext = load<decltype(&eglCreateContext)>("eglCreateContext");
+    decltype(&eglDestroyContext) destroyContext = load<decltype(&eglDestroyContext)>("eglDestroyContext");
+    decltype(&eglGetCurrentContext) getCurrentContext = load<decltype(&eglGetCurrentContext)>("eglGetCurrentContext");
+    decltype(&eglGetCurrentDisplay) getCurrentDisplay = load<decltype(&eglGetCurrentDisplay)>("eglGetCurrentDisplay");
+    decltype(&eglGetCurrentSurface) getCurrentSurface = load<decltype(&eglGetCurrentSurface)>("eglGetCurrentSurface");
+    decltype(&eglGetProcAddress) getProcAddress = load<decltype(&eglGetProcAddress)>("eglGetProcAddress");
+    decltype(&eglInitialize) initialize = load<decltype(&eglInitialize)>("eglInitialize");
+    decltype(&eglMakeCurrent) makeCurrent = load<decltype(&eglMakeCurrent)>("eglMakeCurrent");
+    decltype(&eglQueryString) queryString = load<decltype(&eglQueryString)>("eglQueryString");
+    bool found = missing_ == 0;
     /// OpenGL itself, too, without which libepoxy ends the process.
     bool foundOpenGl = dlopen("libGL.so.1", RTLD_LAZY | RTLD_LOCAL) || dlopen("libOpenGL.so.0", RTLD_LAZY | RTLD_LOCAL);
-
-    Egl() : library_(dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL))
-    {
-        load("eglBindAPI", bindApi);
-        load("eglChooseConfig", chooseConfig);
-        load("eglCreateContext", createContext);
-        load("eglDestroyContext", destroyContext);
-        load("eglGetCurrentContext", getCurrentContext);
-        load("eglGetCurrentDisplay", getCurrentDisplay);
-        load("eglGetCurrentSurface", getCurrentSurface);
-        load("eglGetProcAddress", getProcAddress);
-        load("eglInitialize", initialize);
-        load("eglMakeCurrent", makeCurrent);
-        load("eglQueryString", queryString);
-    }
-
-private:
-    template <class Function> void load(const char* name, Function& out)
-    {
-        if (library_) out = reinterpret_cast<Function>(dlsym(library_, name));
-        found = found && out != nullptr;
-    }
-
-    void* library_; ///< never closed: contexts of the process may outlive every server
 };
 
 const Egl& egl()
