@@ -22,9 +22,9 @@ class Egl {
 
     template <class Function> Function load(const char* name)
     {
-        void* const found = dlsym(library_, name);
-        missing_ += found == nullptr;
-        return reinterpret_cast<Function>(found);
+        void* const function = dlsym(library_, name);
+        missing_ += function == nullptr;
+        return reinterpret_cast<Function>(function);
     }
 
 public:
