@@ -164,8 +164,33 @@ def test_a_vector_without_copies_is_one_array_and_pictures_come_from_all():
     assert [picture.shape for picture in envs.render()] == [(24, 32, 3)] * 2
     with pytest.raises(fs.Error, match="actions must be 2, got 3"):
         envs.step(np.zeros((3, 4)))
-    with pytest.raises(ValueError):
+    with pytest.raises(fs.Error, match="TissueRetraction: the action must be 4 finite numbers"):
         envs.step(np.zeros((2, 5)))
+    envs.close()
+
+
+@pytest.mark.parametrize("action", [[0, 0], "up", [np.nan, 0, 0], None])
+def test_a_wrong_action_is_one_clear_error_and_changes_nothing(action):
+    env = gym.Reach()
+    env.reset(seed=0)
+    before = env.sim.state_hash
+    with pytest.raises(fs.Error, match="Reach: the action must be 3 finite numbers, got"):
+        env.step(action)
+    assert env.sim.state_hash == before
+    env.step([0, 0, 0])
+    env.close()
+    env = gym.Reach(action="discrete")
+    env.reset(seed=0)
+    for choice in (7, -1, 1.5, "up", None):
+        with pytest.raises(fs.Error, match=r"the action must be a whole number in \[0, 6\], got"):
+            env.step(choice)
+    env.close()
+
+
+def test_a_vector_takes_a_registered_name():
+    envs = gym.VectorEnv("filasofia/Reach-v0", 2, difficulty=1)
+    assert [env.difficulty for env in envs.envs] == [1, 1]
+    assert envs.reset(seed=0)[0].shape == (2, 6)
     envs.close()
 
 

@@ -97,8 +97,8 @@ def run(
         raise _fs.Error(f"run: retries must be >= 0, got {retries!r}")
     if workers is not None and (not isinstance(workers, int) or workers < 1):
         raise _fs.Error(f"run: workers must be >= 1, got {workers!r}")
-    if not callable(work):
-        raise _fs.Error(f"run: work must be a function, got {work!r}")
+    if not callable(work) or "<" in getattr(work, "__qualname__", "<"):  # "<lambda>", "outer.<locals>.inner"
+        raise _fs.Error(f"run: work must be a function of a module, which workers can import, got {work!r}")
     journal = _Journal(_pathlib.Path(out), work)
     todo = [_Job(i, parameters, journal.key(i, parameters)) for i, parameters in enumerate(jobs)]
     if not todo:

@@ -248,12 +248,21 @@ class SurgicalEnv(gymnasium.Env):
 
     def _moves(self, action: typing.Any) -> list[Array]:
         sizes = [3 + (tool.grips is not None) for tool in self.tools]
+        name, count = type(self).__name__, sum(sizes)
+        try:
+            given = np.asarray(action, dtype=float)
+        except (TypeError, ValueError):
+            given = np.array(np.nan)
         if self.action == "box":
-            values = np.clip(np.asarray(action, dtype=float).reshape(sum(sizes)), -1.0, 1.0)
+            if given.shape != (count,) or not np.isfinite(given).all():
+                raise fs.Error(f"{name}: the action must be {count} finite numbers, got {action!r}")
+            values = np.clip(given, -1.0, 1.0)
         else:
-            values = np.zeros(sum(sizes))
-            if int(action) > 0:
-                values[(int(action) - 1) // 2] = -1.0 if int(action) % 2 else 1.0
+            if given.size != 1 or given.item() not in range(1 + 2 * count):
+                raise fs.Error(f"{name}: the action must be a whole number in [0, {2 * count}], got {action!r}")
+            values, choice = np.zeros(count), int(given.item())
+            if choice > 0:
+                values[(choice - 1) // 2] = -1.0 if choice % 2 else 1.0
         return list(np.split(values, np.cumsum(sizes)[:-1]))
 
     def _state(self) -> Array:

@@ -23,12 +23,12 @@ class VectorEnv(gymnasium.vector.VectorEnv):
     of a loop over single environments, for any number of threads. `options` go to every environment. Observations are
     rows of one array, which the next step overwrites if `copy` is False.
 
-        envs = VectorEnv(Reach, 8, difficulty=1)
+        envs = VectorEnv(Reach, 8, difficulty=1)    # or VectorEnv("filasofia/Reach-v0", 8, difficulty=1)
     """
 
     def __init__(
         self,
-        task: typing.Callable[..., SurgicalEnv],
+        task: str | typing.Callable[..., SurgicalEnv],
         num_envs: int,
         *,
         threads: int | None = None,
@@ -46,7 +46,8 @@ class VectorEnv(gymnasium.vector.VectorEnv):
             raise fs.Error(f"VectorEnv: autoreset_mode must be one of {known}, got {autoreset_mode!r}") from None
         self.num_envs, self._copy = num_envs, copy
         self._pool = concurrent.futures.ThreadPoolExecutor(threads or os.cpu_count() or 1)
-        self.envs = self._all(lambda i: task(**options))
+        make = (lambda **given: gymnasium.make(task, **given).unwrapped) if isinstance(task, str) else task
+        self.envs = self._all(lambda i: make(**options))
         one = self.envs[0]
         self.metadata = {**one.metadata, "autoreset_mode": self.autoreset_mode}
         self.render_mode, self.spec = one.render_mode, one.spec
