@@ -28,7 +28,9 @@ class Simulation(_core.Simulation):
     Its keywords are the fields of PhysicsDef (rate, gravity, threads, contact, ...), and `look`, a LookDef.
     """
 
-    def __init__(self, physics: _defs.PhysicsDef | None = None, *, look: _defs.LookDef | None = None, **fields: _typing.Any):
+    def __init__(
+        self, physics: _defs.PhysicsDef | None = None, *, look: _defs.LookDef | None = None, **fields: _typing.Any
+    ):
         super().__init__(_only(_defs.PhysicsDef, physics, fields), look)
 
     def show(self, body: _defs.BodyId, definition: _defs.ShowDef | None = None, **fields: _typing.Any) -> _defs.ShownId:

@@ -22,6 +22,8 @@ import typing as _typing
 
 import filasofia as _fs
 
+from ._png import write_png as _write_png
+
 __all__ = ["grid", "run", "run_scene"]
 
 Parameters = _typing.Dict[str, _typing.Any]
@@ -33,11 +35,11 @@ def grid(**axes: _typing.Any) -> list[Parameters]:
 
     A list, tuple or range is an axis; anything else is the same in every job. Error if an axis is empty.
     """
-    for name, axis in axes.items():
-        if isinstance(axis, (list, tuple, range)) and len(axis) == 0:
+    columns = {name: axis if isinstance(axis, (list, tuple, range)) else [axis] for name, axis in axes.items()}
+    for name, column in columns.items():
+        if len(column) == 0:
             raise _fs.Error(f"grid: {name} must have at least one value, got none")
-    columns = [list(axis) if isinstance(axis, (list, tuple, range)) else [axis] for axis in axes.values()]
-    return [dict(zip(axes, values)) for values in _itertools.product(*columns)]
+    return [dict(zip(columns, values)) for values in _itertools.product(*columns.values())]
 
 
 def run_scene(
@@ -62,11 +64,9 @@ def run_scene(
             out[count] = getattr(report, count)
         out["max_force"] = max((pair.max_normal_force for pair in report.contacts), default=0.0)
         if picture:
-            from .demo import write_png
-
             _os.makedirs(picture, exist_ok=True)
             out["picture_file"] = _os.path.join(picture, name + ".png")
-            write_png(out["picture_file"], simulation.render())
+            _write_png(out["picture_file"], simulation.render())
     return out
 
 

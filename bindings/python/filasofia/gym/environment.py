@@ -82,22 +82,21 @@ class SurgicalEnv(gymnasium.Env):
         self.observation, self.action, self.difficulty, self.render_mode = observation, action, difficulty, render_mode
         self.image_size, self.max_steps, self.frame_skip = tuple(image_size), max_steps, frame_skip
         self.sim = fs.Simulation(rate=self.rate, threads=threads)
-        self._cuts: list[fs.CutEvent] = []
+        self.cuts: list[fs.CutEvent] = []  #: what was cut in this episode
         self.tools = self.build()
-        self.sim.on(fs.CutEvent, self._cuts.append)
+        self._sizes = [3 + (tool.grips is not None) for tool in self.tools]
+        self.sim.on(fs.CutEvent, self.cuts.append)
         for tool in self.tools:
             tool.place = np.array(tool.start)
         self.sim.step()
         self.prepare()
         self._start = self.sim.save_state()
         self.steps = 0
-        self.np_random  # noqa: B018  arrange() draws from it
         self.arrange()
-        sizes = [3 + (tool.grips is not None) for tool in self.tools]
         if action == "box":
-            self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (sum(sizes),), np.float32)
+            self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (sum(self._sizes),), np.float32)
         else:
-            self.action_space = gymnasium.spaces.Discrete(1 + sum(2 * size for size in sizes))
+            self.action_space = gymnasium.spaces.Discrete(1 + 2 * sum(self._sizes))
         if observation == "state":
             self.observation_space = gymnasium.spaces.Box(-10.0, 10.0, self._state().shape, np.float32)
         else:
@@ -127,16 +126,17 @@ class SurgicalEnv(gymnasium.Env):
     # What tasks use.
 
     def block(self, name: str, size: typing.Any, cells: typing.Any, **fields: typing.Any) -> fs.BodyId:
-        """Adds a block of tissue that collides, with a picture; `bottom=True` pins its lower face."""
-        pinned = fields.pop("bottom", True)
-        if pinned:
+        """Adds a block of tissue that collides, with a picture (`look`), pinned at its lower face.
+
+        `fields` are those of SoftBodyDef; attachments replace the pins.
+        """
+        if "attachments" not in fields:
             y = fields.get("pose", (0, 0, 0))[1] - size[1] / 2
             fields["attachments"] = [fs.AttachmentDef(box=fs.Box((-1, -1, -1), (1, y + 1e-4, 1)))]
-        look = fields.pop("look", None) or fs.TissueMaterial()
-        mesh = fields.pop("mesh", None) or fs.shapes.block(size, cells)
+        look = fields.pop("look", fs.TissueMaterial())
         fields.setdefault("material", fs.FemMaterial(young_modulus=5e3, poisson_ratio=0.45))
         fields.setdefault("collision", [fs.CollisionDef()])
-        body = self.sim.add(fs.SoftBodyDef(name=name, mesh=mesh, **fields))
+        body = self.sim.add(fs.SoftBodyDef(name=name, mesh=fs.shapes.block(size, cells), **fields))
         self.sim.show(body, material=look)
         return body
 
@@ -151,6 +151,16 @@ class SurgicalEnv(gymnasium.Env):
         shaft = fs.TriangleMesh(vertices=np.asarray(rod.vertices) + (0, 0.03, 0), triangles=rod.triangles)
         for surface in (fs.shapes.sphere(radius), shaft):
             self.sim.show(body, surface=surface, material=fs.MetalMaterial(), cast_shadows=False)
+        return body
+
+    def blade(
+        self, name: str, start: typing.Any, corners: typing.Any, drawn: typing.Any, look: typing.Any
+    ) -> fs.BodyId:
+        """Adds a rectangle [m] whose edges cut, drawn as a box of the size `drawn` [m]."""
+        surface = fs.TriangleMesh(vertices=corners, triangles=[[0, 1, 2], [0, 2, 3]])
+        cutting = [fs.CollisionDef(mesh=surface, cutting=True)]
+        body = self.sim.add(fs.RigidBodyDef(name=name, elements=[start], mesh=surface, collision=cutting))
+        self.sim.show(body, surface=fs.shapes.box(drawn), material=look)
         return body
 
     def marker(self, name: str, color: typing.Any, radius: float = 0.003) -> fs.BodyId:
@@ -185,11 +195,6 @@ class SurgicalEnv(gymnasium.Env):
         held = self.sim.frame.attachments
         return bool(np.any((held["id"] == tool.grasp) & ~held["broken"]))
 
-    @property
-    def cuts(self) -> list[fs.CutEvent]:
-        """What was cut in this episode."""
-        return self._cuts
-
     # gymnasium.Env
 
     def reset(
@@ -197,7 +202,7 @@ class SurgicalEnv(gymnasium.Env):
     ) -> tuple[Array, dict[str, typing.Any]]:
         super().reset(seed=seed)
         self.sim.restore(self._start)
-        self._cuts.clear()
+        self.cuts.clear()
         self.steps = 0
         for tool in self.tools:
             tool.place, tool.grasp = np.array(tool.start), None
@@ -247,8 +252,7 @@ class SurgicalEnv(gymnasium.Env):
         return bool(np.any(pair & (contacts["normal_force"] > 0)))
 
     def _moves(self, action: typing.Any) -> list[Array]:
-        sizes = [3 + (tool.grips is not None) for tool in self.tools]
-        name, count = type(self).__name__, sum(sizes)
+        name, count = type(self).__name__, sum(self._sizes)
         try:
             given = np.asarray(action, dtype=float)
         except (TypeError, ValueError):
@@ -263,7 +267,7 @@ class SurgicalEnv(gymnasium.Env):
             values, choice = np.zeros(count), int(given.item())
             if choice > 0:
                 values[(choice - 1) // 2] = -1.0 if choice % 2 else 1.0
-        return list(np.split(values, np.cumsum(sizes)[:-1]))
+        return list(np.split(values, np.cumsum(self._sizes)[:-1]))
 
     def _state(self) -> Array:
         parts = [np.ravel(self.features())]

@@ -12,11 +12,11 @@ from .environment import Array, SurgicalEnv, Tool
 
 def scripted(env: SurgicalEnv) -> typing.Callable[[], Array]:
     """A function that returns the next action of a policy for this environment's task; make one for each episode."""
-    for kind, policy in POLICIES.items():
-        if type(env) is kind:
-            moves = policy(env)
-            return lambda: np.asarray(next(moves), dtype=np.float32)
-    raise TypeError(f"scripted: there is no policy for {type(env).__name__}")
+    policy = POLICIES.get(type(env))
+    if policy is None:
+        raise TypeError(f"scripted: there is no policy for {type(env).__name__}")
+    moves = policy(env)
+    return lambda: np.asarray(next(moves), dtype=np.float32)
 
 
 Moves = typing.Iterator[Array]
@@ -47,6 +47,12 @@ def _grasp(env: SurgicalEnv, above: typing.Any) -> Moves:
         if env.holds(tool):
             return
         yield np.append(_towards(env, tool, above() - (0, 0.002, 0)), 1.0)
+
+
+def _rise(env: SurgicalEnv, height: float, grip: float) -> Moves:
+    """Straight up, or down, to a height [m]."""
+    x, _, z = env.tools[0].place
+    yield from _go(env, (x, height, z), grip)
 
 
 def _stay(size: int, last: float = 0.0) -> Moves:
@@ -95,18 +101,18 @@ def _cut(env: tasks.PrecisionCutting) -> Moves:
 def _place(env: tasks.PickAndPlace) -> Moves:
     yield from _grasp(env, lambda: env._cube() + (0, 0.008, 0))
     offset = env.tools[0].place - env._cube()
-    yield from _go(env, lambda: env.tools[0].place * (1, 0, 1) + (0, 0.04, 0), 1.0)
-    yield from _go(env, lambda: env.target + offset + (0, 0.02, 0), 1.0)
-    yield from _go(env, lambda: env.target + offset + (0, 0.001, 0), 1.0)
+    yield from _rise(env, 0.04, 1.0)
+    yield from _go(env, env.target + offset + (0, 0.02, 0), 1.0)
+    yield from _go(env, env.target + offset + (0, 0.001, 0), 1.0)
     for _ in range(5):
         yield np.array([0, 0, 0, -1.0])
-    yield from _go(env, lambda: env.tools[0].place * (1, 0, 1) + (0, 0.05, 0), -1.0)
+    yield from _rise(env, 0.05, -1.0)
     yield from _stay(4, -1.0)
 
 
 def _lift(env: tasks.GraspLift) -> Moves:
     yield from _grasp(env, lambda: env._fundus() + (-0.004, 0.004, 0))
-    yield from _go(env, lambda: env.tools[0].place * (1, 0, 1) + (0, 0.06, 0), 1.0)
+    yield from _rise(env, 0.06, 1.0)
     yield from _stay(4, 1.0)
 
 

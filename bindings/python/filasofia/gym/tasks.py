@@ -224,17 +224,15 @@ class TissueRetraction(SurgicalEnv):
     def build(self) -> list[Tool]:
         self.bed = self.block("bed", (0.08, 0.01, 0.06), (4, 1, 3), pose=(0, -0.005, 0))
         held = fs.AttachmentDef(box=fs.Box((-1, -1, -1), (-0.0249, 1, 1)))
-        self.flap = self.sim.add(
-            fs.SoftBodyDef(
-                name="flap",
-                mesh=fs.shapes.block((0.05, 0.004, 0.04), (8, 1, 6)),
-                pose=(0, 0.0025, 0),
-                material=fs.FemMaterial(young_modulus=8e3, poisson_ratio=0.4),
-                attachments=[held],
-                collision=[fs.CollisionDef()],
-            )
+        self.flap = self.block(
+            "flap",
+            (0.05, 0.004, 0.04),
+            (8, 1, 6),
+            pose=(0, 0.0025, 0),
+            material=fs.FemMaterial(young_modulus=8e3, poisson_ratio=0.4),
+            attachments=[held],
+            look=fs.TissueMaterial(base_color=(0.9, 0.6, 0.3)),
         )
-        self.sim.show(self.flap, material=fs.TissueMaterial(base_color=(0.9, 0.6, 0.3)))
         start = (0.0, 0.03, 0.0)
         tip = self.tip("grasper", start)
         self.marked = self.marker("target", GREEN)
@@ -279,27 +277,18 @@ class PrecisionCutting(SurgicalEnv):
             fs.AttachmentDef(box=fs.Box((-1, -1, -1), (-0.0299, 1, 1))),
             fs.AttachmentDef(box=fs.Box((0.0299, -1, -1), (1, 1, 1))),
         ]
-        self.sheet = self.sim.add(
-            fs.SoftBodyDef(
-                name="sheet",
-                mesh=fs.shapes.block((0.06, self.thickness, 0.06), (16, 1, 16)),
-                material=fs.FemMaterial(young_modulus=20e3, poisson_ratio=0.4),
-                attachments=frame,
-                dynamic_topology=True,
-            )
-        )
-        self.sim.show(self.sheet)
-        blade = fs.TriangleMesh(
-            vertices=[[0, -0.01, 0], [0, -0.01, -0.004], [0, 0.03, -0.004], [0, 0.03, 0]],
-            triangles=[[0, 1, 2], [0, 2, 3]],
+        self.sheet = self.block(
+            "sheet",
+            (0.06, self.thickness, 0.06),
+            (16, 1, 16),
+            material=fs.FemMaterial(young_modulus=20e3, poisson_ratio=0.4),
+            attachments=frame,
+            collision=[],
+            dynamic_topology=True,
         )
         start = (0.0, 0.0, 0.045)
-        knife = self.sim.add(
-            fs.RigidBodyDef(
-                name="knife", elements=[start], mesh=blade, collision=[fs.CollisionDef(mesh=blade, cutting=True)]
-            )
-        )
-        self.sim.show(knife, surface=fs.shapes.box((0.001, 0.03, 0.004)), material=fs.MetalMaterial())
+        corners = [[0, -0.01, 0], [0, -0.01, -0.004], [0, 0.03, -0.004], [0, 0.03, 0]]
+        knife = self.blade("knife", start, corners, (0.001, 0.03, 0.004), fs.MetalMaterial())
         self.marked = [self.marker(f"line {i}", GREEN, 0.001) for i in range(5)]
         return [Tool(knife, start, (-0.02, -0.001, -0.025), (0.02, 0.02, 0.045), 0.05)]
 
@@ -355,7 +344,7 @@ class PickAndPlace(SurgicalEnv):
         self.sim.show(table, material=fs.TissueMaterial(base_color=(0.1, 0.3, 0.3), wetness=0, vessels=0))
         stiff = fs.FemMaterial(young_modulus=20e3, poisson_ratio=0.4)
         self.cube = self.block(
-            "cube", (0.012,) * 3, (2, 2, 2), bottom=False, pose=(-0.03, 0.0065, 0), material=stiff, friction=0.8
+            "cube", (0.012,) * 3, (2, 2, 2), attachments=[], pose=(-0.03, 0.0065, 0), material=stiff, friction=0.8
         )
         start = (0.0, 0.04, 0.0)
         tip = self.tip("grasper", start)
@@ -403,17 +392,15 @@ class GraspLift(SurgicalEnv):
     def build(self) -> list[Tool]:
         self.liver = self.block("liver", (0.08, 0.02, 0.06), (6, 2, 4), material=fs.tissue("liver").material)
         bed = fs.AttachmentDef(box=fs.Box((-1, -1, -1), (0.0001, 0.0106, 1)), to=self.liver)
-        self.gallbladder = self.sim.add(
-            fs.SoftBodyDef(
-                name="gallbladder",
-                mesh=fs.shapes.block((0.05, 0.014, 0.016), (8, 2, 3)),
-                pose=(0.01, 0.0175, 0),
-                material=fs.FemMaterial(young_modulus=12e3, poisson_ratio=0.45),
-                attachments=[bed],
-                collision=[fs.CollisionDef()],
-            )
+        self.gallbladder = self.block(
+            "gallbladder",
+            (0.05, 0.014, 0.016),
+            (8, 2, 3),
+            pose=(0.01, 0.0175, 0),
+            material=fs.FemMaterial(young_modulus=12e3, poisson_ratio=0.45),
+            attachments=[bed],
+            look=fs.TissueMaterial(base_color=(0.35, 0.55, 0.3)),
         )
-        self.sim.show(self.gallbladder, material=fs.TissueMaterial(base_color=(0.35, 0.55, 0.3)))
         start = (0.02, 0.05, 0.0)
         tip = self.tip("grasper", start)
         return [Tool(tip, start, (-0.03, 0.015, -0.025), (0.045, 0.07, 0.025), grips=self.gallbladder)]
@@ -464,17 +451,9 @@ class PolypRemoval(SurgicalEnv):
             )
         )
         self.sim.show(self.polyp, material=fs.MucosaMaterial())
-        wire = fs.TriangleMesh(
-            vertices=[[-0.008, 0, 0], [0.008, 0, 0], [0.008, 0, 0.012], [-0.008, 0, 0.012]],
-            triangles=[[0, 1, 2], [0, 2, 3]],
-        )
         start = (0.0, 0.012, 0.02)
-        loop = self.sim.add(
-            fs.RigidBodyDef(
-                name="loop", elements=[start], mesh=wire, collision=[fs.CollisionDef(mesh=wire, cutting=True)]
-            )
-        )
-        self.sim.show(loop, surface=fs.shapes.box((0.016, 0.001, 0.001)), material=fs.UnlitMaterial(color=YELLOW))
+        corners = [[-0.008, 0, 0], [0.008, 0, 0], [0.008, 0, 0.012], [-0.008, 0, 0.012]]
+        loop = self.blade("loop", start, corners, (0.016, 0.001, 0.001), fs.UnlitMaterial(color=YELLOW))
         return [Tool(loop, start, (-0.01, 0.001, -0.02), (0.01, 0.02, 0.03), 0.05)]
 
     def prepare(self) -> None:

@@ -61,12 +61,13 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         self, *, seed: int | list[int | None] | None = None, options: dict[str, typing.Any] | None = None
     ) -> tuple[Array, dict[str, typing.Any]]:
         """Resets all; with a number as seed, environment i gets seed + i. `options["reset_mask"]` chooses some."""
-        seeds = (
-            list(seed) if isinstance(seed, (list, tuple)) else [None if seed is None else seed + i for i in self._range]
-        )
+        if isinstance(seed, (list, tuple)):
+            seeds = list(seed)
+        else:
+            seeds = [None if seed is None else seed + i for i in range(self.num_envs)]
         if len(seeds) != self.num_envs:
             raise fs.Error(f"VectorEnv: seed must be a number or {self.num_envs} of them, got {len(seeds)}")
-        mask = np.ones(self.num_envs, bool) if not options else np.asarray(options.get("reset_mask", True)) & True
+        mask = (options or {}).get("reset_mask", True)
         chosen = np.flatnonzero(np.broadcast_to(mask, self.num_envs))
         infos: dict[str, typing.Any] = {}
         for i, (seen, info) in zip(chosen, self._all(lambda i: self.envs[i].reset(seed=seeds[i]), chosen)):
@@ -86,9 +87,7 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         for i, row in enumerate(self._all(lambda i: self._advance(i, actions[i]))):
             self._seen[i], rewards[i], ends[0, i], ends[1, i], info = row
             infos = self._add_info(infos, info, i)
-        self._ended = ends.any(axis=0)
-        if self.autoreset_mode == AutoresetMode.SAME_STEP:
-            self._ended = np.zeros(self.num_envs, bool)
+        self._ended = ends.any(axis=0) & (self.autoreset_mode != AutoresetMode.SAME_STEP)
         return self._observations(), rewards, ends[0], ends[1], infos
 
     def render(self) -> tuple[Array | None, ...]:
@@ -100,23 +99,16 @@ class VectorEnv(gymnasium.vector.VectorEnv):
                 env.close()
         self._pool.shutdown()
 
-    @property
-    def _range(self) -> range:
-        return range(self.num_envs)
-
     def _all(self, act: typing.Callable[[int], typing.Any], which: typing.Any = None) -> list[typing.Any]:
         """What `act` returns for each environment; an exception names the first one that raised."""
-        chosen = self._range if which is None else which
+        chosen = range(self.num_envs) if which is None else which
         futures = [self._pool.submit(act, int(i)) for i in chosen]
         concurrent.futures.wait(futures)
         for i, future in zip(chosen, futures):
             problem = future.exception()
             if problem is not None:
-                (
+                if hasattr(problem, "add_note"):  # Python 3.11
                     problem.add_note(f"in environment {int(i)} of {self.num_envs}")
-                    if hasattr(problem, "add_note")
-                    else None
-                )
                 raise problem
         return [future.result() for future in futures]
 
