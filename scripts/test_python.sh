@@ -8,13 +8,7 @@ place=$root/build/python
 python=$place/venv/bin/python
 stamp=$place/installed
 
-if [ ! -x "$python" ]; then
-  headline "python: environment"
-  mkdir -p "$place"
-  python3 -m venv "$place/venv" || die "python3 -m venv failed (Debian: python3-venv)"
-  "$python" -m pip install --quiet 'scikit-build-core>=0.10' 'nanobind>=2.5' 'numpy>=1.22' pytest gymnasium pyarrow ||
-    { rm -rf "$place/venv"; die "pip could not install what the build needs"; }
-fi
+python_environment "$place" 'scikit-build-core>=0.10' 'nanobind>=2.5' 'numpy>=1.22' pytest gymnasium pyarrow
 
 headline "python: libraries"
 configure release

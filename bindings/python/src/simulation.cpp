@@ -6,6 +6,7 @@
 #include "results.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/word.h"
 #include "filasofia/scene/scene_file.h"
 
 #include <algorithm>
@@ -46,7 +47,9 @@ void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle 
         const std::string name = readText(file, {.name = "load: file"});
         scene = ofSceneFile([&] { return scene::loadScene(name, {.anyFolder = anyFolder}); });
         def = scene::simulationDef(scene);
-        if (!threads.is_none()) def.physics.threads = readArgument<int>(threads, "load", "threads", closed(1, 256));
+        if (!threads.is_none())
+            def.physics.threads =
+                readArgument<int>(threads, "load", "threads", boundOf(&runtime::PhysicsDef::threads).range);
     }
     if (!physics.is_none()) def.physics = readDef<runtime::PhysicsDef>(physics, "Simulation");
     if (!look.is_none()) def.look = readDef<runtime::LookDef>(look, "Simulation: look");
@@ -280,41 +283,6 @@ void addSteps(nb::class_<HeldSimulation>& sim)
         "The state after the last step, without a copy.");
 }
 
-/// A saved state, as Python holds it.
-struct HeldState {
-    std::shared_ptr<const physics::SavedState> state;
-    double time = 0.0;       ///< [s]
-    std::uint64_t steps = 0; ///< [-]
-};
-
-void addStates(nb::class_<HeldSimulation>& sim)
-{
-    sim.def(
-        "save_state",
-        [](HeldSimulation& self) {
-            const Session::Turn turn(*self.session, "save_state");
-            const nb::gil_scoped_release free;
-            return HeldState{self.session->save(), self.session->time(), self.session->steps()};
-        },
-        "The present state: bodies, cut meshes, contacts, attachments, time, warm starts, and the commands that wait "
-        "for "
-        "the next step. It stays in memory and never changes. Before the first step, and while a body or a material "
-        "waits for a step, it is an Error.");
-    sim.def(
-        "restore",
-        [](HeldSimulation& self, nb::handle given) {
-            if (!nb::isinstance<HeldState>(given))
-                failType({.name = "restore: the state"}, "must be a SavedState", given);
-            const auto& state = nb::cast<const HeldState&>(given);
-            const Session::Turn turn(*self.session, "restore");
-            const nb::gil_scoped_release free;
-            self.session->restore(*state.state);
-        },
-        nb::arg("state").none(), nb::sig("def restore(self, state: filasofia.SavedState) -> None"),
-        "Returns at once to a state of this simulation, or of another one with the same bodies and rate. The same "
-        "commands then give the same bits. Error if bodies were added or removed, or if the run is recorded.");
-}
-
 void addRecords(nb::class_<HeldSimulation>& sim)
 {
     sim.def_prop_ro("state_hash", &hashOf,
@@ -404,10 +372,7 @@ void bindSimulation(nb::module_& module)
             nb::arg("scene") = nb::none(), nb::arg("any_folder") = false, nb::arg("threads") = nb::none());
     addBodies(sim);
     addSteps(sim);
-    nb::class_<HeldState>(module, "SavedState", "What Simulation.restore() returns to; it never changes.")
-        .def_ro("time", &HeldState::time, "[s]")
-        .def_ro("steps", &HeldState::steps, "Number of steps made.");
-    addStates(sim);
+    addStates(module, sim);
     addRecords(sim);
     addCallbacks(sim);
     addPictures(sim);

@@ -8,6 +8,7 @@
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/registry.h"
 #include "filasofia/physics/registry_hold.h"
+#include "filasofia/physics/saved_state.h"
 
 #include <atomic>
 #include <cmath>
@@ -54,32 +55,7 @@ private:
     std::atomic_flag& underWay_;
 };
 
-/// A command that waits, as a saved state has it.
-Command copied(const Command& command)
-{
-    return std::visit(
-        []<class C>(const C& each) -> Command {
-            if constexpr (std::is_same_v<C, AddBody> || std::is_same_v<C, RemoveBody> ||
-                          std::is_same_v<C, SetMaterial> || std::is_same_v<C, Tune>)
-                fail("save: make a step first: the last ", fields(&each).typeName, " has not taken effect");
-            else
-                return each;
-        },
-        command);
-}
-
 } // namespace
-
-struct SavedState::Content {
-    std::shared_ptr<const EngineState> engine;
-    Registry registry;
-    AttachmentId lastAttachment;
-    std::vector<Command> waiting;
-    bool paused = false;
-};
-
-SavedState::SavedState(std::unique_ptr<const Content> content) : content_(std::move(content)) {}
-SavedState::~SavedState() = default;
 
 struct PhysicsServer::Impl {
     std::unique_ptr<PhysicsEngine> engine;
@@ -313,7 +289,7 @@ struct PhysicsServer::Impl {
     {
         takeArrived();
         std::vector<Command> waiting;
-        for (const Posted& each : arrived) waiting.push_back(copied(each.command));
+        for (const Posted& each : arrived) waiting.push_back(copyOfWaiting(each.command));
         return std::make_unique<const SavedState::Content>(
             SavedState::Content{engine->save(), known, {lastAttachment.load()}, std::move(waiting), paused});
     }
@@ -330,24 +306,26 @@ struct PhysicsServer::Impl {
         try {
             engine->restore(*state.engine);
         } catch (...) {
-            engine->capture(*frame);
-            frames.publish();
+            publish(*frame);
             throw;
         }
         known = registry = state.registry;
         lastAttachment = state.lastAttachment.value;
         arrived.clear();
-        for (const Command& each : state.waiting) arrived.push_back({copied(each)});
+        for (const Command& each : state.waiting) arrived.push_back({copyOfWaiting(each)});
         paused = state.paused;
-        engine->capture(*frame);
-        frames.publish();
+        publish(*frame);
     }
 
     void publishFrame()
     {
         frame::Frame* frame = frames.beginWrite();
         if (!frame) return; // readers hold all frames: they will get the next one
-        engine->capture(*frame);
+        publish(*frame);
+    }
+    void publish(frame::Frame& frame)
+    {
+        engine->capture(frame);
         frames.publish();
     }
 };
@@ -494,6 +472,7 @@ bool PhysicsServer::has(BodyId id) const
 }
 
 const PhysicsEngine& PhysicsServer::engine() const { return *impl_->engine; }
+
 std::shared_ptr<const SavedState> PhysicsServer::save()
 {
     const SoleStep sole(impl_->stepping);

@@ -26,17 +26,16 @@ std::string shown(const Json& json)
 
 } // namespace
 
-void SceneReader::refuse(const Json& json, const Place& place, std::string_view must) const
+void SceneReader::refuse(const Json& json, const Place& place, std::string_view must, std::string_view hint) const
 {
-    fail(sources_.placeOf(json), ": ", place.path(), " ", must, ", got ", shown(json));
+    fail(sources_.placeOf(json), ": ", place.path(), " ", must, ", got ", shown(json), hint);
 }
 
 void SceneReader::refuseWord(const Json& json, const Place& place, const std::vector<std::string>& known,
                              const std::string& hint) const
 {
     const std::string given = json.is_string() ? word(json) : std::string();
-    fail(sources_.placeOf(json), ": ", place.path(), " must be one of ", listed(known), ", got ", shown(json),
-         hint.empty() ? hintFor(given, known) : hint);
+    refuse(json, place, text("must be one of ", listed(known)), hint.empty() ? hintFor(given, known) : hint);
 }
 
 void SceneReader::refuseUnknown(const Json& object, const Place& place, const std::vector<std::string>& known,
@@ -164,10 +163,8 @@ double SceneReader::inUnit(const Json& json, const Place& place, const Bound& bo
         const bool bare = bound.unit.empty() || bound.unit == "-";
         const std::string must =
             bare ? "must be a number without a unit" : text("must be in ", bound.unit, " or a unit like it");
-        if (const std::string near = nearestUnit(unit); !near.empty())
-            fail(sources_.placeOf(json), ": ", place.path(), " ", must, ", got ", shown(json), " (did you mean '", near,
-                 "'?)");
-        refuse(json, place, must);
+        const std::string near = nearestUnit(unit);
+        refuse(json, place, must, near.empty() ? "" : text(" (did you mean '", near, "'?)"));
     }
     return value * scale->factor / scale->divisor;
 }
@@ -289,8 +286,8 @@ BodyId SceneReader::bodyNamed(const Json& json, const Place& place) const
     const auto found = std::ranges::find(bodies_, name);
     if (found != bodies_.end()) return BodyId{static_cast<std::uint32_t>(found - bodies_.begin()) + 1};
     const bool later = std::ranges::find(allBodies_, name) != allBodies_.end();
-    fail(sources_.placeOf(json), ": ", place.path(), " must be the name of a body before this one, got ", shown(json),
-         later ? ", which is this one or comes later" : hintFor(name, allBodies_));
+    refuse(json, place, "must be the name of a body before this one",
+           later ? ", which is this one or comes later" : hintFor(name, allBodies_));
 }
 
 AttachmentId SceneReader::attachmentNamed(const Json& json, const Place& place) const
@@ -300,9 +297,8 @@ AttachmentId SceneReader::attachmentNamed(const Json& json, const Place& place) 
     if (found != attachments_.end()) return AttachmentId{static_cast<std::uint32_t>(found - attachments_.begin()) + 1};
     std::vector<std::string> known;
     for (const NamedAttachment& each : attachments_) known.push_back(each.name);
-    fail(sources_.placeOf(json), ": ", place.path(),
-         " must be the id of a command before this one that attaches, or \"BODY.attachments[0]\", got ", shown(json),
-         hintFor(name, known));
+    refuse(json, place, "must be the id of a command before this one that attaches, or \"BODY.attachments[0]\"",
+           hintFor(name, known));
 }
 
 AttachmentId SceneReader::newAttachment(const Json& json, const Place& place)

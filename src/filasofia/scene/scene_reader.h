@@ -103,8 +103,9 @@ public:
         }
     }
 
-    /// Throws the Error "FILE:LINE:COLUMN: <path> <must be ...>, got <value>".
-    [[noreturn]] void refuse(const Json& json, const Place& place, std::string_view must) const;
+    /// Throws the Error "FILE:LINE:COLUMN: <path> <must be ...>, got <value><hint>".
+    [[noreturn]] void refuse(const Json& json, const Place& place, std::string_view must,
+                             std::string_view hint = {}) const;
     /// Refuses members of an object other than these; `type` names its Def.
     void refuseUnknown(const Json& object, const Place& place, const std::vector<std::string>& known,
                        std::string_view type = {}) const;

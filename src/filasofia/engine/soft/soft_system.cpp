@@ -52,9 +52,8 @@ PinnedParts pinnedParts(const SoftModel& model)
 } // namespace
 
 SoftSystem::SoftSystem(const SoftSystem& other)
-    : matrixFree(other.matrixFree ? std::make_unique<MatrixFreeSystem>(*other.matrixFree) : nullptr), held(other.held),
-      tuned(other.tuned), outdated(other.outdated || other.assembled), forces(other.forces), x(other.x), v(other.v),
-      dv(other.dv), residual(other.residual)
+    : matrixFree(other.matrixFree), held(other.held), tuned(other.tuned), outdated(other.outdated || other.assembled),
+      forces(other.forces), x(other.x), v(other.v), dv(other.dv), residual(other.residual)
 {
 }
 

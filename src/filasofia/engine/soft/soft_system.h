@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/core/copied_ptr.h"
 #include "filasofia/engine/soft/assembled_system.h"
 #include "filasofia/engine/soft/matrix_free_operator.h"
 
@@ -17,7 +18,7 @@ struct PinnedParts {
 /// except for the two flags and for the preconditioner of a body that was cut, which also depends on the history of its
 /// edits. Either `matrixFree` or `assembled` is set.
 struct SoftSystem {
-    std::unique_ptr<MatrixFreeSystem> matrixFree; ///< in float, the default
+    CopiedPtr<MatrixFreeSystem> matrixFree; ///< in float, the default
     /// Operator of matrixFree; set once the body is part of a coupled solve.
     std::unique_ptr<MatrixFreeOperator> coupled;
     std::unique_ptr<AssembledSystem> assembled; ///< in double, the reference solver

@@ -1,0 +1,49 @@
+#include "defs.h"
+#include "simulation.h"
+
+#include <memory>
+
+namespace filasofia::python {
+namespace {
+
+/// A saved state, as Python holds it.
+struct HeldState {
+    std::shared_ptr<const physics::SavedState> state;
+    double time = 0.0;       ///< [s]
+    std::uint64_t steps = 0; ///< [-]
+};
+
+HeldState save(HeldSimulation& self)
+{
+    const Session::Turn turn(*self.session, "save_state");
+    const nb::gil_scoped_release free;
+    return {self.session->save(), self.session->time(), self.session->steps()};
+}
+
+void restore(HeldSimulation& self, nb::handle given)
+{
+    if (!nb::isinstance<HeldState>(given)) failType({.name = "restore: the state"}, "must be a SavedState", given);
+    const auto& held = nb::cast<const HeldState&>(given);
+    const Session::Turn turn(*self.session, "restore");
+    const nb::gil_scoped_release free;
+    self.session->restore(*held.state);
+}
+
+} // namespace
+
+void addStates(nb::module_& module, nb::class_<HeldSimulation>& sim)
+{
+    nb::class_<HeldState>(module, "SavedState", "What Simulation.restore() returns to; it never changes.")
+        .def_ro("time", &HeldState::time, "[s]")
+        .def_ro("steps", &HeldState::steps, "Number of steps made.");
+    sim.def("save_state", &save,
+            "The present state: bodies, cut meshes, contacts, attachments, time, warm starts, and the commands that "
+            "wait for the next step. It stays in memory and never changes. Before the first step, and while a body or "
+            "a material waits for a step, it is an Error.");
+    sim.def("restore", &restore, nb::arg("state").none(),
+            nb::sig("def restore(self, state: filasofia.SavedState) -> None"),
+            "Returns at once to a state of this simulation, or of another one with the same bodies and rate. The same "
+            "commands then give the same bits. Error if bodies were added or removed, or if the run is recorded.");
+}
+
+} // namespace filasofia::python
