@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Builds a wheel of the Python package that carries the libraries it needs, into build/wheel. It runs where the C library
-# is at least as new as here; pictures need OpenGL (libegl1 and libgl1), and nothing else. Takes about four minutes the first time.
+# Builds a wheel of the Python package that carries the libraries it needs, into build/wheel. It runs where the C
+# library is at least as new as here; pictures need OpenGL (libegl1 and libgl1), and nothing else. Takes about four
+# minutes the first time.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 

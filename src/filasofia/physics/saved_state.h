@@ -14,8 +14,8 @@ struct SavedState::Content {
     bool paused = false;
 };
 
-/// A command that waits for the next step, as a saved state has it. Error for one that makes or removes a body or
-/// changes its material: it has not taken effect, and what it carries cannot be copied.
+/// A command that waits for the next step, as a saved state has it. Error for AddBody, RemoveBody, SetMaterial and
+/// Tune: they must take effect before the state can be saved.
 Command copyOfWaiting(const Command& command);
 
 } // namespace filasofia::physics
