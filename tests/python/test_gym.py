@@ -57,6 +57,23 @@ def test_pictures_are_observations_too(name):
     env.close()
 
 
+@pytest.mark.parametrize("name", ["SearchForPoint", "GraspLift"])
+def test_depth_is_an_observation_too(name):
+    env = gymnasium.make(f"filasofia/{name}-v0", observation="rgbd", image_size=(48, 32))
+    check_env(env.unwrapped, skip_render_check=True)
+    seen, _ = env.reset(seed=1)
+    assert seen["rgb"].shape == (32, 48, 3) and seen["depth"].shape == (32, 48)
+    assert 0.001 < seen["depth"].min() < 0.3 and seen["depth"].max() <= env.unwrapped.lens.far
+    env.close()
+    envs = gym.VectorEnv(getattr(gym, name), 2, observation="rgbd", image_size=(48, 32))
+    both, _ = envs.reset(seed=1)
+    assert both in envs.observation_space
+    assert all(np.array_equal(both[part][0], seen[part]) for part in ("rgb", "depth"))
+    later, *_ = envs.step(envs.action_space.sample())
+    assert not np.shares_memory(later["depth"], both["depth"])
+    envs.close()
+
+
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("difficulty", [0, 2])
 def test_a_scripted_policy_solves_every_task_and_an_idle_one_none(name, difficulty):
@@ -197,7 +214,7 @@ def test_a_vector_takes_a_registered_name():
 @pytest.mark.parametrize(
     "options, message",
     [
-        ({"observation": "rgbd"}, "Reach: observation must be one of 'state', 'rgb', got 'rgbd'"),
+        ({"observation": "depth"}, "Reach: observation must be one of 'state', 'rgb', 'rgbd', got 'depth'"),
         ({"action": "joint"}, "action must be one of 'box', 'discrete', got 'joint'"),
         ({"difficulty": 3}, r"difficulty must be a whole number in \[0, 2\], got 3"),
         ({"max_steps": 0}, "max_steps must be a whole number in"),

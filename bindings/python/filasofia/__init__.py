@@ -44,9 +44,10 @@ from ._core import (
     tissues,
 )
 from ._defs import *  # noqa: F403  the Defs, a class for each
-from ._simulation import Simulation, load, replay
+from ._simulation import DepthImage, Simulation, load, replay
 
 __all__ = [
+    "DepthImage",
     "Simulation",
     "asset",
     "load",

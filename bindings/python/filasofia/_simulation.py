@@ -22,6 +22,13 @@ def _only(kind: _typing.Any, given: _typing.Any, named: dict[str, _typing.Any]) 
     return given
 
 
+class DepthImage(_typing.NamedTuple):
+    """Depth and segmentation of a picture."""
+
+    depth: NDArray[numpy.float32]  #: (height, width) [m], along the viewing direction; inf where nothing is seen
+    bodies: NDArray[numpy.uint32]  #: (height, width), the BodyId of what is seen; 0 where there is none
+
+
 class Simulation(_core.Simulation):
     """A headless simulation: bodies, steps, commands, events, frames and pictures.
 
@@ -55,6 +62,20 @@ class Simulation(_core.Simulation):
         """
         return self._render(_defs.PictureDef(width, height, pose, camera))  # type: ignore[attr-defined, no-any-return]
 
+    def render_depth(
+        self,
+        width: int = 640,
+        height: int = 480,
+        *,
+        pose: _defs.Pose | _typing.Sequence[float] | None = None,
+        camera: _defs.CameraDef | None = None,
+    ) -> DepthImage:
+        """What each pixel of render() shows: how far away it is, and which body it belongs to.
+
+        The values are those at the pixels' centres. Transparent bodies count like others; debug lines do not.
+        """
+        return DepthImage(*self._render_depth(_defs.PictureDef(width, height, pose, camera)))  # type: ignore[attr-defined]
+
     def __repr__(self) -> str:
         try:
             if self._foreign:  # type: ignore[attr-defined]
@@ -85,5 +106,5 @@ def replay(definition: _defs.ReplayDef | None = None, **fields: _typing.Any) -> 
 # nanobind's flags print as numbers; Python's as names.
 _core.StepFlag.__repr__ = _enum.Flag.__repr__  # type: ignore
 _core.StepFlag.__str__ = _enum.Flag.__str__  # type: ignore
-for _each in (Simulation, load, replay):
+for _each in (DepthImage, Simulation, load, replay):
     _each.__module__ = "filasofia"

@@ -42,6 +42,14 @@ template <class Row> nb::object recordsOf(const std::vector<Row>& rows, nb::hand
     return nb::cast(Bytes(data, {rows.size() * sizeof(Row)}, owner)).attr("view")(type);
 }
 
+/// A new array of this shape, which takes the numbers over.
+template <class Number> nb::object arrayOf(std::vector<Number> numbers, std::initializer_list<std::size_t> shape)
+{
+    auto* kept = new std::vector<Number>(std::move(numbers));
+    const nb::capsule owner(kept, [](void* held) noexcept { delete static_cast<std::vector<Number>*>(held); });
+    return nb::cast(nb::ndarray<nb::numpy, Number>(kept->data(), shape, owner));
+}
+
 /// A new array of the three numbers.
 inline nb::object vectorOf(const Vec3& value)
 {

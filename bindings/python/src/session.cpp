@@ -134,6 +134,8 @@ void Session::restore(const physics::SavedState& state)
 
 visual::Image Session::picture(const runtime::PictureDef& def) { return running().picture(def); }
 
+visual::DepthImage Session::depth(const runtime::PictureDef& def) { return running().depth(def); }
+
 runtime::RunReport Session::report()
 {
     if (closed()) return final_;

@@ -56,6 +56,7 @@ public:
     void record(const runtime::RunDef& def);
     physics::StepReport step();
     visual::Image picture(const runtime::PictureDef& def);
+    visual::DepthImage depth(const runtime::PictureDef& def);
     /// Error before the first step.
     [[nodiscard]] std::shared_ptr<const physics::SavedState> save();
     void restore(const physics::SavedState& state);

@@ -132,25 +132,35 @@ nb::object show(HeldSimulation& self, nb::handle body, nb::handle def)
 /// The picture without its alpha, as a new array (height, width, 3).
 nb::object pixelsOf(const visual::Image& image)
 {
-    const std::size_t count = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-    auto* bytes = new std::uint8_t[3 * count];
-    const nb::capsule owner(bytes, [](void* held) noexcept { delete[] static_cast<std::uint8_t*>(held); });
-    for (std::size_t i = 0; i < count; ++i) std::memcpy(bytes + 3 * i, image.rgba.data() + 4 * i, 3);
-    return nb::cast(nb::ndarray<nb::numpy, std::uint8_t>(
-        bytes, {static_cast<std::size_t>(image.height), static_cast<std::size_t>(image.width), 3}, owner));
+    const auto height = static_cast<std::size_t>(image.height), width = static_cast<std::size_t>(image.width);
+    std::vector<std::uint8_t> bytes(3 * height * width);
+    for (std::size_t i = 0; i < height * width; ++i) std::memcpy(bytes.data() + 3 * i, image.rgba.data() + 4 * i, 3);
+    return arrayOf(std::move(bytes), {height, width, 3});
+}
+
+/// What `take` captures of the present state, as `def` asks.
+template <class Image> Image capture(HeldSimulation& self, nb::handle def, const char* what,
+                                     Image (Session::*take)(const runtime::PictureDef&))
+{
+    const auto asked = readDef<runtime::PictureDef>(def, what);
+    const Session::Turn turn(*self.session, what);
+    showAll(self);
+    const nb::gil_scoped_release free;
+    return (*self.session.*take)(asked);
 }
 
 nb::object render(HeldSimulation& self, nb::handle def)
 {
-    const auto asked = readDef<runtime::PictureDef>(def, "render");
-    visual::Image image;
-    {
-        const Session::Turn turn(*self.session, "render");
-        showAll(self);
-        const nb::gil_scoped_release free;
-        image = self.session->picture(asked);
-    }
-    return pixelsOf(image);
+    return pixelsOf(capture(self, def, "render", &Session::picture));
+}
+
+/// Depth and bodies, two new arrays (height, width).
+nb::object renderDepth(HeldSimulation& self, nb::handle def)
+{
+    visual::DepthImage image = capture(self, def, "render_depth", &Session::depth);
+    const auto height = static_cast<std::size_t>(image.height), width = static_cast<std::size_t>(image.width);
+    return nb::make_tuple(arrayOf(std::move(image.depth), {height, width}),
+                          arrayOf(std::move(image.label), {height, width}));
 }
 
 void record(HeldSimulation& self, nb::handle file, nb::handle log, int seed, const std::string& session)
@@ -361,6 +371,7 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         nb::sig("def paint(self, body: filasofia.BodyId, mark: filasofia.PaintDef) -> int"),
         "Paints blood, a burn or wetness on a body; returns how many vertices it reached.");
     sim.def("_render", &render);
+    sim.def("_render_depth", &renderDepth);
 }
 
 } // namespace

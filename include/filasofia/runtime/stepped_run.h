@@ -3,6 +3,7 @@
 #include "filasofia/physics/physics_server.h"
 #include "filasofia/runtime/run.h"
 #include "filasofia/visual/camera.h"
+#include "filasofia/visual/depth_image.h"
 #include "filasofia/visual/image.h"
 
 #include <memory>
@@ -53,6 +54,9 @@ public:
     /// Draws the present state off screen. The first picture starts the renderer on a thread of its own, which later
     /// pictures use, and fixes the look: what it frames is what is shown then. Throws an Error if nothing can be drawn.
     visual::Image picture(const PictureDef& def = {});
+    /// Depth and body of each pixel of such a picture: the labels are BodyId::value, 0 where there is none. Effects and
+    /// materials do not change it, but it goes through endoscope optics as the picture does. Error like picture().
+    visual::DepthImage depth(const PictureDef& def = {});
     /// The present state, in memory: bodies, cut meshes, contacts, attachments, time, and the commands that wait for
     /// the next step. Error if a body, a material or a tune() waits: make a step first.
     [[nodiscard]] std::shared_ptr<const physics::SavedState> save();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/visual/camera.h"
+#include "filasofia/visual/depth_image.h"
 #include "filasofia/visual/effects.h"
 #include "filasofia/visual/image.h"
 
@@ -92,10 +93,15 @@ public:
     /// it may show them. Throws an Error if it is a view of the window (use VisualServer::capture), or if the graphics
     /// library gives no picture.
     Image capture();
+    /// Depth and label of each pixel of this view, like VisualServer::captureDepth(). Throws an Error if it is a view
+    /// of the window.
+    DepthImage captureDepth();
 
     [[nodiscard]] Impl& impl() { return *impl_; }
 
 private:
+    void requireOffScreen(const char* instead) const;
+
     std::unique_ptr<Impl> impl_;
 };
 

@@ -17,6 +17,7 @@ struct VisualBodyDef {
     int subdivision = 0;                  ///< [-], in [0, 3], Loop subdivision steps, each with 4 times the triangles
     Material material = TissueMaterial{}; ///< what it looks like
     bool castShadows = true;
+    int label = 0; ///< [-], in [0, 16777215], its number in depth images; a Simulation gives BodyId::value
 };
 
 constexpr auto fields(const VisualBodyDef*)
@@ -26,7 +27,8 @@ constexpr auto fields(const VisualBodyDef*)
                     field("mesh", &D::mesh, "surface at rest"),
                     field("subdivision", &D::subdivision, "-", closed(0, 3), "Loop subdivision steps"),
                     field("material", &D::material, "what it looks like"),
-                    field("castShadows", &D::castShadows, "whether it casts shadows"));
+                    field("castShadows", &D::castShadows, "whether it casts shadows"),
+                    field("label", &D::label, "-", closed(0, 16777215), "its number in depth images"));
 }
 
 /// The state of the surface at one vertex.

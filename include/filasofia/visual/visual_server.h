@@ -2,6 +2,7 @@
 
 #include "filasofia/visual/canvas.h"
 #include "filasofia/visual/debug_draw.h"
+#include "filasofia/visual/depth_image.h"
 #include "filasofia/visual/gui.h"
 #include "filasofia/visual/image.h"
 #include "filasofia/visual/light.h"
@@ -135,6 +136,11 @@ public:
     /// Draws the present scene and returns the picture. The same scene gives the same picture, bit for bit. With the
     /// null backend the picture is black. Throws an Error if the graphics library gives none.
     Image capture();
+
+    /// What the window shows of bodies: the depth and label of each pixel, through endoscope optics if the view has
+    /// them. Transparent bodies count like others; lines, Guis, Canvases and the surroundings do not. The same scene
+    /// gives the same numbers. With the null backend nothing is seen.
+    DepthImage captureDepth();
 
     [[nodiscard]] VisualStatistics statistics() const;
     /// From now on VisualStatistics::stages has the times of the stages by this clock [s]; an empty one costs nothing.

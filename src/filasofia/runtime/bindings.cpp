@@ -306,7 +306,8 @@ void Bindings::addPending(visual::VisualServer& visual)
                                                                          .mesh = binding.mapped->surface,
                                                                          .subdivision = binding.subdivision,
                                                                          .material = binding.def.material,
-                                                                         .castShadows = binding.def.castShadows});
+                                                                         .castShadows = binding.def.castShadows,
+                                                                         .label = static_cast<int>(binding.id.value)});
             if (!binding.def.visible) drawn.setVisible(false);
             painted_.resend(binding.key);
             shown_.push_back(std::move(pending_[added]));

@@ -21,7 +21,8 @@ struct PictureThread::Stage {
 
     void open(const PictureDef& def);
     void aim(const PictureDef& def);
-    visual::Image draw(const PictureDef& def);
+    /// Shows the present state as `def` asks, to be captured.
+    visual::VisualServer& show(const PictureDef& def);
 };
 
 void PictureThread::Stage::open(const PictureDef& def)
@@ -51,13 +52,13 @@ void PictureThread::Stage::aim(const PictureDef& def)
     camera->set(def.camera.value_or(startLens));
 }
 
-visual::Image PictureThread::Stage::draw(const PictureDef& def)
+visual::VisualServer& PictureThread::Stage::show(const PictureDef& def)
 {
     if (!visual) open(def);
     if (visual->width() != def.width || visual->height() != def.height) visual->resize(def.width, def.height);
     aim(def);
     impl.mapFinishedFrame(*visual); // after aim(): a recording keeps where the camera is
-    return visual->capture();
+    return *visual;
 }
 
 PictureThread::PictureThread(Simulation::Impl& impl) : impl_(impl), thread_([this] { work(); }) {}
@@ -81,7 +82,7 @@ void PictureThread::work()
         if (ending_) return;
         problem_ = nullptr;
         try {
-            picture_ = stage.draw(*asked_);
+            (*asked_)(stage);
         } catch (...) {
             problem_ = std::current_exception();
         }
@@ -91,14 +92,27 @@ void PictureThread::work()
     }
 }
 
-visual::Image PictureThread::draw(const PictureDef& def)
+void PictureThread::perform(const std::function<void(Stage&)>& task)
 {
     std::unique_lock lock(mutex_);
-    asked_ = &def;
+    asked_ = &task;
     wake_.notify_one();
     done_.wait(lock, [this] { return !asked_; });
     if (problem_) std::rethrow_exception(std::exchange(problem_, nullptr));
-    return std::move(picture_);
+}
+
+visual::Image PictureThread::draw(const PictureDef& def)
+{
+    visual::Image image;
+    perform([&](Stage& stage) { image = stage.show(def).capture(); });
+    return image;
+}
+
+visual::DepthImage PictureThread::drawDepth(const PictureDef& def)
+{
+    visual::DepthImage image;
+    perform([&](Stage& stage) { image = stage.show(def).captureDepth(); });
+    return image;
 }
 
 } // namespace filasofia::runtime

@@ -5,6 +5,7 @@
 
 #include <condition_variable>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 
@@ -22,16 +23,19 @@ public:
 
     /// Draws the present state; physics must not be stepping. Throws what the drawing throws.
     visual::Image draw(const PictureDef& def);
+    visual::DepthImage drawDepth(const PictureDef& def);
 
 private:
     struct Stage;
+    /// Has the thread do this, and waits for it. Throws what it throws.
+    void perform(const std::function<void(Stage&)>& task);
     void work();
 
     Simulation::Impl& impl_;
     std::mutex mutex_;
     std::condition_variable wake_, done_;
-    const PictureDef* asked_ = nullptr; ///< under the lock, like the members up to ending_; null: nothing is asked for
-    visual::Image picture_;
+    /// Under the lock, like the members up to ending_; null: nothing is asked for.
+    const std::function<void(Stage&)>* asked_ = nullptr;
     std::exception_ptr problem_;
     bool ending_ = false;
     std::thread thread_; ///< last, because it uses all other members

@@ -42,6 +42,8 @@ struct SteppedRun::Impl {
     {
         if (ended) fail(what, ": the run has ended");
     }
+    /// The renderer, from the first picture on.
+    PictureThread& drawing(const PictureDef& asked, const char* what);
     [[nodiscard]] RunReport report() const;
 };
 
@@ -73,6 +75,14 @@ RunReport SteppedRun::Impl::report() const
     simulation.fill(out);
     if (out.finished.empty()) out.finished = "not yet";
     return out;
+}
+
+PictureThread& SteppedRun::Impl::drawing(const PictureDef& asked, const char* what)
+{
+    requireRunning(what);
+    validate(asked, what);
+    if (!pictures) pictures.emplace(simulation);
+    return *pictures;
 }
 
 SteppedRun::SteppedRun(Simulation& simulation, const RunDef& def)
@@ -111,13 +121,9 @@ physics::StepReport SteppedRun::step()
     return report;
 }
 
-visual::Image SteppedRun::picture(const PictureDef& def)
-{
-    impl_->requireRunning("picture");
-    validate(def, "picture");
-    if (!impl_->pictures) impl_->pictures.emplace(impl_->simulation);
-    return impl_->pictures->draw(def);
-}
+visual::Image SteppedRun::picture(const PictureDef& def) { return impl_->drawing(def, "picture").draw(def); }
+
+visual::DepthImage SteppedRun::depth(const PictureDef& def) { return impl_->drawing(def, "depth").drawDepth(def); }
 
 std::shared_ptr<const physics::SavedState> SteppedRun::save()
 {

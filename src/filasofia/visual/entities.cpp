@@ -130,14 +130,27 @@ void View::setVisible(bool visible)
     impl_->scene.backend->setVisible(impl_->slot, visible);
 }
 
+void View::requireOffScreen(const char* instead) const
+{
+    if (!isOffScreen(impl_->def))
+        fail("view '", impl_->def.name,
+             "': is in the window and has no picture of its own; use VisualServer::", instead, "()");
+}
+
 Image View::capture()
 {
     impl_->scene.assertThread();
-    if (!isOffScreen(impl_->def))
-        fail("view '", impl_->def.name,
-             "': is in the window and has no picture of its own; use VisualServer::capture()");
+    requireOffScreen("capture");
     sendPlaces(impl_->scene);
     return impl_->scene.backend->capture(impl_->slot);
+}
+
+DepthImage View::captureDepth()
+{
+    impl_->scene.assertThread();
+    requireOffScreen("captureDepth");
+    sendPlaces(impl_->scene);
+    return impl_->scene.backend->captureDepth(impl_->slot);
 }
 
 void View::setCamera(Camera& camera)

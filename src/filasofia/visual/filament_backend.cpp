@@ -1,8 +1,9 @@
 #include "filasofia/visual/filament_backend.h"
 
-#include "filasofia/core/assert.h"
 #include "filasofia/core/error.h"
+#include "filasofia/visual/depth_views.h"
 #include "filasofia/visual/egl_platform.h"
+#include "filasofia/visual/filament_read.h"
 #include "filasofia/visual/filament_view.h"
 #include "filasofia/visual/gpu.h"
 #include "filasofia/visual/pose_matrix.h"
@@ -60,6 +61,7 @@ void FilamentBackend::start(const VisualServerDef& def)
 void FilamentBackend::stop()
 {
     overlays_.reset();
+    depth_.reset();
     for (auto& [slot, each] : views_) destroyView(each);
     for (auto& [slot, each] : cameras_) destroyPlace(each.entity);
     for (auto& [slot, entity] : lights_) destroyPlace(entity);
@@ -93,11 +95,10 @@ void FilamentBackend::destroyPlace(utils::Entity entity)
     utils::EntityManager::get().destroy(entity);
 }
 
-void FilamentBackend::addBody(Slot slot, const ReadyMaterial& material, bool castShadows, BodyGeometry geometry)
+void FilamentBackend::addBody(Slot slot, const ReadyMaterial& material, const BodyTraits& traits, BodyGeometry geometry)
 {
     countHandles();
-    bodies_[slot] =
-        std::make_unique<FilamentBody>(*engine_, *scene_, *pool_, material, castShadows, std::move(geometry));
+    bodies_[slot] = std::make_unique<FilamentBody>(*engine_, *scene_, *pool_, material, traits, std::move(geometry));
 }
 
 void FilamentBackend::setGeometry(Slot body, BodyGeometry geometry)
@@ -265,16 +266,21 @@ void FilamentBackend::prepareOptics()
     }
 }
 
+void FilamentBackend::project(PlacedView& view, const filament::Viewport& pixels)
+{
+    const PlacedCamera& placed = cameras_.at(view.camera);
+    constexpr double kDegree = 3.14159265358979323846 / 180.0;
+    placed.camera->setProjection(placed.def.verticalFieldOfView / kDegree, double(pixels.width) / double(pixels.height),
+                                 placed.def.near, placed.def.far, filament::Camera::Fov::VERTICAL);
+}
+
 template <class Render> void FilamentBackend::drawView(PlacedView& each, Render&& render)
 {
     const filament::Viewport pixels = pixelsOfView(each);
     filament::RenderTarget* const target = each.picture ? each.picture->target() : nullptr;
-    const PlacedCamera& placed = cameras_.at(each.camera);
-    constexpr double kDegree = 3.14159265358979323846 / 180.0;
-    // Two views of different shape may share a camera, so the projection belongs to the view.
-    placed.camera->setProjection(placed.def.verticalFieldOfView / kDegree, double(pixels.width) / double(pixels.height),
-                                 placed.def.near, placed.def.far, filament::Camera::Fov::VERTICAL);
-    each.view->setDynamicLightingOptions(float(4.0 * placed.def.near), float(placed.def.far));
+    project(each, pixels);
+    const CameraDef& eye = cameras_.at(each.camera).def;
+    each.view->setDynamicLightingOptions(float(4.0 * eye.near), float(eye.far));
     each.view->setViewport(pixels);
     each.view->setRenderTarget(target);
     if (!each.optics) {
@@ -347,21 +353,31 @@ Image FilamentBackend::capture(Slot asked)
 Image FilamentBackend::read(filament::RenderTarget* target, int width, int height, bool endsFrame)
 {
     Image image{width, height, std::vector<std::uint8_t>(4 * std::size_t(width) * std::size_t(height))};
-    bool done = false;
-    using filament::backend::PixelBufferDescriptor;
-    PixelBufferDescriptor pixels(
-        image.rgba.data(), image.rgba.size(), filament::backend::PixelDataFormat::RGBA,
-        filament::backend::PixelDataType::UBYTE,
-        [](void*, std::size_t, void* user) { *static_cast<bool*>(user) = true; }, &done);
-    if (target)
-        renderer_->readPixels(target, 0, 0, std::uint32_t(width), std::uint32_t(height), std::move(pixels));
-    else
-        renderer_->readPixels(0, 0, std::uint32_t(width), std::uint32_t(height), std::move(pixels));
-    if (endsFrame) renderer_->endFrame();
-    // Filament calls back when it next checks what has finished. That must happen before `image` is destroyed.
-    for (int i = 0; i < 1000 && !done; ++i) engine_->flushAndWait();
-    FILASOFIA_ASSERT(done);
+    readPixels(*engine_, *renderer_, target, width, height, endsFrame, {image.rgba.data(), image.rgba.size()});
     return image;
+}
+
+DepthImage FilamentBackend::captureDepth()
+{
+    DepthImage window = emptyDepth(width_, height_);
+    for (auto& [slot, each] : views_) {
+        if (!each.visible || each.picture) continue;
+        const filament::Viewport pixels = pixelsOfView(each);
+        place(drawDepth(each), pixels.left, height_ - pixels.bottom - int(pixels.height), window);
+    }
+    return window;
+}
+
+DepthImage FilamentBackend::captureDepth(Slot view) { return drawDepth(views_.at(view)); }
+
+DepthImage FilamentBackend::drawDepth(PlacedView& view)
+{
+    if (!depth_) depth_ = std::make_unique<DepthPass>(*engine_, *pool_);
+    const filament::Viewport pixels = pixelsOfView(view);
+    project(view, pixels);
+    const DepthImage image =
+        depth_->draw(*renderer_, *cameras_.at(view.camera).camera, bodies_, int(pixels.width), int(pixels.height));
+    return view.optics ? throughLens(image, *view.def.effects->endoscope) : image;
 }
 
 } // namespace filasofia::visual

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/visual/filament_body.h"
+#include "filasofia/visual/filament_depth.h"
 #include "filasofia/visual/filament_optics.h"
 #include "filasofia/visual/filament_overlays.h"
 
@@ -24,7 +25,7 @@ public:
     explicit FilamentBackend(const VisualServerDef& def);
     ~FilamentBackend() override;
 
-    void addBody(Slot slot, const ReadyMaterial& material, bool castShadows, BodyGeometry geometry) override;
+    void addBody(Slot slot, const ReadyMaterial& material, const BodyTraits& traits, BodyGeometry geometry) override;
     void setGeometry(Slot body, BodyGeometry geometry) override;
     void setVertices(Slot body, VertexData vertices) override;
     void setSurfaceState(Slot body, std::vector<PackedState> states) override;
@@ -41,6 +42,8 @@ public:
     bool draw() override;
     Image capture() override;
     Image capture(Slot view) override;
+    DepthImage captureDepth() override;
+    DepthImage captureDepth(Slot view) override;
     NativeObjects native() override { return {engine_, renderer_, scene_}; }
     OverlayBackend& overlays() override { return *overlays_; }
     filament::View* nativeView(Slot view) override { return views_.at(view).view; }
@@ -69,6 +72,9 @@ private:
     void drawViews();
     /// Draws one view by `render(filament::View*)`.
     template <class Render> void drawView(PlacedView& view, Render&& render);
+    /// Sets the view's projection for a picture of this size: two views of different shape may share a camera.
+    void project(PlacedView& view, const filament::Viewport& pixels);
+    DepthImage drawDepth(PlacedView& view);
     void prepareOptics();
     [[nodiscard]] filament::Viewport pixelsOfView(const PlacedView& view) const;
     void applyView(PlacedView& view);
@@ -102,6 +108,7 @@ private:
     filament::Skybox* background_ = nullptr;
     std::unique_ptr<MaterialPool> pool_;
     std::unique_ptr<FilamentOverlays> overlays_;
+    std::unique_ptr<DepthPass> depth_; ///< from the first depth image on
     std::map<Slot, std::unique_ptr<FilamentBody>> bodies_;
     std::map<Slot, utils::Entity> lights_;
     std::map<Slot, PlacedCamera> cameras_;

@@ -2,6 +2,7 @@
 
 #include <backend/BufferDescriptor.h>
 #include <filament/Box.h>
+#include <filament/Material.h>
 #include <filament/RenderableManager.h>
 #include <filament/TransformManager.h>
 #include <utils/EntityManager.h>
@@ -43,9 +44,9 @@ filament::Box boxOf(const VertexData& data)
 } // namespace
 
 FilamentBody::FilamentBody(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool,
-                           const ReadyMaterial& material, bool castShadows, BodyGeometry geometry)
+                           const ReadyMaterial& material, const BodyTraits& traits, BodyGeometry geometry)
     : engine_(engine), scene_(scene), pool_(pool), entity_(utils::EntityManager::get().create()),
-      instance_(pool.instance(material)), materialName_(MaterialPool::nameOf(material.material))
+      instance_(pool.instance(material)), materialName_(MaterialPool::nameOf(material.material)), label_(traits.label)
 {
     buildBuffers(geometry);
     using Renderable = filament::RenderableManager;
@@ -53,7 +54,7 @@ FilamentBody::FilamentBody(filament::Engine& engine, filament::Scene& scene, Mat
         .boundingBox(boxOf(geometry.vertices))
         .geometry(0, Renderable::PrimitiveType::TRIANGLES, vertices_, indices_)
         .material(0, instance_)
-        .castShadows(castShadows)
+        .castShadows(traits.castShadows)
         .receiveShadows(true)
         .build(engine_, entity_);
     engine_.getTransformManager().create(entity_);
@@ -145,11 +146,26 @@ bool FilamentBody::setMaterial(const ReadyMaterial& material)
     filament::MaterialInstance* old = instance_;
     instance_ = pool_.instance(material);
     materialName_ = MaterialPool::nameOf(material.material);
-    auto& renderables = engine_.getRenderableManager();
-    renderables.setMaterialInstanceAt(renderables.getInstance(entity_), 0, instance_);
+    put(*instance_);
     engine_.destroy(old);
     return true;
 }
+
+void FilamentBody::put(filament::MaterialInstance& instance)
+{
+    auto& renderables = engine_.getRenderableManager();
+    renderables.setMaterialInstanceAt(renderables.getInstance(entity_), 0, &instance);
+}
+
+void FilamentBody::wear(filament::MaterialInstance& other)
+{
+    const filament::Material& own = *instance_->getMaterial();
+    using Culling = filament::Material::CullingMode;
+    other.setCullingMode(own.isDoubleSided() ? Culling::NONE : own.getCullingMode());
+    put(other);
+}
+
+void FilamentBody::wearOwn() { put(*instance_); }
 
 void FilamentBody::setVisible(bool visible)
 {

@@ -14,7 +14,7 @@ namespace filasofia::visual {
 class FilamentBody {
 public:
     FilamentBody(filament::Engine& engine, filament::Scene& scene, MaterialPool& pool, const ReadyMaterial& material,
-                 bool castShadows, BodyGeometry geometry);
+                 const BodyTraits& traits, BodyGeometry geometry);
     FilamentBody(const FilamentBody&) = delete;
     FilamentBody& operator=(const FilamentBody&) = delete;
     ~FilamentBody();
@@ -27,11 +27,17 @@ public:
     void setScale(double scale) { scale_ = scale; }
     [[nodiscard]] double scale() const { return scale_; }
     void setVisible(bool visible);
+    [[nodiscard]] bool visible() const { return visible_; }
+    [[nodiscard]] std::uint32_t label() const { return label_; }
+    /// Looks like `other`, with the body's own culling, until wearOwn().
+    void wear(filament::MaterialInstance& other);
+    void wearOwn();
     [[nodiscard]] utils::Entity entity() const { return entity_; }
 
 private:
     void buildBuffers(const BodyGeometry& geometry);
     void destroyBuffers();
+    void put(filament::MaterialInstance& instance);
 
     filament::Engine& engine_;
     filament::Scene& scene_;
@@ -41,6 +47,7 @@ private:
     filament::IndexBuffer* indices_ = nullptr;
     filament::MaterialInstance* instance_ = nullptr;
     std::string materialName_;
+    std::uint32_t label_;
     double scale_ = 1.0;
     bool visible_ = true;
 };

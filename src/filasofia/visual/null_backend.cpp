@@ -1,6 +1,7 @@
 #include "filasofia/visual/null_backend.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/visual/depth_views.h"
 
 #include <utility>
 
@@ -16,14 +17,15 @@ Image blackImage(int width, int height)
 
 } // namespace
 
-void NullBackend::addBody(Slot slot, const ReadyMaterial& material, bool castShadows, BodyGeometry geometry)
+void NullBackend::addBody(Slot slot, const ReadyMaterial& material, const BodyTraits& traits, BodyGeometry geometry)
 {
     FILASOFIA_ASSERT(!bodies.contains(slot) && !placed.contains(slot));
     Body body;
     body.geometry = std::move(geometry);
     body.states.resize(body.geometry.rest.size());
     body.material = material.material;
-    body.castShadows = castShadows;
+    body.castShadows = traits.castShadows;
+    body.label = traits.label;
     bodies.emplace(slot, std::move(body));
 }
 
@@ -106,6 +108,14 @@ Image NullBackend::capture(Slot view)
     const Placed& shown = placed.at(view);
     FILASOFIA_ASSERT(shown.width > 0);
     return blackImage(shown.width, shown.height);
+}
+
+DepthImage NullBackend::captureDepth() { return emptyDepth(width_, height_); }
+
+DepthImage NullBackend::captureDepth(Slot view)
+{
+    const Placed& shown = placed.at(view);
+    return emptyDepth(shown.width, shown.height);
 }
 
 } // namespace filasofia::visual

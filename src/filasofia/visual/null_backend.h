@@ -15,6 +15,7 @@ public:
         std::vector<PackedState> states;
         Material material;
         bool castShadows = true;
+        std::uint32_t label = 0;
         bool visible = true;
         Pose pose;
         double scale = 1.0;
@@ -32,7 +33,7 @@ public:
 
     NullBackend(int width, int height) : width_(width), height_(height) {}
 
-    void addBody(Slot slot, const ReadyMaterial& material, bool castShadows, BodyGeometry geometry) override;
+    void addBody(Slot slot, const ReadyMaterial& material, const BodyTraits& traits, BodyGeometry geometry) override;
     void setGeometry(Slot body, BodyGeometry geometry) override;
     void setVertices(Slot body, VertexData vertices) override;
     void setSurfaceState(Slot body, std::vector<PackedState> states) override;
@@ -49,6 +50,8 @@ public:
     bool draw() override;
     Image capture() override;
     Image capture(Slot view) override;
+    DepthImage captureDepth() override;
+    DepthImage captureDepth(Slot view) override;
     OverlayBackend& overlays() override { return overlay; }
 
     std::map<Slot, Body> bodies;

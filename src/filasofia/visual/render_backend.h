@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/visual/depth_image.h"
 #include "filasofia/visual/image.h"
 #include "filasofia/visual/light.h"
 #include "filasofia/visual/material_store.h"
@@ -34,6 +35,12 @@ struct BodyGeometry {
 /// Blood, burn, wetness, in 255ths; the fourth is reserved.
 using PackedState = std::array<std::uint8_t, 4>;
 
+/// What stays with a body from its beginning to its end.
+struct BodyTraits {
+    bool castShadows = true;
+    std::uint32_t label = 0; ///< in depth images
+};
+
 struct NativeObjects {
     filament::Engine* engine = nullptr;
     filament::Renderer* renderer = nullptr;
@@ -48,7 +55,7 @@ public:
     RenderBackend& operator=(const RenderBackend&) = delete;
     virtual ~RenderBackend() = default;
 
-    virtual void addBody(Slot slot, const ReadyMaterial& material, bool castShadows, BodyGeometry geometry) = 0;
+    virtual void addBody(Slot slot, const ReadyMaterial& material, const BodyTraits& traits, BodyGeometry geometry) = 0;
     virtual void setGeometry(Slot body, BodyGeometry geometry) = 0;
     virtual void setVertices(Slot body, VertexData vertices) = 0; ///< as many as the geometry has
     virtual void setSurfaceState(Slot body, std::vector<PackedState> states) = 0;
@@ -69,6 +76,9 @@ public:
     virtual bool draw() = 0;              ///< one frame; false: skipped
     virtual Image capture() = 0;          ///< draws and returns the picture; throws an Error if there is none
     virtual Image capture(Slot view) = 0; ///< the same for an off-screen view, after those made before it
+    /// The depth of the views in the window, and of one view, at the present places of bodies and cameras.
+    virtual DepthImage captureDepth() = 0;
+    virtual DepthImage captureDepth(Slot view) = 0;
 
     [[nodiscard]] virtual OverlayBackend& overlays() = 0;
 

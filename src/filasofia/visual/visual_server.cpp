@@ -109,7 +109,9 @@ VisualBody& VisualServer::add(const VisualBodyDef& def)
         new VisualBody::Impl{impl_->scene, slot, def, std::move(subdivision), geometry.uv, material.needsTangents});
     impl_->scene.watch.start();
     if (material.needsTangents) geometry.vertices = body->deform(def.mesh.vertices);
-    impl_->scene.backend->addBody(slot, material, def.castShadows, std::move(geometry));
+    impl_->scene.backend->addBody(slot, material,
+                                  {.castShadows = def.castShadows, .label = static_cast<std::uint32_t>(def.label)},
+                                  std::move(geometry));
     ++impl_->scene.vertexUpdates;
     impl_->bodies.push_back(std::make_unique<VisualBody>(def.name, std::move(body)));
     return *impl_->bodies.back();
@@ -320,6 +322,14 @@ Image VisualServer::capture()
     });
     ++impl_->statistics.framesDrawn;
     return image;
+}
+
+DepthImage VisualServer::captureDepth()
+{
+    impl_->scene.assertThread();
+    impl_->overlays.checkNotCalled("captureDepth");
+    sendPlaces(impl_->scene);
+    return impl_->scene.backend->captureDepth();
 }
 
 VisualStatistics VisualServer::statistics() const

@@ -42,7 +42,8 @@ class SurgicalEnv(gymnasium.Env):
     A task overrides build(), which adds bodies and returns its tools, and prepare(), arrange(), features() and judge().
 
     Observations, float32: "state" is features() and, for each tool, its place and whether it holds something, all
-    about in [-1, 1]; "rgb" is a picture (height, width, 3), uint8.
+    about in [-1, 1]; "rgb" is a picture (height, width, 3), uint8; "rgbd" is a dict of it
+    as "rgb" and of "depth": (height, width), [m] along the viewing direction, at most the `far` of the lens.
 
     Actions: "box" is in [-1, 1], for each tool its velocity along x, y, z, and for tools that grip one more component:
     above 0.3 it closes, below -0.3 it opens. "discrete" is one of: nothing; for each tool a move along -x, +x, -y, +y,
@@ -70,7 +71,7 @@ class SurgicalEnv(gymnasium.Env):
         threads: int = 1,
         render_mode: str | None = None,
     ):
-        self._check("observation", observation, ("state", "rgb"))
+        self._check("observation", observation, ("state", "rgb", "rgbd"))
         self._check("action", action, ("box", "discrete"))
         self._check("render_mode", render_mode, (None, "rgb_array"))
         self._bound("difficulty", difficulty, 0, self.levels - 1)
@@ -101,7 +102,10 @@ class SurgicalEnv(gymnasium.Env):
             self.observation_space = gymnasium.spaces.Box(-10.0, 10.0, self._state().shape, np.float32)
         else:
             width, height = self.image_size
-            self.observation_space = gymnasium.spaces.Box(0, 255, (height, width, 3), np.uint8)
+            picture = gymnasium.spaces.Box(0, 255, (height, width, 3), np.uint8)
+            depth = gymnasium.spaces.Box(0.0, self.lens.far, (height, width), np.float32)
+            both = gymnasium.spaces.Dict({"rgb": picture, "depth": depth})
+            self.observation_space = both if observation == "rgbd" else picture
 
     # What a task overrides.
 
@@ -122,6 +126,10 @@ class SurgicalEnv(gymnasium.Env):
     def judge(self) -> Judgement:
         """Judges the present state."""
         raise NotImplementedError
+
+    def view(self) -> fs.Pose:
+        """Where the camera is."""
+        return fs.look_at(self.eye, self.looks_at)
 
     # What tasks use.
 
@@ -278,10 +286,15 @@ class SurgicalEnv(gymnasium.Env):
         return np.clip(np.concatenate(parts), -10.0, 10.0).astype(np.float32)
 
     def _observe(self) -> Array:
-        return self._state() if self.observation == "state" else self._picture()
+        if self.observation == "state":
+            return self._state()
+        if self.observation == "rgb":
+            return self._picture()
+        depth = self.sim.render_depth(*self.image_size, pose=self.view(), camera=self.lens).depth
+        return {"rgb": self._picture(), "depth": np.minimum(depth, np.float32(self.lens.far))}
 
     def _picture(self) -> Array:
-        return self.sim.render(*self.image_size, pose=fs.look_at(self.eye, self.looks_at), camera=self.lens)
+        return self.sim.render(*self.image_size, pose=self.view(), camera=self.lens)
 
     def _info(self, judgement: Judgement) -> dict[str, typing.Any]:
         return {

@@ -144,9 +144,9 @@ class SearchForPoint(SurgicalEnv):
         reward = {"angle": -angle, "distance": -10 * wrong, "force": -force, "success": 10.0 * success}
         return Judgement(reward, success, {"angle": angle, "distance": away, "force": force})
 
-    def _picture(self) -> Array:
+    def view(self) -> fs.Pose:
         eye = self.tools[0].place - (0, 0.0032, 0)  # just below the ball that is the scope
-        return self.sim.render(*self.image_size, pose=fs.look_at(eye, eye - (0, 1, 0), (0, 0, -1)), camera=self.lens)
+        return fs.look_at(eye, eye - (0, 1, 0), (0, 0, -1))
 
 
 class TissueManipulation(SurgicalEnv):

@@ -5,11 +5,12 @@ from __future__ import annotations
 import concurrent.futures
 import os
 import typing
+from copy import deepcopy
 
 import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode
-from gymnasium.vector.utils import batch_space
+from gymnasium.vector.utils import batch_space, create_empty_array
 
 import filasofia as fs
 
@@ -54,7 +55,7 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         self.single_observation_space, self.single_action_space = one.observation_space, one.action_space
         self.observation_space = batch_space(one.observation_space, num_envs)
         self.action_space = batch_space(one.action_space, num_envs)
-        self._seen = np.zeros(self.observation_space.shape, self.observation_space.dtype)
+        self._seen = create_empty_array(one.observation_space, num_envs)
         self._ended = np.zeros(num_envs, bool)
 
     def reset(
@@ -71,7 +72,7 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         chosen = np.flatnonzero(np.broadcast_to(mask, self.num_envs))
         infos: dict[str, typing.Any] = {}
         for i, (seen, info) in zip(chosen, self._all(lambda i: self.envs[i].reset(seed=seeds[i]), chosen)):
-            self._seen[i] = seen
+            self._keep(int(i), seen)
             infos = self._add_info(infos, info, int(i))
         self._ended[chosen] = False
         return self._observations(), infos
@@ -85,7 +86,8 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         ends = np.zeros((2, self.num_envs), bool)
         infos: dict[str, typing.Any] = {}
         for i, row in enumerate(self._all(lambda i: self._advance(i, actions[i]))):
-            self._seen[i], rewards[i], ends[0, i], ends[1, i], info = row
+            seen, rewards[i], ends[0, i], ends[1, i], info = row
+            self._keep(i, seen)
             infos = self._add_info(infos, info, i)
         self._ended = ends.any(axis=0) & (self.autoreset_mode != AutoresetMode.SAME_STEP)
         return self._observations(), rewards, ends[0], ends[1], infos
@@ -124,5 +126,12 @@ class VectorEnv(gymnasium.vector.VectorEnv):
             info = {**info, **last}
         return seen, reward, terminated, truncated, info
 
+    def _keep(self, i: int, seen: Array) -> None:
+        if isinstance(seen, dict):
+            for name, part in seen.items():
+                self._seen[name][i] = part
+        else:
+            self._seen[i] = seen
+
     def _observations(self) -> Array:
-        return self._seen.copy() if self._copy else self._seen
+        return deepcopy(self._seen) if self._copy else self._seen

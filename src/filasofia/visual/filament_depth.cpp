@@ -1,0 +1,99 @@
+#include "filasofia/visual/filament_depth.h"
+
+#include "filasofia/visual/depth_views.h"
+#include "filasofia/visual/filament_read.h"
+
+#include <filament/Material.h>
+
+namespace filasofia::visual {
+
+DepthPass::DepthPass(filament::Engine& engine, MaterialPool& pool)
+    : engine_(engine), pool_(pool), scene_(engine.createScene()), view_(engine.createView())
+{
+    view_->setScene(scene_);
+    view_->setPostProcessingEnabled(false); // the values are numbers, not colours
+    view_->setShadowingEnabled(false);
+}
+
+DepthPass::~DepthPass()
+{
+    engine_.destroy(view_);
+    engine_.destroy(scene_);
+    destroyTarget();
+}
+
+void DepthPass::destroyTarget()
+{
+    engine_.destroy(target_);
+    engine_.destroy(values_);
+    engine_.destroy(nearest_);
+}
+
+void DepthPass::resize(int width, int height)
+{
+    if (width == width_ && height == height_) return;
+    if (target_) destroyTarget();
+    width_ = width;
+    height_ = height;
+    using filament::RenderTarget;
+    using filament::Texture;
+    const auto make = [&](Texture::InternalFormat format, Texture::Usage usage) {
+        return Texture::Builder()
+            .width(std::uint32_t(width))
+            .height(std::uint32_t(height))
+            .levels(1)
+            .format(format)
+            .usage(usage)
+            .build(engine_);
+    };
+    values_ = make(Texture::InternalFormat::RG32F, Texture::Usage::COLOR_ATTACHMENT);
+    nearest_ = make(Texture::InternalFormat::DEPTH32F, Texture::Usage::DEPTH_ATTACHMENT);
+    target_ = RenderTarget::Builder()
+                  .texture(RenderTarget::AttachmentPoint::COLOR, values_)
+                  .texture(RenderTarget::AttachmentPoint::DEPTH, nearest_)
+                  .build(engine_);
+    view_->setRenderTarget(target_);
+    view_->setViewport({0, 0, std::uint32_t(width), std::uint32_t(height)});
+}
+
+DepthImage DepthPass::draw(filament::Renderer& renderer, filament::Camera& camera,
+                           const std::map<Slot, std::unique_ptr<FilamentBody>>& bodies, int width, int height)
+{
+    resize(width, height);
+    view_->setCamera(&camera);
+    // Made for this picture only: a body that kept one would take one more of Filament's scarce handles.
+    std::vector<filament::MaterialInstance*> worn;
+    for (const auto& [slot, body] : bodies) {
+        if (!body->visible()) continue;
+        filament::MaterialInstance* instance = pool_.get("depth").createInstance();
+        setParameter(*instance, "label", static_cast<float>(body->label()));
+        body->wear(*instance);
+        scene_->addEntity(body->entity());
+        worn.push_back(instance);
+    }
+    renderer.renderStandaloneView(view_);
+    for (const auto& [slot, body] : bodies) {
+        if (!body->visible()) continue;
+        scene_->remove(body->entity());
+        body->wearOwn();
+    }
+    for (filament::MaterialInstance* each : worn) engine_.destroy(each);
+    return read(renderer);
+}
+
+DepthImage DepthPass::read(filament::Renderer& renderer) const
+{
+    DepthImage out = emptyDepth(width_, height_);
+    std::vector<std::array<float, 2>> values(out.depth.size());
+    readPixels(engine_, renderer, target_, width_, height_, false,
+               {values.data(), values.size() * sizeof(values[0]), filament::backend::PixelDataFormat::RG,
+                filament::backend::PixelDataType::FLOAT});
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!(values[i][0] > 0.0F)) continue; // nothing was drawn here
+        out.depth[i] = values[i][0];
+        out.label[i] = static_cast<std::uint32_t>(values[i][1]);
+    }
+    return out;
+}
+
+} // namespace filasofia::visual
