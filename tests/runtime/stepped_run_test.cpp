@@ -3,6 +3,7 @@
 #include "filasofia/record/recording.h"
 #include "filasofia/runtime/replay.h"
 #include "filasofia/runtime/stepped_run.h"
+#include "filasofia/window/null_window.h"
 
 #include <filesystem>
 #include <functional>
@@ -120,6 +121,127 @@ TEST_CASE("pictures of a stepped run have the size asked for and see the present
     CHECK(run.picture({.width = 96, .height = 32}).rgba.size() == 4u * 96 * 32);
     CHECK_THROWS_WITH(run.picture({.width = 0}), Catch::Contains("width must be in [1, 8192] px"));
     CHECK_THROWS_WITH(run.picture({.camera = visual::CameraDef{.near = -1}}), Catch::Contains("near"));
+}
+#endif
+
+namespace {
+
+/// A viewer whose window nobody sees; `person` acts on it as soon as it is open.
+void watch(
+    Simulation& sim, SteppedRun& run, visual::Backend backend,
+    std::function<void(window::NullWindow&)> person = [](window::NullWindow&) {})
+{
+    sim.useWindow([person = std::move(person)](const window::WindowDef& def) {
+        auto window = std::make_unique<window::NullWindow>(def);
+        person(*window);
+        return window;
+    });
+    run.openViewer({.window = {.width = 80, .height = 60}, .backend = backend, .rate = 1000.0});
+}
+
+} // namespace
+
+TEST_CASE("a viewer changes no bit of a run, whose recording replays")
+{
+    const std::string file = (std::filesystem::temp_directory_path() / "viewer_test.rec").string();
+    Poke watched, alone;
+    watched.sim.show(watched.block);
+    {
+        SteppedRun run(watched.sim, {.record = file}), other(alone.sim);
+        CHECK_FALSE(run.viewing());
+        run.showInViewer(); // does nothing yet
+        watch(watched.sim, run, visual::Backend::Null);
+        CHECK(run.viewing());
+        CHECK_THROWS_WITH(run.openViewer({.backend = visual::Backend::Null}), Catch::Contains("has one already"));
+        for (int i = 0; i < 60; ++i) {
+            run.step();
+            other.step();
+            if (i == 20) run.showInViewer();
+            if (i == 30) {
+                run.closeViewer();
+                CHECK_FALSE(run.viewing());
+                run.closeViewer(); // does nothing now
+            }
+            if (i == 40) watch(watched.sim, run, visual::Backend::Null);
+        }
+        CHECK(run.viewing());
+        CHECK(run.report().hash == other.report().hash);
+        run.end();
+        CHECK_FALSE(run.viewing());
+        CHECK_THROWS_WITH(run.openViewer(), Catch::Contains("the run has ended"));
+    }
+    const runtime::ReplayReport replayed = runtime::replay({.file = file, .check = true});
+    CHECK(replayed.made == 60);
+    CHECK_FALSE(replayed.difference);
+    std::filesystem::remove(file);
+}
+
+TEST_CASE("the person closes a viewer, and the run goes on")
+{
+    Poke poke;
+    poke.sim.show(poke.block);
+    SteppedRun run(poke.sim);
+    watch(poke.sim, run, visual::Backend::Null, [](window::NullWindow& window) {
+        auto close = std::make_unique<event::WindowEvent>();
+        close->kind = event::WindowEvent::Kind::CloseRequested;
+        window.inject(std::move(close));
+    });
+    CHECK_FALSE(run.viewing());
+    watch(poke.sim, run, visual::Backend::Null, [](window::NullWindow& window) {
+        auto escape = std::make_unique<event::KeyEvent>();
+        escape->key = event::KeyCode::Escape;
+        escape->pressed = true;
+        window.inject(std::move(escape));
+    });
+    CHECK_FALSE(run.viewing());
+    CHECK(run.step().step == 1);
+}
+
+TEST_CASE("a viewer that cannot open is an Error and leaves the pictures as they were")
+{
+    Poke poke;
+    SteppedRun run(poke.sim);
+    CHECK_THROWS_WITH(watch(poke.sim, run, visual::Backend::Null), Catch::Contains("nothing is shown"));
+    CHECK_FALSE(run.viewing());
+    CHECK_THROWS_WITH(run.openViewer({.rate = 0.0}), Catch::Contains("rate must be in [1, 1000] 1/s"));
+    poke.sim.show(poke.block);
+    poke.sim.useWindow([](const window::WindowDef&) -> std::unique_ptr<window::Window> { fail("no display here"); });
+    CHECK_THROWS_WITH(run.openViewer(), Catch::Contains("no display here"));
+    CHECK_FALSE(run.viewing());
+    CHECK(run.step().step == 1);
+}
+
+#ifdef FILASOFIA_HAS_FILAMENT
+TEST_CASE("pictures beside a viewer are those without one, wherever the person looks")
+{
+    Poke poke;
+    poke.sim.show(poke.block);
+    poke.sim.show(poke.ball);
+    SteppedRun run(poke.sim);
+    for (int i = 0; i < 20; ++i) run.step();
+    const Pose above = visual::lookAt({0, 0.15, 0}, {}, {0, 0, 1});
+    const runtime::PictureDef usual{.width = 64, .height = 48}, other{.width = 32, .height = 48, .pose = above};
+    const visual::Image first = run.picture(usual), second = run.picture(other);
+    const visual::DepthImage depth = run.depth(other);
+    for (const bool turned : {false, true}) {
+        watch(poke.sim, run, visual::Backend::Headless, [&](window::NullWindow& window) {
+            if (!turned) return;
+            auto press = std::make_unique<event::MouseButtonEvent>();
+            press->button = event::MouseButton::Left;
+            press->pressed = true;
+            window.inject(std::move(press));
+            auto move = std::make_unique<event::MouseMoveEvent>();
+            move->dx = 30.0;
+            window.inject(std::move(move));
+        });
+        CHECK(run.picture(usual) == first);
+        CHECK_THROWS_WITH(run.picture({.camera = visual::CameraDef{.near = -1}}), Catch::Contains("near"));
+        CHECK(run.picture(other) == second);
+        CHECK(run.depth(other) == depth);
+        CHECK(run.viewing());
+        run.closeViewer();
+    }
+    CHECK(run.picture(usual) == first);
 }
 #endif
 

@@ -45,6 +45,7 @@ from ._core import (
 )
 from ._defs import *  # noqa: F403  the Defs, a class for each
 from ._simulation import DepthImage, Simulation, load, replay
+from . import viewer  # noqa: E402  after Simulation, which it uses
 
 __all__ = [
     "DepthImage",

@@ -23,6 +23,7 @@ const DefTable& table()
         out.add<runtime::ShowDef>();
         out.add<runtime::PaintDef>();
         out.add<runtime::PictureDef>();
+        out.add<runtime::ViewerDef>();
         out.add<runtime::ReplayDef>();
         return out;
     }();

@@ -136,6 +136,12 @@ visual::Image Session::picture(const runtime::PictureDef& def) { return running(
 
 visual::DepthImage Session::depth(const runtime::PictureDef& def) { return running().depth(def); }
 
+void Session::openViewer(const runtime::ViewerDef& def)
+{
+    running().openViewer(def);
+    viewed_.store(true);
+}
+
 runtime::RunReport Session::report()
 {
     if (closed()) return final_;

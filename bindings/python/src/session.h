@@ -57,6 +57,9 @@ public:
     physics::StepReport step();
     visual::Image picture(const runtime::PictureDef& def);
     visual::DepthImage depth(const runtime::PictureDef& def);
+    void openViewer(const runtime::ViewerDef& def);
+    void showInViewer() { running().showInViewer(); }
+    void closeViewer() { running().closeViewer(); }
     /// Error before the first step.
     [[nodiscard]] std::shared_ptr<const physics::SavedState> save();
     void restore(const physics::SavedState& state);
@@ -71,6 +74,8 @@ public:
     void askEnd() { endAsked_.store(true); }
     [[nodiscard]] bool endAsked() const { return endAsked_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool closed() const { return closed_.load(); }
+    /// Whether a viewer is open.
+    [[nodiscard]] bool viewing() const { return !foreign() && viewed_.load() && run_->viewing(); }
     [[nodiscard]] bool stepping() const { return busy_.test(std::memory_order_acquire); }
     [[nodiscard]] std::vector<Arrived> takeArrived() { return std::exchange(arrived_, {}); }
     [[nodiscard]] bool anyArrived() const { return !arrived_.empty(); }
@@ -105,6 +110,7 @@ private:
     std::atomic<double> time_ = 0.0;       ///< [s]
     std::atomic<std::uint64_t> steps_ = 0; ///< [-]
     std::atomic<bool> closed_ = false, endAsked_ = false;
+    std::atomic<bool> viewed_ = false; ///< a viewer has been opened, so there is a run
     std::atomic_flag busy_ = {};
     int forks_ = 0; ///< how often the process had forked when it was made
 };

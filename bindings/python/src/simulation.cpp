@@ -163,6 +163,24 @@ nb::object renderDepth(HeldSimulation& self, nb::handle def)
                           arrayOf(std::move(image.label), {height, width}));
 }
 
+void openViewer(HeldSimulation& self, nb::handle def)
+{
+    const auto asked = readDef<runtime::ViewerDef>(def, "viewer");
+    const Session::Turn turn(*self.session, "viewer");
+    showAll(self);
+    const nb::gil_scoped_release free;
+    self.session->openViewer(asked);
+}
+
+/// Does nothing without a viewer.
+void withViewer(HeldSimulation& self, void (Session::*act)())
+{
+    if (!self.session->viewing()) return;
+    const Session::Turn turn(*self.session, "viewer");
+    const nb::gil_scoped_release free;
+    (*self.session.*act)();
+}
+
 void record(HeldSimulation& self, nb::handle file, nb::handle log, int seed, const std::string& session)
 {
     const runtime::RunDef def{.log = readArgument<std::string>(log, "record", "log"),
@@ -372,6 +390,10 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         "Paints blood, a burn or wetness on a body; returns how many vertices it reached.");
     sim.def("_render", &render);
     sim.def("_render_depth", &renderDepth);
+    sim.def("_open_viewer", &openViewer);
+    sim.def("_show_in_viewer", [](HeldSimulation& self) { withViewer(self, &Session::showInViewer); });
+    sim.def("_close_viewer", [](HeldSimulation& self) { withViewer(self, &Session::closeViewer); });
+    sim.def("_viewing", [](HeldSimulation& self) { return self.session->viewing(); });
 }
 
 } // namespace

@@ -31,6 +31,20 @@ constexpr auto fields(const PictureDef*)
                     field("camera", &T::camera, "lens of the camera; none: that of the look"));
 }
 
+/// A window in which a person watches a stepped run.
+struct ViewerDef {
+    window::WindowDef window = {};
+    visual::Backend backend = visual::Backend::Window;
+    double rate = 60.0; ///< [1/s], in [1, 1000], pictures per second
+};
+constexpr auto fields(const ViewerDef*)
+{
+    using T = ViewerDef;
+    return describe("ViewerDef", field("window", &T::window, "title and size"),
+                    field("backend", &T::backend, "where the pictures go"),
+                    field("rate", &T::rate, "1/s", closed(1, 1000), "pictures per second"));
+}
+
 /// A headless run that its owner drives: step() makes one step and delivers its events. For programs that have a loop
 /// of their own: learning, optimisation, bindings to other languages. With the same calls before each step the states
 /// are those of a headless Simulation::run(), bit for bit.
@@ -57,6 +71,16 @@ public:
     /// Depth and body of each pixel of such a picture: the labels are BodyId::value, 0 where there is none. Effects and
     /// materials do not change it, but it goes through endoscope optics as the picture does. Error like picture().
     visual::DepthImage depth(const PictureDef& def = {});
+    /// Opens a window that shows the newest state, drawn on the thread of the pictures at its own rate: the owner steps
+    /// as before, and the same bits come out. The mouse turns the camera, Escape closes the window, F12 takes a
+    /// screenshot. It frames what is shown when it opens. Throws an Error if there is no display, if nothing is shown,
+    /// or if a viewer is open.
+    void openViewer(const ViewerDef& def = {});
+    /// Draws the present state into the viewer at once, for an owner who wants every state to be seen.
+    void showInViewer();
+    void closeViewer();
+    /// Whether a viewer is open; its window may have been closed by the person. Any thread.
+    [[nodiscard]] bool viewing() const;
     /// The present state, in memory: bodies, cut meshes, contacts, attachments, time, and the commands that wait for
     /// the next step. Error if a body, a material or a tune() waits: make a step first.
     [[nodiscard]] std::shared_ptr<const physics::SavedState> save();

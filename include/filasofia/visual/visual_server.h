@@ -20,6 +20,7 @@ enum class Backend {
     Headless, ///< into memory; needs neither a screen nor an X server
     Null,     ///< nothing is drawn, all else works; for tests without a GPU
 };
+constexpr std::array<std::string_view, 3> names(const Backend*) { return {"window", "headless", "null"}; }
 
 struct VisualServerDef {
     Backend backend = Backend::Headless;

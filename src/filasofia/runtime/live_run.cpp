@@ -9,6 +9,7 @@
 #include "filasofia/runtime/run_keys.h"
 #include "filasofia/runtime/stop_signal.h"
 #include "filasofia/runtime/video_file.h"
+#include "filasofia/runtime/window_scene.h"
 
 #include <algorithm>
 #include <thread>
@@ -75,43 +76,22 @@ private:
     event::EventDispatcher& events_;
 };
 
-constexpr int kLargestPicture = 8192; // [px], the largest size that a visual server takes
-
 /// The main thread's loop: input, mapping, picture.
 class Screen {
 public:
-    Screen(Simulation::Impl& impl, const RunDef& def) : impl_(impl)
+    Screen(Simulation::Impl& impl, const RunDef& def)
+        : impl_(impl), scene_(impl, openWindow(impl, impl.def.window, def.backend), impl.def.window, def.backend),
+          visual_(&scene_.visual())
     {
-        if (impl.picture.openWindow) {
-            window_ = impl.picture.openWindow(impl.def.window);
-        } else if (def.backend == visual::Backend::Window) {
-            window_ = window::openWindow(impl.def.window);
-        }
-        size_ = window_ ? window_->size() : window::WindowSize{impl.def.window.width, impl.def.window.height};
-        visual_ = std::make_unique<visual::VisualServer>(
-            visual::VisualServerDef{.backend = def.backend,
-                                    .width = size_.width,
-                                    .height = size_.height,
-                                    .nativeWindow = window_ ? window_->nativeWindow() : nullptr});
         if (!def.video.empty()) video_.emplace(def.video, visual_->width(), visual_->height(), def.fps);
-        if (window_) visual_->setGuiScale(window_->scale());
-        impl.bindings.forgetRemoved(impl.physics);
-        impl.bindings.addPending(*visual_);
-        impl.dressScene(*visual_);
         inspector_ = std::make_unique<Inspector>(impl, *visual_);
         keys_ = std::make_unique<KeyOverlay>(*visual_);
     }
 
     void input()
     {
-        if (!window_) return;
-        window_->poll([this](std::unique_ptr<event::Event> event) { route(std::move(event)); });
-        window_->setTextInput(visual_->wantsText());
-        if (window_->shouldClose()) impl_.control.finish("window closed");
-        if (const window::WindowSize now = window_->size(); now != size_) {
-            size_ = now;
-            visual_->resize(std::clamp(now.width, 1, kLargestPicture), std::clamp(now.height, 1, kLargestPicture));
-        }
+        scene_.input([this](std::unique_ptr<event::Event> event) { route(std::move(event)); });
+        if (scene_.closed()) impl_.control.finish("window closed");
     }
     /// `wall` [s] is the time since the run's start.
     void draw(double wall)
@@ -185,10 +165,8 @@ private:
     }
 
     Simulation::Impl& impl_;
-    const DrawnBindings drawn_{impl_.bindings};
-    std::unique_ptr<window::Window> window_;
-    window::WindowSize size_;
-    std::unique_ptr<visual::VisualServer> visual_; ///< after the window, so that it is destroyed first
+    WindowScene scene_;
+    visual::VisualServer* visual_; ///< the scene's
     std::optional<VideoFile> video_;
     std::unique_ptr<Inspector> inspector_; ///< after the server, whose Gui it is
     std::unique_ptr<KeyOverlay> keys_;

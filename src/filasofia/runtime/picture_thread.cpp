@@ -1,7 +1,12 @@
 #include "filasofia/runtime/picture_thread.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
+#include "filasofia/runtime/run_keys.h"
+#include "filasofia/runtime/window_scene.h"
 
+#include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace filasofia::runtime {
@@ -9,41 +14,54 @@ namespace filasofia::runtime {
 /// The visual server and what the look made of it; on the picture thread only.
 struct PictureThread::Stage {
     Simulation::Impl& impl;
-    const DrawnBindings drawn{impl.bindings};
-    std::unique_ptr<visual::VisualServer> visual;
+    std::optional<WindowScene> scene;   ///< in memory, or in the viewer's window
     visual::Camera* camera = nullptr;   ///< the first view's
     visual::Transform* mover = nullptr; ///< the camera, or the rig that carries it and the light
     Pose inMover = {};                  ///< the camera's pose, seen from the mover
     Pose startPose = {};                ///< the mover's, as the look placed it
     visual::CameraDef startLens = {};
 
+    bool viewing = false; ///< the scene is in a viewer's window
+    std::chrono::nanoseconds period = {};
+    std::chrono::steady_clock::time_point nextFrame = {};
+    visual::View* aside = nullptr; ///< an off-screen view for pictures while the viewer shows its own
+
     explicit Stage(Simulation::Impl& itsImpl) : impl(itsImpl) {}
 
-    void open(const PictureDef& def);
+    void open(std::unique_ptr<window::Window> window, const window::WindowDef& size, visual::Backend backend);
+    void close();
     void aim(const PictureDef& def);
-    /// Shows the present state as `def` asks, to be captured.
-    visual::VisualServer& show(const PictureDef& def);
+    /// What `capture` returns for the server; or, if a viewer shows the server's window, for a view aside from it.
+    template <class Capture> auto take(const PictureDef& def, Capture&& capture);
+    struct Watching;
+    visual::View& viewAside(const PictureDef& def);
+    void openViewer(const ViewerDef& def);
+    /// One frame of the viewer, and what the person did since the last one.
+    void frame();
 };
 
-void PictureThread::Stage::open(const PictureDef& def)
+void PictureThread::Stage::open(std::unique_ptr<window::Window> window, const window::WindowDef& size,
+                                visual::Backend backend)
 {
-    auto made = std::make_unique<visual::VisualServer>(
-        visual::VisualServerDef{.backend = visual::Backend::Headless, .width = def.width, .height = def.height});
-    try {
-        impl.bindings.forgetRemoved(impl.physics);
-        impl.bindings.addPending(*made);
-        impl.dressScene(*made);
-        if (made->views().empty()) fail("picture: nothing is shown, so there is nothing to look at: show a body first");
-    } catch (...) {
-        impl.bindings.release(); // the server ends, and the next picture makes another
-        throw;
+    scene.emplace(impl, std::move(window), size, backend);
+    visual::VisualServer& visual = scene->visual();
+    if (visual.views().empty()) {
+        scene.reset(); // the next one looks again
+        fail("picture: nothing is shown, so there is nothing to look at: show a body first");
     }
-    camera = &made->views().front()->camera();
+    camera = &visual.views().front()->camera();
     mover = camera->parent() ? camera->parent() : camera;
     inMover = mover == camera ? Pose{} : camera->pose();
     startPose = mover->pose();
     startLens = camera->def();
-    visual = std::move(made);
+}
+
+void PictureThread::Stage::close()
+{
+    impl.steering.end();
+    aside = nullptr;
+    scene.reset();
+    viewing = false;
 }
 
 void PictureThread::Stage::aim(const PictureDef& def)
@@ -52,16 +70,84 @@ void PictureThread::Stage::aim(const PictureDef& def)
     camera->set(def.camera.value_or(startLens));
 }
 
-visual::VisualServer& PictureThread::Stage::show(const PictureDef& def)
+visual::View& PictureThread::Stage::viewAside(const PictureDef& def)
 {
-    if (!visual) open(def);
-    if (visual->width() != def.width || visual->height() != def.height) visual->resize(def.width, def.height);
-    aim(def);
-    impl.mapFinishedFrame(*visual); // after aim(): a recording keeps where the camera is
-    return *visual;
+    visual::ViewDef view = scene->visual().views().front()->def();
+    view.name = "picture beside the viewer";
+    view.viewport = {};
+    view.target = visual::OffScreen{def.width, def.height};
+    if (!aside)
+        aside = &scene->visual().add(view, *camera);
+    else if (!std::holds_alternative<visual::OffScreen>(aside->def().target) ||
+             std::get<visual::OffScreen>(aside->def().target) != visual::OffScreen{def.width, def.height})
+        aside->set(view);
+    aside->setVisible(false); // for frames of the viewer; a capture draws it all the same
+    return *aside;
 }
 
-PictureThread::PictureThread(Simulation::Impl& impl) : impl_(impl), thread_([this] { work(); }) {}
+/// Lets the person at the window look on from where they were.
+struct PictureThread::Stage::Watching {
+    Stage& stage;
+    Pose from;
+    visual::CameraDef lens;
+
+    ~Watching()
+    {
+        if (!stage.viewing) return;
+        stage.mover->setPose(from);
+        stage.camera->set(lens);
+    }
+};
+
+template <class Capture> auto PictureThread::Stage::take(const PictureDef& def, Capture&& capture)
+{
+    if (!scene) open(nullptr, {.width = def.width, .height = def.height}, visual::Backend::Headless);
+    visual::VisualServer& visual = scene->visual();
+    const Watching watching{*this, mover->pose(), camera->def()};
+    if (!viewing && (visual.width() != def.width || visual.height() != def.height))
+        visual.resize(def.width, def.height);
+    visual::View* const view = viewing ? &viewAside(def) : nullptr;
+    aim(def);
+    impl.mapFinishedFrame(visual); // after aim(): a recording keeps where the camera is
+    return view ? capture(*view) : capture(visual);
+}
+
+void PictureThread::Stage::openViewer(const ViewerDef& def)
+{
+    if (viewing) fail("viewer: this simulation has one already");
+    std::unique_ptr<window::Window> window = openWindow(impl, def.window, def.backend); // may fail; nothing has changed
+    close();
+    open(std::move(window), def.window, def.backend);
+    viewing = true;
+    period = std::chrono::nanoseconds(toNanoseconds(1.0 / def.rate));
+    nextFrame = std::chrono::steady_clock::now();
+    frame();
+}
+
+void PictureThread::Stage::frame()
+{
+    nextFrame = std::max(nextFrame + period, std::chrono::steady_clock::now());
+    bool quit = false;
+    scene->input([&](std::unique_ptr<event::Event> event) {
+        if (scene->visual().handle(*event)) return;
+        const auto* key = dynamic_cast<const event::KeyEvent*>(event.get());
+        const std::optional<RunAction> action = key && impl.def.look.keys ? actionOf(*key) : std::nullopt;
+        quit = quit || action == RunAction::Quit;
+        if (action == RunAction::Screenshot) impl.screenshots.ask({});
+        if (!action) impl.steering.handle(*event, impl.bindings);
+        impl.now.stamp(*event);
+        static_cast<void>(impl.events.tryPost(std::move(event)));
+    });
+    if (quit || scene->closed()) return close();
+    impl.mapNewestFrame(scene->visual());
+    scene->visual().render();
+    impl.takeScreenshots(scene->visual());
+}
+
+PictureThread::PictureThread(Simulation::Impl& impl, std::atomic<bool>& viewing)
+    : impl_(impl), viewing_(viewing), thread_([this] { work(); })
+{
+}
 
 PictureThread::~PictureThread()
 {
@@ -71,21 +157,38 @@ PictureThread::~PictureThread()
     }
     wake_.notify_one();
     thread_.join();
+    viewing_ = false;
 }
 
 void PictureThread::work()
 {
     Stage stage(impl_);
+    const auto called = [this] { return ending_ || asked_; };
     for (;;) {
         std::unique_lock lock(mutex_);
-        wake_.wait(lock, [this] { return ending_ || asked_; });
+        if (stage.viewing)
+            wake_.wait_until(lock, stage.nextFrame, called);
+        else
+            wake_.wait(lock, called);
         if (ending_) return;
+        if (!asked_) {
+            lock.unlock();
+            try {
+                stage.frame();
+            } catch (const std::exception& problem) { // nobody waits for it
+                logError("viewer: ", problem.what());
+                stage.close();
+            }
+            viewing_ = stage.viewing;
+            continue;
+        }
         problem_ = nullptr;
         try {
             (*asked_)(stage);
         } catch (...) {
             problem_ = std::current_exception();
         }
+        viewing_ = stage.viewing;
         asked_ = nullptr;
         lock.unlock();
         done_.notify_one();
@@ -104,15 +207,34 @@ void PictureThread::perform(const std::function<void(Stage&)>& task)
 visual::Image PictureThread::draw(const PictureDef& def)
 {
     visual::Image image;
-    perform([&](Stage& stage) { image = stage.show(def).capture(); });
+    perform([&](Stage& stage) { image = stage.take(def, [](auto& source) { return source.capture(); }); });
     return image;
 }
 
 visual::DepthImage PictureThread::drawDepth(const PictureDef& def)
 {
     visual::DepthImage image;
-    perform([&](Stage& stage) { image = stage.show(def).captureDepth(); });
+    perform([&](Stage& stage) { image = stage.take(def, [](auto& source) { return source.captureDepth(); }); });
     return image;
+}
+
+void PictureThread::openViewer(const ViewerDef& def)
+{
+    perform([&](Stage& stage) { stage.openViewer(def); });
+}
+
+void PictureThread::showInViewer()
+{
+    perform([](Stage& stage) {
+        if (stage.viewing) stage.frame();
+    });
+}
+
+void PictureThread::closeViewer()
+{
+    perform([](Stage& stage) {
+        if (stage.viewing) stage.close();
+    });
 }
 
 } // namespace filasofia::runtime

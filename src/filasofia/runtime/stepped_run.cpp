@@ -32,6 +32,7 @@ struct SteppedRun::Impl {
     RunTiming timing = {};
     std::uint32_t flags = 0; ///< StepFlag bits for the next step's report
     std::optional<RunFiles> files;
+    std::atomic<bool> viewing = false; ///< a viewer is open
     std::optional<PictureThread> pictures;
     bool ended = false;
 
@@ -43,7 +44,7 @@ struct SteppedRun::Impl {
         if (ended) fail(what, ": the run has ended");
     }
     /// The renderer, from the first picture on.
-    PictureThread& drawing(const PictureDef& asked, const char* what);
+    template <class Def> PictureThread& drawing(const Def& asked, const char* what);
     [[nodiscard]] RunReport report() const;
 };
 
@@ -77,11 +78,11 @@ RunReport SteppedRun::Impl::report() const
     return out;
 }
 
-PictureThread& SteppedRun::Impl::drawing(const PictureDef& asked, const char* what)
+template <class Def> PictureThread& SteppedRun::Impl::drawing(const Def& asked, const char* what)
 {
     requireRunning(what);
     validate(asked, what);
-    if (!pictures) pictures.emplace(simulation);
+    if (!pictures) pictures.emplace(simulation, viewing);
     return *pictures;
 }
 
@@ -124,6 +125,21 @@ physics::StepReport SteppedRun::step()
 visual::Image SteppedRun::picture(const PictureDef& def) { return impl_->drawing(def, "picture").draw(def); }
 
 visual::DepthImage SteppedRun::depth(const PictureDef& def) { return impl_->drawing(def, "depth").drawDepth(def); }
+
+void SteppedRun::openViewer(const ViewerDef& def) { impl_->drawing(def, "viewer").openViewer(def); }
+
+void SteppedRun::showInViewer()
+{
+    impl_->requireRunning("viewer");
+    if (viewing()) impl_->pictures->showInViewer();
+}
+
+void SteppedRun::closeViewer()
+{
+    if (viewing()) impl_->pictures->closeViewer();
+}
+
+bool SteppedRun::viewing() const { return impl_->viewing.load(); }
 
 std::shared_ptr<const physics::SavedState> SteppedRun::save()
 {
