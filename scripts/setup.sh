@@ -16,7 +16,7 @@ run_packages=(
   libfilament-dev libfilament-tools libosd-dev libsdl2-dev libimgui-dev fonts-dejavu-core
   libx11-dev libgl-dev libopengl-dev libegl-dev libegl1 libgl1 libgl1-mesa-dri zlib1g-dev
 )
-test_packages=(clang-format xvfb xauth chromium libglfw3-dev python3-dev python3-venv)
+test_packages=(clang-format xvfb xauth libxtst6 chromium libglfw3-dev python3-dev python3-venv)
 dev_packages=(clang clang-tidy libclang-rt-dev util-linux calculix-ccx libbullet-dev)
 asset_packages=(gmsh python3-numpy)
 

@@ -4,6 +4,8 @@
 #include "apps/filasofia/contact_scenes.h"
 #include "apps/filasofia/haptic_scene.h"
 #include "apps/filasofia/rupture_scenes.h"
+#include "apps/filasofia/scene_reload.h"
+#include "filasofia/core/log.h"
 #include "filasofia/runtime/keys.h"
 #include "filasofia/scene/scene_file.h"
 
@@ -58,9 +60,8 @@ std::vector<std::string> bunnySizes()
     return sizes;
 }
 
-int runAndPrint(Simulation& sim, const RunCommandOptions& options)
+int print(const RunReport& report)
 {
-    const RunReport report = sim.run(options.run);
     std::cout << runtime::summary(report);
     return report.complete() ? 0 : kFailed;
 }
@@ -73,17 +74,67 @@ template <class T> void checkDefault(std::string_view name, const T& value, cons
     if (value != standard) fail("run: ", name, " does not apply to a scene file, which says it itself");
 }
 
+/// Somebody looks at a window, and a new start overwrites nothing.
+bool isWatched(const RunDef& run)
+{
+    return !run.headless && run.backend == visual::Backend::Window && run.log.empty() && run.record.empty() &&
+           run.recordMotion.empty() && run.picture.empty() && run.video.empty();
+}
+
+/// One window for all runs of a scene.
+class LentWindow final : public window::Window {
+public:
+    explicit LentWindow(std::shared_ptr<window::Window> window) : window_(std::move(window)) {}
+    [[nodiscard]] void* nativeWindow() const override { return window_->nativeWindow(); }
+    [[nodiscard]] window::WindowSize size() const override { return window_->size(); }
+    [[nodiscard]] double scale() const override { return window_->scale(); }
+    void poll(const event::EventSink& sink) override { window_->poll(sink); }
+    [[nodiscard]] bool shouldClose() const override { return window_->shouldClose(); }
+    void setTitle(const std::string& title) override { window_->setTitle(title); }
+    void setTextInput(bool on) override { window_->setTextInput(on); }
+
+private:
+    std::shared_ptr<window::Window> window_;
+};
+
+/// Runs a scene until its person ends it; begins it anew when its files have changed, or at Ctrl+R.
+RunReport runReloading(LoadedScene scene, const RunCommandOptions& options, const std::function<LoadedScene()>& load)
+{
+    std::shared_ptr<window::Window> window;
+    const std::string again = text(options.scene, " is read again");
+    for (;;) {
+        Simulation& sim = *scene.simulation;
+        sim.useWindow([&](const window::WindowDef& def) {
+            if (!window) window = window::openWindow(def);
+            window->setTitle(def.title);
+            return std::make_unique<LentWindow>(window);
+        });
+        SceneReload reload(scene.def.files, load, [&] { sim.finish(again); });
+        const event::ObserverId observer = sim.on<KeyEvent>([&](const KeyEvent& key) {
+            if (key.pressed && !key.repeat && key.key == event::KeyCode::R && key.modifiers.control) reload.ask();
+        });
+        RunReport report = sim.run(options.run);
+        sim.events().detach(observer); // before `reload` ends
+        if (report.finished != again) return report;
+        logInfo(again);
+        scene = reload.take();
+    }
+}
+
 int runFile(const RunCommandOptions& options)
 {
     const RunCommandOptions standard;
     checkDefault("--tets", options.bunny.tets, standard.bunny.tets);
     checkDefault("--subdivision", options.bunny.subdivision, standard.bunny.subdivision);
     checkDefault("--rate", options.rate, standard.rate);
-    scene::SceneDef scene = scene::loadScene(options.scene, {.anyFolder = options.anyFolder});
-    if (options.threads != 0) scene.physics.threads = givenThreads(options.threads);
-    Simulation sim(scene::simulationDef(scene));
-    scene::addScene(sim, scene);
-    return runAndPrint(sim, options);
+    const auto load = [&] {
+        LoadedScene scene{scene::loadScene(options.scene, {.anyFolder = options.anyFolder}), nullptr};
+        if (options.threads != 0) scene.def.physics.threads = givenThreads(options.threads);
+        scene.simulation = std::make_unique<Simulation>(scene::simulationDef(scene.def));
+        scene::addScene(*scene.simulation, scene.def);
+        return scene;
+    };
+    return print(isWatched(options.run) ? runReloading(load(), options, load) : load().simulation->run(options.run));
 }
 
 int runScene(RunCommandOptions& options)
@@ -98,7 +149,7 @@ int runScene(RunCommandOptions& options)
                     .window = {.title = text("Filasofia: ", scene.name)},
                     .look = {.around = scene.around}});
     scene.make(sim, options.bunny);
-    return runAndPrint(sim, options);
+    return print(sim.run(options.run));
 }
 
 } // namespace

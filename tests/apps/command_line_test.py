@@ -1,11 +1,15 @@
 """Runs the program as a user does. Usage: command_line_test.py PROGRAM VERSION [CLASS]"""
+import ctypes
 import json
 import os
+import queue
 import re
 import struct
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 import unittest
 import zlib
 from pathlib import Path
@@ -197,6 +201,95 @@ class Doctor(unittest.TestCase):
         self.assertEqual(display["DISPLAY"]["value"], ":97531")
         self.assertEqual(display["a_window_can_open"]["value"], False)
         self.assertIn("--headless", display["a_window_can_open"]["hint"])
+
+
+class Reload(unittest.TestCase):
+    """A scene file that changes while it runs in a window."""
+
+    SCENE = '{"bodies": [{"name": "%s", "mesh": {"type": "block", "size": [0.1, 0.1, 0.1], "cells": [2, 2, 2]}}]}'
+    AGAIN = "filasofia: scene.json is read again"
+
+    def setUp(self):
+        if not can_draw():
+            self.skipTest("this build draws nothing")
+        read, write = os.pipe()
+        self.display = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-nolisten",
+                                         "tcp"], pass_fds=[write], stderr=subprocess.DEVNULL)
+        self.addCleanup(lambda: (self.display.terminate(), self.display.wait()))
+        os.close(write)
+        with os.fdopen(read) as number:
+            self.name = f":{number.readline().strip()}"
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.write("first")
+
+    def write(self, name):
+        Path(self.folder, "scene.json").write_text(self.SCENE % name)
+
+    def start(self, *words):
+        program = subprocess.Popen([PROGRAM, "run", "scene.json", *words], text=True,
+                                   cwd=self.folder, env={**os.environ, "DISPLAY": self.name},
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.said = queue.Queue()
+        reader = threading.Thread(target=lambda: [self.said.put(line.strip()) for line in program.stderr])
+        reader.start()
+        self.addCleanup(lambda: (program.kill(), program.wait(), program.stdout.close(), reader.join(), program.stderr.close()))
+        return program
+
+    def says_after(self, act, *wanted):
+        """The program says these lines on standard error, in this order; `act` is repeated until it says the first, as
+        nobody tells when the scene has begun."""
+        others = []
+        for i in range(60):
+            act(f"{i}")
+            try:
+                while True:
+                    others.append(self.said.get(timeout=1))
+                    if others[-1].startswith(wanted[0]):
+                        for each in wanted[1:]:
+                            self.assertEqual(self.said.get(timeout=60), each)
+                        return
+            except queue.Empty:
+                pass
+        self.fail(f"it does not say {wanted[0]!r}, but {others}")
+
+    def press(self, *keys):
+        """A person presses these keys of the X server together."""
+        x11, test = (ctypes.CDLL(f"lib{name}.so.6") for name in ("X11", "Xtst"))
+        x11.XOpenDisplay.restype = ctypes.c_void_p
+        server = ctypes.c_void_p(x11.XOpenDisplay(self.name.encode()))
+        codes = [x11.XKeysymToKeycode(server, ctypes.c_ulong(key)) for key in keys]
+        for code, down in [(each, 1) for each in codes] + [(each, 0) for each in reversed(codes)]:
+            test.XTestFakeKeyEvent(server, code, down, ctypes.c_ulong(0))
+        x11.XCloseDisplay(server)
+
+    def test_a_change_is_seen_and_a_wrong_scene_is_told(self):
+        program = self.start()
+        self.says_after(self.write, self.AGAIN)
+        self.says_after(lambda name: Path(self.folder, "scene.json").write_text("{" + " " * int(name)),
+                        "filasofia: scene.json:1:", "filasofia: the scene goes on as it was")
+        self.says_after(lambda name: self.write("new " + name), self.AGAIN)
+        self.says_after(lambda _: self.press(0xFFE3, ord("r")), self.AGAIN)  # Control and R
+        for _ in range(60):
+            self.press(0xFF1B)  # Escape
+            try:
+                program.wait(timeout=1)
+                break
+            except subprocess.TimeoutExpired:
+                pass
+        self.assertEqual(program.returncode, 0)
+        self.assertIn("ended: Escape", program.stdout.read())
+
+    def test_a_run_that_writes_a_file_is_not_begun_anew(self):
+        program = self.start("--record", "run.rec", "--seconds", "3")
+        for name in range(4):
+            time.sleep(0.5)
+            self.write(str(name))
+        program.wait(timeout=100)
+        self.assertEqual(program.returncode, 0)
+        self.assertIn("ended: ran 3 s", program.stdout.read())
+        self.assertTrue(self.said.empty())
 
 
 class Run(Program):

@@ -62,6 +62,19 @@ def test_a_window_shows_the_run_and_changes_nothing():
         fs.viewer.launch_passive(sim)
 
 
+def test_one_simulation_at_a_time_has_a_window_and_each_may():
+    first, *_ = poke()
+    second, *_ = poke()
+    with display():
+        with fs.viewer.launch_passive(first):
+            with pytest.raises(fs.Error, match="another thread of this program has a window open"):
+                fs.viewer.launch_passive(second)
+        with fs.viewer.launch_passive(second) as viewer:
+            assert viewer.is_running()
+        with fs.viewer.launch_passive(first) as viewer:
+            assert viewer.is_running()
+
+
 def test_the_end_of_a_simulation_closes_its_viewer():
     sim, *_ = poke()
     viewer = fs.viewer.launch_passive(sim, backend="null")

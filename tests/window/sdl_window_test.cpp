@@ -59,6 +59,27 @@ bool titleBecomes(const std::string& title, Window& window, const Person& person
 
 } // namespace
 
+TEST_CASE("a second thread opens a window when the first one has none left")
+{
+    const VirtualDisplay display;
+    const auto elsewhere = [] {
+        std::string problem = "none";
+        std::thread([&] {
+            try {
+                openWindow({.width = 64, .height = 48});
+            } catch (const Error& error) {
+                problem = error.what();
+            }
+        }).join();
+        return problem;
+    };
+    auto window = openWindow({.width = 64, .height = 48});
+    CHECK_THAT(elsewhere(), Catch::Contains("another thread of this program has a window open"));
+    CHECK(window->size() == WindowSize{64, 48}); // it is as it was
+    window.reset();
+    CHECK(elsewhere() == "none");
+}
+
 TEST_CASE("a window opens on an X display with the size and title that were asked for")
 {
     const VirtualDisplay display;

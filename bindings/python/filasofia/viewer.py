@@ -42,7 +42,8 @@ def launch_passive(sim: Simulation, definition: _defs.ViewerDef | None = None, *
     """Opens a window that shows the simulation: a ViewerDef, or its fields (window, rate, ...).
 
     It draws on a thread of its own and changes nothing: the program steps as before, and gets the same bits. The mouse
-    turns the camera, the wheel moves it, F12 writes a picture, Escape closes the window. It needs a display (X11).
+    turns the camera, the wheel moves it, F12 writes a picture, Escape closes the window. It needs a display (X11); one
+    simulation at a time can have a window.
     """
     sim._open_viewer(_only(_defs.ViewerDef, definition, fields))  # type: ignore[attr-defined]
     return Viewer(sim)

@@ -2,6 +2,7 @@
 
 #include "filasofia/runtime/simulation.h"
 
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -158,6 +159,7 @@ struct SceneDef {
     std::vector<SceneBody> bodies = {};
     std::vector<TimedCommand> commands = {}; ///< at any times; those of the same time in this order
     std::vector<runtime::HapticInterfaceDef> haptics = {};
+    std::vector<std::filesystem::path> files = {}; ///< which it was read from, and which it names; no field of a file
 };
 constexpr auto fields(const SceneDef*)
 {

@@ -73,8 +73,8 @@ private:
 };
 
 /// Opens a window on the X display that DISPLAY names (the renderer draws through X11 on every desktop). Throws an
-/// Error if a field is outside its range or there is no such display. One thread must open all windows. The program
-/// keeps its own signal handlers.
+/// Error if a field is outside its range, there is no such display, or another thread has such a window open. The
+/// program keeps its own signal handlers.
 std::unique_ptr<Window> openWindow(const WindowDef& def);
 
 /// True if openWindow() would find a display; if not, `why` (unless null) gets the reason in one line. Never throws an

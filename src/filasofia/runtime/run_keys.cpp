@@ -31,6 +31,7 @@ constexpr KeyLine kLines[] = {
     {"Space", "pause and go on"},
     {"N", "one step, while paused"},
     {"R", "everything back to the start"},
+    {"Ctrl + R", "read the scene file of `filasofia run` again"},
     {"F12, P", "write a picture into the working folder"},
     {"F1", "the inspector: rates, stages, bodies, forces"},
     {"H", "this list of keys"},

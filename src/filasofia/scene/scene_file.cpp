@@ -50,6 +50,8 @@ public:
         });
         readList("haptics", scene.haptics);
         checkDefaults();
+        scene.files = {files_.back()->path}; // itself comes last
+        scene.files.insert(scene.files.end(), reader_.named().begin(), reader_.named().end());
         return scene;
     }
 

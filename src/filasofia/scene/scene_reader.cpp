@@ -323,7 +323,7 @@ void SceneReader::checkFile(const std::filesystem::path& path, const Json& json,
         refuse(json, place, "must be a file in the folder of the scene, also behind links (--any-folder allows all)");
 }
 
-std::string SceneReader::fileNamed(const Json& json, const Place& place) const
+std::string SceneReader::fileNamed(const Json& json, const Place& place)
 {
     const std::string name = word(json, place);
     if (name.empty()) return name;
@@ -341,6 +341,7 @@ std::string SceneReader::fileNamed(const Json& json, const Place& place) const
     checkFile(path, json, place);
     std::error_code problem;
     if (!std::filesystem::exists(path, problem)) refuse(json, place, "must be a file that exists");
+    named_.push_back(path);
     return path.string();
 }
 

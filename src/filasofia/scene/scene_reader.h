@@ -110,7 +110,9 @@ public:
     void refuseUnknown(const Json& object, const Place& place, const std::vector<std::string>& known,
                        std::string_view type = {}) const;
     /// The file that a text names: "asset:NAME" comes with Filasofia, all others lie in the folder of the scene.
-    [[nodiscard]] std::string fileNamed(const Json& json, const Place& place) const;
+    [[nodiscard]] std::string fileNamed(const Json& json, const Place& place);
+    /// All files that fileNamed() has returned, in the order in which they were named.
+    [[nodiscard]] const std::vector<std::filesystem::path>& named() const { return named_; }
     [[nodiscard]] static std::string word(const Json& json);
     [[nodiscard]] std::string word(const Json& json, const Place& place) const;
 
@@ -352,6 +354,7 @@ private:
     const JsonSources& sources_;
     const std::filesystem::path folder_;
     const SceneFileOptions options_;
+    std::vector<std::filesystem::path> named_;
     std::vector<const Json*> defaults_, classes_;
     /// A class whose object is being read.
     struct OpenClass {

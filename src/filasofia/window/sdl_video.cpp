@@ -4,6 +4,7 @@
 #include "filasofia/core/error.h"
 
 #include <cstdlib>
+#include <mutex>
 #include <optional>
 #include <string_view>
 #include <thread>
@@ -11,7 +12,9 @@
 namespace filasofia::window {
 namespace {
 
-std::optional<std::thread::id> owner; // the thread of the first SdlVideo, while there is one
+std::mutex guard;
+std::optional<std::thread::id>
+    owner; // the thread of the first SdlVideo, while there is one; under the lock, like users
 int users = 0;
 
 std::string_view environment(const char* variable)
@@ -55,7 +58,9 @@ void openVideo()
 
 SdlVideo::SdlVideo()
 {
-    FILASOFIA_ASSERT(!owner || *owner == std::this_thread::get_id());
+    const std::lock_guard lock(guard);
+    if (owner && *owner != std::this_thread::get_id())
+        fail("another thread of this program has a window open; close that one first, or open both on one thread");
     if (users == 0) openVideo();
     owner = std::this_thread::get_id();
     ++users;
@@ -63,6 +68,7 @@ SdlVideo::SdlVideo()
 
 SdlVideo::~SdlVideo()
 {
+    const std::lock_guard lock(guard);
     FILASOFIA_ASSERT(owner == std::this_thread::get_id());
     if (--users > 0) return;
     // Not SDL_Quit(), because the application may use other parts of SDL.
