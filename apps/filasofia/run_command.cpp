@@ -109,7 +109,7 @@ RunReport runReloading(LoadedScene scene, const RunCommandOptions& options, cons
             window->setTitle(def.title);
             return std::make_unique<LentWindow>(window);
         });
-        SceneReload reload(scene.def.files, load, [&] { sim.finish(again); });
+        SceneReload reload(scene, load, [&] { sim.finish(again); });
         const event::ObserverId observer = sim.on<KeyEvent>([&](const KeyEvent& key) {
             if (key.pressed && !key.repeat && key.key == event::KeyCode::R && key.modifiers.control) reload.ask();
         });
@@ -128,9 +128,10 @@ int runFile(const RunCommandOptions& options)
     checkDefault("--subdivision", options.bunny.subdivision, standard.bunny.subdivision);
     checkDefault("--rate", options.rate, standard.rate);
     const auto load = [&] {
-        LoadedScene scene{scene::loadScene(options.scene, {.anyFolder = options.anyFolder}), nullptr};
+        LoadedScene scene{.since = std::filesystem::file_time_type::clock::now()};
+        scene.def = scene::loadScene(options.scene, {.anyFolder = options.anyFolder});
         if (options.threads != 0) scene.def.physics.threads = givenThreads(options.threads);
-        scene.simulation = std::make_unique<Simulation>(scene::simulationDef(scene.def));
+        scene.simulation = std::make_unique<runtime::Simulation>(scene::simulationDef(scene.def));
         scene::addScene(*scene.simulation, scene.def);
         return scene;
     };

@@ -13,9 +13,9 @@ constexpr std::chrono::milliseconds kBetweenLooks{200};
 
 } // namespace
 
-SceneReload::SceneReload(std::vector<std::filesystem::path> files, std::function<LoadedScene()> load,
-                         std::function<void()> ready)
-    : files_(std::move(files)), load_(std::move(load)), ready_(std::move(ready)), thread_([this] { work(); })
+SceneReload::SceneReload(const LoadedScene& scene, std::function<LoadedScene()> load, std::function<void()> ready)
+    : files_(scene.def.files), since_(scene.since), load_(std::move(load)), ready_(std::move(ready)),
+      thread_([this] { work(); })
 {
 }
 
@@ -53,7 +53,9 @@ SceneReload::State SceneReload::look() const
 
 void SceneReload::work()
 {
-    State made = look(), before = made; // of the scene that runs or was refused, and of the last look
+    State before = look(), made = before; // of the last look, and of the scene that runs or was refused
+    for (auto& each : made) // written meanwhile: not what runs; the clock of a file system is some milliseconds coarse
+        if (each && each->first > since_ - std::chrono::milliseconds(10)) each.reset();
     for (;;) {
         {
             std::unique_lock lock(mutex_);

@@ -2,27 +2,31 @@
 
 #include "filasofia/scene/scene_file.h"
 
-#include <atomic>
 #include <condition_variable>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace filasofia::app {
 
 /// A scene and the simulation made of it.
 struct LoadedScene {
-    scene::SceneDef def;
-    std::unique_ptr<Simulation> simulation;
+    std::filesystem::file_time_type since = {}; ///< its files are read as they were then, or later
+    scene::SceneDef def = {};
+    std::unique_ptr<runtime::Simulation> simulation = {};
 };
 
-/// While a scene runs in a window: makes it anew, on a thread of its own, each time its files have changed, or
-/// when it is asked to. A scene that is wrong is logged, and the one that runs goes on.
+/// While a scene runs in a window: makes it anew, on a thread of its own, each time its files have changed, or when
+/// it is asked to. A scene that is wrong is logged, and the one that runs goes on.
 class SceneReload {
 public:
-    /// `load` makes the scene; `ready` is called once, on the thread, when a new one is there.
-    SceneReload(std::vector<std::filesystem::path> files, std::function<LoadedScene()> load,
-                std::function<void()> ready);
+    /// `load` makes the scene anew; `ready` is called once, on the thread, when a new one is there.
+    SceneReload(const LoadedScene& scene, std::function<LoadedScene()> load, std::function<void()> ready);
     ~SceneReload();
     SceneReload(const SceneReload&) = delete;
     SceneReload& operator=(const SceneReload&) = delete;
@@ -39,6 +43,7 @@ private:
     void work();
 
     const std::vector<std::filesystem::path> files_;
+    const std::filesystem::file_time_type since_;
     const std::function<LoadedScene()> load_;
     const std::function<void()> ready_;
     LoadedScene next_;

@@ -121,7 +121,12 @@ void PictureThread::Stage::openViewer(const ViewerDef& def)
     viewing = true;
     period = std::chrono::nanoseconds(toNanoseconds(1.0 / def.rate));
     nextFrame = std::chrono::steady_clock::now();
-    frame();
+    try {
+        frame();
+    } catch (...) {
+        close();
+        throw;
+    }
 }
 
 void PictureThread::Stage::frame()
@@ -164,15 +169,18 @@ void PictureThread::work()
 {
     Stage stage(impl_);
     const auto called = [this] { return ending_ || asked_; };
-    for (;;) {
+    // Frames and what is asked for take turns if there is not enough time for both.
+    for (bool framed = false;;) {
         std::unique_lock lock(mutex_);
         if (stage.viewing)
             wake_.wait_until(lock, stage.nextFrame, called);
         else
             wake_.wait(lock, called);
         if (ending_) return;
-        if (!asked_) {
+        const bool due = stage.viewing && std::chrono::steady_clock::now() >= stage.nextFrame;
+        if (!asked_ || (due && !framed)) {
             lock.unlock();
+            framed = true;
             try {
                 stage.frame();
             } catch (const std::exception& problem) { // nobody waits for it
@@ -182,6 +190,7 @@ void PictureThread::work()
             viewing_ = stage.viewing;
             continue;
         }
+        framed = false;
         problem_ = nullptr;
         try {
             (*asked_)(stage);

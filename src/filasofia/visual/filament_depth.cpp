@@ -4,6 +4,7 @@
 #include "filasofia/visual/filament_read.h"
 
 #include <filament/Material.h>
+#include <filament/Viewport.h>
 
 namespace filasofia::visual {
 
