@@ -5,6 +5,7 @@
 #include "filasofia/visual/camera.h"
 #include "filasofia/visual/depth_image.h"
 #include "filasofia/visual/image.h"
+#include "filasofia/window/window.h"
 
 #include <memory>
 #include <optional>
