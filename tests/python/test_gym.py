@@ -57,6 +57,16 @@ def test_pictures_are_observations_too(name):
     env.close()
 
 
+def test_pictures_of_low_quality_show_the_same_depth():
+    seen = []
+    for quality in ("high", "low"):
+        env = gym.GraspLift(observation="rgbd", image_size=(48, 32), quality=quality)
+        seen.append(env.reset(seed=1)[0])
+        env.close()
+    assert np.array_equal(seen[0]["depth"], seen[1]["depth"])
+    assert 1 < np.abs(seen[0]["rgb"].astype(int) - seen[1]["rgb"]).mean() < 40
+
+
 @pytest.mark.parametrize("name", ["SearchForPoint", "GraspLift"])
 def test_depth_is_an_observation_too(name):
     env = gymnasium.make(f"filasofia/{name}-v0", observation="rgbd", image_size=(48, 32))
@@ -219,6 +229,7 @@ def test_a_vector_takes_a_registered_name():
         ({"difficulty": 3}, r"difficulty must be a whole number in \[0, 2\], got 3"),
         ({"max_steps": 0}, "max_steps must be a whole number in"),
         ({"frame_skip": 1.5}, "frame_skip must be a whole number in"),
+        ({"quality": "best"}, "quality must be one of 'low', 'medium', 'high', got 'best'"),
         ({"render_mode": "human"}, "render_mode must be one of None, 'rgb_array', got 'human'"),
         ({"image_size": (0, 5)}, r"image_size must be two whole numbers in \[1, 8192\], got \(0, 5\)"),
         ({"threads": 0}, "threads must be a whole number in"),

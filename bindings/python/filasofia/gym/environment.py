@@ -66,6 +66,7 @@ class SurgicalEnv(gymnasium.Env):
         action: str = "box",
         difficulty: int = 0,
         image_size: tuple[int, int] = (128, 128),
+        quality: str = "high",
         max_steps: int = 300,
         frame_skip: int = 10,
         threads: int = 1,
@@ -73,6 +74,7 @@ class SurgicalEnv(gymnasium.Env):
     ):
         self._check("observation", observation, ("state", "rgb", "rgbd"))
         self._check("action", action, ("box", "discrete"))
+        self._check("quality", quality, ("low", "medium", "high"))
         self._check("render_mode", render_mode, (None, "rgb_array"))
         self._bound("difficulty", difficulty, 0, self.levels - 1)
         self._bound("max_steps", max_steps, 1, 10**9)
@@ -82,7 +84,7 @@ class SurgicalEnv(gymnasium.Env):
             raise fs.Error(f"{name}: image_size must be two whole numbers in [1, 8192], got {image_size!r}")
         self.observation, self.action, self.difficulty, self.render_mode = observation, action, difficulty, render_mode
         self.image_size, self.max_steps, self.frame_skip = tuple(image_size), max_steps, frame_skip
-        self.sim = fs.Simulation(rate=self.rate, threads=threads)
+        self.sim = fs.Simulation(rate=self.rate, threads=threads, look=fs.LookDef(quality=quality))
         self.cuts: list[fs.CutEvent] = []  #: what was cut in this episode
         self.tools = self.build()
         self._sizes = [3 + (tool.grips is not None) for tool in self.tools]
