@@ -67,6 +67,27 @@ TEST_CASE("scenes: friction, a grasp and a poke come out as they do in C++")
     CHECK(deepest == Approx(12_mm).margin(1e-4));
 }
 
+TEST_CASE("scenes: a sheet falls over an organ and is lifted by its middle")
+{
+    SceneDef shell = loadScene(example("shell"));
+    shell.physics.rate = 500.0; // half of the steps
+    Simulation sim(simulationDef(shell));
+    const BodyId sheet = addScene(sim, shell).at(0);
+    const auto heights = [&](int steps) {
+        sim.run({.headless = true, .steps = steps});
+        const auto frame = sim.physics().latest();
+        const auto [low, high] = std::ranges::minmax(frame->softBody(sheet)->positions, {}, &Vec3::y);
+        return std::pair(low.y, high.y);
+    };
+    const auto [lying, top] = heights(500);
+    CHECK(lying > -0.1_mm);
+    CHECK(top == Approx(20_mm).margin(2_mm)); // on the organ
+    const auto [rim, tip] = heights(250);
+    CHECK(rim > -0.1_mm);
+    CHECK(rim < 15_mm);
+    CHECK(tip == Approx(top + 15_mm).margin(2_mm)); // half of the way
+}
+
 TEST_CASE("scenes: commands of joints are given when their time comes, again in every round")
 {
     SceneDef scene{.physics = {.rate = 100.0}};
