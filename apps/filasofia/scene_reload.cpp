@@ -53,7 +53,7 @@ SceneReload::State SceneReload::look() const
 
 void SceneReload::work()
 {
-    State before = look(), made = before; // of the last look, and of the scene that runs or was refused
+    State before = look(), made = before; // the last look, and the scene that runs or was refused
     for (auto& each : made) // written meanwhile: not what runs; the clock of a file system is some milliseconds coarse
         if (each && each->first > since_ - std::chrono::milliseconds(10)) each.reset();
     for (;;) {

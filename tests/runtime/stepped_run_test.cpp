@@ -249,7 +249,7 @@ TEST_CASE("a run that is refused leaves nothing behind: the next one records wha
 {
     const std::string file = (std::filesystem::temp_directory_path() / "stepped_run_refused.rec").string();
     const std::string nowhere = "/nowhere/at/all.rec";
-    const auto changes = [&](const std::function<void(Simulation&)>& refuse) { // of the scene, before the first step
+    const auto changes = [&](const std::function<void(Simulation&)>& refuse) { // the scene, before the first step
         Poke poke;
         poke.sim.show(poke.block);
         refuse(poke.sim);

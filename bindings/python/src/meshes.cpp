@@ -69,7 +69,7 @@ Triangles makeTriangleMesh(nb::handle vertices, nb::handle triangles, nb::handle
 auto partsOf(const TetMesh& mesh) { return std::tie(mesh.nodes, mesh.tetrahedra, mesh.labels, mesh.labelNames); }
 auto partsOf(const TriangleMesh& mesh) { return std::tie(mesh.vertices, mesh.triangles, mesh.uv); }
 
-/// Of the indices only: equal meshes have equal ones, while 0.0 and -0.0 are equal numbers of different bits.
+/// Only the indices: equal meshes have equal ones, while 0.0 and -0.0 are equal numbers of different bits.
 std::size_t hashOf(const std::vector<Vec3>& points, std::span<const int> indices)
 {
     Hasher hasher;

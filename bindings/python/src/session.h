@@ -95,7 +95,7 @@ private:
     runtime::SteppedRun& running();
     template <class E> void observe(std::size_t alternative);
 
-    /// Of the events of one alternative of Arrived.
+    /// Whether events of one alternative of Arrived are collected.
     struct Collected {
         std::atomic<bool> observed = false; ///< for ever, from the first time that they were wanted
         std::atomic<bool> wanted = false;
