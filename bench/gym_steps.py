@@ -127,6 +127,8 @@ def main():
             "one": round(single(task, given.seconds)),
             "vector": round(vector(task, given.envs, given.seconds)),
             "pictures": round(single(task, given.seconds, observation="rgb", image_size=(128, 128))),
+            "low": round(single(task, given.seconds, observation="rgb", image_size=(128, 128), quality="low")),
+            "depth": round(single(task, given.seconds, observation="rgbd", image_size=(128, 128), quality="low")),
             "reset_ms": round(resets(task), 3),
         }
     result["mujoco_flex"] = mujoco_flex(given.seconds)

@@ -4,8 +4,8 @@ from .markdown import table
 
 def steps(data):
     def row(name, cell):
-        return [name, *(f'{cell[key]:,}' for key in ("tetrahedra", "one", "vector", "pictures")), f'{cell["reset_ms"]:.2f}']
-    return table(["task", "tetrahedra", "one environment", f'{data["envs"]} in a vector', "one, 128 x 128 RGB", "reset [ms]"],
+        return [name, *(f'{cell[key]:,}' for key in ("tetrahedra", "one", "vector", "pictures", "low", "depth")), f'{cell["reset_ms"]:.2f}']
+    return table(["task", "tetrahedra", "one environment", f'{data["envs"]} in a vector', "one, 128 x 128 RGB", "of low quality", "with depth", "reset [ms]"],
                  [row(*each) for each in data["tasks"].items()])
 
 
