@@ -56,18 +56,15 @@ void SceneReload::work()
     State before = look(), made = before; // the last look, and the scene that runs or was refused
     for (auto& each : made) // written meanwhile: not what runs; the clock of a file system is some milliseconds coarse
         if (each && each->first > since_ - std::chrono::milliseconds(10)) each.reset();
-    for (;;) {
+    for (bool asked = false;;) {
         {
             std::unique_lock lock(mutex_);
             wake_.wait_for(lock, kBetweenLooks, [this] { return asked_ || ending_; });
             if (ending_) return;
+            asked = std::exchange(asked_, false);
         }
         State now = look();
         const bool stable = now == std::exchange(before, now);
-        const bool asked = [this] {
-            const std::lock_guard lock(mutex_);
-            return std::exchange(asked_, false);
-        }();
         if (!asked && (now == made || !stable)) continue;
         made = std::move(now);
         try {

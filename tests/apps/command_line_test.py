@@ -14,6 +14,9 @@ import unittest
 import zlib
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "python"))
+from virtual_display import virtual_display
+
 PROGRAM, VERSION = sys.argv[1:3]
 
 
@@ -212,13 +215,9 @@ class Reload(unittest.TestCase):
     def setUp(self):
         if not can_draw():
             self.skipTest("this build draws nothing")
-        read, write = os.pipe()
-        self.display = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-nolisten",
-                                         "tcp"], pass_fds=[write], stderr=subprocess.DEVNULL)
-        self.addCleanup(lambda: (self.display.terminate(), self.display.wait()))
-        os.close(write)
-        with os.fdopen(read) as number:
-            self.name = f":{number.readline().strip()}"
+        display = virtual_display()
+        self.name = display.__enter__()
+        self.addCleanup(display.__exit__, None, None, None)
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
@@ -234,7 +233,8 @@ class Reload(unittest.TestCase):
         self.said = queue.Queue()
         reader = threading.Thread(target=lambda: [self.said.put(line.strip()) for line in program.stderr])
         reader.start()
-        self.addCleanup(lambda: (program.kill(), program.wait(), program.stdout.close(), reader.join(), program.stderr.close()))
+        for end in (program.stderr.close, reader.join, program.stdout.close, program.wait, program.kill):
+            self.addCleanup(end)  # the last one first
         return program
 
     def says_after(self, act, *wanted):

@@ -1,5 +1,4 @@
 """Pictures as arrays, drawn off screen."""
-
 import threading
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A window in which a person watches."""
 
-import contextlib
-import os
 import subprocess
 import sys
 import time
@@ -11,36 +9,21 @@ import pytest
 
 import filasofia as fs
 from scenes import poke
+from virtual_display import virtual_display
 
 
-@contextlib.contextmanager
-def display():
-    """An X server of one's own."""
-    read, write = os.pipe()
-    server = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-nolisten", "tcp"],
-        pass_fds=[write],
-        stderr=subprocess.DEVNULL,
-    )
-    before = os.environ.get("DISPLAY")
-    try:
-        os.close(write)
-        with os.fdopen(read) as number:
-            os.environ["DISPLAY"] = f":{number.readline().strip()}"
+@pytest.fixture
+def display(monkeypatch):
+    with virtual_display() as name:
+        monkeypatch.setenv("DISPLAY", name)
         yield
-    finally:
-        os.environ.pop("DISPLAY")
-        if before is not None:
-            os.environ["DISPLAY"] = before
-        server.terminate()
-        server.wait()
 
 
-def test_a_window_shows_the_run_and_changes_nothing():
+def test_a_window_shows_the_run_and_changes_nothing(display):
     sim, _, tool = poke()
     alone, _, same = poke()
     usual = sim.render(64, 48)
-    with display(), fs.viewer.launch_passive(sim, window=fs.WindowDef(width=320, height=240, title="test")) as viewer:
+    with fs.viewer.launch_passive(sim, window=fs.WindowDef(width=320, height=240, title="test")) as viewer:
         assert viewer.is_running()
         with pytest.raises(fs.Error, match="has one already"):
             fs.viewer.launch_passive(sim)
@@ -62,17 +45,16 @@ def test_a_window_shows_the_run_and_changes_nothing():
         fs.viewer.launch_passive(sim)
 
 
-def test_one_simulation_at_a_time_has_a_window_and_each_may():
+def test_one_simulation_at_a_time_has_a_window_and_each_may(display):
     first, *_ = poke()
     second, *_ = poke()
-    with display():
-        with fs.viewer.launch_passive(first):
-            with pytest.raises(fs.Error, match="another thread of this program has a window open"):
-                fs.viewer.launch_passive(second)
-        with fs.viewer.launch_passive(second) as viewer:
-            assert viewer.is_running()
-        with fs.viewer.launch_passive(first) as viewer:
-            assert viewer.is_running()
+    with fs.viewer.launch_passive(first):
+        with pytest.raises(fs.Error, match="another thread of this program has a window open"):
+            fs.viewer.launch_passive(second)
+    with fs.viewer.launch_passive(second) as viewer:
+        assert viewer.is_running()
+    with fs.viewer.launch_passive(first) as viewer:
+        assert viewer.is_running()
 
 
 def test_the_end_of_a_simulation_closes_its_viewer():

@@ -21,12 +21,15 @@ struct PictureThread::Stage {
     Pose startPose = {};                ///< the mover's, as the look placed it
     visual::CameraDef startLens = {};
 
-    bool viewing = false; ///< the scene is in a viewer's window
+    std::atomic<bool>& viewing; ///< the scene is in a viewer's window; read by other threads
     std::chrono::nanoseconds period = {};
     std::chrono::steady_clock::time_point nextFrame = {};
     visual::View* aside = nullptr; ///< an off-screen view for pictures while the viewer shows its own
 
-    explicit Stage(Simulation::Impl& itsImpl) : impl(itsImpl) {}
+    Stage(Simulation::Impl& itsImpl, std::atomic<bool>& itsViewing) : impl(itsImpl), viewing(itsViewing) {}
+    ~Stage() { close(); }
+    Stage(const Stage&) = delete;
+    Stage& operator=(const Stage&) = delete;
 
     void open(std::unique_ptr<window::Window> window, const window::WindowDef& size, visual::Backend backend);
     void close();
@@ -76,12 +79,12 @@ visual::View& PictureThread::Stage::viewAside(const PictureDef& def)
     view.name = "picture beside the viewer";
     view.viewport = {};
     view.target = visual::OffScreen{def.width, def.height};
-    if (!aside)
+    if (!aside) {
         aside = &scene->visual().add(view, *camera);
-    else if (!std::holds_alternative<visual::OffScreen>(aside->def().target) ||
-             std::get<visual::OffScreen>(aside->def().target) != visual::OffScreen{def.width, def.height})
+        aside->setVisible(false); // for frames of the viewer; a capture draws it all the same
+    } else if (aside->def().target != view.target) {
         aside->set(view);
-    aside->setVisible(false); // for frames of the viewer; a capture draws it all the same
+    }
     return *aside;
 }
 
@@ -104,8 +107,7 @@ template <class Capture> auto PictureThread::Stage::take(const PictureDef& def, 
     if (!scene) open(nullptr, {.width = def.width, .height = def.height}, visual::Backend::Headless);
     visual::VisualServer& visual = scene->visual();
     const Watching watching{*this, mover->pose(), camera->def()};
-    if (!viewing && (visual.width() != def.width || visual.height() != def.height))
-        visual.resize(def.width, def.height);
+    if (!viewing) visual.resize(def.width, def.height);
     visual::View* const view = viewing ? &viewAside(def) : nullptr;
     aim(def);
     impl.mapFinishedFrame(visual); // after aim(): a recording keeps where the camera is
@@ -162,12 +164,11 @@ PictureThread::~PictureThread()
     }
     wake_.notify_one();
     thread_.join();
-    viewing_ = false;
 }
 
 void PictureThread::work()
 {
-    Stage stage(impl_);
+    Stage stage(impl_, viewing_);
     const auto called = [this] { return ending_ || asked_; };
     // Frames and what is asked for take turns if there is not enough time for both.
     for (bool framed = false;;) {
@@ -187,7 +188,6 @@ void PictureThread::work()
                 logError("viewer: ", problem.what());
                 stage.close();
             }
-            viewing_ = stage.viewing;
             continue;
         }
         framed = false;
@@ -197,7 +197,6 @@ void PictureThread::work()
         } catch (...) {
             problem_ = std::current_exception();
         }
-        viewing_ = stage.viewing;
         asked_ = nullptr;
         lock.unlock();
         done_.notify_one();

@@ -341,7 +341,7 @@ std::string SceneReader::fileNamed(const Json& json, const Place& place)
     checkFile(path, json, place);
     std::error_code problem;
     if (!std::filesystem::exists(path, problem)) refuse(json, place, "must be a file that exists");
-    named_.push_back(path);
+    named_.insert(path);
     return path.string();
 }
 

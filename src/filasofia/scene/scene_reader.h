@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <set>
 #include <span>
 
 namespace filasofia::scene {
@@ -111,8 +112,8 @@ public:
                        std::string_view type = {}) const;
     /// The file that a text names: "asset:NAME" comes with Filasofia, all others lie in the folder of the scene.
     [[nodiscard]] std::string fileNamed(const Json& json, const Place& place);
-    /// All files that fileNamed() has returned, in the order in which they were named.
-    [[nodiscard]] const std::vector<std::filesystem::path>& named() const { return named_; }
+    /// The files that fileNamed() has found in the scene's folders, each once.
+    [[nodiscard]] const std::set<std::filesystem::path>& named() const { return named_; }
     [[nodiscard]] static std::string word(const Json& json);
     [[nodiscard]] std::string word(const Json& json, const Place& place) const;
 
@@ -354,7 +355,7 @@ private:
     const JsonSources& sources_;
     const std::filesystem::path folder_;
     const SceneFileOptions options_;
-    std::vector<std::filesystem::path> named_;
+    std::set<std::filesystem::path> named_;
     std::vector<const Json*> defaults_, classes_;
     /// A class whose object is being read.
     struct OpenClass {

@@ -6,6 +6,7 @@
 #include "filasofia/visual/filament_read.h"
 #include "filasofia/visual/filament_view.h"
 #include "filasofia/visual/gpu.h"
+#include "filasofia/visual/pixel_area.h"
 #include "filasofia/visual/pose_matrix.h"
 #include "filasofia/visual/quiet_output.h"
 #include "filasofia/visual/x11_check.h"
@@ -362,8 +363,8 @@ DepthImage FilamentBackend::captureDepth()
     DepthImage window = emptyDepth(width_, height_);
     for (auto& [slot, each] : views_) {
         if (!each.visible || each.picture) continue;
-        const filament::Viewport pixels = pixelsOfView(each);
-        place(drawDepth(each), pixels.left, height_ - pixels.bottom - int(pixels.height), window);
+        const PixelArea area = pixelArea(each.def.viewport, width_, height_);
+        place(drawDepth(each), area.left, area.top, window);
     }
     return window;
 }

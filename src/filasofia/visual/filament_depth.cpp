@@ -20,40 +20,13 @@ DepthPass::~DepthPass()
 {
     engine_.destroy(view_);
     engine_.destroy(scene_);
-    destroyTarget();
-}
-
-void DepthPass::destroyTarget()
-{
-    engine_.destroy(target_);
-    engine_.destroy(values_);
-    engine_.destroy(nearest_);
 }
 
 void DepthPass::resize(int width, int height)
 {
-    if (width == width_ && height == height_) return;
-    if (target_) destroyTarget();
-    width_ = width;
-    height_ = height;
-    using filament::RenderTarget;
-    using filament::Texture;
-    const auto make = [&](Texture::InternalFormat format, Texture::Usage usage) {
-        return Texture::Builder()
-            .width(std::uint32_t(width))
-            .height(std::uint32_t(height))
-            .levels(1)
-            .format(format)
-            .usage(usage)
-            .build(engine_);
-    };
-    values_ = make(Texture::InternalFormat::RG32F, Texture::Usage::COLOR_ATTACHMENT);
-    nearest_ = make(Texture::InternalFormat::DEPTH32F, Texture::Usage::DEPTH_ATTACHMENT);
-    target_ = RenderTarget::Builder()
-                  .texture(RenderTarget::AttachmentPoint::COLOR, values_)
-                  .texture(RenderTarget::AttachmentPoint::DEPTH, nearest_)
-                  .build(engine_);
-    view_->setRenderTarget(target_);
+    if (values_ && values_->width() == width && values_->height() == height) return;
+    values_ = std::make_unique<DrawnPicture>(engine_, width, height, DrawnPicture::Content::Numbers);
+    view_->setRenderTarget(values_->target());
     view_->setViewport({0, 0, std::uint32_t(width), std::uint32_t(height)});
 }
 
@@ -84,9 +57,9 @@ DepthImage DepthPass::draw(filament::Renderer& renderer, filament::Camera& camer
 
 DepthImage DepthPass::read(filament::Renderer& renderer) const
 {
-    DepthImage out = emptyDepth(width_, height_);
+    DepthImage out = emptyDepth(values_->width(), values_->height());
     std::vector<std::array<float, 2>> values(out.depth.size());
-    readPixels(engine_, renderer, target_, width_, height_, false,
+    readPixels(engine_, renderer, values_->target(), out.width, out.height, false,
                {values.data(), values.size() * sizeof(values[0]), filament::backend::PixelDataFormat::RG,
                 filament::backend::PixelDataType::FLOAT});
     for (std::size_t i = 0; i < values.size(); ++i) {

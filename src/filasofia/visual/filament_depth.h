@@ -2,13 +2,14 @@
 
 #include "filasofia/visual/depth_image.h"
 #include "filasofia/visual/filament_body.h"
+#include "filasofia/visual/filament_optics.h"
 
 #include <filament/Camera.h>
-#include <filament/RenderTarget.h>
 #include <filament/Renderer.h>
 #include <filament/View.h>
 
 #include <map>
+#include <memory>
 
 namespace filasofia::visual {
 
@@ -26,18 +27,13 @@ public:
 
 private:
     void resize(int width, int height);
-    void destroyTarget();
     [[nodiscard]] DepthImage read(filament::Renderer& renderer) const;
 
     filament::Engine& engine_;
     MaterialPool& pool_;
     filament::Scene* scene_;
     filament::View* view_;
-    int width_ = 0;
-    int height_ = 0;
-    filament::Texture* values_ = nullptr; ///< depth [m] and label
-    filament::Texture* nearest_ = nullptr;
-    filament::RenderTarget* target_ = nullptr;
+    std::unique_ptr<DrawnPicture> values_; ///< depth [m] and label
 };
 
 } // namespace filasofia::visual

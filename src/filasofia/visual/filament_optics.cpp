@@ -19,25 +19,37 @@ constexpr std::uint16_t kIndices[3] = {0, 1, 2};
 
 } // namespace
 
-DrawnPicture::DrawnPicture(filament::Engine& engine, int width, int height)
+DrawnPicture::DrawnPicture(filament::Engine& engine, int width, int height, Content content)
     : engine_(engine), width_(width), height_(height)
 {
     using filament::RenderTarget;
     using filament::Texture;
-    texture_ = Texture::Builder()
-                   .width(std::uint32_t(width))
-                   .height(std::uint32_t(height))
-                   .levels(1)
-                   .format(Texture::InternalFormat::RGBA8)
-                   .usage(Texture::Usage::COLOR_ATTACHMENT | Texture::Usage::SAMPLEABLE)
-                   .build(engine);
-    target_ = RenderTarget::Builder().texture(RenderTarget::AttachmentPoint::COLOR, texture_).build(engine);
+    const auto make = [&](Texture::InternalFormat format, Texture::Usage usage) {
+        return Texture::Builder()
+            .width(std::uint32_t(width))
+            .height(std::uint32_t(height))
+            .levels(1)
+            .format(format)
+            .usage(usage)
+            .build(engine);
+    };
+    const bool numbers = content == Content::Numbers;
+    texture_ = make(numbers ? Texture::InternalFormat::RG32F : Texture::InternalFormat::RGBA8,
+                    Texture::Usage::COLOR_ATTACHMENT | Texture::Usage::SAMPLEABLE);
+    RenderTarget::Builder target;
+    target.texture(RenderTarget::AttachmentPoint::COLOR, texture_);
+    if (numbers) {
+        nearest_ = make(Texture::InternalFormat::DEPTH32F, Texture::Usage::DEPTH_ATTACHMENT);
+        target.texture(RenderTarget::AttachmentPoint::DEPTH, nearest_);
+    }
+    target_ = target.build(engine);
 }
 
 DrawnPicture::~DrawnPicture()
 {
     engine_.destroy(target_);
     engine_.destroy(texture_);
+    if (nearest_) engine_.destroy(nearest_);
 }
 
 OpticsPass::OpticsPass(filament::Engine& engine, MaterialPool& pool)

@@ -13,10 +13,14 @@
 
 namespace filasofia::visual {
 
-/// A texture that a view draws into. It holds finished, sRGB encoded colours, with the first row at the bottom.
+/// A texture that a view draws into, with the first row at the bottom.
 class DrawnPicture {
 public:
-    DrawnPicture(filament::Engine& engine, int width, int height);
+    enum class Content {
+        Colours, ///< finished, sRGB encoded
+        Numbers, ///< two floats per pixel, drawn without post-processing: so it has a depth buffer of its own
+    };
+    DrawnPicture(filament::Engine& engine, int width, int height, Content content = Content::Colours);
     DrawnPicture(const DrawnPicture&) = delete;
     DrawnPicture& operator=(const DrawnPicture&) = delete;
     ~DrawnPicture();
@@ -31,6 +35,7 @@ private:
     int width_;
     int height_;
     filament::Texture* texture_;
+    filament::Texture* nearest_ = nullptr; ///< the depth buffer
     filament::RenderTarget* target_;
 };
 

@@ -1,0 +1,140 @@
+// What is drawn of a simulation, its pictures and its viewer.
+#include "arrays.h"
+#include "defs.h"
+#include "results.h"
+#include "simulation.h"
+
+#include <cstring>
+#include <utility>
+
+namespace filasofia::python {
+namespace {
+
+using physics::RigidBodyDef;
+using physics::SoftBodyDef;
+
+bool hasSurface(const physics::BodyDef& def)
+{
+    const auto* rigid = std::get_if<RigidBodyDef>(&def);
+    if (!rigid) return true;
+    const auto* file = std::get_if<std::string>(&rigid->mesh);
+    return !file || !file->empty();
+}
+
+/// If the user chose nothing to be drawn, everything that has a surface is.
+void showAll(HeldSimulation& self)
+{
+    if (self.shown) return;
+    Session& session = *self.session;
+    for (const BodyId id : session.physics().bodies()) {
+        const auto def = session.physics().def(id);
+        if (self.shownByUs.contains(id) || !hasSurface(*def)) continue;
+        const bool soft = std::holds_alternative<SoftBodyDef>(*def);
+        self.shownByUs[id] = session.simulation().show(
+            id, soft ? runtime::ShowDef{} : runtime::ShowDef{.material = visual::MetalMaterial{}});
+    }
+}
+
+/// What the user says of a body takes the place of what we showed of it.
+nb::object show(HeldSimulation& self, nb::handle body, nb::handle def)
+{
+    const auto read = readDef<runtime::ShowDef>(def, "show");
+    Session& session = usable(self, "show");
+    const auto id = readArgument<BodyId>(body, "show", "body");
+    const runtime::ShownId shown = session.simulation().show(id, read);
+    self.shown = true;
+    if (const auto ours = self.shownByUs.extract(id)) session.simulation().unshow(ours.mapped());
+    return Convert<runtime::ShownId>::make(shown);
+}
+
+/// The picture without its alpha, as a new array (height, width, 3).
+nb::object pixelsOf(const visual::Image& image)
+{
+    const auto height = static_cast<std::size_t>(image.height), width = static_cast<std::size_t>(image.width);
+    std::vector<std::uint8_t> bytes(3 * height * width);
+    for (std::size_t i = 0; i < height * width; ++i) std::memcpy(bytes.data() + 3 * i, image.rgba.data() + 4 * i, 3);
+    return arrayOf(std::move(bytes), {height, width, 3});
+}
+
+/// What `take` captures of the present state, as `def` asks.
+template <class Image> Image capture(HeldSimulation& self, nb::handle def, const char* what,
+                                     Image (Session::*take)(const runtime::PictureDef&))
+{
+    const auto asked = readDef<runtime::PictureDef>(def, what);
+    const Session::Turn turn(*self.session, what);
+    showAll(self);
+    const nb::gil_scoped_release free;
+    return (*self.session.*take)(asked);
+}
+
+nb::object render(HeldSimulation& self, nb::handle def)
+{
+    return pixelsOf(capture(self, def, "render", &Session::picture));
+}
+
+/// Depth and bodies, two new arrays (height, width).
+nb::object renderDepth(HeldSimulation& self, nb::handle def)
+{
+    visual::DepthImage image = capture(self, def, "render_depth", &Session::depth);
+    const auto height = static_cast<std::size_t>(image.height), width = static_cast<std::size_t>(image.width);
+    return nb::make_tuple(arrayOf(std::move(image.depth), {height, width}),
+                          arrayOf(std::move(image.label), {height, width}));
+}
+
+void openViewer(HeldSimulation& self, nb::handle def)
+{
+    const auto asked = readDef<runtime::ViewerDef>(def, "viewer");
+    const Session::Turn turn(*self.session, "viewer");
+    showAll(self);
+    const nb::gil_scoped_release free;
+    self.session->openViewer(asked);
+}
+
+/// Does nothing without a viewer.
+void withViewer(HeldSimulation& self, void (Session::*act)())
+{
+    if (!self.session->viewing()) return;
+    const Session::Turn turn(*self.session, "viewer");
+    const nb::gil_scoped_release free;
+    (*self.session.*act)();
+}
+
+} // namespace
+
+void addPictures(nb::class_<HeldSimulation>& sim)
+{
+    sim.def("_show", &show);
+    sim.def(
+        "set_visible",
+        [](HeldSimulation& self, nb::handle shown, bool visible) {
+            usable(self, "set_visible")
+                .simulation()
+                .setVisible(readArgument<runtime::ShownId>(shown, "set_visible", "shown"), visible);
+        },
+        nb::arg("shown").none(), nb::arg("visible"),
+        nb::sig("def set_visible(self, shown: filasofia.ShownId, visible: bool) -> None"));
+    sim.def(
+        "unshow",
+        [](HeldSimulation& self, nb::handle shown) {
+            usable(self, "unshow").simulation().unshow(readArgument<runtime::ShownId>(shown, "unshow", "shown"));
+        },
+        nb::arg("shown").none(), nb::sig("def unshow(self, shown: filasofia.ShownId) -> None"),
+        "It is no longer drawn.");
+    sim.def(
+        "paint",
+        [](HeldSimulation& self, nb::handle body, nb::handle def) {
+            const auto read = readDef<runtime::PaintDef>(def, "paint");
+            return usable(self, "paint").simulation().paint(readArgument<BodyId>(body, "paint", "body"), read);
+        },
+        nb::arg("body").none(), nb::arg("mark").none(),
+        nb::sig("def paint(self, body: filasofia.BodyId, mark: filasofia.PaintDef) -> int"),
+        "Paints blood, a burn or wetness on a body; returns how many vertices it reached.");
+    sim.def("_render", &render);
+    sim.def("_render_depth", &renderDepth);
+    sim.def("_open_viewer", &openViewer);
+    sim.def("_show_in_viewer", [](HeldSimulation& self) { withViewer(self, &Session::showInViewer); });
+    sim.def("_close_viewer", [](HeldSimulation& self) { withViewer(self, &Session::closeViewer); });
+    sim.def("_viewing", [](HeldSimulation& self) { return self.session->viewing(); });
+}
+
+} // namespace filasofia::python
