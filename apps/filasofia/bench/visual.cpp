@@ -4,6 +4,7 @@
 #include "apps/filasofia/bench/visual_physics.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/worker_pool.h"
+#include "filasofia/visual/gpu.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -40,6 +41,14 @@ struct TopologyRow {
     Spread prepare, adopt;
 };
 
+struct PictureRow {
+    PictureScene scene;
+    PictureTimes times;
+
+    [[nodiscard]] Spread capture() const { return runtime::spreadOf(times.captures); }
+    [[nodiscard]] Spread depth() const { return runtime::spreadOf(times.depths); }
+};
+
 struct PhysicsRow {
     Beside beside;
     bool freeRunning;
@@ -49,6 +58,10 @@ struct PhysicsRow {
 
 const char* nameOf(visual::Backend backend) { return backend == visual::Backend::Null ? "null" : "headless"; }
 const char* nameOf(MapKind map) { return map == MapKind::Identity ? "identity" : "barycentric"; }
+const char* nameOf(visual::Quality quality)
+{
+    return names(&quality)[std::size_t(quality)].data(); // literals, so they end in a 0
+}
 const char* nameOf(Beside what)
 {
     return what == Beside::Nothing ? "nothing" : what == Beside::Mapping ? "mapping, null" : "picture";
@@ -113,6 +126,30 @@ std::vector<FrameRow> measureFrames(bool quick)
         rows.back().others = load.cores();
         printFrame(rows.back());
     }
+    return rows;
+}
+
+std::vector<PictureRow> measurePictures(bool quick)
+{
+    const visual::GpuReport gpu = visual::probeGpu();
+    std::printf("\npictures of 50,176 vertices that move, wall time [ms], drawn by %s\n%11s %-8s %-6s %9s %9s %9s %9s\n",
+                gpu.available ? gpu.renderer.c_str() : "nothing", "pixels", "quality", "optics", "captured", "p99",
+                "depth", "drawn");
+    std::vector<PictureRow> rows;
+    if (!gpu.available) return rows;
+    for (const auto& [width, height] : {std::pair{640, 480}, {960, 720}, {1920, 1080}})
+        for (const visual::Quality quality : {visual::Quality::Low, visual::Quality::Medium, visual::Quality::High})
+            for (const bool optics : {false, true}) {
+                if (quick && (width > 640 || quality != visual::Quality::Low)) continue;
+                const int frames = quick ? 5 : gpu.software ? 20 : 300;
+                const PictureScene scene{width, height, quality, optics};
+                rows.push_back({scene, timePictures(scene, frames)});
+                const PictureRow& row = rows.back();
+                std::printf("%6d x%4d %-8s %-6s %9.3f %9.3f %9.3f %9.3f\n", width, height, nameOf(quality),
+                            optics ? "yes" : "no", 1e3 * row.capture().median, 1e3 * row.capture().p99,
+                            1e3 * row.depth().median, 1e3 * row.times.drawn);
+                std::fflush(stdout);
+            }
     return rows;
 }
 
@@ -221,6 +258,18 @@ json toJson(const FrameRow& row)
     return all;
 }
 
+json toJson(const PictureRow& row)
+{
+    return {{"width", row.scene.width},
+            {"height", row.scene.height},
+            {"quality", nameOf(row.scene.quality)},
+            {"optics", row.scene.optics},
+            {"pictures", row.times.captures.size()},
+            {"captured_s", spreadToJson(row.capture())},
+            {"depth_s", spreadToJson(row.depth())},
+            {"drawn_s", row.times.drawn}};
+}
+
 json toJson(const TopologyRow& row)
 {
     return {{"vertices", row.scene.vertices},
@@ -256,11 +305,14 @@ json benchVisual(bool quick)
 {
     setenv("LP_NUM_THREADS", "1", 0); // if the processor draws, drawing would take every core from physics
     const std::vector<FrameRow> frames = measureFrames(quick);
+    const std::vector<PictureRow> pictures = measurePictures(quick);
     const std::vector<TopologyRow> topology = measureTopology(quick);
     const std::vector<PhysicsRow> physics = measurePhysics(quick);
     return {{"bench", "visual"},
             {"quick", quick},
             {"cores", usableCores()},
+            {"renderer", visual::probeGpu().renderer},
+            {"pictures", listToJson(pictures)},
             {"frames", listToJson(frames)},
             {"topology", listToJson(topology)},
             {"physics", listToJson(physics)},

@@ -65,16 +65,22 @@ struct Body {
     }
 };
 
-/// The surface in a picture of 640 x 480 without effects.
+/// The surface in a picture.
 struct Picture {
     visual::VisualServer server;
     visual::VisualBody& body;
 
-    Picture(const FrameScene& scene, const geometry::TriangleMesh& surface)
-        : server({.backend = scene.backend, .width = 640, .height = 480}),
+    Picture(const FrameScene& scene, const geometry::TriangleMesh& surface, const PictureScene& drawn = {})
+        : server({.backend = scene.backend, .width = drawn.width, .height = drawn.height}),
           body(server.add(visual::VisualBodyDef{.name = "torus", .mesh = surface, .subdivision = scene.level}))
     {
-        visual::addEndoscopeLook(server, visual::boundsOf(surface), visual::Quality::Low, {0.2, 1.0, 0.6});
+        visual::View& view =
+            *visual::addEndoscopeLook(server, visual::boundsOf(surface), drawn.quality, {0.2, 1.0, 0.6}).view;
+        if (drawn.optics) {
+            visual::Effects effects = view.effects();
+            effects.endoscope.emplace();
+            view.setEffects(effects);
+        }
         server.timeStages(threadSeconds);
     }
 };
@@ -106,6 +112,32 @@ std::vector<FrameTimes> timeFrames(const FrameScene& scene, int frames)
                          .stages = difference(picture.server.statistics().stages, before),
                          .whole = processSeconds() - whole});
     }
+    return times;
+}
+
+PictureTimes timePictures(const PictureScene& scene, int frames)
+{
+    const FrameScene surface{50176, 1, MapKind::Barycentric, visual::Backend::Headless};
+    Body body(surface);
+    Picture picture(surface, body.mapped.surface, scene);
+    std::vector<Vec3> vertices(body.mapped.surface.vertices.size());
+    int next = 0;
+    const auto timed = [&](auto&& take) {
+        const double start = secondsOf(CLOCK_MONOTONIC);
+        body.move(next++);
+        mapping::apply(body.mapped.map, body.now, vertices);
+        picture.body.setVertices(vertices);
+        take();
+        return secondsOf(CLOCK_MONOTONIC) - start;
+    };
+    const auto capture = [&] { picture.server.capture(); };
+    const auto depth = [&] { picture.server.captureDepth(); };
+    PictureTimes times;
+    for (int i = 0; i < 5; ++i) timed(capture), timed(depth); // shaders are compiled, memory is allocated
+    for (int i = 0; i < frames; ++i) times.captures.push_back(timed(capture));
+    for (int i = 0; i < frames; ++i) times.depths.push_back(timed(depth));
+    for (int i = 0; i < frames; ++i) times.drawn += timed([&] { picture.server.render(); }) / frames;
+    times.drawn += timed(capture) / frames; // the card may still be drawing; a capture waits for it
     return times;
 }
 

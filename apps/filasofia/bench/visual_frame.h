@@ -4,7 +4,7 @@
 
 #include <vector>
 
-/// The processor time for a picture of one surface that moves in every frame.
+/// The time for a picture of one surface that moves in every frame.
 namespace filasofia::app {
 
 enum class MapKind { Identity, Barycentric };
@@ -37,5 +37,21 @@ struct TopologyTimes {
 };
 
 std::vector<TopologyTimes> timeTopology(const FrameScene& scene, int repeats);
+
+/// What is drawn of a surface of 50,176 vertices, without a window.
+struct PictureScene {
+    int width = 640, height = 480; ///< [pixel]
+    visual::Quality quality = visual::Quality::Low;
+    bool optics = false; ///< whether seen through an endoscope's optics
+};
+
+/// [s] Wall times, the graphics card's included.
+struct PictureTimes {
+    std::vector<double> captures = {}; ///< of each picture, from the nodes to pixels in memory
+    std::vector<double> depths = {};   ///< the same of depth and labels
+    double drawn = 0.0;                ///< of one picture among many that are only drawn, mean
+};
+
+PictureTimes timePictures(const PictureScene& scene, int frames);
 
 } // namespace filasofia::app
