@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/geometry/tet_mesh.h"
+#include "filasofia/geometry/triangle_mesh.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +15,7 @@ namespace filasofia::geometry {
 template <class Parse> int fuzzReader(const std::uint8_t* data, std::size_t size, const Parse& parse)
 {
     setLogSink([](LogLevel, std::string_view) {});
-    TetMesh mesh;
+    decltype(parse(std::string_view{})) mesh;
     try {
         mesh = parse(std::string_view{reinterpret_cast<const char*>(data), size});
     } catch (const Error&) {

@@ -4,5 +4,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     using namespace filasofia::geometry;
-    return fuzzReader(data, size, [](std::string_view bytes) { return parseVtk(bytes, "fuzz.vtk"); });
+    const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+    if (bytes.find("POLYDATA") != std::string_view::npos)
+        return fuzzReader(data, size, [](std::string_view all) { return parseVtkSurface(all, "fuzz.vtk"); });
+    return fuzzReader(data, size, [](std::string_view all) { return parseVtk(all, "fuzz.vtk"); });
 }

@@ -211,9 +211,9 @@ TEST_CASE("what is no mesh file at all is refused by name")
     CHECK_THAT(errorOf([] { loadTetMesh("nowhere.msh"); }), Contains("nowhere.msh: no such file"));
     CHECK_THAT(errorOf([] { loadTetMesh("nowhere.node"); }), Contains("nowhere.node: no such file"));
     CHECK_THAT(errorOf([] { loadTriangleMesh("/dev/zero"); }),
-               Contains("must be an .obj, .stl, .ply, .gltf or .glb file"));
+               Contains("must be an .obj, .stl, .ply, .gltf, .glb or .vtk file"));
     CHECK_THAT(errorOf([] { loadTriangleMesh("a.fbx"); }),
-               Contains("must be an .obj, .stl, .ply, .gltf or .glb file, got '.fbx'"));
+               Contains("must be an .obj, .stl, .ply, .gltf, .glb or .vtk file, got '.fbx'"));
     CHECK_THAT(errorOf([] { loadTetMesh("a.obj"); }),
                Contains("must be a .msh, .vtk, .vtu, .node or .ele file, got '.obj'"));
     CHECK_THAT(errorOf([] { loadTetMesh("liver"); }), Contains("liver: a tetrahedral mesh must be"));

@@ -124,6 +124,38 @@ TEST_CASE("the solids of VTK's files are split, however a wedge is turned")
                Contains("a.vtk:13: pyramid 4 names node 8 twice"));
 }
 
+TEST_CASE("polygons of VTK's polydata become triangles, with their texture coordinates")
+{
+    const std::string head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\n";
+    const std::string points = "POINTS 5 double\n0 0 0 1 0 0 1 1 0 0 1 0 0.1 0.2 1e-3\n";
+    const std::string lines = "VERTICES 1 2\n1 0\nLINES 1 3\n2 0 1\n", polygons = "POLYGONS 2 9\n4 0 1 2 3\n3 0 1 4\n";
+    const std::string data = "CELL_DATA 4\nSCALARS part int\nLOOKUP_TABLE default\n1 2 3 4\nPOINT_DATA 5\n"
+                             "TEXTURE_COORDINATES uv 2 float\n0 0 1 0 1 1 0 1 .5 .25\n";
+    const std::string file = head + points + lines + polygons + data;
+    const TriangleMesh mesh = parseVtkSurface(file, "a.vtk");
+    CHECK_NOTHROW(check(mesh, "a.vtk"));
+    CHECK(mesh.triangles == std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 1, 4}});
+    CHECK(mesh.vertices.back() == Vec3{0.1, 0.2, 1e-3}); // in double precision
+    CHECK(mesh.uv.back() == std::array{0.5, 0.25});
+    const std::string version5 =
+        replaced(head, "3.0", "5.1") + points +
+        "POLYGONS 3 7\nOFFSETS vtktypeint64\n0 4 7\nCONNECTIVITY vtktypeint64\n0 1 2 3 0 1 4\n";
+    CHECK(parseVtkSurface(version5, "a.vtk").triangles == mesh.triangles);
+
+    const auto error = [](const std::string& bytes) { return errorOf([&] { parseVtkSurface(bytes, "a.vtk"); }); };
+    CHECK_THAT(error(kFile), Contains("a.vtk:4: the file must hold a DATASET POLYDATA"));
+    CHECK_THAT(error(head + points + lines), Contains("a.vtk: must have a POLYGONS section with polygons, found none"));
+    CHECK_THAT(error(head + points + "TRIANGLE_STRIPS 1 4\n3 0 1 2\n"), Contains("must consist of POLYGONS"));
+    CHECK_THAT(error(replaced(file, "3 0 1 4", "3 0 1 5")),
+               Contains("a.vtk:13: polygon 1 must name points in [0, 5), got 5"));
+    CHECK_THAT(error(replaced(file, "POLYGONS 2 9\n4 0 1 2 3\n3 0 1 4", "POLYGONS 1 3\n2 0 1")),
+               Contains("polygon 0 must have at least 3 corners, got 2"));
+    CHECK_THAT(error(replaced(file, "POINT_DATA 5", "POINT_DATA 4")),
+               Contains("must have one value per point (5), got 4"));
+    CHECK(parseVtkSurface(replaced(file, "3 0 1 4", "3 0 1 1"), "a.vtk").triangles.size() ==
+          2); // dropped, with a warning
+}
+
 TEST_CASE("what is wrong in a VTK file is named with its line or byte")
 {
     CHECK_THAT(errorIn("solid cube"), Contains("a.vtk:1: a legacy VTK file must begin with '# vtk DataFile Version '"));

@@ -15,13 +15,13 @@ namespace filasofia::geometry {
 /// element, and the bound.
 TetMesh loadTetMesh(const std::filesystem::path& file, double scale = 1.0);
 
-/// Reads a triangle mesh from OBJ, STL, PLY or glTF (.gltf, .glb). All meshes of the file become one, placed by the
-/// file's nodes. Vertices at exactly the same position are merged and numbered in the order in which triangles use
-/// them; polygons are triangulated. Coordinates pass through single precision. If a merged vertex has several texture
-/// coordinates, the first one counts, and a part without any gets (0, 0). Triangles that name a vertex twice after
-/// merging are dropped; a warning in the log counts what was dropped.
-/// `scale` [m], > 0, is the length of one unit of the file.
-/// Throws an Error naming the file and what is wrong with it.
+/// Reads a triangle mesh from OBJ, STL, PLY, glTF (.gltf, .glb) or legacy polydata of VTK (.vtk). Polydata keep their
+/// points in double precision and in their order, and their polygons. With all others: all meshes of the file become
+/// one, placed by the file's nodes. Vertices at exactly the same position are merged and numbered in the order in which
+/// triangles use them; polygons are triangulated. Coordinates pass through single precision. If a merged vertex has
+/// several texture coordinates, the first one counts, and a part without any gets (0, 0). Triangles that name a vertex
+/// twice after merging are dropped; a warning in the log counts what was dropped. `scale` [m], > 0, is the length of
+/// one unit of the file. Throws an Error naming the file and what is wrong with it.
 TriangleMesh loadTriangleMesh(const std::filesystem::path& file, double scale = 1.0);
 
 } // namespace filasofia::geometry

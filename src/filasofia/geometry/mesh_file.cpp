@@ -49,8 +49,10 @@ TriangleMesh readTriangleMesh(const std::filesystem::path& file)
 {
     static constexpr std::string_view kExtensions[] = {".obj", ".stl", ".ply", ".gltf", ".glb"};
     const std::string extension = extensionOf(file);
+    if (extension == ".vtk") return parseVtkSurface(bytesOf(file), file.string());
     if (std::ranges::find(kExtensions, extension) == std::end(kExtensions))
-        fail(file.string(), ": a triangle mesh must be an .obj, .stl, .ply, .gltf or .glb file, got '", extension, "'");
+        fail(file.string(), ": a triangle mesh must be an .obj, .stl, .ply, .gltf, .glb or .vtk file, got '", extension,
+             "'");
     checkAnnouncedSizes(file, extension, bytesOf(file));
     return readWithAssimp(file);
 }

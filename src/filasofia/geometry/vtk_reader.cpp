@@ -1,8 +1,10 @@
 #include "filasofia/geometry/vtk_reader.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/geometry/vtk_cells.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <optional>
@@ -30,20 +32,29 @@ public:
 
     TetMesh read()
     {
-        readHeader();
-        for (std::string word = lowered(in_.word()); !word.empty(); word = lowered(in_.word())) readSection(word);
-        if (mesh_.nodes.empty()) fail(name_, ": must have a POINTS section with points, found none");
+        readSections("UNSTRUCTURED_GRID");
         if (cells_.types.empty()) fail(name_, ": must have CELLS and CELL_TYPES sections, found none");
         addCells(cells_, in_, mesh_);
         return resolve(mesh_, in_, in_, name_);
     }
+    TriangleMesh readSurface()
+    {
+        surface_ = true;
+        readSections("POLYDATA");
+        if (cells_.places.empty()) fail(name_, ": must have a POLYGONS section with polygons, found none");
+        return triangles();
+    }
 
 private:
-    void readHeader();
+    void readSections(std::string_view dataset);
+    void readHeader(std::string_view dataset);
     void readSection(const std::string& keyword);
     void readPoints();
-    void readCells();
+    void readCells(std::string_view section, VtkCells& cells);
     void readTypes();
+    void readTextureCoordinates();
+    [[nodiscard]] TriangleMesh triangles() const;
+    [[nodiscard]] int corner(std::size_t polygon, std::int64_t at) const;
     void readAttribute(const std::string& keyword);
     void readArray(std::int64_t components, std::int64_t tuples, const NumberType& type);
     void passOver(std::size_t count, const NumberType& type);
@@ -60,9 +71,18 @@ private:
     VtkCells cells_;
     std::int64_t attributes_ = 0; ///< number of values that the attributes now have
     bool ofCells_ = false;        ///< they are those of cells
+    bool surface_ = false;        ///< polydata: the cells are its polygons
+    std::vector<std::array<double, 2>> uv_;
 };
 
-void VtkReader::readHeader()
+void VtkReader::readSections(std::string_view dataset)
+{
+    readHeader(dataset);
+    for (std::string word = lowered(in_.word()); !word.empty(); word = lowered(in_.word())) readSection(word);
+    if (mesh_.nodes.empty()) fail(name_, ": must have a POINTS section with points, found none");
+}
+
+void VtkReader::readHeader(std::string_view dataset)
 {
     const std::string_view first = in_.restOfLine();
     constexpr std::string_view kBegin = "# vtk DataFile Version ";
@@ -71,21 +91,27 @@ void VtkReader::readHeader()
     in_.restOfLine(); // the title
     const std::string form = lowered(in_.word());
     if (form != "ascii" && form != "binary") in_.failHere("the third line must be ASCII or BINARY");
-    if (lowered(in_.word()) != "dataset" || lowered(in_.word()) != "unstructured_grid")
-        in_.failHere("the file must hold a DATASET UNSTRUCTURED_GRID");
+    if (lowered(in_.word()) != "dataset" || lowered(in_.word()) != lowered(dataset))
+        in_.failHere("the file must hold a DATASET ", dataset);
     if (form == "binary") in_.becomeBinary(std::endian::native == std::endian::little); // the file is big-endian
 }
 
 void VtkReader::readSection(const std::string& keyword)
 {
     if (keyword == "points") return readPoints();
-    if (keyword == "cells") return readCells();
-    if (keyword == "cell_types") return readTypes();
+    if (keyword == (surface_ ? "polygons" : "cells")) return readCells(surface_ ? "POLYGONS" : "CELLS", cells_);
+    if (!surface_ && keyword == "cell_types") return readTypes();
+    if (surface_ && keyword == "triangle_strips")
+        in_.failHere("a surface must consist of POLYGONS, got TRIANGLE_STRIPS");
+    if (surface_ && (keyword == "lines" || keyword == "vertices")) { // they bound no surface
+        VtkCells passed;
+        return readCells(keyword == "lines" ? "LINES" : "VERTICES", passed);
+    }
     if (keyword == "cell_data" || keyword == "point_data") {
         attributes_ = in_.integerIn(in_.word(), "a number of values");
         ofCells_ = keyword == "cell_data";
         if (attributes_ < 0) in_.failHere("a number of values must be >= 0, got ", attributes_);
-        if (ofCells_ && attributes_ != static_cast<std::int64_t>(cells_.types.size()))
+        if (ofCells_ && !surface_ && attributes_ != static_cast<std::int64_t>(cells_.types.size()))
             in_.failHere("CELL_DATA must have one value per cell (", cells_.types.size(), "), got ", attributes_);
         return;
     }
@@ -146,37 +172,37 @@ void VtkReader::readPoints()
     }
 }
 
-void VtkReader::readCells()
+void VtkReader::readCells(std::string_view section, VtkCells& cells)
 {
-    if (!cells_.offsets.empty()) in_.failHere("the file has a second CELLS section; at most one is allowed");
+    if (!cells.offsets.empty()) in_.failHere("the file has a second ", section, " section; at most one is allowed");
     if (version5_) {
         const std::int64_t offsets = textCount("the number of offsets", 1, 4);
         const std::int64_t nodes = textCount("the number of cells' nodes", 1, 4);
         for (const auto& [keyword, count, list] :
-             {std::tuple{"offsets", offsets, &cells_.offsets}, {"connectivity", nodes, &cells_.connectivity}}) {
-            if (lowered(in_.word()) != keyword) in_.failHere("CELLS must have OFFSETS and CONNECTIVITY");
+             {std::tuple{"offsets", offsets, &cells.offsets}, {"connectivity", nodes, &cells.connectivity}}) {
+            if (lowered(in_.word()) != keyword) in_.failHere(section, " must have OFFSETS and CONNECTIVITY");
             const int bytes = type().bytes;
             in_.boundCount(count, keyword, 1, static_cast<std::size_t>(bytes));
             *list = readIntegers(static_cast<std::size_t>(count), "a cell's node or offset", bytes);
         }
-        cells_.places.assign(cells_.offsets.size(), in_.place());
+        if (!cells.offsets.empty()) cells.places.assign(cells.offsets.size() - 1, in_.place());
     } else {
-        const std::int64_t cells = textCount("the number of cells", 1, 4);
+        const std::int64_t announced = textCount("the number of cells", 1, 4);
         const std::int64_t size = textCount("the size of the list of cells", 1, 4);
         beginRaw();
-        cells_.offsets.push_back(0);
-        for (std::int64_t i = 0, left = size; i < cells; ++i) {
+        cells.offsets.push_back(0);
+        for (std::int64_t i = 0, left = size; i < announced; ++i) {
             const std::int64_t count = in_.integer("a cell's number of nodes");
-            cells_.places.push_back(in_.place());
+            cells.places.push_back(in_.place());
             if (count < 0 || count >= left)
                 in_.failHere("a cell's number of nodes must be in [0, ", std::max<std::int64_t>(0, left - 1),
                              "], what is left of the list of cells, got ", count);
-            for (std::int64_t k = 0; k < count; ++k) cells_.connectivity.push_back(in_.integer("a cell's node"));
-            cells_.offsets.push_back(static_cast<std::int64_t>(cells_.connectivity.size()));
+            for (std::int64_t k = 0; k < count; ++k) cells.connectivity.push_back(in_.integer("a cell's node"));
+            cells.offsets.push_back(static_cast<std::int64_t>(cells.connectivity.size()));
             left -= count + 1;
         }
     }
-    checkOffsets(cells_, in_, in_.place());
+    checkOffsets(cells, in_, in_.place());
 }
 
 void VtkReader::readTypes()
@@ -218,6 +244,7 @@ void VtkReader::readAttribute(const std::string& keyword)
     if (keyword == "global_ids" || keyword == "pedigree_ids") return readArray(1, attributes_, type());
     const NumberType colour = in_.isBinary() ? NumberType{"unsigned_char", 1} : NumberType{"float", 4, true};
     if (keyword == "texture_coordinates") {
+        if (surface_ && !ofCells_ && uv_.empty()) return readTextureCoordinates();
         const std::int64_t dimension = in_.integerIn(in_.word(), "a dimension");
         return readArray(dimension, attributes_, type());
     }
@@ -249,6 +276,52 @@ void VtkReader::passOver(std::size_t count, const NumberType& of)
         if (in_.word().empty()) in_.failHere("the file ends before a value");
 }
 
+void VtkReader::readTextureCoordinates()
+{
+    const std::int64_t dimension = in_.integerIn(in_.word(), "a dimension");
+    const NumberType of = type();
+    if (dimension != 2) return readArray(dimension, attributes_, of);
+    if (attributes_ != static_cast<std::int64_t>(mesh_.nodes.size()))
+        in_.failHere("POINT_DATA must have one value per point (", mesh_.nodes.size(), "), got ", attributes_);
+    beginRaw();
+    uv_.reserve(mesh_.nodes.size());
+    for (std::int64_t i = 0; i < attributes_; ++i) {
+        const double u = in_.real("a texture coordinate", of.bytes);
+        uv_.push_back({u, in_.real("a texture coordinate", of.bytes)});
+    }
+}
+
+int VtkReader::corner(std::size_t polygon, std::int64_t at) const
+{
+    const std::int64_t point = cells_.connectivity[static_cast<std::size_t>(at)];
+    if (point < 0 || point >= static_cast<std::int64_t>(mesh_.nodes.size()))
+        in_.failAt(cells_.places[polygon], "polygon ", polygon, " must name points in [0, ", mesh_.nodes.size(),
+                   "), got ", point);
+    return static_cast<int>(point);
+}
+
+// Polygons become fans around their first corner.
+TriangleMesh VtkReader::triangles() const
+{
+    TriangleMesh mesh;
+    for (const auto& node : mesh_.nodes) mesh.vertices.push_back(node.position);
+    mesh.uv = uv_;
+    std::size_t dropped = 0;
+    for (std::size_t i = 0; i + 1 < cells_.offsets.size(); ++i) {
+        const std::int64_t first = cells_.offsets[i], end = cells_.offsets[i + 1];
+        if (end - first < 3)
+            in_.failAt(cells_.places[i], "polygon ", i, " must have at least 3 corners, got ", end - first);
+        const int a = corner(i, first);
+        for (std::int64_t k = first + 1; k + 1 < end; ++k) {
+            const int b = corner(i, k), c = corner(i, k + 1);
+            a == b || b == c || c == a ? static_cast<void>(++dropped) : mesh.triangles.push_back({a, b, c});
+        }
+    }
+    if (mesh.triangles.empty()) fail(name_, ": must have at least 1 triangle, got 0");
+    if (dropped > 0) logWarning(name_, ": dropped ", dropped, " triangles that name a vertex twice");
+    return mesh;
+}
+
 // Values that are no whole numbers make no labels.
 void VtkReader::readLabels(const NumberType& of)
 {
@@ -267,5 +340,9 @@ void VtkReader::readLabels(const NumberType& of)
 } // namespace
 
 TetMesh parseVtk(std::string_view bytes, std::string_view name) { return VtkReader(bytes, name).read(); }
+TriangleMesh parseVtkSurface(std::string_view bytes, std::string_view name)
+{
+    return VtkReader(bytes, name).readSurface();
+}
 
 } // namespace filasofia::geometry
