@@ -53,6 +53,53 @@ def test_steps_in_one_call_and_one_by_one_with_any_threads_are_the_same():
     assert len(hashes) == 1
 
 
+def test_bodies_move_straight_while_steps_are_made():
+    half = fs.axis_angle((0, 1, 0), 0.5)
+    hashes = set()
+    for moves in (True, False):
+        sim, _, tool = poke()
+        sim.step()
+        start = sim.frame[tool].poses[0, :3].copy()
+        end = np.array([0.001, 0.02, 0.0005])
+        seen = []
+        sim.on(fs.PhysicsUpdateEvent, lambda e: seen.append(sim.frame[tool].poses[0].copy()))
+        if moves:
+            sim.step(8, {tool: fs.Pose(end, half)})
+        for i in range(0 if moves else 8):
+            part = (i + 1) / 8
+            place = start + part * (end - start) if i < 7 else end
+            sim.set_pose(tool, fs.Pose(place, fs.axis_angle((0, 1, 0), part * 0.5) if i < 7 else half))
+            sim.step()
+        assert np.array_equal(seen[-1][:3], end) and np.allclose(seen[3][:3], start + 0.5 * (end - start), atol=1e-15)
+        assert np.allclose(seen[3][3:], fs.axis_angle((0, 1, 0), 0.25), atol=1e-15)
+        sim.step(4, moves={tool: end})  # a position alone: no rotation
+        assert np.allclose(seen[-1][3:], (1, 0, 0, 0))
+        assert len(sim.frame.contacts) > 0
+        hashes.add(sim.frame[tool].poses.tobytes())
+    assert len(hashes) == 1
+
+
+def test_moves_that_are_wrong_move_nothing():
+    sim, tissue, tool = poke()
+    with pytest.raises(fs.Error, match="step: moves must have bodies as keys that have made a step"):
+        sim.step(2, {tool: (0, 0, 0)})
+    sim.step()
+    stone = sim.add(fs.RigidBodyDef(name="stone", mesh=fs.shapes.box((0.01,) * 3), dynamic=True, elements=[(1, 1, 1)]))
+    sim.step()
+    before = sim.state_hash
+    for moves, kind, words in (
+        ({tissue: (0, 0, 0)}, fs.Error, "must have kinematic bodies as keys"),
+        ({stone: (0, 0, 0)}, fs.Error, "must have kinematic bodies as keys"),
+        ({tool: (0, float("nan"), 0)}, fs.Error, "a pose of moves"),
+        ({tool: (0, 0)}, (fs.Error, TypeError), "a pose of moves"),
+        ({"tool": (0, 0, 0)}, TypeError, "the key of moves"),
+        ([(tool, (0, 0, 0))], TypeError, "must be a dict of poses by bodies"),
+    ):
+        with pytest.raises(kind, match=words):
+            sim.step(3, moves)
+        assert sim.state_hash == before
+
+
 def test_a_step_reports():
     sim, tissue, _ = poke()
     report = sim.step()

@@ -126,12 +126,19 @@ std::uint64_t hashOf(HeldSimulation& self)
     return self.session->hash();
 }
 
+void noteScripts(HeldSimulation& self)
+{
+    self.scripted =
+        std::ranges::find(self.observers, Observer::kEveryStep, &Observer::alternative) != self.observers.end();
+}
+
 std::uint64_t observe(HeldSimulation& self, std::size_t alternative, nb::object callback, const char* what)
 {
     usable(self, what);
     if (!PyCallable_Check(callback.ptr())) failType({.name = what}, "needs a function to call", callback);
     if (alternative != Observer::kEveryStep) self.session->collect(alternative, true);
     self.observers.push_back({++self.lastObserver, alternative, std::move(callback)});
+    noteScripts(self);
     return self.lastObserver;
 }
 
@@ -142,6 +149,7 @@ void endObserver(HeldSimulation& self, std::uint64_t observer)
     if (found == all.end()) fail("off: there is no observer ", observer);
     const Observer gone = std::move(*found); // freed after the list is whole again
     all.erase(found);
+    noteScripts(self);
     const bool every = gone.alternative == Observer::kEveryStep;
     if (every || std::ranges::find(all, gone.alternative, &Observer::alternative) != all.end()) return;
     self.session->collect(gone.alternative, false); // nobody listens: what happens need not become objects
@@ -195,17 +203,49 @@ void addBodies(nb::class_<HeldSimulation>& sim)
         "The bodies that were added and not removed.");
 }
 
+/// Where a kinematic body is in the newest frame.
+Pose placeOf(Session& session, BodyId body, const Where& where, nb::handle key)
+{
+    const auto def = session.physics().def(body);
+    const auto* rigid = std::get_if<RigidBodyDef>(&*def);
+    if (!rigid || rigid->dynamic) failValue(where, "must have kinematic bodies as keys", key);
+    const auto frame = session.physics().latest();
+    const frame::RigidBodyFrame* seen = frame ? frame->rigidBody(body) : nullptr;
+    if (!seen) failValue(where, "must have bodies as keys that have made a step", key);
+    if (frame->step != session.steps()) fail("step: moves need the newest frame: let go of older ones");
+    return seen->poses.front();
+}
+
+std::vector<Move> readMoves(Session& session, nb::handle moves)
+{
+    std::vector<Move> read;
+    if (moves.is_none()) return read;
+    const Where where{.name = "step: moves"};
+    if (!nb::isinstance<nb::dict>(moves)) failType(where, "must be a dict of poses by bodies", moves);
+    for (const auto [key, value] : nb::borrow<nb::dict>(moves)) {
+        const auto body = readArgument<BodyId>(key, "step", "the key of moves");
+        const auto to =
+            physics::unitPose(readArgument<Pose>(value, "step", "a pose of moves"), "step: a pose of moves");
+        read.push_back({body, 0, placeOf(session, body, where, key), to});
+    }
+    return read;
+}
+
 void addSteps(nb::class_<HeldSimulation>& sim)
 {
     sim.def(
         "step",
-        [](HeldSimulation& self, std::int64_t n) {
+        [](HeldSimulation& self, std::int64_t n, nb::handle moves) {
             if (n < 1) fail("step: n must be >= 1, got ", n);
             const Session::Turn turn(*self.session, "step");
-            return makeSteps(self, static_cast<std::uint64_t>(n), "step");
+            return makeSteps(self, static_cast<std::uint64_t>(n), "step", readMoves(*self.session, moves));
         },
-        nb::arg("n") = 1,
-        "Makes n steps and returns the report of the last one. Other threads of Python run meanwhile.");
+        nb::arg("n") = 1, nb::arg("moves") = nb::none(),
+        nb::sig("def step(self, n: int = 1, moves: collections.abc.Mapping[filasofia.BodyId, filasofia.Pose | "
+                "collections.abc.Sequence[float]] | None = None) -> StepReport"),
+        "Makes n steps and returns the report of the last one. Other threads of Python run meanwhile.\n\n"
+        "`moves` gives kinematic bodies the poses [m] that their first elements reach with the last step: straight, at "
+        "constant speed, from where they are in the newest frame. A position alone means no rotation.");
     sim.def("run", &runFor, nb::arg("seconds"),
             "Makes the steps of this simulated time [s]; returns the report of the run.");
     sim.def_prop_ro(

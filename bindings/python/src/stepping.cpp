@@ -67,13 +67,6 @@ private:
     std::exception_ptr problem_;
 };
 
-bool has(const HeldSimulation& held, std::size_t alternative)
-{
-    for (const Observer& each : held.observers)
-        if (each.alternative == alternative) return true;
-    return false;
-}
-
 void deliver(Session& session, Callbacks& callbacks)
 {
     for (Arrived& event : session.takeArrived()) {
@@ -88,8 +81,9 @@ public:
     Scripts(HeldSimulation& held, Callbacks& callbacks) : session_(*held.session)
     {
         session_.beforeStep = [&held, &callbacks](double time) {
+            if (!held.scripted.load(std::memory_order_relaxed)) return; // a step takes no lock that it does not need
             const nb::gil_scoped_acquire lock;
-            if (has(held, Observer::kEveryStep)) callbacks.call(Observer::kEveryStep, nb::float_(time));
+            callbacks.call(Observer::kEveryStep, nb::float_(time));
         };
     }
     ~Scripts() { session_.beforeStep = {}; }
@@ -99,6 +93,12 @@ public:
 private:
     Session& session_;
 };
+
+Pose poseAfter(const Move& move, std::uint64_t steps, std::uint64_t count)
+{
+    if (steps == count) return move.to; // with no rounding
+    return between(move.from, move.to, static_cast<double>(steps) / static_cast<double>(count));
+}
 
 } // namespace
 
@@ -113,17 +113,20 @@ HeldSimulation::~HeldSimulation()
     }
 }
 
-physics::StepReport makeSteps(HeldSimulation& held, std::uint64_t count, const char* what)
+physics::StepReport makeSteps(HeldSimulation& held, std::uint64_t count, const char* what,
+                              const std::vector<Move>& moves)
 {
     Session& session = *held.session;
     Callbacks callbacks(held);
     std::optional<Scripts> scripts;
-    if (count > 1 || has(held, Observer::kEveryStep)) scripts.emplace(held, callbacks);
+    if (count > 1 || held.scripted.load()) scripts.emplace(held, callbacks);
     physics::StepReport report;
     {
         const nb::gil_scoped_release free;
         Time looked = count > 1 ? std::chrono::steady_clock::now() : Time{};
         for (std::uint64_t i = 0; i < count && !callbacks.failed() && !session.endAsked(); ++i) {
+            for (const Move& each : moves)
+                session.physics().setPose(each.body, poseAfter(each, i + 1, count), each.element);
             report = session.step();
             const bool look = count > 1 && std::chrono::steady_clock::now() - looked > kSignals;
             if (!look && !session.anyArrived()) continue;

@@ -3,6 +3,7 @@
 #include "session.h"
 #include "where.h"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -23,6 +24,7 @@ struct Observer {
 struct HeldSimulation {
     std::shared_ptr<Session> session;
     std::vector<Observer> observers = {};
+    std::atomic<bool> scripted = false; ///< whether one of them is for every step; read without the interpreter's lock
     std::uint64_t lastObserver = 0;
     bool shown = false; ///< the user chose what is drawn
     /// Else all bodies are. The interpreter's lock guards it, like all members.
@@ -30,9 +32,17 @@ struct HeldSimulation {
     ~HeldSimulation();
 };
 
+/// A kinematic element that moves while steps are made: straight from pose to pose at constant speed.
+struct Move {
+    BodyId body = {};
+    int element = 0;
+    Pose from = {}, to = {};
+};
+
 /// Makes `count` steps without the interpreter's lock, and delivers each step's events before the next step. If a
 /// callback raises, the step in progress is finished, and its exception is raised here; those of further callbacks of
 /// the same step are printed. The caller has the session's turn.
-physics::StepReport makeSteps(HeldSimulation& held, std::uint64_t count, const char* what);
+physics::StepReport makeSteps(HeldSimulation& held, std::uint64_t count, const char* what,
+                              const std::vector<Move>& moves = {});
 
 } // namespace filasofia::python

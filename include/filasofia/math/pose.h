@@ -24,6 +24,13 @@ constexpr Pose inverse(const Pose& pose)
     const Quat back = conjugate(pose.orientation);
     return {-rotate(back, pose.position), back};
 }
+/// Straight from `a`, at part 0, to `b`, at 1, turning the shortest way. The orientations may have any length but 0.
+inline Pose between(const Pose& a, const Pose& b, double part)
+{
+    const Quat from = normalized(a.orientation);
+    const Vec3 turn = rotationVector(conjugate(from) * normalized(b.orientation));
+    return {a.position + part * (b.position - a.position), from * axisAngle(turn, part * length(turn))};
+}
 inline bool isFinite(const Pose& pose) { return isFinite(pose.position) && isFinite(pose.orientation); }
 
 constexpr auto fields(const Pose*)

@@ -8,14 +8,6 @@
 namespace filasofia::scene {
 namespace {
 
-/// Straight from `a` to `b`, turning the shortest way; `part` in [0, 1].
-Pose between(const Pose& a, const Pose& b, double part)
-{
-    const Quat from = normalized(a.orientation);
-    const Vec3 turn = rotationVector(conjugate(from) * normalized(b.orientation));
-    return {a.position + part * (b.position - a.position), from * axisAngle(turn, part * length(turn))};
-}
-
 /// The time within a motion that may repeat.
 template <class Motion> double within(const Motion& motion, double time)
 {
@@ -101,7 +93,8 @@ Pose poseAt(const ElementMotion& motion, double time)
     const auto later = laterKey(motion.keys, within(motion, time));
     if (later == motion.keys.begin()) return motion.keys.front().pose;
     const auto before = later - 1;
-    if (later == motion.keys.end()) return before->pose;
+    // A key is reached exactly: a scene that was saved from a recording has one for every step.
+    if (later == motion.keys.end() || within(motion, time) == before->time) return before->pose;
     return between(before->pose, later->pose, (within(motion, time) - before->time) / (later->time - before->time));
 }
 

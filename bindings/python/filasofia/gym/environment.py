@@ -224,15 +224,11 @@ class SurgicalEnv(gymnasium.Env):
     def step(self, action: typing.Any) -> tuple[Array, float, bool, bool, dict[str, typing.Any]]:
         moves = self._moves(action)
         dt = self.frame_skip / self.rate
-        before = [tool.place for tool in self.tools]
         for tool, move in zip(self.tools, moves):
             tool.place = np.clip(tool.place + tool.speed * dt * move[:3], tool.low, tool.high)
             if tool.grips is not None:
                 self._grip(tool, move[3])
-        for i in range(self.frame_skip):
-            for tool, start in zip(self.tools, before):
-                self.sim.set_pose(tool.body, start + (i + 1) / self.frame_skip * (tool.place - start))
-            report = self.sim.step()
+        report = self.sim.step(self.frame_skip, {tool.body: tool.place for tool in self.tools})
         self.steps += 1
         judgement = self.judge()
         broken = fs.StepFlag.UNDONE in report.flags
