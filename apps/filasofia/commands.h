@@ -41,6 +41,7 @@ Command benchCommand();   ///< measures and writes tables and JSON
 Command reportCommand();  ///< writes an instructor's report of a session
 Command fuzzCommand();    ///< makes random cuts and checks everything after each
 Command tissuesCommand(); ///< lists the tissue library
+Command saveCommand();    ///< writes a recorded run as a scene file
 Command schemaCommand();  ///< prints the JSON Schema of scene files
 Command doctorCommand();  ///< reports what this machine offers for the simulation, and what is missing
 

@@ -6,5 +6,5 @@ int main(int argc, char** argv)
     using namespace filasofia::app;
     return runCommandLine(argc, argv,
                           {runCommand(), replayCommand(), reportCommand(), benchCommand(), fuzzCommand(),
-                           tissuesCommand(), schemaCommand(), doctorCommand()});
+                           tissuesCommand(), saveCommand(), schemaCommand(), doctorCommand()});
 }

@@ -602,6 +602,46 @@ class Replay(Program):
             self.refused("run", "bunny", "--headless", "--video", "bunny.mp4", PATH=nothing, says=["ffmpeg", "PATH"])
 
 
+class Save(Program):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def at(self, name):
+        return str(Path(self.folder.name, name))
+
+    def test_what_an_example_did_becomes_a_scene_with_the_same_states(self):
+        examples = {"06_grasp": 400, "07_articulation": 150, "11_haptics": 150}
+        for name, steps in examples.items():
+            with self.subTest(name):
+                program = Path(PROGRAM).with_name(name)
+                recording, scene = self.at(f"{name}.rec"), self.at(f"{name}.json")
+                done = subprocess.run([program, "--headless", "--steps", str(steps), "--record", recording],
+                                      capture_output=True, text=True, timeout=100)
+                self.assertIn(done.returncode, (0, 1), done.stderr)  # 1: it ended before what it checks
+                said = self.output("save", recording, scene, "--check")
+                self.assertEqual(said, f"wrote {scene}\nevery step of the scene has the recorded hash ({steps} steps)\n")
+
+    def test_a_scene_with_defaults_becomes_one_without(self):
+        source = str(Path(__file__).parents[2] / "examples/scenes/jaws.json")
+        flat = self.at("flat.json")
+        self.assertEqual(self.output("save", source, flat), f"wrote {flat}\n")
+        self.assertNotIn("defaults", Path(flat).read_text())
+        hashes = {re.search(r"(?m)^state hash .*$", self.output("run", file, "--headless", "--steps", "20"))[0]
+                  for file in (source, flat)}
+        self.assertEqual(len(hashes), 1)
+
+    def test_words_that_are_wrong(self):
+        scene = self.at("a.json")
+        Path(scene).write_text('{"bodies": []}')
+        self.refused("save", scene, scene, says=["SCENE must be another file"])
+        self.refused("save", self.at("none.rec"), self.at("b.json"), says=["none.rec"])
+        self.refused("save", scene, self.at("b.txt"), says=["b.txt", "ends in .json"])
+        self.refused("save", scene, self.at("no/b.json"), says=["no/b.json", "its folder is not there"])
+        self.refused("save", scene, self.at("b.json"), "--check", says=["--check compares with a recording"])
+        self.assertFalse(Path(self.at("no")).exists())
+
+
 class Bench(Program):
     QUICK = ("bench", "bunny", "--quick", "--seconds", "0.1")
     NO_EGL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json"}  # as on a machine without a driver

@@ -25,6 +25,7 @@ public:
         std::ofstream(file, std::ios::binary) << text;
         return file.string();
     }
+    [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
     SceneDef load(const std::string& text) const { return loadScene(write("scene.json", text)); }
     std::string errorOf(const std::string& text) const
     {

@@ -254,7 +254,7 @@ TEST_CASE("scenes: a scene's own cameras show it, and its lights light it")
         return error;
     };
     using Catch::Contains;
-    CHECK_THAT(refused([](SceneDef& s) { s.cameras.clear(); }), Contains("lights: give the scene cameras, too"));
+    CHECK_THAT(refused([](SceneDef& s) { s.cameras.clear(); }), Contains("lights[0]: give the scene cameras, too"));
     CHECK_THAT(refused([](SceneDef& s) { s.lights[0].on = "frnt"; }),
                Contains("lights[0].on must be the name of a camera of the scene, got 'frnt' (did you mean 'front'?)"));
     CHECK_THAT(refused([](SceneDef& s) { s.views = {{.camera = "x"}}; }), Contains("views[0].camera must be the name"));
@@ -262,6 +262,30 @@ TEST_CASE("scenes: a scene's own cameras show it, and its lights light it")
                Contains("cameras[1].name must differ"));
     CHECK_THAT(refused([](SceneDef& s) { s.cameras[0].target = s.cameras[0].pose.position; }), Contains("target must"));
     CHECK_THAT(refused([](SceneDef& s) { s.lights[0].follow = SceneFollow{}; }), Contains("lights[0].follow needs an"));
+}
+
+TEST_CASE("scenes: a wrong camera, light, view or haptic interface is refused with its place in the file")
+{
+    const SceneFolder folder;
+    const auto errorOf = [&](const std::string& text) {
+        const SceneDef scene = folder.load(text);
+        Simulation sim(simulationDef(scene));
+        try {
+            addScene(sim, scene);
+        } catch (const Error& error) {
+            const std::string line = error.what();
+            return line.substr(std::min(line.find("scene.json:"), line.size()));
+        }
+        return std::string("no error");
+    };
+    using Catch::Contains;
+    CHECK_THAT(errorOf("{\"cameras\": [{\"name\": \"a\"},\n{\"name\": \"b\",\n\"on\": \"c\"}]}"),
+               Contains("scene.json:3:7: cameras[1].on must be the name of a camera"));
+    CHECK_THAT(errorOf("{\"cameras\": [{}],\n\"views\": [{\"camera\": \"x\"}]}"),
+               Contains("scene.json:2:22: views[0].camera"));
+    CHECK_THAT(errorOf("{\"lights\":\n [{}]}"), Contains("scene.json:2:3: lights[0]: give the scene cameras"));
+    CHECK_THAT(errorOf("{\"haptics\": [{\"name\": \"h\"},\n {\"name\": \"h\", \"element\": 3}]}"),
+               Contains("scene.json:") && Contains("haptics["));
 }
 
 TEST_CASE("scenes: a wrong body is refused with its place")

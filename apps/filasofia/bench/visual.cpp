@@ -132,9 +132,10 @@ std::vector<FrameRow> measureFrames(bool quick)
 std::vector<PictureRow> measurePictures(bool quick)
 {
     const visual::GpuReport gpu = visual::probeGpu();
-    std::printf("\npictures of 50,176 vertices that move, wall time [ms], drawn by %s\n%11s %-8s %-6s %9s %9s %9s %9s\n",
-                gpu.available ? gpu.renderer.c_str() : "nothing", "pixels", "quality", "optics", "captured", "p99",
-                "depth", "drawn");
+    std::printf(
+        "\npictures of 50,176 vertices that move, wall time [ms], drawn by %s\n%11s %-8s %-6s %9s %9s %9s %9s\n",
+        gpu.available ? gpu.renderer.c_str() : "nothing", "pixels", "quality", "optics", "captured", "p99", "depth",
+        "drawn");
     std::vector<PictureRow> rows;
     if (!gpu.available) return rows;
     for (const auto& [width, height] : {std::pair{640, 480}, {960, 720}, {1920, 1080}})

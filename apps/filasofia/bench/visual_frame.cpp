@@ -77,9 +77,10 @@ struct Picture {
         visual::View& view =
             *visual::addEndoscopeLook(server, visual::boundsOf(surface), drawn.quality, {0.2, 1.0, 0.6}).view;
         if (drawn.optics) {
-            visual::Effects effects = view.effects();
-            effects.endoscope.emplace();
-            view.setEffects(effects);
+            visual::ViewDef seen = view.def();
+            seen.effects = visual::effectsOf(drawn.quality, seen.occlusionRadius);
+            seen.effects->endoscope.emplace();
+            view.set(seen);
         }
         server.timeStages(threadSeconds);
     }

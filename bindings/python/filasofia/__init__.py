@@ -40,6 +40,7 @@ from ._core import (
     load_tet_mesh,
     load_triangle_mesh,
     look_at,
+    save_scene,
     tissue,
     tissues,
 )
@@ -86,6 +87,7 @@ __all__ = [
     "load_tet_mesh",
     "load_triangle_mesh",
     "look_at",
+    "save_scene",
     "shapes",
     "tissue",
     "tissues",

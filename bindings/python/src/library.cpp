@@ -6,8 +6,10 @@
 #include "filasofia/core/hash.h"
 #include "filasofia/physics/tissue.h"
 #include "filasofia/runtime/replay.h"
+#include "filasofia/scene/scene_file.h"
 #include "filasofia/visual/transform.h"
 
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 namespace filasofia::python {
@@ -39,6 +41,20 @@ void bindTissues(nb::module_& module)
 
 void bindReplay(nb::module_& module)
 {
+    module.def(
+        "save_scene",
+        [](nb::handle recording, nb::handle scene) {
+            const std::string from = readText(recording, {.name = "save_scene: recording"});
+            const std::string to = readText(scene, {.name = "save_scene: scene"});
+            const nb::gil_scoped_release free;
+            const scene::RecordedScene made = scene::sceneOf(from);
+            scene::saveScene(made.scene, to);
+            return made.notes;
+        },
+        nb::arg("recording").none(), nb::arg("scene").none(),
+        nb::sig("def save_scene(recording: str | os.PathLike[str], scene: str | os.PathLike[str]) -> list[str]"),
+        "Writes what a recorded run was made from as a scene file: bodies, motions, commands at their times, picture. "
+        "Meshes come into a folder beside it. Returns what a scene cannot hold, a sentence each.");
     nb::class_<ReplayReport>(module, "ReplayReport", "How a replay went.")
         .def_ro("made", &ReplayReport::made, "number of replayed steps")
         .def_ro("step", &ReplayReport::step)

@@ -61,6 +61,9 @@ constexpr auto fields(const JointMotion*)
                     field("repeat", &T::repeat, "start again at the last key"));
 }
 
+/// Where things stand, "scene.json:12:5", by their paths, "material.law"; for errors, and may be empty.
+using Places = std::map<std::string, std::string>;
+
 /// A body, how it is drawn, and how it moves. In Defs of a scene, BodyId{n} means the n-th body of the scene, from 1;
 /// it must come before the body that names it. In a file, the fields of the body's Def stand beside the others.
 struct SceneBody {
@@ -69,9 +72,7 @@ struct SceneBody {
     std::vector<runtime::PaintDef> paint = {};     ///< marks on what is drawn of it
     std::vector<ElementMotion> motions = {};       ///< a kinematic rigid body's elements
     std::vector<JointMotion> jointMotions = {};    ///< an articulated body's joints
-    /// Where it stands, "scene.json:12:5", by the empty path, and its members by theirs, "material.law"; for errors,
-    /// and may be empty.
-    std::map<std::string, std::string> places = {};
+    Places places = {};                            ///< where it stands, by the empty path, and its members by theirs
 };
 constexpr auto fields(const SceneBody*)
 {
@@ -126,11 +127,23 @@ constexpr auto fields(const SceneView*)
                     field("camera", &SceneView::camera, "name of the camera whose picture it shows"));
 }
 
+/// Gives a soft body another material of the same kind, as PhysicsServer::setMaterial().
+struct SetMaterial {
+    BodyId id = {};
+    physics::SoftMaterial material = {};
+};
+constexpr auto fields(const SetMaterial*)
+{
+    return describe("SetMaterial", field("id", &SetMaterial::id, "the soft body"),
+                    field("material", &SetMaterial::material, "new material, of the kind it was made with"));
+}
+
 /// What a scene may command.
 using SceneCommand =
     std::variant<physics::Attach, physics::AttachRigid, physics::Grasp, physics::Release, physics::RemovePiece,
                  physics::RemoveBody, physics::SetForces, physics::SetWrench, physics::SetPressure,
-                 physics::SetFibreStress, physics::SetTissue, physics::SetGravity>;
+                 physics::SetFibreStress, physics::SetTissue, physics::SetGravity, SetMaterial, physics::SetPose,
+                 physics::SetJoint, physics::SetHaptic, physics::Reset>;
 
 /// A command that physics gets once, in the step that ends at its time. An AttachmentId{n} in it means an attachment of
 /// the scene: the first ones are those of the bodies' Defs, in their order; the command that makes another one says its
@@ -159,6 +172,7 @@ struct SceneDef {
     std::vector<SceneBody> bodies = {};
     std::vector<TimedCommand> commands = {}; ///< at any times; those of the same time in this order
     std::vector<runtime::HapticInterfaceDef> haptics = {};
+    Places places = {};                            ///< where the members of its lists stand, "cameras[0].on"
     std::vector<std::filesystem::path> files = {}; ///< which it was read from, and which it names; no field of a file
 };
 constexpr auto fields(const SceneDef*)

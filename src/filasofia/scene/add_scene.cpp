@@ -1,6 +1,7 @@
 #include "filasofia/scene/commands.h"
 #include "filasofia/scene/dress.h"
 #include "filasofia/scene/motion.h"
+#include "filasofia/scene/places.h"
 #include "filasofia/scene/scene_numbers.h"
 
 #include "filasofia/core/error.h"
@@ -23,22 +24,33 @@ BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std
     return id;
 }
 
-/// The place of what an Error of a body speaks of: "soft body 'liver': attachments[0].box: high must ..."
-std::string placeOf(const SceneBody& body, std::string_view error)
+/// The path of what an Error of a body speaks of: "soft body 'liver': attachments[0].box: high must ..."
+std::string pathIn(const SceneBody& body, std::string_view error)
 {
     const std::string object = physics::describeBody(body.def) + ": ";
     std::string path;
     if (error.starts_with(object)) path = error.substr(object.size(), error.find(' ', object.size()) - object.size());
     if (path.ends_with(':')) path.pop_back();
-    while (!body.places.contains(path)) { // from the member to what it is in
+    return path;
+}
+
+} // namespace
+
+std::string placeOf(const Places& places, std::string path)
+{
+    while (!places.contains(path)) { // from the member to what it is in
         if (path.empty()) return {};
         const auto end = path.find_last_of(".[");
         path.erase(end == std::string::npos ? 0 : end);
     }
-    return body.places.at(path);
+    return places.at(path);
 }
 
-} // namespace
+void failAtPlace(const Places& places, const std::string& path, std::string_view error)
+{
+    const std::string place = placeOf(places, path);
+    fail(place, place.empty() ? "" : ": ", error);
+}
 
 runtime::SimulationDef simulationDef(const SceneDef& scene)
 {
@@ -51,8 +63,7 @@ std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& sc
     for (const SceneBody& body : scene.bodies) try {
             ids.push_back(addBody(simulation, body, ids));
         } catch (const Error& error) {
-            const std::string place = placeOf(body, error.what());
-            fail(place, place.empty() ? "" : ": ", error.what());
+            failAtPlace(body.places, pathIn(body, error.what()), error.what());
         }
     dressScene(simulation, scene, ids);
     followCommands(simulation, scene.commands, ids);
@@ -61,7 +72,8 @@ std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& sc
             SceneNumbers(ids).replaceIn(haptic);
             simulation.add(haptic);
         } catch (const Error& error) {
-            fail("haptics[", i, "]: ", error.what());
+            const std::string path = text("haptics[", i, "]");
+            failAtPlace(scene.places, path, text(path, ": ", error.what()));
         }
     return ids;
 }

@@ -26,6 +26,11 @@ struct TargetOf {
     Target operator()(const physics::SetPressure& c) const { return {c.id, true}; }
     Target operator()(const physics::SetFibreStress& c) const { return {c.id, true}; }
     Target operator()(const physics::SetTissue& c) const { return {c.id, true}; }
+    Target operator()(const SetMaterial& c) const { return {c.id, true}; }
+    Target operator()(const physics::SetPose& c) const { return {c.id, false}; }
+    Target operator()(const physics::SetJoint& c) const { return {c.id, false}; }
+    Target operator()(const physics::SetHaptic& c) const { return {c.id, false}; }
+    Target operator()(const physics::Reset&) const { return {}; }
     Target operator()(const physics::Release&) const { return {}; }
     Target operator()(const physics::SetGravity&) const { return {}; }
 };
@@ -33,33 +38,22 @@ struct TargetOf {
 /// Gives each command as soon as its time has come.
 class CommandFollower {
 public:
-    CommandFollower(std::vector<TimedCommand> commands, std::vector<BodyId> ids,
+    CommandFollower(runtime::Simulation& simulation, std::vector<TimedCommand> commands, std::vector<BodyId> ids,
                     std::map<AttachmentId, AttachmentId> attachments)
-        : commands_(std::move(commands)), given_(commands_.size()), ids_(std::move(ids)),
+        : simulation_(simulation), commands_(std::move(commands)), given_(commands_.size()), ids_(std::move(ids)),
           attachments_(std::move(attachments))
     {
     }
 
-    void give(physics::PhysicsServer& server, double time)
+    void give(double time)
     {
         if (time <= last_) // a saved state was restored: commands of later steps are yet to come
             while (next_ > 0 && given_[next_ - 1] >= time) --next_;
         last_ = time;
         for (; next_ < commands_.size() && commands_[next_].time <= time; ++next_) {
-            physics::GivenCommand command =
-                std::visit([](const auto& each) { return physics::GivenCommand(each); }, commands_[next_].command);
-            const AttachmentId number = std::visit(
-                [](const auto& each) {
-                    if constexpr (requires { each.def; })
-                        return each.id; // it makes an attachment
-                    else
-                        return AttachmentId{};
-                },
-                commands_[next_].command);
             given_[next_] = time;
-            SceneNumbers(ids_, &attachments_).replaceIn(command);
             try {
-                if (const AttachmentId made = physics::give(server, command)) attachments_[number] = made;
+                std::visit([this](const auto& each) { give(each); }, commands_[next_].command);
             } catch (const Error& error) {
                 fail(commands_[next_].place, ": ", error.what());
             }
@@ -67,6 +61,21 @@ public:
     }
 
 private:
+    template <class Command> void give(Command command)
+    {
+        physics::PhysicsServer& server = simulation_.physics();
+        AttachmentId number;
+        if constexpr (requires { command.def; }) number = command.id; // it makes an attachment
+        SceneNumbers(ids_, &attachments_).replaceIn(command);
+        if constexpr (std::is_same_v<Command, SetMaterial>)
+            server.setMaterial(command.id, command.material);
+        else if constexpr (std::is_same_v<Command, physics::Reset>)
+            simulation_.reset(); // removes the paint, too
+        else if (const AttachmentId made = physics::give(server, command))
+            attachments_[number] = made;
+    }
+
+    runtime::Simulation& simulation_;
     std::vector<TimedCommand> commands_;
     std::vector<double> given_; ///< [s] per command, the end of the step in which it was given
     double last_ = -1.0;        ///< [s] end of the last step
@@ -94,8 +103,8 @@ void followCommands(runtime::Simulation& simulation, std::vector<TimedCommand> c
         for (const AttachmentId each : server.attachments(id))
             attachments.emplace(AttachmentId{static_cast<std::uint32_t>(attachments.size()) + 1}, each);
     std::ranges::stable_sort(commands, {}, &TimedCommand::time);
-    simulation.everyStep([&server, follower = CommandFollower(std::move(commands), ids, std::move(attachments))](
-                             double time) mutable { follower.give(server, time); });
+    simulation.everyStep([follower = CommandFollower(simulation, std::move(commands), ids, std::move(attachments))](
+                             double time) mutable { follower.give(time); });
 }
 
 } // namespace filasofia::scene

@@ -76,6 +76,14 @@ template <class T> std::vector<std::string_view> required()
     else if constexpr (IsAnyOf<T, physics::SetForces, physics::SetWrench, physics::SetPressure, physics::SetFibreStress,
                                physics::SetTissue, physics::Release, physics::RemovePiece, physics::RemoveBody>)
         return {"id"};
+    else if constexpr (std::is_same_v<T, physics::SetPose>)
+        return {"id", "pose"};
+    else if constexpr (std::is_same_v<T, physics::SetJoint>)
+        return {"id", "command"};
+    else if constexpr (std::is_same_v<T, physics::SetHaptic>)
+        return {"id", "target"};
+    else if constexpr (std::is_same_v<T, SetMaterial>)
+        return {"id", "material"};
     else if constexpr (IsAnyOf<T, BoxShape, BlockShape>)
         return {"size"};
     else if constexpr (std::is_same_v<T, SphereShape>)

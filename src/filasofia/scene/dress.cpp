@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/suggestion.h"
+#include "filasofia/scene/places.h"
 #include "filasofia/scene/scene_numbers.h"
 #include "filasofia/visual/visual_server.h"
 
@@ -16,7 +17,19 @@ struct Dress {
     std::vector<SceneLight> lights;
     std::vector<SceneView> views;
     visual::EnvironmentDef environment;
+    Places places;
 };
+
+/// Runs `act` for a member of a list; its Error gets the member's place.
+template <class Act> void forMember(const Places& places, const char* list, std::size_t i, const Act& act)
+{
+    try {
+        act();
+    } catch (const Error& error) {
+        const std::string path = text(list, "[", i, "]");
+        failAtPlace(places, path, text(path, ": ", error.what()));
+    }
+}
 
 /// The index of the camera of this name.
 std::size_t indexOf(const std::vector<SceneCamera>& cameras, const std::string& name, const std::string& field)
@@ -62,27 +75,26 @@ void make(const Dress& dress, visual::VisualServer& visual, runtime::Simulation&
 {
     visual.setEnvironment(dress.environment);
     std::vector<visual::Camera*> cameras;
-    for (const SceneCamera& each : dress.cameras) {
-        cameras.push_back(&visual.add(each.def));
-        put(*cameras.back(), each, cameras, dress.cameras, simulation);
-    }
-    for (const SceneLight& each : dress.lights) put(visual.add(each.def), each, cameras, dress.cameras, simulation);
-    for (const SceneView& each : dress.views)
-        visual.add(each.def, *cameras.at(indexOf(dress.cameras, each.camera, "camera")));
+    for (std::size_t i = 0; i < dress.cameras.size(); ++i)
+        forMember(dress.places, "cameras", i, [&] {
+            cameras.push_back(&visual.add(dress.cameras[i].def));
+            put(*cameras.back(), dress.cameras[i], cameras, dress.cameras, simulation);
+        });
+    for (std::size_t i = 0; i < dress.lights.size(); ++i)
+        forMember(dress.places, "lights", i,
+                  [&] { put(visual.add(dress.lights[i].def), dress.lights[i], cameras, dress.cameras, simulation); });
+    for (std::size_t i = 0; i < dress.views.size(); ++i)
+        forMember(dress.places, "views", i, [&] {
+            const SceneView& view = dress.views[i];
+            visual.add(view.def, *cameras.at(indexOf(dress.cameras, view.camera, "camera")));
+        });
 }
 
-} // namespace
-
-void dressScene(runtime::Simulation& simulation, const SceneDef& scene, const std::vector<BodyId>& ids)
+/// Checks what a scene with cameras says of its picture.
+Dress checked(const SceneDef& scene, const std::vector<BodyId>& ids)
 {
-    if (scene.cameras.empty()) {
-        const auto refuse = [](const char* what) { fail(what, ": give the scene cameras, too: the look has its own"); };
-        if (!scene.lights.empty()) refuse("lights");
-        if (!scene.views.empty()) refuse("views");
-        if (scene.environment) refuse("environment");
-        return;
-    }
-    Dress dress{scene.cameras, scene.lights, scene.views, scene.environment.value_or(visual::EnvironmentDef{})};
+    Dress dress{scene.cameras, scene.lights, scene.views, scene.environment.value_or(visual::EnvironmentDef{}),
+                scene.places};
     for (std::size_t i = 0; i < dress.cameras.size(); ++i)
         if (indexOf(dress.cameras, dress.cameras[i].def.name, "cameras") != i)
             fail("cameras[", i, "].name must differ from those of the other cameras, got '", dress.cameras[i].def.name,
@@ -95,6 +107,29 @@ void dressScene(runtime::Simulation& simulation, const SceneDef& scene, const st
         SceneView& whole = dress.views.emplace_back();
         whole.def.quality = scene.look.quality;
         whole.camera = dress.cameras.front().def.name;
+    }
+    return dress;
+}
+
+void checkWithoutCameras(const SceneDef& scene)
+{
+    const auto refuse = [](const char* what) { fail(what, ": give the scene cameras, too: the look has its own"); };
+    if (!scene.lights.empty()) refuse("lights[0]");
+    if (!scene.views.empty()) refuse("views[0]");
+    if (scene.environment) refuse("environment");
+}
+
+} // namespace
+
+void dressScene(runtime::Simulation& simulation, const SceneDef& scene, const std::vector<BodyId>& ids)
+{
+    Dress dress;
+    try {
+        if (scene.cameras.empty()) return checkWithoutCameras(scene);
+        dress = checked(scene, ids);
+    } catch (const Error& error) {
+        const std::string_view words = error.what();
+        failAtPlace(scene.places, std::string(words.substr(0, words.find_first_of(" :"))), words);
     }
     simulation.dress(
         [&simulation, dress = std::move(dress)](visual::VisualServer& visual) { make(dress, visual, simulation); });

@@ -41,14 +41,14 @@ public:
         forEachMember("bodies", [&](const Json& json, const Place& place) {
             scene.bodies.push_back(reader_.readBody(json, place));
         });
-        readList("cameras", scene.cameras);
-        readList("lights", scene.lights);
-        readList("views", scene.views);
+        readList("cameras", scene.cameras, scene.places);
+        readList("lights", scene.lights, scene.places);
+        readList("views", scene.views, scene.places);
         readMembers("environment", scene.environment);
         forEachMember("commands", [&](const Json& json, const Place& place) {
             scene.commands.push_back(reader_.readCommand(json, place));
         });
-        readList("haptics", scene.haptics);
+        readList("haptics", scene.haptics, scene.places);
         checkDefaults();
         scene.files = {files_.back()->path}; // itself comes last
         scene.files.insert(scene.files.end(), reader_.named().begin(), reader_.named().end());
@@ -154,10 +154,11 @@ private:
         layers.empty() ? reader_.fill(place, out) : reader_.read(layers, place, {}, out);
     }
     /// The members of all files together.
-    template <class T> void readList(std::string_view name, std::vector<T>& out)
+    template <class T> void readList(std::string_view name, std::vector<T>& out, Places& places)
     {
         forEachMember(name, [&](const Json& json, const Place& place) {
-            reader_.read({{&json}}, place, {}, out.emplace_back());
+            const Place numbered{place.outer, {}, out.size()}; // by its number in the scene, which files may share
+            reader_.readMember(json, numbered, places, out.emplace_back());
         });
     }
     template <class Each> void forEachMember(std::string_view name, Each&& each)

@@ -19,7 +19,7 @@ public:
     template <class T> void replaceIn(T& value) const
     {
         if constexpr (std::is_same_v<T, BodyId>) {
-            if (value && value.value > ids_.size())
+            if (value && (value.value > ids_.size() || !ids_[value.value - 1]))
                 fail("the scene has ", ids_.size(), " bodies before this one, got body ", value.value);
             if (value) value = ids_[value.value - 1];
         } else if constexpr (std::is_same_v<T, AttachmentId>) {

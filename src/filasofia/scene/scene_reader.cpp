@@ -348,7 +348,7 @@ std::string SceneReader::fileNamed(const Json& json, const Place& place)
 void SceneReader::note(const Place& place, const Json& json)
 {
     if (!places_) return;
-    std::string path = place.path().substr(bodyPath_);
+    std::string path = place.path().substr(pathStart_);
     if (path.starts_with('.')) path.erase(0, 1);
     places_->emplace(std::move(path), sources_.placeOf(json));
 }
@@ -357,7 +357,7 @@ SceneBody SceneReader::readBody(const Json& json, const Place& place)
 {
     SceneBody body;
     places_ = &body.places;
-    bodyPath_ = place.path().size();
+    pathStart_ = place.path().size();
     note(place, json);
     read({{&json}}, place, {}, body);
     places_ = nullptr;

@@ -50,6 +50,15 @@ public:
     }
     /// The names of all bodies of the scene, for errors.
     void knowBodies(std::vector<std::string> names) { allBodies_ = std::move(names); }
+    /// Reads a member of one of the scene's lists, and notes where it stands.
+    template <class T> void readMember(const Json& json, const Place& place, Places& places, T& out)
+    {
+        places_ = &places;
+        pathStart_ = 0;
+        note(place, json);
+        read({{&json}}, place, {}, out);
+        places_ = nullptr;
+    }
     /// The next body of the scene; returns its Def, with the place in its file.
     SceneBody readBody(const Json& json, const Place& place);
     /// The next command, after all bodies.
@@ -197,7 +206,7 @@ private:
         if constexpr (std::is_same_v<T, runtime::LookDef>)
             if (out.direction == Vec3{}) refuse(json, place, "must have a direction with a length > 0");
     }
-    /// Notes where a member of the body that is read stands.
+    /// Notes where a member of what is read stands.
     void note(const Place& place, const Json& json);
     void readCorners(const Json& json, const Place& place, geometry::Box& out);
     void checkCorners(const Json& json, const Place& place, const geometry::Box& box) const;
@@ -374,9 +383,9 @@ private:
         std::string name;
         double time = 0.0; ///< [s], when it is made
     };
-    std::vector<NamedAttachment> attachments_;             ///< by their numbers, from 1
-    std::map<std::string, std::string>* places_ = nullptr; ///< of the body that is read
-    std::size_t bodyPath_ = 0;                             ///< length of its path
+    std::vector<NamedAttachment> attachments_; ///< by their numbers, from 1
+    Places* places_ = nullptr;                 ///< of what is read
+    std::size_t pathStart_ = 0;                ///< where its paths begin
 };
 
 } // namespace filasofia::scene
