@@ -622,6 +622,17 @@ class Save(Program):
                 said = self.output("save", recording, scene, "--check")
                 self.assertEqual(said, f"wrote {scene}\nevery step of the scene has the recorded hash ({steps} steps)\n")
 
+    def test_examples_that_need_no_callback_have_the_states_of_their_scene_files(self):
+        twins = {"01_bunny": "bunny", "02_materials": "materials", "07_articulation": "jaws", "08_friction": "friction",
+                 "11_haptics": "haptics"}
+        for program, scene in twins.items():
+            with self.subTest(program):
+                words = ["--headless", "--steps", "120"]
+                done = subprocess.run([Path(PROGRAM).with_name(program), *words], capture_output=True, text=True, timeout=100)
+                file = str(Path(__file__).parents[2] / f"examples/scenes/{scene}.json")
+                hashes = [re.search(r"(?m)^state hash .*$", said)[0] for said in (done.stdout, self.output("run", file, *words))]
+                self.assertEqual(hashes[0], hashes[1])
+
     def test_a_scene_with_defaults_becomes_one_without(self):
         source = str(Path(__file__).parents[2] / "examples/scenes/jaws.json")
         flat = self.at("flat.json")

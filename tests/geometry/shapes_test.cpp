@@ -73,6 +73,12 @@ TEST_CASE("the vertices of round shapes lie on the round surface, and both ends 
     const auto sphere = shapes::sphere(0.01), capsule = shapes::capsule(0.01, 0.04),
                cylinder = shapes::cylinder(0.01, 0.04);
     for (const Vec3& v : sphere->vertices) CHECK(length(v) == Approx(0.01));
+    const Vec3 axes{0.01, 0.02, 0.03};
+    const auto ellipsoid = shapes::ellipsoid(axes, 12);
+    for (const Vec3& v : ellipsoid->vertices)
+        CHECK(length(Vec3{v.x / axes.x, v.y / axes.y, v.z / axes.z}) == Approx(1));
+    CHECK(facesOutwards(*ellipsoid));
+    CHECK(volumeOf(ellipsoid) == Approx(4.0 / 3.0 * kPi * axes.x * axes.y * axes.z).epsilon(0.01));
     for (const Vec3& v : capsule->vertices) CHECK(length(v - Vec3{0, v.y > 0 ? 0.02 : -0.02, 0}) == Approx(0.01));
     double low = 0.0, high = 0.0;
     for (const Vec3& v : cylinder->vertices) {
@@ -118,6 +124,7 @@ TEST_CASE("a shape that cannot be names its argument, the bound and the value")
     CHECK_THROWS_WITH(shapes::box({0.01, 0.01, 0.01}, {1, 1, 0}), "box: cells[2] must be in [1, 500], got 0");
     CHECK_THROWS_WITH(shapes::sphere(-1), "sphere: radius must be > 0 m, got -1");
     CHECK_THROWS_WITH(shapes::sphere(1, 501), "sphere: quarter must be in [1, 500], got 501");
+    CHECK_THROWS_WITH(shapes::ellipsoid({1, -1, 1}), "ellipsoid: halfAxes.y must be > 0 m, got -1");
     CHECK_THROWS_WITH(shapes::capsule(1, std::nan("")), "capsule: length must be > 0 m, got nan");
     CHECK_THROWS_WITH(shapes::capsule(0, 1), "capsule: radius must be > 0 m, got 0");
     CHECK_THROWS_WITH(shapes::cylinder(1, 0), "cylinder: length must be > 0 m, got 0");

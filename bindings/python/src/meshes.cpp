@@ -204,6 +204,15 @@ void bindClosedShapes(nb::module_& module)
         "sphere", [](double radius, int quarter) { return Triangles{geometry::shapes::sphere(radius, quarter)}; },
         nb::arg("radius"), nb::arg("quarter") = 8, "A sphere; `quarter` edges along a quarter of a great circle.");
     module.def(
+        "ellipsoid",
+        [](nb::handle halfAxes, int quarter) {
+            return Triangles{
+                geometry::shapes::ellipsoid(readArgument<Vec3>(halfAxes, "ellipsoid", "half_axes"), quarter)};
+        },
+        nb::arg("half_axes").none(), nb::arg("quarter") = 8,
+        nb::sig("def ellipsoid(half_axes: collections.abc.Sequence[float], quarter: int = 8) -> TriangleMesh"),
+        "An ellipsoid of these half axes [m] along x, y and z; `quarter` as for the sphere.");
+    module.def(
         "capsule",
         [](double radius, double length, int quarter) {
             return Triangles{geometry::shapes::capsule(radius, length, quarter)};

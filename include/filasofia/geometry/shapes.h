@@ -18,6 +18,9 @@ std::shared_ptr<const TriangleMesh> box(Vec3 size, std::array<int, 3> cells = {1
 /// triangles.
 std::shared_ptr<const TriangleMesh> sphere(double radius, int quarter = 8);
 
+/// An ellipsoid of these half axes [m], each > 0, along x, y and z; `quarter` as for the sphere.
+std::shared_ptr<const TriangleMesh> ellipsoid(Vec3 halfAxes, int quarter = 8);
+
 /// Half spheres of `radius` [m], > 0, around both ends of a line of `length` [m], > 0, along y, joined by a cylinder;
 /// `quarter` as for the sphere.
 std::shared_ptr<const TriangleMesh> capsule(double radius, double length, int quarter = 8);

@@ -147,6 +147,17 @@ std::shared_ptr<const TriangleMesh> sphere(double radius, int quarter)
     return mirrored(halfSphere(radius, quarter), 0.0);
 }
 
+std::shared_ptr<const TriangleMesh> ellipsoid(Vec3 halfAxes, int quarter)
+{
+    checkLength("ellipsoid", "halfAxes.x", halfAxes.x);
+    checkLength("ellipsoid", "halfAxes.y", halfAxes.y);
+    checkLength("ellipsoid", "halfAxes.z", halfAxes.z);
+    checkCount("ellipsoid", "quarter", quarter, kMaxSurfaceCells);
+    TriangleMesh mesh = *sphere(1.0, quarter);
+    for (Vec3& v : mesh.vertices) v = {halfAxes.x * v.x, halfAxes.y * v.y, halfAxes.z * v.z};
+    return std::make_shared<const TriangleMesh>(std::move(mesh));
+}
+
 std::shared_ptr<const TriangleMesh> capsule(double radius, double length, int quarter)
 {
     checkLength("capsule", "radius", radius);

@@ -88,6 +88,8 @@ template <class T> std::vector<std::string_view> required()
         return {"size"};
     else if constexpr (std::is_same_v<T, SphereShape>)
         return {"radius"};
+    else if constexpr (std::is_same_v<T, EllipsoidShape>)
+        return {"halfAxes"};
     else if constexpr (IsAnyOf<T, CapsuleShape, CylinderShape>)
         return {"radius", "length"};
     else if constexpr (std::is_same_v<T, SheetShape>)

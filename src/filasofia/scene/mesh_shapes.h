@@ -26,6 +26,11 @@ struct SphereShape {
     int quarter = 8;
     [[nodiscard]] TrianglePtr make() const { return geometry::shapes::sphere(radius, quarter); }
 };
+struct EllipsoidShape {
+    Vec3 halfAxes = {};
+    int quarter = 8;
+    [[nodiscard]] TrianglePtr make() const { return geometry::shapes::ellipsoid(halfAxes, quarter); }
+};
 struct CapsuleShape {
     double radius = 0.0;
     double length = 0.0;
@@ -69,9 +74,10 @@ struct ScaledTetrahedra {
 };
 
 /// What a surface may be made of, and what a soft body may.
-using SurfaceShape = std::variant<BoxShape, SphereShape, CapsuleShape, CylinderShape, SheetShape, ScaledSurface>;
-using SoftShape = std::variant<BlockShape, ScaledTetrahedra, SheetShape, BoxShape, SphereShape, CapsuleShape,
-                               CylinderShape, ScaledSurface>;
+using SurfaceShape =
+    std::variant<BoxShape, SphereShape, EllipsoidShape, CapsuleShape, CylinderShape, SheetShape, ScaledSurface>;
+using SoftShape = std::variant<BlockShape, ScaledTetrahedra, SheetShape, BoxShape, SphereShape, EllipsoidShape,
+                               CapsuleShape, CylinderShape, ScaledSurface>;
 
 constexpr auto fields(const BoxShape*)
 {
@@ -82,6 +88,12 @@ constexpr auto fields(const SphereShape*)
 {
     using T = SphereShape;
     return describe("sphere", field("radius", &T::radius, "m", positive(), "radius"),
+                    field("quarter", &T::quarter, "-", closed(1, 500), "edges along a quarter of a great circle"));
+}
+constexpr auto fields(const EllipsoidShape*)
+{
+    using T = EllipsoidShape;
+    return describe("ellipsoid", field("halfAxes", &T::halfAxes, "m", positive(), "along x, y and z"),
                     field("quarter", &T::quarter, "-", closed(1, 500), "edges along a quarter of a great circle"));
 }
 constexpr auto fields(const CapsuleShape*)
