@@ -21,6 +21,7 @@ struct RunCommandOptions {
     double rate = 1000.0;
     int threads = 0;
     bool anyFolder = false;
+    std::string measures;
     RunDef run;
 };
 
@@ -132,10 +133,15 @@ int runFile(const RunCommandOptions& options)
         scene.def = scene::loadScene(options.scene, {.anyFolder = options.anyFolder});
         if (options.threads != 0) scene.def.physics.threads = givenThreads(options.threads);
         scene.simulation = std::make_unique<runtime::Simulation>(scene::simulationDef(scene.def));
-        scene::addScene(*scene.simulation, scene.def);
+        scene.added = scene::addScene(*scene.simulation, scene.def,
+                                      {.file = options.measures, .session = {.trainee = options.run.trainee}});
         return scene;
     };
-    return print(isWatched(options.run) ? runReloading(load(), options, load) : load().simulation->run(options.run));
+    if (options.measures.empty() && isWatched(options.run)) return print(runReloading(load(), options, load));
+    const LoadedScene scene = load();
+    const RunReport report = scene.simulation->run(options.run);
+    if (scene.added.tracker) scene.added.tracker->close();
+    return print(report);
 }
 
 int runScene(RunCommandOptions& options)
@@ -144,6 +150,7 @@ int runScene(RunCommandOptions& options)
     if (isFile(options.scene)) return runFile(options);
     const Scene& scene = sceneOf(options);
     if (options.anyFolder) fail("run: --any-folder applies to scene files, not to '", scene.name, "'");
+    if (!options.measures.empty()) fail("run: --measures applies to scene files, not to '", scene.name, "'");
     if (options.scene != "bunny" && options.bunny.tets != BunnyDef{}.tets)
         fail("run: --tets applies to the bunny, not to '", scene.name, "'");
     Simulation sim({.physics = {.rate = options.rate, .threads = givenThreads(options.threads)},
@@ -219,6 +226,8 @@ Command runCommand()
                   .target = &options.threads,
                   .meaning = "Threads within one step; 0: all cores except one, at most 8",
                   .bound = kThreads},
+                 {"--measures", &options.measures,
+                  "Write what a scene file measures to this .jsonl file, for report, or to a .csv file", "FILE"},
                  {"--any-folder", &options.anyFolder, "The files that a scene file names may be outside its folder"}},
             .run = [] { return runScene(options); },
             .footer = "Mouse and keys in the window:\n" + runtime::keyHelp()};

@@ -19,6 +19,7 @@ struct LoadedScene {
     std::filesystem::file_time_type since = {}; ///< its files are read as they were then, or later
     scene::SceneDef def = {};
     std::unique_ptr<runtime::Simulation> simulation = {};
+    scene::AddedScene added = {}; ///< it ends before the simulation
 };
 
 /// While a scene runs in a window: makes it anew, on a thread of its own, each time its files have changed, or when

@@ -36,7 +36,7 @@ TEST_CASE("scenes: friction, a grasp and a poke come out as they do in C++")
 {
     const SceneDef friction = loadScene(example("friction"));
     Simulation slope(simulationDef(friction));
-    const std::vector<BodyId> boxes = addScene(slope, friction);
+    const std::vector<BodyId> boxes = addScene(slope, friction).bodies;
     slope.run({.headless = true, .steps = 500});
     const auto frame = slope.physics().latest();
     const Quat back = axisAngle({0, 0, 1}, 20_deg); // from the world's axes to the slope's
@@ -48,7 +48,7 @@ TEST_CASE("scenes: friction, a grasp and a poke come out as they do in C++")
 
     const SceneDef jaws = loadScene(example("jaws"));
     Simulation gripper(simulationDef(jaws));
-    const std::vector<BodyId> ids = addScene(gripper, jaws);
+    const std::vector<BodyId> ids = addScene(gripper, jaws).bodies;
     gripper.run({.headless = true, .steps = 1500});
     const auto last = gripper.physics().latest();
     const auto lowest = std::ranges::min(last->softBody(ids[0])->positions, {}, &Vec3::y);
@@ -57,7 +57,7 @@ TEST_CASE("scenes: friction, a grasp and a poke come out as they do in C++")
 
     const SceneDef poke = loadScene(example("poke"));
     Simulation block(simulationDef(poke));
-    const std::vector<BodyId> bodies = addScene(block, poke);
+    const std::vector<BodyId> bodies = addScene(block, poke).bodies;
     double highest = 0.0, deepest = 1.0;
     block.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent&) {
         const double y = block.physics().latest()->rigidBody(bodies[1])->poses[0].position.y;
@@ -75,7 +75,7 @@ TEST_CASE("scenes: a sheet falls over an organ and is lifted by its middle")
     SceneDef shell = loadScene(example("shell"));
     shell.physics.rate = 500.0; // half of the steps
     Simulation sim(simulationDef(shell));
-    const BodyId sheet = addScene(sim, shell).at(0);
+    const BodyId sheet = addScene(sim, shell).bodies.at(0);
     const auto heights = [&](int steps) {
         sim.run({.headless = true, .steps = steps});
         const auto frame = sim.physics().latest();
@@ -100,7 +100,7 @@ TEST_CASE("scenes: commands of joints are given when their time comes, again in 
                      .jointMotions = {{.keys = {{0.1, physics::JointPosition{0.5}}, {0.2, physics::JointPosition{0.2}}},
                                        .repeat = true}}}};
     Simulation sim(simulationDef(scene));
-    const BodyId id = addScene(sim, scene).at(0);
+    const BodyId id = addScene(sim, scene).bodies.at(0);
     const auto positionAfter = [&](int steps) {
         sim.run({.headless = true, .steps = steps});
         return sim.physics().latest()->rigidBody(id)->joints.at(0).position;

@@ -87,14 +87,20 @@ class Simulation(_core.Simulation):
             return "<Simulation that was not initialised>"
 
 
-def load(file: str | _os.PathLike[str], *, any_folder: bool = False, threads: int | None = None) -> Simulation:
+def load(
+    file: str | _os.PathLike[str],
+    *,
+    any_folder: bool = False,
+    threads: int | None = None,
+    measures: str | _os.PathLike[str] | None = None,
+) -> Simulation:
     """A simulation of the scene in a file (docs/guide/scenes.md); `bodies` are in the order of the file.
 
     Files that the scene names must be in its folder, unless `any_folder`. `threads` replaces those of the scene, with
-    the same bits. Raises Error "FILE:LINE:COLUMN: ...".
+    the same bits. `measures` is a .jsonl or .csv file that close() completes: what the scene measures. Raises Error "FILE:LINE:COLUMN: ...".
     """
     simulation = Simulation.__new__(Simulation)
-    _core.Simulation.__init__(simulation, scene=file, any_folder=any_folder, threads=threads)
+    _core.Simulation.__init__(simulation, scene=file, any_folder=any_folder, threads=threads, measures=measures)
     return simulation
 
 

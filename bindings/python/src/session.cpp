@@ -154,6 +154,11 @@ runtime::RunReport Session::report()
 
 std::uint64_t Session::hash() { return closed() ? final_.hash : physics().hash(); }
 
+void Session::add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& tracker)
+{
+    scene_ = scene::addScene(simulation_, scene, tracker);
+}
+
 void Session::close()
 {
     if (closed()) return;
@@ -164,6 +169,7 @@ void Session::close()
         ~Closing() { closed.store(true); }
     };
     const Closing last{closed_};
+    if (scene_.tracker) scene_.tracker->close();
     final_ = report();
     if (run_)
         final_ = run_->end();

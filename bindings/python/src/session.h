@@ -2,6 +2,7 @@
 
 #include "filasofia/runtime/simulation.h"
 #include "filasofia/runtime/stepped_run.h"
+#include "filasofia/scene/scene_def.h"
 
 #include <array>
 #include <atomic>
@@ -51,6 +52,8 @@ public:
         Session& session_;
     };
 
+    /// Adds a scene before the first step; its measures are written until close().
+    void add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& tracker);
     // For the owner of the turn. The run begins with record(), the first step or the first picture.
     /// Begins the run with what it is to write; Error if it has begun. If it is refused, nothing has happened.
     void record(const runtime::RunDef& def);
@@ -102,6 +105,7 @@ private:
     };
 
     runtime::Simulation simulation_;
+    scene::AddedScene scene_ = {};
     std::optional<runtime::SteppedRun> run_;
     runtime::RunReport final_ = {}; ///< written before closed_ is set, and never again
     std::vector<Arrived> arrived_;

@@ -37,7 +37,7 @@ template <class Act> auto ofSceneFile(Act&& act)
 }
 
 void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle file, bool anyFolder,
-          nb::handle threads)
+          nb::handle threads, nb::handle measures)
 {
     runtime::SimulationDef def;
     scene::SceneDef scene;
@@ -51,11 +51,12 @@ void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle 
     }
     if (!physics.is_none()) def.physics = readDef<runtime::PhysicsDef>(physics, "Simulation");
     if (!look.is_none()) def.look = readDef<runtime::LookDef>(look, "Simulation: look");
+    const std::string written = measures.is_none() ? "" : readText(measures, {.name = "load: measures"});
     std::shared_ptr<Session> session;
     {
         const nb::gil_scoped_release free;
         session = Session::make(def);
-        ofSceneFile([&] { return scene::addScene(session->simulation(), scene); });
+        ofSceneFile([&] { session->add(scene, {.file = written}); });
     }
     new (self) HeldSimulation{.session = std::move(session)};
     self->shown = std::ranges::any_of(scene.bodies, [](const scene::SceneBody& each) { return !each.show.empty(); });
@@ -318,7 +319,8 @@ void bindSimulation(nb::module_& module)
 {
     nb::class_<HeldSimulation> sim(module, "Simulation", nb::type_slots(slots), nb::is_weak_referenceable());
     sim.def("__init__", &make, nb::arg("physics") = nb::none(), nb::arg("look") = nb::none(),
-            nb::arg("scene") = nb::none(), nb::arg("any_folder") = false, nb::arg("threads") = nb::none());
+            nb::arg("scene") = nb::none(), nb::arg("any_folder") = false, nb::arg("threads") = nb::none(),
+            nb::arg("measures") = nb::none());
     addBodies(sim);
     addSteps(sim);
     addStates(module, sim);

@@ -2,6 +2,7 @@
 
 #include "filasofia/math/pose.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -25,6 +26,7 @@ enum class Role {
     Scope, ///< a camera: looks along `axis`, with `up` upwards in its picture
     Other
 };
+constexpr std::array<std::string_view, 3> names(const Role*) { return {"tool", "scope", "other"}; }
 std::string_view name(Role role); ///< "tool"
 
 /// One observed body from the start of the session to its end.

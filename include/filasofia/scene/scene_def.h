@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/runtime/simulation.h"
+#include "filasofia/scene/scene_parts.h"
 
 #include <filesystem>
 #include <map>
@@ -9,17 +10,6 @@
 
 /// A whole scene as data: what a scene file says, and what a program may build instead.
 namespace filasofia::scene {
-
-/// A pose that a body reaches at a time.
-struct KeyPose {
-    double time = 0.0; ///< [s], >= 0
-    Pose pose = {};    ///< the element's, in the world
-};
-constexpr auto fields(const KeyPose*)
-{
-    return describe("KeyPose", field("time", &KeyPose::time, "s", nonNegative(), "when it is reached"),
-                    field("pose", &KeyPose::pose, "pose of the element in the world"));
-}
 
 /// The motion of an element of a kinematic body: straight from key to key at constant speed, turning the shortest way.
 /// Before the first key it stays at the first, after the last at the last.
@@ -170,10 +160,13 @@ struct SceneDef {
     std::vector<SceneView> views = {};     ///< they need a camera; none: the first camera fills the window
     std::optional<visual::EnvironmentDef> environment = {}; ///< it needs a camera; not given: the default one
     std::vector<SceneBody> bodies = {};
-    std::vector<TimedCommand> commands = {}; ///< at any times; those of the same time in this order
+    std::vector<SceneInstrument> instruments = {}; ///< BodyIds of a scene count them after the bodies
+    std::vector<TimedCommand> commands = {};       ///< at any times; those of the same time in this order
     std::vector<runtime::HapticInterfaceDef> haptics = {};
-    Places places = {};                            ///< where the members of its lists stand, "cameras[0].on"
-    std::vector<std::filesystem::path> files = {}; ///< which it was read from, and which it names; no field of a file
+    std::optional<SceneTask> task = {};             ///< what a trainee has to do
+    std::vector<prefab::TrackedBody> measured = {}; ///< what is observed if a session is written, at most 64
+    Places places = {};                             ///< where the members of its lists stand, "cameras[0].on"
+    std::vector<std::filesystem::path> files = {};  ///< which it was read from, and which it names; no field of a file
 };
 constexpr auto fields(const SceneDef*)
 {
@@ -186,15 +179,27 @@ constexpr auto fields(const SceneDef*)
                     field("environment", &T::environment, "what lights the scene from all sides"),
                     field("bodies", &T::bodies, "the bodies; one may name those before it"),
                     field("commands", &T::commands, "commands at their times"),
-                    field("haptics", &T::haptics, "haptic interfaces"));
+                    field("instruments", &T::instruments, "instruments, which come after the bodies"),
+                    field("haptics", &T::haptics, "haptic interfaces"),
+                    field("task", &T::task, "what a trainee has to do"),
+                    field("measured", &T::measured, "what is observed if a session is written"));
 }
 
 /// The Def of a simulation for this scene.
 runtime::SimulationDef simulationDef(const SceneDef& scene);
 
-/// Adds the scene's bodies, pictures, motions, commands, cameras, lights and haptic interfaces to a simulation that is
-/// not running; returns the bodies' ids, in the order of the scene. Throws an Error that begins with the place of what
-/// is wrong, or with "haptics[0]"; what came before it stays added.
-std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& scene);
+/// What was made of a scene.
+struct AddedScene {
+    std::vector<BodyId> bodies = {}; ///< their ids in the order of the scene, those of the instruments behind them
+    std::shared_ptr<const prefab::Task> task = {}; ///< null if the scene has none
+    /// Null if no session is written. Let it go when the run has ended, and before the simulation.
+    std::shared_ptr<prefab::MetricTracker> tracker = {};
+};
+
+/// Adds the scene's bodies, pictures, motions, commands, cameras, lights, instruments, haptic interfaces and task to a
+/// simulation that is not running. `tracker` says what becomes of its measures, if it names a file or keeps them; what
+/// is observed, and the names of task and steps, are the scene's. Throws an Error that begins with the place of what is
+/// wrong, or with its path; what came before it stays added.
+AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, prefab::MetricTrackerDef tracker = {});
 
 } // namespace filasofia::scene

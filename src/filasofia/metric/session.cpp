@@ -25,18 +25,7 @@ constexpr std::array kKinds = {
 
 } // namespace
 
-std::string_view name(Role role)
-{
-    switch (role) {
-    case Role::Tool:
-        return "tool";
-    case Role::Scope:
-        return "scope";
-    case Role::Other:
-        break;
-    }
-    return "other";
-}
+std::string_view name(Role role) { return names(&role)[static_cast<std::size_t>(role)]; }
 
 std::string_view name(EventKind kind)
 {

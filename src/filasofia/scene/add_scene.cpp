@@ -1,8 +1,10 @@
 #include "filasofia/scene/commands.h"
 #include "filasofia/scene/dress.h"
+#include "filasofia/scene/instruments.h"
 #include "filasofia/scene/motion.h"
 #include "filasofia/scene/places.h"
 #include "filasofia/scene/scene_numbers.h"
+#include "filasofia/scene/task.h"
 
 #include "filasofia/core/error.h"
 
@@ -57,25 +59,34 @@ runtime::SimulationDef simulationDef(const SceneDef& scene)
     return {.physics = scene.physics, .window = scene.window, .look = scene.look};
 }
 
-std::vector<BodyId> addScene(runtime::Simulation& simulation, const SceneDef& scene)
+AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, prefab::MetricTrackerDef tracker)
 {
-    std::vector<BodyId> ids;
+    AddedScene added;
+    std::vector<BodyId>& ids = added.bodies;
     for (const SceneBody& body : scene.bodies) try {
             ids.push_back(addBody(simulation, body, ids));
         } catch (const Error& error) {
             failAtPlace(body.places, pathIn(body, error.what()), error.what());
         }
+    const Instruments instruments = addInstruments(simulation, scene, ids);
     dressScene(simulation, scene, ids);
     followCommands(simulation, scene.commands, ids);
     for (std::size_t i = 0; i < scene.haptics.size(); ++i) try {
             runtime::HapticInterfaceDef haptic = scene.haptics[i];
             SceneNumbers(ids).replaceIn(haptic);
-            simulation.add(haptic);
+            giveToHand(simulation, instruments, haptic.body, simulation.add(haptic));
         } catch (const Error& error) {
             const std::string path = text("haptics[", i, "]");
             failAtPlace(scene.places, path, text(path, ": ", error.what()));
         }
-    return ids;
+    try {
+        added.tracker = addTracker(simulation, scene, ids, std::move(tracker));
+        if (scene.task) added.task = addTask(simulation, *scene.task, ids, added.tracker.get());
+    } catch (const Error& error) {
+        const std::string words = error.what();
+        failAtPlace(scene.places, words.substr(0, words.find(' ')), words);
+    }
+    return added;
 }
 
 } // namespace filasofia::scene

@@ -39,6 +39,7 @@ template <> inline constexpr bool kFlat<SceneCamera> = true;
 template <> inline constexpr bool kFlat<SceneLight> = true;
 template <> inline constexpr bool kFlat<SceneView> = true;
 template <> inline constexpr bool kFlat<SceneFollow> = true;
+template <> inline constexpr bool kFlat<SceneInstrument> = true;
 template <> inline constexpr bool kFlat<SceneBody> = true; ///< its first field's members stand beside its others
 
 /// Objects that may also be written as a list of their numbers.
@@ -69,8 +70,13 @@ template <class T> std::vector<std::string_view> required()
         return {"camera"};
     else if constexpr (std::is_same_v<T, TimedCommand>)
         return {"time", "type"};
-    else if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, SceneFollow>)
+    else if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, SceneFollow, Reached, Held, Parted,
+                               prefab::TrackedBody>)
         return {"body"};
+    else if constexpr (std::is_same_v<T, Touched>)
+        return {"first", "second"};
+    else if constexpr (std::is_same_v<T, SceneTaskStep>)
+        return {"done"};
     else if constexpr (std::is_same_v<T, physics::Grasp>)
         return {"rigid", "target"};
     else if constexpr (IsAnyOf<T, physics::SetForces, physics::SetWrench, physics::SetPressure, physics::SetFibreStress,

@@ -22,14 +22,10 @@ template <class Keys> auto laterKey(const Keys& keys, double time)
 
 template <class Motion> void checkKeys(const Motion& motion, const std::string& name)
 {
-    if (motion.keys.empty()) fail(name, ".keys must not be empty");
-    for (std::size_t i = 0; i < motion.keys.size(); ++i) {
+    for (std::size_t i = 0; i < motion.keys.size(); ++i)
         if constexpr (requires { motion.keys[i].pose; })
             (void)physics::unitPose(motion.keys[i].pose, text(name, ".keys[", i, "].pose"));
-        const double time = motion.keys[i].time, before = i == 0 ? 0.0 : motion.keys[i - 1].time;
-        if (!(time >= before) || (i > 0 && time == before))
-            fail(name, ".keys[", i, "].time must be later than the key before, at ", before, " s, got ", time);
-    }
+    checkTimes(motion.keys, name + ".keys");
     if (motion.repeat && !(motion.keys.back().time > 0.0)) fail(name, ".repeat needs a last key later than 0 s");
 }
 
@@ -40,13 +36,6 @@ void checkOnce(const std::vector<Motion>& motions, std::size_t i, int Motion::*i
     for (std::size_t before = 0; before < i; ++before)
         if (motions[before].*index == motions[i].*index)
             fail(name, " moves what motions[", before, "] moves: number ", motions[i].*index);
-}
-
-/// The motion with a key at time 0.
-ElementMotion withFirstKey(ElementMotion motion, const Pose& start)
-{
-    if (motion.keys.front().time > 0.0) motion.keys.insert(motion.keys.begin(), {0.0, start});
-    return motion;
 }
 
 /// Gives a joint its next command as soon as its time has come.
@@ -87,6 +76,12 @@ private:
 };
 
 } // namespace
+
+ElementMotion withFirstKey(ElementMotion motion, const Pose& start)
+{
+    if (motion.keys.front().time > 0.0) motion.keys.insert(motion.keys.begin(), {0.0, start});
+    return motion;
+}
 
 Pose poseAt(const ElementMotion& motion, double time)
 {

@@ -28,11 +28,12 @@ public:
             if (const auto found = root.find("classes"); found != root.end()) addClasses(*found);
         }
         std::vector<std::string> names;
-        forEachMember("bodies", [&](const Json& json, const Place&) {
-            if (!json.is_object()) return;
-            if (const auto name = json.find("name"); name != json.end() && name->is_string())
-                names.push_back(name->get<std::string>());
-        });
+        for (const char* list : {"bodies", "instruments"})
+            forEachMember(list, [&](const Json& json, const Place&) {
+                if (!json.is_object()) return;
+                if (const auto name = json.find("name"); name != json.end() && name->is_string())
+                    names.push_back(name->get<std::string>());
+            });
         reader_.knowBodies(std::move(names));
         SceneDef scene;
         readMembers("physics", scene.physics);
@@ -40,6 +41,11 @@ public:
         readMembers("look", scene.look);
         forEachMember("bodies", [&](const Json& json, const Place& place) {
             scene.bodies.push_back(reader_.readBody(json, place));
+        });
+        forEachMember("instruments", [&](const Json& json, const Place& place) {
+            const Place numbered{place.outer, {}, scene.instruments.size()};
+            reader_.readMember({{&json}}, numbered, scene.places, scene.instruments.emplace_back());
+            reader_.addInstrument(scene.instruments.back(), json, numbered);
         });
         readList("cameras", scene.cameras, scene.places);
         readList("lights", scene.lights, scene.places);
@@ -49,6 +55,8 @@ public:
             scene.commands.push_back(reader_.readCommand(json, place));
         });
         readList("haptics", scene.haptics, scene.places);
+        readMembers("task", scene.task, &scene.places);
+        readList("measured", scene.measured, scene.places);
         checkDefaults();
         scene.files = {files_.back()->path}; // itself comes last
         scene.files.insert(scene.files.end(), reader_.named().begin(), reader_.named().end());
@@ -143,7 +151,7 @@ private:
         return types;
     }
 
-    template <class T> void readMembers(std::string_view name, T& out)
+    template <class T> void readMembers(std::string_view name, T& out, Places* places = nullptr)
     {
         Layers layers;
         for (auto file = files_.rbegin(); file != files_.rend(); ++file)
@@ -151,14 +159,19 @@ private:
         const Place place{nullptr, name};
         for (const Layer& each : layers)
             if (!each.json->is_object()) reader_.refuse(*each.json, place, "must be an object");
-        layers.empty() ? reader_.fill(place, out) : reader_.read(layers, place, {}, out);
+        if (layers.empty())
+            reader_.fill(place, out);
+        else if (places)
+            reader_.readMember(layers, place, *places, out);
+        else
+            reader_.read(layers, place, {}, out);
     }
     /// The members of all files together.
     template <class T> void readList(std::string_view name, std::vector<T>& out, Places& places)
     {
         forEachMember(name, [&](const Json& json, const Place& place) {
             const Place numbered{place.outer, {}, out.size()}; // by its number in the scene, which files may share
-            reader_.readMember(json, numbered, places, out.emplace_back());
+            reader_.readMember({{&json}}, numbered, places, out.emplace_back());
         });
     }
     template <class Each> void forEachMember(std::string_view name, Each&& each)

@@ -362,13 +362,23 @@ SceneBody SceneReader::readBody(const Json& json, const Place& place)
     read({{&json}}, place, {}, body);
     places_ = nullptr;
     const std::string& name = std::visit([](const auto& def) -> const std::string& { return def.name; }, body.def);
+    addName(name, json, place);
+    const std::size_t attachments = std::visit([](const auto& def) { return def.attachments.size(); }, body.def);
+    for (std::size_t i = 0; i < attachments; ++i) attachments_.push_back({text(name, ".attachments[", i, "]")});
+    return body;
+}
+
+void SceneReader::addInstrument(const SceneInstrument& instrument, const Json& json, const Place& place)
+{
+    addName(std::visit([](const auto& def) { return def.name; }, instrument.def), json, place);
+}
+
+void SceneReader::addName(const std::string& name, const Json& json, const Place& place)
+{
     if (std::ranges::find(bodies_, name) != bodies_.end())
         fail(sources_.placeOf(json), ": ", place.path(), ".name must differ from those of the other bodies, got '",
              shortened(name), "'");
     bodies_.push_back(name);
-    const std::size_t attachments = std::visit([](const auto& def) { return def.attachments.size(); }, body.def);
-    for (std::size_t i = 0; i < attachments; ++i) attachments_.push_back({text(name, ".attachments[", i, "]")});
-    return body;
 }
 
 TimedCommand SceneReader::readCommand(const Json& json, const Place& place)

@@ -50,17 +50,19 @@ public:
     }
     /// The names of all bodies of the scene, for errors.
     void knowBodies(std::vector<std::string> names) { allBodies_ = std::move(names); }
-    /// Reads a member of one of the scene's lists, and notes where it stands.
-    template <class T> void readMember(const Json& json, const Place& place, Places& places, T& out)
+    /// Reads a member of the scene, and notes where it and what is in it stand.
+    template <class T> void readMember(const Layers& from, const Place& place, Places& places, T& out)
     {
         places_ = &places;
         pathStart_ = 0;
-        note(place, json);
-        read({{&json}}, place, {}, out);
+        note(place, *from.front().json);
+        read(from, place, {}, out);
         places_ = nullptr;
     }
     /// The next body of the scene; returns its Def, with the place in its file.
     SceneBody readBody(const Json& json, const Place& place);
+    /// Gives the instrument that was read last a number behind those of the bodies.
+    void addInstrument(const SceneInstrument& instrument, const Json& json, const Place& place);
     /// The next command, after all bodies.
     TimedCommand readCommand(const Json& json, const Place& place);
 
@@ -135,6 +137,7 @@ private:
     [[nodiscard]] std::int64_t whole(const Json& json, const Place& place, const Bound& bound, double low,
                                      double high) const;
     [[nodiscard]] bool flag(const Json& json, const Place& place) const;
+    void addName(const std::string& name, const Json& json, const Place& place);
     [[nodiscard]] BodyId bodyNamed(const Json& json, const Place& place) const;
     /// The attachment that a text names: "liver.attachments[0]", or what the command that makes it says.
     [[nodiscard]] AttachmentId attachmentNamed(const Json& json, const Place& place) const;

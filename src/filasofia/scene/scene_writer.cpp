@@ -102,6 +102,8 @@ Written SceneWriter::write(const SceneDef& scene)
                     attachments_.push_back(text(def.name, ".attachments[", i, "]"));
             },
             body.def);
+    for (const SceneInstrument& each : scene.instruments)
+        bodies_.push_back(std::visit([](const auto& def) { return def.name; }, each.def));
     return object(scene, SceneDef{});
 }
 

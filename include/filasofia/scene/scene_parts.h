@@ -1,0 +1,152 @@
+#pragma once
+
+#include "filasofia/prefab/articulated_instrument.h"
+#include "filasofia/prefab/endoscope.h"
+#include "filasofia/prefab/metric_tracker.h"
+#include "filasofia/prefab/task.h"
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+/// Instruments, tasks and measures of a scene as data.
+namespace filasofia::scene {
+
+/// A pose that a body reaches at a time.
+struct KeyPose {
+    double time = 0.0; ///< [s], >= 0
+    Pose pose = {};    ///< the element's, in the world
+};
+constexpr auto fields(const KeyPose*)
+{
+    return describe("KeyPose", field("time", &KeyPose::time, "s", nonNegative(), "when it is reached"),
+                    field("pose", &KeyPose::pose, "pose of the element in the world"));
+}
+
+/// What the jaws of an instrument do from a time on.
+struct KeyGrip {
+    double time = 0.0;                  ///< [s], >= 0
+    std::optional<double> opening = {}; ///< [-], in [0, 1], fraction to which they open; not given: they close
+    std::optional<double> torque = {};  ///< [N m], > 0, with which they close; not given: the instrument's
+};
+constexpr auto fields(const KeyGrip*)
+{
+    using T = KeyGrip;
+    return describe("KeyGrip", field("time", &T::time, "s", nonNegative(), "when it begins"),
+                    field("opening", &T::opening, "-", closed(0, 1), "how far they open; not given: they close"),
+                    field("torque", &T::torque, "N m", positive(), "with which they close"));
+}
+
+using InstrumentDef = std::variant<prefab::ArticulatedInstrumentDef, prefab::EndoscopeDef>;
+
+/// An instrument, moved by keys or by the haptic interface that names it; its first button then closes the jaws. In
+/// commands, cameras and haptic interfaces its name is that of its body. The first endoscope gives the picture, unless
+/// the scene has cameras. In a file, the fields of its Def stand beside the others.
+struct SceneInstrument {
+    InstrumentDef def = prefab::ArticulatedInstrumentDef{}; ///< its name must be the only one in the scene
+    std::vector<KeyPose> keys = {};                         ///< poses of its pivot or tip; times ascend
+    std::vector<KeyGrip> grip = {};                         ///< what its jaws do; times ascend
+};
+constexpr auto fields(const SceneInstrument*)
+{
+    using T = SceneInstrument;
+    return describe("SceneInstrument", field("", &T::def, "its Def, whose fields stand beside the others"),
+                    field("keys", &T::keys, "poses and the times at which they are reached, ascending"),
+                    field("grip", &T::grip, "what its jaws do from which time on, ascending"));
+}
+
+/// A point of a body is near a place, or near another body.
+struct Reached {
+    BodyId body = {};
+    int element = 0;                ///< [-], >= 0, index in a rigid body
+    Vec3 tip = {};                  ///< [m], the point, in the element's coordinates; for a soft body its middle
+    std::optional<Vec3> place = {}; ///< [m], in the world
+    BodyId target = {};             ///< in place of a place: the middle of this body
+    double within = 5e-3;           ///< [m], > 0
+};
+/// Two bodies press on each other.
+struct Touched {
+    BodyId first = {}, second = {};
+    double force = 0.0; ///< [N], >= 0, the sum of their normal forces must exceed it
+};
+/// A body is held by another one: attached or grasped.
+struct Held {
+    BodyId body = {};
+    BodyId by = {}; ///< none: by any body
+};
+/// A body was cut, or has torn.
+struct Parted {
+    BodyId body = {};
+    double area = 0.0; ///< [m^2], >= 0, opened in all since the run began, of one of the two sides
+    int pieces = 0;    ///< [-], >= 0, that must have come loose
+};
+/// So much time has gone by since the step began.
+struct Waited {
+    double seconds = 1.0; ///< [s], > 0
+};
+using Condition = std::variant<Reached, Touched, Held, Parted, Waited>;
+
+constexpr auto fields(const Reached*)
+{
+    using T = Reached;
+    return describe("Reached", field("body", &T::body, "the body that moves"),
+                    field("element", &T::element, "-", nonNegative(), "index in a rigid body"),
+                    field("tip", &T::tip, "m", finite(), "its point, in the element's coordinates"),
+                    field("place", &T::place, "m", finite(), "where to go, in the world"),
+                    field("target", &T::target, "the body to go to, in place of a place"),
+                    field("within", &T::within, "m", positive(), "distance at which it is reached"));
+}
+constexpr auto fields(const Touched*)
+{
+    using T = Touched;
+    return describe("Touched", field("first", &T::first, "a body"), field("second", &T::second, "the other one"),
+                    field("force", &T::force, "N", nonNegative(), "normal force that must be exceeded"));
+}
+constexpr auto fields(const Held*)
+{
+    return describe("Held", field("body", &Held::body, "the body that is held"),
+                    field("by", &Held::by, "by which; none: by any"));
+}
+constexpr auto fields(const Parted*)
+{
+    using T = Parted;
+    return describe("Parted", field("body", &T::body, "the body that is cut or torn"),
+                    field("area", &T::area, "m^2", nonNegative(), "area that must be opened"),
+                    field("pieces", &T::pieces, "-", nonNegative(), "pieces that must have come loose"));
+}
+constexpr auto fields(const Waited*)
+{
+    return describe("Waited", field("seconds", &Waited::seconds, "s", positive(), "since the step began"));
+}
+
+/// A step of a task, done when its condition holds.
+struct SceneTaskStep {
+    std::string name = {};                                      ///< as the session records it
+    std::string instruction = {};                               ///< what the trainee reads
+    double timeLimit = std::numeric_limits<double>::infinity(); ///< [s], > 0; exceeding it is a mistake
+    Condition done = Reached{};
+};
+constexpr auto fields(const SceneTaskStep*)
+{
+    using T = SceneTaskStep;
+    return describe("SceneTaskStep", field("name", &T::name, "as the session records it"),
+                    field("instruction", &T::instruction, "what the trainee reads"),
+                    field("timeLimit", &T::timeLimit, "s", positiveOrInfinite(), "exceeding it is a mistake"),
+                    field("done", &T::done, "the condition"));
+}
+
+/// What a trainee has to do, step by step. The run ends when it is over.
+struct SceneTask {
+    std::string name = "task";
+    std::vector<SceneTaskStep> steps = {};                      ///< at least one, done in this order
+    double timeLimit = std::numeric_limits<double>::infinity(); ///< [s], > 0, for the whole task
+};
+constexpr auto fields(const SceneTask*)
+{
+    using T = SceneTask;
+    return describe("SceneTask", field("name", &T::name, "what reports call it"), field("steps", &T::steps, "in order"),
+                    field("timeLimit", &T::timeLimit, "s", positiveOrInfinite(), "limit for the whole task"));
+}
+
+} // namespace filasofia::scene

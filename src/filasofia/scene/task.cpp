@@ -1,0 +1,189 @@
+#include "filasofia/scene/task.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/word.h"
+#include "filasofia/prefab/overlays.h"
+#include "filasofia/scene/scene_numbers.h"
+
+#include <algorithm>
+#include <mutex>
+
+namespace filasofia::scene {
+namespace {
+
+using frame::Frame;
+
+/// The middle of a body: the mean of a soft one's nodes, the origin of a rigid one's first element.
+std::optional<Vec3> middleOf(const Frame& frame, BodyId id)
+{
+    if (const auto* rigid = frame.rigidBody(id)) return rigid->poses.front().position;
+    const auto* soft = frame.softBody(id);
+    if (!soft || soft->positions.empty()) return {};
+    Vec3 sum;
+    for (const Vec3& each : soft->positions) sum += each;
+    return sum / static_cast<double>(soft->positions.size());
+}
+
+/// What cuts and tears have opened since the run began. Written by the events' thread, read by the stepping one.
+class Partings {
+public:
+    void add(const physics::Rupture& rupture)
+    {
+        const std::scoped_lock lock(mutex_);
+        Opened& opened = bodies_[rupture.body];
+        opened.area += rupture.area;
+        opened.pieces += static_cast<int>(rupture.detached.size());
+    }
+    [[nodiscard]] bool reached(const Parted& wanted) const
+    {
+        const std::scoped_lock lock(mutex_);
+        const auto found = bodies_.find(wanted.body);
+        return found != bodies_.end() && found->second.area >= wanted.area && found->second.pieces >= wanted.pieces;
+    }
+
+private:
+    struct Opened {
+        double area = 0.0; ///< [m^2]
+        int pieces = 0;
+    };
+    mutable std::mutex mutex_;
+    std::map<BodyId, Opened> bodies_;
+};
+
+/// A condition with the ids of the bodies.
+class Watch {
+public:
+    Watch(Condition condition, std::shared_ptr<const Partings> partings)
+        : condition_(std::move(condition)), partings_(std::move(partings))
+    {
+    }
+
+    [[nodiscard]] bool holds(const Frame& frame)
+    {
+        return std::visit([&](const auto& each) { return holds(frame, each); }, condition_);
+    }
+    [[nodiscard]] std::optional<Vec3> target(const Frame& frame) const
+    {
+        if (const auto* reached = std::get_if<Reached>(&condition_))
+            return reached->place ? reached->place : middleOf(frame, reached->target);
+        if (const auto* touched = std::get_if<Touched>(&condition_)) return middleOf(frame, touched->second);
+        if (const auto* held = std::get_if<Held>(&condition_)) return middleOf(frame, held->body);
+        if (const auto* parted = std::get_if<Parted>(&condition_)) return middleOf(frame, parted->body);
+        return {};
+    }
+
+private:
+    static std::optional<Vec3> pointOf(const Frame& frame, const Reached& of)
+    {
+        const auto* rigid = frame.rigidBody(of.body);
+        const auto element = static_cast<std::size_t>(of.element);
+        if (!rigid) return middleOf(frame, of.body);
+        return element < rigid->poses.size() ? std::optional(transform(rigid->poses[element], of.tip)) : std::nullopt;
+    }
+    static bool holds(const Frame& frame, const Reached& reached)
+    {
+        const auto from = pointOf(frame, reached);
+        const auto to = reached.place ? reached.place : middleOf(frame, reached.target);
+        return from && to && distance(*from, *to) <= reached.within;
+    }
+    static bool holds(const Frame& frame, const Touched& touched)
+    {
+        double force = 0.0;
+        for (const frame::Contact& each : frame.contacts)
+            if ((each.first == touched.first && each.second == touched.second) ||
+                (each.first == touched.second && each.second == touched.first))
+                force += each.normalForce;
+        return force > touched.force;
+    }
+    static bool holds(const Frame& frame, const Held& held)
+    {
+        return std::ranges::any_of(frame.attachments, [&](const frame::Attachment& each) {
+            if (each.broken || each.points == 0 || !each.to) return false;
+            const BodyId other = each.body == held.body ? each.to : each.to == held.body ? each.body : BodyId{};
+            return other && (!held.by || other == held.by);
+        });
+    }
+    [[nodiscard]] bool holds(const Frame&, const Parted& parted) const { return partings_->reached(parted); }
+    bool holds(const Frame& frame, const Waited& waited)
+    {
+        if (!since_) since_ = frame.time; // the first state of this step of the task
+        return frame.time - *since_ >= waited.seconds;
+    }
+
+    Condition condition_;
+    std::shared_ptr<const Partings> partings_;
+    std::optional<double> since_; ///< [s]
+};
+
+void check(const Condition& condition, const std::string& path)
+{
+    if (const auto* reached = std::get_if<Reached>(&condition))
+        if (reached->place.has_value() == static_cast<bool>(reached->target))
+            fail(path, ".done must have a place or a target, and not both");
+}
+
+prefab::TaskStep stepOf(const SceneTaskStep& step, const std::vector<BodyId>& ids,
+                        const std::shared_ptr<const Partings>& partings)
+{
+    Condition condition = step.done;
+    SceneNumbers(ids).replaceIn(condition);
+    const auto watch = std::make_shared<Watch>(std::move(condition), partings);
+    return {.name = step.name,
+            .instruction = step.instruction,
+            .timeLimit = step.timeLimit,
+            .done = [watch](const Frame& frame) { return watch->holds(frame); },
+            .target = [watch](const Frame& frame) { return watch->target(frame); }};
+}
+
+/// The name of a body or instrument of a scene.
+std::string nameOf(const SceneDef& scene, BodyId number)
+{
+    const auto name = [](const auto& def) { return def.name; };
+    const std::size_t at = number.value - 1;
+    if (at < scene.bodies.size()) return std::visit(name, scene.bodies[at].def);
+    return std::visit(name, scene.instruments.at(at - scene.bodies.size()).def);
+}
+
+} // namespace
+
+std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, const SceneTask& task,
+                                            const std::vector<BodyId>& ids, prefab::MetricTracker* tracker)
+{
+    const auto partings = std::make_shared<Partings>();
+    simulation.on<runtime::CutEvent>([partings](const runtime::CutEvent& cut) { partings->add(cut.rupture); });
+    simulation.on<runtime::TearEvent>([partings](const runtime::TearEvent& tear) { partings->add(tear.rupture); });
+    prefab::TaskDef def{.name = task.name, .timeLimit = task.timeLimit, .tracker = tracker};
+    for (std::size_t i = 0; i < task.steps.size(); ++i) {
+        check(task.steps[i].done, text("task.steps[", i, "]"));
+        def.steps.push_back(stepOf(task.steps[i], ids, partings));
+    }
+    def.over = [&simulation, name = task.name](bool done) {
+        simulation.finish(text("task '", prefab::shown(name), done ? "' is done" : "' is out of time"));
+    };
+    const auto made = std::make_shared<const prefab::Task>(simulation, std::move(def));
+    const auto guidance = std::make_shared<prefab::Guidance>(simulation, *made);
+    simulation.everyStep([made, guidance](double) {}); // they last as long as the simulation
+    return made;
+}
+
+std::shared_ptr<prefab::MetricTracker> addTracker(runtime::Simulation& simulation, const SceneDef& scene,
+                                                  const std::vector<BodyId>& ids, prefab::MetricTrackerDef def)
+{
+    if (def.file.empty() && !def.keep && !def.write) return {};
+    if (scene.measured.empty()) fail("measured must name a body: without one there is nothing to write");
+    def.bodies = scene.measured;
+    for (prefab::TrackedBody& each : def.bodies) SceneNumbers(ids).replaceIn(each);
+    def.session.watched = {metric::EventKind::Cut, metric::EventKind::Tear};
+    if (scene.task) {
+        def.session.task = scene.task->name;
+        def.session.watched.insert(def.session.watched.end(), {metric::EventKind::Step, metric::EventKind::Mistake});
+        for (const SceneTaskStep& step : scene.task->steps) {
+            def.session.steps.push_back(step.name);
+            if (const auto* parted = std::get_if<Parted>(&step.done))
+                def.session.targets.push_back(nameOf(scene, parted->body));
+        }
+    }
+    return std::make_shared<prefab::MetricTracker>(simulation, std::move(def));
+}
+
+} // namespace filasofia::scene

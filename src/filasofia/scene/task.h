@@ -1,0 +1,16 @@
+#pragma once
+
+#include "filasofia/scene/scene_def.h"
+
+namespace filasofia::scene {
+
+/// Starts a scene's task, with its instructions over the picture; the run ends when it is over. `ids`: the bodies of
+/// the scene; `tracker` gets the steps, and may be null. Throws an Error that begins with "task".
+std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, const SceneTask& task,
+                                            const std::vector<BodyId>& ids, prefab::MetricTracker* tracker);
+
+/// Starts to observe what a scene measures; null if `def` names no file and keeps nothing.
+std::shared_ptr<prefab::MetricTracker> addTracker(runtime::Simulation& simulation, const SceneDef& scene,
+                                                  const std::vector<BodyId>& ids, prefab::MetricTrackerDef def);
+
+} // namespace filasofia::scene

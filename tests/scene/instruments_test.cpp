@@ -1,0 +1,166 @@
+#include "filasofia/filasofia.h"
+#include "filasofia/runtime/stepped_run.h"
+#include "filasofia/scene/scene_file.h"
+#include "scene_folder.h"
+
+#include <catch2/catch.hpp>
+
+namespace instruments_test {
+
+using namespace filasofia;
+using namespace filasofia::scene;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kBiopsy = text(FILASOFIA_SOURCE_DIR, "/examples/scenes/biopsy.json");
+
+/// What adding a scene says is wrong, from the file's name on.
+std::string addingFails(const SceneFolder& folder, const std::string& content, bool keep = false)
+{
+    try {
+        const SceneDef scene = folder.load(content);
+        Simulation sim(simulationDef(scene));
+        addScene(sim, scene, {.keep = keep});
+    } catch (const Error& error) {
+        const std::string line = error.what();
+        const auto at = line.find("scene.json:");
+        return at == std::string::npos ? line : line.substr(at);
+    }
+    return "no error";
+}
+
+} // namespace
+
+TEST_CASE("scenes: instruments of a file take a polyp, step by step, and the session says so")
+{
+    const SceneFolder folder;
+    const SceneDef scene = loadScene(kBiopsy);
+    saveScene(scene, folder.file("again.json"));
+    std::vector<std::uint64_t> hashes;
+    for (const SceneDef& each : {scene, loadScene(folder.file("again.json"))}) {
+        Simulation sim(simulationDef(each));
+        AddedScene added = addScene(sim, each, {.keep = true, .session = {.trainee = "A. B."}});
+        REQUIRE(added.bodies.size() == 4);
+        const RunReport report = sim.run({.headless = true, .backend = visual::Backend::Null, .steps = 2600});
+        CHECK(report.finished == "task 'biopsy' is done");
+        CHECK(report.steps < 2000);
+        hashes.push_back(report.hash);
+        const prefab::TaskProgress progress = added.task->progress();
+        CHECK(progress.state == prefab::TaskProgress::State::Done);
+        REQUIRE(progress.doneAt.size() == 3);
+        CHECK(progress.doneAt[0] == Approx(0.6).margin(0.3)); // on the way in
+        CHECK(progress.doneAt[1] > 1.0);                      // the jaws close at 1 s
+        CHECK(progress.doneAt[2] > 1.3);                      // the pull begins
+        added.tracker->close();
+        const metric::Session& session = added.tracker->session();
+        CHECK(session.trainee == "A. B.");
+        CHECK(session.task == "biopsy");
+        CHECK(session.targets == std::vector<std::string>{"polyp"});
+        CHECK(session.tracks.at(1).role == metric::Role::Scope);
+        std::string steps;
+        for (const metric::Event& event : session.events)
+            if (event.kind == metric::EventKind::Step) steps += event.what + ' ';
+        CHECK(steps == "approach grasp take ");
+    }
+    CHECK(hashes[0] == hashes[1]);
+}
+
+TEST_CASE("scenes: each condition of a task holds when it should")
+{
+    const SceneFolder folder;
+    const auto stepsIn = [&](const std::string& condition) {
+        const SceneDef scene = folder.load(text(R"({"physics": {"rate": 500, "gravity": [0, 0, 0]}, "bodies": [
+            {"name": "tissue", "mesh": {"type": "block", "size": "20 20 20 mm"}, "collision": [{}],
+             "attachments": [{"box": [[-1, -1, -1], [1, "-9.9 mm", 1]]}]},
+            {"type": "RigidBodyDef", "name": "ball", "elements": ["0 40 0 mm"], "mesh": {"type": "sphere", "radius": "5 mm"},
+             "collision": [{}], "motions": [{"keys": [{"time": 0.4, "pose": "0 13 0 mm"}]}]}],
+            "commands": [{"time": 0.5, "type": "Grasp", "rigid": "ball", "target": "tissue", "id": "grip"}],
+            "task": {"steps": [{"done": )",
+                                                condition, "}]}}"));
+        Simulation sim(simulationDef(scene));
+        addScene(sim, scene);
+        return sim.run({.headless = true, .steps = 400}).steps;
+    };
+    CHECK(stepsIn(R"({"type": "Waited", "seconds": 0.1})") == Approx(51).margin(2));
+    CHECK(
+        stepsIn(
+            R"({"type": "Reached", "body": "ball", "tip": [0, -0.005, 0], "place": [0, 0.01, 0], "within": "10 mm"})") ==
+        Approx(200.0 * 15 / 27).margin(3)); // it has come from 40 to 25 mm
+    CHECK(stepsIn(R"({"type": "Reached", "body": "ball", "target": "tissue", "within": "20 mm"})") ==
+          Approx(149).margin(4));
+    CHECK(stepsIn(R"({"type": "Touched", "first": "tissue", "second": "ball"})") == Approx(185).margin(5)); // at 15 mm
+    CHECK(stepsIn(R"({"type": "Touched", "first": "ball", "second": "tissue", "force": 1000})") == 400);
+    CHECK(stepsIn(R"({"type": "Held", "body": "tissue"})") == Approx(252).margin(3));
+    CHECK(stepsIn(R"({"type": "Held", "body": "ball", "by": "tissue"})") == Approx(252).margin(3));
+    CHECK(stepsIn(R"({"type": "Parted", "body": "tissue"})") == 400);
+}
+
+TEST_CASE("scenes: a task whose time is over ends the run")
+{
+    const SceneFolder folder;
+    const SceneDef scene = folder.load(R"({"bodies": [{"type": "RigidBodyDef", "name": "a"}],
+        "task": {"timeLimit": "0.1 s", "steps": [{"done": {"type": "Waited", "seconds": 1}}]}})");
+    Simulation sim(simulationDef(scene));
+    addScene(sim, scene);
+    const RunReport report = sim.run({.headless = true, .steps = 400});
+    CHECK(report.finished == "task 'task' is out of time");
+    CHECK(report.steps == Approx(101).margin(2));
+}
+
+TEST_CASE("scenes: the button of a hand closes the jaws of the instrument that it holds")
+{
+    const SceneFolder folder;
+    folder.write("hand.csv",
+                 "time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n0.2,0,0,0,1,0,0,0,1\n1,0,0.01,0,1,0,0,0,1\n"
+                 "1.01,0,0.01,0,1,0,0,0,0\n2,0,0.01,0,1,0,0,0,0\n");
+    const SceneDef scene = folder.load(R"({"instruments": [{"name": "forceps", "opening": 1, "pose": "0 100 0 mm"}],
+        "haptics": [{"device": {"type": "ScriptedDevice", "motion": "hand.csv"}, "body": "forceps"}]})");
+    Simulation sim(simulationDef(scene));
+    const BodyId forceps = addScene(sim, scene).bodies.at(0);
+    const auto after = [&](int steps) {
+        sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps});
+        return *sim.physics().latest()->rigidBody(forceps);
+    };
+    const double open = std::abs(after(150).joints.at(0).position);
+    CHECK(open > 0.5);
+    const frame::RigidBodyFrame closed = after(850);
+    CHECK(std::abs(closed.joints.at(0).position) < 0.05);
+    CHECK(closed.poses[0].position.y == Approx(0.11).margin(1e-3)); // it follows the hand
+    CHECK(std::abs(after(1000).joints.at(0).position) == Approx(open).margin(0.05));
+}
+
+TEST_CASE("scenes: instruments, tasks and measures that are wrong are refused with their place")
+{
+    const SceneFolder folder;
+    const auto fails = [&](const std::string& content) { return addingFails(folder, content); };
+    const std::string ball = R"("bodies": [{"type": "RigidBodyDef", "name": "ball"}])";
+    CHECK_THAT(fails("{" + ball + ",\n\"instruments\": [{\"name\": \"ball\"}]}"),
+               Contains("scene.json:2:17: instruments[0].name must differ"));
+    CHECK_THAT(
+        fails(
+            "{\"instruments\": [\n{\"keys\": [{\"time\": 2, \"pose\": [0,0,0]}, {\"time\": 1, \"pose\": [0,0,0]}]}]}"),
+        Contains("scene.json:2:") && Contains("instruments[0].keys[1].time must be later"));
+    CHECK_THAT(fails("{\"instruments\": [\n{\"type\": \"EndoscopeDef\", \"grip\": [{\"time\": 1}]}]}"),
+               Contains("scene.json:2:") && Contains("grip must be empty: an endoscope has no jaws"));
+    CHECK_THAT(fails("{\"instruments\": [{\"kind\": \"pliers\"}]}"), Contains("forceps, grasper, scissors"));
+    CHECK_THAT(fails("{\"instruments\": [{\"opening\": 2}]}"), Contains("opening must be in [0, 1], got 2"));
+    CHECK_THAT(
+        fails("{\"instruments\": [{\"type\": \"EndoscopeDef\", \"name\": \"s\"}],\n\"haptics\": [{\"body\": \"s\"}]}"),
+        Contains("scene.json:2:13: haptics[0]: body must not be an endoscope"));
+    CHECK_THAT(fails("{\"instruments\": [{\"name\": \"s\", \"keys\": [{\"pose\": [0,0,0]}]}],\n\"haptics\": "
+                     "[{\"body\": \"s\"}]}"),
+               Contains("without keys of its own"));
+    CHECK_THAT(
+        fails("{" + ball + ", \"task\": {\"steps\": [{\"done\": {\"type\": \"Reached\", \"body\": \"ball\"}}]}}"),
+        Contains("scene.json:1:") && Contains("task.steps[0].done must have a place or a target"));
+    CHECK_THAT(fails("{" + ball + ", \"task\": {\"steps\": [{}]}}"), Contains("done"));
+    CHECK_THAT(fails("{" + ball + ", \"task\": {\"steps\": []}}"), Contains("steps must have at least one entry"));
+    CHECK_THAT(fails("{" + ball + ", \"task\": {\"steps\": [{\"done\": {\"type\": \"Held\", \"body\": \"bal\"}}]}}"),
+               Contains("task.steps[0].done.body must be the name of a body") && Contains("did you mean 'ball'?"));
+    CHECK_THAT(addingFails(folder, "{" + ball + "}", true), Contains("measured must name a body"));
+    CHECK_THAT(fails("{" + ball + ", \"measured\": [{\"body\": \"ball\", \"role\": \"camera\"}]}"),
+               Contains("tool, scope, other"));
+}
+
+} // namespace instruments_test
