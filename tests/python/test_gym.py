@@ -108,6 +108,21 @@ def test_the_same_seed_gives_the_same_bits_also_after_cuts_and_grasps(name):
     second.close()
 
 
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("policy", [scripted, at_random(3)])
+def test_no_state_short_of_success_is_worth_waiting_in(name, policy):
+    env = getattr(gym, name)()
+    rows, info = episode(env, 4, policy, 150)
+    rewards = [reward for _, reward, _ in rows]
+    if info["is_success"]:
+        assert rewards.pop() > 5
+    if name == "PrecisionCutting":  # what is new of the line is paid once
+        assert sum(max(each, 0) for each in rewards) <= 1
+    else:
+        assert max(rewards) <= 0
+    env.close()
+
+
 def test_a_reset_returns_the_tissue_that_was_cut():
     env = gym.PrecisionCutting()
     env.reset(seed=0)

@@ -1,4 +1,9 @@
-"""The ten tasks. Places are in metres, forces in newtons, y is up."""
+"""The ten tasks. Places are in metres, forces in newtons, y is up.
+
+Success ends an episode. So a state short of it must not be worth more than the end: rewards of states are penalties, at
+most 0, and only success pays. With a reward of +1 for each step with a grasp, the best policy held on just outside the
+target for ever, and this is what learning found.
+"""
 
 from __future__ import annotations
 
@@ -52,8 +57,8 @@ class DeflectSpheres(SurgicalEnv):
     Posts: 2, 3 or 4 (difficulty). Features: for each post how its top is deflected [cm] (3), its foot (3), and whether
     it is the target (7 numbers for each).
     Success: the target's top is 6 mm from where it stood, and no other one more than 3 mm.
-    Reward: 100 times the target's deflection [m] up to 6 mm, -100 times the largest of the others, -10 times the
-    distance of the instrument from the target [m], +10 for success.
+    Reward: -100 times what the target's deflection [m] lacks of 6 mm, -100 times the largest of the others, -10 times
+    the distance of the instrument from the target [m], +10 for success.
     """
 
     eye, looks_at = (0.0, 0.07, 0.12), (0.0, 0.025, 0.0)
@@ -97,7 +102,7 @@ class DeflectSpheres(SurgicalEnv):
         away = _distance(self.tools[0].place, self.feet[self.target] + (0, 0.035, 0))
         success = mine > 0.006 and others < 0.003
         reward = {
-            "deflection": 100 * min(mine, 0.006),
+            "deflection": 100 * min(mine - 0.006, 0.0),
             "others": -100 * others,
             "distance": -10 * away,
             "success": 10.0 * success,
@@ -215,7 +220,7 @@ class TissueRetraction(SurgicalEnv):
 
     Features: where to grasp (3), the target (3).
     Success: it is grasped, and the instrument is within 5, 3 or 2 mm of the target (difficulty).
-    Reward: -10 times the distance to the place to grasp, or once it is grasped +1 and -10 times the distance to the
+    Reward: -1 and -10 times the distance to the place to grasp, or once it is grasped -10 times the distance to the
     target [m], +10 for success.
     """
 
@@ -255,7 +260,7 @@ class TissueRetraction(SurgicalEnv):
         there = self.target if held else self.sim.frame[self.flap].positions[self.edge]
         away = _distance(tool.place, there)
         success = held and away < (0.005, 0.003, 0.002)[self.difficulty]
-        reward = {"distance": -10 * away, "grasped": 1.0 * held, "success": 10.0 * success}
+        reward = {"distance": -10 * away, "grasped": held - 1.0, "success": 10.0 * success}
         return Judgement(reward, success, {"distance": away, "grasped": float(held)})
 
 
@@ -326,7 +331,7 @@ class PickAndPlace(SurgicalEnv):
     Features: the cube (3), its place (3).
     Success: it is let go, and within 8, 6 or 4 mm of its place (difficulty), lower than 12 mm.
     Reward: -10 times the distance of the instrument from the cube, and -20 times that of the cube from its place [m],
-    +0.5 while it is held, +10 for success.
+    -0.5 while it is not held, +10 for success.
     """
 
     eye, looks_at = (0.0, 0.1, 0.12), (0.0, 0.012, 0.0)
@@ -372,7 +377,7 @@ class PickAndPlace(SurgicalEnv):
         reward = {
             "instrument": -10 * _distance(tool.place, cube),
             "cube": -20 * away,
-            "held": 0.5 * held,
+            "held": 0.5 * (held - 1.0),
             "success": 10.0 * success,
         }
         return Judgement(reward, success, {"distance": away, "height": float(cube[1]), "held": float(held)})
@@ -384,7 +389,8 @@ class GraspLift(SurgicalEnv):
     The gallbladder is attached to the liver by half of its length.
     Features: the fundus (3).
     Success: it is held, and its fundus is 12, 15 or 18 mm higher than at rest (difficulty).
-    Reward: -10 times the distance of the instrument from the fundus [m], 50 times the lift [m], +10 for success.
+    Reward: -10 times the distance of the instrument from the fundus [m], -50 times what the lift [m] lacks (all of it,
+    while nothing is held), +10 for success.
     """
 
     eye, looks_at = (0.08, 0.06, 0.09), (0.008, 0.018, 0.0)
@@ -423,8 +429,10 @@ class GraspLift(SurgicalEnv):
         tool, fundus = self.tools[0], self._fundus()
         held = self.holds(tool)
         lift = float(fundus[1]) - self.rest
-        success = held and lift > (0.012, 0.015, 0.018)[self.difficulty]
-        reward = {"distance": -10 * _distance(tool.place, fundus), "lift": 50 * lift * held, "success": 10.0 * success}
+        wanted = (0.012, 0.015, 0.018)[self.difficulty]
+        success = held and lift > wanted
+        lacks = max(wanted - lift * held, 0.0)
+        reward = {"distance": -10 * _distance(tool.place, fundus), "lift": -50 * lacks, "success": 10.0 * success}
         return Judgement(reward, success, {"lift": lift, "held": float(held)})
 
 
