@@ -1,9 +1,11 @@
-"""200 sessions on Dask and on Ray, with a worker and the driver killed under way, beside a serial run.
+"""200 sessions on Dask, Ray and MPI, with a worker and the driver killed under way, beside a serial run.
 
-    python bench/batch_clusters.py [dask] [ray] [--sessions 200]     (the package, dask[distributed] and ray must be installed)
+    python bench/batch_clusters.py [dask] [ray] [mpi] [slurm] [--sessions 200]
+    (the package; dask[distributed], ray, mpi4py and an MPI with mpiexec, dask-jobqueue and a Slurm, of those that are asked for)
 
 Prints JSON: per cluster, the seconds of a run without kills, whether every session is there once after the kills, and
-whether all hashes are those of the serial run.
+whether all hashes are those of the serial run. MPI ends all of a run if one of its processes dies: there, a worker is
+killed in a run of its own, and then the driver in the next.
 """
 
 import argparse
@@ -52,6 +54,17 @@ def executor_of(kind):
 
         ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
         return "ray"
+    if kind == "mpi":
+        from mpi4py.futures import MPIPoolExecutor
+
+        return MPIPoolExecutor()
+    if kind == "slurm":
+        from dask.distributed import Client
+        from dask_jobqueue import SLURMCluster
+
+        cluster = SLURMCluster(cores=1, processes=1, memory="2GB", walltime="00:10:00", log_directory=tempfile.gettempdir())
+        cluster.scale(jobs=2)
+        return Client(cluster)
     return "processes"
 
 
@@ -66,9 +79,13 @@ def start(kind, out, sessions):
     driver = pathlib.Path(out).with_suffix(".driver.py")
     driver.write_text(code)
     environment = {**os.environ, "PYTHONPATH": here}
-    return subprocess.Popen(
-        [sys.executable, driver], env=environment, start_new_session=True, stderr=subprocess.DEVNULL
-    )
+    command = [sys.executable, driver]
+    if kind == "mpi":  # the driver and two workers
+        environment.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+        few_cores = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}  # the driver waits
+        environment.update(few_cores)
+        command = ["mpiexec", "-n", "3", sys.executable, "-m", "mpi4py.futures", driver]
+    return subprocess.Popen(command, env=environment, start_new_session=True, stderr=subprocess.DEVNULL)
 
 
 def wait_for(parts, count, process):
@@ -92,6 +109,9 @@ def killed(kind, folder, sessions, expected):
     wait_for(parts, sessions // 4, process)
     worker = json.loads(next(iter(parts.glob("*.json"))).read_text())["result"]["pid"]
     os.kill(worker, signal.SIGKILL)
+    if kind == "mpi":
+        process.wait()
+        process = start(kind, out, sessions)
     wait_for(parts, sessions // 2, process)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()

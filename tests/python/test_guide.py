@@ -5,7 +5,8 @@ import re
 import filasofia as fs
 
 
-def test_the_programs_of_the_guide_run(capsys):
+def test_the_programs_of_the_guide_run(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # they write files
     with open(os.path.join(os.environ["FILASOFIA_ROOT"], "docs/guide/python.md")) as page:
         blocks = re.findall(r"```python\n(.*?)```", page.read(), flags=re.S)
     assert len(blocks) >= 6

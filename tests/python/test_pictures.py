@@ -1,5 +1,7 @@
 """Pictures as arrays, drawn off screen."""
+import struct
 import threading
+import zlib
 
 import numpy as np
 import pytest
@@ -135,3 +137,116 @@ def test_what_the_user_shows_of_a_body_replaces_what_the_first_picture_showed():
 
     for late, early in zip(picture(True), picture(False)):
         assert np.array_equal(late, early)
+
+
+def png_chunks(data):
+    """(kind, content) of each chunk of a PNG, checked."""
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    at = 8
+    while at < len(data):
+        (length,) = struct.unpack(">I", data[at : at + 4])
+        kind, content = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
+        assert struct.unpack(">I", data[at + 8 + length : at + 12 + length]) == (zlib.crc32(kind + content),)
+        yield kind, content
+        at += 12 + length
+
+
+def unpacked(data, width, height):
+    """The pixels of packed rows whose filter is 2: each is the difference from the row above."""
+    rows = np.frombuffer(zlib.decompress(data), np.uint8).reshape(height, 3 * width + 1)
+    assert (rows[:, 0] == 2).all()
+    return np.add.accumulate(rows[:, 1:], axis=0, dtype=np.uint8).reshape(height, width, 3)
+
+
+def films(data):
+    """The pictures of an animated PNG, and for how long each is shown [s]."""
+    found, seconds, place, numbers = [], [], None, []
+    for kind, content in png_chunks(data):
+        if kind == b"IHDR":
+            width, height = struct.unpack(">2I", content[:8])
+            canvas = np.zeros((height, width, 3), np.uint8)
+        elif kind == b"acTL":
+            count, repeats = struct.unpack(">2I", content)
+        elif kind == b"fcTL":
+            number, wide, high, left, top, delay, per, _, _ = struct.unpack(">5I2H2B", content)
+            place, numbers = (left, top, wide, high), [*numbers, number]
+            seconds.append(delay / per)
+        elif kind in (b"IDAT", b"fdAT"):
+            if kind == b"fdAT":
+                numbers.append(struct.unpack(">I", content[:4])[0])
+            left, top, wide, high = place
+            packed = content[4:] if kind == b"fdAT" else content
+            canvas[top : top + high, left : left + wide] = unpacked(packed, wide, high)
+            found.append(canvas.copy())
+    assert len(found) == count and repeats == 0 and numbers == list(range(len(numbers)))
+    return found, seconds
+
+
+def test_a_notebook_shows_a_picture_and_nothing_else_that_is_computed_from_it(drawn, tmp_path):
+    sim, _, _ = drawn
+    picture = sim.render(96, 64)
+    assert isinstance(picture, fs.Picture)
+    chunks = dict(png_chunks(picture._repr_png_()))
+    assert struct.unpack(">2I5B", chunks[b"IHDR"]) == (96, 64, 8, 2, 0, 0, 0)
+    assert np.array_equal(unpacked(chunks[b"IDAT"], 96, 64), picture)
+    picture.save(tmp_path / "picture.png")
+    assert (tmp_path / "picture.png").read_bytes() == picture._repr_png_()
+    assert picture[10:20, 5:30]._repr_png_() is not None
+    for other in (picture[..., 0], picture / 255, picture[:0]):
+        assert other._repr_png_() is None
+        with pytest.raises(fs.Error, match=r"picture: it must be \(height, width, 3\), uint8, got"):
+            other.save(tmp_path / "no.png")
+
+
+def test_a_notebook_shows_depth_with_what_is_near_brighter(drawn):
+    sim, _, _ = drawn
+    seen = sim.render_depth(96, 64)
+    grey = unpacked(dict(png_chunks(seen._repr_png_()))[b"IDAT"], 96, 64)[..., 0]
+    assert not grey[seen.bodies == 0].any()
+    near, far = seen.depth == seen.depth.min(), seen.depth == seen.depth[seen.bodies > 0].max()
+    assert (grey[near] == 255).all() and (grey[far] == 55).all()
+
+
+def test_a_film_is_the_run_that_it_shows(tmp_path):
+    sim, tissue, tool = poke(threads=1)
+    other, _, _ = poke(threads=1)
+    film = sim.film(0.1, fps=50, width=48, height=32)
+    other.run(0.1)
+    assert sim.steps == other.steps and sim.state_hash == other.state_hash
+    assert len(film) == 6 and film[0].shape == (32, 48, 3) and repr(film) == "<Film of 6 pictures of 48 x 32, 0.12 s>"
+    assert np.array_equal(film[-1], sim.render(48, 32)) and not np.array_equal(film[0], film[-1])
+    pictures, seconds = films(film._repr_png_())
+    assert all(np.array_equal(*pair) for pair in zip(pictures, film)) and seconds == [0.02] * 6
+    film.save(tmp_path / "film.png")
+    assert (tmp_path / "film.png").read_bytes() == film._repr_png_()
+    assert film.strip(3).shape == (32, 3 * 48, 3) and np.array_equal(film.strip(3)[:, -48:], film[-1])
+    assert len(film[::2]) == 3 and np.array_equal(film[::2][1], film[2])
+    sim.close()
+    other.close()
+
+
+def test_a_film_of_equal_pictures_is_one():
+    still = np.full((4, 6, 3), 7, np.uint8)
+    pictures, _ = films(fs.Film([still, still, still], fps=10)._repr_png_())
+    assert len(pictures) == 3 and all(np.array_equal(each, still) for each in pictures)
+
+
+def test_a_wrong_film_is_one_clear_error(drawn):
+    sim, _, _ = drawn
+    before = sim.steps
+    for seconds in (0, -1, float("nan"), float("inf"), 1e-9):
+        with pytest.raises(fs.Error, match="film: seconds must be in"):
+            sim.film(seconds)
+    for fps in (0, 1e6, float("nan")):
+        with pytest.raises(fs.Error, match="film: fps must be in"):
+            sim.film(0.1, fps=fps)
+    assert sim.steps == before
+    still = np.zeros((4, 6, 3), np.uint8)
+    with pytest.raises(fs.Error, match="film: there must be at least one picture, got 0"):
+        fs.Film([])
+    with pytest.raises(fs.Error, match=r"of one size, got \(4, 5, 3\), uint8 for picture 1"):
+        fs.Film([still, still[:, :5]])
+    with pytest.raises(fs.Error, match="film: fps must be in"):
+        fs.Film([still], fps=float("inf"))
+    with pytest.raises(fs.Error, match="film: count must be at least 1, got 0"):
+        fs.Film([still]).strip(0)

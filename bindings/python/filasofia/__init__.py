@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit as _atexit
 import os as _os
+import typing as _typing
 
 from . import _core, _defs, shapes
 from ._core import (
@@ -48,8 +49,15 @@ from ._defs import *  # noqa: F403  the Defs, a class for each
 from ._simulation import DepthImage, Simulation, load, replay
 from . import viewer  # noqa: E402  after Simulation, which it uses
 
+if _typing.TYPE_CHECKING:
+    from ._pictures import Film, Picture
+
+    __version__: str
+
 __all__ = [
     "DepthImage",
+    "Film",
+    "Picture",
     "Simulation",
     "asset",
     "load",
@@ -100,12 +108,18 @@ def asset(name: str) -> str:
     return _core.asset(name, _os.path.join(_os.path.dirname(__file__), "data"))
 
 
-def __getattr__(name: str) -> str:
-    if name != "__version__":
-        raise AttributeError(f"module 'filasofia' has no attribute '{name}'")
-    from importlib.metadata import version  # slow to import, and seldom asked for
+if not _typing.TYPE_CHECKING:  # a type checker would take every wrong name for one of these
 
-    return version("filasofia")
+    def __getattr__(name: str) -> _typing.Any:
+        if name in ("Film", "Picture"):  # made of NumPy's arrays, and NumPy is slow to import
+            from . import _pictures
+
+            return getattr(_pictures, name)
+        if name != "__version__":
+            raise AttributeError(f"module 'filasofia' has no attribute '{name}'")
+        from importlib.metadata import version  # slow, too, and seldom asked for
+
+        return version("filasofia")
 
 
 # Before the interpreter ends: a thread of a simulation must not find it gone.

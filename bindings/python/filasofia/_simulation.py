@@ -12,6 +12,8 @@ if _typing.TYPE_CHECKING:
     import numpy
     from numpy.typing import NDArray
 
+    from ._pictures import Film, Picture
+
 
 def _only(kind: _typing.Any, given: _typing.Any, named: dict[str, _typing.Any]) -> _typing.Any:
     """A Def from what was given: the Def itself, or its fields by keyword."""
@@ -23,10 +25,23 @@ def _only(kind: _typing.Any, given: _typing.Any, named: dict[str, _typing.Any]) 
 
 
 class DepthImage(_typing.NamedTuple):
-    """Depth and segmentation of a picture."""
+    """Depth and segmentation of a picture. A notebook shows the depth: what is near is bright."""
 
     depth: NDArray[numpy.float32]  #: (height, width) [m], along the viewing direction; inf where nothing is seen
     bodies: NDArray[numpy.uint32]  #: (height, width), the BodyId of what is seen; 0 where there is none
+
+    def _repr_png_(self) -> bytes:
+        import numpy as np
+
+        from . import _png
+
+        seen = np.isfinite(self.depth)
+        near = 1 / self.depth[seen]
+        grey = np.zeros(self.depth.shape, np.uint8)
+        if near.size:
+            low, high = near.min(), near.max()
+            grey[seen] = 55 + 200 * (near - low) / max(high - low, 1e-12)
+        return _png.png(np.repeat(grey[..., None], 3, axis=2))
 
 
 class Simulation(_core.Simulation):
@@ -54,13 +69,47 @@ class Simulation(_core.Simulation):
         *,
         pose: _defs.Pose | _typing.Sequence[float] | None = None,
         camera: _defs.CameraDef | None = None,
-    ) -> NDArray[numpy.uint8]:
-        """A picture of the present state: (height, width, 3), uint8, sRGB.
+    ) -> Picture:
+        """A picture of the present state: (height, width, 3), uint8, sRGB. Notebooks show it; save() writes a PNG.
 
         `pose` is where the camera is (look_at() makes one), `camera` a CameraDef, its lens; without them the picture is
         that of the look, which frames what is shown when the first picture is made.
         """
-        return self._render(_defs.PictureDef(width, height, pose, camera))  # type: ignore[attr-defined, no-any-return]
+        from ._pictures import Picture  # here, because it is made of NumPy's array, and NumPy is slow to import
+
+        return self._render(_defs.PictureDef(width, height, pose, camera)).view(Picture)  # type: ignore[attr-defined, no-any-return]
+
+    def film(
+        self,
+        seconds: float,
+        *,
+        fps: float = 25.0,
+        width: int = 320,
+        height: int = 240,
+        pose: _defs.Pose | _typing.Sequence[float] | None = None,
+        camera: _defs.CameraDef | None = None,
+    ) -> Film:
+        """Runs for `seconds` and returns pictures of it, `fps` for each simulated second. Notebooks show it moving.
+
+        The steps are those of run(). More pictures than steps there are not: fps is at most 1 / dt.
+        """
+        from ._pictures import Film
+
+        steps = round(seconds / self.dt) if 0 < seconds < 1e6 else 0
+        if steps < 1:
+            raise _core.Error(f"film: seconds must be in [{self.dt:.6g}, 1e6), got {seconds!r}")
+        if not 0 < fps * self.dt <= 1:
+            raise _core.Error(f"film: fps must be in (0, {1 / self.dt:.6g}], got {fps!r}")
+        how: dict[str, _typing.Any] = {"pose": pose, "camera": camera}
+        pictures, made = [self.render(width, height, **how)], 0
+        for i in range(1, int(steps * self.dt * fps + 1e-9) + 1):
+            due = round(i / fps / self.dt)
+            self.step(due - made)
+            made = due
+            pictures.append(self.render(width, height, **how))
+        if made < steps:
+            self.step(steps - made)
+        return Film(pictures, fps)
 
     def render_depth(
         self,

@@ -22,8 +22,6 @@ import typing as _typing
 
 import filasofia as _fs
 
-from ._png import write_png as _write_png
-
 __all__ = ["grid", "run", "run_scene"]
 
 Parameters = _typing.Dict[str, _typing.Any]
@@ -66,7 +64,7 @@ def run_scene(
         if picture:
             _os.makedirs(picture, exist_ok=True)
             out["picture_file"] = _os.path.join(picture, name + ".png")
-            _write_png(out["picture_file"], simulation.render())
+            simulation.render().save(out["picture_file"])
     return out
 
 

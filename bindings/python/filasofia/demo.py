@@ -6,8 +6,6 @@ import argparse
 
 import filasofia as fs
 
-from ._png import write_png
-
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m filasofia.demo", description="Tissue hangs, swings and is pushed.")
@@ -39,7 +37,7 @@ def main() -> int:
     print(f"{report.steps} steps of {len(sim.frame[bunny].positions)} nodes in {report.wall_seconds:.2f} s")
     print(f"the bunny swings at {lowest * 1e3:.1f} mm, and the ball has pushed it with up to {force:.2f} N")
     try:
-        write_png(file, sim.render(960, 720))
+        sim.render(960, 720).save(file)
         print(f"wrote {file}")
     except fs.Error as problem:
         print(f"no picture: {problem}")

@@ -35,7 +35,24 @@ TASKS = (
     PolypRemoval,
 )
 
-__all__ = ["TASKS", "Judgement", "SurgicalEnv", "Tool", "VectorEnv", *(each.__name__ for each in TASKS)]
+# Name by name, because type checkers read no more than that.
+__all__ = [
+    "TASKS",
+    "BimanualTissueManipulation",
+    "DeflectSpheres",
+    "GraspLift",
+    "Judgement",
+    "PickAndPlace",
+    "PolypRemoval",
+    "PrecisionCutting",
+    "Reach",
+    "SearchForPoint",
+    "SurgicalEnv",
+    "TissueManipulation",
+    "TissueRetraction",
+    "Tool",
+    "VectorEnv",
+]
 
 for _each in TASKS:
     _gymnasium.register(id=f"filasofia/{_each.__name__}-v0", entry_point=f"filasofia.gym:{_each.__name__}")

@@ -292,7 +292,7 @@ class SurgicalEnv(gymnasium.Env):
         return {"rgb": self._picture(), "depth": np.minimum(depth, np.float32(self.lens.far))}
 
     def _picture(self) -> Array:
-        return self.sim.render(*self.image_size, pose=self.view(), camera=self.lens)
+        return np.asarray(self.sim.render(*self.image_size, pose=self.view(), camera=self.lens))
 
     def _info(self, judgement: Judgement) -> dict[str, typing.Any]:
         return {
