@@ -46,7 +46,8 @@ class VectorEnv(gymnasium.vector.VectorEnv):
             known = ", ".join(repr(each.value) for each in AutoresetMode)
             raise fs.Error(f"VectorEnv: autoreset_mode must be one of {known}, got {autoreset_mode!r}") from None
         self.num_envs, self._copy = num_envs, copy
-        self._pool = concurrent.futures.ThreadPoolExecutor(threads or os.cpu_count() or 1)
+        self._threads = min(threads or os.cpu_count() or 1, num_envs)
+        self._pool = concurrent.futures.ThreadPoolExecutor(max(self._threads - 1, 1))  # the caller works, too
         make = (lambda **given: gymnasium.make(task, **given).unwrapped) if isinstance(task, str) else task
         self.envs = self._all(lambda i: make(**options))
         one = self.envs[0]
@@ -102,17 +103,31 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         self._pool.shutdown()
 
     def _all(self, act: typing.Callable[[int], typing.Any], which: typing.Any = None) -> list[typing.Any]:
-        """What `act` returns for each environment; an exception names the first one that raised."""
-        chosen = range(self.num_envs) if which is None else which
-        futures = [self._pool.submit(act, int(i)) for i in chosen]
+        """What `act` returns for each environment; an exception names the first one that raised.
+
+        One job for each thread, which takes environments until none is left: a job for each environment would cost as
+        much as its observation.
+        """
+        chosen = [int(i) for i in (range(self.num_envs) if which is None else which)]
+        found: list[typing.Any] = [None] * len(chosen)
+        problems: dict[int, BaseException] = {}
+        waiting = iter(range(len(chosen)))  # next() of it is one operation under Python's lock
+
+        def work() -> None:
+            for k in waiting:
+                try:
+                    found[k] = act(chosen[k])
+                except BaseException as problem:
+                    problems[k] = problem
+
+        futures = [self._pool.submit(work) for _ in range(min(self._threads, len(chosen)) - 1)]
+        work()
         concurrent.futures.wait(futures)
-        for i, future in zip(chosen, futures):
-            problem = future.exception()
-            if problem is not None:
-                if hasattr(problem, "add_note"):  # Python 3.11
-                    problem.add_note(f"in environment {int(i)} of {self.num_envs}")
-                raise problem
-        return [future.result() for future in futures]
+        for k, problem in sorted(problems.items()):
+            if hasattr(problem, "add_note"):  # Python 3.11
+                problem.add_note(f"in environment {chosen[k]} of {self.num_envs}")
+            raise problem
+        return found
 
     def _advance(self, i: int, action: typing.Any) -> tuple[Array, float, bool, bool, dict[str, typing.Any]]:
         env = self.envs[i]
