@@ -39,6 +39,11 @@ class Filasofia:
         )
         self.step = self.sim.step
 
+    def broken(self):
+        """Whether a step was undone, or turned an element inside out: without contacts, it is unstable."""
+        report = self.sim.report()
+        return report.undone > 0 or report.inverted > 0
+
     def nodes(self):
         return self.sim.frame[self.body].positions
 

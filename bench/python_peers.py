@@ -1,7 +1,8 @@
 """Filasofia beside soft bodies that install from PyPI: mujoco, pybullet, newton. Speed and error, one body for all.
 
-    python bench/python_peers.py --out bench/results/peers_2core_xeon.json        (at most ten minutes)
-    (the packages filasofia, scipy, mujoco, pybullet, newton; what is not installed is left out, and said)
+    scripts/python_peers.sh [--small]       installs what is needed, measures for at most ten minutes, writes the tables
+    python bench/python_peers.py [--out FILE] [--small]
+    (the packages filasofia, scipy, mujoco, pybullet, newton; a peer that is not installed is left out, and said)
 
 The body is a cantilever of 768 and of 2,808 tetrahedra (peer_reference.py), without damping, under its weight. Every
 engine makes 0.5 s, three swings, with steps of several lengths, on one thread. Its error is the distance of its nodes
@@ -87,7 +88,7 @@ def motion(engine, block, dt, references):
 
 
 def measured(kind, options, dt, block, references):
-    """One row: of a run that is shorter than a second the fastest of three, because other programs disturb it."""
+    """One row. Medians, and of a run that is shorter than a second the fastest of three: other programs disturb."""
     best = None
     for _ in range(3):
         engine = kind(block, dt, **options)
@@ -105,7 +106,7 @@ def measured(kind, options, dt, block, references):
         "dt_ms": round(dt * 1e3, 6),
         "median_ms": round(float(np.median(best)) * 1e3, 4),
         "p99_ms": round(float(np.percentile(best, 99)) * 1e3, 4),
-        "seconds_per_second": round(float(best.mean()) / dt, 4),
+        "seconds_per_second": round(float(np.median(best)) / dt, 4),
         "stable": stable,
         "errors": [finite(each) for each in errors] if stable else None,
     }
