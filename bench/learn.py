@@ -1,6 +1,6 @@
 """A policy learns a task of filasofia.gym from state observations, with SAC of stable-baselines3.
 
-    python bench/learn.py [--task Reach] [--minutes 30]     (the package with [gym], stable-baselines3)
+    python bench/learn.py [--task Reach] [--minutes 30] [--seed 0]     (the package with [gym], stable-baselines3)
 
 Prints JSON: the learning curve (steps, minutes, success in 50 episodes of seeds that training does not use) until 90 %
 succeed twice in a row, and whether the trained policy's episodes repeat with the same state hashes.
@@ -39,13 +39,14 @@ def main():
     parser.add_argument("--task", default="Reach", choices=[task.__name__ for task in gym.TASKS])
     parser.add_argument("--minutes", type=float, default=30.0)
     parser.add_argument("--every", type=int, default=2500, help="steps between two evaluations")
+    parser.add_argument("--seed", type=int, default=0, help="of the learning; that of the test is always the same")
     given = parser.parse_args()
     torch.set_num_threads(1)  # faster than two for networks as small as these
     task = getattr(gym, given.task)
     env, test = task(max_steps=100), task(max_steps=100)
     network = {"net_arch": [128, 128]}
     settings = {"learning_rate": 1e-3, "gamma": 0.95, "ent_coef": "auto_0.1", "learning_starts": 500}
-    model = SAC("MlpPolicy", env, seed=0, device="cpu", policy_kwargs=network, **settings)
+    model = SAC("MlpPolicy", env, seed=given.seed, device="cpu", policy_kwargs=network, **settings)
     curve, begin, last = [], time.perf_counter(), 0.0
     while time.perf_counter() - begin < 60 * given.minutes:
         model.learn(given.every, reset_num_timesteps=False)
@@ -64,6 +65,7 @@ def main():
                 "filasofia": fs.__version__,
                 "stable_baselines3": stable_baselines3.__version__,
                 "algorithm": "SAC",
+                "seed": given.seed,
                 "curve": curve,
                 "success": again,
                 "repeats_bit_for_bit": repeated == hashes,
