@@ -1,7 +1,8 @@
-"""200 sessions on Dask, Ray and MPI, with a worker and the driver killed under way, beside a serial run.
+"""200 sessions on Dask (local, Slurm, SSH), Ray and MPI, with a worker and the driver killed under way, beside a serial run.
 
-    python bench/batch_clusters.py [dask] [ray] [mpi] [slurm] [--sessions 200]
-    (the package; dask[distributed], ray, mpi4py and an MPI with mpiexec, dask-jobqueue and a Slurm, of those that are asked for)
+    python bench/batch_clusters.py [processes] [dask] [ray] [mpi] [slurm] [ssh] [--sessions 200]
+    (the package; dask[distributed], ray, mpi4py and an MPI with mpiexec, dask-jobqueue and a Slurm, asyncssh and a server on
+    this machine, of those that are asked for; BATCH_SSH has options of asyncssh.connect as JSON, such as {"port": 2222})
 
 Prints JSON: per cluster, the seconds of a run without kills, whether every session is there once after the kills, and
 whether all hashes are those of the serial run. MPI ends all of a run if one of its processes dies: there, a worker is
@@ -65,6 +66,20 @@ def executor_of(kind):
         cluster = SLURMCluster(cores=1, processes=1, memory="2GB", walltime="00:10:00", log_directory=tempfile.gettempdir())
         cluster.scale(jobs=2)
         return Client(cluster)
+    if kind == "ssh":
+        from dask.distributed import Client, SSHCluster
+
+        options = {"known_hosts": None, **json.loads(os.environ.get("BATCH_SSH", "{}"))}
+        cluster = SSHCluster(
+            ["127.0.0.1"] * 3,  # the scheduler and two workers
+            connect_options=options,
+            worker_options={"nthreads": 1},
+            scheduler_options={"dashboard": False, "idle_timeout": "30 s"},  # if the driver is killed, nobody ends them
+            remote_python=sys.executable,
+        )
+        client = Client(cluster)
+        client.upload_file(__file__)  # their environment is not ours
+        return client
     return "processes"
 
 

@@ -28,7 +28,7 @@ def batch(data):
         return [name, f'{cell["seconds_without_kills"]:.1f}', str(cell["done_when_the_driver_was_killed"]), str(cell["rows"]),
                 str(cell["errors"]), yes[cell["every_session_once"]], yes[cell["hashes_of_the_serial_run"]]]
     return table(["executor", "without kills [s]", "done when the driver was killed", "rows in the end", "errors", "each session once",
-                  "hashes of the serial run"], [row(name) for name in ("processes", "dask", "ray", "mpi", "slurm") if name in data])
+                  "hashes of the serial run"], [row(name) for name in ("processes", "dask", "ray", "mpi", "slurm", "ssh") if name in data])
 
 
 def _name(row):
