@@ -1,4 +1,5 @@
 """Pictures as arrays, drawn off screen."""
+import pickle
 import struct
 import threading
 import zlib
@@ -189,10 +190,16 @@ def test_a_notebook_shows_a_picture_and_nothing_else_that_is_computed_from_it(dr
     chunks = dict(png_chunks(picture._repr_png_()))
     assert struct.unpack(">2I5B", chunks[b"IHDR"]) == (96, 64, 8, 2, 0, 0, 0)
     assert np.array_equal(unpacked(chunks[b"IDAT"], 96, 64), picture)
+    assert isinstance(pickle.loads(pickle.dumps(picture)), fs.Picture)
     picture.save(tmp_path / "picture.png")
     assert (tmp_path / "picture.png").read_bytes() == picture._repr_png_()
     assert picture[10:20, 5:30]._repr_png_() is not None
-    for other in (picture[..., 0], picture / 255, picture[:0]):
+    for other in (picture / 255, picture // 2, picture > 5, np.flip(picture) + 1):
+        assert type(other) is np.ndarray
+    assert type(picture.mean()) is np.float64 and type(picture.max()) is np.uint8
+    picture += 1
+    assert isinstance(picture, fs.Picture)
+    for other in (picture[..., 0], picture[:0]):
         assert other._repr_png_() is None
         with pytest.raises(fs.Error, match=r"picture: it must be \(height, width, 3\), uint8, got"):
             other.save(tmp_path / "no.png")

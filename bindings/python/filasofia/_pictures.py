@@ -19,7 +19,10 @@ else:
 
 
 class Picture(Pixels):
-    """A picture: an array (height, width, 3), uint8, sRGB, that a notebook shows if it is the last line of a cell."""
+    """A picture: an array (height, width, 3), uint8, sRGB, that a notebook shows if it is the last line of a cell.
+
+    What is computed from it is an ordinary array or number; parts of it are pictures, too, if they have the shape of one.
+    """
 
     def save(self, file: str | os.PathLike[str]) -> None:
         """Writes it as a PNG."""
@@ -27,8 +30,14 @@ class Picture(Pixels):
             raise _core.Error(f"picture: it must be (height, width, 3), uint8, got {self.shape}, {self.dtype}")
         _png.write(file, _png.png(self))
 
+    def __array_wrap__(self, array: typing.Any, context: typing.Any = None, return_scalar: bool = False) -> typing.Any:
+        """What NumPy calls with a result: without it, a mean would be a picture of no pixel."""
+        if array is self:
+            return self
+        plain = numpy.asarray(array)
+        return plain[()] if plain.ndim == 0 else plain
+
     def _shown(self) -> bool:
-        """What is computed from a picture is one only if it has the shape of one."""
         return self.ndim == 3 and self.shape[2] == 3 and self.dtype == numpy.uint8 and self.size > 0
 
     def _repr_png_(self) -> bytes | None:
