@@ -78,6 +78,9 @@ class MuJoCo:
     """`scheme` "implicit" is the integrator that its documentation advises for flexes ("discrete"), with CG."""
 
     package, equal, law = "mujoco", False, "St. Venant-Kirchhoff"
+    cannot = (
+        "no law but St. Venant-Kirchhoff in MJCF; a flex spreads its mass evenly, so the masses of nodes are set afterwards"
+    )
 
     def __init__(self, block, dt, damping=0.0, scheme="implicit"):
         import mujoco
@@ -131,6 +134,9 @@ class PyBullet:
     """Its deformable world: explicit elasticity, implicit damping. Every node has the same mass: it takes only the total."""
 
     package, equal, law = "pybullet", True, "neo-Hookean, log"
+    cannot = (
+        "no implicit elasticity, no mass per node, no batches; Young's modulus and Poisson's ratio must be converted"
+    )
 
     def __init__(self, block, dt, damping=0.0, scheme="explicit"):
         with quiet():
@@ -184,6 +190,10 @@ class Newton:
     """
 
     package, equal = "newton", False
+    cannot = (
+        "no second thread on the processor; no rest with the damping of the others; no volumetric bodies in other "
+        "solvers, says its example"
+    )
 
     def __init__(self, block, dt, damping=0.0, scheme="VBD", copies=1):
         import newton

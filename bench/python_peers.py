@@ -268,6 +268,7 @@ def main():
     given = parser.parse_args()
     result = {"machine": given.machine, "missing": {}}
     result["versions"] = engines_here(result["missing"])
+    result["cannot"] = {each.package: each.cannot for each in (MuJoCo, PyBullet, Newton)}
     result.update(reference_error=0.0, runs=[], rests=[])
     for cells in CELLS[: 1 if given.small else None]:
         block = block_of(cells)
