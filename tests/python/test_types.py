@@ -20,16 +20,28 @@ x: str = fs.Simulation().frame.contacts["gap"]
 '''
 
 
-def check(file, tmp_path):
-    out, problems, code = api.run(["--strict", f"--cache-dir={tmp_path}", str(file)])
-    return out + problems, code
+@pytest.fixture(scope="module")
+def check(tmp_path_factory):
+    cache = tmp_path_factory.mktemp("mypy")
+
+    def run(*what):
+        out, problems, code = api.run(["--strict", f"--cache-dir={cache}", *what])
+        return out + problems, code
+
+    return run
 
 
-def test_a_correct_program_passes_and_a_wrong_one_has_an_error_in_every_line(tmp_path):
-    out, code = check(HERE / "typed_program.py", tmp_path)
+def test_a_correct_program_passes_and_a_wrong_one_has_an_error_in_every_line(check, tmp_path):
+    out, code = check(str(HERE / "typed_program.py"))
     assert code == 0, out
     wrong = tmp_path / "wrong.py"
     wrong.write_text(WRONG)
-    out, _ = check(wrong, tmp_path)
+    out, _ = check(str(wrong))
     found = {int(line.split(":")[1]) for line in out.splitlines() if "error:" in line}
     assert found == set(range(5, 11)), out
+
+
+def test_the_package_itself_passes(check, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # the installed one
+    out, code = check("--ignore-missing-imports", "-p", "filasofia")  # not every library that it uses has types
+    assert code == 0, out

@@ -207,7 +207,8 @@ class _Ray:
         self._call = ray.remote(max_retries=0)(lambda function, *arguments: function(*arguments))
 
     def submit(self, *call: _typing.Any) -> _futures.Future[Parameters]:
-        return self._call.remote(*call).future()
+        future: _futures.Future[Parameters] = self._call.remote(*call).future()
+        return future
 
 
 class _Dispatch:

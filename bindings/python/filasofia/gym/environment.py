@@ -66,7 +66,7 @@ class SurgicalEnv(gymnasium.Env):
         action: str = "box",
         difficulty: int = 0,
         image_size: tuple[int, int] = (128, 128),
-        quality: str = "high",
+        quality: typing.Literal["low", "medium", "high"] = "high",
         max_steps: int = 300,
         frame_skip: int = 10,
         threads: int = 1,
@@ -248,7 +248,7 @@ class SurgicalEnv(gymnasium.Env):
         if command < -0.3 and tool.grasp is not None:
             self.sim.release(tool.grasp)
             tool.grasp = None
-        elif command > 0.3 and not self.holds(tool) and self._touches(tool):
+        elif command > 0.3 and tool.grips is not None and not self.holds(tool) and self._touches(tool):
             tool.grasp = self.sim.grasp(tool.body, tool.grips)
 
     def _touches(self, tool: Tool) -> bool:
@@ -276,7 +276,7 @@ class SurgicalEnv(gymnasium.Env):
         return list(np.split(values, np.cumsum(self._sizes)[:-1]))
 
     def _state(self) -> Array:
-        parts = [np.ravel(self.features())]
+        parts: list[Array] = [np.ravel(self.features())]
         for tool in self.tools:
             parts.append(self.unit(tool.place))
             if tool.grips is not None:

@@ -48,16 +48,15 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         self.num_envs, self._copy = num_envs, copy
         self._threads = min(threads or os.cpu_count() or 1, num_envs)
         self._pool = concurrent.futures.ThreadPoolExecutor(max(self._threads - 1, 1))  # the caller works, too
-        make = (lambda **given: gymnasium.make(task, **given).unwrapped) if isinstance(task, str) else task
-        self.envs = self._all(lambda i: make(**options))
+        self.envs = self._all(lambda i: self._make(task, options))
         one = self.envs[0]
         self.metadata = {**one.metadata, "autoreset_mode": self.autoreset_mode}
         self.render_mode, self.spec = one.render_mode, one.spec
         self.single_observation_space, self.single_action_space = one.observation_space, one.action_space
         self.observation_space = batch_space(one.observation_space, num_envs)
         self.action_space = batch_space(one.action_space, num_envs)
-        self._seen = create_empty_array(one.observation_space, num_envs)
-        self._ended = np.zeros(num_envs, bool)
+        self._seen: typing.Any = create_empty_array(one.observation_space, num_envs)
+        self._ended: Array = np.zeros(num_envs, bool)
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, typing.Any] | None = None
@@ -93,7 +92,7 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         self._ended = ends.any(axis=0) & (self.autoreset_mode != AutoresetMode.SAME_STEP)
         return self._observations(), rewards, ends[0], ends[1], infos
 
-    def render(self) -> tuple[Array | None, ...]:
+    def render(self) -> tuple[typing.Any, ...]:
         return tuple(self._all(lambda i: self.envs[i].render()))
 
     def close_extras(self, **_: typing.Any) -> None:
@@ -101,6 +100,10 @@ class VectorEnv(gymnasium.vector.VectorEnv):
             for env in self.envs:
                 env.close()
         self._pool.shutdown()
+
+    @staticmethod
+    def _make(task: str | typing.Callable[..., SurgicalEnv], options: dict[str, typing.Any]) -> typing.Any:
+        return gymnasium.make(task, **options).unwrapped if isinstance(task, str) else task(**options)
 
     def _all(self, act: typing.Callable[[int], typing.Any], which: typing.Any = None) -> list[typing.Any]:
         """What `act` returns for each environment; an exception names the first one that raised.
