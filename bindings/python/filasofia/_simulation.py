@@ -125,6 +125,20 @@ class Simulation(_core.Simulation):
         """
         return DepthImage(*self._render_depth(_defs.PictureDef(width, height, pose, camera)))  # type: ignore[attr-defined]
 
+    def measure(
+        self,
+        definition: _defs.MetricTrackerDef | None = None,
+        *,
+        trainee: str = "",
+        task: str = "",
+        **fields: _typing.Any,
+    ) -> None:
+        """Writes what bodies do into a session file, until close(): a MetricTrackerDef, or its fields (bodies, file).
+
+        Call it before the first step. measures() computes the numbers, `filasofia report` the page.
+        """
+        self._measure(_only(_defs.MetricTrackerDef, definition, fields), trainee, task)  # type: ignore[attr-defined]
+
     def __repr__(self) -> str:
         try:
             if self._foreign:  # type: ignore[attr-defined]

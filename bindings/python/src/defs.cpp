@@ -2,6 +2,8 @@
 
 #include "def_table.h"
 
+#include "filasofia/prefab/metric_tracker.h"
+
 #include <nanobind/stl/vector.h>
 
 namespace filasofia::python {
@@ -25,6 +27,7 @@ const DefTable& table()
         out.add<runtime::PictureDef>();
         out.add<runtime::ViewerDef>();
         out.add<runtime::ReplayDef>();
+        out.add<prefab::MetricTrackerDef>();
         return out;
     }();
     return made;

@@ -157,6 +157,19 @@ std::uint64_t Session::hash() { return closed() ? final_.hash : physics().hash()
 void Session::add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& tracker)
 {
     scene_ = scene::addScene(simulation_, scene, tracker);
+    if (scene_.tracker) trackers_.push_back(scene_.tracker);
+}
+
+void Session::measure(prefab::MetricTrackerDef def)
+{
+    if (run_) fail("measure: the run has begun: measure before the first step");
+    trackers_.push_back(std::make_shared<prefab::MetricTracker>(simulation_, std::move(def)));
+}
+
+void Session::mark(metric::EventKind kind, const std::string& what, std::optional<double> amount)
+{
+    if (trackers_.empty()) fail("mark: nothing is measured: call measure() before the first step");
+    for (const auto& each : trackers_) each->mark(kind, what, amount);
 }
 
 void Session::close()
@@ -169,7 +182,7 @@ void Session::close()
         ~Closing() { closed.store(true); }
     };
     const Closing last{closed_};
-    if (scene_.tracker) scene_.tracker->close();
+    for (const auto& each : trackers_) each->close();
     final_ = report();
     if (run_)
         final_ = run_->end();

@@ -54,6 +54,8 @@ public:
 
     /// Adds a scene before the first step; its measures are written until close().
     void add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& tracker);
+    /// Begins to measure, before the first step; the file is whole after close().
+    void measure(prefab::MetricTrackerDef def);
     // For the owner of the turn. The run begins with record(), the first step or the first picture.
     /// Begins the run with what it is to write; Error if it has begun. If it is refused, nothing has happened.
     void record(const runtime::RunDef& def);
@@ -83,6 +85,8 @@ public:
     [[nodiscard]] std::vector<Arrived> takeArrived() { return std::exchange(arrived_, {}); }
     [[nodiscard]] bool anyArrived() const { return !arrived_.empty(); }
 
+    /// Notes an event in what is measured; Error if nothing is.
+    void mark(metric::EventKind kind, const std::string& what, std::optional<double> amount);
     /// Whether events of this alternative of Arrived are collected, from now on.
     void collect(std::size_t alternative, bool on);
 
@@ -106,6 +110,7 @@ private:
 
     runtime::Simulation simulation_;
     scene::AddedScene scene_ = {};
+    std::vector<std::shared_ptr<prefab::MetricTracker>> trackers_; ///< they end before the simulation
     std::optional<runtime::SteppedRun> run_;
     runtime::RunReport final_ = {}; ///< written before closed_ is set, and never again
     std::vector<Arrived> arrived_;

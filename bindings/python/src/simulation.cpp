@@ -324,6 +324,7 @@ void bindSimulation(nb::module_& module)
     addBodies(sim);
     addSteps(sim);
     addStates(module, sim);
+    addMeasures(module, sim);
     addRecords(sim);
     addCallbacks(sim);
     addPictures(sim);

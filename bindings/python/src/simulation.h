@@ -4,10 +4,12 @@
 
 namespace filasofia::python {
 
-/// Simulation; its commands are in commands.cpp, its pictures in pictures.cpp, its saved states in states.cpp.
+/// Simulation; its commands are in commands.cpp, its pictures in pictures.cpp, its saved states in states.cpp, what is
+/// measured in measures.cpp.
 void bindSimulation(nb::module_& module);
 void addCommands(nb::class_<HeldSimulation>& simulation);
 void addPictures(nb::class_<HeldSimulation>& simulation);
+void addMeasures(nb::module_& module, nb::class_<HeldSimulation>& simulation);
 void addStates(nb::module_& module, nb::class_<HeldSimulation>& simulation);
 
 /// The session, if it is usable; Error if not.

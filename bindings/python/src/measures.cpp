@@ -1,0 +1,65 @@
+#include "convert.h"
+#include "defs.h"
+#include "simulation.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/metric/catalog.h"
+#include "filasofia/metric/session_file.h"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+namespace filasofia::python {
+namespace {
+
+void measure(HeldSimulation& self, nb::handle given, const std::string& trainee, const std::string& task)
+{
+    auto def = readDef<prefab::MetricTrackerDef>(given, "measure");
+    if (def.file.empty()) fail("measure: file must name a .jsonl or .csv file, got ''");
+    def.session.trainee = trainee;
+    def.session.task = task;
+    const Session::Turn turn(*self.session, "measure");
+    const nb::gil_scoped_release free;
+    self.session->measure(std::move(def));
+}
+
+void mark(HeldSimulation& self, const std::string& kind, const std::string& what, std::optional<double> amount)
+{
+    const std::optional<metric::EventKind> event = metric::eventKind(kind);
+    if (!event)
+        fail("mark: kind must be one of grasp, release, tear, cut, perforation, removed, seen, residual, step, "
+             "mistake, note, got '",
+             kind, "'");
+    usable(self, "mark").mark(*event, what, amount);
+}
+
+nb::dict measuresOf(nb::handle file)
+{
+    const std::string name = readText(file, {.name = "measures: file"});
+    std::vector<metric::Value> values;
+    {
+        const nb::gil_scoped_release free;
+        values = metric::measure(metric::readSession(name));
+    }
+    nb::dict out;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        out[nb::str(metric::catalog()[i].id.data(), metric::catalog()[i].id.size())] =
+            values[i].value ? nb::object(nb::float_(*values[i].value)) : nb::none();
+    return out;
+}
+
+} // namespace
+
+void addMeasures(nb::module_& module, nb::class_<HeldSimulation>& sim)
+{
+    sim.def("_measure", &measure, nb::arg("definition").none(), nb::arg("trainee"), nb::arg("task"));
+    sim.def("mark", &mark, nb::arg("kind"), nb::arg("what") = "", nb::arg("amount").none() = nb::none(),
+            "Notes an event at the present time in the session that measure() writes: kind is grasp, release, tear, "
+            "cut, perforation, removed, seen, residual, step, mistake or note. Error if nothing is measured.");
+    module.def("measures", &measuresOf, nb::arg("file").none(),
+               nb::sig("def measures(file: str | os.PathLike[str]) -> dict[str, float | None]"),
+               "The measures of a session file by their names (docs/guide/metrics.md), in SI units; None if the "
+               "session has no such number.");
+}
+
+} // namespace filasofia::python

@@ -1,0 +1,58 @@
+"""Sessions and their measures."""
+import json
+import os
+
+import pytest
+
+import filasofia as fs
+from scenes import poke
+
+
+def test_the_path_of_a_tool_is_measured_as_it_was_moved(tmp_path):
+    file = tmp_path / "session.jsonl"
+    sim, tissue, tool = poke()
+    sim.measure(bodies=[fs.TrackedBody(body=tool, role="tool")], file=file, trainee="A. B.", task="poke")
+    sim.step()
+    start = sim.frame[tool].poses[0, :3].copy()
+    sim.step(400, {tool: start + (0.03, 0, 0)})
+    sim.mark("step", "there")
+    sim.step(200, {tool: start})
+    sim.close()
+    measures = fs.measures(file)
+    assert measures["path_length"] == pytest.approx(0.06, rel=0.03)  # the filter of 20 Hz rounds the turn
+    assert measures["duration"] == pytest.approx(0.6, rel=0.02)
+    assert set(measures) >= {"path_length", "duration"} and None in measures.values()
+    lines = [json.loads(line) for line in file.read_text().splitlines()]
+    assert lines[0]["trainee"] == "A. B." and lines[0]["case"] == "poke"
+    assert any("there" in json.dumps(line) for line in lines[1:])
+
+
+def test_a_scene_is_measured_by_its_task(tmp_path):
+    scene = os.path.join(os.environ["FILASOFIA_ROOT"], "examples/scenes/biopsy.json")
+    file = tmp_path / "biopsy.jsonl"
+    sim = fs.load(scene, measures=file)
+    assert len(sim.bodies) == 4
+    sim.step(1600)
+    sim.close()
+    measures = fs.measures(file)
+    assert measures["steps_done"] == 1.0 and measures["tears_unintended"] == 0.0
+    assert 0.01 < measures["path_length"] < 0.04
+
+
+def test_measures_that_are_wrong_are_errors(tmp_path):
+    sim, _, tool = poke()
+    with pytest.raises(fs.Error, match="mark: nothing is measured"):
+        sim.mark("step", "x")
+    with pytest.raises(fs.Error, match="file must name"):
+        sim.measure(bodies=[fs.TrackedBody(body=tool)])
+    with pytest.raises(fs.Error, match="bodies"):
+        sim.measure(file=tmp_path / "a.jsonl")
+    with pytest.raises(fs.Error):
+        sim.measure(bodies=[fs.TrackedBody(body=99)], file=tmp_path / "a.jsonl")
+    sim.step()
+    with pytest.raises(fs.Error, match="before the first step"):
+        sim.measure(bodies=[fs.TrackedBody(body=tool)], file=tmp_path / "a.jsonl")
+    with pytest.raises(fs.Error, match="mark: kind must be one of"):
+        fs.Simulation().mark("jump")
+    with pytest.raises(fs.Error, match="nothing.jsonl"):
+        fs.measures(tmp_path / "nothing.jsonl")
