@@ -19,6 +19,9 @@ void write(const std::filesystem::path& file, std::string_view words)
     std::ofstream(file, std::ios::binary).write(words.data(), static_cast<long>(words.size()));
 }
 
+constexpr std::string_view kMeshRobot =
+    "<robot><link name='a'><visual><geometry><mesh filename='mesh.dae'/></geometry></visual></link></robot>";
+
 /// A folder with files that the input may name.
 std::filesystem::path makeFolder()
 {
@@ -51,16 +54,18 @@ void check(const filasofia::scene::SceneDef& scene)
 
 } // namespace
 
-// The input is a robot or a model of MuJoCo, whichever its first element says.
+// The input is a robot, a model of MuJoCo or a mesh in Collada, whichever its first element says.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     using namespace filasofia;
     setLogSink([](LogLevel, std::string_view) {});
     static const std::filesystem::path folder = makeFolder();
     const std::string_view words(reinterpret_cast<const char*>(data), size);
-    const bool robot = words.find("<robot") < words.find("<mujoco");
+    const bool mesh = words.starts_with("<COLLADA"); // a mesh in that format, and a robot of it
+    const bool robot = mesh || words.find("<robot") < words.find("<mujoco");
     const std::filesystem::path file = folder / "model.xml";
-    write(file, words);
+    if (mesh) write(folder / "mesh.dae", words);
+    write(file, mesh ? kMeshRobot : words);
     try {
         check((robot ? scene::loadUrdf(file) : scene::loadMjcf(file)).scene);
     } catch (const Error&) {

@@ -241,5 +241,64 @@ TEST_CASE("URDF: meshes are scaled, mirrored right side out, and lie in the robo
     CHECK(errorFrom("pkg/robot.urdf", "meshes/none.obj").find("must be a file that exists") != std::string::npos);
 }
 
+TEST_CASE("URDF: a mesh in Collada has its unit and its nodes' places, polygons, and no up axis")
+{
+    const SceneFolder folder;
+    const std::string dae = R"(<COLLADA><asset><unit meter="0.01"/><up_axis>Y_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array count="12">0 0 0 1 0 0 1 1 0 0 1 0</float_array></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<polylist><input semantic="VERTEX" offset="1"/><input semantic="NORMAL" offset="0"/><vcount>4</vcount><p>9 0 9 1 9 2 9 3</p></polylist>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene><node><translate>0 0 5</translate><node><scale>2 -1 1</scale>
+<instance_geometry url="#g"/></node></node></visual_scene></library_visual_scenes></COLLADA>)";
+    const auto load = [&](const std::string& words) {
+        folder.write("m.dae", words);
+        return loadUrdf(folder.write("robot.urdf",
+                                     "<robot name=\"r\"><link name=\"a\"><visual><geometry><mesh filename=\"m.dae\"/>"
+                                     "</geometry></visual></link></robot>"));
+    };
+    const Imported imported = load(dae);
+    const auto& mesh =
+        *std::get<std::shared_ptr<const geometry::TriangleMesh>>(imported.scene.bodies[0].show.at(0).surface);
+    REQUIRE(mesh.triangles.size() == 2);
+    const geometry::Box around = geometry::boxAround(mesh.vertices);
+    CHECK(length(around.low - Vec3{0, -0.01, 0.05}) < 1e-12);
+    CHECK(length(around.high - Vec3{0.02, 0, 0.05}) < 1e-12);
+    for (const geometry::Triangle& each : mesh.triangles) // mirrored, and still seen from +z
+        CHECK(
+            cross(mesh.vertices[each[1]] - mesh.vertices[each[0]], mesh.vertices[each[2]] - mesh.vertices[each[0]]).z >
+            0);
+    const auto errorFrom = [&](std::string words, const std::string& from, const std::string& to) -> std::string {
+        words.replace(words.find(from), from.size(), to);
+        try {
+            load(words);
+            return "no error";
+        } catch (const Error& error) {
+            return error.what();
+        }
+    };
+    CHECK(errorFrom(dae, "9 3<", "9 4<").ends_with("a face names vertex 4; it must be in [0, 4)"));
+    CHECK(errorFrom(dae, "#g", "#h").ends_with("there is no geometry 'h'"));
+    CHECK(errorFrom(dae, "1 1 0 0 1 0", "1 1 0 0 nan 0").find("numbers must be finite") != std::string::npos);
+    CHECK(errorFrom(dae, "</COLLADA>", "").find("this is no XML") != std::string::npos);
+}
+
+TEST_CASE("URDF: a robot that weighs nothing is held where nothing drives it")
+{
+    const Imported imported = urdf(R"(<link name="a"/><link name="b"/>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>)");
+    CHECK_FALSE(robotOf(imported).articulation.joints[0].command);
+    CHECK(imported.notes.at(0).ends_with("joint 'j' is held: nothing drives it, and its robot weighs nothing"));
+}
+
+TEST_CASE("URDF: a shape of size 0 is left out and told")
+{
+    const Imported imported =
+        urdf("<link name=\"a\"><visual><geometry><box size=\"0 0 0\"/></geometry></visual></link>");
+    CHECK(imported.scene.bodies[0].show.empty());
+    CHECK(imported.notes.at(0).ends_with("a shape of size 0 is left out"));
+}
+
 } // namespace import_urdf_test
 } // namespace filasofia::scene

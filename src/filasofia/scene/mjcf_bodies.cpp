@@ -310,10 +310,10 @@ void MjcfBodies::readGeom(const Element& element, const MjcfPlace& outer, bool w
     const MjcfSource::Look look = source_.lookOf(says);
     const int group = reader_.whole(says, "group", 0, closed(0, 1000));
     if (!look.hidden && group <= 2) // MuJoCo draws these groups if one asks for nothing else
-        tree.show.push_back({.surface = surface,
-                             .element = place.link,
-                             .material = look.material.value_or(plane ? plainMaterial({0.35, 0.4, 0.45})
-                                                                      : visual::Material(visual::MetalMaterial{}))});
+        tree.show.push_back(
+            {.surface = surface,
+             .element = place.link,
+             .material = look.material.value_or(plainMaterial(plane ? Vec3{0.35, 0.4, 0.45} : Vec3{0.5, 0.5, 0.5}))});
     if (!plane) bounded_.emplace_back(MjcfPlace{place.tree, place.link, {}, {}}, surface);
     collide(says, surface, place);
     if (weighs && !plane && (tree.def.dynamic || place.link > 0)) weigh(says, *solid, place);

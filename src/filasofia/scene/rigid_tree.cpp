@@ -26,7 +26,7 @@ void RigidTree::addInertia(int link, const physics::RigidInertia& inertia, const
     massPlaces[at] = from;
 }
 
-SceneBody RigidTree::finish(const XmlReader& reader)
+SceneBody RigidTree::finish(XmlReader& reader)
 {
     const auto given = [&](std::size_t link) {
         const auto found = principal(inertias[link]);
@@ -49,10 +49,13 @@ SceneBody RigidTree::finish(const XmlReader& reader)
             const double little = std::max(1e-6 * whole.mass, 1e-12);
             joint.mass =
                 physics::GivenInertia{.mass = little, .moments = {little * 1e-2, little * 1e-2, little * 1e-2}};
-        } else if (joint.command && std::holds_alternative<physics::JointForce>(*joint.command))
-            reader.refuse(place, text("has a joint '", jointNames[link - 1],
-                                      "' that nothing drives and no mass resists: "
-                                      "give its link a mass"));
+        } else if (!(joint.inertia > 0.0) && joint.command &&
+                   std::holds_alternative<physics::JointForce>(*joint.command)) {
+            reader.note(
+                place, "no mass",
+                text("joint '", jointNames[link - 1], "' is held: nothing drives it, and its robot weighs nothing"));
+            joint.command.reset();
+        }
     }
     SceneBody body{.def = def, .show = show};
     body.places.emplace("", place.place());

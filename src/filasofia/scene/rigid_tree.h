@@ -32,7 +32,7 @@ struct RigidTree {
     [[nodiscard]] bool isMoved() const { return def.dynamic || links() > 1; }
 
     /// The body with its links' inertias. Throws an Error that names the link whose inertia no body has.
-    [[nodiscard]] SceneBody finish(const XmlReader& reader);
+    [[nodiscard]] SceneBody finish(XmlReader& reader);
 };
 
 /// Names that differ: a second "arm" becomes "arm 2".

@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/suggestion.h"
 #include "filasofia/geometry/mesh_file.h"
+#include "filasofia/scene/collada.h"
 #include "filasofia/scene/rigid_tree.h"
 
 #include <algorithm>
@@ -333,9 +334,18 @@ private:
         if (seen)
             tree_.show.push_back({.surface = surface,
                                   .element = at.element,
-                                  .material = material.value_or(visual::Material(visual::MetalMaterial{}))});
+                                  .material = material.value_or(plainMaterial({0.7, 0.7, 0.72}))});
         else
             tree_.def.collision.push_back({.mesh = surface, .element = at.element});
+    }
+
+    /// A shape that marks a place: some robots have boxes of size 0.
+    [[nodiscard]] bool isNothing(const Attributes& says) const
+    {
+        for (const std::string_view name : {"size", "radius", "length"})
+            if (const auto found = says.find(name))
+                if (std::ranges::count(reader_.numbers(*found, 1, 3, finite()), 0.0) > 0) return true;
+        return false;
     }
 
     std::optional<Solid> readSolid(const Element& geometry)
@@ -346,6 +356,10 @@ private:
                 if (!says.has(name)) reader_.refuse(inner, text("must say its ", name));
                 return reader_.number(says, name, 0.0, kUrdfSize);
             };
+            if (says.findAny({"size", "radius", "length"}) && isNothing(says)) {
+                reader_.note(inner, "size 0", "a shape of size 0 is left out");
+                return {};
+            }
             if (inner.tag() == "box") {
                 reader_.tellUnread(inner, {"size"});
                 if (!says.has("size")) reader_.refuse(inner, "must say its size");
@@ -376,13 +390,11 @@ private:
         const Vec3 scale = reader_.vector(says, "scale", {1, 1, 1}, closed(-1e6, 1e6));
         if (scale.x * scale.y * scale.z == 0.0) reader_.refuse(*says.find("scale"), "must not be 0");
         const std::filesystem::path path = reader_.resourceNamed(*name);
-        if (path.extension() == ".dae" || path.extension() == ".DAE") {
-            reader_.tell(element, ".dae", "a mesh in .dae is not read: convert it to .obj, .stl, .ply or .glb");
-            return {};
-        }
+        const bool collada = path.extension() == ".dae" || path.extension() == ".DAE";
         auto& mesh = meshes_[path];
         if (!mesh) try {
-                mesh = std::make_shared<const geometry::TriangleMesh>(geometry::loadTriangleMesh(path));
+                mesh = std::make_shared<const geometry::TriangleMesh>(collada ? loadCollada(path)
+                                                                              : geometry::loadTriangleMesh(path));
             } catch (const Error& error) {
                 fail(element.place(), ": ", element.path(), ": ", error.what());
             }
