@@ -55,6 +55,6 @@ def test_load_reads_a_model_of_mujoco_and_a_robot(tmp_path, capfd):
     model = tmp_path / "model.xml"
     model.write_text("<mujoco><worldbody><site/><geom size='0.1'/></worldbody></mujoco>")
     assert len(filasofia.load(model).bodies) == 1
-    assert "model.xml:1:20: <site> is not read" in capfd.readouterr().err
-    with pytest.raises(filasofia.Error, match=r"model.xml:1:20: mujoco/worldbody/site: <site> is not read \(strict\)"):
+    assert "model.xml:1:21: <site> is not read" in capfd.readouterr().err
+    with pytest.raises(filasofia.Error, match=r"model.xml:1:21: mujoco/worldbody/site: <site> is not read \(strict\)"):
         filasofia.load(model, strict=True)

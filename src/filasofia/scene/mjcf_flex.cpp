@@ -50,6 +50,18 @@ void MjcfFlex::readParts(Flex& flex)
     }
 }
 
+void MjcfFlex::pin(const Flex& flex, const MjcfPlace& place, physics::SoftBodyDef& def) const
+{
+    physics::AttachmentDef pins;
+    for (std::size_t i = 0; i < flex.pinned.size(); ++i)
+        if (flex.pinned[i]) pins.nodes.push_back(static_cast<int>(i));
+    if (bodies_.trees[place.tree].isMoved()) {
+        pins.to = BodyId{static_cast<std::uint32_t>(place.tree + 1)};
+        pins.element = place.link;
+    }
+    if (!pins.nodes.empty()) def.attachments.push_back(pins);
+}
+
 std::optional<SceneBody> MjcfFlex::read(const MjcfPending& pending)
 {
     Flex flex{Attributes(pending.element)};
@@ -79,14 +91,7 @@ std::optional<SceneBody> MjcfFlex::read(const MjcfPending& pending)
     physics::SoftBodyDef def = softBody(flex);
     def.pose = bodies_.worldPose(place);
     for (const Vec3& each : flex.mesh.nodes) bounds_ = merged(bounds_, transform(def.pose, each));
-    physics::AttachmentDef pins;
-    for (std::size_t i = 0; i < flex.pinned.size(); ++i)
-        if (flex.pinned[i]) pins.nodes.push_back(static_cast<int>(i));
-    if (bodies_.trees[place.tree].isMoved()) {
-        pins.to = BodyId{static_cast<std::uint32_t>(place.tree + 1)};
-        pins.element = place.link;
-    }
-    if (!pins.nodes.empty()) def.attachments.push_back(pins);
+    pin(flex, place, def);
     const MjcfSource::Look look = source_.lookOf(flex.says);
     if (look.material) body.show[0].material = *look.material;
     if (look.hidden) body.show.clear();

@@ -41,6 +41,7 @@ private:
     void readElasticity(Flex& flex, physics::SoftBodyDef& def);
     [[nodiscard]] double standInYoung(const Flex& flex) const;
     void readContact(const Flex& flex, double radius, physics::SoftBodyDef& def);
+    void pin(const Flex& flex, const MjcfPlace& place, physics::SoftBodyDef& def) const;
     void addRigid(const Flex& flex, const MjcfPlace& place);
 
     MjcfSource& source_;

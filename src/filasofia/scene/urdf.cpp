@@ -2,9 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/suggestion.h"
-#include "filasofia/geometry/mesh_file.h"
-#include "filasofia/scene/collada.h"
-#include "filasofia/scene/rigid_tree.h"
+#include "filasofia/scene/urdf_shapes.h"
 
 #include <algorithm>
 #include <map>
@@ -12,9 +10,6 @@
 namespace filasofia::scene {
 namespace {
 
-using Kind = Solid::Kind;
-
-constexpr Range kUrdfSize = closed(1e-7, kFarthestShape);
 constexpr Range kUrdfPlace = closed(-kFarthestShape, kFarthestShape);
 
 /// A link or a joint as the file says it.
@@ -30,7 +25,8 @@ struct UrdfJoint {
 
 class UrdfLoader {
 public:
-    UrdfLoader(const std::filesystem::path& file, const ImportOptions& options) : reader_(file, options, "the robot")
+    UrdfLoader(const std::filesystem::path& file, const ImportOptions& options)
+        : reader_(file, options, "the robot"), shapes_(reader_)
     {
         const XmlFile& source = reader_.read(file, file.string());
         robot_ = {source.document.document_element(), &source};
@@ -64,7 +60,7 @@ private:
             else if (element.tag() == "joint")
                 addNamed(element, joints_, jointNames_, UrdfJoint{element});
             else if (element.tag() == "material")
-                readMaterial(element);
+                shapes_.readMaterial(element);
             else
                 reader_.tellUnread(element);
         }
@@ -79,38 +75,9 @@ private:
         parts.push_back(std::move(part));
     }
 
-    /// Reads the colour of a material, and remembers it by its name; one without a colour is meant by its name.
-    std::optional<visual::Material> readMaterial(const Element& element)
-    {
-        reader_.tellUnread(element, {"name"});
-        const std::string name = reader_.word(Attributes(element), "name");
-        for (const Element& inner : childrenOf(element))
-            if (inner.tag() != "color") reader_.tellUnread(inner);
-        if (const Element color = child(element, "color")) {
-            reader_.tellUnread(color, {"rgba"});
-            const auto rgba = Attributes(color).find("rgba");
-            if (!rgba) reader_.refuse(color, "must say its rgba");
-            const std::vector<double> c = reader_.numbers(*rgba, 4, 4, closed(0, 1));
-            if (c[3] < 1.0) reader_.note(color, "alpha", "a colour's alpha is not read: everything is opaque");
-            return materials_[name] = plainMaterial({c[0], c[1], c[2]});
-        }
-        const auto known = materials_.find(name);
-        if (known != materials_.end()) return known->second;
-        return {};
-    }
-
-    [[nodiscard]] static Element child(const Element& of, const char* tag) { return {of.node.child(tag), of.file}; }
-    [[nodiscard]] static std::vector<Element> childrenOf(const Element& of)
-    {
-        std::vector<Element> all;
-        for (const pugi::xml_node node : of.node.children())
-            if (node.type() == pugi::node_element) all.push_back({node, of.file});
-        return all;
-    }
-
     int linkOf(const Element& joint, const char* tag)
     {
-        const Element end = child(joint, tag);
+        const Element end = childOf(joint, tag);
         if (!end) reader_.refuse(joint, text("must have a <", tag, ">"));
         reader_.tellUnread(end, {"link"});
         const auto name = Attributes(end).find("link");
@@ -184,7 +151,7 @@ private:
         for (std::size_t steps = 0; at->mover >= 0; ++steps) {
             if (steps > joints_.size()) return false;
             const Element& joint = joints_[at->mover].element;
-            at = &links_[linkNames_.at(child(joint, "parent").node.attribute("link").value())];
+            at = &links_[linkNames_.at(childOf(joint, "parent").node.attribute("link").value())];
         }
         return true;
     }
@@ -220,7 +187,7 @@ private:
 
     void readJoint(const Element& element, bool endless, physics::JointDef& def)
     {
-        if (!endless && !child(element, "limit")) reader_.refuse(element, "must have a <limit>");
+        if (!endless && !childOf(element, "limit")) reader_.refuse(element, "must have a <limit>");
         bool driven = false;
         for (const Element& inner : childrenOf(element)) {
             const Attributes says(inner);
@@ -266,7 +233,7 @@ private:
 
     Pose originOf(const Element& of)
     {
-        const Element element = child(of, "origin");
+        const Element element = childOf(of, "origin");
         if (!element) return {};
         reader_.tellUnread(element, {"xyz", "rpy"});
         const Attributes says(element);
@@ -295,7 +262,7 @@ private:
     {
         for (const Element& inner : childrenOf(element))
             if (inner.tag() != "origin" && inner.tag() != "mass" && inner.tag() != "inertia") reader_.tellUnread(inner);
-        const Element mass = child(element, "mass"), inertia = child(element, "inertia");
+        const Element mass = childOf(element, "mass"), inertia = childOf(element, "inertia");
         if (!mass) reader_.refuse(element, "must have a <mass>");
         reader_.tellUnread(mass, {"value"});
         const double weight = reader_.number(Attributes(mass), "value", 0.0, closed(0, 1e9));
@@ -317,18 +284,18 @@ private:
     void readShape(const Element& element, const Place& at)
     {
         const bool seen = element.tag() == "visual";
-        if (++shapes_ > kMostShapes) reader_.refuse(element, text("is one of more than ", kMostShapes, " shapes"));
+        if (++shapeCount_ > kMostShapes) reader_.refuse(element, text("is one of more than ", kMostShapes, " shapes"));
         reader_.tellUnread(element, {"name"});
         std::optional<visual::Material> material;
         for (const Element& inner : childrenOf(element)) {
             if (inner.tag() == "material" && seen)
-                material = readMaterial(inner);
+                material = shapes_.readMaterial(inner);
             else if (inner.tag() != "origin" && inner.tag() != "geometry")
                 reader_.tellUnread(inner);
         }
-        const Element geometry = child(element, "geometry");
+        const Element geometry = childOf(element, "geometry");
         if (!geometry) reader_.refuse(element, "must have a <geometry>");
-        const auto solid = readSolid(geometry);
+        const auto solid = shapes_.readSolid(geometry);
         if (!solid) return;
         const auto surface = surfaceOf(*solid, at.pose * originOf(element));
         if (seen)
@@ -339,77 +306,14 @@ private:
             tree_.def.collision.push_back({.mesh = surface, .element = at.element});
     }
 
-    /// A shape that marks a place: some robots have boxes of size 0.
-    [[nodiscard]] bool isNothing(const Attributes& says) const
-    {
-        for (const std::string_view name : {"size", "radius", "length"})
-            if (const auto found = says.find(name))
-                if (std::ranges::count(reader_.numbers(*found, 1, 3, finite()), 0.0) > 0) return true;
-        return false;
-    }
-
-    std::optional<Solid> readSolid(const Element& geometry)
-    {
-        for (const Element& inner : childrenOf(geometry)) {
-            const Attributes says(inner);
-            const auto size = [&](const char* name) {
-                if (!says.has(name)) reader_.refuse(inner, text("must say its ", name));
-                return reader_.number(says, name, 0.0, kUrdfSize);
-            };
-            if (says.findAny({"size", "radius", "length"}) && isNothing(says)) {
-                reader_.note(inner, "size 0", "a shape of size 0 is left out");
-                return {};
-            }
-            if (inner.tag() == "box") {
-                reader_.tellUnread(inner, {"size"});
-                if (!says.has("size")) reader_.refuse(inner, "must say its size");
-                return Solid{Kind::Box, 0.5 * reader_.vector(says, "size", {}, kUrdfSize)};
-            }
-            if (inner.tag() == "sphere") {
-                reader_.tellUnread(inner, {"radius"});
-                const double r = size("radius");
-                return Solid{Kind::Sphere, {r, r, r}};
-            }
-            if (inner.tag() == "cylinder" || inner.tag() == "capsule") {
-                reader_.tellUnread(inner, {"radius", "length"});
-                const double r = size("radius");
-                return Solid{inner.tag() == "capsule" ? Kind::Capsule : Kind::Cylinder, {r, r, 0.5 * size("length")}};
-            }
-            if (inner.tag() == "mesh") return readMesh(inner);
-            reader_.refuse(inner, "must be a box, cylinder, sphere, capsule or mesh");
-        }
-        reader_.refuse(geometry, "must have a shape");
-    }
-
-    std::optional<Solid> readMesh(const Element& element)
-    {
-        reader_.tellUnread(element, {"filename", "scale"});
-        const Attributes says(element);
-        const auto name = says.find("filename");
-        if (!name) reader_.refuse(element, "must say its filename");
-        const Vec3 scale = reader_.vector(says, "scale", {1, 1, 1}, closed(-1e6, 1e6));
-        if (scale.x * scale.y * scale.z == 0.0) reader_.refuse(*says.find("scale"), "must not be 0");
-        const std::filesystem::path path = reader_.resourceNamed(*name);
-        const bool collada = path.extension() == ".dae" || path.extension() == ".DAE";
-        auto& mesh = meshes_[path];
-        if (!mesh) try {
-                mesh = std::make_shared<const geometry::TriangleMesh>(collada ? loadCollada(path)
-                                                                              : geometry::loadTriangleMesh(path));
-            } catch (const Error& error) {
-                fail(element.place(), ": ", element.path(), ": ", error.what());
-            }
-        return Solid{Kind::Mesh, {}, scaled(*mesh, scale)};
-    }
-
     XmlReader reader_;
     Element robot_;
+    UrdfShapes shapes_;
     RigidTree tree_;
     std::vector<UrdfLink> links_;
     std::vector<UrdfJoint> joints_;
     std::map<std::string, int> linkNames_, jointNames_;
-    std::map<std::string, visual::Material> materials_;
-    std::map<std::filesystem::path, std::shared_ptr<const geometry::TriangleMesh>> meshes_;
-    std::size_t shapes_ = 0;
+    std::size_t shapeCount_ = 0;
 };
 
 } // namespace
