@@ -224,7 +224,7 @@ private:
     MjcfBodies bodies_;
     MjcfFlex flexes_;
     Imported out_;
-    std::vector<BodyId> bodyOf_; ///< of a tree; none if it has nothing to show, touch or move
+    std::vector<BodyId> bodyOf_; ///< each tree's body; none if it has nothing to show, touch or move
     Names names_, cameraNames_, lightNames_;
     int shadows_ = 0;
 };

@@ -60,7 +60,7 @@ private:
     int depth_ = 0;
     std::set<std::size_t> rubbed_; ///< the trees whose friction a geom has said
     std::vector<std::pair<MjcfPlace, std::shared_ptr<const geometry::TriangleMesh>>> bounded_;
-    std::map<std::size_t, std::vector<Pose>> poses_; ///< of the links of a tree
+    std::map<std::size_t, std::vector<Pose>> poses_; ///< each tree's links
 };
 
 /// The collision group of contype and conaffinity; none if it touches nothing.

@@ -10,7 +10,7 @@
 namespace filasofia::scene {
 namespace {
 
-constexpr double kMostNodes = 300'000; // of all flexible bodies of a model
+constexpr double kMostNodes = 300'000; // all flexible bodies of a model together
 
 enum Type : std::size_t { Grid, BoxHull, CylinderHull, EllipsoidHull, Square, Disc, Circle, MeshFile, Gmsh, Direct };
 const std::vector<std::string> kTypes = {"grid", "box",    "cylinder", "ellipsoid", "square",

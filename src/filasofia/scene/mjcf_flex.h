@@ -48,7 +48,7 @@ private:
     XmlReader& reader_;
     MjcfBodies& bodies_;
     geometry::Box bounds_;
-    double nodes_ = 0.0; ///< of all that were read
+    double nodes_ = 0.0; ///< all that were read, together
     int unnamed_ = 0;
 };
 

@@ -11,8 +11,8 @@ namespace filasofia::scene {
 /// From their world, which has z up, to ours.
 inline const Pose kFromZUp{{}, {0.70710678118654757, -0.70710678118654757, 0.0, 0.0}};
 
-constexpr std::size_t kMostLinks = 1000;  ///< of one body
-constexpr std::size_t kMostShapes = 5000; ///< of a file
+constexpr std::size_t kMostLinks = 1000;  ///< a body's
+constexpr std::size_t kMostShapes = 5000; ///< a file's
 constexpr double kFarthestShape = 1000.0; ///< [m], largest size of a shape and largest step from one to the next
 
 /// One rigid body that a file describes.

@@ -137,7 +137,7 @@ std::optional<physics::GivenInertia> principal(const physics::RigidInertia& iner
     if (m[0].y == 0.0 && m[0].z == 0.0 && m[1].z == 0.0) {
         given.moments = {m[0].x, m[1].y, m[2].z};
     } else {
-        Mat3 axes = svd(m).u; // of a symmetric matrix: its eigenvectors
+        Mat3 axes = svd(m).u; // the matrix is symmetric: these are its eigenvectors
         if (determinant(axes) < 0.0) axes = -1.0 * axes;
         const auto moment = [&](int k) { return dot(axes.column(k), m * axes.column(k)); };
         given.moments = {moment(0), moment(1), moment(2)};

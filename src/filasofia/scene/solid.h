@@ -17,7 +17,7 @@ struct Solid {
     enum class Kind { Box, Sphere, Capsule, Cylinder, Ellipsoid, Mesh };
     Kind kind = Kind::Box;
     Vec3 half = {}; ///< [m], half of its size along each axis; a capsule's half length is that of the line inside
-    std::shared_ptr<const geometry::TriangleMesh> mesh = {}; ///< of a mesh
+    std::shared_ptr<const geometry::TriangleMesh> mesh = {}; ///< if it is one
 };
 
 /// Its surface, moved to `pose`.
